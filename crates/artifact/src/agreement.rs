@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
-use refusal::nearest;
+use refusal::{foreign, nearest};
 
 use crate::error::{Error, Result};
 use crate::layout::physical;
@@ -57,7 +57,7 @@ pub(crate) fn require(path: &Path, found: &[ColumnSpec], wanted: &[ColumnSpec]) 
 }
 
 fn what(column: &ColumnSpec) -> String {
-    format!("{} in unit {}", column.kind, column.unit)
+    format!("{} in unit {}", column.kind, foreign(&column.unit))
 }
 
 /// The places of the named columns; refuses naming all that are missing.
@@ -75,6 +75,6 @@ pub(crate) fn places(path: &Path, columns: &[ColumnSpec], names: &[&str]) -> Res
 }
 
 fn list(names: &[&str]) -> String {
-    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{}`", foreign(name))).collect();
     if quoted.is_empty() { "none".to_owned() } else { quoted.join(", ") }
 }

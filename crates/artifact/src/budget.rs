@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::OnceLock;
 
 use crate::error::{Error, Result};
 
@@ -26,6 +27,19 @@ pub struct Work<'a> {
     pub found: &'a str,
     /// How to ask for less.
     pub remedy: &'a str,
+}
+
+/// What this process may use: said once, as the number of threads is.
+static BUDGET: OnceLock<Budget> = OnceLock::new();
+
+/// What this process may use.
+pub fn budget() -> &'static Budget {
+    BUDGET.get_or_init(|| Budget::new(None))
+}
+
+/// Lets this process use at most `memory_mib`, or without it what the machine has; the first word counts.
+pub fn set_budget(memory_mib: Option<u64>) {
+    BUDGET.get_or_init(|| Budget::new(memory_mib));
 }
 
 impl Budget {

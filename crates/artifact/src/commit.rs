@@ -4,11 +4,13 @@ use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
+use crate::digest::Digest;
 use crate::document::{Document, stage_set_document};
 use crate::error::{Error, Result};
 use crate::fault;
+use crate::hold::hold;
 use crate::journal::Journal;
-use crate::leftover::hold;
+use crate::leftover::complete;
 use crate::names::{UNFINISHED, folder_of};
 use crate::provenance::Provenance;
 use crate::staged::Staged;
@@ -17,12 +19,13 @@ use crate::unfinished;
 /// Gives every file its name, replacing files of the same name. The first file is the main one: it gets its name last, so
 /// that what waits for it (make) finds the whole set.
 ///
-/// Sets of the same folder wait for each other. If a process ends between two renames, the next to read or write in the
-/// folder of the main file completes the set. If a file cannot be renamed, those before it are what they were: that too is
+/// Sets of the same folder wait for each other. If a process ends between two renames, readers find what will have the names,
+/// and the next to write in the folder of the main file completes the set. If a file cannot be renamed, those before it are what they were: that too is
 /// completed by the next, should the process end meanwhile.
 ///
 /// # Errors
-/// [`Error::Refused`] if two files have the same target; [`Error::Io`] if one cannot be renamed.
+/// [`Error::Refused`] if two files have the same target; [`Error::Io`] if one cannot be renamed, or another process holds the
+/// folder.
 pub fn commit(mut files: Vec<Staged>) -> Result<()> {
     refuse_same_targets(&files)?;
     let folders: BTreeSet<PathBuf> = files.iter().map(|file| folder_of(file.path()).to_owned()).collect();
@@ -58,11 +61,15 @@ pub fn commit_with_document<D: Document>(
 fn commit_set(files: Vec<Staged>) -> Result<()> {
     let Some(main) = files.last().map(|main| main.path().to_owned()) else { return Ok(()) };
     let folder = folder_of(&main);
+    // Whoever is told to end while the folder is waited for ends at once.
+    let _held = hold(folder)?;
     let _committing = unfinished::committing();
-    let _held = hold(folder);
+    complete(folder);
     let journal = Journal::path(&main);
-    let renames = files.iter().map(|file| [file.temporary(), file.path()]);
-    Staged::held_bytes(&journal, &Journal::of(renames, folder).text())?.rename()?;
+    let renames = files.iter().map(|file| Ok(([file.temporary(), file.path()], file.digest()?)));
+    let renames: Vec<_> = renames.collect::<Result<_>>()?;
+    let text = Journal::of(renames.into_iter(), folder).text(&journal)?;
+    Staged::held_bytes(&journal, &text)?.rename()?;
     flush(folder);
     let mut replaced: Vec<Replaced> = Vec::new();
     for file in files {
@@ -87,8 +94,12 @@ fn commit_set(files: Vec<Staged>) -> Result<()> {
 /// Gives back what a set took that cannot be completed. The journal says so first, so that whoever comes by goes on with
 /// that, should this process end meanwhile.
 fn take_back(journal: &Path, folder: &Path, replaced: Vec<Replaced>) {
-    let back = Journal::of(replaced.iter().rev().map(Replaced::back), folder).text();
-    if Staged::held_bytes(journal, &back).and_then(Staged::rename).is_err() {
+    let back = replaced.iter().rev().filter_map(|one| {
+        let renamed = one.back();
+        Some((renamed, Digest::of_file(renamed[0]).ok()?))
+    });
+    let back = Journal::of(back, folder).text(journal);
+    if back.and_then(|back| Staged::held_bytes(journal, &back)?.rename()).is_err() {
         // Nobody may go on with the set.
         let _ = fs::remove_file(journal);
     }
@@ -114,7 +125,7 @@ impl Replaced {
         let other = folder_of(target).join(format!("{UNFINISHED}old-{name}"));
         let _ = fs::remove_file(&other);
         let mut kept = Self { target: target.to_owned(), temporary: file.temporary().to_owned(), kept: None };
-        if !target.is_file() {
+        if !target.symlink_metadata().is_ok_and(|found| found.is_file()) {
             return Ok(kept);
         }
         kept.kept = Some(other.clone());

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use refusal::nearest;
+use refusal::{foreign, nearest};
 
 use crate::error::Error;
 
@@ -34,11 +34,21 @@ impl Complaint<'_> {
             Error::refuse(self.path, thing, format!("{found}{line}"), expected, remedy)
         };
         if let Some((word, known)) = strange_word(message, "unknown field ") {
-            return refuse("key", format!("key `{word}`"), one_of("key", &known), suggestion(&word, &known));
+            return refuse(
+                "key",
+                format!("key `{}`", foreign(&word)),
+                one_of("key", &known),
+                suggestion(&word, &known),
+            );
         }
         if let Some((word, known)) = strange_word(message, "unknown variant ") {
-            let thing = self.key.as_deref().unwrap_or("value");
-            return refuse(thing, format!("`{word}`"), one_of("value", &known), suggestion(&word, &known));
+            let thing = foreign(self.key.as_deref().unwrap_or("value"));
+            return refuse(
+                &thing,
+                format!("`{}`", foreign(&word)),
+                one_of("value", &known),
+                suggestion(&word, &known),
+            );
         }
         if let Some(field) = message.strip_prefix("missing field ") {
             let remedy = format!("add {field}");
@@ -49,7 +59,7 @@ impl Complaint<'_> {
 
     /// Wrong types, wrong lengths, duplicate keys, and messages of the program's own types.
     fn other(&self, message: &str, line: &str) -> Error {
-        let thing = self.key.as_deref().unwrap_or("contents");
+        let thing = foreign(self.key.as_deref().unwrap_or("contents"));
         let of_type = ["invalid type: ", "invalid value: ", "invalid length "];
         let stripped = of_type.iter().find_map(|prefix| message.strip_prefix(prefix)).unwrap_or(message);
         let (found, expected) =
@@ -134,6 +144,6 @@ fn one_of(thing: &str, known: &[String]) -> String {
 fn suggestion(word: &str, known: &[String]) -> String {
     match nearest(word, known.iter().map(String::as_str)) {
         Some(near) => format!("did you mean `{near}`?"),
-        None => format!("remove `{word}`"),
+        None => format!("remove `{}`", foreign(word)),
     }
 }

@@ -4,7 +4,6 @@ use std::cell::Cell;
 use std::error::Error;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
 
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use parquet::data_type::{ByteArray, DataType};
@@ -13,8 +12,10 @@ use parquet::file::metadata::RowGroupMetaData;
 use parquet::file::serialized_reader::SerializedPageReader;
 use parquet::schema::types::ColumnDescPtr;
 
+use crate::budget::budget;
 use crate::columns::{Column, Labels};
-use crate::pages::{self, Press, TRUSTED_ROWS, too_few};
+use crate::page_bytes::{PageBytes, pages};
+use crate::pages::{Press, TRUSTED_ROWS, too_few};
 use crate::source::Source;
 
 /// Why something is not decoded.
@@ -44,7 +45,9 @@ pub(crate) fn decoded<T>(decode: impl FnOnce() -> ParquetResult<T>) -> Result<T,
     match ended {
         Ok(Ok(decoded)) => Ok(decoded),
         Ok(Err(error)) => Err(match inner_io(error) {
-            Ok(io) => Undecoded::Unreadable(io),
+            // What decompresses, or finds no more bytes, has errors of the same type that are none of the system's.
+            Ok(io) if io.raw_os_error().is_some() => Undecoded::Unreadable(io),
+            Ok(other) => Undecoded::Damaged(other.to_string()),
             Err(other) => Undecoded::Damaged(other.to_string()),
         }),
         Err(_) => Err(Undecoded::Damaged("bytes that cannot be decoded".to_owned())),
@@ -68,16 +71,18 @@ pub(crate) fn decode_column(
     press: &mut Press,
 ) -> ParquetResult<Column> {
     let chunk = group.column(i);
-    if let Some(column) = pages::decode(source, chunk, press, rows)? {
+    if let Some(column) = crate::pages::decode(source, chunk, press, rows)? {
         return Ok(column);
     }
-    let pages = SerializedPageReader::new(Arc::new(source.clone()), chunk, rows, None)?;
-    decode_any(pages, chunk.column_descr_ptr(), rows)
+    decode_any(pages(source, chunk, rows)?, chunk.column_descr_ptr(), rows)
 }
+
+/// Memory of a text before it is known to be one of few \[bytes\].
+const TEXT_BYTES: f64 = 48.0;
 
 /// Decodes a column in any encoding, such as other programs write and as stood in tables before.
 fn decode_any(
-    pages: SerializedPageReader<Source>,
+    pages: SerializedPageReader<PageBytes>,
     descriptor: ColumnDescPtr,
     rows: usize,
 ) -> ParquetResult<Column> {
@@ -86,7 +91,12 @@ fn decode_any(
         ColumnReader::DoubleColumnReader(reader) if nullable => decode_nullable(reader, rows),
         ColumnReader::DoubleColumnReader(reader) => decode_all(reader, rows).map(Column::f64),
         ColumnReader::Int32ColumnReader(reader) => decode_all(reader, rows).map(Column::i32),
-        ColumnReader::ByteArrayColumnReader(reader) => intern(&decode_all(reader, rows)?),
+        ColumnReader::ByteArrayColumnReader(reader) if rows as f64 * TEXT_BYTES < budget().bytes() => {
+            intern(&decode_all(reader, rows)?)
+        }
+        ColumnReader::ByteArrayColumnReader(_) => {
+            Err(ParquetError::General(format!("{rows} texts, more than memory has room for")))
+        }
         _ => Err(ParquetError::General("a column of a type that no table has".to_owned())),
     }
 }
@@ -131,6 +141,7 @@ fn intern(texts: &[ByteArray]) -> ParquetResult<Column> {
 mod tests {
     use std::fs::File;
     use std::path::Path;
+    use std::sync::Arc;
 
     use parquet::basic::{Compression, Encoding, ZstdLevel};
     use parquet::column::writer::ColumnWriter;
@@ -250,10 +261,10 @@ mod tests {
             let chunk = chunk.close().unwrap();
             drop(to.into_inner().unwrap());
             let source = Source::new(file).unwrap();
-            let pages = SerializedPageReader::new(Arc::new(source.clone()), &chunk, ROWS, None).unwrap();
-            let found = decode_any(pages, chunk.column_descr_ptr(), ROWS).unwrap();
+            let found =
+                decode_any(pages(&source, &chunk, ROWS).unwrap(), chunk.column_descr_ptr(), ROWS).unwrap();
             same(&found, expected, &format!("column {i}"));
-            let ours = pages::decode(&source, &chunk, &mut Press::new().unwrap(), ROWS).unwrap();
+            let ours = crate::pages::decode(&source, &chunk, &mut Press::new().unwrap(), ROWS).unwrap();
             same(&ours.unwrap(), expected, &format!("column {i}, read here"));
         }
     }

@@ -1,7 +1,6 @@
 //! Digests of files.
 
 use std::fmt;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use std::str::FromStr;
@@ -10,6 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
+use crate::ordinary::open;
 
 const PREFIX: &str = "blake3:";
 
@@ -31,11 +31,15 @@ impl Digest {
     /// The digest of the file at `path`, read in one streaming pass.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read.
+    /// See [`open`]; [`Error::Io`] if the file cannot be read.
     pub fn of_file(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let hash = |file: File| Ok(blake3::Hasher::new().update_reader(file)?.finalize().into());
-        File::open(path).and_then(hash).map_err(|e| Error::io(path, "read", e))
+        Self::of_reader(open(path)?).map_err(|e| Error::io(path, "read", e))
+    }
+
+    /// The digest of what `reader` gives.
+    pub(crate) fn of_reader(reader: impl Read) -> std::io::Result<Self> {
+        Ok(blake3::Hasher::new().update_reader(reader)?.finalize().into())
     }
 
     /// The 64 lower-case hexadecimal digits, without the `blake3:` in front.

@@ -1,7 +1,6 @@
 //! JSON documents: an envelope with schema, provenance, seal and units around the data.
 
 use std::collections::BTreeMap;
-use std::io::Cursor;
 use std::path::Path;
 
 use refusal::Invalid;
@@ -161,23 +160,7 @@ pub fn stage_set_document<D: Document>(
     let value = serde_json::to_value(&envelope).map_err(|e| {
         Error::refuse(path, "data", e.to_string(), "data that JSON can hold", "report this to the developers")
     })?;
-    Staged::bytes(path, &seal_text(path, pretty(&value))?)
-}
-
-/// Puts the digits of the seal into the text of a document that has a blank one.
-///
-/// The first blank seal in the text is the envelope's: before it stand only the schema id and the
-/// producer, and a quoted text inside a JSON string has backslashes.
-fn seal_text(path: &Path, text: String) -> Result<Vec<u8>> {
-    let blank = format!("\"seal\": \"{}\"", Digest::ZERO);
-    let Some(at) = text.find(&blank).map(|at| at + blank.len() - 1 - seal::DIGITS) else {
-        unreachable!("the envelope has a blank seal")
-    };
-    let mut bytes = text.into_bytes();
-    let digests = seal::digests(&mut Cursor::new(&bytes), Some(at as u64));
-    let digits = digests.map_err(|e| Error::io(path, "write", e))?.blanked.hex();
-    bytes[at..at + seal::DIGITS].copy_from_slice(digits.as_bytes());
-    Ok(bytes)
+    Staged::bytes(path, &seal::sealed(path, pretty(&value))?)
 }
 
 /// JSON Schema of the whole file, envelope and data.

@@ -1,7 +1,6 @@
 //! Reading JSON documents: syntax, kind, version, seal, then the strict contents.
 
 use std::collections::BTreeMap;
-use std::io::Cursor;
 use std::path::Path;
 
 use refusal::strictly;
@@ -13,11 +12,12 @@ use crate::digest::Digest;
 use crate::document::{Document, Envelope, Loaded, units};
 use crate::error::{Error, Result};
 use crate::identity::Header;
-use crate::leftover::recover;
-use crate::names::folder_of;
-use crate::seal::{self, FileDigests};
+use crate::leftover::read_written;
+use crate::ordinary::read;
+use crate::seal;
 use crate::set::check_members;
 use crate::toml_input::text_of;
+use crate::weight;
 
 /// Reads a document.
 ///
@@ -44,7 +44,7 @@ pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
 pub fn read_part<D: Document>(path: &Path) -> Result<Loaded<D>> {
     let (text, header) = opened(path)?;
     header.check(path, D::ID, D::VERSION)?;
-    let digest = check_seal(path, &text, header.seal())?.digest;
+    let digest = seal::check_text(path, &text, header.seal())?.digest;
     let envelope = strictly(&mut serde_json::Deserializer::from_str(&text));
     let envelope: Envelope<D> = envelope.map_err(|e| refusal(path, &text, &e))?;
     check_units(path, &units::<D>(), envelope.units(), &text)?;
@@ -60,9 +60,10 @@ pub fn read_part<D: Document>(path: &Path) -> Result<Loaded<D>> {
 /// [`Error::Io`] if it cannot be read; [`Error::Refused`] if it is not JSON, or has unknown, missing, doubled or mistyped keys.
 pub fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Digest)> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
+    let bytes = read(path)?;
     let digest = Digest::of_bytes(&bytes);
     let text = text_of(path, bytes)?;
+    weight::check(path, &text)?;
     let mut reader = serde_json::Deserializer::from_str(&text);
     let parsed = strictly(&mut reader).and_then(|parsed| reader.end().map(|()| parsed));
     Ok((parsed.map_err(|e| refusal(path, &text, &e))?, digest))
@@ -70,20 +71,11 @@ pub fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Dige
 
 /// The text of a document, and what it says of its kind.
 pub(crate) fn opened(path: &Path) -> Result<(String, Header)> {
-    recover(folder_of(path));
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
+    let bytes = read_written(path)?;
     let text = text_of(path, bytes)?;
+    weight::check(path, &text)?;
     let header = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
     Ok((text, header))
-}
-
-/// Refuses a seal that does not fit.
-pub(crate) fn check_seal(path: &Path, text: &str, seal: Option<Digest>) -> Result<FileDigests> {
-    let at = seal.and_then(|seal| seal::digits_in(text, seal));
-    let digests = seal::digests(&mut Cursor::new(text.as_bytes()), at.map(|at| at as u64));
-    let digests = digests.map_err(|e| Error::io(path, "read", e))?;
-    seal::check(path, seal, digests)?;
-    Ok(digests)
 }
 
 /// A field that the document's version did not know yet has no unit, and does not occur.

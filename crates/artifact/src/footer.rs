@@ -7,10 +7,14 @@ use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
 
+use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataOptions, ParquetMetaDataReader};
+
 use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::metadata::KEY;
-use crate::seal;
+use crate::page_bytes::most_bytes;
+use crate::{seal, thrift};
 
 const MAGIC: &[u8; 4] = b"PAR1";
 
@@ -31,11 +35,10 @@ pub(crate) struct Footer {
 impl Footer {
     /// Reads the footer of the file at `path`, already open as `file`.
     pub fn read(path: &Path, file: &mut (impl Read + Seek)) -> Result<Self> {
-        let (start, bytes) =
-            footer_bytes(file).map_err(|e| Error::io(path, "read", e))?.ok_or_else(|| {
-                let remedy = "the file is truncated, damaged or of another format: write it again";
-                Error::refuse(path, "file", "no Parquet header or footer", "a whole Parquet file", remedy)
-            })?;
+        let (start, bytes) = bytes_of(file).map_err(|e| Error::io(path, "read", e))?.ok_or_else(|| {
+            let remedy = "the file is truncated, damaged or of another format: write it again";
+            Error::refuse(path, "file", "no Parquet header or footer", "a whole Parquet file", remedy)
+        })?;
         let envelope = find_envelope(&bytes).ok_or_else(|| {
             let remedy = "name a file that seatrial wrote, or bring this one in with `ingest`";
             let found = format!("no `{KEY}` metadata");
@@ -59,8 +62,8 @@ impl Footer {
     }
 }
 
-/// Place and bytes of the footer, or nothing if this is not a whole Parquet file.
-fn footer_bytes(file: &mut (impl Read + Seek)) -> std::io::Result<Option<(u64, Vec<u8>)>> {
+/// Place and bytes of the footer, or nothing if this is not a whole Parquet file, or one that memory has no room for.
+pub(crate) fn bytes_of(file: &mut (impl Read + Seek)) -> std::io::Result<Option<(u64, Vec<u8>)>> {
     let length = file.seek(SeekFrom::End(0))?;
     if length < MAGIC.len() as u64 + TAIL {
         return Ok(None);
@@ -72,7 +75,7 @@ fn footer_bytes(file: &mut (impl Read + Seek)) -> std::io::Result<Option<(u64, V
     file.read_exact(&mut size)?;
     file.read_exact(&mut magic)?;
     let size = u64::from(u32::from_le_bytes(size));
-    if head != *MAGIC || magic != *MAGIC || size > length - TAIL - MAGIC.len() as u64 {
+    if head != *MAGIC || magic != *MAGIC || size > (length - TAIL - MAGIC.len() as u64).min(most_bytes()) {
         return Ok(None);
     }
     let start = length - TAIL - size;
@@ -80,6 +83,15 @@ fn footer_bytes(file: &mut (impl Read + Seek)) -> std::io::Result<Option<(u64, V
     file.seek(SeekFrom::Start(start))?;
     file.take(size).read_to_end(&mut bytes)?;
     Ok(Some((start, bytes)))
+}
+
+/// What the footer says of the file's columns and blocks.
+pub(crate) fn metadata(footer: &[u8], options: &ParquetMetaDataOptions) -> ParquetResult<ParquetMetaData> {
+    let taken = thrift::footer(footer).map_err(|found| ParquetError::General(found.to_owned()))?;
+    if taken as u64 > most_bytes() {
+        return Err(ParquetError::General("a footer that memory has no room for".to_owned()));
+    }
+    ParquetMetaDataReader::decode_metadata_with_options(footer, Some(options))
 }
 
 /// The place of the value that follows the key `seatrial`.

@@ -1,19 +1,20 @@
 //! Reading columns of Parquet files that other programs wrote: no seal, no units, any simple type.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use parquet::basic::ConvertedType;
+use parquet::basic::Compression;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
-use parquet::data_type::{ByteArray, DataType};
+use parquet::data_type::{AsBytes, ByteArray, DataType};
 use parquet::errors::{ParquetError, Result as ParquetResult};
-use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, RowGroupMetaData};
-use parquet::file::serialized_reader::SerializedPageReader;
-use parquet::schema::types::ColumnDescPtr;
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataOptions, RowGroupMetaData};
 
 use crate::decode::{Undecoded, decoded};
 use crate::error::{Error, Result};
+use crate::footer;
+use crate::meaning::{Meaning, Timed, meaning};
+use crate::ordinary::open;
+use crate::page_bytes::pages;
 use crate::source::Source;
 
 /// A Parquet file of any origin. Nothing in it is trusted.
@@ -32,9 +33,11 @@ impl ForeignTable {
     pub fn open(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let unreadable = |e| Error::io(path, "read", e);
-        let file = File::open(path).map_err(unreadable)?;
+        let mut file = open(path)?;
+        let footer = footer::bytes_of(&mut file).map_err(unreadable)?;
+        let (_, footer) = footer.ok_or_else(|| damaged(path, "no Parquet header or footer"))?;
         let source = Source::new(file).map_err(unreadable)?;
-        let metadata = guarded(path, || ParquetMetaDataReader::new().parse_and_finish(&source))?;
+        let metadata = guarded(path, || footer::metadata(&footer, &ParquetMetaDataOptions::new()))?;
         let schema = metadata.file_metadata().schema_descr();
         let columns = schema.columns().iter().map(|column| column.path().string()).collect();
         Ok(Self { path: path.to_owned(), source, metadata, columns })
@@ -50,21 +53,64 @@ impl ForeignTable {
         self.metadata.row_groups().iter().map(rows_of).sum()
     }
 
-    /// Gives `each` the numbers of a column, in order: floating point, integers (time stamps as they count), truth values as
-    /// 0 and 1. NaN where absent.
+    /// Gives `each` the numbers of a column, in order: floating point, decimals, integers (time stamps as they count), truth
+    /// values as 0 and 1. NaN where absent.
     ///
     /// # Errors
     /// [`Error::Refused`] if there is no such column, if it holds something else, or if it cannot be decoded.
     pub fn numbers(&self, name: &str, mut each: impl FnMut(f64)) -> Result<()> {
-        self.decode(name, "numbers", |reader, levels, rows| {
+        self.decode(name, "numbers", |reader, meaning, levels, rows| {
             let each = &mut each;
+            let is_number = matches!(meaning, Meaning::Half | Meaning::Decimal(_));
             Some(match reader {
                 ColumnReader::DoubleColumnReader(r) => numbers_of(r, levels, rows, each, |v| *v),
                 ColumnReader::FloatColumnReader(r) => numbers_of(r, levels, rows, each, |v| f64::from(*v)),
-                ColumnReader::Int32ColumnReader(r) => numbers_of(r, levels, rows, each, |v| f64::from(*v)),
-                ColumnReader::Int64ColumnReader(r) => numbers_of(r, levels, rows, each, |v| *v as f64),
+                ColumnReader::Int32ColumnReader(r) => {
+                    numbers_of(r, levels, rows, each, |v| meaning.integer(i64::from(*v), 32))
+                }
+                ColumnReader::Int64ColumnReader(r) => {
+                    numbers_of(r, levels, rows, each, |v| meaning.integer(*v, 64))
+                }
                 ColumnReader::BoolColumnReader(r) => {
                     numbers_of(r, levels, rows, each, |v| f64::from(u8::from(*v)))
+                }
+                ColumnReader::FixedLenByteArrayColumnReader(r) if is_number => {
+                    bytes_of(r, levels, rows, each, meaning)
+                }
+                ColumnReader::ByteArrayColumnReader(r) if is_number => {
+                    bytes_of(r, levels, rows, each, meaning)
+                }
+                _ => return None,
+            })
+        })
+    }
+
+    /// What times a column has by its type; none where it has others, or is not there.
+    pub fn timed(&self, name: &str) -> Option<Timed> {
+        let place = self.columns.iter().position(|column| column == name)?;
+        match meaning(&self.metadata.file_metadata().schema_descr().column(place)) {
+            Meaning::Timed(timed) => Some(timed),
+            _ => None,
+        }
+    }
+
+    /// Gives `each` the times of a column whose type says what they count, in order \[s\]: since 1970, or since midnight; NaN
+    /// where absent.
+    ///
+    /// # Errors
+    /// As [`ForeignTable::numbers`].
+    pub fn seconds(&self, name: &str, mut each: impl FnMut(f64)) -> Result<()> {
+        self.decode(name, "times", |reader, meaning, levels, rows| {
+            let each = &mut each;
+            Some(match reader {
+                ColumnReader::Int32ColumnReader(r) => {
+                    numbers_of(r, levels, rows, each, |v| meaning.seconds(i64::from(*v)))
+                }
+                ColumnReader::Int64ColumnReader(r) => {
+                    numbers_of(r, levels, rows, each, |v| meaning.seconds(*v))
+                }
+                ColumnReader::Int96ColumnReader(r) => {
+                    numbers_of(r, levels, rows, each, |v| meaning.seconds(v.to_nanos()))
                 }
                 _ => return None,
             })
@@ -80,8 +126,10 @@ impl ForeignTable {
             each(bytes.map_or(Ok(""), |bytes| std::str::from_utf8(bytes.data()))?);
             Ok(())
         };
-        self.decode(name, "text", |reader, levels, rows| match reader {
-            ColumnReader::ByteArrayColumnReader(r) => Some(spread(r, levels, rows, &mut told)),
+        self.decode(name, "text", |reader, meaning, levels, rows| match reader {
+            ColumnReader::ByteArrayColumnReader(r) if meaning == Meaning::Plain => {
+                Some(spread(r, levels, rows, &mut told))
+            }
             _ => None,
         })
     }
@@ -90,7 +138,7 @@ impl ForeignTable {
         &self,
         name: &str,
         expected: &str,
-        mut decode: impl FnMut(ColumnReader, i16, usize) -> Option<ParquetResult<()>>,
+        mut decode: impl FnMut(ColumnReader, Meaning, i16, usize) -> Option<ParquetResult<()>>,
     ) -> Result<()> {
         let refuse = |found: String| {
             let remedy = "name another column or write the file again";
@@ -100,20 +148,17 @@ impl ForeignTable {
             return refuse("no such column".to_owned());
         };
         let descriptor = self.metadata.file_metadata().schema_descr().column(place);
-        if let Some(kind) = not_simple(&descriptor) {
-            return refuse(kind);
+        if descriptor.max_rep_level() > 0 {
+            return refuse("lists".to_owned());
         }
+        self.check_compression(name, place)?;
+        let meaning = meaning(&descriptor);
         for group in self.metadata.row_groups() {
             let rows = rows_of(group);
             let block = guarded(&self.path, || {
-                let pages = SerializedPageReader::new(
-                    Arc::new(self.source.clone()),
-                    group.column(place),
-                    rows,
-                    None,
-                )?;
+                let pages = pages(&self.source, group.column(place), rows)?;
                 let reader = get_column_reader(Arc::clone(&descriptor), Box::new(pages));
-                decode(reader, descriptor.max_def_level(), rows).transpose()
+                decode(reader, meaning, descriptor.max_def_level(), rows).transpose()
             })?;
             if block.is_none() {
                 return refuse(format!("values of type {}", descriptor.physical_type()));
@@ -121,18 +166,26 @@ impl ForeignTable {
         }
         Ok(())
     }
+
+    /// Refuses a column that is compressed in a way that is not read, by its name.
+    fn check_compression(&self, name: &str, place: usize) -> Result<()> {
+        let kinds = self.metadata.row_groups().iter().map(|group| group.column(place).compression());
+        let other = |kind: &Compression| matches!(kind, Compression::LZO);
+        match kinds.into_iter().find(other) {
+            None => Ok(()),
+            Some(kind) => Err(Error::refuse(
+                &self.path,
+                format!("compression of column `{name}`"),
+                kind.to_string(),
+                "zstd, Snappy, gzip, LZ4, brotli or none",
+                "write the file again with zstd",
+            )),
+        }
+    }
 }
 
 fn rows_of(group: &RowGroupMetaData) -> usize {
     usize::try_from(group.num_rows()).unwrap_or(0)
-}
-
-/// What a column is, if its values are not what their physical type says.
-fn not_simple(descriptor: &ColumnDescPtr) -> Option<String> {
-    if descriptor.max_rep_level() > 0 {
-        return Some("lists".to_owned());
-    }
-    (descriptor.converted_type() == ConvertedType::DECIMAL).then(|| "decimal numbers".to_owned())
 }
 
 /// Gives `each` what `number` makes of the values of a row group; NaN where there is none.
@@ -145,6 +198,27 @@ fn numbers_of<T: DataType>(
 ) -> ParquetResult<()> {
     spread(reader, max_level, rows, |value| {
         each(value.map_or(f64::NAN, &number));
+        Ok(())
+    })
+}
+
+/// Gives `each` the numbers that the bytes of a row group stand for; NaN where there is none.
+fn bytes_of<T: DataType>(
+    reader: ColumnReaderImpl<T>,
+    max_level: i16,
+    rows: usize,
+    each: &mut impl FnMut(f64),
+    meaning: Meaning,
+) -> ParquetResult<()>
+where
+    T::T: AsBytes,
+{
+    spread(reader, max_level, rows, |value| {
+        let number = |bytes: &[u8]| {
+            let unknown = || ParquetError::General(format!("a number of {} bytes", bytes.len()));
+            meaning.bytes(bytes).ok_or_else(unknown)
+        };
+        each(value.map_or(Ok(f64::NAN), |value| number(value.as_bytes()))?);
         Ok(())
     })
 }
@@ -184,15 +258,13 @@ fn spread<T: DataType>(
 }
 
 fn guarded<T>(path: &Path, decode: impl FnOnce() -> ParquetResult<T>) -> Result<T> {
-    decoded(decode).map_err(|undecoded| {
-        let found = match undecoded {
-            Undecoded::Unreadable(io) if io.kind() != std::io::ErrorKind::UnexpectedEof => {
-                return Error::io(path, "read", io);
-            }
-            Undecoded::Unreadable(io) => io.to_string(),
-            Undecoded::Damaged(found) => found,
-        };
-        let remedy = "the file is truncated, damaged or of another format: export it again";
-        Error::refuse(path, "file", found, "a whole Parquet file", remedy)
+    decoded(decode).map_err(|undecoded| match undecoded {
+        Undecoded::Unreadable(io) => Error::io(path, "read", io),
+        Undecoded::Damaged(found) => damaged(path, &found),
     })
+}
+
+fn damaged(path: &Path, found: &str) -> Error {
+    let remedy = "the file is truncated, damaged or of another format: export it again";
+    Error::refuse(path, "file", found, "a whole Parquet file", remedy)
 }

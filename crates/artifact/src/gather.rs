@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 
+use refusal::foreign as quoted;
+
 use crate::error::{Error, Result};
 use crate::provenance::{MIXED, Provenance};
 use crate::schema::TableSchema;
@@ -111,7 +113,8 @@ pub fn check_given(given: &mut Provenance, path: &Path, made: &Provenance) -> Re
     match given.settings.iter().find(other) {
         None => Ok(()),
         Some((name, value)) => {
-            let made = made.settings.get(name).map_or("nothing".to_owned(), ToString::to_string);
+            let made = made.settings.get(name);
+            let made = made.map_or("nothing".to_owned(), |made| quoted(&made.to_string()));
             let (thing, found) = (format!("`{name}`"), made);
             let expected = format!("{value}, as is asked for now");
             Err(Error::refuse(path, thing, found, expected, "ask for the same, or make the shards again"))
@@ -182,8 +185,8 @@ fn differing_entry<T: PartialEq + ToString>(
     two: &BTreeMap<String, T>,
 ) -> Option<[String; 3]> {
     let key = one.keys().chain(two.keys()).find(|key| one.get(*key) != two.get(*key))?;
-    let told = |value: Option<&T>| value.map_or("nothing".to_owned(), T::to_string);
-    Some([format!("{name}.{key}"), told(one.get(key)), told(two.get(key))])
+    let told = |value: Option<&T>| value.map_or("nothing".to_owned(), |value| quoted(&value.to_string()));
+    Some([format!("{name}.{}", quoted(key)), told(one.get(key)), told(two.get(key))])
 }
 
 /// Refuses a set that lacks a shard or has one twice; `first` is the path of its first.

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use refusal::foreign;
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -23,7 +24,7 @@ fn check(path: &Path, found: &str, id: &str, version: u32) -> Result<()> {
         Some((kind, number)) if kind == id => version_remedy(number, version),
         _ => format!("name a file of kind {id}"),
     };
-    Err(Error::refuse(path, "schema", found, expected, remedy))
+    Err(Error::refuse(path, "schema", foreign(found), expected, remedy))
 }
 
 fn version_remedy(found: &str, expected: u32) -> String {

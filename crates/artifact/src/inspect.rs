@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use serde_json::Value;
+use serde::de::IgnoredAny;
 
 use crate::digest::Digest;
 use crate::document::Envelope;
-use crate::document_reader::{check_seal, opened, refusal};
+use crate::document_reader::{opened, refusal};
 use crate::error::Result;
 use crate::provenance::Provenance;
+use crate::seal;
 use crate::table_reader::Whole;
 
 /// A file that was written as a document or table.
@@ -43,8 +44,8 @@ pub fn inspect(path: &Path) -> Result<Option<Inspected>> {
 fn document(path: &Path) -> Result<Option<Inspected>> {
     let (text, header) = opened(path)?;
     let Some(schema) = header.schema().map(str::to_owned) else { return Ok(None) };
-    let digests = check_seal(path, &text, header.seal())?;
-    let envelope: Envelope<Value> = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
+    let digests = seal::check_text(path, &text, header.seal())?;
+    let envelope: Envelope<IgnoredAny> = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
     let loaded = envelope.loaded(digests.digest);
     let (sealed, provenance, members) = (header.seal().is_some(), loaded.provenance, loaded.members);
     Ok(Some(Inspected { schema, digest: loaded.digest, sealed, provenance, members }))

@@ -1,18 +1,52 @@
 //! The list of renames that make a set: once it stands in the folder, the set will be complete, whoever completes it.
+//!
+//! Whoever writes in a folder obeys its journals, so a journal may do little: it has a seal, it names plain files beside itself,
+//! or in a real folder there, and a file is renamed only if it is the very one that the journal was written for.
 
-use std::fs;
-use std::path::{Component, Path, PathBuf};
+use std::fs::{self, File};
+use std::io::Seek;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::names::{UNFINISHED, folder_of};
+use crate::digest::Digest;
+use crate::error::Result;
+use crate::names::{UNFINISHED, folder_of, is_inside, is_unfinished, unfinished_in};
+use crate::ordinary::{bytes_of, open_itself};
+use crate::seal;
 
 /// What follows [`UNFINISHED`] in the name of a journal.
 const MARK: &str = "set-";
+const SCHEMA: &str = "set/1";
+/// A journal of a hundred thousand files is no journal.
+const MOST_BYTES: u64 = 1 << 24;
 
-/// Renames within a folder: paths relative to it.
+/// Renames within a folder.
 #[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct Journal(Vec<[PathBuf; 2]>);
+#[serde(deny_unknown_fields)]
+pub(crate) struct Journal {
+    schema: String,
+    seal: Digest,
+    renames: Vec<Rename>,
+}
+
+/// A rename: both paths are relative to the journal's folder.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Rename {
+    from: String,
+    to: String,
+    /// Of the file that is renamed.
+    digest: Digest,
+}
+
+/// What a name means that a journal gives or takes.
+pub(crate) enum Meaning {
+    /// This file, which will get the name.
+    File(File),
+    /// Nothing: the file that has the name will lose it.
+    Nothing,
+}
 
 /// Whether `name` is that of a journal.
 pub(crate) fn is_one(name: &str) -> bool {
@@ -20,13 +54,15 @@ pub(crate) fn is_one(name: &str) -> bool {
 }
 
 impl Journal {
-    /// Those of `renames`, each within a folder, that stay below `folder`; in their order.
-    pub fn of<'a>(renames: impl Iterator<Item = [&'a Path; 2]>, folder: &Path) -> Self {
-        let below = |[from, to]: [&Path; 2]| {
+    /// Those of `renames`, each within a folder and with the digest of its file, that stay below `folder`; in their order.
+    pub fn of<'a>(renames: impl Iterator<Item = ([&'a Path; 2], Digest)>, folder: &Path) -> Self {
+        let below = |([from, to], digest): ([&Path; 2], Digest)| {
             let to = to.strip_prefix(folder).unwrap_or(to);
-            inside(to).then(|| Some([to.with_file_name(from.file_name()?), to.to_owned()]))?
+            let from = to.with_file_name(from.file_name()?).to_str()?.to_owned();
+            let rename = Rename { from, to: to.to_str()?.to_owned(), digest };
+            rename.is_ours().then_some(rename)
         };
-        Self(renames.filter_map(below).collect())
+        Self { schema: SCHEMA.to_owned(), seal: Digest::ZERO, renames: renames.filter_map(below).collect() }
     }
 
     /// The journal of the set whose main file is `main`.
@@ -35,32 +71,68 @@ impl Journal {
         folder_of(main).join(format!("{UNFINISHED}{MARK}{name}"))
     }
 
-    /// As it stands in its file.
-    pub fn text(&self) -> Vec<u8> {
-        serde_json::to_vec(self).unwrap_or_default()
+    /// As it stands in the file at `path`.
+    pub fn text(&self, path: &Path) -> Result<Vec<u8>> {
+        seal::sealed(path, serde_json::to_string_pretty(self).unwrap_or_default())
     }
 
-    /// What stands in a file; none of what could not have been written here.
+    /// What stands in a file; none of what was not written here.
     pub fn read(path: &Path) -> Option<Self> {
-        let journal: Self = serde_json::from_slice(&fs::read(path).ok()?).ok()?;
-        let unfinished = |path: &PathBuf| {
-            path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(UNFINISHED))
-        };
-        let ours = |[from, to]: &[PathBuf; 2]| {
-            (unfinished(from) || unfinished(to)) && inside(from) && inside(to) && from.parent() == to.parent()
-        };
-        journal.0.iter().all(ours).then_some(journal)
+        let file = open_itself(path).ok()?;
+        if file.metadata().ok()?.len() > MOST_BYTES {
+            return None;
+        }
+        let text = String::from_utf8(bytes_of(path, file).ok()?).ok()?;
+        let journal: Self = serde_json::from_str(&text).ok()?;
+        seal::check_text(path, &text, Some(journal.seal)).ok()?;
+        (journal.schema == SCHEMA && journal.renames.iter().all(Rename::is_ours)).then_some(journal)
     }
 
-    /// Renames whatever has not been renamed yet.
+    /// The journals in `folder` that were written here, by their names.
+    pub fn all(folder: &Path) -> Vec<(String, Self)> {
+        let names = unfinished_in(folder).into_iter().filter(|name| is_one(name));
+        names.filter_map(|name| Self::read(&folder.join(&name)).map(|journal| (name, journal))).collect()
+    }
+
+    /// Renames what has not been renamed yet and is what it was.
     pub fn rename_all(&self, folder: &Path) {
-        for [from, to] in &self.0 {
-            let _ = fs::rename(folder.join(from), folder.join(to));
+        for rename in &self.renames {
+            if rename.pending(folder).is_some() {
+                let _ = fs::rename(folder.join(&rename.from), folder.join(&rename.to));
+            }
         }
+    }
+
+    /// What `name` in `folder` will mean when all is renamed; none where that is what it means already.
+    pub fn meaning(&self, folder: &Path, name: &str) -> Option<Meaning> {
+        let given = self.renames.iter().filter(|rename| rename.to == name);
+        let given = given.filter_map(|rename| rename.pending(folder)).map(Meaning::File).next();
+        let taken = || self.renames.iter().filter(|rename| rename.from == name);
+        given.or_else(|| taken().find_map(|rename| rename.pending(folder)).map(|_| Meaning::Nothing))
     }
 }
 
-/// Whether a relative path stays below where it starts.
-fn inside(path: &Path) -> bool {
-    path.components().all(|part| matches!(part, Component::Normal(_)))
+impl Rename {
+    /// Whether it is one as they are written here.
+    fn is_ours(&self) -> bool {
+        let (from, to) = (Path::new(&self.from), Path::new(&self.to));
+        let plain = |path: &Path| (1..=2).contains(&path.components().count()) && is_inside(path);
+        let unfinished = is_unfinished(from) || is_unfinished(to);
+        unfinished && plain(from) && plain(to) && from.parent() == to.parent()
+    }
+
+    /// The file that is to be renamed, while it stands there as it was noted, in a folder that is no link.
+    fn pending(&self, folder: &Path) -> Option<File> {
+        let from = Path::new(&self.from);
+        let within = from.parent().filter(|within| *within != Path::new(""));
+        if within
+            .is_some_and(|within| !folder.join(within).symlink_metadata().is_ok_and(|found| found.is_dir()))
+        {
+            return None;
+        }
+        let mut file = open_itself(&folder.join(from)).ok()?;
+        let digest = Digest::of_reader(&mut file).ok()?;
+        file.rewind().ok()?;
+        (digest == self.digest).then_some(file)
+    }
 }

@@ -1,59 +1,131 @@
 //! What processes leave in a folder that end before they are done: files without names, sets half renamed.
+//!
+//! Readers only read: in a folder with a half renamed set they find what will stand there ([`open_written`]). Who writes in the
+//! folder completes the set and clears away.
 
 use std::fs::{self, File, OpenOptions};
+use std::io::ErrorKind;
 use std::path::Path;
 
-use crate::journal::{self, Journal};
-use crate::names::UNFINISHED;
+use crate::digest::Digest;
+use crate::error::{Error, Result};
+use crate::hold::{hold, try_hold};
+use crate::journal::{self, Journal, Meaning};
+use crate::names::{folder_of, unfinished_in};
+use crate::ordinary::{bytes_of, open, open_itself};
 
-/// Completes half renamed sets in `folder` and removes the unfinished files of processes that are no more.
-///
-/// Errors are ignored: a folder that cannot be repaired stays as it was.
-pub(crate) fn sweep(folder: &Path) {
-    if unfinished(folder).is_empty() {
-        return;
+/// What interrupted runs left in a folder.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Leftovers {
+    /// Files that no run has finished.
+    pub files: usize,
+    /// Whether a set of files is half named.
+    pub half_named: bool,
+    /// Files that are called as journals of sets are and were not written as such: nobody obeys or removes them.
+    pub strange: Vec<String>,
+}
+
+impl Leftovers {
+    /// Those in `folder`.
+    pub fn of(folder: &Path) -> Self {
+        let (journals, files): (Vec<String>, Vec<String>) =
+            unfinished_in(folder).into_iter().partition(|name| journal::is_one(name));
+        let half_named = |name: &String| Journal::read(&folder.join(name)).is_some();
+        let (own, strange): (Vec<String>, Vec<String>) = journals.into_iter().partition(half_named);
+        Self { files: files.len() + own.len(), half_named: !own.is_empty(), strange }
     }
-    let Some(_held) = hold(folder) else { return };
+}
+
+/// Opens a file that a stage wrote as [`open`] does. Where a process ended while it gave a set its names, the file is the one
+/// that will have the name.
+///
+/// # Errors
+/// See [`open`].
+pub fn open_written(path: impl AsRef<Path>) -> Result<File> {
+    let path = path.as_ref();
+    match meaning(path) {
+        None => open(path),
+        Some(Meaning::File(file)) => Ok(file),
+        Some(Meaning::Nothing) => Err(Error::io(path, "read", ErrorKind::NotFound.into())),
+    }
+}
+
+/// What `path` means by a journal in its folder, or in the one above, where files in the folder wait for their names.
+fn meaning(path: &Path) -> Option<Meaning> {
+    let (folder, name) = (folder_of(path), path.file_name()?.to_str()?);
+    if unfinished_in(folder).is_empty() {
+        return None;
+    }
+    let by = |folder: &Path, name: &str| {
+        Journal::all(folder).iter().find_map(|(_, journal)| journal.meaning(folder, name))
+    };
+    let above = || by(folder_of(folder), &format!("{}/{name}", folder.file_name()?.to_str()?));
+    by(folder, name).or_else(above)
+}
+
+/// The bytes of a file that [`open_written`] opens.
+///
+/// # Errors
+/// See [`open_written`] and [`crate::read`].
+pub fn read_written(path: impl AsRef<Path>) -> Result<Vec<u8>> {
+    let path = path.as_ref();
+    bytes_of(path, open_written(path)?)
+}
+
+impl Digest {
+    /// The digest of the file that a stage wrote at `path`: see [`open_written`].
+    ///
+    /// # Errors
+    /// As [`Digest::of_file`].
+    pub fn of_written(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        Self::of_reader(open_written(path)?).map_err(|e| Error::io(path, "read", e))
+    }
+}
+
+/// Whether [`open_written`] finds something at `path`.
+pub fn is_written(path: impl AsRef<Path>) -> bool {
+    match open_written(path) {
+        Ok(_) => true,
+        Err(Error::Io { source, .. }) => source.kind() != ErrorKind::NotFound,
+        Err(Error::Refused { .. }) => true,
+    }
+}
+
+/// Completes half renamed sets in `folder` and removes the unfinished files of processes that are no more. A folder that cannot
+/// be repaired stays as it was.
+///
+/// # Errors
+/// [`Error::Io`] if there is a half renamed set and another process holds the folder.
+pub(crate) fn sweep(folder: &Path) -> Result<()> {
+    if unfinished_in(folder).is_empty() {
+        return Ok(());
+    }
+    let held = if Journal::all(folder).is_empty() { try_hold(folder) } else { hold(folder)? };
+    if held.is_none() {
+        return Ok(());
+    }
     complete(folder);
-    for name in unfinished(folder) {
-        let path = folder.join(&name);
-        // Whoever still writes it holds its lock; where there are no locks, it stays.
-        let file = OpenOptions::new().read(true).write(true).open(&path);
-        let abandoned = file.is_ok_and(|file| file.try_lock().is_ok());
-        if abandoned {
+    for name in unfinished_in(folder).into_iter().filter(|name| !journal::is_one(name)) {
+        let path = folder.join(name);
+        if is_abandoned(&path) {
             let _ = fs::remove_file(path);
         }
     }
-}
-
-/// Completes half renamed sets in the folder of a file that is to be read.
-pub(crate) fn recover(folder: &Path) {
-    if unfinished(folder).iter().any(|name| journal::is_one(name)) {
-        let _held = hold(folder);
-        complete(folder);
-    }
-}
-
-/// The lock of a folder: who has it commits a set there, or mends one. None where a file system knows no locks.
-pub(crate) fn hold(folder: &Path) -> Option<File> {
-    let folder = File::open(folder).ok()?;
-    folder.lock().ok()?;
-    Some(folder)
+    Ok(())
 }
 
 /// Goes on with every set whose process ended while it gave the files their names. The caller holds the folder.
-fn complete(folder: &Path) {
-    for name in unfinished(folder).into_iter().filter(|name| journal::is_one(name)) {
-        let path = folder.join(name);
-        if let Some(journal) = Journal::read(&path) {
-            journal.rename_all(folder);
-        }
-        let _ = fs::remove_file(path);
+pub(crate) fn complete(folder: &Path) {
+    for (name, journal) in Journal::all(folder) {
+        journal.rename_all(folder);
+        let _ = fs::remove_file(folder.join(name));
     }
 }
 
-fn unfinished(folder: &Path) -> Vec<String> {
-    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
-    let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-    names.filter(|name| name.starts_with(UNFINISHED)).collect()
+/// Whoever still writes a file holds its lock; where there are no locks, it stays.
+fn is_abandoned(path: &Path) -> bool {
+    // A link or a pipe of this name is none of ours.
+    open_itself(path).is_ok()
+        && OpenOptions::new().read(true).write(true).open(path).is_ok_and(|file| file.try_lock().is_ok())
 }

@@ -1,9 +1,21 @@
 //! What files are called and where they stand.
 
-use std::path::Path;
+use std::path::{Component, Path};
 
 /// How the names of files begin that no stage has finished.
 pub(crate) const UNFINISHED: &str = ".unfinished-";
+
+/// Whether `path` is that of a file that no stage has finished.
+pub fn is_unfinished(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(UNFINISHED))
+}
+
+/// Names of the files in `folder` that no stage has finished.
+pub(crate) fn unfinished_in(folder: &Path) -> Vec<String> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    names.filter(|name| name.starts_with(UNFINISHED)).collect()
+}
 
 /// The folder that `file` stands in.
 pub(crate) fn folder_of(file: &Path) -> &Path {
@@ -11,4 +23,9 @@ pub(crate) fn folder_of(file: &Path) -> &Path {
         Some(folder) if folder != Path::new("") => folder,
         _ => Path::new("."),
     }
+}
+
+/// Whether a relative path stays below where it starts.
+pub(crate) fn is_inside(path: &Path) -> bool {
+    path.components().all(|part| matches!(part, Component::Normal(_)))
 }

@@ -1,17 +1,15 @@
 //! Decoding the pages of a column straight into the numbers that a table has.
 
-use std::sync::Arc;
-
 use parquet::basic::{CompressionCodec, Encoding, Type as Physical};
 use parquet::column::page::{Page, PageReader};
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::metadata::ColumnChunkMetaData;
-use parquet::file::serialized_reader::SerializedPageReader;
 use zstd::bulk::Decompressor;
 use zstd::zstd_safe::get_frame_content_size;
 
 use crate::bits::{broken, each_run, take};
 use crate::columns::{Column, Labels};
+use crate::page_bytes::{most_bytes, pages};
 use crate::source::Source;
 use crate::{deltas, streams};
 
@@ -37,11 +35,11 @@ impl Press {
     /// The bytes of a page, if this is zstd that tells its length. The length is believed where so few bytes can have it.
     fn open(&mut self, page: &[u8]) -> Option<&[u8]> {
         let length = usize::try_from(get_frame_content_size(page).ok()??).ok()?;
-        if length > page.len().saturating_mul(MOST_PER_BYTE) {
+        if length > page.len().saturating_mul(MOST_PER_BYTE) || length as u64 > most_bytes() {
             return None;
         }
         self.body.clear();
-        self.body.reserve(length);
+        self.body.try_reserve(length).ok()?;
         self.zstd.decompress_to_buffer(page, &mut self.body).ok()?;
         Some(&self.body)
     }
@@ -66,7 +64,7 @@ pub(crate) fn decode(
     }
     // Pages are decompressed here: the parquet crate would set up a press for each column.
     let as_they_are = chunk.clone().into_builder().set_compression_codec(CompressionCodec::UNCOMPRESSED);
-    let pages = SerializedPageReader::new(Arc::new(source.clone()), &as_they_are.build()?, rows, None)?;
+    let pages = pages(source, &as_they_are.build()?, rows)?;
     let descriptor = chunk.column_descr();
     match (descriptor.physical_type(), descriptor.max_def_level()) {
         (Physical::DOUBLE, 0) => {

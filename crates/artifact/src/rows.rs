@@ -153,6 +153,7 @@ impl<Row: Clone + 'static> Columns<Row> {
     pub fn read_block(&self, reader: &TableReader, block: usize, blank: &Row) -> Result<Vec<Row>> {
         let names: Vec<&str> = self.schema.columns.iter().map(|column| column.name.as_str()).collect();
         let table = reader.read_block(block, &names)?;
+        reader.check_room(reader.block_rows(block), size_of::<Row>())?;
         let mut rows = vec![blank.clone(); reader.block_rows(block)];
         for ((field, spec), column) in self.fields.iter().zip(&self.schema.columns).zip(&table.columns) {
             field.fill(&mut rows, column).map_err(|(row, expected)| {
@@ -171,6 +172,7 @@ impl<Row: Clone + 'static> Columns<Row> {
     /// As [`Columns::read_block`]; columns that are missing.
     pub fn read(&self, reader: &TableReader, blank: &Row) -> Result<Vec<Row>> {
         reader.require(&self.schema.columns)?;
+        reader.check_room(reader.rows(), size_of::<Row>())?;
         let blocks = (0..reader.blocks()).map(|block| self.read_block(reader, block, blank));
         Ok(blocks.collect::<Result<Vec<_>>>()?.concat())
     }

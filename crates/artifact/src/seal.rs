@@ -3,7 +3,7 @@
 //! A sealed file holds `"seal":"blake3:<64 hex digits>"` in its envelope, the digits being the BLAKE3
 //! hash of the whole file with these 64 characters replaced by zeros. `"seal":null` means unsealed.
 
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use serde::{Deserialize, Deserializer};
@@ -64,6 +64,31 @@ pub(crate) fn check(path: &Path, seal: Option<Digest>, digests: FileDigests) -> 
     Err(Error::refuse(path, "seal", found, digests.blanked.to_string(), remedy))
 }
 
+/// Puts the digits of the seal into the text of a document that has a blank one.
+///
+/// The first blank seal in the text is the envelope's: before it stand only the schema id and the
+/// producer, and a quoted text inside a JSON string has backslashes.
+pub(crate) fn sealed(path: &Path, text: String) -> Result<Vec<u8>> {
+    let blank = format!("\"seal\": \"{}\"", Digest::ZERO);
+    let Some(at) = text.find(&blank).map(|at| at + blank.len() - 1 - DIGITS) else {
+        unreachable!("the envelope has a blank seal")
+    };
+    let mut bytes = text.into_bytes();
+    let digests = digests(&mut Cursor::new(&bytes), Some(at as u64));
+    let digits = digests.map_err(|e| Error::io(path, "write", e))?.blanked.hex();
+    bytes[at..at + DIGITS].copy_from_slice(digits.as_bytes());
+    Ok(bytes)
+}
+
+/// Refuses a seal that does not fit.
+pub(crate) fn check_text(path: &Path, text: &str, seal: Option<Digest>) -> Result<FileDigests> {
+    let at = seal.and_then(|seal| digits_in(text, seal));
+    let digests = digests(&mut Cursor::new(text.as_bytes()), at.map(|at| at as u64));
+    let digests = digests.map_err(|e| Error::io(path, "read", e))?;
+    check(path, seal, digests)?;
+    Ok(digests)
+}
+
 /// Reads the value of a `seal` key, which must be there but may be null.
 pub(crate) fn required<'de, D: Deserializer<'de>>(
     source: D,
@@ -74,7 +99,6 @@ pub(crate) fn required<'de, D: Deserializer<'de>>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Cursor;
 
     #[test]
     fn blanking_changes_only_the_blanked_digest() {

@@ -3,10 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use refusal::foreign;
+
 use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::identity::Header;
-use crate::names::folder_of;
+use crate::leftover::read_written;
+use crate::names::{folder_of, is_inside};
 use crate::staged::Staged;
 
 /// Digests of `files` by their names beside `document`.
@@ -14,8 +17,7 @@ pub(crate) fn members(document: &Path, files: &[Staged]) -> Result<BTreeMap<Stri
     let folder = folder_of(document);
     let member = |file: &Staged| {
         let name = file.path().strip_prefix(folder).unwrap_or(file.path());
-        let digest = Digest::of_file(file.temporary())?;
-        Ok((name.to_string_lossy().into_owned(), digest))
+        Ok((name.to_string_lossy().into_owned(), file.digest()?))
     };
     files.iter().map(member).collect()
 }
@@ -24,16 +26,20 @@ pub(crate) fn members(document: &Path, files: &[Staged]) -> Result<BTreeMap<Stri
 /// `known` are the digests of files that need not be read for that.
 ///
 /// # Errors
-/// Names the first that is another.
+/// Names the first that is another, or one that stands elsewhere.
 pub fn check_members(
     document: &Path,
     members: &BTreeMap<String, Digest>,
     known: impl Fn(&Path) -> Option<Digest>,
 ) -> Result<()> {
     for (name, digest) in members {
+        if !is_inside(Path::new(name)) {
+            let (found, expected) = (format!("`{}`", foreign(name)), "files beside the document");
+            let remedy = "write the document again: it names files of other folders";
+            return Err(Error::refuse(document, "members", found, expected, remedy));
+        }
         let member = folder_of(document).join(name);
-        let found = || known(&member).map_or_else(|| Digest::of_file(&member), Ok);
-        if member.is_file() && found().is_ok_and(|found| found != *digest) {
+        if known(&member).or_else(|| Digest::of_written(&member).ok()).is_some_and(|found| found != *digest) {
             return Err(mixed(&member, document));
         }
     }
@@ -43,9 +49,10 @@ pub fn check_members(
 /// Refuses the table at `path`, whose digest is `digest`, if the document that names itself its companion was written with
 /// another one.
 pub(crate) fn check_companion(path: &Path, digest: Digest, companion: Option<&str>) -> Result<()> {
-    let Some(document) = companion.map(|name| folder_of(path).join(name)) else { return Ok(()) };
-    let Ok(text) = std::fs::read_to_string(&document) else { return Ok(()) };
-    let header: Option<Header> = serde_json::from_str(&text).ok();
+    let beside = companion.filter(|name| is_inside(Path::new(name)));
+    let Some(document) = beside.map(|name| folder_of(path).join(name)) else { return Ok(()) };
+    let Ok(bytes) = read_written(&document) else { return Ok(()) };
+    let header: Option<Header> = serde_json::from_slice(&bytes).ok();
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     match header.and_then(|header| header.member(&name)) {
         Some(expected) if expected != digest => Err(mixed(path, &document)),

@@ -3,9 +3,11 @@
 use std::fs::{File, Permissions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use tempfile::{Builder, NamedTempFile, TempPath};
 
+use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::leftover;
@@ -19,6 +21,7 @@ use crate::unfinished;
 pub struct Staged {
     temporary: TempPath,
     target: PathBuf,
+    digest: OnceLock<Digest>,
     /// Holds the lock that tells others that this file's process is alive.
     _held: File,
 }
@@ -32,6 +35,17 @@ impl Staged {
     /// Where the complete file stands until it is committed.
     pub fn temporary(&self) -> &Path {
         &self.temporary
+    }
+
+    /// The digest of the complete file, which is read once for that.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be read.
+    pub(crate) fn digest(&self) -> Result<Digest> {
+        match self.digest.get() {
+            Some(digest) => Ok(*digest),
+            None => Digest::of_file(&self.temporary).map(|digest| *self.digest.get_or_init(|| digest)),
+        }
     }
 
     /// Stages `bytes` as they are, for files of other formats (HTML, SVG, GPX).
@@ -60,7 +74,7 @@ impl Staged {
         let flushed = fault::point("flush").and_then(|()| file.as_file().sync_all());
         flushed.map_err(|e| Error::io(target, "write", e))?;
         let (held, temporary) = file.into_parts();
-        Ok(Self { temporary, target: target.to_owned(), _held: held })
+        Ok(Self { temporary, target: target.to_owned(), digest: OnceLock::new(), _held: held })
     }
 
     /// Gives the file its name, replacing the file that has it.
@@ -70,10 +84,10 @@ impl Staged {
 
     /// As [`Staged::rename`]. Where that fails the file stays until it is dropped: a journal may count on it.
     pub(crate) fn try_rename(self) -> std::result::Result<(), Box<(Self, Error)>> {
-        let Self { temporary, target, _held } = self;
+        let Self { temporary, target, digest, _held } = self;
         let failed = |temporary, target: PathBuf, error| {
             let error = Error::io(&target, "rename", error);
-            Err(Box::new((Self { temporary, target, _held }, error)))
+            Err(Box::new((Self { temporary, target, digest, _held }, error)))
         };
         if let Err(error) = fault::point("rename") {
             return failed(temporary, target, error);
@@ -85,12 +99,15 @@ impl Staged {
     }
 }
 
+/// How often another process may take a new file for a leftover.
+const MOST_TAKEN: usize = 1000;
+
 /// Creates an empty temporary file, open for reading and writing, in the folder of `target`. The first in a folder removes
 /// what killed processes left there.
 pub(crate) fn create_temporary(target: &Path) -> Result<NamedTempFile> {
     let folder = folder_of(target);
     if unfinished::is_first_in(folder) {
-        leftover::sweep(folder);
+        leftover::sweep(folder)?;
     }
     create_held(target)
 }
@@ -111,7 +128,7 @@ fn create_held(target: &Path) -> Result<NamedTempFile> {
     if let Some(permissions) = ordinary_permissions() {
         builder.permissions(permissions);
     }
-    loop {
+    for _ in 0..MOST_TAKEN {
         // The error's own text names the temporary file, which tells the user nothing: keep its kind.
         let create = || fault::point("create").and_then(|()| builder.tempfile_in(folder));
         let file = unfinished::noted(create).map_err(|e| Error::io(target, "create", e.kind().into()))?;
@@ -124,6 +141,7 @@ fn create_held(target: &Path) -> Result<NamedTempFile> {
             Ok(()) | Err(TryLockError::Error(_)) => return Ok(file),
         }
     }
+    Err(fail(io::ErrorKind::ResourceBusy, "a process that takes every new file away".to_owned()))
 }
 
 /// Refuses to replace what is no ordinary file: a device, a pipe, a link.

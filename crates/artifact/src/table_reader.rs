@@ -6,24 +6,22 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use parquet::errors::Result as ParquetResult;
-use parquet::file::metadata::{
-    ParquetMetaData, ParquetMetaDataOptions, ParquetMetaDataReader, RowGroupMetaData,
-};
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataOptions, RowGroupMetaData};
 use serde::de::DeserializeOwned;
 
+use crate::budget::{Work, budget};
 use crate::columns::{Column, Table};
 use crate::complaint::Complaint;
 use crate::decode::{Undecoded, decode_column, decoded};
 use crate::digest::Digest;
 use crate::error::{Error, Result};
-use crate::footer::Footer;
+use crate::footer::{self, Footer};
 use crate::identity::Header;
-use crate::leftover::recover;
+use crate::leftover::open_written;
 use crate::metadata::TableMetadata;
-use crate::names::folder_of;
 use crate::pages::Press;
 use crate::provenance::Provenance;
-use crate::schema::ColumnSpec;
+use crate::schema::{ColumnSpec, Kind};
 use crate::seal;
 use crate::set::check_companion;
 use crate::source::Source;
@@ -51,7 +49,9 @@ impl TableReader {
         let path = path.as_ref();
         let Whole { file, footer, header, envelope, digest } = Whole::open(path, Some((id, version)))?;
         let (entries, provenance) = envelope.into_parts();
-        let metadata = guarded(path, || decode_metadata(&footer.bytes))?;
+        // As they stand, so that a copied block has the same bytes.
+        let options = ParquetMetaDataOptions::new().with_encoding_stats_as_mask(false);
+        let metadata = guarded(path, || footer::metadata(&footer.bytes, &options))?;
         let columns = crate::agreement::columns(path, entries, metadata.file_metadata().schema_descr())?;
         let blocks = block_rows(path, metadata.row_groups())?;
         let source = Source::new(file).map_err(|e| Error::io(path, "read", e))?;
@@ -113,6 +113,11 @@ impl TableReader {
             return Err(Error::refuse(&self.path, "block", found, expected, "ask for a block of the file"));
         };
         let places = crate::agreement::places(&self.path, &self.columns, names)?;
+        let width = |place: &usize| match self.columns[*place].kind {
+            Kind::F64 => size_of::<f64>(),
+            Kind::I32 | Kind::Text => size_of::<u32>(),
+        };
+        self.check_room(rows.len(), places.iter().map(width).sum())?;
         let group = self.metadata.row_group(i);
         let mut press = guarded(&self.path, Press::new)?;
         let mut columns = Vec::with_capacity(places.len());
@@ -150,6 +155,16 @@ impl TableReader {
         self.metadata.row_groups()
     }
 
+    /// Refuses rows of `bytes` each that take more memory than there is: few bytes of a file can stand for many rows.
+    pub(crate) fn check_room(&self, rows: usize, bytes: usize) -> Result<()> {
+        let found = format!("{rows} rows");
+        let remedy = "write the table in smaller parts, or raise --memory-mib";
+        budget().memory(
+            Work { file: &self.path, thing: "rows", found: &found, remedy },
+            bytes as f64 * rows as f64,
+        )
+    }
+
     fn check_values(&self, place: usize, column: &Column, start: usize) -> Result<()> {
         let Some(row) = column.first_not_finite() else {
             return Ok(());
@@ -173,8 +188,7 @@ impl Whole {
     /// Opens the table at `path`, of `kind` (id and version) where one is wanted.
     pub fn open(path: &Path, kind: Option<(&'static str, u32)>) -> Result<Self> {
         let unreadable = |e| Error::io(path, "read", e);
-        recover(folder_of(path));
-        let mut file = File::open(path).map_err(unreadable)?;
+        let mut file = open_written(path)?;
         let footer = Footer::read(path, &mut file)?;
         let text = footer.envelope(path)?;
         let header: Header = parse(path, text)?;
@@ -200,12 +214,6 @@ fn parse<T: DeserializeOwned>(path: &Path, envelope: &str) -> Result<T> {
         let message = full.rsplit_once(" at line ").map_or(full.as_str(), |(message, _)| message);
         Complaint { path, place: None, key: Some("metadata".to_owned()), message }.refusal()
     })
-}
-
-fn decode_metadata(footer: &[u8]) -> ParquetResult<ParquetMetaData> {
-    // As they stand, so that a copied block has the same bytes.
-    let options = ParquetMetaDataOptions::new().with_encoding_stats_as_mask(false);
-    ParquetMetaDataReader::decode_metadata_with_options(footer, Some(&options))
 }
 
 /// Rows of each block within the file.
@@ -240,7 +248,7 @@ mod tests {
     use crate::commit::commit;
     use crate::encode::encode_checked;
     use crate::layout::Layout;
-    use crate::schema::{Kind, TableSchema};
+    use crate::schema::TableSchema;
     use crate::table_writer::TableWriter;
 
     /// A file such as only another program could write: the second block has a NaN in row 3.

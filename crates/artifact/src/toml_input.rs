@@ -9,6 +9,7 @@ use crate::changes::Changes;
 use crate::complaint::Complaint;
 use crate::digest::Digest;
 use crate::error::{Error, Result};
+use crate::ordinary::read;
 
 /// Reads a TOML file.
 ///
@@ -16,7 +17,7 @@ use crate::error::{Error, Result};
 /// [`Error::Io`] if it cannot be read; [`Error::Refused`] as in [`parse_toml`].
 pub fn read_toml<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Digest)> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
+    let bytes = read(path)?;
     let digest = Digest::of_bytes(&bytes);
     let text = text_of(path, bytes)?;
     Ok((parse_toml(&text, path)?, digest))
@@ -32,7 +33,7 @@ pub(crate) fn read_changed<T: DeserializeOwned>(
     if changes.of(file).next().is_none() {
         return read_toml(path);
     }
-    let text = text_of(path, std::fs::read(path).map_err(|e| Error::io(path, "read", e))?)?;
+    let text = read_to_string(path)?;
     // What is wrong with the file itself is said with its line.
     let own = |refused: Error| parse_toml::<T>(&text, path).err().unwrap_or(refused);
     let changed = changes.applied(file, &text).map_err(|e| own(Error::invalid(path, e)))?;
@@ -40,6 +41,15 @@ pub(crate) fn read_changed<T: DeserializeOwned>(
     let parsed =
         parsed.map_err(|e| own(complaint(&changed, path, &e).changed(&changes.told(file)).refusal()))?;
     Ok((parsed, Digest::of_bytes(changed.as_bytes())))
+}
+
+/// The text of the ordinary file at `path`.
+///
+/// # Errors
+/// As [`read`]; [`Error::Refused`] if it is no UTF-8.
+pub fn read_to_string(path: impl AsRef<Path>) -> Result<String> {
+    let path = path.as_ref();
+    text_of(path, read(path)?)
 }
 
 /// The bytes of `path` as text.

@@ -2,15 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use enc::attribute::{DRVAL1, VALDCO, VALSOU, WATLEV};
+use enc::attribute::{Attribute, DRVAL1, DUNITS, HORDAT, HUNITS, VALDCO, VALSOU, WATLEV};
 use enc::{Feature, Geometry, Polygon, class_name};
 
 use crate::called::Called;
+use crate::classes::{is, judged};
 use crate::grid::FARTHEST;
+use crate::land::Land;
 use crate::polygons::of_mark;
 use crate::ring::ring_fault;
-use crate::rules::judged;
-use crate::{Area, Class, Contour, Invalid, Judged, Mark, PolygonLayer, Rules, Treatment};
+use crate::{Area, Class, Contour, Ignored, Invalid, Judged, Mark, PolygonLayer, Rules, Treatment};
 
 /// What became of the objects of one class.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -23,6 +24,8 @@ pub struct Tally {
     pub maneuvers_avoid: u64,
     /// Without effect.
     pub ignored: u64,
+    /// Why they are.
+    pub reasons: BTreeMap<Ignored, u64>,
 }
 
 /// What became of the objects of a chart, by the acronym (or code) of their class.
@@ -33,7 +36,8 @@ impl PolygonLayer {
     ///
     /// # Errors
     /// Rules for what is no class; an object that matters without a place; depths and clearances that are no numbers, or that no
-    /// sea has; rings that cross themselves or each other; no object that matters.
+    /// sea has; parts of the chart in other units than metres, or of another datum than WGS84; rings that cross themselves or
+    /// each other; no object that matters.
     pub fn from_objects(
         objects: &[Feature],
         scale: Option<u32>,
@@ -42,15 +46,21 @@ impl PolygonLayer {
         rules.check()?;
         let mut layer = Self::default();
         let mut tallies = Tallies::new();
+        let land = Land::of(objects);
         for (index, object) in objects.iter().enumerate() {
+            check_units(object)?;
             let name = class_name(object.class).map_or_else(|| object.class.to_string(), str::to_owned);
             let own = tallies.entry(name).or_default();
             own.objects += 1;
-            let treatment = layer.take(object, index, scale, rules)?;
+            let (treatment, why) = rules.treatment(object, &land)?;
+            let treatment = layer.take(object, index, treatment, rules.radius_m(object, scale))?;
             match treatment {
                 Treatment::Avoid => own.avoided += 1,
                 Treatment::ManeuversAvoid => own.maneuvers_avoid += 1,
-                Treatment::Ignore => own.ignored += 1,
+                Treatment::Ignore => {
+                    own.ignored += 1;
+                    *own.reasons.entry(why).or_default() += 1;
+                }
             }
         }
         if layer.areas.is_empty() && layer.marks.is_empty() {
@@ -66,19 +76,14 @@ impl PolygonLayer {
         &mut self,
         object: &Feature,
         index: usize,
-        scale: Option<u32>,
-        rules: &Rules,
+        treatment: Treatment,
+        radius_m: f64,
     ) -> Result<Treatment, Invalid> {
         if let (Judged::Contour, Geometry::Lines(lines)) = (judged(object.class), &object.geometry) {
             let depth_m = object.number(VALDCO)?;
             self.contours.extend(lines.iter().map(|line| Contour { depth_m, line: line.clone() }));
         }
-        let mut treatment = rules.treatment(object);
-        if judged(object.class) == Judged::Clearance && rules.passes_under(object)? {
-            treatment = Treatment::Ignore;
-        }
         let Some(class) = class(object, treatment)? else { return Ok(Treatment::Ignore) };
-        let radius_m = rules.radius_m(object, scale);
         let called = Called::object(object, class.depth_m());
         let sounding = matches!(object.geometry, Geometry::Soundings(_));
         let mark = |class: Class, positions: Vec<[f64; 2]>| {
@@ -138,8 +143,8 @@ fn class(object: &Feature, treatment: Treatment) -> Result<Option<Class>, Invali
             Some(Class::Danger { least_m: depth(VALSOU)?.filter(|_| is_under_water(object)) })
         }
         (Treatment::ManeuversAvoid, _) => Some(Class::TransitOnly),
-        (Treatment::Avoid, Judged::Solid) => Some(Class::Land),
-        (Treatment::Avoid, Judged::Place | Judged::Clearance) => Some(Class::NoGo),
+        (Treatment::Avoid, Judged::Land | Judged::Body) => Some(Class::Land),
+        (Treatment::Avoid, Judged::Place | Judged::Clearance | Judged::Unknown) => Some(Class::NoGo),
     })
 }
 
@@ -155,6 +160,25 @@ fn sea_depth(object: &Feature, depth_m: f64) -> Result<f64, Invalid> {
     }
     let expected = format!("a depth of at most {FARTHEST} m");
     Err(Invalid::new(object.named(), format!("{depth_m} m"), expected, "report it to the chart's producer"))
+}
+
+/// Parts of a chart that are told to be in other units or of another datum than the rest.
+const UNITS: [(&str, Attribute, f64, &str); 3] = [
+    ("M_UNIT", DUNITS, 1.0, "1, depths in metres"),
+    ("M_UNIT", HUNITS, 1.0, "1, heights in metres"),
+    ("M_HDAT", HORDAT, 2.0, "2, WGS84"),
+];
+
+fn check_units(object: &Feature) -> Result<(), Invalid> {
+    for (class, attribute, usual, expected) in UNITS {
+        let own = if is(object.class, class) { object.number(attribute)? } else { None };
+        if let Some(value) = own.filter(|value| *value != usual) {
+            let thing = format!("{}, `{}`", object.named(), attribute.1);
+            let remedy = "take the cell of the ENC product, which has metres and WGS84 throughout";
+            return Err(Invalid::new(thing, value.to_string(), expected, remedy));
+        }
+    }
+    Ok(())
 }
 
 fn check_rings(object: &Feature, rings: &Polygon) -> Result<(), Invalid> {

@@ -1,11 +1,13 @@
-//! What objects of an electronic chart mean to a trial, class by class: one table.
+//! The rules of classes, changed by what `plan.toml` says, and what they make of an object.
 
 use std::collections::BTreeMap;
 
-use enc::attribute::{RESTRN, VERCCL, VERCLR, VERCSA};
-use enc::{Feature, class, class_name};
+use enc::attribute::{CATDIS, RESTRN, VERCCL, VERCLR, VERCSA};
+use enc::{Feature, Geometry, class, class_name};
 use serde::{Deserialize, Serialize};
 
+use crate::classes::{Ignored, Judged, is, judged, of_class};
+use crate::land::Land;
 use crate::{DANGER_M, Invalid};
 
 /// How far around a point or line the danger reaches whose position is doubtful, unreliable, reported or estimated \[m\]: the
@@ -18,6 +20,8 @@ const DRAWN_M: f64 = 0.5e-3;
 const GOOD: [u8; 4] = [1, 4, 10, 11];
 /// Restrictions (RESTRN) that close an area: entry prohibited, entry restricted, to be avoided.
 const CLOSED: [u16; 3] = [7, 8, 14];
+/// A distance mark of which nothing is to be seen (CATDIS).
+const UNMARKED: u16 = 1;
 /// Restrictions that leave it to ships that pass: no wake, stopping prohibited, speed restricted.
 const PASSING: [u16; 3] = [13, 25, 27];
 
@@ -32,88 +36,6 @@ pub enum Treatment {
     /// The ship keeps out.
     Avoid,
 }
-
-/// By what an object is judged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Judged {
-    /// It charts water of a least depth (DRVAL1).
-    Depth,
-    /// It is an obstacle unless the depth over it (VALSOU) is known and enough, and water stands over it (WATLEV).
-    Danger,
-    /// So is every sounding.
-    Sounding,
-    /// It is an obstacle where its depth (VALDCO) is too little.
-    Contour,
-    /// It is solid or afloat.
-    Solid,
-    /// It is an obstacle unless the clearance under it is known and the ship's air draught less.
-    Clearance,
-    /// By where it is, and what is restricted there (RESTRN).
-    Place,
-    /// It says where there are data (CATCOV).
-    Coverage,
-}
-
-/// What a class means where nothing else is said.
-#[derive(Clone, Copy, Debug)]
-pub struct Rule {
-    /// Acronyms of the classes.
-    pub classes: &'static [&'static str],
-    /// By what their objects are judged.
-    pub judged: Judged,
-    /// What they do.
-    pub treatment: Treatment,
-}
-
-const fn rule(classes: &'static [&'static str], judged: Judged, treatment: Treatment) -> Rule {
-    Rule { classes, judged, treatment }
-}
-
-/// The rules. Standard classes that none of them names are ignored: aids on land, names, lights, what matters to anchors and
-/// nets only.
-pub const RULES: [Rule; 15] = [
-    rule(&["DEPARE", "DRGARE"], Judged::Depth, Treatment::Avoid),
-    rule(&["OBSTRN", "WRECKS", "UWTROC"], Judged::Danger, Treatment::Avoid),
-    rule(&["SOUNDG"], Judged::Sounding, Treatment::Avoid),
-    rule(&["DEPCNT"], Judged::Contour, Treatment::Ignore),
-    rule(
-        &["LNDARE", "PONTON", "HULKES", "FLODOC", "SLCONS", "DRYDOC", "CAUSWY"],
-        Judged::Solid,
-        Treatment::Avoid,
-    ),
-    rule(
-        &["DAMCON", "GATCON", "PYLONS", "OFSPLF", "PILPNT", "MORFAC", "OILBAR"],
-        Judged::Solid,
-        Treatment::Avoid,
-    ),
-    rule(
-        &["FSHFAC", "MARCUL", "LOGPON", "ICEARE", "OSPARE", "LITFLT", "LITVES"],
-        Judged::Solid,
-        Treatment::Avoid,
-    ),
-    rule(&["BOYCAR", "BOYINB", "BOYISD", "BOYLAT", "BOYSAW", "BOYSPP"], Judged::Solid, Treatment::Avoid),
-    rule(&["BCNCAR", "BCNISD", "BCNLAT", "BCNSAW", "BCNSPP"], Judged::Solid, Treatment::Avoid),
-    rule(&["COALNE"], Judged::Solid, Treatment::Ignore),
-    rule(&["BRIDGE", "CBLOHD", "PIPOHD", "CONVYR"], Judged::Clearance, Treatment::Avoid),
-    rule(&["UNSARE", "RESARE", "TSEZNE", "NEWOBJ"], Judged::Place, Treatment::Avoid),
-    rule(
-        &[
-            "FAIRWY", "TSSLPT", "TSSRON", "TSSCRS", "TSSBND", "TSELNE", "ISTZNE", "PRCARE", "DWRTPT",
-            "TWRTPT", "ACHARE", "ACHBRT", "PILBOP", "MIPARE", "SUBTLN", "SPLARE", "CTNARE",
-        ],
-        Judged::Place,
-        Treatment::ManeuversAvoid,
-    ),
-    rule(
-        &[
-            "CBLARE", "CBLSUB", "PIPARE", "PIPSOL", "DMPGRD", "FSHGRD", "FERYRT", "ICNARE", "TESARE",
-            "EXEZNE", "FSHZNE",
-        ],
-        Judged::Place,
-        Treatment::Ignore,
-    ),
-    rule(&["M_COVR"], Judged::Coverage, Treatment::Ignore),
-];
 
 /// What is asked of a chart besides the table.
 #[derive(Clone, Debug, Default)]
@@ -145,7 +67,7 @@ impl Rules {
                 });
             };
             let fixed = matches!(judged(code), Judged::Depth | Judged::Coverage);
-            let sharp = !matches!(judged(code), Judged::Solid | Judged::Place | Judged::Clearance);
+            let sharp = matches!(judged(code), Judged::Danger | Judged::Sounding | Judged::Contour);
             let found = format!("{treatment:?}");
             if fixed {
                 let remedy =
@@ -160,24 +82,37 @@ impl Rules {
         Ok(())
     }
 
-    /// What an object does.
-    pub fn treatment(&self, feature: &Feature) -> Treatment {
+    /// What an object does that stands on `land` or not, and why it does nothing where it does nothing.
+    ///
+    /// # Errors
+    /// A clearance that is no number.
+    pub(crate) fn treatment(&self, feature: &Feature, land: &Land) -> Result<(Treatment, Ignored), Invalid> {
         let named = class_name(feature.class).map_or_else(|| feature.class.to_string(), str::to_owned);
         if let Some(changed) = self.changed.get(&named) {
-            return *changed;
+            return Ok(match *changed != Treatment::Ignore && self.is_passed_under(feature)? {
+                true => (Treatment::Ignore, Ignored::PassedUnder),
+                false => (*changed, Ignored::Rule),
+            });
         }
-        let usual = usual(feature.class);
         let restrictions = feature.list(RESTRN);
         let any = |of: &[u16]| restrictions.iter().any(|r| of.contains(r));
+        let usual = of_class(feature.class).map_or(Treatment::Avoid, |rule| rule.treatment);
+        let ignored = of_class(feature.class).map_or(Ignored::NoBody, |rule| rule.ignored);
+        let ignore = |why: Ignored| Ok((Treatment::Ignore, why));
         match () {
-            () if any(&CLOSED) => Treatment::Avoid,
+            () if self.is_passed_under(feature)? => ignore(Ignored::PassedUnder),
+            () if any(&CLOSED) => Ok((Treatment::Avoid, ignored)),
             // Of a restricted area nothing but its restrictions is known to matter.
             () if named == "RESARE" && !restrictions.is_empty() => match any(&PASSING) {
-                true => Treatment::ManeuversAvoid,
-                false => Treatment::Ignore,
+                true => Ok((Treatment::ManeuversAvoid, ignored)),
+                false => ignore(Ignored::Restriction),
             },
-            () if any(&PASSING) => usual.max(Treatment::ManeuversAvoid),
-            () => usual,
+            () if is(feature.class, "DISMAR") && feature.list(CATDIS) == [UNMARKED] => {
+                ignore(Ignored::Unmarked)
+            }
+            () if judged(feature.class).stands() && land.holds(&feature.geometry) => ignore(Ignored::OnLand),
+            () if any(&PASSING) => Ok((usual.max(Treatment::ManeuversAvoid), ignored)),
+            () => Ok((usual, ignored)),
         }
     }
 
@@ -185,7 +120,9 @@ impl Rules {
     /// where that is not known.
     pub fn radius_m(&self, feature: &Feature, scale: Option<u32>) -> f64 {
         let drawn_m = scale.map_or(DANGER_M, |scale| DRAWN_M * f64::from(scale));
-        if !matches!(judged(feature.class), Judged::Danger | Judged::Sounding) {
+        let by_itself = matches!(judged(feature.class), Judged::Danger | Judged::Sounding);
+        let is_point = matches!(feature.geometry, Geometry::Points(_));
+        if !(by_itself || (is_point && judged(feature.class).reaches())) {
             return drawn_m;
         }
         let good = feature.position_quality.iter().all(|quality| GOOD.contains(quality));
@@ -196,11 +133,11 @@ impl Rules {
         asked.max(drawn_m)
     }
 
-    /// Whether the ship passes under an object.
-    ///
-    /// # Errors
-    /// A clearance that is no number.
-    pub fn passes_under(&self, feature: &Feature) -> Result<bool, Invalid> {
+    /// Whether an object leaves a clearance, and the ship passes under it.
+    fn is_passed_under(&self, feature: &Feature) -> Result<bool, Invalid> {
+        if judged(feature.class) != Judged::Clearance {
+            return Ok(false);
+        }
         // Bridges that open are taken as closed.
         let mut least: Option<f64> = None;
         for attribute in [VERCLR, VERCCL, VERCSA] {
@@ -209,20 +146,4 @@ impl Rules {
         }
         Ok(self.air_draught_m.zip(least).is_some_and(|(ship, clear)| ship <= clear))
     }
-}
-
-/// By what a class is judged; one that the standard lacks, by its place.
-pub(crate) fn judged(code: u16) -> Judged {
-    of_class(code).map_or(Judged::Place, |rule| rule.judged)
-}
-
-/// What a class does: one that the standard lacks may be anything, so it is kept out of.
-fn usual(code: u16) -> Treatment {
-    let unknown = if class_name(code).is_none() { Treatment::Avoid } else { Treatment::Ignore };
-    of_class(code).map_or(unknown, |rule| rule.treatment)
-}
-
-fn of_class(code: u16) -> Option<&'static Rule> {
-    let name = class_name(code)?;
-    RULES.iter().find(|rule| rule.classes.contains(&name))
 }

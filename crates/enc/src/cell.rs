@@ -3,11 +3,18 @@
 use std::collections::BTreeMap;
 
 use crate::dataset::{Parameters, Structure, identity, parameters};
-use crate::iso8211::records;
+use crate::iso8211::{first_records, records};
 use crate::record::{CONNECTED, EDGE, ISOLATED, Name, Object, Vector};
-use crate::topology::Topology;
-use crate::update::apply;
-use crate::{Feature, Identity, Invalid, Purpose, layout};
+use crate::topology::{Topology, stored};
+use crate::update::{apply, moved};
+use crate::{Datums, Feature, Identity, Invalid, Purpose, foreign, layout};
+
+/// How often objects may use what the cell stores, on average: real cells stay below ten.
+const MOST_USES: u64 = 64;
+/// Places that any cell may have.
+const ALWAYS: u64 = 1_000_000;
+/// Places and pointers that one update may move along their lists.
+const MOST_MOVED: u64 = 1_000_000_000;
 
 /// A cell, as it stands after the updates that were applied.
 #[derive(Clone, Debug)]
@@ -55,7 +62,9 @@ impl Cell {
         let found = format!("update {} of edition {}", identity.update, identity.edition);
         let refuse = |found: String| {
             let expected = format!("update {} of edition {}", own.update + 1, own.edition);
-            Err(Invalid::new("update", found, expected, "put all updates of the edition beside the cell"))
+            let remedy =
+                "put all updates of the cell's edition beside it, or take its exchange set as a whole";
+            Err(Invalid::new("update", found, expected, remedy))
         };
         if identity.purpose == Purpose::Base {
             return refuse(format!("a base cell of edition {}", identity.edition));
@@ -68,6 +77,12 @@ impl Cell {
         }
         if identity.edition != own.edition || identity.update != own.update + 1 {
             return refuse(found);
+        }
+        if stem(&identity.name) != stem(&own.name) {
+            return refuse(format!("{found} of the cell `{}`", foreign(&identity.name)));
+        }
+        if changes.parameters.is_some_and(|units| units != self.parameters) {
+            return refuse(format!("{found} in other units (DSPM)"));
         }
         (self.identity.update, self.identity.issued) = (identity.update, identity.issued);
         self.take(changes.vectors, changes.objects)
@@ -83,19 +98,70 @@ impl Cell {
         self.parameters.scale
     }
 
+    /// What its heights and depths are measured from.
+    pub fn datums(&self) -> Datums {
+        self.parameters.datums
+    }
+
     /// All objects, in the order of their records' numbers.
     ///
     /// # Errors
-    /// Objects whose nodes or edges are not there, or whose rings do not close.
+    /// Objects whose nodes or edges are not there, or whose rings do not close; more places than [`Cell::features_within`]
+    /// ever takes.
     pub fn features(&self) -> Result<Vec<Feature>, Invalid> {
-        let topology = Topology { vectors: &self.vectors, parameters: self.parameters };
+        self.features_within(u64::MAX)
+    }
+
+    /// The same with at most so many places in all of them; objects that use what is stored more than 64 times on average
+    /// are never read.
+    ///
+    /// # Errors
+    /// As there; more places.
+    pub fn features_within(&self, most_places: u64) -> Result<Vec<Feature>, Invalid> {
+        let most = (MOST_USES * stored(&self.vectors)).max(ALWAYS).min(most_places);
+        let topology = Topology::new(&self.vectors, self.parameters, most);
         self.objects.values().map(|object| topology.feature(object)).collect()
     }
 
     fn take(&mut self, vectors: Vec<Vector>, objects: Vec<Object>) -> Result<(), Invalid> {
-        vectors.into_iter().try_for_each(|vector| apply(&mut self.vectors, vector))?;
-        objects.into_iter().try_for_each(|object| apply(&mut self.objects, object))
+        let mut all = 0;
+        for vector in vectors {
+            all += moved(&self.vectors, &vector);
+            check_moved(all)?;
+            apply(&mut self.vectors, vector)?;
+        }
+        for object in objects {
+            all += moved(&self.objects, &object);
+            check_moved(all)?;
+            apply(&mut self.objects, object)?;
+        }
+        Ok(())
     }
+}
+
+/// What a file says that it is, be it a cell or an update; its other records are not looked at.
+///
+/// # Errors
+/// As [`Cell::read`].
+pub fn identify(file: &[u8]) -> Result<Identity, Invalid> {
+    let records = first_records(file, 2)?;
+    let [descriptive, first] = &records[..] else { return Err(broken("no data records")) };
+    layout::check(descriptive)?;
+    Ok(identity(first)?.0)
+}
+
+/// A cell's name without the suffix that numbers its updates.
+fn stem(name: &str) -> String {
+    let name = name.trim();
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_ascii_uppercase()
+}
+
+fn check_moved(all: u64) -> Result<(), Invalid> {
+    if all <= MOST_MOVED {
+        return Ok(());
+    }
+    let found = format!("changes that move more than {MOST_MOVED} places and pointers along their lists");
+    Err(Invalid::new("update", found, "changes of a chart", "report it to the chart's producer"))
 }
 
 /// What a file holds besides its identity.
@@ -125,10 +191,6 @@ impl Changes {
 
 fn read(file: &[u8]) -> Result<(Identity, Changes), Invalid> {
     let records = records(file)?;
-    let broken = |found: &str| {
-        let expected = "an identification, nodes, edges, objects";
-        Invalid::new("cell", found, expected, "download or copy the file again")
-    };
     let (descriptive, data) = records.split_first().ok_or_else(|| broken("no records"))?;
     layout::check(descriptive)?;
     let first = data.first().ok_or_else(|| broken("no data records"))?;
@@ -143,4 +205,9 @@ fn read(file: &[u8]) -> Result<(Identity, Changes), Invalid> {
     }
     changes.check(&structure)?;
     Ok((identity, changes))
+}
+
+fn broken(found: &str) -> Invalid {
+    let expected = "an identification, nodes, edges, objects";
+    Invalid::new("cell", found, expected, "download or copy the file again")
 }

@@ -70,6 +70,17 @@ impl<'a> Cursor<'a> {
         Ok(self.take::<N>()?.iter().map(|b| char::from(*b)).collect())
     }
 
+    /// A text of a fixed length, or up to its end mark; the last one of a field may lack that.
+    pub(crate) fn text_of(&mut self, length: Option<usize>) -> Result<String, Invalid> {
+        let Some(length) = length else {
+            let ends = self.rest.contains(&UNIT_END);
+            return if ends { self.text(Lexical::Latin) } else { Ok(latin(std::mem::take(&mut self.rest))) };
+        };
+        let Some((own, rest)) = self.rest.split_at_checked(length) else { return Err(self.early()) };
+        self.rest = rest;
+        Ok(latin(own))
+    }
+
     /// A text up to its end mark.
     pub(crate) fn text(&mut self, lexical: Lexical) -> Result<String, Invalid> {
         match lexical {
@@ -77,7 +88,7 @@ impl<'a> Cursor<'a> {
                 let Some(end) = self.rest.iter().position(|b| *b == UNIT_END) else {
                     return Err(self.early());
                 };
-                let text = self.rest[..end].iter().map(|b| char::from(*b)).collect();
+                let text = latin(&self.rest[..end]);
                 self.rest = &self.rest[end + 1..];
                 Ok(text)
             }
@@ -100,4 +111,8 @@ impl<'a> Cursor<'a> {
             "download or copy the file again",
         )
     }
+}
+
+fn latin(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| char::from(*b)).collect()
 }

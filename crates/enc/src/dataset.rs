@@ -2,6 +2,7 @@
 
 use crate::Invalid;
 use crate::cursor::{Cursor, Lexical};
+use crate::datum::Datums;
 use crate::iso8211::Record;
 use crate::layout::other_product;
 
@@ -38,6 +39,8 @@ pub(crate) struct Parameters {
     pub per_metre: f64,
     /// Compilation scale: 1 to this.
     pub scale: u32,
+    /// What heights and depths are measured from.
+    pub datums: Datums,
 }
 
 /// What a file holds.
@@ -101,7 +104,7 @@ pub(crate) fn parameters(record: &Record<'_>) -> Result<Parameters, Invalid> {
     own.u8()?;
     own.u32()?;
     let datum = own.u8()?;
-    let (_vertical, _sounding) = (own.u8()?, own.u8()?);
+    let datums = Datums { heights: own.u8()?, depths: own.u8()? };
     let scale = own.u32()?;
     let [depths, heights, positions, coordinates] = [own.u8()?, own.u8()?, own.u8()?, own.u8()?];
     let (per_degree, per_metre) = (own.u32()?, own.u32()?);
@@ -118,7 +121,7 @@ pub(crate) fn parameters(record: &Record<'_>) -> Result<Parameters, Invalid> {
         let found = format!("{per_degree} and {per_metre}");
         return Err(refuse("factors of coordinates and soundings (COMF, SOMF)", found, "numbers above 0"));
     }
-    Ok(Parameters { per_degree: per_degree.into(), per_metre: per_metre.into(), scale })
+    Ok(Parameters { per_degree: per_degree.into(), per_metre: per_metre.into(), scale, datums })
 }
 
 fn refuse(thing: &str, found: String, expected: &str) -> Invalid {

@@ -34,6 +34,20 @@ pub enum Geometry {
     Area(Vec<Polygon>),
 }
 
+impl Geometry {
+    /// Places that it is made of.
+    pub fn places(&self) -> u64 {
+        let all = match self {
+            Self::None => 0,
+            Self::Points(points) => points.len(),
+            Self::Soundings(points) => points.len(),
+            Self::Lines(lines) => lines.iter().map(Vec::len).sum(),
+            Self::Area(polygons) => polygons.iter().flatten().map(Vec::len).sum(),
+        };
+        all as u64
+    }
+}
+
 /// Closed rings: the outer one, then its holes.
 pub type Polygon = Vec<Vec<[f64; 2]>>;
 

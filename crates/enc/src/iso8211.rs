@@ -29,9 +29,14 @@ impl<'a> Record<'a> {
 
 /// All records of a file: the data descriptive record, then data records.
 pub(crate) fn records(file: &[u8]) -> Result<Vec<Record<'_>>, Invalid> {
+    first_records(file, usize::MAX)
+}
+
+/// The first records of a file, `most` of them where it has as many.
+pub(crate) fn first_records(file: &[u8], most: usize) -> Result<Vec<Record<'_>>, Invalid> {
     let mut records = Vec::new();
     let mut at = 0;
-    while at < file.len() {
+    while at < file.len() && records.len() < most {
         let (record, length) = record(&file[at..], records.len(), at)?;
         records.push(record);
         at += length;

@@ -63,13 +63,13 @@ pub(crate) fn other_product(found: &str) -> Invalid {
 }
 
 /// The format at the end of a field's description.
-fn format_of(described: &[u8]) -> String {
+pub(crate) fn format_of(described: &[u8]) -> String {
     let last = described.rsplit(|b| *b == UNIT_END).next().unwrap_or_default();
     last.iter().filter(|b| **b != FIELD_END).map(|b| char::from(*b)).collect()
 }
 
 /// The codes of a format, one per subfield: `(b11,2b12)` is b11, b12, b12.
-fn expanded(format: &str) -> Vec<String> {
+pub(crate) fn expanded(format: &str) -> Vec<String> {
     let inside = format.strip_prefix('(').and_then(|f| f.strip_suffix(')')).unwrap_or(format);
     inside.split(',').flat_map(repeated).collect()
 }

@@ -1,5 +1,7 @@
 //! Vector and feature records as they stand in a file.
 
+use std::collections::BTreeMap;
+
 use crate::Invalid;
 use crate::cursor::{Cursor, Lexical};
 use crate::iso8211::Record;
@@ -50,7 +52,7 @@ pub(crate) struct Part<T> {
 }
 
 /// Attributes by their code; as text.
-pub(crate) type Attributes = Vec<(u16, String)>;
+pub(crate) type Attributes = BTreeMap<u16, String>;
 
 /// A node or an edge.
 #[derive(Clone, Debug)]
@@ -166,10 +168,10 @@ fn pointer(cursor: &mut Cursor<'_>, topology: bool) -> Result<Pointer, Invalid> 
 }
 
 fn attributes(record: &Record<'_>, tag: &'static str, lexical: Lexical) -> Result<Attributes, Invalid> {
-    let mut all = Vec::new();
+    let mut all = Attributes::new();
     let Some(mut cursor) = Cursor::of_text(record, tag, lexical) else { return Ok(all) };
     while !cursor.is_empty() {
-        all.push((cursor.u16()?, cursor.text(lexical)?));
+        all.insert(cursor.u16()?, cursor.text(lexical)?);
     }
     Ok(all)
 }

@@ -1,6 +1,6 @@
 //! Edges put together: end to end as lines, and closed as rings.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 
 /// A place in the cell's units: longitude, latitude.
 pub(crate) type Place = [i32; 2];
@@ -12,8 +12,8 @@ pub(crate) struct Run {
     pub either_way: bool,
 }
 
-/// Outer and inner rings of a polygon.
-type Rings = Vec<Vec<Place>>;
+/// Outer and inner rings of a polygon, or lines.
+pub(crate) type Rings = Vec<Vec<Place>>;
 
 /// Edges as lines: those that follow each other become one.
 pub(crate) fn runs(edges: Vec<Run>) -> Rings {
@@ -27,33 +27,56 @@ pub(crate) fn runs(edges: Vec<Run>) -> Rings {
     lines
 }
 
-/// Polygons with these outer and inner edges. Almost all have one outer ring.
-///
-/// # Errors
-/// Where a ring ends without being closed.
-pub(crate) fn polygons(outside: Vec<Run>, inside: Vec<Run>) -> Result<Vec<Rings>, Place> {
-    let mut polygons: Vec<Rings> = rings(outside)?.into_iter().map(|ring| vec![ring]).collect();
-    for hole in rings(inside)? {
-        let around =
-            polygons.iter().position(|polygon| hole.iter().all(|place| encloses(&polygon[0], *place)));
-        if let Some(polygon) = polygons.get_mut(around.unwrap_or(0)) {
+/// Polygons with these outer and inner rings. Almost all have one outer ring. `count` is called with the number of edges that
+/// are looked at next, and may refuse.
+pub(crate) fn polygons<E>(
+    outside: Rings,
+    inside: Rings,
+    count: impl Fn(usize) -> Result<(), E>,
+) -> Result<Vec<Rings>, E> {
+    let mut polygons: Vec<Rings> = outside.into_iter().map(|ring| vec![ring]).collect();
+    for hole in inside {
+        let mut around = 0;
+        if polygons.len() > 1 {
+            for (k, polygon) in polygons.iter().enumerate() {
+                if holds(&polygon[0], &hole, &count)? {
+                    around = k;
+                    break;
+                }
+            }
+        }
+        if let Some(polygon) = polygons.get_mut(around) {
             polygon.push(hole);
         }
     }
     Ok(polygons)
 }
 
-fn rings(edges: Vec<Run>) -> Result<Rings, Place> {
-    let mut left: VecDeque<Run> = edges.into();
+/// Whether a ring holds another one that does not cross it: by the first place that is not on it.
+fn holds<E>(ring: &[Place], hole: &[Place], count: impl Fn(usize) -> Result<(), E>) -> Result<bool, E> {
+    for place in hole {
+        count(ring.len())?;
+        match side(ring, *place) {
+            Side::On => {}
+            side => return Ok(side == Side::Within),
+        }
+    }
+    Ok(true)
+}
+
+/// Edges as rings: each goes on with the first of the edges left that follows.
+///
+/// # Errors
+/// Where a ring ends without being closed.
+pub(crate) fn rings(edges: Vec<Run>) -> Result<Rings, Place> {
+    let mut ends = Ends::of(&edges);
+    let mut left: Vec<Option<Run>> = edges.into_iter().map(Some).collect();
     let mut rings = Vec::new();
-    while let Some(first) = left.pop_front() {
-        let mut ring = first.places;
+    for first in 0..left.len() {
+        let Some(Run { places: mut ring, .. }) = left[first].take() else { continue };
         while ring.first() != ring.last() {
             let [.., end] = ring[..] else { break };
-            let follows = |run: &Run| {
-                run.places.first() == Some(&end) || (run.either_way && run.places.last() == Some(&end))
-            };
-            let next = left.iter().position(follows).and_then(|k| left.remove(k)).ok_or(end)?;
+            let next = ends.next_at(end, &left).and_then(|k| left[k].take()).ok_or(end)?;
             let mut places = next.places;
             if places.first() != Some(&end) {
                 places.reverse();
@@ -65,8 +88,45 @@ fn rings(edges: Vec<Run>) -> Result<Rings, Place> {
     Ok(rings)
 }
 
-/// Whether a place is inside a ring or on its boundary.
-fn encloses(ring: &[Place], [x, y]: Place) -> bool {
+/// Which edges may be gone along from a place, in their order.
+struct Ends(HashMap<Place, VecDeque<usize>>);
+
+impl Ends {
+    fn of(edges: &[Run]) -> Self {
+        let mut own: HashMap<Place, VecDeque<usize>> = HashMap::new();
+        for (k, edge) in edges.iter().enumerate() {
+            let back = edge.places.last().filter(|_| edge.either_way);
+            edge.places
+                .first()
+                .into_iter()
+                .chain(back)
+                .for_each(|end| own.entry(*end).or_default().push_back(k));
+        }
+        Self(own)
+    }
+
+    /// The first of the edges left that may be gone along from `end`.
+    fn next_at(&mut self, end: Place, left: &[Option<Run>]) -> Option<usize> {
+        let own = self.0.get_mut(&end)?;
+        while let Some(k) = own.pop_front() {
+            if left[k].is_some() {
+                return Some(k);
+            }
+        }
+        None
+    }
+}
+
+/// Where a place is.
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    Within,
+    On,
+    Beyond,
+}
+
+/// Where a place is, seen from a ring.
+fn side(ring: &[Place], [x, y]: Place) -> Side {
     let wide = |v: i32| i64::from(v);
     let mut inside = false;
     for pair in ring.windows(2) {
@@ -76,11 +136,11 @@ fn encloses(ring: &[Place], [x, y]: Place) -> bool {
             - i128::from(wide(x) - wide(x0)) * i128::from(wide(y1) - wide(y0));
         let within = x0.min(x1) <= x && x <= x0.max(x1) && y0.min(y1) <= y && y <= y0.max(y1);
         if across == 0 && within {
-            return true;
+            return Side::On;
         }
         if (y0 > y) != (y1 > y) && ((across < 0) == (y1 > y0)) {
             inside = !inside;
         }
     }
-    inside
+    if inside { Side::Within } else { Side::Beyond }
 }

@@ -1,11 +1,12 @@
 //! From nodes and edges to places.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 use crate::attribute::QUAPOS;
 use crate::dataset::Parameters;
 use crate::record::{EDGE, Name, Object, Pointer, Vector};
-use crate::rings::{Place, Run, polygons, runs};
+use crate::rings::{Place, Run, polygons, rings, runs};
 use crate::{Feature, Geometry, Invalid};
 
 const AGAINST: u8 = 2;
@@ -13,21 +14,53 @@ const NEITHER: u8 = 255;
 const INSIDE: u8 = 2;
 const BEGINNING: u8 = 1;
 const END: u8 = 2;
+/// Edges of rings that may be looked at for each place that may arise.
+const LOOKED_AT: usize = 64;
 
 /// Nodes and edges of a cell.
 pub(crate) struct Topology<'a> {
-    pub vectors: &'a BTreeMap<Name, Vector>,
-    pub parameters: Parameters,
+    vectors: &'a BTreeMap<Name, Vector>,
+    parameters: Parameters,
+    most_places: u64,
+    /// Of which not yet used.
+    left: Cell<u64>,
+}
+
+/// Places and ends of all nodes and edges, as they are stored.
+pub(crate) fn stored(vectors: &BTreeMap<Name, Vector>) -> u64 {
+    vectors.values().map(|own| (1 + own.points.items.len() + own.ends.items.len()) as u64).sum()
+}
+
+impl<'a> Topology<'a> {
+    /// Of which objects may use `most_places` places, each as often as it is used.
+    pub(crate) fn new(vectors: &'a BTreeMap<Name, Vector>, parameters: Parameters, most_places: u64) -> Self {
+        Self { vectors, parameters, most_places, left: Cell::new(most_places) }
+    }
 }
 
 impl Topology<'_> {
+    /// Counts places before they arise.
+    fn count(&self, places: usize, feature: &Feature) -> Result<(), Invalid> {
+        let Some(left) = self.left.get().checked_sub(places as u64) else {
+            let found = format!("objects of more than {} places up to it", self.most_places);
+            let expected = format!(
+                "a cell of at most {} places, each counted as often as objects use it",
+                self.most_places
+            );
+            let remedy = "allow more memory, or report the cell to its producer";
+            return Err(Invalid::new(feature.named(), found, expected, remedy));
+        };
+        self.left.set(left);
+        Ok(())
+    }
+
     /// An object with its place.
     pub(crate) fn feature(&self, object: &Object) -> Result<Feature, Invalid> {
         let (producer, number, part) = object.id;
         let mut feature = Feature {
             class: object.class,
             id: format!("{producer}-{number}-{part}"),
-            attributes: object.attributes.iter().cloned().collect(),
+            attributes: object.attributes.clone(),
             geometry: Geometry::None,
             position_quality: Vec::new(),
         };
@@ -57,9 +90,8 @@ impl Topology<'_> {
     fn quality(&self, pointers: &[Pointer], feature: &Feature) -> Result<Vec<u8>, Invalid> {
         let mut all = Vec::new();
         for pointer in pointers {
-            let attributes = &self.vector(pointer.name, feature)?.attributes;
-            let own = attributes.iter().filter(|(code, _)| *code == QUAPOS.0);
-            all.extend(own.filter_map(|(_, text)| text.trim().parse::<u8>().ok()));
+            let own = self.vector(pointer.name, feature)?.attributes.get(&QUAPOS.0);
+            all.extend(own.and_then(|text| text.trim().parse::<u8>().ok()));
         }
         all.sort_unstable();
         all.dedup();
@@ -70,7 +102,9 @@ impl Topology<'_> {
     fn points(&self, pointers: &[Pointer], feature: &Feature) -> Result<Geometry, Invalid> {
         let mut places = Vec::new();
         for pointer in pointers {
-            places.extend(&self.vector(pointer.name, feature)?.points.items);
+            let own = &self.vector(pointer.name, feature)?.points.items;
+            self.count(own.len(), feature)?;
+            places.extend(own);
         }
         let own = |[lat, lon, _]: [i32; 3]| self.degree([lon, lat]);
         if feature.class != crate::class("SOUNDG").unwrap_or_default() {
@@ -86,13 +120,17 @@ impl Topology<'_> {
     fn area(&self, pointers: &[Pointer], feature: &Feature) -> Result<Geometry, Invalid> {
         let (inside, outside): (Vec<Pointer>, Vec<Pointer>) =
             pointers.iter().partition(|p| p.usage == INSIDE);
-        let rings = polygons(self.edges(&outside, feature)?, self.edges(&inside, feature)?);
-        let polygons = rings.map_err(|[lon, lat]| {
-            let [lon, lat] = self.degree([lon, lat]);
-            let found = format!("a boundary that ends at {lon}, {lat}");
-            let remedy = "take base cell and updates of one edition, as their producer issued them";
-            Invalid::new(feature.named(), found, "closed rings", remedy)
-        })?;
+        let (outside, inside) = (self.edges(&outside, feature)?, self.edges(&inside, feature)?);
+        let closed = |edges: Vec<Run>| {
+            rings(edges).map_err(|[lon, lat]| {
+                let [lon, lat] = self.degree([lon, lat]);
+                let found = format!("a boundary that ends at {lon}, {lat}");
+                let remedy = "take base cell and updates of one edition, as their producer issued them";
+                Invalid::new(feature.named(), found, "closed rings", remedy)
+            })
+        };
+        let count = |looked_at: usize| self.count(looked_at / LOOKED_AT, feature);
+        let polygons = polygons(closed(outside)?, closed(inside)?, count)?;
         Ok(Geometry::Area(polygons.into_iter().map(|rings| self.degrees(rings)).collect()))
     }
 
@@ -107,6 +145,7 @@ impl Topology<'_> {
             let found = format!("node {}-{}", edge.name.0, edge.name.1);
             return Err(Invalid::new(feature.named(), found, "edges", "report it to the chart's producer"));
         }
+        self.count(edge.points.items.len() + edge.ends.items.len(), feature)?;
         let end = |topology: u8| -> Result<Option<Place>, Invalid> {
             let Some(pointer) = edge.ends.items.iter().find(|p| p.topology == topology) else {
                 return Ok(None);

@@ -16,6 +16,8 @@ pub(crate) trait Versioned: Clone {
     fn named(&self) -> String;
     fn version(&self) -> u16;
     fn instruction(&self) -> Instruction;
+    /// Elements of this record's lists that `change` moves along.
+    fn moved(&self, change: &Self) -> u64;
     /// Takes over what `change` says.
     fn modify(&mut self, change: Self) -> Result<(), Invalid>;
 }
@@ -24,9 +26,10 @@ pub(crate) trait Versioned: Clone {
 pub(crate) fn apply<T: Versioned>(all: &mut BTreeMap<T::Key, T>, change: T) -> Result<(), Invalid> {
     let key = change.key();
     if change.instruction() == Instruction::Insert {
-        return match all.insert(key, change.clone()) {
+        let named = change.named();
+        return match all.insert(key, change) {
             None => Ok(()),
-            Some(_) => Err(refuse(change.named(), "an insertion of what is there", "a new record")),
+            Some(_) => Err(refuse(named, "an insertion of what is there", "a new record")),
         };
     }
     let Some(own) = all.get_mut(&key) else {
@@ -46,6 +49,17 @@ pub(crate) fn apply<T: Versioned>(all: &mut BTreeMap<T::Key, T>, change: T) -> R
     }
 }
 
+/// Elements of lists that a change moves along, before it is applied.
+pub(crate) fn moved<T: Versioned>(all: &BTreeMap<T::Key, T>, change: &T) -> u64 {
+    all.get(&change.key()).map_or(0, |own| own.moved(change))
+}
+
+/// As [`moved`], of one list: what is inserted or taken away moves all behind it.
+fn moved_in<T>(own: &[T], change: &Part<T>) -> u64 {
+    let moves = |splice: &Splice| splice.instruction != Instruction::Modify;
+    change.splice.filter(moves).map_or(0, |splice| own.len().saturating_sub(splice.index) as u64)
+}
+
 impl Versioned for Vector {
     type Key = (u8, u32);
 
@@ -63,6 +77,10 @@ impl Versioned for Vector {
 
     fn instruction(&self) -> Instruction {
         self.instruction
+    }
+
+    fn moved(&self, change: &Self) -> u64 {
+        moved_in(&self.ends.items, &change.ends) + moved_in(&self.points.items, &change.points)
     }
 
     fn modify(&mut self, change: Self) -> Result<(), Invalid> {
@@ -93,6 +111,10 @@ impl Versioned for Object {
         self.instruction
     }
 
+    fn moved(&self, change: &Self) -> u64 {
+        moved_in(&self.pointers.items, &change.pointers)
+    }
+
     fn modify(&mut self, change: Self) -> Result<(), Invalid> {
         let named = change.named();
         self.version = change.version;
@@ -104,10 +126,10 @@ impl Versioned for Object {
 /// Sets attributes, and takes those away that are deleted.
 fn merge(own: &mut Attributes, changes: Attributes) {
     for (code, value) in changes {
-        own.retain(|(known, _)| *known != code);
-        if value != DELETED {
-            own.push((code, value));
-        }
+        match value == DELETED {
+            true => own.remove(&code),
+            false => own.insert(code, value),
+        };
     }
 }
 

@@ -2,13 +2,13 @@
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 
-use artifact::{Budget, Change, Changes, Provenance, Shard};
+use artifact::{Change, Changes, Provenance, Shard};
 use clap::{Args, ValueEnum};
 
 use crate::failure::Failure;
 
+pub use artifact::{budget, set_budget};
 pub use study::beside;
 
 /// Flags of every stage.
@@ -40,19 +40,6 @@ pub struct Common {
     /// Memory that the work may use (default: what the machine has); what would need more is refused
     #[arg(long, global = true, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
     pub memory_mib: Option<u64>,
-}
-
-/// What this process may use: said once, as the number of threads is.
-static BUDGET: OnceLock<Budget> = OnceLock::new();
-
-/// What this process may use.
-pub fn budget() -> &'static Budget {
-    BUDGET.get_or_init(|| Budget::new(None))
-}
-
-/// Lets this process use at most `memory_mib`, or without it what the machine has; the first word counts.
-pub fn set_budget(memory_mib: Option<u64>) {
-    BUDGET.get_or_init(|| Budget::new(memory_mib));
 }
 
 /// Flags of stages whose work can be split over machines.

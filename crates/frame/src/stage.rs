@@ -4,7 +4,9 @@ use std::ffi::OsString;
 use std::fmt::Display;
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::Duration;
 
+use artifact::Patience;
 use artifact::fault::{Fault, inject};
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
@@ -175,6 +177,7 @@ pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
     inject_fault();
     tell_panics_of_our_own();
     listen();
+    artifact::set_patience(patience());
     set_budget(common.memory_mib);
     match start_threads(common.threads).and_then(|()| task.run(common)) {
         Ok(summary) if common.json => on_stdout(summary.json),
@@ -213,6 +216,9 @@ fn one_line(message: &str) -> String {
     format!("{}; see --help", words.join(" "))
 }
 
+/// A set of files gets its names within milliseconds: who holds a folder for longer does something else.
+const PATIENCE: Duration = Duration::from_secs(60);
+
 /// Most characters of a message.
 const LONGEST: usize = 490;
 
@@ -239,6 +245,17 @@ fn tell_panics_of_our_own() {
 fn start_threads(threads: Option<u32>) -> Result<(), Failure> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0) as usize);
     builder.build_global().map_err(|e| Failure::Failed(format!("threads: {e}")))
+}
+
+/// How long a folder is waited for that another process holds. Tests have less time: `SEATRIAL_PATIENCE_S`; release builds do not
+/// listen.
+fn patience() -> Patience {
+    let wanted = std::env::var("SEATRIAL_PATIENCE_S").ok().filter(|_| cfg!(debug_assertions));
+    let most = wanted.and_then(|seconds| seconds.parse().ok()).map_or(PATIENCE, Duration::from_secs);
+    let tell = |folder: &Path| {
+        on_stderr(format_args!("{}: waits for another process that holds this folder", folder.display()));
+    };
+    Patience { most, tell }
 }
 
 /// Lets writing fail where a test wants it: `SEATRIAL_FAULT=kill:3` ends the process at the third place. Release builds do

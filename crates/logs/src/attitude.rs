@@ -13,7 +13,7 @@ use crate::{Cells, QuaternionSpec, Samples};
 pub(crate) fn angles(
     spec: &QuaternionSpec,
     cells: [Cells; 4],
-    line: impl Fn(usize) -> usize,
+    line: impl Fn(usize) -> String,
 ) -> Result<Vec<Cells>, Invalid> {
     let [w, x, y, z] = cells.map(numbers);
     let [mut heading, mut roll, mut pitch] = [w.none(), w.none(), w.none()];
@@ -40,7 +40,7 @@ fn numbers(cells: Cells) -> Samples {
 }
 
 /// Refuses what is no rotation of a ship; a quaternion with a missing part is missing.
-fn check(spec: &QuaternionSpec, [w, x, y, z]: [f64; 4], line: impl Fn() -> usize) -> Result<(), Invalid> {
+fn check(spec: &QuaternionSpec, [w, x, y, z]: [f64; 4], line: impl Fn() -> String) -> Result<(), Invalid> {
     let length = libm::sqrt(w * w + x * x + y * y + z * z);
     let called = || cell_of(line(), &spec.columns().map(String::as_str).join("`, `"));
     if (length - 1.0).abs() > spec.tolerance {

@@ -1,8 +1,9 @@
+use std::fmt::Display;
 use std::sync::Arc;
 
-use refusal::{Invalid, nearest};
+use refusal::{Invalid, foreign, nearest};
 
-use crate::{Omissions, Samples, Store};
+use crate::{Fractions, Labels, Numbering, Omissions, Samples, Store, WarningSummary};
 
 /// A column that is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,77 +46,6 @@ impl Cells {
     }
 }
 
-/// Labels of rows. Rows that follow each other share one.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Labels {
-    /// Each label with the row after the last that has it.
-    runs: Vec<(Arc<str>, usize)>,
-}
-
-impl Labels {
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.runs.last().map_or(0, |(_, end)| *end)
-    }
-
-    /// Whether there are no rows.
-    pub fn is_empty(&self) -> bool {
-        self.runs.is_empty()
-    }
-
-    /// Appends a row.
-    pub fn push(&mut self, label: &str) {
-        let end = self.len() + 1;
-        match self.runs.last_mut().filter(|(last, _)| **last == *label) {
-            Some((_, last)) => *last = end,
-            None => self.runs.push((Arc::from(label), end)),
-        }
-    }
-
-    /// The label of a row; empty where there is no such row.
-    pub fn at(&self, row: usize) -> &str {
-        let place = self.runs.partition_point(|(_, end)| *end <= row);
-        self.runs.get(place).map_or("", |(label, _)| label)
-    }
-}
-
-/// Lines of a file that rows stand on, from 1.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Numbering {
-    rows: usize,
-    /// Rows that do not stand on the line after that of the row before them, and their lines.
-    breaks: Vec<(usize, usize)>,
-}
-
-impl Numbering {
-    /// Rows that stand on the lines from 1 on.
-    pub fn of_rows(rows: usize) -> Self {
-        Self { rows, breaks: vec![(0, 1)] }
-    }
-
-    /// Number of rows.
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Appends a row that stands on `line`.
-    pub fn push(&mut self, line: usize) {
-        if self.rows == 0 || self.line(self.rows) != line {
-            self.breaks.push((self.rows, line));
-        }
-        self.rows += 1;
-    }
-
-    /// The line that `row` stands on.
-    pub fn line(&self, row: usize) -> usize {
-        let last = self.breaks.last().filter(|(first, _)| *first <= row);
-        let found = last.or_else(|| {
-            self.breaks.get(self.breaks.partition_point(|(first, _)| *first <= row).checked_sub(1)?)
-        });
-        found.map_or(0, |(first, line)| line + row - first)
-    }
-}
-
 /// The columns of a file as asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Columns {
@@ -131,20 +61,156 @@ pub struct Columns {
     pub wrong_checksums: usize,
     /// Values left out, by column and reason.
     pub omitted: Omissions,
+    /// Whether rows follow a stamp with their time.
+    pub is_stamped: bool,
+    /// Whether rows may come late: they are put in the order of time.
+    pub is_sorted: bool,
+    /// Sentences of the clock that came late and told no time.
+    pub late: usize,
+    /// What is odd about them.
+    pub warnings: Vec<WarningSummary>,
+    /// Columns with clocks of their own, in place of those above.
+    pub apart: Vec<Apart>,
+    /// What came up about the times.
+    pub clock: ClockNotes,
+}
+
+impl Columns {
+    /// The time of the first row that has one, and the latest.
+    pub fn span(&self) -> Option<[f64; 2]> {
+        if !self.apart.is_empty() {
+            let spans = self.apart.iter().filter_map(|own| own.columns.span());
+            return spans.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+        }
+        let Some(Cells::Numbers(times)) = self.cells.first() else { return None };
+        let known = times.iter().filter(|time| time.is_finite());
+        known.fold(None, |span: Option<[f64; 2]>, time| {
+            Some(span.map_or([time; 2], |[first, last]| [first, last.max(time)]))
+        })
+    }
+
+    /// Appends the rows of `others`, the same columns of a file that goes on where this one ends.
+    pub fn append(&mut self, others: Self) {
+        let Self { cells, lines, empty_rows, cut_rows, wrong_checksums, omitted, clock, .. } = others;
+        self.is_stamped |= others.is_stamped;
+        self.is_sorted |= others.is_sorted;
+        self.late += others.late;
+        self.warnings.extend(others.warnings);
+        for own in others.apart {
+            match self
+                .apart
+                .iter_mut()
+                .find(|known| known.source == own.source && known.channels == own.channels)
+            {
+                Some(known) => known.columns.append(own.columns),
+                None => self.apart.push(own),
+            }
+        }
+        // Its clock has not been told of a second 60 in a file before.
+        let leap_s = self.clock.leap_s.filter(|_| clock.leap_s.is_none() && !self.clock.of_day);
+        for (place, (own, other)) in self.cells.iter_mut().zip(cells).enumerate() {
+            let late =
+                |time: f64| if place == 0 && leap_s.is_some_and(|s| time >= s) { time + 1.0 } else { time };
+            match (own, other) {
+                (Cells::Numbers(own), Cells::Numbers(other)) => other.iter().for_each(|n| own.push(late(n))),
+                (Cells::Labels(own), Cells::Labels(other)) => {
+                    (0..other.len()).for_each(|row| own.push(other.at(row)));
+                }
+                _ => {}
+            }
+        }
+        self.lines.append(lines);
+        self.empty_rows += empty_rows;
+        self.cut_rows += cut_rows;
+        self.wrong_checksums += wrong_checksums;
+        self.omitted.append(&omitted, |column| column);
+        self.clock.of_day |= clock.of_day;
+        self.clock.leap_s = self.clock.leap_s.or(clock.leap_s);
+        self.clock.fractions.append(clock.fractions);
+    }
+}
+
+/// Columns of one sensor, the first of them its clock.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Apart {
+    /// What messages call it.
+    pub source: String,
+    /// Places of the channels that the others are, and which choice the sensor is for each, from 0; none where it is none.
+    pub channels: Vec<(usize, Option<usize>)>,
+    /// The columns.
+    pub columns: Columns,
+}
+
+/// What is known of a file's times once they are read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ClockNotes {
+    /// Whether they are times of a day without a date.
+    pub of_day: bool,
+    /// The moment of a second 60, from which on they are a second later than clocks showed \[s\].
+    pub leap_s: Option<f64>,
+    /// How many decimals they have.
+    pub fractions: Fractions,
+}
+
+/// What stands for no value, whatever its case, sign and brackets.
+const NOTHING: [&str; 29] = [
+    "",
+    "nan",
+    "nan(ind)",
+    "nan(snan)",
+    "1.#qnan",
+    "1.#snan",
+    "1.#ind",
+    "1.#inf",
+    "inf",
+    "infinity",
+    "na",
+    "n/a",
+    "#n/a",
+    "#na",
+    "#n/a n/a",
+    "<na>",
+    "nat",
+    "null",
+    "(null)",
+    "nil",
+    "none",
+    "-",
+    "--",
+    ".",
+    "#value!",
+    "#div/0!",
+    "#num!",
+    "#ref!",
+    "missing",
+];
+
+/// Whether a cell says that there is no value.
+pub(crate) fn is_nothing(cell: &str) -> bool {
+    let cell = cell.trim();
+    let is = |text: &str| NOTHING.iter().any(|nothing| nothing.eq_ignore_ascii_case(text));
+    is(cell) || cell.strip_prefix(['-', '+']).is_some_and(is)
 }
 
 /// What messages call a cell.
-pub(crate) fn cell_of(line: usize, column: &str) -> String {
+pub(crate) fn cell_of(line: impl Display, column: &str) -> String {
     format!("line {line}, column `{column}`")
 }
 
 /// The place of each wanted column in `header`.
 ///
 /// # Errors
-/// Names all columns that are missing at once.
+/// Names all columns that are missing at once, or one that is there several times.
 pub fn places(header: &[String], wanted: &[Wanted]) -> Result<Vec<usize>, Invalid> {
     let place = |wanted: &Wanted| header.iter().position(|column| *column == wanted.column);
     let places: Vec<usize> = wanted.iter().filter_map(place).collect();
+    let count = |wanted: &Wanted| header.iter().filter(|column| **column == wanted.column).count();
+    if let Some(twice) = wanted.iter().find(|wanted| count(wanted) > 1) {
+        let thing = format!("column `{}`", foreign(&twice.column));
+        let found = format!("{} of this name", count(twice));
+        let remedy = "rename all but one, so that it is known which is meant";
+        return Err(Invalid::new(thing, found, "one", remedy));
+    }
     if places.len() == wanted.len() {
         return Ok(places);
     }
@@ -161,7 +227,25 @@ pub fn places(header: &[String], wanted: &[Wanted]) -> Result<Vec<usize>, Invali
     Err(Invalid::new(
         if missing.len() == 1 { "column" } else { "columns" },
         format!("no `{}`", missing.join("`, `")),
-        format!("columns among `{}`", header.join("`, `")),
+        format!("columns among {}", some_of(header, missing.first().copied().unwrap_or_default())),
         missing.iter().map(remedy).collect::<Vec<_>>().join(" "),
     ))
+}
+
+/// Names that a message lists at most.
+const LISTED: usize = 12;
+
+/// `names` for a message: of many those that are most like `name`.
+pub(crate) fn some_of(names: &[impl AsRef<str>], name: &str) -> String {
+    let mut left: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    let total = left.len();
+    if total <= LISTED {
+        return left.iter().map(|own| format!("`{}`", foreign(own))).collect::<Vec<_>>().join(", ");
+    }
+    let mut listed = Vec::new();
+    while let (true, Some(near)) = (listed.len() < LISTED, nearest(name, left.iter().copied())) {
+        listed.push(format!("`{}`", foreign(near)));
+        left.retain(|own| *own != near);
+    }
+    format!("{} and {} more", listed.join(", "), left.len())
 }

@@ -4,19 +4,15 @@
 //! an editor shows, and blank lines are counted. Hence no general reader of CSV, whose rows go on over lines and which
 //! passes over blank ones in silence.
 
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 use std::sync::Arc;
 
-use refusal::Invalid;
+use refusal::{Invalid, foreign};
 
-use crate::columns::{Cells, Columns, Content, cell_of, places};
-use crate::{FileSpec, LogError, NoStamp, Plan, Stamps, Store};
-
-/// What stands for no value.
-const NOTHING: [&str; 8] = ["", "nan", "na", "n/a", "null", "inf", "+inf", "-inf"];
-
-/// Bytes from which on a line is taken to be none.
-const LONGEST_LINE: u64 = 1 << 20;
+use crate::columns::{Cells, Columns, Content, Wanted, cell_of, is_nothing, places};
+use crate::lines::Lines;
+use crate::row::{Ends, Row};
+use crate::{FileSpec, LogError, Moments, Plan, Store};
 
 /// What separates cells in files that do not separate them as was said.
 const SEPARATORS: [char; 4] = [';', '\t', ',', '|'];
@@ -30,85 +26,174 @@ const TYPICAL: usize = 1024;
 /// # Errors
 /// Bytes that cannot be read or are no text, missing columns (all at once), a cell that is no number, a row that is too
 /// long or too short. The last row may be too short: then it is left out and counted.
-pub fn read_csv(
-    bytes: impl BufRead,
+pub fn read_csv<'a>(
+    bytes: impl BufRead + 'a,
     length: Option<u64>,
     plan: &Plan,
     group: usize,
     store: Option<&Arc<dyn Store>>,
 ) -> Result<Columns, LogError> {
-    let (wanted, spec, stamps) = (plan.wanted(group), &plan.setup.files[group], plan.stamps(group));
-    let (separator, written_in) = (spec.separator, plan.setup.written_in);
-    let mut lines = Lines::new(bytes);
+    let mut lines = Lines::new(bytes)?;
     let mut row = Row::default();
-    let header = header(spec, &mut lines, &mut row)?;
-    let places = places(&header, &wanted)
-        .map_err(|missing| other_separator(&header, separator, written_in).unwrap_or(missing))?;
-    let cells = wanted.iter().map(|w| Cells::none(w.content, store)).collect();
-    let mut columns = Columns { cells, ..Columns::default() };
-    let mut short = None;
+    let mut reading =
+        Reading::new(plan, group, store, header(&plan.setup.files[group], &mut lines, &mut row)?)?;
     while let Some(line) = lines.next()? {
-        if let Some(short) = short {
-            return Err(LogError::Invalid(short));
-        }
-        row.split(line, separator);
-        let (line, found, expected) = (lines.number, row.cells.len(), header.len());
-        if row.cells().all(|cell| cell.trim().is_empty()) {
-            columns.empty_rows += 1;
-        } else if found == expected {
-            if columns.lines.rows() >= plan.most_rows {
-                return Err(LogError::Invalid(plan.too_many_rows(line)));
+        row.split(line, reading.spec.separator);
+        reading.take(&row, lines.number, lines.is_ended)?;
+        if let (Some(length), TYPICAL) = (length, reading.columns.lines.rows()) {
+            let rows = (TYPICAL as f64 * length as f64 / lines.read as f64) as usize;
+            if rows / 2 > plan.most_rows {
+                return Err(LogError::Invalid(plan.too_many_rows(format_args!("about {rows}"))));
             }
-            if let (Some(length), TYPICAL) = (length, columns.lines.rows()) {
-                let rows = (TYPICAL as f64 * length as f64 / lines.read as f64) as usize;
-                if rows / 2 > plan.most_rows {
-                    return Err(LogError::Invalid(plan.too_many_rows(format_args!("about {rows}"))));
-                }
-            }
-            columns.lines.push(line);
-            for ((cells, place), wanted) in columns.cells.iter_mut().zip(&places).zip(&wanted) {
-                let (cell, column) = (row.cell(*place).trim(), &header[*place]);
-                match wanted.content {
-                    Content::Dates => push_date(cells, stamps, cell)
-                        .map_err(|why| stamps.refused(line, column, cell, why, written_in))?,
-                    _ => push(cells, spec.decimal, cell)
-                        .ok_or_else(|| no_number(line, column, cell, spec.decimal, written_in))?,
-                }
-            }
-        } else if found < expected {
-            short = Some(wrong_width(line, found, header.len(), spec, written_in));
-        } else {
-            return Err(LogError::Invalid(wrong_width(line, found, header.len(), spec, written_in)));
         }
     }
-    columns.cut_rows = usize::from(short.is_some());
-    Ok(columns)
+    Ok(reading.finish())
+}
+
+/// What is read so far.
+struct Reading<'a> {
+    plan: &'a Plan,
+    spec: &'a FileSpec,
+    wanted: Vec<Wanted>,
+    header: Vec<String>,
+    /// Columns without those at the end that have no name.
+    named: usize,
+    /// Where the wanted columns stand.
+    places: Vec<usize>,
+    columns: Columns,
+    moments: Moments<'a>,
+    /// Whether decimals of the time are looked at.
+    has_fractions: bool,
+    /// What is said of a row that is too short, unless it is the last.
+    short: Option<Invalid>,
+    ends: Ends,
+}
+
+impl<'a> Reading<'a> {
+    fn new(
+        plan: &'a Plan,
+        group: usize,
+        store: Option<&Arc<dyn Store>>,
+        header: Vec<String>,
+    ) -> Result<Self, LogError> {
+        let (wanted, spec) = (plan.wanted(group), &plan.setup.files[group]);
+        let places = places(&header, &wanted).map_err(|missing| {
+            other_separator(&header, spec.separator, plan.setup.written_in).unwrap_or(missing)
+        })?;
+        let cells = wanted.iter().map(|w| Cells::none(w.content, store)).collect();
+        let named = header.iter().rposition(|name| !name.is_empty()).map_or(0, |last| last + 1);
+        Ok(Self {
+            plan,
+            spec,
+            wanted,
+            header,
+            named,
+            places,
+            columns: Columns { cells, ..Columns::default() },
+            moments: Moments::new(plan.stamps(group)),
+            has_fractions: spec.time.has_fractions(),
+            short: None,
+            ends: Ends::default(),
+        })
+    }
+
+    /// Takes the row that stands on `line`, which may have no end.
+    fn take(&mut self, row: &Row, line: usize, is_ended: bool) -> Result<(), LogError> {
+        if let Some(short) = self.short.take() {
+            return Err(LogError::Invalid(short));
+        }
+        let (found, most) = (row.cells.len(), self.plan.most_rows);
+        let is_blank = |cell: &str| cell.trim().is_empty();
+        // An empty cell after the last column is none.
+        let fits = found == self.header.len()
+            || found >= self.named && row.cells().skip(self.header.len()).all(is_blank);
+        if row.cells().all(is_blank) || self.is_header(row) {
+            self.columns.empty_rows += 1;
+        } else if fits && !is_ended && self.ends.is_cut(row) {
+            self.columns.cut_rows += 1;
+        } else if fits {
+            self.ends.see(row);
+            self.cells(row, line)?;
+        } else if found < self.named {
+            self.short = Some(self.wrong_width(row, line));
+        } else {
+            return Err(LogError::Invalid(self.wrong_width(row, line)));
+        }
+        if self.columns.lines.rows() > most || self.columns.empty_rows > most.max(TYPICAL) {
+            return Err(LogError::Invalid(self.plan.too_many_rows(line)));
+        }
+        Ok(())
+    }
+
+    /// Whether a row is the header once more, as where a logger was started again.
+    fn is_header(&self, row: &Row) -> bool {
+        let is = |(cell, name): (&str, &String)| cell.trim() == name;
+        self.spec.header && row.cells.len() == self.header.len() && row.cells().zip(&self.header).all(is)
+    }
+
+    fn cells(&mut self, row: &Row, line: usize) -> Result<(), LogError> {
+        self.columns.lines.push(line);
+        if self.has_fractions {
+            self.columns.clock.fractions.see(row.cell(self.places[0]), self.spec.decimal);
+        }
+        let (written_in, decimal) = (self.plan.setup.written_in, self.spec.decimal);
+        for ((cells, place), wanted) in self.columns.cells.iter_mut().zip(&self.places).zip(&self.wanted) {
+            let (cell, column) = (row.cell(*place).trim(), &self.header[*place]);
+            match (wanted.content, cells) {
+                (Content::Dates, Cells::Numbers(numbers)) => {
+                    let stamps = self.moments.stamps;
+                    let time = self.moments.next(cell);
+                    numbers.push(time.map_err(|why| stamps.refused(line, column, cell, why, written_in))?);
+                }
+                (_, cells) => push(cells, decimal, cell)
+                    .ok_or_else(|| no_number(line, column, cell, decimal, written_in))?,
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(mut self) -> Columns {
+        self.columns.cut_rows += usize::from(self.short.is_some());
+        self.columns.clock.leap_s = self.moments.leap_s();
+        self.columns.clock.of_day = self.moments.stamps.of_day();
+        self.columns
+    }
+
+    fn wrong_width(&self, row: &Row, line: usize) -> Invalid {
+        let (found, expected) = (row.cells.len(), self.header.len());
+        let is_whole = |cell: &str| cell.trim().bytes().all(|b| b.is_ascii_digit() || b"+-".contains(&b));
+        let has_commas = self.spec.separator == ','
+            && found > expected
+            && found <= 2 * expected
+            && row.cells().all(is_whole);
+        let remedy = if has_commas {
+            " (decimal commas: export with decimal points, or another separator)"
+        } else if found > expected {
+            " (a cell that holds the separator stands in quotes)"
+        } else {
+            ""
+        };
+        let (as_in, columns) =
+            if self.spec.header { ("in the header", "") } else { ("`columns` says", ", `columns`") };
+        Invalid::new(
+            format!("line {line}"),
+            format!("{found} cells"),
+            format!("{expected}, as {as_in}"),
+            format!("correct the line, or `separator`{columns} in {}{remedy}", self.plan.setup.written_in),
+        )
+    }
 }
 
 /// The names of the columns: those of the header, or their numbers where there is none.
-fn header<B: BufRead>(spec: &FileSpec, lines: &mut Lines<B>, row: &mut Row) -> Result<Vec<String>, LogError> {
+fn header(spec: &FileSpec, lines: &mut Lines, row: &mut Row) -> Result<Vec<String>, LogError> {
     for _ in 0..spec.skip_lines {
         lines.next()?;
     }
     if !spec.header {
         return Ok((1..=spec.columns.unwrap_or(0)).map(|number| number.to_string()).collect());
     }
-    row.split(lines.next()?.unwrap_or_default().trim_start_matches('\u{feff}'), spec.separator);
+    row.split(lines.next()?.unwrap_or_default(), spec.separator);
     Ok(row.cells().map(|cell| cell.trim().to_owned()).collect())
-}
-
-fn wrong_width(line: usize, found: usize, expected: usize, spec: &FileSpec, written_in: &str) -> Invalid {
-    let comma = found > expected && spec.separator == ',';
-    let comma =
-        if comma { " (decimal commas: export with decimal points, or another separator)" } else { "" };
-    let (as_in, columns) =
-        if spec.header { ("in the header", "") } else { ("`columns` says", ", `columns`") };
-    Invalid::new(
-        format!("line {line}"),
-        format!("{found} cells"),
-        format!("{expected}, as {as_in}"),
-        format!("correct the line, or `separator`{columns} in {written_in}{comma}"),
-    )
 }
 
 fn no_number(line: usize, column: &str, found: &str, decimal: char, written_in: &str) -> Invalid {
@@ -120,110 +205,7 @@ fn no_number(line: usize, column: &str, found: &str, decimal: char, written_in: 
         "correct the cell or leave it empty".to_owned()
     };
     let expected = if decimal == ',' { "a number with a decimal comma" } else { "a number" };
-    Invalid::new(cell_of(line, column), format!("`{found}`"), expected, remedy)
-}
-
-/// The lines of a text, one at a time.
-pub(crate) struct Lines<B> {
-    bytes: B,
-    line: Vec<u8>,
-    /// Number of the line, from 1.
-    number: usize,
-    /// Bytes of all lines so far.
-    read: u64,
-}
-
-impl<B: BufRead> Lines<B> {
-    pub(crate) fn new(bytes: B) -> Self {
-        Self { bytes, line: Vec::new(), number: 0, read: 0 }
-    }
-
-    /// The next line, without its end.
-    fn next(&mut self) -> Result<Option<&str>, LogError> {
-        let Some((number, line)) = self.bytes()? else { return Ok(None) };
-        std::str::from_utf8(line).map(Some).map_err(|_| {
-            let found = format!("a byte that is not UTF-8 (line {number})");
-            LogError::Invalid(Invalid::new("text", found, "UTF-8 text", "save the file as UTF-8"))
-        })
-    }
-
-    /// The number of the next line, from 1, and its bytes, without its end.
-    pub(crate) fn bytes(&mut self) -> Result<Option<(usize, &[u8])>, LogError> {
-        self.line.clear();
-        if (&mut self.bytes).take(LONGEST_LINE).read_until(b'\n', &mut self.line)? == 0 {
-            return Ok(None);
-        }
-        self.number += 1;
-        self.read += self.line.len() as u64;
-        if self.line.len() as u64 == LONGEST_LINE {
-            return Err(LogError::Invalid(Invalid::new(
-                format!("line {}", self.number),
-                format!("{LONGEST_LINE} bytes without an end of the line"),
-                "a row of cells",
-                "correct or leave out the file: it is damaged, or no CSV",
-            )));
-        }
-        let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
-        Ok(Some((self.number, line.strip_suffix(b"\r").unwrap_or(line))))
-    }
-}
-
-/// The cells of a line. Used again for every line, so that no line is allocated.
-#[derive(Default)]
-struct Row {
-    /// The line; of one with quotes, the cells' texts.
-    text: String,
-    /// Where each cell begins and ends.
-    cells: Vec<[usize; 2]>,
-}
-
-impl Row {
-    /// The separator is an ASCII character; a blank stands for any number of them.
-    fn split(&mut self, line: &str, separator: char) {
-        self.text.clear();
-        self.cells.clear();
-        if separator == ' ' {
-            let place = |cell: &str| cell.as_ptr().addr() - line.as_ptr().addr();
-            self.cells.extend(line.split_ascii_whitespace().map(|c| [place(c), place(c) + c.len()]));
-        } else if line.contains('"') {
-            return self.split_quoted(line, separator);
-        } else {
-            let mut start = 0;
-            for (at, _) in line.bytes().enumerate().filter(|(_, byte)| char::from(*byte) == separator) {
-                self.cells.push([start, at]);
-                start = at + 1;
-            }
-            self.cells.push([start, line.len()]);
-        }
-        self.text.push_str(line);
-    }
-
-    /// A cell in quotes may contain the separator, and quotes written twice.
-    fn split_quoted(&mut self, line: &str, separator: char) {
-        let (mut quoted, mut start) = (false, 0);
-        let mut characters = line.chars().peekable();
-        while let Some(c) = characters.next() {
-            match c {
-                '"' if quoted && characters.next_if_eq(&'"').is_some() => self.text.push('"'),
-                '"' => quoted = !quoted,
-                c if c == separator && !quoted => {
-                    self.cells.push([start, self.text.len()]);
-                    start = self.text.len();
-                }
-                c => self.text.push(c),
-            }
-        }
-        self.cells.push([start, self.text.len()]);
-    }
-
-    fn cell(&self, place: usize) -> &str {
-        let [start, end] = self.cells[place];
-        &self.text[start..end]
-    }
-
-    fn cells(&self) -> impl Iterator<Item = &str> {
-        (0..self.cells.len()).map(|place| self.cell(place))
-    }
+    Invalid::new(cell_of(line, &foreign(column)), format!("`{}`", foreign(found)), expected, remedy)
 }
 
 /// Appends a number or a label; nothing where it is not what its column holds.
@@ -242,14 +224,7 @@ fn number(cell: &str, decimal: char) -> Option<f64> {
         _ if cell.contains('.') => None,
         _ => cell.replacen(decimal, ".", 1).parse().ok(),
     };
-    parsed.or_else(|| NOTHING.contains(&cell.to_ascii_lowercase().as_str()).then_some(f64::NAN))
-}
-
-fn push_date(cells: &mut Cells, stamps: &Stamps, cell: &str) -> Result<(), NoStamp> {
-    if let Cells::Numbers(numbers) = cells {
-        numbers.push(stamps.seconds(cell)?);
-    }
-    Ok(())
+    parsed.or_else(|| is_nothing(cell).then_some(f64::NAN))
 }
 
 /// What is said where columns are missing because the header, one cell as a whole, is separated by something else.

@@ -3,19 +3,20 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use refusal::Invalid;
+use refusal::{Invalid, foreign};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::attitude::angles;
 use crate::columns::cell_of;
 use crate::gate::{Gate, Limit, check_share};
+use crate::rollover::{set, unrolled};
 use crate::samples::{View, steps};
 use crate::spread::spread;
 use crate::suspicion::{Seen, Turns};
 use crate::{
-    Backwards, Cells, ChannelSpec, Columns, FileSpec, Labels, NonMonotonic, Numbering, Omissions, Plan,
-    Repeated, Samples, Series, TimeSpec, TimeUnit, Unit, Unwrapping, order,
+    Backwards, Cells, ChannelSpec, ClockNotes, Columns, FileSpec, Labels, NonMonotonic, Numbering, Omissions,
+    Plan, Repeated, Samples, Series, TimeSpec, TimeUnit, Unit, Unwrapping, WarningSummary, order,
 };
 
 /// Share of rows that may have the time of an earlier row without a word of it in the configuration.
@@ -36,6 +37,12 @@ pub struct Log {
     pub counts: RowSummary,
     /// Values that were left out, by channel and reason.
     pub omitted: Omissions,
+    /// Per channel, how many rows there are, with a value or without.
+    pub(crate) rows: Vec<usize>,
+    /// What is odd about where they are from.
+    pub(crate) warnings: Vec<WarningSummary>,
+    /// The moment of a second 60 that its clock showed \[s\].
+    pub(crate) leap_s: Option<f64>,
 }
 
 /// Rows that were read, and left out.
@@ -60,12 +67,43 @@ pub struct RowSummary {
     /// Left out: sentences with a wrong checksum.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub wrong_checksums: u64,
+    /// Sentences of the clock that came late: they told no time.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub late: u64,
+    /// Of those that went backwards, put in order.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub sorted: u64,
+    /// Left out: before the clock was set.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub unset: u64,
+    /// Times at which the clock began anew and was counted on: midnight without a date, weeks, counters of so many bits.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rollovers: u64,
+    /// Files with a second 60, which is a second of its own: what comes later is a second later than its clock showed.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub leap_seconds: u64,
+    /// Rows whose decimals of the time are a whole number of nano-, micro- or milliseconds without leading zeros.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub unpadded: u64,
 }
 
 impl RowSummary {
-    /// All rows that were left out, but for those that went backwards.
+    /// All rows that were left out.
     pub fn dropped(&self) -> u64 {
-        self.empty + self.cut + self.without_time + self.repeated + self.wrong_checksums
+        let late = self.backwards.saturating_sub(self.sorted);
+        self.empty + self.cut + self.without_time + self.repeated + self.wrong_checksums + self.unset + late
+    }
+
+    /// What was made of times that are not as the clock showed them, in words.
+    pub fn mended(&self) -> Option<String> {
+        let counts = [
+            (self.rollovers, "times that a clock began anew"),
+            (self.leap_seconds, "leap seconds"),
+            (self.unpadded, "times without leading zeros in their decimals"),
+        ];
+        let words =
+            counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}"));
+        words.reduce(|all, one| all + ", " + &one)
     }
 }
 
@@ -83,16 +121,36 @@ impl std::ops::AddAssign for RowSummary {
         self.backwards += other.backwards;
         self.spread += other.spread;
         self.wrong_checksums += other.wrong_checksums;
+        self.late += other.late;
+        self.sorted += other.sorted;
+        self.unset += other.unset;
+        self.rollovers += other.rollovers;
+        self.leap_seconds += other.leap_seconds;
+        self.unpadded += other.unpadded;
     }
 }
 
 impl Log {
-    /// The log that stands in `columns`, those that [`Plan::wanted`] names for `group`.
+    /// The log of some of the channels, which stand in `columns` after their clock.
     ///
     /// # Errors
     /// Time going backwards, no rows, angles in another unit.
-    pub fn new(columns: Columns, group: usize, plan: &Plan) -> Result<Self, Invalid> {
-        let Columns { cells, lines, empty_rows, cut_rows, wrong_checksums, omitted: by_column } = columns;
+    pub(crate) fn of(
+        columns: Columns,
+        channels: &[usize],
+        group: usize,
+        plan: &Plan,
+    ) -> Result<Self, Invalid> {
+        let Columns {
+            cells,
+            lines,
+            empty_rows,
+            cut_rows,
+            wrong_checksums,
+            omitted: by_column,
+            clock: notes,
+            ..
+        } = columns;
         let (spec, mut cells) = (&plan.setup.files[group], cells.into_iter());
         let clock = cells.next();
         let nanoseconds = spec.time.nanoseconds.as_ref().and_then(|_| cells.next());
@@ -104,19 +162,24 @@ impl Log {
             wrong_checksums: wrong_checksums as u64,
             ..RowSummary::default()
         };
+        times = running(times, &notes, plan, group, &lines, &mut counts)?;
         if spec.time.repeated == Repeated::Spread {
             let moved;
-            (times, moved) = spread(times);
+            (times, moved) = spread(times, columns.is_stamped);
             counts.spread = moved as u64;
         }
-        let rows = in_order(&times, &lines, plan, group, &mut counts)?;
+        let policy = if columns.is_sorted { NonMonotonic::Sort } else { plan.setup.non_monotonic };
+        let rows = in_order(&times, &lines, plan, (group, policy), &mut counts)?;
         let times = Arc::new(rows.gathered(times));
         let rows = Rows { rows, lines, times, max_gap_s: plan.setup.max_gap_s };
         let labels = spec.label_column.is_some().then(|| cells.next_back()).flatten();
-        let specs = spec.channel.iter().zip(&plan.units[group]).zip(&plan.limits[group]);
+        let specs = channels.iter().map(|channel| {
+            let own = *channel;
+            (&spec.channel[own], &plan.units[group][own], &plan.limits[group][own])
+        });
         let cells = with_angles(cells.collect(), spec, &rows.lines)?;
-        let channels: Vec<(Cells, ((&ChannelSpec, &Unit), &Limit))> = cells.into_iter().zip(specs).collect();
-        let channel = |(cells, ((spec, unit), limit))| rows.channel(cells, spec, unit, limit);
+        let channels: Vec<(Cells, (&ChannelSpec, &Unit, &Limit))> = cells.into_iter().zip(specs).collect();
+        let channel = |(cells, (spec, unit, limit))| rows.channel(cells, spec, unit, limit);
         let judged = channels.into_par_iter().map(channel).collect::<Result<Vec<_>, _>>()?;
         let labels = labels.map(|labels| rows.labels(labels));
         let mut omitted = Omissions::default();
@@ -130,7 +193,52 @@ impl Log {
             channels.push(channel.series);
             seen.push(channel.seen);
         }
-        Ok(Self { times: rows.times, channels, seen, labels, counts, omitted })
+        let rows_of = vec![rows.times.len(); channels.len()];
+        Ok(Self {
+            times: rows.times,
+            channels,
+            seen,
+            rows: rows_of,
+            labels,
+            counts,
+            omitted,
+            warnings: Vec::new(),
+            leap_s: notes.leap_s.filter(|_| !notes.of_day),
+        })
+    }
+}
+
+/// `times` as those of a clock that runs on, whatever it showed, with the offset that is stated; counts what was mended.
+fn running(
+    times: Samples,
+    notes: &ClockNotes,
+    plan: &Plan,
+    group: usize,
+    lines: &Numbering,
+    counts: &mut RowSummary,
+) -> Result<Samples, Invalid> {
+    let spec = &plan.setup.files[group].time;
+    let (times, padded) = notes.fractions.padded(times);
+    let of_day = notes.of_day || plan.stamps(group).of_day();
+    // Dates do not begin anew.
+    let is_dated = spec.is_text() && !of_day;
+    let (times, rollovers) =
+        if is_dated { (times, 0) } else { unrolled(times, of_day, plan.setup.max_gap_s) };
+    let (times, unset) = set(times).map_err(|(row, [before, after])| {
+        Invalid::new(
+            cell_of(lines.place(row), &spec.column),
+            format!("{after} s after {before} s, years later"),
+            "times of one recording",
+            "correct the clock, or cut the file there",
+        )
+    })?;
+    counts.unpadded = padded as u64;
+    counts.rollovers = rollovers as u64;
+    counts.unset = unset as u64;
+    counts.leap_seconds = u64::from(notes.leap_s.is_some());
+    match spec.offset_s {
+        0.0 => Ok(times),
+        offset_s => Ok(times.made(times.iter().map(|time| time + offset_s))),
     }
 }
 
@@ -175,22 +283,23 @@ fn in_order(
     times: &Samples,
     lines: &Numbering,
     plan: &Plan,
-    group: usize,
+    (group, policy): (usize, NonMonotonic),
     counts: &mut RowSummary,
 ) -> Result<Kept, Invalid> {
     let timed = times.iter().filter(|time| time.is_finite()).count();
     if timed > 0 && timed == times.len() && steps(times.iter()).all(|step| step > 0.0) {
         return Ok(Kept::All);
     }
-    counts.without_time = (times.len() - timed) as u64;
+    counts.without_time = ((times.len() - timed) as u64).saturating_sub(counts.unset);
     if timed == 0 {
         let found = format!("no rows with a time ({} read, {} empty)", counts.read, counts.empty);
         let remedy = "remove the file or narrow the pattern";
         return Err(Invalid::new("file", found, "at least one row", remedy));
     }
-    let ordered = order(times, plan.setup.non_monotonic).map_err(|Backwards { row, time, latest }| {
+    check_seams(times, lines, plan)?;
+    let ordered = order(times, policy).map_err(|Backwards { row, time, latest }| {
         Invalid::new(
-            cell_of(lines.line(row), &plan.setup.files[group].time.column),
+            cell_of(lines.place(row), &plan.setup.files[group].time.column),
             format!("{time} s after {latest} s"),
             "time that does not go backwards",
             "set `non_monotonic` to \"sort\" or \"drop\", or correct the file",
@@ -208,7 +317,8 @@ fn in_order(
              which keeps the first",
         ));
     }
-    let sorted = plan.setup.non_monotonic == NonMonotonic::Sort && ordered.backwards > 0;
+    let sorted = policy == NonMonotonic::Sort && ordered.backwards > 0;
+    counts.sorted = if sorted { counts.backwards } else { 0 };
     Ok(if sorted { Kept::Sorted(ordered.rows) } else { Kept::These(ordered.rows) })
 }
 
@@ -218,6 +328,25 @@ struct Judged {
     /// What it looked like as it was logged.
     seen: Seen,
     omitted: Omissions,
+}
+
+/// Refuses files of one recording that were logged side by side.
+fn check_seams(times: &Samples, lines: &Numbering, plan: &Plan) -> Result<(), Invalid> {
+    let (mut latest, mut from) = (f64::NEG_INFINITY, 0);
+    for (row, name) in lines.seams() {
+        let ended = times.range(from..row).filter(|time| time.is_finite()).fold(latest, f64::max);
+        let begins = times.range(row..times.len()).find(|time| time.is_finite());
+        if let Some(begins) = begins.filter(|begins| *begins < ended - plan.setup.max_gap_s) {
+            return Err(Invalid::new(
+                "files of one recording",
+                format!("`{}`, which begins at {begins} s, where others last until {ended} s", foreign(name)),
+                "files that follow each other",
+                "correct `run_from_file`, leave one out, or make it a [[file]] of its own",
+            ));
+        }
+        (latest, from) = (ended, row);
+    }
+    Ok(())
 }
 
 /// The rows that stay of a file, in the order of time.
@@ -242,7 +371,7 @@ impl Rows {
         let numbers = self.rows.gathered(numbers);
         let (mut turns, mut gate) = (Turns::new(unit), Gate::new(spec, unit, limit));
         numbers.iter().zip(self.times.iter()).for_each(|(number, time)| turns.see(gate.see(number), time));
-        turns.check(&spec.column, |i| self.lines.line(self.rows.row(i)))?;
+        turns.check(&spec.column, |i| self.lines.place(self.rows.row(i)))?;
         let delayed = || Arc::new(numbers.made(self.times.iter().map(|time| time - spec.delay_s)));
         let times = if spec.delay_s == 0.0 { Arc::clone(&self.times) } else { delayed() };
         let mut unwrapping = (unit.si == "rad").then(Unwrapping::default);
@@ -286,7 +415,7 @@ fn times(
     // What is no plain number is in seconds already.
     let unit = spec.unit.and_then(TimeUnit::seconds).unwrap_or(1.0);
     let Some(Cells::Numbers(nanoseconds)) = nanoseconds else {
-        return Ok(times.made(times.iter().map(|time| time * unit + spec.offset_s)));
+        return Ok(if unit == 1.0 { times } else { times.made(times.iter().map(|time| time * unit)) });
     };
     if let Some((row, wrong)) =
         nanoseconds.iter().enumerate().find(|(_, ns)| !(ns.is_nan() || (0.0..1e9).contains(ns)))
@@ -294,18 +423,18 @@ fn times(
         let column = spec.nanoseconds.as_deref().unwrap_or_default();
         let expected = "nanoseconds of a second, from 0 to 999999999";
         let remedy = "correct the cell, or the time's `nanoseconds`";
-        return Err(Invalid::new(cell_of(lines.line(row), column), format!("{wrong}"), expected, remedy));
+        return Err(Invalid::new(cell_of(lines.place(row), column), format!("{wrong}"), expected, remedy));
     }
     let both = times.iter().zip(nanoseconds.iter());
-    Ok(times.made(both.map(|(time, ns)| time * unit + 1e-9 * ns + spec.offset_s)))
+    Ok(times.made(both.map(|(time, ns)| time * unit + 1e-9 * ns)))
 }
 
 /// The cells of all channels: those that have a column of their own, and the angles of the quaternions after them.
 fn with_angles(mut cells: Vec<Cells>, spec: &FileSpec, lines: &Numbering) -> Result<Vec<Cells>, Invalid> {
-    let mut parts = cells.split_off(spec.plain().len()).into_iter();
+    let mut parts = cells.split_off(spec.plain().len().min(cells.len())).into_iter();
     for quaternion in &spec.quaternion {
         if let [Some(w), Some(x), Some(y), Some(z)] = [(); 4].map(|()| parts.next()) {
-            cells.extend(angles(quaternion, [w, x, y, z], |row| lines.line(row))?);
+            cells.extend(angles(quaternion, [w, x, y, z], |row| lines.place(row))?);
         }
     }
     Ok(cells)

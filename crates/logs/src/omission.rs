@@ -18,6 +18,10 @@ refusal::choices! {
         NullIsland = "0 N 0 E",
         /// Of a fix that is none, or of a quality that nobody asked for.
         Quality = "quality",
+        /// Of a sentence that lacks what its value is made of, such as a heading without variation.
+        Incomplete = "incomplete",
+        /// Of a time that is not the clock's, or under a clock that was not set yet.
+        Time = "time",
     }
 }
 

@@ -13,6 +13,7 @@ use crate::assemble::on_one_clock;
 use crate::axes::check_axes;
 use crate::contradiction::Contradictions;
 use crate::gate::{check_share, keep_alive, keep_possible};
+use crate::pace::check_pace;
 use crate::quality::Derivatives;
 use crate::segment::Labelled;
 use crate::source::called;
@@ -154,6 +155,7 @@ pub fn record(
     plan: &Plan,
     segmentation: &Segmentation,
 ) -> Result<Recorded, Invalid> {
+    check_leaps(source, &logs)?;
     let start_s = logs.iter().filter_map(|log| log.times.first()).fold(f64::INFINITY, f64::min);
     let labels = logs.iter().find_map(|log| labels(log, start_s));
     let setup = &plan.setup;
@@ -163,6 +165,7 @@ pub fn record(
     logs.iter().for_each(|log| rows += log.counts);
     let mut omitted = Omissions::default();
     logs.iter().for_each(|log| omitted.append(&log.omitted, |channel| channel));
+    let of_logs: Vec<WarningSummary> = logs.iter().flat_map(|log| log.warnings.clone()).collect();
     let channels = possible(channels(plan, logs, start_s), setup, &mut omitted)?;
     let doubts = doubts(setup, &channels, omitted.as_slice());
     let missing = missing(rows_of, &channels);
@@ -181,8 +184,9 @@ pub fn record(
     };
     drop(derivatives);
     let summaries = summaries(plan, &channels, &missing);
+    check_pace(setup, &channels, &summaries)?;
     let contradictions = Contradictions::of(&motion, turned, setup.conventions.rate_hz);
-    let warnings = warnings(setup, &channels, &summaries, &seen, &contradictions.told);
+    let warnings = [warnings(setup, &channels, &summaries, &seen, &contradictions.told), of_logs].concat();
     let needed = [exogenous.as_slice(), &further];
     let made = on_one_clock(channels, &setup.conventions, needed, plan.most_rows)
         .map_err(|why| refused(&why, &summaries))?;
@@ -195,7 +199,7 @@ pub fn record(
     let samples: usize = runs.iter().map(RecordedRun::samples).sum();
     let summary = RecordingSummary {
         name: source.name.clone(),
-        files: source.files.clone(),
+        files: source.files.concat(),
         runs: Vec::new(),
         duration_s,
         samples: samples as u64,
@@ -211,6 +215,21 @@ pub fn record(
         motion: motion.into_iter().flatten().collect(),
     };
     Ok(Recorded { runs, summary })
+}
+
+/// Refuses clocks of which one has a second 60 and another, which goes on after it, has not.
+fn check_leaps(source: &Source, logs: &[Log]) -> Result<(), Invalid> {
+    let Some(leap_s) = logs.iter().find_map(|log| log.leap_s) else { return Ok(()) };
+    let has_none = |log: &&Log| log.leap_s.is_none() && log.times.last().is_some_and(|last| last >= leap_s);
+    match logs.iter().find(has_none) {
+        None => Ok(()),
+        Some(_) => Err(Invalid::new(
+            called(&source.name),
+            "a second 60 in files of one group and none in those of another",
+            "clocks that count alike",
+            "cut the recording there",
+        )),
+    }
 }
 
 /// Why `source` becomes no runs; `slowest` is the channel with the longest step, and that step \[s\].
@@ -243,7 +262,7 @@ fn labels(log: &Log, start_s: f64) -> Option<Labelled> {
 
 /// Per channel of the files, how many rows there are.
 fn rows_of(plan: &Plan, logs: &[Log]) -> Vec<(String, usize)> {
-    let rows = logs.iter().flat_map(|log| log.channels.iter().map(|_| log.times.len()));
+    let rows = logs.iter().flat_map(|log| log.rows.iter().copied());
     plan.setup.channels().map(|spec| spec.channel.clone()).zip(rows).collect()
 }
 
@@ -266,7 +285,7 @@ fn doubts(setup: &Setup, channels: &Channels, omitted: &[Omission]) -> Vec<Strin
         let stated = |reason: Reason| match reason {
             Reason::Missing => spec.missing.is_some(),
             Reason::Range => spec.valid.is_some(),
-            reason => reason == Reason::Quality,
+            reason => [Reason::Quality, Reason::Incomplete, Reason::Time].contains(&reason),
         };
         let own = omitted.iter().filter(|one| one.channel == spec.channel);
         let (asked, found) = own.fold((0, 0), |(asked, found), one| match stated(one.reason) {

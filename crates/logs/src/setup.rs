@@ -1,6 +1,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::nmea::Accepted;
 use crate::{Body, Conventions, NonMonotonic, Repeated, TimeUnit};
 
 /// How the logs of a ship were made.
@@ -8,7 +9,7 @@ use crate::{Body, Conventions, NonMonotonic, Repeated, TimeUnit};
 pub struct Setup {
     /// What messages call the file whose keys say so.
     pub written_in: &'static str,
-    /// Kinds of files; a recording has one file of each.
+    /// Kinds of files; a recording has files of each.
     pub files: Vec<FileSpec>,
     /// How channels become trajectories.
     pub conventions: Conventions,
@@ -26,16 +27,30 @@ pub struct Setup {
 pub struct FileSpec {
     /// Patterns with `*`, relative to the folder of the logs.
     pub pattern: Vec<String>,
-    /// Template that finds `{run}` in a file's name (in its path where it has a `/`): files of several groups with the
-    /// same `{run}` are one recording. Without it each file is a recording, named as the file.
+    /// Template that finds `{run}` in a file's name (in its path where it has a `/`): files with the same `{run}` are one
+    /// recording. Those of one group are its parts, in the order of their numbers or of their times. Without it each file is a recording, named as the
+    /// file.
     pub run_from_file: Option<String>,
     /// What the files are, if not as their names end: `.parquet`, `.mcap`, `.nmea`, all others CSV; all but Parquet may be `.gz` too.
     pub format: Option<Format>,
     /// Topic of a bag.
     pub topic: Option<String>,
+    /// Who publishes the topic, where several do: the number of its channel, or a value of its metadata, such as a callerid.
+    pub publisher: Option<String>,
     /// Share of sentences whose checksum may be wrong: they are left out and counted.
     #[serde(default = "hundredth")]
     pub max_wrong_checksums: f64,
+    /// Whether sentences need a checksum; also optional where `max_wrong_checksums` is 1.
+    #[serde(default)]
+    pub checksums: Checksums,
+    /// Talkers of sentences, such as `["HE", "GP"]`: where several send a channel, the first counts, and the next ones where
+    /// it is silent for longer than the channel's `max_gap_s`. Without it several talkers are refused.
+    #[serde(default)]
+    pub prefer: Vec<String>,
+    /// Sentences whose values count: fixes of GGA by number, modes of GNS, RMC, GLL, VTG and THS by letter. Without it all count
+    /// but fixes 0, 6, 7, 8 and modes E, M, S, N, V.
+    #[serde(default)]
+    pub quality: Accepted,
     /// Separator of CSV files; a blank stands for any number of them.
     #[serde(default = "comma")]
     pub separator: char,
@@ -99,6 +114,17 @@ impl Format {
             _ => Self::Csv,
         }
     }
+}
+
+/// Whether sentences need a checksum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Checksums {
+    /// Sentences without one are left out.
+    #[default]
+    Required,
+    /// Sentences without one are read.
+    Optional,
 }
 
 /// The clock of a kind of files.
@@ -212,6 +238,11 @@ fn hundredth() -> f64 {
 }
 
 impl TimeSpec {
+    /// Whether its decimals may be a whole number of nano- or microseconds.
+    pub(crate) fn has_fractions(&self) -> bool {
+        self.is_text() || self.unit == Some(TimeUnit::S) && self.nanoseconds.is_none()
+    }
+
     /// Whether it is text.
     pub fn is_text(&self) -> bool {
         self.format.is_some() || self.unit == Some(TimeUnit::Iso8601)

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use refusal::Invalid;
+use refusal::{Invalid, foreign};
 
 use crate::{FileSpec, Template};
 
@@ -11,8 +11,8 @@ use crate::{FileSpec, Template};
 pub struct Source {
     /// Name of the recording.
     pub name: String,
-    /// Per group of files, the file relative to the folder of the logs, with `/` between folders.
-    pub files: Vec<String>,
+    /// Per group of files, its parts as their names count, relative to the folder of the logs, with `/` between folders.
+    pub files: Vec<Vec<String>>,
     /// Its kind of maneuver.
     pub kind: String,
 }
@@ -39,26 +39,31 @@ pub enum Kind {
 }
 
 impl Naming {
-    /// The recordings that the `files` of `specs`, group by group, are of, in the order of their names.
+    /// The recordings that the `files` of `specs`, group by group, are of, in the order of their names. Files of one group that
+    /// are of one recording are its parts.
     ///
     /// # Errors
-    /// A template that does not fit a file, a recording that lacks a file of one of the groups or has two.
+    /// A template that does not fit a file, a recording that lacks files of one of the groups, or that has two files where
+    /// there is no template.
     pub fn sources(&self, specs: &[FileSpec], files: &[Vec<String>]) -> Result<Vec<Source>, Invalid> {
-        let mut recordings: BTreeMap<String, Vec<Option<String>>> = BTreeMap::new();
+        let mut recordings: BTreeMap<String, Vec<Vec<String>>> = BTreeMap::new();
         for (group, (template, files)) in self.recordings.iter().zip(files).enumerate() {
             for file in files {
                 let name = match template {
                     Some(template) => named(template, file)?,
                     None => stem(file).to_owned(),
                 };
-                let own = recordings.entry(name.clone()).or_insert_with(|| vec![None; self.recordings.len()]);
-                match own[group].replace(file.clone()) {
-                    Some(other) if other != *file => {
-                        let remedy = "correct `run_from_file` or rename a file";
-                        let found = format!("`{other}` and `{file}`");
-                        return Err(Invalid::new(called(&name), found, "one file of each group", remedy));
+                let own =
+                    recordings.entry(name.clone()).or_insert_with(|| vec![Vec::new(); self.recordings.len()]);
+                let parts = &mut own[group];
+                match parts.first() {
+                    Some(other) if template.is_none() && other != file => {
+                        let remedy = "rename a file, or say in `run_from_file` which are parts of one run";
+                        let found = format!("`{}` and `{}`", foreign(other), foreign(file));
+                        return Err(Invalid::new(called(&name), found, "one file", remedy));
                     }
-                    _ => {}
+                    _ if parts.contains(file) => {}
+                    _ => parts.push(file.clone()),
                 }
             }
         }
@@ -69,21 +74,41 @@ impl Naming {
         &self,
         name: String,
         specs: &[FileSpec],
-        files: Vec<Option<String>>,
+        mut files: Vec<Vec<String>>,
     ) -> Result<Source, Invalid> {
-        if let Some((spec, _)) = specs.iter().zip(&files).find(|(_, file)| file.is_none()) {
+        if let Some((spec, _)) = specs.iter().zip(&files).find(|(_, parts)| parts.is_empty()) {
             let expected = format!("a file of every group; none of `{}`", spec.pattern.join("`, `"));
             let remedy = "add the file or narrow the patterns";
             return Err(Invalid::new(called(&name), "some of its files", expected, remedy));
         }
-        let files: Vec<String> = files.into_iter().flatten().collect();
+        files.iter_mut().for_each(|parts| parts.sort_by(|a, b| counted(a).cmp(&counted(b))));
         let kind = match &self.kind {
             Kind::Given(kind) => kind.clone(),
-            Kind::Named(template) => named(template, &files[0])?,
+            Kind::Named(template) => named(template, &files[0][0])?,
             Kind::Recording => name.clone(),
         };
         Ok(Source { name, files, kind })
     }
+}
+
+/// A name as people count: `a_10` after `a_9`.
+fn counted(name: &str) -> Vec<(bool, String, String)> {
+    let mut pieces: Vec<(bool, String, String)> = Vec::new();
+    for c in name.chars() {
+        let is_digit = c.is_ascii_digit();
+        match pieces.last_mut().filter(|(last, ..)| *last == is_digit) {
+            Some((_, piece, _)) => piece.push(c),
+            None => pieces.push((is_digit, c.to_string(), String::new())),
+        }
+    }
+    for (is_number, piece, tail) in &mut pieces {
+        if *is_number {
+            // Longer numbers are larger; zeros before them count last.
+            let digits = piece.trim_start_matches('0').to_owned();
+            *tail = std::mem::replace(piece, format!("{:06}{digits}", digits.len()));
+        }
+    }
+    pieces
 }
 
 /// The part of a file's name, or of its path where the template has a `/`.
@@ -110,4 +135,16 @@ fn stem(file: &str) -> &str {
     let name = base(file);
     let name = name.strip_suffix(".gz").unwrap_or(name);
     name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_follow_each_other_as_people_count() {
+        let mut names = ["a_10.csv", "a_9.csv", "a_1.csv", "a_01.csv", "a_2_b.csv", "b_0.csv"];
+        names.sort_by_key(|name| counted(name));
+        assert_eq!(names, ["a_01.csv", "a_1.csv", "a_2_b.csv", "a_9.csv", "a_10.csv", "b_0.csv"]);
+    }
 }

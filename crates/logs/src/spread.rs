@@ -15,8 +15,8 @@ const GAP: f64 = 1.5;
 
 /// `times` \[s\] with the rows of each spread evenly until the next, and how many were moved. Where a second is not whole, at
 /// the ends of a recording and at gaps, its rows keep the usual distance: at an end they follow their time, at a beginning
-/// they lead to the next.
-pub(crate) fn spread(times: Samples) -> (Samples, usize) {
+/// they lead to the next, unless all rows follow a stamp with their time (`is_stamped`).
+pub(crate) fn spread(times: Samples, is_stamped: bool) -> (Samples, usize) {
     let shared = shared(&times);
     let known = times.iter().filter(|time| time.is_finite()).count();
     let steps = || shared.windows(2).map(|pair| pair[1].time - pair[0].time);
@@ -29,8 +29,12 @@ pub(crate) fn spread(times: Samples) -> (Samples, usize) {
     let mut rows = shared.iter().zip(befores.zip(afters)).flat_map(|(own, (before, after))| {
         let count = own.rows as f64;
         let (first, between) = match after {
-            after if gap(after) => (own.time, step / usual.max(count)),
-            Some(after) if gap(before) && count < usual => {
+            after if gap(after) => {
+                // Of several seconds, where the times between were lost.
+                let room = after.filter(|after| *after > 0.0).map_or(f64::INFINITY, |after| after / count);
+                (own.time, (step / usual).min(room))
+            }
+            Some(after) if !is_stamped && gap(before) && count < usual => {
                 (own.time + after * (1.0 - count / usual), after / usual)
             }
             after => (own.time, after.unwrap_or(step) / count),
@@ -57,7 +61,7 @@ mod tests {
     use super::*;
 
     fn spread_all(times: Vec<f64>) -> (Vec<f64>, usize) {
-        let (times, moved) = spread(times.into());
+        let (times, moved) = spread(times.into(), false);
         (times.to_vec(), moved)
     }
 
@@ -68,6 +72,20 @@ mod tests {
         let (found, moved) = spread_all(truth.iter().map(|time| time.floor()).collect());
         assert_eq!(found, truth);
         assert_eq!(moved, truth.len() - 7);
+    }
+
+    #[test]
+    fn rows_of_a_stamp_that_was_lost_keep_their_distance() {
+        // 5 Hz; the stamp of second 3 is lost, and second 0 has but four rows.
+        let stamps: Vec<f64> =
+            (0..40).filter(|row| *row != 2).map(|row| [0.0, 1.0, 2.0, 2.0, 4.0][(row / 5).min(4)]).collect();
+        let stamps: Vec<f64> = stamps.into_iter().take(24).collect();
+        let (found, _) = spread(stamps.into(), true);
+        let found = found.to_vec();
+        assert_eq!((found[0], found[4]), (0.0, 1.0));
+        for (row, time) in found[9..19].iter().enumerate() {
+            assert!((time - 2.0 - 0.2 * row as f64).abs() < 1e-9, "{found:?}");
+        }
     }
 
     #[test]

@@ -4,9 +4,9 @@ use jiff::civil::DateTime;
 use jiff::fmt::strtime::BrokenDownTime;
 use jiff::tz::{AmbiguousOffset, Offset, TimeZone, TimeZoneDatabase};
 use jiff::{Timestamp, Zoned};
-use refusal::{Invalid, nearest};
+use refusal::{Invalid, foreign, nearest};
 
-use crate::columns::cell_of;
+use crate::columns::{cell_of, is_nothing};
 use crate::{TimeSpec, TimeUnit};
 
 /// How the times of a kind of files are read where they are text.
@@ -52,7 +52,7 @@ impl Stamps {
     /// See [`NoStamp`].
     pub fn seconds(&self, text: &str) -> Result<f64, NoStamp> {
         let text = text.trim();
-        if text.is_empty() {
+        if is_nothing(text) {
             return Ok(f64::NAN);
         }
         let Some(format) = &self.format else { return self.iso(text) };
@@ -89,15 +89,54 @@ impl Stamps {
         }
     }
 
+    /// Whether a text, which was read as `time`, tells a second 60: that is read as 59.
+    fn is_leap(&self, text: &str, time: f64) -> bool {
+        if !(time.rem_euclid(60.0) >= 59.0) {
+            return false;
+        }
+        let with = |at: usize, second: &str| format!("{}{second}{}", &text[..at], &text[at + 2..]);
+        let is_second = |at: usize| {
+            let before = self.seconds(&with(at, "58"));
+            before.is_ok_and(|before| (time - before - 1.0).abs() < 1e-3)
+        };
+        text.match_indices("60").any(|(at, _)| is_second(at))
+    }
+
+    /// Seconds since 1970-01-01 UTC of a moment `shown` by clocks in the zone, in seconds as if that were UTC.
+    ///
+    /// # Errors
+    /// See [`NoStamp`].
+    pub fn shown(&self, shown: f64) -> Result<f64, NoStamp> {
+        if self.zone == TimeZone::UTC || !shown.is_finite() {
+            return Ok(shown);
+        }
+        let whole = shown.floor();
+        let second = Timestamp::from_second(whole as i64).map_err(|_| NoStamp::Unread)?;
+        Ok(self.local(TimeZone::UTC.to_datetime(second))? + (shown - whole))
+    }
+
+    /// Whether times are those of a day without a date.
+    pub(crate) fn of_day(&self) -> bool {
+        self.format.is_some() && !self.dated
+    }
+
     /// What is said of a cell that is no time.
     pub fn refused(&self, line: usize, column: &str, text: &str, why: NoStamp, written_in: &str) -> Invalid {
         let found = match why {
-            NoStamp::Unread => format!("`{text}`"),
+            NoStamp::Unread => format!("`{}`", foreign(text)),
             NoStamp::Twice => {
-                format!("`{text}`, which clocks in {} showed twice: they were set back", self.called)
+                format!(
+                    "`{}`, which clocks in {} showed twice: they were set back",
+                    foreign(text),
+                    self.called
+                )
             }
             NoStamp::Never => {
-                format!("`{text}`, which clocks in {} never showed: they were set forward", self.called)
+                format!(
+                    "`{}`, which clocks in {} never showed: they were set forward",
+                    foreign(text),
+                    self.called
+                )
             }
         };
         let expected = match (why, &self.format) {
@@ -114,6 +153,38 @@ impl Stamps {
             ),
         };
         Invalid::new(cell_of(line, column), found, expected, remedy)
+    }
+}
+
+/// Reads the times of rows one after the other. A second 60 is a second of its own: what comes after it is a second later.
+pub struct Moments<'a> {
+    pub(crate) stamps: &'a Stamps,
+    /// When it began \[s\].
+    leap_s: Option<f64>,
+}
+
+impl<'a> Moments<'a> {
+    /// Reads as `stamps` do.
+    pub fn new(stamps: &'a Stamps) -> Self {
+        Self { stamps, leap_s: None }
+    }
+
+    /// See [`Stamps::seconds`].
+    ///
+    /// # Errors
+    /// See [`NoStamp`].
+    pub fn next(&mut self, text: &str) -> Result<f64, NoStamp> {
+        let time = self.stamps.seconds(text)?;
+        if self.stamps.is_leap(text, time) {
+            self.leap_s.get_or_insert(time.floor() + 1.0);
+            return Ok(time + 1.0);
+        }
+        Ok(if self.leap_s.is_some_and(|leap_s| time >= leap_s) { time + 1.0 } else { time })
+    }
+
+    /// The moment of a second 60, if there was one.
+    pub fn leap_s(&self) -> Option<f64> {
+        self.leap_s
     }
 }
 

@@ -7,7 +7,6 @@ use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::cell_of;
 use crate::samples::steps;
 use crate::{ChannelSpec, ChannelSummary, Channels, MotionSummary, Setup, Unit};
 
@@ -37,7 +36,7 @@ pub(crate) struct Turns<'a> {
 }
 
 /// What a channel looked like as it was logged.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Seen {
     /// Its largest modulus, in SI units.
     largest: f64,
@@ -101,11 +100,11 @@ impl<'a> Turns<'a> {
     }
 
     /// Refuses `column`, whose number `i` stands on `line(i)`, where it wraps.
-    pub(crate) fn check(&self, column: &str, line: impl Fn(usize) -> usize) -> Result<(), Invalid> {
+    pub(crate) fn check(&self, column: &str, line: impl Fn(usize) -> String) -> Result<(), Invalid> {
         for Wraps { unit: name, turn, first } in &self.wraps {
             if let Some((i, [before, number])) = first.filter(|_| self.largest <= 1.02 * turn) {
                 return Err(Invalid::new(
-                    cell_of(line(i), column),
+                    format!("line {}, column `{column}`", line(i)),
                     format!("{number} after {before}, a turn in {name}"),
                     format!("angles in {}, as its `unit` says", self.unit.name),
                     format!("it looks like {name}: set `unit = \"{name}\"`"),
@@ -174,6 +173,10 @@ pub enum WarningKind {
     Gain,
     /// It is off what it is compared with by a constant.
     Bias,
+    /// It may be from another sensor, or something else, than its name says.
+    Source,
+    /// Its clock was corrected.
+    Clock,
 }
 
 /// What is odd about a channel: the kind, how often, in words.

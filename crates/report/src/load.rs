@@ -135,7 +135,7 @@ impl Loader<'_> {
         what: &str,
     ) -> Result<Option<Vec<ManeuverTrace>>, Error> {
         let path = self.sources.results.join(name);
-        let (Some(vessel), true) = (vessel, path.exists()) else { return Ok(None) };
+        let (Some(vessel), true) = (vessel, artifact::is_written(&path)) else { return Ok(None) };
         let reader = TrajectoryReader::open(&path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
         self.made(name, what, reader.digest(), reader.provenance())?;
         let mut traces = Vec::new();

@@ -28,7 +28,7 @@ pub struct Sources {
 
 /// A file that may be missing.
 pub(super) fn existing(path: PathBuf) -> Option<PathBuf> {
-    Some(path).filter(|path| path.exists())
+    Some(path).filter(|path| artifact::is_written(path))
 }
 
 /// A document with where it comes from; none where there is no file.

@@ -1,6 +1,6 @@
 //! A planned trial with its drawing.
 
-use artifact::{Digest, Error};
+use artifact::{Digest, Error, is_written, read_written};
 use study::documents::PlanDocument;
 
 use super::drawing::refused;
@@ -22,10 +22,10 @@ pub struct PlannedTrial {
 /// The map `name` of the results, noted; none where there is no such file.
 pub(crate) fn map(loader: &mut Loader, name: &str) -> Result<Option<String>, Error> {
     let path = loader.sources.results.join(name);
-    if !path.exists() {
+    if !is_written(&path) {
         return Ok(None);
     }
-    let bytes = std::fs::read(&path).map_err(|e| Error::io(&path, "read", e))?;
+    let bytes = read_written(&path)?;
     let digest = Digest::of_bytes(&bytes);
     let text = String::from_utf8(bytes).map_err(|_| "bytes that are not UTF-8".to_owned());
     let checked = text.and_then(|text| refused(&text).map_or(Ok(text), Err));

@@ -8,6 +8,7 @@ use clap_complete::Shell;
 use frame::manual::{completions, manual};
 use frame::verify::Verify;
 
+use crate::cli::set_budget;
 use crate::commands::STAGES;
 use crate::failure::Failure;
 use crate::stage::{dressed, ended, matches};
@@ -21,9 +22,12 @@ pub fn main() -> ExitCode {
     };
     let done = match matches.subcommand() {
         Some(("completions", own)) => completions(own.get_one("shell").copied(), command),
-        Some(("verify", own)) => Verify::from_arg_matches(own)
-            .map_err(|e| Failure::Usage(e.to_string()))
-            .and_then(|verify| verify.run()),
+        Some(("verify", own)) => {
+            Verify::from_arg_matches(own).map_err(|e| Failure::Usage(e.to_string())).and_then(|verify| {
+                set_budget(own.get_one("memory_mib").copied());
+                verify.run()
+            })
+        }
         Some(("manual", own)) => {
             manual(own.get_one("folder").map_or(Path::new("."), PathBuf::as_path), command)
         }

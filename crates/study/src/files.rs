@@ -103,8 +103,12 @@ pub fn generator(
     let folder = path.parent().unwrap_or(Path::new(""));
     let digests = std::cell::RefCell::new(Vec::new());
     let read = |name: &str| {
-        let text = std::fs::read_to_string(folder.join(name)).map_err(|e| {
-            Invalid::new(format!("`file` {name}"), e.to_string(), "a readable CSV file", "check the path")
+        let text = artifact::read_to_string(folder.join(name)).map_err(|e| {
+            let found = match e {
+                Error::Io { source, .. } => source.to_string(),
+                Error::Refused { invalid, .. } => invalid.found,
+            };
+            Invalid::new(format!("`file` {name}"), found, "a readable CSV file", "check the path")
         })?;
         digests.borrow_mut().push((format!("inputs:{name}"), Digest::of_bytes(text.as_bytes())));
         Ok(text)

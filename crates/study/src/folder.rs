@@ -3,7 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use artifact::{Digest, Error, Inspected, Provenance, STUDY_ROLES, check_members, inspect};
+use artifact::{
+    Digest, Error, Inspected, Leftovers, Provenance, STUDY_ROLES, check_members, inspect, is_unfinished,
+};
+use refusal::{foreign, one_line, shortened};
 
 use crate::{refuse, role_of};
 
@@ -12,6 +15,8 @@ use crate::{refuse, role_of};
 pub struct Folder {
     /// Of each file, in their order: what it says about itself, or what is wrong with it.
     files: Vec<(PathBuf, Result<Inspected, Error>)>,
+    /// What interrupted runs left in it, and in those below it.
+    left: Vec<(PathBuf, Leftovers)>,
     /// Names of files by their digests.
     names: BTreeMap<Digest, String>,
     /// What is wrong, a line each.
@@ -42,9 +47,11 @@ impl Folder {
         self.files.len()
     }
 
-    /// A line for each file: what it is and what it was made of.
+    /// A line for each file: what it is and what it was made of; and for each folder in which interrupted runs left something.
     pub fn lines(&self, root: &Path) -> impl Iterator<Item = String> {
-        self.files.iter().map(move |(path, found)| self.line(root, path, found))
+        let files = self.files.iter().map(move |(path, found)| self.line(root, path, found));
+        let left = self.left.iter().flat_map(|(folder, left)| told_of_leftovers(folder, left));
+        files.chain(left).map(|line| shortened(&one_line(&line), LONGEST))
     }
 
     /// What the hand-written files tell.
@@ -72,12 +79,30 @@ impl Folder {
         let mut paths: Vec<PathBuf> =
             entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<_, _>>().map_err(fails)?;
         paths.sort();
+        self.look_for_leftovers(folder, &paths);
+        paths.retain(|path| !is_unfinished(path));
         let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) =
             paths.into_iter().partition(|path| path.is_dir());
         for path in files {
             self.files.extend(inspect(&path).transpose().map(|found| (path, found)));
         }
         folders.iter().filter(|path| !path.is_symlink()).try_for_each(|path| self.look(path))
+    }
+
+    /// What a run that was interrupted left is no file of the folder. Of a set that is half named the names mean the new files
+    /// here, and the old ones elsewhere.
+    fn look_for_leftovers(&mut self, folder: &Path, paths: &[PathBuf]) {
+        if !paths.iter().any(|path| is_unfinished(path)) {
+            return;
+        }
+        let left = Leftovers::of(folder);
+        if left.half_named {
+            let found = "a run that was interrupted while its files got their names";
+            let remedy = "run a stage that writes into this folder again";
+            let fault = refuse(folder, "set", found, "a run that came to its end", remedy);
+            self.faults.push(fault.to_string());
+        }
+        self.left.push((folder.to_owned(), left));
     }
 
     /// Whether what was written together is together; no file that was looked at is read again for that.
@@ -139,8 +164,8 @@ impl Folder {
         let name = relative(root, path);
         let Ok(found) = found else { return format!("{name}: damaged") };
         let input = |(role, digest): (&String, &Digest)| match self.names.get(digest) {
-            Some(name) => format!("{role} ({name})"),
-            None => role.clone(),
+            Some(name) => format!("{} ({name})", foreign(role)),
+            None => foreign(role),
         };
         let logs = found.provenance.inputs.keys().filter(|role| role.starts_with("log:")).count();
         let others = found.provenance.inputs.iter().filter(|(role, _)| !role.starts_with("log:"));
@@ -150,8 +175,24 @@ impl Folder {
         }
         let of = if inputs.is_empty() { String::new() } else { format!(", of {}", inputs.join(", ")) };
         let unsealed = if found.sealed { "" } else { ", edited by hand (no seal)" };
-        format!("{name}: {}{unsealed}{of}", found.schema)
+        format!("{name}: {}{unsealed}{of}", foreign(&found.schema))
     }
+}
+
+/// Most characters of a line.
+const LONGEST: usize = 490;
+
+fn told_of_leftovers(folder: &Path, left: &Leftovers) -> impl Iterator<Item = String> {
+    let (folder, files) = (folder.display().to_string(), left.files);
+    let hidden = (files > 0).then(|| {
+        let things = if files == 1 { "leftover" } else { "leftovers" };
+        format!("{folder}: {files} hidden {things}, removed by the next stage that writes here")
+    });
+    let strange = left.strange.iter().map(move |name| {
+        let name = foreign(name);
+        format!("{folder}: a leftover, `{name}`, that no stage wrote as it is: nothing obeys it; remove it by hand")
+    });
+    hidden.into_iter().chain(strange)
 }
 
 fn relative(root: &Path, path: &Path) -> String {

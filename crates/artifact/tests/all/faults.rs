@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use artifact::fault::{Fault, inject};
-use artifact::{Error, Staged, TableReader, commit, read_document, stage_document};
+use artifact::{Error, Staged, TableReader, commit, read_document, read_written, stage_document};
 
 use crate::sample::{Design, design, encode, folder, names, provenance, stage};
 
@@ -28,7 +28,8 @@ fn write_set(folder: &Path, blocks: usize) -> Result<(), Error> {
 fn read_set(folder: &Path) -> [usize; 3] {
     let table = TableReader::open(folder.join("t.parquet"), "trajectories", 2).unwrap().blocks();
     let document = read_document::<Design>(folder.join("t.json")).unwrap().data.gap as usize;
-    let picture = std::fs::read_to_string(folder.join("t.svg")).unwrap().parse().unwrap();
+    let picture = read_written(folder.join("t.svg")).unwrap();
+    let picture = String::from_utf8(picture).unwrap().parse().unwrap();
     [table, document, picture]
 }
 
@@ -119,9 +120,9 @@ fn law_a_process_killed_while_it_gives_names_back_leaves_the_old_set() {
             let table =
                 TableReader::open(folder.path().join("t.parquet"), "trajectories", 2).unwrap().blocks();
             let document = read_document::<Design>(folder.path().join("t.json")).unwrap().data.gap as usize;
-            let picture = std::fs::read_to_string(folder.path().join("t.svg")).ok();
+            let picture = read_written(folder.path().join("t.svg")).ok();
             let found = (table, document, picture.as_deref());
-            assert!(found == (1, 1, None) || found == (2, 2, Some("2")), "{count}, {then}: {found:?}");
+            assert!(found == (1, 1, None) || found == (2, 2, Some(b"2")), "{count}, {then}: {found:?}");
             assert!(faulty(folder.path(), Fault::Error, u32::MAX));
             assert_eq!(names(&folder), ["t.json", "t.parquet", "t.svg"], "{count}, {then}");
         }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use chart::{
-    Causes, Chart, Class, DANGER_M, DOUBTFUL_M, Layer, Mark, Obstacles, Plane, PolygonLayer, RULES, Raster,
-    Rules, Tallies, Treatment, objects_of_geojson,
+    Causes, Chart, Class, DANGER_M, DOUBTFUL_M, Ignored, Judged, Layer, Mark, Obstacles, Plane, PolygonLayer,
+    RULES, Raster, Rules, Tallies, Treatment, objects_of_geojson,
 };
 use enc::{Cell, Feature, Geometry, class, class_name};
 
@@ -219,6 +219,131 @@ fn objects_that_matter_have_a_place() {
     assert_eq!(layer.marks[0].class, Class::NoGo);
 }
 
+/// An object of a class.
+fn object(name: &str, geometry: Geometry) -> Feature {
+    Feature {
+        class: class(name).unwrap(),
+        id: format!("of {name}"),
+        attributes: BTreeMap::new(),
+        geometry,
+        position_quality: Vec::new(),
+    }
+}
+
+fn rectangle([west, south]: [f64; 2], [east, north]: [f64; 2]) -> Vec<[f64; 2]> {
+    vec![[west, south], [east, south], [east, north], [west, north], [west, south]]
+}
+
+/// Water of 20 m around an island with a lake, and one more object.
+fn island_with(own: Feature, rules: &Rules) -> (PolygonLayer, Tallies) {
+    let outer = rectangle([24.0, 59.0], [26.0, 61.0]);
+    let island = rectangle([24.99, 59.99], [25.01, 60.01]);
+    let lake = rectangle([25.004, 60.004], [25.006, 60.006]);
+    let mut water = object("DEPARE", Geometry::Area(vec![vec![outer, island.clone()], vec![lake.clone()]]));
+    water.attributes.insert(enc::attribute::DRVAL1.0, "20".into());
+    let land = object("LNDARE", Geometry::Area(vec![vec![island, lake]]));
+    PolygonLayer::from_objects(&[water, land, own], Some(20_000), rules).unwrap()
+}
+
+/// What became of the one object, and why.
+fn became(own: Feature) -> (u64, Vec<Ignored>) {
+    let name = class_name(own.class).map_or_else(|| own.class.to_string(), str::to_owned);
+    let tally = &island_with(own, &Rules::default()).1[&name];
+    (tally.avoided, tally.reasons.keys().copied().collect())
+}
+
+/// Whether an object counts is decided by where it stands, not by its class: every class with a body, and every code that the
+/// standard lacks.
+#[test]
+fn law_whatever_has_a_body_is_an_obstacle_in_water_and_none_on_land() {
+    let bodies =
+        RULES.iter().filter(|rule| matches!(rule.judged, Judged::Body | Judged::Clearance | Judged::Unknown));
+    let mut classes: Vec<u16> =
+        bodies.flat_map(|rule| rule.classes).map(|name| class(name).unwrap()).collect();
+    assert!(classes.len() > 45, "{}", classes.len());
+    classes.extend([17_003, 401 + 2, 65_535]);
+    let of = |class: u16, geometry: Geometry| Feature { class, ..object("LNDMRK", geometry) };
+    let point = |place: [f64; 2]| Geometry::Points(vec![place]);
+    for code in classes {
+        let named = class_name(code).unwrap_or("unknown");
+        for (place, is_water) in [
+            ([25.02, 60.0], true),
+            ([25.005, 60.005], true),
+            ([27.0, 60.0], true),
+            // On the shore.
+            ([25.01, 60.0], true),
+            ([25.0, 60.0], false),
+            ([25.0099999, 60.0], false),
+        ] {
+            let own = of(code, point(place));
+            let expected = if is_water { (1, vec![]) } else { (0, vec![Ignored::OnLand]) };
+            assert_eq!(became(own.clone()), expected, "{named} at {place:?}");
+            if let ([mark], true) = (&island_with(own, &Rules::default()).0.marks[..], is_water) {
+                assert_eq!((mark.radius_m, &mark.positions[..]), (DANGER_M, &[place][..]), "{named}");
+            }
+        }
+        let line = |to: [f64; 2]| Geometry::Lines(vec![vec![[24.995, 59.995], [25.0, 60.0], to]]);
+        let area = |ring: Vec<[f64; 2]>| Geometry::Area(vec![vec![ring]]);
+        for (geometry, is_water) in [
+            (line([25.003, 60.003]), false),
+            (line([25.02, 60.0]), true),
+            // Over the lake, from land to land.
+            (line([25.008, 60.008]), true),
+            (area(rectangle([24.995, 59.995], [25.003, 60.003])), false),
+            (area(rectangle([24.995, 59.995], [25.008, 60.008])), true),
+            (area(rectangle([25.005, 59.995], [25.02, 60.003])), true),
+        ] {
+            let expected = if is_water { (1, vec![]) } else { (0, vec![Ignored::OnLand]) };
+            assert_eq!(became(of(code, geometry.clone())), expected, "{named}: {geometry:?}");
+        }
+    }
+}
+
+#[test]
+fn what_has_no_body_is_ignored_wherever_it_is_and_with_its_reason() {
+    let point = || Geometry::Points(vec![[25.02, 60.0]]);
+    for (name, why) in [
+        ("LIGHTS", Ignored::NoBody),
+        ("TOPMAR", Ignored::NoBody),
+        ("SEAARE", Ignored::NoBody),
+        ("SBDARE", Ignored::ForOthers),
+        ("COALNE", Ignored::SaidElsewhere),
+        ("M_QUAL", Ignored::AboutData),
+    ] {
+        assert_eq!(became(object(name, point())), (0, vec![why]), "{name}");
+    }
+    let mut mark = object("DISMAR", point());
+    assert_eq!(became(mark.clone()), (1, vec![]));
+    mark.attributes.insert(enc::attribute::CATDIS.0, "1".into());
+    assert_eq!(became(mark), (0, vec![Ignored::Unmarked]));
+    let rules = |treatment| Rules { changed: [("LNDMRK".to_owned(), treatment)].into(), ..Rules::default() };
+    let turbine = |treatment| island_with(object("LNDMRK", point()), &rules(treatment)).1["LNDMRK"].clone();
+    let own = turbine(Treatment::Ignore);
+    assert_eq!((own.ignored, own.reasons.keys().copied().collect::<Vec<_>>()), (1, vec![Ignored::Rule]));
+    assert_eq!(turbine(Treatment::ManeuversAvoid).maneuvers_avoid, 1);
+}
+
+#[test]
+fn parts_in_other_units_or_of_another_datum_are_refused() {
+    let area = || Geometry::Area(vec![vec![rectangle([24.0, 59.0], [26.0, 61.0])]]);
+    let told = |name: &str, (code, _): (u16, &str), value: &str| {
+        let mut own = object(name, area());
+        own.attributes.insert(code, value.into());
+        let land = object("LNDARE", Geometry::Points(vec![[25.0, 60.0]]));
+        PolygonLayer::from_objects(&[own, land], None, &Rules::default())
+            .map(|_| ())
+            .map_err(|e| e.to_string())
+    };
+    use enc::attribute::{DUNITS, HORDAT, HUNITS};
+    for (name, attribute, good, bad) in
+        [("M_UNIT", DUNITS, "1", "3"), ("M_UNIT", HUNITS, "1", "2"), ("M_HDAT", HORDAT, "2", "1")]
+    {
+        assert_eq!(told(name, attribute, good), Ok(()));
+        let told = told(name, attribute, bad).unwrap_err();
+        assert!(told.contains(name) && told.contains(attribute.1), "{told}");
+    }
+}
+
 #[test]
 fn rules_of_what_is_no_class_or_has_none_are_refused() {
     let refused = |name: &str, treatment: Treatment| {
@@ -234,16 +359,19 @@ fn rules_of_what_is_no_class_or_has_none_are_refused() {
 }
 
 #[test]
-fn the_table_names_classes_of_the_standard_once_and_the_page_has_it() {
+fn the_table_names_each_class_of_the_standard_once_and_the_page_has_what_has_an_effect() {
     let page = std::fs::read_to_string(fixture_path("../../docs/own-chart.md")).unwrap();
     let mut seen = Vec::new();
     for rule in RULES {
         for name in rule.classes {
             assert!(class(name).is_some() && !seen.contains(name), "{name}");
             seen.push(name);
-            assert!(page.contains(&format!("`{name}`")), "docs/own-chart.md lacks {name}");
+            let has_effect = rule.treatment != Treatment::Ignore;
+            assert!(!has_effect || page.contains(&format!("`{name}`")), "docs/own-chart.md lacks {name}");
         }
     }
+    let missing: Vec<&str> = (1..500).filter_map(class_name).filter(|name| !seen.contains(name)).collect();
+    assert!(missing.is_empty(), "no rule for {missing:?}");
 }
 
 /// The figure: of a whole cell 192 obstructions and 109 wrecks that are points or lines, all kept, and nothing free nearer

@@ -5,12 +5,12 @@ use std::path::Path;
 use enc::{Cell, Invalid};
 use proptest::prelude::*;
 
-fn file(suffix: &str) -> Vec<u8> {
+pub fn file(suffix: &str) -> Vec<u8> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/charts/enc");
     std::fs::read(folder.join(format!("ZZ5BAY01.{suffix}"))).unwrap()
 }
 
-fn base() -> Vec<u8> {
+pub fn base() -> Vec<u8> {
     file("000")
 }
 
@@ -23,7 +23,7 @@ fn changed(file: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
 }
 
 #[track_caller]
-fn refused<T: std::fmt::Debug>(result: Result<T, Invalid>, pieces: &[&str]) {
+pub fn refused<T: std::fmt::Debug>(result: Result<T, Invalid>, pieces: &[&str]) {
     let told = result.expect_err("refused").to_string();
     assert!(pieces.iter().all(|piece| told.contains(piece)), "{told}");
     assert!(!told.contains('\n'), "{told}");
@@ -57,7 +57,8 @@ fn other_datums_units_and_topologies_are_refused() {
     refused(with(5, 1), &["HDAT", "WGS84"]);
     refused(with(12, 3), &["DUNI", "metres"]);
     refused(with(15, 2), &["COUN", "longitude and latitude"]);
-    assert!(with(7, 12).is_ok());
+    let datums = with(7, 12).unwrap().datums();
+    assert_eq!(enc::vertical_datum(datums.depths), Some("mean lower low water"));
     refused(Cell::read(&changed(&base(), &[2, 1, 2, 1, 0, 0, 0], &[3])), &["DSTR", "chain-node"]);
 }
 
@@ -76,6 +77,15 @@ fn updates_come_one_after_the_other() {
     let mut cell = Cell::read(&base()).unwrap();
     let other = changed(&file("001"), b".001\x1f2\x1f", b".001\x1f3\x1f");
     refused(cell.update(&other), &["update 1 of edition 3"]);
+}
+
+#[test]
+fn updates_of_another_cell_or_in_other_units_are_refused() {
+    let mut cell = Cell::read(&base()).unwrap();
+    let other = changed(&file("001"), b"ZZ5BAY01.001", b"ZZ5BAY02.001");
+    refused(cell.update(&other), &["update 1 of edition 2 of the cell `ZZ5BAY02.001`"]);
+    let lower = changed(&file("001"), b"ZZ5BAY01.001", b"zz5bay01.001");
+    assert_eq!(Cell::read(&base()).unwrap().update(&lower), Ok(()));
 }
 
 #[test]

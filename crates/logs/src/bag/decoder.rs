@@ -1,11 +1,12 @@
 //! From a message's bytes to the values of the fields that are asked for.
 
-use refusal::{Invalid, nearest};
+use refusal::{Invalid, foreign, nearest};
 
 use super::cdr::{Cursor, Node};
 use super::definition::definition;
 use super::fields::{Step, Wrong, leaves, steps};
 use super::json;
+use crate::columns::some_of;
 
 /// Decodes the messages of a channel.
 pub(super) enum Decoder {
@@ -36,22 +37,24 @@ impl Decoder {
                 let shape = definition(name, &text).map_err(|found| {
                     let expected = "a definition as `ros2 interface show` has it";
                     let remedy = "record the bag with its message definitions";
-                    Invalid::new(format!("schema `{name}` of topic `{topic}`"), found, expected, remedy)
+                    let thing = format!("schema `{}` of topic `{}`", foreign(name), foreign(topic));
+                    Invalid::new(thing, found, expected, remedy)
                 })?;
                 let wanted: Vec<(usize, &[Step])> = steps.iter().map(Vec::as_slice).enumerate().collect();
                 Node::new(&shape, &wanted).map(Self::Cdr).map_err(|slot| {
                     let known = leaves(&shape);
                     let path = &paths[slot];
                     let near = nearest(path, known.iter().map(String::as_str));
-                    let remedy =
-                        near.map_or("correct it".to_owned(), |near| format!("did you mean `{near}`?"));
-                    let expected = format!("a number in {name}: {}", known.join(", "));
-                    Invalid::new(format!("column of topic `{topic}`"), format!("`{path}`"), expected, remedy)
+                    let remedy = near
+                        .map_or("correct it".to_owned(), |near| format!("did you mean `{}`?", foreign(near)));
+                    let expected = format!("a number in {}: {}", foreign(name), some_of(&known, path));
+                    let thing = format!("column of topic `{}`", foreign(topic));
+                    Invalid::new(thing, format!("`{path}`"), expected, remedy)
                 })
             }
             _ => Err(Invalid::new(
-                format!("encoding of topic `{topic}`"),
-                format!("messages in `{encoding}` with a schema in `{kind}`"),
+                format!("encoding of topic `{}`", foreign(topic)),
+                format!("messages in `{}` with a schema in `{}`", foreign(encoding), foreign(kind)),
                 "cdr with ros2msg, or json",
                 "convert the bag, or export the topic as CSV or Parquet",
             )),

@@ -1,10 +1,26 @@
 //! Definitions of messages as bags hold them: the message's own fields, then those of each type that it uses, with a line of
 //! `=` and `MSG: package/Type` before each. <https://docs.ros.org/en/rolling/Concepts/Basic/About-Interfaces.html>
 
+use std::cell::Cell;
+
+use refusal::foreign;
+
 use super::fields::{Primitive, Shape};
 
 /// Types within types beyond which a definition is taken to go round in a circle.
 const DEEPEST: usize = 32;
+
+/// Fields of a message, those of all types within it counted wherever they are used.
+const MOST_FIELDS: usize = 20_000;
+
+/// Types that a definition has.
+const MOST_TYPES: usize = 2000;
+
+/// Bytes of a definition.
+pub(super) const LONGEST: usize = 1 << 20;
+
+/// Elements of a list whose length the definition says.
+const MOST_ELEMENTS: usize = 1 << 27;
 
 /// Names of numbers.
 const NUMBERS: [(&str, Primitive); 13] = [
@@ -23,21 +39,32 @@ const NUMBERS: [(&str, Primitive); 13] = [
     ("float64", Primitive::F64),
 ];
 
-/// The types of a definition, `package/Type`, and their lines.
-struct Types<'a>(Vec<(String, Vec<&'a str>)>);
+/// The types of a definition.
+struct Types<'a> {
+    /// `package/Type`, and its lines.
+    lines: Vec<(String, Vec<&'a str>)>,
+    /// How many more fields there may be.
+    left: Cell<usize>,
+}
 
 /// The shape of messages of type `name` by the definition in `text`.
 ///
 /// # Errors
 /// Says what cannot be read.
 pub(super) fn definition(name: &str, text: &str) -> Result<Shape, String> {
-    let mut types = Types(vec![(short(name), Vec::new())]);
+    if text.len() > LONGEST {
+        return Err(format!("{} bytes, which are more than {LONGEST}", text.len()));
+    }
+    let mut types = Types { lines: vec![(short(name), Vec::new())], left: Cell::new(MOST_FIELDS) };
     for line in text.lines().map(str::trim) {
         if let Some(next) = line.strip_prefix("MSG:") {
-            types.0.push((short(next.trim()), Vec::new()));
-        } else if let Some((_, lines)) = types.0.last_mut().filter(|_| !line.starts_with("==")) {
+            types.lines.push((short(next.trim()), Vec::new()));
+        } else if let Some((_, lines)) = types.lines.last_mut().filter(|_| !line.starts_with("==")) {
             lines.push(line);
         }
+    }
+    if types.lines.len() > MOST_TYPES {
+        return Err(format!("{} types, which are more than {MOST_TYPES}", types.lines.len()));
     }
     types.shape(&short(name), DEEPEST)
 }
@@ -49,10 +76,10 @@ fn short(name: &str) -> String {
 
 impl Types<'_> {
     fn shape(&self, name: &str, deep: usize) -> Result<Shape, String> {
-        let known = self.0.iter().find(|(known, _)| known == name);
-        let (_, lines) = known.ok_or_else(|| format!("no definition of `{name}`"))?;
+        let known = self.lines.iter().find(|(known, _)| known == name);
+        let (_, lines) = known.ok_or_else(|| format!("no definition of `{}`", foreign(name)))?;
         if deep == 0 {
-            return Err(format!("`{name}` within itself"));
+            return Err(format!("`{}` within itself, or types more than {DEEPEST} deep", foreign(name)));
         }
         let package = name.split_once('/').map_or("", |(package, _)| package);
         let fields = lines.iter().filter_map(|line| self.field(line, package, deep).transpose());
@@ -64,18 +91,24 @@ impl Types<'_> {
         let line = line.split('#').next().unwrap_or_default();
         let mut words = line.split_whitespace();
         let (Some(kind), Some(name)) = (words.next(), words.next()) else {
-            return if line.trim().is_empty() { Ok(None) } else { Err(format!("`{line}`")) };
+            return if line.trim().is_empty() { Ok(None) } else { Err(format!("`{}`", foreign(line))) };
         };
         if name.contains('=') || words.next().is_some_and(|word| word.starts_with('=')) {
             return Ok(None);
         }
+        let left = self.left.get().checked_sub(1);
+        self.left.set(left.ok_or_else(|| format!("more than {MOST_FIELDS} fields, types within types"))?);
         Ok(Some((name.to_owned(), self.kind(kind, package, deep)?)))
     }
 
     fn kind(&self, kind: &str, package: &str, deep: usize) -> Result<Shape, String> {
         if let Some((of, len)) = kind.strip_suffix(']').and_then(|kind| kind.rsplit_once('[')) {
             let fixed = !(len.is_empty() || len.starts_with("<="));
-            let len = fixed.then(|| len.parse().map_err(|_| format!("`{kind}`"))).transpose()?;
+            let len = fixed.then(|| len.parse().map_err(|_| format!("`{}`", foreign(kind)))).transpose()?;
+            if of.ends_with(']') || len.is_some_and(|len| !(1..=MOST_ELEMENTS).contains(&len)) {
+                let lists = "lists have one length, from 1 on";
+                return Err(format!("`{}`: {lists}", foreign(kind)));
+            }
             return Ok(Shape::List(Box::new(self.kind(of, package, deep)?), len));
         }
         let kind = kind.split("<=").next().unwrap_or(kind);
@@ -109,5 +142,27 @@ mod tests {
         let circle = definition("a/A", "A next\n").unwrap_err();
         assert!(circle.contains("within itself"), "{circle}");
         assert!(definition("a/A", "B next\n").unwrap_err().contains("no definition of `a/B`"));
+    }
+
+    #[test]
+    fn definitions_that_never_end_are_refused_by_what_they_exceed() {
+        let twice = |deep: usize| {
+            let of = |i: usize| format!("====\nMSG: a/T{i}\nT{} x\nT{} y\n", i + 1, i + 1);
+            "T0 x\n".to_owned()
+                + &(0..deep).map(of).collect::<String>()
+                + &format!("====\nMSG: a/T{deep}\nint8 x\n")
+        };
+        assert!(definition("a/A", &twice(10)).is_ok());
+        for (text, said) in [
+            (twice(28), "more than 20000 fields"),
+            ("uint8".to_owned() + &"[2]".repeat(200_000) + " x\n", "one length"),
+            ("uint8[0][4294967295] x\n".to_owned(), "one length"),
+            ("uint8[0] x\n".to_owned(), "one length"),
+            ("====\nMSG: a/B\n".repeat(3000), "3001 types"),
+            ("#".repeat(LONGEST + 1), "more than 1048576"),
+        ] {
+            let refused = definition("a/A", &text).unwrap_err();
+            assert!(refused.contains(said) && refused.len() < 200, "{refused}");
+        }
     }
 }

@@ -55,8 +55,8 @@ pub(super) enum Primitive {
     F64,
 }
 
-/// Names that are told in a message at most.
-const TOLD: usize = 60;
+/// Names among which the one that was meant is looked for.
+const TOLD: usize = 1000;
 
 /// The paths to the numbers of `shape`, of lists their first element.
 pub(super) fn leaves(shape: &Shape) -> Vec<String> {

@@ -1,13 +1,20 @@
 //! Messages in JSON.
 
+use refusal::foreign;
 use serde_json::Value;
 
 use super::fields::{Step, Wrong};
 
+/// Bytes of a message: as values they take many times as many.
+const LONGEST: usize = 1 << 23;
+
 /// Puts the numbers at `paths` of the message `data` into `row`, and notes which were found.
 pub(super) fn decode(data: &[u8], paths: &mut [(Vec<Step>, bool)], row: &mut [f64]) -> Result<(), Wrong> {
-    let message: Value =
-        serde_json::from_slice(data).map_err(|error| (error.to_string(), "a message in JSON".to_owned()))?;
+    if data.len() > LONGEST {
+        return Err((format!("{} bytes", data.len()), format!("at most {LONGEST} in JSON")));
+    }
+    let message: Value = serde_json::from_slice(data)
+        .map_err(|error| (foreign(&error.to_string()), "a message in JSON".to_owned()))?;
     for ((path, found), cell) in paths.iter_mut().zip(row) {
         let Some(value) = path.iter().try_fold(&message, step) else { continue };
         *found = true;
@@ -15,7 +22,7 @@ pub(super) fn decode(data: &[u8], paths: &mut [(Vec<Step>, bool)], row: &mut [f6
             Value::Number(number) => number.as_f64().unwrap_or(f64::NAN),
             Value::Bool(is) => f64::from(u8::from(*is)),
             Value::Null => f64::NAN,
-            other => return Err((format!("`{other}`"), "a number".to_owned())),
+            other => return Err((format!("`{}`", foreign(&other.to_string())), "a number".to_owned())),
         };
     }
     Ok(())

@@ -1,24 +1,27 @@
 //! Logs of ROS 2 in bags of MCAP: the messages of one topic, fields of which are columns (`twist.twist.linear.x`).
 //!
-//! The crate `mcap` reads the file; its chunks are decompressed here by the libraries that are there for tables anyway.
+//! The crate `mcap` finds the records; they are taken apart and chunks decompressed here, where their lengths are not trusted.
 //! Messages are decoded by the definition that the bag has of them (`ros2msg`), or they are JSON.
 
 mod cdr;
+mod channels;
 mod decoder;
 mod definition;
 mod fields;
 mod json;
+mod parts;
 mod records;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::io::Read;
 use std::sync::Arc;
 
-use mcap::records::{MessageHeader, Record};
-use refusal::{Invalid, nearest};
+use refusal::{Invalid, foreign, nearest};
 
+use crate::columns::some_of;
 use crate::{Cells, Columns, Content, LogError, Plan, Store};
-use decoder::Decoder;
+use channels::{Channels, Schemas};
+use parts::Part;
 use records::each_record;
 
 /// The times that every message has beside its fields.
@@ -31,7 +34,7 @@ pub const PUBLISH_TIME: &str = "publish_time";
 ///
 /// # Errors
 /// Bytes that cannot be read or are no bag, a topic that there is not, an encoding that is not known, a field that there is
-/// not, messages shorter than their definition.
+/// not, messages shorter than their definition, several publishers of which none is named.
 pub fn read_bag(
     bytes: impl Read,
     plan: &Plan,
@@ -66,11 +69,11 @@ pub fn read_bag(
         paths,
         row,
         made,
-        schemas: BTreeMap::new(),
-        decoders: BTreeMap::new(),
+        schemas: Schemas::default(),
+        channels: Channels::new(spec.publisher.as_deref()),
         topics: BTreeSet::new(),
     };
-    each_record(bytes, &mut |record| reading.take(record))?;
+    each_record(bytes, &mut |part| reading.take(part))?;
     reading.finish()
 }
 
@@ -93,50 +96,50 @@ struct Reading<'a> {
     /// The values of a message, one per path.
     row: Vec<f64>,
     made: Columns,
-    /// Name, encoding and text by number.
-    schemas: BTreeMap<u16, (String, String, Vec<u8>)>,
-    /// Decoders of the topic's channels.
-    decoders: BTreeMap<u16, Decoder>,
+    schemas: Schemas,
+    channels: Channels<'a>,
     topics: BTreeSet<String>,
 }
 
+/// Topics of a bag that are known by name; there are no more channels.
+const MOST_TOPICS: usize = 1 << 16;
+
 impl Reading<'_> {
-    fn take(&mut self, record: Record) -> Result<(), LogError> {
-        match record {
-            Record::Schema { header, data } => {
-                self.schemas.insert(header.id, (header.name, header.encoding, data.into_owned()));
-            }
-            Record::Channel(channel) => {
-                if channel.topic == self.topic && !self.decoders.contains_key(&channel.id) {
-                    let schema = self.schemas.get(&channel.schema_id);
-                    let schema =
-                        schema.map(|(name, encoding, text)| (name.as_str(), encoding.as_str(), &text[..]));
-                    let decoder = Decoder::new(self.topic, &channel.message_encoding, schema, &self.paths)?;
-                    self.decoders.insert(channel.id, decoder);
+    fn take(&mut self, part: Part) -> Result<(), LogError> {
+        match part {
+            Part::Schema { id, name, encoding, data } => self.schemas.add(id, name, encoding, data)?,
+            Part::Channel { id, schema, topic, encoding, metadata } => {
+                if topic == self.topic {
+                    let schema = self.schemas.get(schema);
+                    self.channels.add(id, schema, encoding, metadata, (topic, &self.paths))?;
                 }
-                self.topics.insert(channel.topic);
+                if self.topics.len() < MOST_TOPICS && !self.topics.contains(topic) {
+                    self.topics.insert(topic.to_owned());
+                }
             }
-            Record::Message { header, data } => self.message(&header, &data)?,
-            _ => {}
+            Part::Message { channel, log_time, publish_time, data } => {
+                self.message(channel, [log_time, publish_time], data)?;
+            }
+            Part::Chunk { .. } | Part::Other => {}
         }
         Ok(())
     }
 
-    fn message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<(), LogError> {
-        let Some(decoder) = self.decoders.get_mut(&header.channel_id) else { return Ok(()) };
+    fn message(&mut self, channel: u16, [logged, published]: [u64; 2], data: &[u8]) -> Result<(), LogError> {
+        let Some(decoder) = self.channels.heard(channel, self.topic)? else { return Ok(()) };
         let number = self.made.lines.rows() + 1;
         if number > self.plan.most_rows {
             return Err(LogError::Invalid(self.plan.too_many_rows(number)));
         }
         self.row.fill(f64::NAN);
         if let Err((found, expected)) = decoder.decode(data, &mut self.row) {
-            let thing = format!("message {number} of topic `{}`", self.topic);
+            let thing = format!("message {number} of topic `{}`", foreign(self.topic));
             let remedy = "the bag is damaged, or its definitions are of another version: record again";
             return Err(LogError::Invalid(Invalid::new(thing, found, expected, remedy)));
         }
         let (time, fields) = match self.clock {
-            Time::Logged => (seconds(header.log_time), &self.row[..]),
-            Time::Published => (seconds(header.publish_time), &self.row[..]),
+            Time::Logged => (seconds(logged), &self.row[..]),
+            Time::Published => (seconds(published), &self.row[..]),
             Time::Stamp => (self.row[0] + 1e-9 * self.row[1], &self.row[2..]),
             Time::Field => (self.row[0], &self.row[1..]),
         };
@@ -150,24 +153,20 @@ impl Reading<'_> {
     }
 
     fn finish(self) -> Result<Columns, LogError> {
-        if self.decoders.is_empty() {
+        self.channels.check_named(self.topic)?;
+        if self.channels.is_empty() {
             let known: Vec<&str> = self.topics.iter().map(String::as_str).collect();
             let near = nearest(self.topic, known.iter().copied());
-            let remedy = near.map_or("correct `topic`".to_owned(), |near| format!("did you mean `{near}`?"));
+            let remedy = near
+                .map_or("correct `topic`".to_owned(), |near| format!("did you mean `{}`?", foreign(near)));
             let expected = match known.is_empty() {
                 true => "a bag with topics".to_owned(),
-                false => format!("one of {}", known.join(", ")),
+                false => format!("one of {}", some_of(&known, self.topic)),
             };
-            return Err(LogError::Invalid(Invalid::new(
-                "topic",
-                format!("no `{}`", self.topic),
-                expected,
-                remedy,
-            )));
+            let found = format!("no `{}`", foreign(self.topic));
+            return Err(LogError::Invalid(Invalid::new("topic", found, expected, remedy)));
         }
-        for decoder in self.decoders.values() {
-            decoder.check_found(&self.paths, self.made.lines.rows())?;
-        }
+        self.channels.check_found(&self.paths, self.made.lines.rows())?;
         Ok(self.made)
     }
 }

@@ -2,86 +2,116 @@
 
 use std::io::Read;
 
-use mcap::records::{ChunkHeader, Record};
+use mcap::McapError;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use mcap::{McapError, parse_record};
-use refusal::Invalid;
+use refusal::{Invalid, foreign};
 
+use super::parts::{Part, part};
 use crate::LogError;
 
 /// Bytes beyond which no record and no chunk is held in memory.
 const LARGEST: usize = 1 << 27;
 
-/// Gives `each` record of `bytes`.
+/// How many times the bytes of a file its chunks may become, beyond some in any case: messages do not shrink more.
+const EXPANSION: u64 = 200;
+const IN_ANY_CASE: u64 = 1 << 28;
+
+/// Gives `each` record of `bytes` that is read.
 ///
 /// # Errors
 /// Bytes that cannot be read or are no bag; what `each` refuses.
 pub(super) fn each_record(
     mut bytes: impl Read,
-    each: &mut dyn FnMut(Record) -> Result<(), LogError>,
+    each: &mut dyn FnMut(Part) -> Result<(), LogError>,
 ) -> Result<(), LogError> {
-    walk(&mut bytes, false, each)
+    Walk { each, packed: 0, unpacked: 0 }.through(&mut bytes, false)
 }
 
-/// Goes through a file, or through the records `within` a chunk.
-fn walk(
-    bytes: &mut dyn Read,
-    within: bool,
-    each: &mut dyn FnMut(Record) -> Result<(), LogError>,
-) -> Result<(), LogError> {
-    let options = LinearReaderOptions::default().with_emit_chunks(true).with_record_length_limit(LARGEST);
-    let options = options.with_skip_start_magic(within).with_skip_end_magic(within);
-    let mut reader = LinearReader::new_with_options(options);
-    while let Some(event) = reader.next_event() {
-        match event.map_err(|error| damaged(&error))? {
-            LinearReadEvent::ReadRequest(need) => {
-                let read = bytes.read(reader.insert(need))?;
-                reader.notify_read(read);
-            }
-            LinearReadEvent::Record { opcode, data } => {
-                match parse_record(opcode, data).map_err(|error| damaged(&error))? {
-                    Record::Chunk { header, data } if !within => {
-                        walk(&mut unpacked(&header, &data)?.as_slice(), true, each)?;
-                    }
-                    record => each(record)?,
+/// Goes through records.
+struct Walk<'a> {
+    each: &'a mut dyn FnMut(Part) -> Result<(), LogError>,
+    /// Bytes of chunks so far, in the file and as they are.
+    packed: u64,
+    unpacked: u64,
+}
+
+impl Walk<'_> {
+    /// Through a file, or through the records `within` a chunk.
+    fn through(&mut self, bytes: &mut dyn Read, within: bool) -> Result<(), LogError> {
+        let options = LinearReaderOptions::default().with_emit_chunks(true).with_record_length_limit(LARGEST);
+        let options = options.with_skip_start_magic(within).with_skip_end_magic(within);
+        let mut reader = LinearReader::new_with_options(options);
+        while let Some(event) = reader.next_event() {
+            match event.map_err(|error| damaged(&error))? {
+                LinearReadEvent::ReadRequest(need) => {
+                    let read = bytes.read(reader.insert(need))?;
+                    reader.notify_read(read);
                 }
+                LinearReadEvent::Record { opcode, data } => match part(opcode, data) {
+                    Some(Part::Chunk { size, crc, compression, data }) if !within => {
+                        let bytes = self.unpacked(compression, [size, u64::from(crc)], data)?;
+                        self.through(&mut bytes.as_slice(), true)?;
+                    }
+                    Some(part) => (self.each)(part)?,
+                    None => return Err(refused("file", "an end within a record".to_owned(), WHOLE, COPY)),
+                },
             }
         }
+        Ok(())
     }
-    Ok(())
+
+    /// What a chunk holds, as large as it says and with its checksum.
+    fn unpacked(
+        &mut self,
+        compression: &str,
+        [size, crc]: [u64; 2],
+        data: &[u8],
+    ) -> Result<Vec<u8>, LogError> {
+        self.packed += data.len() as u64;
+        self.unpacked += size.min(LARGEST as u64);
+        if size > LARGEST as u64 {
+            let expected = format!("at most {LARGEST}");
+            return Err(refused("chunk", format!("{size} bytes"), &expected, "record in smaller chunks"));
+        }
+        if self.unpacked > EXPANSION * self.packed + IN_ANY_CASE {
+            let found = format!("{} bytes, of {} in the file", self.unpacked, self.packed);
+            let expected = format!("at most {EXPANSION} times as many");
+            return Err(refused(
+                "chunks",
+                found,
+                &expected,
+                "record again: these hold nothing, or are damaged",
+            ));
+        }
+        let bytes = whole(compression, size, data)?;
+        if crc != 0 && u64::from(crc32fast::hash(&bytes)) != crc {
+            return Err(refused("chunk", "bytes that do not fit their checksum".to_owned(), WHOLE, COPY));
+        }
+        Ok(bytes)
+    }
 }
 
-/// What a chunk holds.
-fn unpacked(header: &ChunkHeader, data: &[u8]) -> Result<Vec<u8>, LogError> {
-    let size = header.uncompressed_size;
-    if size > LARGEST as u64 {
-        let expected = format!("at most {LARGEST}");
-        return Err(refused("chunk", format!("{size} bytes"), &expected, "record in smaller chunks"));
-    }
+/// The `size` bytes that a chunk holds.
+fn whole(compression: &str, size: u64, data: &[u8]) -> Result<Vec<u8>, LogError> {
     let mut bytes = Vec::with_capacity(size as usize);
-    let read = match header.compression.as_str() {
+    let read = match compression {
         "" => data.take(size).read_to_end(&mut bytes),
         "zstd" => {
             zstd::stream::read::Decoder::new(data).and_then(|all| all.take(size).read_to_end(&mut bytes))
         }
         "lz4" => lz4_flex::frame::FrameDecoder::new(data).take(size).read_to_end(&mut bytes),
         other => {
-            let found = format!("`{other}`");
-            return Err(refused(
-                "compression",
-                found,
-                "zstd, lz4 or none",
-                "convert the bag to one of these",
-            ));
+            let (found, remedy) = (format!("`{}`", foreign(other)), "convert the bag to one of these");
+            return Err(refused("compression", found, "zstd, lz4 or none", remedy));
         }
     };
-    let whole = read.is_ok() && bytes.len() as u64 == size;
-    let stated = header.uncompressed_crc;
-    if !whole || stated != 0 && crc32fast::hash(&bytes) != stated {
-        return Err(refused("chunk", "bytes that do not fit their checksum".to_owned(), "a whole bag", COPY));
+    if read.is_err() || bytes.len() as u64 != size {
+        return Err(refused("chunk", "bytes that cannot be unpacked".to_owned(), WHOLE, COPY));
     }
     Ok(bytes)
 }
+
+const WHOLE: &str = "a whole MCAP file";
 
 const COPY: &str = "the file is truncated or damaged: copy it again, or mend it with `mcap recover`";
 
@@ -91,7 +121,7 @@ fn damaged(error: &McapError) -> LogError {
         McapError::UnexpectedEof | McapError::UnexpectedEoc => "an end within a record".to_owned(),
         error => error.to_string().replace('\n', " "),
     };
-    refused("file", found, "a whole MCAP file", COPY)
+    refused("file", found, WHOLE, COPY)
 }
 
 fn refused(thing: &str, found: String, expected: &str, remedy: &str) -> LogError {

@@ -1,8 +1,10 @@
 //! What sentences tell: their fields by name, in the units of the standard (NMEA 0183, IEC 61162-1).
 
-use refusal::Invalid;
+use refusal::{Invalid, foreign};
 
+use super::quality::{Accepted, Valid};
 use super::sentence::Sentence;
+use crate::Reason;
 use crate::columns::cell_of;
 
 /// A kind of sentence.
@@ -15,7 +17,7 @@ pub(super) struct Kind {
 
 /// What a sentence tells.
 pub(super) struct Field {
-    name: &'static str,
+    pub(super) name: &'static str,
     pub(super) unit: &'static str,
     read: Read,
     valid: Valid,
@@ -29,20 +31,22 @@ enum Read {
     Place(usize),
     /// A speed, and a letter for its unit.
     Speed(usize),
+    /// What a compass shows, then its deviation and the variation, each with a letter: the sum.
+    True(usize),
 }
-use Read::{Number, Place, Speed};
+use Read::{Number, Place, Speed, True};
+use Valid::{A, Always, AnyMode, Fix, Letter, Mode, OwnMode};
 
-/// When a value counts.
-enum Valid {
-    Always,
-    /// Where a field is `A`.
-    A(usize),
-    /// Where a field has a character that is none of these.
-    Not(usize, &'static str),
-    /// Where a field, if there is one, has none of these.
-    Unless(usize, &'static str),
+/// What stands in a sentence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Value {
+    Known(f64),
+    /// A heading whose deviation is not stated: 0 is taken.
+    Undeviated(f64),
+    Empty,
+    /// There is a number, which does not count.
+    Left(Reason),
 }
-use Valid::{A, Always, Not, Unless};
 
 const fn field(name: &'static str, unit: &'static str, read: Read, valid: Valid) -> Field {
     Field { name, unit, read, valid }
@@ -52,49 +56,54 @@ const fn kind(name: &'static str, fields: &'static [Field]) -> Kind {
     Kind { name, qualifier: &[], fields }
 }
 
+const RMC: Valid = Mode { status: Some(1), mode: 11 };
+const GLL: Valid = Mode { status: Some(5), mode: 6 };
+const VTG: Valid = Mode { status: None, mode: 8 };
+
 const KINDS: [Kind; 16] = [
     kind(
         "GGA",
         &[
-            field("latitude", "deg", Place(1), Not(5, "0")),
-            field("longitude", "deg", Place(3), Not(5, "0")),
-            field("altitude", "m", Number(8), Not(5, "0")),
+            field("latitude", "deg", Place(1), Fix(5)),
+            field("longitude", "deg", Place(3), Fix(5)),
+            field("altitude", "m", Number(8), Fix(5)),
         ],
     ),
     kind(
         "GNS",
         &[
-            field("latitude", "deg", Place(1), Not(5, "N")),
-            field("longitude", "deg", Place(3), Not(5, "N")),
-            field("altitude", "m", Number(8), Not(5, "N")),
+            field("latitude", "deg", Place(1), AnyMode(5)),
+            field("longitude", "deg", Place(3), AnyMode(5)),
+            field("altitude", "m", Number(8), AnyMode(5)),
         ],
     ),
-    kind("GLL", &[field("latitude", "deg", Place(0), A(5)), field("longitude", "deg", Place(2), A(5))]),
+    kind("GLL", &[field("latitude", "deg", Place(0), GLL), field("longitude", "deg", Place(2), GLL)]),
     kind(
         "RMC",
         &[
-            field("latitude", "deg", Place(2), A(1)),
-            field("longitude", "deg", Place(4), A(1)),
-            field("speed", "knot", Number(6), A(1)),
-            field("course", "deg", Number(7), A(1)),
+            field("latitude", "deg", Place(2), RMC),
+            field("longitude", "deg", Place(4), RMC),
+            field("speed", "knot", Number(6), RMC),
+            field("course", "deg", Number(7), RMC),
         ],
     ),
     kind(
         "VTG",
         &[
-            field("course", "deg", Number(0), Unless(8, "N")),
-            field("speed", "knot", Number(4), Unless(8, "N")),
-            field("speed_kmh", "km/h", Number(6), Unless(8, "N")),
+            field("course", "deg", Number(0), VTG),
+            field("speed", "knot", Number(4), VTG),
+            field("speed_kmh", "km/h", Number(6), VTG),
         ],
     ),
-    kind("HDT", &[field("heading", "deg", Number(0), Always)]),
-    kind("THS", &[field("heading", "deg", Number(0), Not(1, "V"))]),
-    kind("HDG", &[field("magnetic", "deg", Number(0), Always)]),
+    kind("HDT", &[field("heading", "deg", Number(0), Letter(1, "T"))]),
+    kind("THS", &[field("heading", "deg", Number(0), OwnMode(1))]),
+    kind("HDG", &[field("heading", "deg", True(0), Always), field("magnetic", "deg", Number(0), Always)]),
     kind("HDM", &[field("magnetic", "deg", Number(0), Always)]),
     kind(
         "VHW",
         &[
-            field("heading", "deg", Number(0), Always),
+            field("heading", "deg", Number(0), Letter(1, "T")),
+            field("magnetic", "deg", Number(2), Letter(3, "M")),
             field("speed", "knot", Number(4), Always),
             field("speed_kmh", "km/h", Number(6), Always),
         ],
@@ -127,7 +136,7 @@ const KINDS: [Kind; 16] = [
 pub(super) struct Column {
     pub(super) name: String,
     /// What the address ends with: `HDT`, or `HEHDT`.
-    address: String,
+    pub(super) address: String,
     qualifier: String,
     kind: &'static Kind,
     pub(super) field: &'static Field,
@@ -151,18 +160,48 @@ impl Column {
 
     /// Whether sentences of this address may have it.
     pub(super) fn fits(&self, address: &str) -> bool {
-        address.len() == 5 && address.ends_with(&self.address)
+        address.len() == 5
+            && address.is_ascii()
+            && address.ends_with(&self.address)
+            && !address.starts_with('P')
     }
 
     /// Whether it stands in `sentence`.
     pub(super) fn is_of(&self, sentence: &Sentence) -> bool {
-        let own = self.kind.qualifier.iter().map(|place| sentence.field(*place));
-        self.fits(sentence.address) && own.collect::<String>() == self.qualifier
+        let own = || self.kind.qualifier.iter().flat_map(|place| sentence.field(*place).chars());
+        self.fits(sentence.address) && own().eq(self.qualifier.chars())
+    }
+
+    /// Whether it is a heading from magnetic north.
+    pub(super) fn is_magnetic(&self) -> bool {
+        self.field.name == "magnetic"
+    }
+
+    /// Whether it is a course over ground.
+    pub(super) fn is_course(&self) -> bool {
+        self.field.name == "course"
+    }
+
+    /// Its value in `sentence`, which stands on `line`; qualities that count are `accepted`.
+    pub(super) fn value(
+        &self,
+        sentence: &Sentence,
+        line: usize,
+        accepted: &Accepted,
+    ) -> Result<Value, Invalid> {
+        self.field.value(sentence, line, accepted)
     }
 }
 
+/// The kind of sentence that `name` speaks of, if it is known: its columns; otherwise those of all kinds.
+pub(super) fn columns_like(name: &str) -> Vec<String> {
+    let of = name.split(['.', '-']).next().unwrap_or_default();
+    let same: Vec<String> = columns().filter(|column| of.ends_with(&column[..3])).collect();
+    if same.is_empty() { columns().collect() } else { same }
+}
+
 /// The names of all fields.
-pub(super) fn columns() -> impl Iterator<Item = String> {
+fn columns() -> impl Iterator<Item = String> {
     let of = |kind: &'static Kind| {
         let qualified: &[&str] = match kind.name {
             "RPM" => &["-S1", "-E1"],
@@ -178,44 +217,62 @@ pub(super) fn columns() -> impl Iterator<Item = String> {
 }
 
 impl Field {
-    /// Its value in `sentence`, which stands on `line`; NaN where it is empty or does not count.
-    pub(super) fn value(&self, sentence: &Sentence, line: usize) -> Result<f64, Invalid> {
-        let counts = match self.valid {
-            Always => true,
-            A(place) => sentence.field(place) == "A",
-            Not(place, none) => sentence.field(place).chars().any(|c| !none.contains(c)),
-            Unless(place, none) => !sentence.field(place).contains(|c| none.contains(c)),
-        };
-        if !counts {
-            return Ok(f64::NAN);
+    fn value(&self, sentence: &Sentence, line: usize, accepted: &Accepted) -> Result<Value, Invalid> {
+        let (Number(place) | Place(place) | Speed(place) | True(place)) = self.read;
+        if sentence.field(place).is_empty() {
+            return Ok(Value::Empty);
         }
+        if !accepted.counts(self.valid, sentence) {
+            return Ok(Value::Left(Reason::Quality));
+        }
+        let value = self.number(sentence, place, line)?;
         match self.read {
-            Number(place) => self.number(sentence, place, line),
-            Place(place) => {
-                let value = self.number(sentence, place, line)?;
+            Number(_) => Ok(Value::Known(value)),
+            True(_) => self.true_heading(sentence, place, line, value),
+            Place(_) => {
                 let degrees = (value / 100.0).floor();
-                let angle = degrees + (value - 100.0 * degrees) / 60.0;
-                self.lettered(
-                    sentence,
-                    place + 1,
-                    line,
-                    &[("N", 1.0), ("E", 1.0), ("S", -1.0), ("W", -1.0)],
-                    angle,
-                )
+                let minutes = value - 100.0 * degrees;
+                let angle = degrees + minutes / 60.0;
+                let letters = [("N", 1.0), ("E", 1.0), ("S", -1.0), ("W", -1.0)];
+                let angle = self.lettered(sentence, place + 1, line, &letters, angle)?;
+                let fits = minutes < 60.0 && degrees >= 0.0 && angle.abs() <= 180.0;
+                Ok(if fits { Value::Known(angle) } else { Value::Left(Reason::Range) })
             }
-            Speed(place) => {
-                let value = self.number(sentence, place, line)?;
+            Speed(_) => {
                 let units = [("N", 1852.0 / 3600.0), ("K", 1.0 / 3.6), ("M", 1.0), ("S", 1609.344 / 3600.0)];
-                self.lettered(sentence, place + 1, line, &units, value)
+                self.lettered(sentence, place + 1, line, &units, value).map(Value::Known)
             }
         }
     }
 
+    /// The true heading where a compass shows `shown`: east counts on.
+    fn true_heading(
+        &self,
+        sentence: &Sentence,
+        place: usize,
+        line: usize,
+        shown: f64,
+    ) -> Result<Value, Invalid> {
+        let correction = |place: usize| match [place, place + 1].map(|place| sentence.field(place)) {
+            ["", _] => Ok(None),
+            // East or west, nobody knows.
+            [_, ""] => Ok(Some(f64::NAN)),
+            _ => {
+                let value = self.number(sentence, place, line)?;
+                self.lettered(sentence, place + 1, line, &[("E", 1.0), ("W", -1.0)], value).map(Some)
+            }
+        };
+        let (deviation, variation) = (correction(place + 1)?, correction(place + 3)?);
+        let heading = shown + deviation.unwrap_or(0.0) + variation.unwrap_or(f64::NAN);
+        Ok(match deviation {
+            _ if heading.is_nan() => Value::Left(Reason::Incomplete),
+            Some(_) => Value::Known(heading.rem_euclid(360.0)),
+            None => Value::Undeviated(heading.rem_euclid(360.0)),
+        })
+    }
+
     fn number(&self, sentence: &Sentence, place: usize, line: usize) -> Result<f64, Invalid> {
         let text = sentence.field(place);
-        if text.is_empty() {
-            return Ok(f64::NAN);
-        }
         let number = text.parse().ok().filter(|number: &f64| number.is_finite());
         number.ok_or_else(|| self.refused(sentence, text, line, "a number"))
     }
@@ -231,7 +288,6 @@ impl Field {
     ) -> Result<f64, Invalid> {
         let text = sentence.field(place);
         match letters.iter().find(|(letter, _)| *letter == text) {
-            _ if value.is_nan() => Ok(value),
             Some((_, factor)) => Ok(factor * value),
             None => {
                 let known: Vec<&str> = letters.iter().map(|(letter, _)| *letter).collect();
@@ -242,6 +298,11 @@ impl Field {
 
     fn refused(&self, sentence: &Sentence, text: &str, line: usize, expected: &str) -> Invalid {
         let column = format!("{}.{}", sentence.address, self.name);
-        Invalid::new(cell_of(line, &column), format!("`{text}`"), expected, "correct or leave out the line")
+        Invalid::new(
+            cell_of(line, &column),
+            format!("`{}`", foreign(text)),
+            expected,
+            "correct or leave out the line",
+        )
     }
 }

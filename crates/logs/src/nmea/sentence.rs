@@ -1,34 +1,122 @@
-//! One sentence: address, fields, checksum.
+//! Sentences: where they begin in a line, address, fields, checksum.
 
-/// A sentence whose checksum is right.
+/// A sentence: `$`, an address, fields.
+#[derive(Clone, Copy)]
 pub(super) struct Sentence<'a> {
     /// Talker and kind: `GPRMC`.
     pub(super) address: &'a str,
-    /// What follows the address.
-    fields: Vec<&'a str>,
+    /// Between `$` and `*`.
+    body: &'a str,
 }
 
-impl Sentence<'_> {
+impl<'a> Sentence<'a> {
     /// Field `i`, from 0; empty where there is none.
-    pub(super) fn field(&self, i: usize) -> &str {
-        self.fields.get(i).copied().unwrap_or_default()
+    pub(super) fn field(&self, i: usize) -> &'a str {
+        self.body.split(',').nth(i + 1).map_or("", str::trim)
+    }
+
+    /// Number of fields.
+    pub(super) fn fields(&self) -> usize {
+        self.body.bytes().filter(|byte| *byte == b',').count()
+    }
+
+    /// Whether its kind is `kind`; proprietary sentences, which begin with P, are of no kind.
+    pub(super) fn is_a(&self, kind: &str) -> bool {
+        self.address.len() == 5
+            && self.address.is_ascii()
+            && self.address.ends_with(kind)
+            && !self.address.starts_with('P')
     }
 }
 
-/// The sentence in `text`, which begins with `$`; none where the checksum is missing or wrong.
-pub(super) fn sentence(text: &str) -> Option<Sentence<'_>> {
-    let (body, checksum) = text.strip_prefix('$')?.split_once('*')?;
-    let stated = u8::from_str_radix(checksum.get(..2)?, 16).ok()?;
-    if body.bytes().fold(0, |sum, byte| sum ^ byte) != stated {
-        return None;
+/// What stands between one `$` and the next.
+pub(super) struct Piece<'a> {
+    /// What stands before it on the line and belongs to no other sentence.
+    pub(super) prefix: &'a str,
+    /// From `$` on; the text after the checksum is not among it.
+    text: &'a str,
+    /// Whether the next sentence begins on the same line.
+    pub(super) is_followed: bool,
+}
+
+/// How a sentence's checksum is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Checksum {
+    Right,
+    Wrong,
+    None,
+}
+
+/// The sentences of a line: each begins with a `$`. Those that begin with a `!`, which ships send about each other, are left
+/// out, but end the one before them.
+pub(super) fn pieces(line: &str) -> impl Iterator<Item = Piece<'_>> {
+    let mut rest = start(line);
+    let mut before = &line[..line.len() - rest.len()];
+    std::iter::from_fn(move || {
+        while !rest.is_empty() {
+            let next = start(&rest[1..]);
+            let own = &rest[..rest.len() - next.len()];
+            let (text, after) = own.split_at(end(own));
+            let piece = Piece { prefix: before, text, is_followed: !next.is_empty() };
+            (rest, before) = (next, after);
+            if text.starts_with('$') {
+                return Some(piece);
+            }
+        }
+        None
+    })
+}
+
+/// `text` from where a sentence begins.
+fn start(text: &str) -> &str {
+    let bytes = text.as_bytes();
+    let begins = |i: &usize| match bytes[*i] {
+        b'$' => true,
+        b'!' => bytes.get(i + 1..i + 4).is_some_and(|own| own.iter().all(u8::is_ascii_uppercase)),
+        _ => false,
+    };
+    (0..bytes.len()).find(begins).map_or("", |i| &text[i..])
+}
+
+/// Where a sentence ends: after its checksum, or with the text.
+fn end(text: &str) -> usize {
+    let checksum = text.find('*').map(|star| star + 3);
+    checksum.filter(|end| text.is_char_boundary(*end) && *end <= text.len()).unwrap_or(text.len())
+}
+
+impl<'a> Piece<'a> {
+    /// The sentence, and how its checksum is.
+    pub(super) fn sentence(&self) -> (Sentence<'a>, Checksum) {
+        let text = &self.text[1..];
+        let (body, stated) = text.split_once('*').map_or((text, None), |(body, rest)| (body, Some(rest)));
+        let address = body.split(',').next().unwrap_or_default().trim();
+        let checksum = match stated {
+            None => Checksum::None,
+            Some(stated) if is_checksum(stated, body) => Checksum::Right,
+            Some(_) => Checksum::Wrong,
+        };
+        (Sentence { address, body }, checksum)
     }
-    let mut cells = body.split(',').map(str::trim);
-    Some(Sentence { address: cells.next()?, fields: cells.collect() })
+}
+
+/// Whether `stated`, two hexadecimal digits, is the checksum of `body`.
+fn is_checksum(stated: &str, body: &str) -> bool {
+    let digits = stated.get(..2).filter(|digits| digits.bytes().all(|byte| byte.is_ascii_hexdigit()));
+    let stated = digits.and_then(|digits| u8::from_str_radix(digits, 16).ok());
+    stated == Some(body.bytes().fold(0, |sum, byte| sum ^ byte))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn checksums(line: &str) -> Vec<(String, bool)> {
+        let own = |piece: Piece| {
+            let (sentence, checksum) = piece.sentence();
+            (sentence.address.to_owned(), checksum == Checksum::Right)
+        };
+        pieces(line).map(own).collect()
+    }
 
     #[test]
     fn published_sentences_have_right_checksums() {
@@ -38,9 +126,31 @@ mod tests {
             "$GPRMC,225446,A,4916.45,N,12311.12,W,000.5,054.7,191194,020.3,E*68",
             "$GPVTG,220.86,T,,M,2.550,N,4.724,K,A*34",
         ] {
-            assert!(sentence(text).is_some_and(|found| found.address.len() == 5), "{text}");
-            assert!(sentence(&text.replacen('2', "3", 1)).is_none(), "{text}");
+            let right =
+                |text: &str| checksums(text).iter().all(|(address, right)| address.len() == 5 && *right);
+            assert!(
+                right(text)
+                    && right(
+                        &text
+                            .to_lowercase()
+                            .replace(&text.to_lowercase()[..text.len() - 2], &text[..text.len() - 2])
+                    ),
+                "{text}"
+            );
+            assert!(!right(&text.replacen('2', "3", 1)), "{text}");
         }
-        assert!(sentence("$GPVTG,220.86,T,,M").is_none());
+        assert_eq!(checksums("$GPVTG,220.86,T,,M"), [("GPVTG".to_owned(), false)]);
+        assert_eq!(checksums("$GPVTG,1*+5"), [("GPVTG".to_owned(), false)]);
+    }
+
+    #[test]
+    fn sentences_that_share_a_line_are_told_apart() {
+        let line = "12:00 $HEHDT,68.755,T*16$HEROT,275.0212:01 !AIVDM,1,1,,A,0,0*16[5] $HEHDT,69.672,T*13 ";
+        let found: Vec<(&str, String, bool)> = pieces(line)
+            .map(|piece| (piece.prefix, piece.sentence().0.address.to_owned(), piece.is_followed))
+            .collect();
+        let expected = [("12:00 ", "HEHDT", true), ("", "HEROT", true), ("[5] ", "HEHDT", false)];
+        assert_eq!(found, expected.map(|(prefix, address, followed)| (prefix, address.to_owned(), followed)));
+        assert!(pieces("nothing! $").count() == 1 && pieces("").count() == 0 && pieces("a*b").count() == 0);
     }
 }

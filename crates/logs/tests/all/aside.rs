@@ -134,7 +134,7 @@ fn setup(labels: bool, method: Method, average_s: Option<f64>) -> Setup {
 fn recorded(setup: Setup, cut: Cut, store: Option<&Arc<dyn Store>>) -> Recorded {
     let plan = Plan::new(setup, None).unwrap();
     let columns = read_csv(log().as_bytes(), None, &plan, 0, store).unwrap();
-    let source = Source { name: "a".into(), files: vec!["a.csv".into()], kind: "sea".into() };
+    let source = Source { name: "a".into(), files: vec![vec!["a.csv".into()]], kind: "sea".into() };
     let log = Log::new(columns, 0, &plan).unwrap();
     record(&source, vec![log], &plan, &Segmentation { cut, least: 2, each_is_a_run: false }).unwrap()
 }

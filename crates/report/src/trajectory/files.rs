@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Digest, Error, Loaded};
+use artifact::{Digest, Error, Loaded, is_written};
 
 use crate::loader::Loader;
 use crate::planned_trial::{PlannedTrial, map};
@@ -25,7 +25,7 @@ pub(crate) fn trajectory(loader: &mut Loader) -> Result<Option<Trajectory>, Erro
     let config = loader.sources.study.join("plan.toml");
     if config.exists() {
         loader.note("plan.toml", "chart, lattice, safety, counts, start and goal", Digest::of_file(&config)?);
-    } else if !loader.sources.results.join("plan.json").exists() {
+    } else if !is_written(loader.sources.results.join("plan.json")) {
         return Ok(None);
     }
     let main = planned(loader, "")?;
@@ -71,8 +71,8 @@ fn planned(loader: &mut Loader, name: &str) -> Result<Option<PlannedTrial>, Erro
     if name.is_empty() {
         for (file, what) in BESIDE {
             let path = loader.sources.results.join(file);
-            if path.exists() {
-                loader.note(file, what, Digest::of_file(&path)?);
+            if is_written(&path) {
+                loader.note(file, what, Digest::of_written(&path)?);
             }
         }
     }

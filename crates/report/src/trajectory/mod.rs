@@ -1,5 +1,6 @@
 //! The planned trajectory.
 
+mod charts;
 mod facts;
 pub(crate) mod files;
 mod front;
@@ -18,6 +19,7 @@ use crate::number::three;
 use crate::parts::{Figures, Section, missing};
 use crate::planned_trial::PlannedTrial;
 use crate::study::Study;
+use charts::charts;
 use facts::{facts, information};
 use front::front;
 use moves::moves;
@@ -63,6 +65,7 @@ pub(super) fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures)
                 (sheet(study, &main.plan, voyage))
                 (front(&main.plan, voyage, figures))
                 (moves(voyage))
+                (charts(&main.plan.charts))
             }
             None => p.missing { "Times, places and clearances not shown: the plan solves a lattice problem without a chart or a vessel." }
         }

@@ -1,9 +1,11 @@
 //! The section of a planned trajectory.
 
+use std::collections::BTreeMap;
+
 use crate::page::{FIGURES, rendered};
 use crate::{mock, mock_plan};
 use report::{Study, Trajectory};
-use study::documents::{PlanDocument, PlanStatus, Voyage};
+use study::documents::{PlanChart, PlanChartClass, PlanDocument, PlanStatus, Voyage};
 
 /// Edits the study's own plan.
 fn with(change: impl Fn(&mut PlanDocument)) -> Study {
@@ -262,4 +264,44 @@ fn names_in_a_plan_are_escaped_and_odd_numbers_survive() {
 #[test]
 fn the_same_plan_gives_the_same_bytes() {
     assert_eq!(rendered(&mock_plan::study()).html, rendered(&mock_plan::study()).html);
+}
+
+#[test]
+fn what_charts_left_out_is_listed_by_class_with_count_and_reason() {
+    let class = |ignored: u64, why: &str| PlanChartClass {
+        objects: 9,
+        avoided: 9 - ignored,
+        maneuvers_avoid: 0,
+        ignored,
+        reasons: BTreeMap::from([(why.to_owned(), ignored)]),
+    };
+    let fairway =
+        PlanChartClass { maneuvers_avoid: 9, avoided: 0, ignored: 0, reasons: BTreeMap::new(), objects: 9 };
+    let chart = PlanChart {
+        file: "US5WA22M.000".to_owned(),
+        edition: Some("40".to_owned()),
+        update: Some(3),
+        issued: Some("20250923".to_owned()),
+        scale: Some(15_000),
+        sounding_datum: Some("mean lower low water".to_owned()),
+        vertical_datum: Some("mean high water".to_owned()),
+        notes: vec!["all 4 files agree with CATALOG.031".to_owned()],
+        classes: BTreeMap::from([
+            ("LNDMRK".to_owned(), class(7, "on land")),
+            ("LIGHTS".to_owned(), class(9, "no body")),
+            ("FAIRWY".to_owned(), fairway),
+        ]),
+    };
+    let told = text(&with(|plan| plan.charts = vec![chart.clone()]));
+    holds(
+        &told,
+        &[
+            "US5WA22M.000 (edition 40, update 3, 1 : 15000, depths below mean lower low water)",
+            "all 4 files agree with CATALOG.031",
+            "LNDMRK 7 on land",
+            "LIGHTS 9 no body",
+            "FAIRWY 9 only maneuvers avoid it",
+        ],
+    );
+    assert!(!text(&mock_plan::study()).contains("Electronic charts"));
 }

@@ -12,7 +12,7 @@ use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 use artifact::{Digest, Scratch, TableWriter, commit_with_document, room};
 use clap::Parser;
-use logs::{PIECE, Plan, Recorded, Source, Totals, check_intervals};
+use logs::{PIECE, Plan, Recorded, RowSummary, Source, Totals, check_intervals};
 use serde_json::json;
 use study::Doubtful;
 use study::documents::{IngestDocument, RecordingSummary};
@@ -55,7 +55,8 @@ impl Task for Arguments {
         let naming = config.naming().map_err(refuse)?;
         let sources = find(&config, &naming, &self.config, &folder)?;
         check_intervals(&config.segment, &sources).map_err(refuse)?;
-        let logs = sources.iter().flat_map(|source| &source.files).map(|file| folder.join(file));
+        let logs =
+            sources.iter().flat_map(|source| source.files.iter().flatten()).map(|file| folder.join(file));
         let read = logs.chain([self.config.clone()]).chain(self.vessel.clone());
         let out = common.main_output("trajectories.parquet", read)?;
         let label = simulated_label(&folder, &sources, &mut provenance)?;
@@ -136,7 +137,7 @@ fn size(folder: &Path, source: &Source) -> u64 {
         let length = std::fs::metadata(folder.join(file)).map_or(0, |about| about.len());
         length * if file.ends_with(".csv") { 1 } else { COMPRESSED }
     };
-    source.files.iter().map(of).sum()
+    source.files.iter().flatten().map(of).sum()
 }
 
 /// Which of `sources` are read side by side: together they are no larger than [`SIDE_BY_SIDE`], or one alone.
@@ -216,7 +217,10 @@ fn all(
 fn summary(out: &Path, document: &IngestDocument) -> Summary {
     let IngestDocument { runs, samples, maneuvers, recordings, .. } = document;
     let sum = |count: fn(&RecordingSummary) -> u64| recordings.iter().map(count).sum::<u64>();
-    let dropped = sum(|r| r.rows.dropped());
+    let mut rows = RowSummary::default();
+    recordings.iter().for_each(|recording| rows += recording.rows);
+    let (dropped, mended) =
+        (rows.dropped(), rows.mended().map_or(String::new(), |words| format!("; {words}")));
     let left_out_s: f64 = recordings.iter().map(|r| r.left_out_s).sum();
     let (splits, short) = (sum(|r| r.splits), sum(|r| r.short_segments));
     let warnings = sum(|r| r.warnings.iter().map(|w| w.count).sum());
@@ -234,7 +238,7 @@ fn summary(out: &Path, document: &IngestDocument) -> Summary {
     let left_out = omitted.in_words().map_or(String::new(), |words| format!("; {words}"));
     let line = format!(
         "{runs} runs, {samples} samples, {} maneuvers from {} recordings; {dropped} rows dropped, {splits} gaps \
-         that split a recording, {short} segments too short, {left_out_s:.0} s in no run{left_out}{warned}{doubted}{label}",
+         that split a recording, {short} segments too short, {left_out_s:.0} s in no run{mended}{left_out}{warned}{doubted}{label}",
         maneuvers.len(),
         recordings.len(),
     );

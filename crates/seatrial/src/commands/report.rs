@@ -132,7 +132,7 @@ impl Task for Picture {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let figure = |folder: &Path, name: &str| {
             let path = folder.join("figures").join(name);
-            std::fs::read_to_string(&path).map_err(|e| artifact::Error::io(&path, "read", e))
+            artifact::read_to_string(&path)
         };
         let map = figure(&self.plan, "map.svg")?;
         let histograms =

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use artifact::{Provenance, commit, read_document, stage_document};
+use artifact::{Provenance, commit, is_written, read_document, stage_document};
 use design::{
     Available, Bounds, CountOptions, Design, Length, Options, Segments, Streamed, counted, solve_streamed,
 };
@@ -29,7 +29,7 @@ impl Task for Arguments {
         let label = loaded.provenance.settings.get_key_value("data");
         provenance.settings.extend(label.map(|(k, v)| (k.clone(), v.clone())));
         let seed = common.seed.unwrap_or(1);
-        let (moments, streamed) = match moments.maneuvers.is_empty() && table_of(&self.moments).is_file() {
+        let (moments, streamed) = match moments.maneuvers.is_empty() && is_written(table_of(&self.moments)) {
             true => self.streamed(moments, seed).map(|(own, found)| (own, Some(found)))?,
             false => (moments, None),
         };

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Digest, Provenance, read_document};
+use artifact::{Digest, Provenance, is_written, read_document};
 
 use logs::Source;
 use study::documents::{SIMULATED_FILE, SimulatedLogsDocument};
@@ -21,11 +21,11 @@ pub fn simulated_label(
     provenance: &mut Provenance,
 ) -> Result<Option<DataLabel>, Failure> {
     let path = folder.join(SIMULATED_FILE);
-    if !path.is_file() {
+    if !is_written(&path) {
         return Ok(None);
     }
     let loaded = read_document::<SimulatedLogsDocument>(&path)?;
-    for file in sources.iter().flat_map(|source| &source.files) {
+    for file in sources.iter().flat_map(|source| source.files.iter().flatten()) {
         let log = folder.join(file);
         let listed = loaded.data.recordings.iter().find(|recording| recording.file == *file);
         let expected = match listed {

@@ -5,6 +5,7 @@ use std::ops::Range;
 use serde_json::{Map, Value};
 
 use crate::places::unsealed;
+pub use crate::support::draw::Draw;
 use crate::tables;
 
 /// What stands in place of a number or a text.
@@ -40,26 +41,6 @@ const STRANGE: [&str; 30] = [
     "\"../../x\"",
     "1979-05-27",
 ];
-
-/// Numbers that look drawn and are the same in every run.
-pub struct Draw(u64);
-
-impl Draw {
-    pub fn of(kind: u64, case: u64) -> Self {
-        Self((kind << 40 ^ case).wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
-    }
-
-    pub fn below(&mut self, bound: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 33) as usize % bound.max(1)
-    }
-
-    pub fn one_of<'a, T: ?Sized>(&mut self, of: &[&'a T]) -> &'a T {
-        of[self.below(of.len())]
-    }
-}
 
 /// `bytes` of a file called `name`, damaged as whoever writes such files by hand or by program would.
 pub fn damaged(draw: &mut Draw, name: &str, bytes: &[u8]) -> Vec<u8> {

@@ -12,7 +12,9 @@ use crate::support::{SEATRIAL, is_progress};
 
 /// A run may take so long, or tell how long it takes, and so much memory.
 const LIMIT: Duration = Duration::from_secs(45);
-const MEMORY_KIB: u64 = 4 << 20;
+const MEMORY_KIB: u64 = 1 << 20;
+/// Most characters of what it says.
+const LONGEST: usize = 500;
 
 /// What must not happen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -22,6 +24,10 @@ pub enum Wrong {
     TimeOut,
     /// A refusal of several lines, or of none.
     Lines,
+    /// One of more than 500 characters.
+    Long,
+    /// A fault of the system where there was none.
+    Code,
     /// A refusal without found, expected and remedy, in words of the programming language, or that blames an output.
     Words,
     /// Files that no run has finished, or outputs of a run that failed.
@@ -32,11 +38,13 @@ pub enum Wrong {
     Other,
 }
 
-const WRONGS: [(Wrong, &str); 8] = [
+const WRONGS: [(Wrong, &str); 10] = [
     (Wrong::Panic, "panics"),
     (Wrong::Abort, "aborts"),
     (Wrong::TimeOut, "time-outs"),
     (Wrong::Lines, "refusals of several lines"),
+    (Wrong::Long, "messages over 500 characters"),
+    (Wrong::Code, "wrong exit codes"),
     (Wrong::Words, "refusals badly said"),
     (Wrong::Left, "files left"),
     (Wrong::Mixed, "sets mixed"),
@@ -154,7 +162,8 @@ pub struct Ended {
 pub fn start(place: &Place, line: &str, fault: &str) -> Child {
     let said = fs::File::create(place.path().join("said")).unwrap();
     let mut command = Command::new("sh");
-    command.args(["-c", &format!("ulimit -v {MEMORY_KIB}; exec \"$0\" \"$@\""), SEATRIAL]);
+    let seconds = place.ground.seconds.map_or(String::new(), |seconds| format!("ulimit -t {seconds}; "));
+    command.args(["-c", &format!("{seconds}ulimit -v {MEMORY_KIB}; exec \"$0\" \"$@\""), SEATRIAL]);
     command.args(line.split_whitespace()).current_dir(place.path()).env("SEATRIAL_FAULT", fault);
     command
         .env("RUST_BACKTRACE", "0")
@@ -200,6 +209,12 @@ impl Ended {
         if self.told.contains("panicked at") || status.code() == Some(101) {
             return Err((Wrong::Panic, told()));
         }
+        if status.code().is_none() && is_out_of_time(status) {
+            return Err((Wrong::TimeOut, told()));
+        }
+        if let Some(long) = self.told.lines().map(|line| line.chars().count()).find(|long| *long > LONGEST) {
+            return Err((Wrong::Long, format!("{long} characters: {}", told())));
+        }
         match status.code() {
             None => Err((Wrong::Abort, format!("{status}: {}", told()))),
             Some(0) => Ok(0),
@@ -210,6 +225,13 @@ impl Ended {
     }
 }
 
+/// Whether the system ended a process that took more processor time than it may.
+fn is_out_of_time(status: ExitStatus) -> bool {
+    use std::os::unix::process::ExitStatusExt;
+    const XCPU: i32 = 24;
+    matches!(status.signal(), Some(XCPU | 9))
+}
+
 /// Runs `line` where nothing is written yet: it writes files that its readers take, or refuses and leaves nothing.
 pub fn ends(place: &Place, line: &str) -> Result<i32, Fault> {
     let before = place.inputs();
@@ -217,6 +239,11 @@ pub fn ends(place: &Place, line: &str) -> Result<i32, Fault> {
     let code = ended.judged()?;
     if code == AT_WORK {
         return Ok(code);
+    }
+    // Nothing is wrong with the system but that a name may be that of no file.
+    if code == 1 && !ended.told.contains(": found No such file") && !ended.told.contains(": found no folder")
+    {
+        return Err((Wrong::Code, format!("exit code 1: {}", ended.told)));
     }
     if let Some(wrong) = badly_said(code, &ended.told) {
         return Err((Wrong::Words, format!("exit code {code}, {wrong}: {}", ended.told)));

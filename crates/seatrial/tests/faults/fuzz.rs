@@ -14,8 +14,9 @@ use std::time::Instant;
 use crate::asked;
 use crate::damage::{Draw, damaged, damaged_bytes};
 use crate::ends::{Tally, ends};
-use crate::grounds::{GROUNDS, Stage, all};
+use crate::grounds::{GROUNDS, Ground, Stage, stages_on};
 use crate::places::{Place, unsealed};
+use crate::readers::{READERS, strange};
 use crate::support::SEATRIAL;
 
 /// Values of flags, and words that are none.
@@ -105,8 +106,7 @@ fn again(kind: u64) -> Option<Range<u64>> {
 /// Runs the cases of one kind on all processors: `damage` changes a file, all of which are put back, and says what else stands
 /// on the command line.
 fn try_all(
-    name: &str,
-    kind: u64,
+    (name, kind, grounds): (&str, u64, &'static [Ground]),
     count: u64,
     damage: impl Fn(&mut Draw, &mut Place, &Stage, &str) -> String + Sync,
 ) {
@@ -114,7 +114,7 @@ fn try_all(
     let cases = again(kind).unwrap_or(0..count);
     let (next, found) = (AtomicU64::new(cases.start), Mutex::new(Tally::default()));
     let work = || {
-        let mut places = GROUNDS.each_ref().map(Place::on);
+        let mut places: Vec<Place> = grounds.iter().map(Place::on).collect();
         let mut tally = Tally::default();
         loop {
             let case = next.fetch_add(1, Ordering::Relaxed);
@@ -122,7 +122,7 @@ fn try_all(
                 break found.lock().unwrap().add(&tally);
             }
             let mut draw = Draw::of(kind, case);
-            let stages = all();
+            let stages = stages_on(grounds);
             let (ground, stage) = stages[draw.below(stages.len())];
             let place = places.iter_mut().find(|place| std::ptr::eq(place.ground, ground)).unwrap();
             let file = draw.one_of(stage.reads);
@@ -156,7 +156,7 @@ fn damage(draw: &mut Draw, place: &mut Place, name: &str, bytes: &[u8]) {
 
 #[test]
 fn law_damaged_contents_are_refused_in_one_line_or_used() {
-    try_all("contents", 1, count(2), |draw, place, _, name| {
+    try_all(("contents", 1, &*GROUNDS), count(2), |draw, place, _, name| {
         let bytes = damaged(draw, name, place.original(name));
         damage(draw, place, name, &bytes);
         String::new()
@@ -165,7 +165,7 @@ fn law_damaged_contents_are_refused_in_one_line_or_used() {
 
 #[test]
 fn law_damaged_bytes_are_refused_in_one_line_or_used() {
-    try_all("bytes", 2, count(4), |draw, place, _, name| {
+    try_all(("bytes", 2, &*GROUNDS), count(4), |draw, place, _, name| {
         let bytes = damaged_bytes(draw, unsealed(place.original(name)));
         damage(draw, place, name, &bytes);
         String::new()
@@ -174,5 +174,14 @@ fn law_damaged_bytes_are_refused_in_one_line_or_used() {
 
 #[test]
 fn law_strange_command_lines_are_refused_in_one_line_or_obeyed() {
-    try_all("command lines", 3, count(4), |draw, _, stage, _| strange_words(draw, stage.line));
+    try_all(("command lines", 3, &*GROUNDS), count(4), |draw, _, stage, _| strange_words(draw, stage.line));
+}
+
+#[test]
+fn law_logs_and_charts_of_strangers_are_refused_in_one_line_or_read() {
+    try_all(("logs and charts", 4, &*READERS), count(4), |draw, place, _, name| {
+        let bytes = strange(draw, name, place.original(name));
+        place.put(name, &bytes);
+        String::new()
+    });
 }

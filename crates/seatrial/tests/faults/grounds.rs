@@ -40,7 +40,7 @@ impl Stage {
     }
 }
 
-const fn stage(
+pub const fn stage(
     line: &'static str,
     out: &'static str,
     other: [&'static str; 2],
@@ -300,6 +300,8 @@ static LOGS: [Stage; 9] = [
 pub struct Ground {
     pub stages: &'static [Stage],
     pub files: Files,
+    /// Processor time that a run may take \[s\], where that is bounded.
+    pub seconds: Option<u32>,
 }
 
 /// All grounds, made once.
@@ -307,7 +309,12 @@ pub static GROUNDS: LazyLock<[Ground; 3]> = LazyLock::new(|| [paper(), plans(), 
 
 /// Every stage with its ground.
 pub fn all() -> Vec<(&'static Ground, &'static Stage)> {
-    GROUNDS.iter().flat_map(|ground| ground.stages.iter().map(move |stage| (ground, stage))).collect()
+    stages_on(&*GROUNDS)
+}
+
+/// Every stage on `grounds`, with its ground.
+pub fn stages_on(grounds: &'static [Ground]) -> Vec<(&'static Ground, &'static Stage)> {
+    grounds.iter().flat_map(|ground| ground.stages.iter().map(move |stage| (ground, stage))).collect()
 }
 
 /// The files below `folder`.
@@ -356,7 +363,7 @@ const LAST: [&str; 4] = ["refined.json", "simulated.json", "report.html", ""];
 fn made(folder: &TempDir, stages: &'static [Stage]) -> Ground {
     let read = stages.iter().filter(|stage| !LAST.contains(&stage.out));
     read.for_each(|stage| drop(run(folder, &stage.line_into("")).succeeds()));
-    Ground { stages, files: files(folder.path()) }
+    Ground { stages, files: files(folder.path()), seconds: None }
 }
 
 fn paper() -> Ground {
@@ -407,7 +414,7 @@ fn paper() -> Ground {
 }
 
 /// A grid of depths with one shoal, in the zone of the small plan.
-fn grid() -> String {
+pub fn grid() -> String {
     let header =
         "ncols 16\nnrows 16\nxllcorner 386100\nyllcorner 6650600\ncellsize 300\nNODATA_value -9999\n";
     let cell = |i: usize| if i == 8 * 16 + 8 { "-2" } else { "20" };

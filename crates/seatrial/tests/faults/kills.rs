@@ -31,7 +31,7 @@ fn killed(watched: &Watched, line: &str, after: Duration, which: usize) -> Resul
     if status.success() && !left.is_empty() || heard && !left.is_subset(&before) {
         return Err((Wrong::Left, format!("{signal}: {status}: it left {left:?}, found {before:?}")));
     }
-    watched.recover()?;
+    watched.read_all()?;
     watched.is_new(false)
 }
 
@@ -68,7 +68,7 @@ fn law_two_processes_that_write_the_same_files_leave_those_of_one() {
             let both = [&watched.line, &watched.other].map(|line| start(&watched.place, line, ""));
             let ended = both.map(|mut child| child.wait().unwrap().code());
             let found = match ended {
-                [Some(0), Some(0)] => watched.recover().and_then(|()| watched.is_new(true)),
+                [Some(0), Some(0)] => watched.read_all().and_then(|()| watched.is_new(true)),
                 other => Err((Wrong::Other, format!("exit codes {other:?}"))),
             };
             tally.fault(&watched.line, found);

@@ -11,6 +11,7 @@ mod support;
 mod corpus;
 mod damage;
 mod ends;
+mod foreign;
 mod fuzz;
 mod grounds;
 mod kills;
@@ -18,7 +19,9 @@ mod named;
 mod outputs;
 mod places;
 mod points;
+mod readers;
 mod sets;
+mod strangers;
 mod tables;
 
 /// The cases that `make faults CASES=100000` asks for: damaged inputs, and a tenth as many kills and failing places.

@@ -41,9 +41,19 @@ impl Watched {
         self.place.outputs().into_keys().filter(|name| is_unfinished(name)).collect()
     }
 
-    /// That `out` holds one of the two results whole, and whether it is the new one.
+    /// What readers find in `out`: of a set that is half named, what will have the names.
+    fn read(&self) -> Files {
+        let names: BTreeSet<String> =
+            self.place.outputs().into_keys().chain(self.after.keys().cloned()).collect();
+        let bytes = |name: &String| artifact::read_written(self.place.path().join("out").join(name)).ok();
+        let found = names.into_iter().filter_map(|name| bytes(&name).map(|bytes| (name, bytes)));
+        found.collect()
+    }
+
+    /// That `out` holds one of the two results whole, as readers find it, or where nothing else may be there as it stands; and
+    /// whether it is the new one.
     pub fn is_new(&self, and_nothing_else: bool) -> Result<bool, Fault> {
-        let mut found = self.place.outputs();
+        let mut found = if and_nothing_else { self.place.outputs() } else { self.read() };
         let left = self.unfinished();
         if and_nothing_else && !left.is_empty() {
             return Err((Wrong::Left, format!("it left {left:?}")));
@@ -60,11 +70,14 @@ impl Watched {
         Err((Wrong::Mixed, format!("other than before: {old:?}, other than new: {new:?}")))
     }
 
-    /// Lets the next reader complete what was begun, and reads all.
-    pub fn recover(&self) -> Result<(), Fault> {
-        // Whoever looks for a document in the folder mends it, whether there is one or not.
-        let _ = artifact::inspect(&self.place.path().join("out/none.json"));
-        read(&self.place, self.after.keys().map(String::as_str))
+    /// Reads all, which changes nothing.
+    pub fn read_all(&self) -> Result<(), Fault> {
+        let before = self.place.outputs();
+        read(&self.place, self.after.keys().map(String::as_str))?;
+        match self.place.outputs() == before {
+            true => Ok(()),
+            false => Err((Wrong::Other, "who only reads changed what stands there".to_owned())),
+        }
     }
 
     /// Runs the line with a fault at its `count`-th place over the old result: whether it came to its end, and whether it left
@@ -81,7 +94,7 @@ impl Watched {
                 code => return Err((Wrong::Other, format!("exit code {code}: {}", ended.told))),
             }
         }
-        self.recover()?;
+        self.read_all()?;
         let new = self.is_new(success)?;
         if success && !new {
             return Err((Wrong::Mixed, "succeeds with the old result".to_owned()));

@@ -22,7 +22,17 @@ fn every_number_has_a_unit() {
     let mut found = Vec::new();
     numeric(&serde_json::to_value(&made.summary).unwrap(), "", &mut found);
     // Rows have the unit of their count.
-    let rows = ["read", "empty", "cut", "without_time", "repeated", "backwards", "spread", "wrong_checksums"];
+    let rows = [
+        "read",
+        "empty",
+        "cut",
+        "without_time",
+        "repeated",
+        "backwards",
+        "spread",
+        "wrong_checksums",
+        "late",
+    ];
     let units = units::<IngestDocument>();
     for name in found.iter().filter(|name| !rows.contains(&name.as_str())) {
         assert!(units.contains_key(name), "`{name}` has no unit");

@@ -1,18 +1,32 @@
 //! The `ingest` stage, run as a program on files.
 
 mod attitudes;
+mod bags;
 mod clocks;
 mod derived;
 mod document;
+#[path = "../support/draw.rs"]
+mod draw;
+mod encodings;
 mod faulty;
 mod field;
 mod files;
+mod fixes;
 mod forces;
 mod gate;
 mod known;
 mod real;
 mod refusals;
 mod runner;
+mod sea_clocks;
 mod segments;
+mod sentence_times;
+mod sentences;
 mod shapes;
+mod shared;
+mod silent;
+mod strangers;
+mod table_clocks;
+mod talkers;
 mod topics;
+mod typed;

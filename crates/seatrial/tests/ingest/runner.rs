@@ -73,7 +73,12 @@ pub fn ingest(folder: &Path, more: &[&str]) -> Made {
     let ran = run(folder, &arguments);
     assert_eq!(ran.code, Some(0), "{}{}", ran.stdout, ran.stderr);
     assert_eq!(ran.stdout.lines().count(), 1, "{}", ran.stdout);
-    let reader = TableReader::open(&target, "trajectories", 1).unwrap();
+    made(&target, ran.stdout)
+}
+
+/// What was written into `target` and beside it, when the program said `line`.
+pub fn made(target: &Path, line: String) -> Made {
+    let reader = TableReader::open(target, "trajectories", 1).unwrap();
     assert_eq!(reader.blocks(), 1);
     let names: Vec<&str> = reader.columns().iter().map(|c| c.name.as_str()).collect();
     let table = reader.read_block(0, &names).unwrap();
@@ -82,8 +87,8 @@ pub fn ingest(folder: &Path, more: &[&str]) -> Made {
         columns: owned().zip(table.columns).collect(),
         units: owned().zip(reader.columns().iter().map(|c| c.unit.clone())).collect(),
         rows: reader.rows(),
-        summary: read_document::<IngestDocument>(out.path().join("ingest.json")).unwrap().data,
-        line: ran.stdout,
+        summary: read_document::<IngestDocument>(target.with_file_name("ingest.json")).unwrap().data,
+        line,
     }
 }
 

@@ -1,6 +1,8 @@
 //! `plan`, and what follows from its files, through the real binaries. What the tests compare with is computed here
 //! anew: replays of plans, the vessel's motion, its information, the chart.
 
+#[path = "../../../enc/tests/all/made.rs"]
+mod made;
 #[path = "../support/mod.rs"]
 mod support;
 #[path = "../../../chart/tests/all/xml.rs"]
@@ -11,6 +13,7 @@ mod budget;
 mod cells;
 mod chart_refusals;
 mod choices;
+mod exchange_sets;
 mod file_refusals;
 mod fleet;
 mod geometry;
@@ -26,6 +29,7 @@ mod routes;
 mod safety;
 mod same_bytes;
 mod sea;
+mod shared;
 mod slot;
 mod speed_limit;
 mod tide;

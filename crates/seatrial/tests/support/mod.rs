@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub mod craft;
+pub mod draw;
 
 use std::collections::BTreeMap;
 use std::fmt;

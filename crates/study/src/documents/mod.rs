@@ -61,8 +61,8 @@ pub use model::{ModelChannel, ModelDegree, ModelDocument, ModelInput, ModelParam
 pub use moments::MomentsDocument;
 pub use passage::{NearestDanger, Passage, PassageLeg};
 pub use plan::{
-    CostUnit, DroppedMove, PlanChart, PlanChartClass, PlanDocument, PlanHandling, PlanLattice, PlanPose,
-    PlanStatus, PlanStep, Primitive, SecondaryCost, Voyage, VoyageLeg,
+    CostUnit, DroppedMove, LeftOut, PlanChart, PlanChartClass, PlanDocument, PlanHandling, PlanLattice,
+    PlanPose, PlanStatus, PlanStep, Primitive, SecondaryCost, Voyage, VoyageLeg,
 };
 pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
 pub use refined::{RefinedDocument, RefinedExperiment, RefinedLimit};

@@ -58,12 +58,21 @@ pub struct PlanChart {
     pub issued: Option<String>,
     /// Its compilation scale: 1 to this.
     pub scale: Option<u64>,
+    /// What its depths are measured from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sounding_datum: Option<String>,
+    /// What its heights and clearances are measured from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vertical_datum: Option<String>,
+    /// What is to be said of its files: updates that are not there or not applied, checksums.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// What became of its objects, by class.
     pub classes: BTreeMap<String, PlanChartClass>,
 }
 
 /// What became of the objects of one class.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlanChartClass {
     /// Objects of the class on the whole chart.
@@ -74,25 +83,60 @@ pub struct PlanChartClass {
     pub maneuvers_avoid: u64,
     /// Of which without effect.
     pub ignored: u64,
+    /// Why they are, with their numbers.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub reasons: BTreeMap<String, u64>,
+}
+
+/// Objects of one class that are left out, for one reason.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LeftOut<'a> {
+    /// The class.
+    pub class: &'a str,
+    /// How many.
+    pub objects: u64,
+    /// Why, or for what.
+    pub why: &'a str,
 }
 
 impl PlanChart {
-    /// Which chart it is, and which classes have no or less effect, with their numbers.
-    pub fn told(&self) -> String {
-        let counted = |count: fn(&PlanChartClass) -> u64| {
-            let some = self.classes.iter().filter(|(_, own)| count(own) > 0);
-            let all: Vec<String> = some.map(|(class, own)| format!("{} {class}", count(own))).collect();
-            if all.is_empty() { "none".to_owned() } else { all.join(", ") }
-        };
+    /// Which chart it is, and in which depths.
+    pub fn named(&self) -> String {
         let Self { file, edition, update, scale, .. } = self;
-        let cell = match (edition, update, scale) {
+        let below = |datum: &String| format!(", depths below {datum}");
+        let datum = self.sounding_datum.as_ref().map_or(String::new(), below);
+        match (edition, update, scale) {
             (Some(edition), Some(update), Some(scale)) => {
-                format!(" (edition {edition}, update {update}, 1 : {scale})")
+                format!("{file} (edition {edition}, update {update}, 1 : {scale}{datum})")
             }
-            _ => String::new(),
-        };
-        let (kept, ignored) = (counted(|own| own.maneuvers_avoid), counted(|own| own.ignored));
-        format!("{file}{cell}: ignored {ignored}; only maneuvers avoid {kept}")
+            _ => file.clone(),
+        }
+    }
+
+    /// Objects without effect, or for maneuvers only, by class and reason.
+    pub fn left_out(&self) -> impl Iterator<Item = LeftOut<'_>> {
+        self.classes.iter().flat_map(|(class, own)| {
+            let maneuvers = (own.maneuvers_avoid, "only maneuvers avoid it");
+            let reasons = own.reasons.iter().map(|(why, count)| (*count, why.as_str()));
+            let all = reasons.chain([maneuvers]).filter(|(count, _)| *count > 0);
+            all.map(move |(objects, why)| LeftOut { class, objects, why })
+        })
+    }
+
+    /// Which chart it is, which classes have no or less effect, with their numbers and reasons, and what is to be said of its
+    /// files.
+    pub fn told(&self) -> String {
+        let mut by_reason: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+        for LeftOut { class, objects, why } in self.left_out() {
+            by_reason.entry(why).or_default().push(format!("{objects} {class}"));
+        }
+        let maneuvers = by_reason.remove("only maneuvers avoid it");
+        let listed = |own: Option<Vec<String>>| own.map_or("none".to_owned(), |own| own.join(", "));
+        let reasons = by_reason.into_iter().map(|(why, own)| format!("{} ({why})", own.join(", ")));
+        let reasons: Vec<String> = reasons.collect();
+        let ignored = if reasons.is_empty() { "none".to_owned() } else { reasons.join(", ") };
+        let notes: String = self.notes.iter().map(|note| format!("; {note}")).collect();
+        format!("{}: ignored {ignored}; only maneuvers avoid {}{notes}", self.named(), listed(maneuvers))
     }
 }
 
@@ -333,7 +377,7 @@ impl Document for PlanDocument {
         ("1", "log_det"),
         ("m", "cell_m residual_m end_error_m spread_m clearance_m clearance_quantiles_m"),
         ("m", "margin_m shortfall_m sight_m lookahead_m"),
-        ("1", "objects avoided maneuvers_avoid ignored update scale"),
+        ("1", "objects avoided maneuvers_avoid ignored reasons update scale"),
         ("deg", "longitude_deg latitude_deg heading_deg residual_deg"),
         ("m/s", "modes speed_m_s unknown_current_m_s crawl_m_s"),
         ("m/s^2", "acceleration_m_s2 braking_m_s2 coasting_m_s2"),

@@ -2,8 +2,8 @@
 
 use std::fmt::Display;
 
-use logs::{ChannelSpec, FileSpec, Format, Interval, LOG_TIME, PUBLISH_TIME, TimeUnit};
-use refusal::{Invalid, check_numbers};
+use logs::{Accepted, ChannelSpec, Checksums, FileSpec, Format, Interval, LOG_TIME, PUBLISH_TIME, TimeUnit};
+use refusal::{Invalid, check_numbers, foreign};
 
 use super::IngestFile;
 
@@ -191,8 +191,32 @@ fn check_file(file: &FileSpec) -> Result<(), Invalid> {
     check_numbers([("max_wrong_checksums", share)], "a share from 0 to 1", |share| {
         (0.0..=1.0).contains(&share)
     })?;
+    check_talkers(file)?;
     check_kinds(file)?;
     check_time(file)
+}
+
+/// Refuses talkers that are none, and keys of sentences for files of another kind.
+fn check_talkers(file: &FileSpec) -> Result<(), Invalid> {
+    let is_talker = |talker: &String| talker.len() == 2 && talker.bytes().all(|c| c.is_ascii_alphanumeric());
+    if let Some(wrong) = file.prefer.iter().find(|talker| !is_talker(talker)) {
+        let expected = "the two letters that sentences of a talker begin with, such as `HE` or `GP`";
+        return Err(Invalid::new("`prefer`", format!("`{}`", foreign(wrong)), expected, "correct it"));
+    }
+    let keys = [
+        ("prefer", !file.prefer.is_empty()),
+        ("quality", file.quality != Accepted::default()),
+        ("checksums", file.checksums != Checksums::default()),
+    ];
+    let other = file.pattern.iter().find(|pattern| file.format_of(pattern) != Format::Nmea);
+    match (keys.iter().find(|(_, is_set)| *is_set), other) {
+        (Some((key, _)), Some(pattern)) => {
+            let found = format!("`{key}` of files `{pattern}`");
+            let remedy = "remove it, or set `format = \"nmea\"`";
+            Err(Invalid::new(format!("`{key}`"), found, "it for files of NMEA 0183", remedy))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Refuses keys that files of a kind lack or do not have.
@@ -208,6 +232,10 @@ fn check_kinds(file: &FileSpec) -> Result<(), Invalid> {
                 expected,
                 "add or remove it",
             ));
+        }
+        if file.publisher.is_some() && format != Format::Mcap {
+            let found = format!("it for `{pattern}`");
+            return Err(Invalid::new("`publisher`", found, "it for the topic of a bag", "remove it"));
         }
         let others =
             [file.label_column.is_some(), file.time.nanoseconds.is_some(), !file.quaternion.is_empty()];

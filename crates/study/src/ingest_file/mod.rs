@@ -4,6 +4,7 @@ mod check;
 pub mod read;
 pub mod recordings;
 mod reference;
+mod tables;
 
 pub use reference::{page, schema};
 

@@ -2,18 +2,19 @@
 //!
 //! Text and bags are decoded by [`logs`], which needs no more than bytes; Parquet here, for the sciences know no tables.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, ErrorKind};
+use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 use std::sync::Arc;
 
-use artifact::{Digest, Digesting, Error, ForeignTable, Scratch};
+use artifact::{Digest, Digesting, Error, Scratch, open};
 use flate2::read::MultiGzDecoder;
 use logs::{
-    Cells, Columns, Content, Format, Labels, Log, LogError, Numbering, Plan, Recorded, Samples, Segmentation,
-    Source, Stamps, Store, Wanted, places, read_bag, read_csv, read_nmea, record,
+    Columns, FileSpec, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source, Store, read_bag,
+    read_csv, read_nmea, record, stranger,
 };
 use refusal::Invalid;
+
+use super::tables::parquet;
 
 /// Where pieces of long channels are put aside.
 #[derive(Debug)]
@@ -64,14 +65,70 @@ fn of_files(
     store: &Arc<dyn Store>,
 ) -> Result<(Recorded, Vec<Digest>), Error> {
     let (mut logs, mut digests) = (Vec::with_capacity(source.files.len()), Vec::new());
-    for (group, name) in source.files.iter().enumerate() {
-        let path = folder.join(name);
-        let (columns, digest) = columns(&path, plan, group, store)?;
+    for (group, parts) in source.files.iter().enumerate() {
+        let mut read = Vec::with_capacity(parts.len());
+        for name in parts {
+            let (columns, digest) = columns(&folder.join(name), plan, group, store)?;
+            read.push((name.as_str(), columns));
+            digests.push(digest);
+        }
+        let path = if let [only] = parts.as_slice() { folder.join(only) } else { folder.to_owned() };
+        let columns = joined(read);
+        if columns.lines.rows() > plan.most_rows {
+            return Err(crate::invalid(&path, &plan.too_many_rows(columns.lines.rows())));
+        }
         logs.push(Log::new(columns, group, plan).map_err(|e| crate::invalid(&path, &e))?);
-        digests.push(digest);
     }
     let recorded = record(source, logs, plan, segmentation);
-    Ok((recorded.map_err(|e| crate::invalid(&folder.join(&source.files[0]), &e))?, digests))
+    Ok((recorded.map_err(|e| crate::invalid(&folder.join(&source.files[0][0]), &e))?, digests))
+}
+
+/// The rows of a recording's files, one after the other: as their names count, or as their times do where these contradict.
+fn joined(mut parts: Vec<(&str, Columns)>) -> Columns {
+    let follows = |parts: &[(&str, Columns)]| {
+        let spans: Vec<[f64; 2]> = parts.iter().filter_map(|(_, columns)| columns.span()).collect();
+        spans.windows(2).all(|pair| pair[0][1] <= pair[1][0])
+    };
+    if parts.len() > 1 && !follows(&parts) {
+        let first = |columns: &Columns| columns.span().map_or(f64::INFINITY, |[first, _]| first);
+        let mut sorted: Vec<usize> = (0..parts.len()).collect();
+        sorted.sort_by(|a, b| first(&parts[*a].1).total_cmp(&first(&parts[*b].1)));
+        let mut taken: Vec<Option<(&str, Columns)>> = parts.into_iter().map(Some).collect();
+        parts = sorted.into_iter().filter_map(|place| taken[place].take()).collect();
+    }
+    let several = parts.len() > 1;
+    let mut all = parts.into_iter().map(|(name, mut columns)| {
+        if several {
+            columns.lines = columns.lines.of_part(name);
+        }
+        columns
+    });
+    let first = all.next().unwrap_or_default();
+    all.fold(first, |mut all, part| {
+        all.append(part);
+        all
+    })
+}
+
+/// How the file at `path` is written, called `name`; refuses what is no file, and files of other formats by their names.
+fn known(path: &Path, name: &str, spec: &FileSpec) -> Result<Format, Error> {
+    let unreadable = |e| Error::io(path, "read", e);
+    let (format, most) = (spec.format_of(name), SNIFFED as u64);
+    let is_from_top = spec.skip_lines == 0;
+    let mut head = Vec::new();
+    open(path)?.take(most).read_to_end(&mut head).map_err(unreadable)?;
+    if name.ends_with(".gz") && !head.is_empty() {
+        if !head.starts_with(&[0x1F, 0x8B]) {
+            let found = "bytes that gzip did not write, in a file called .gz";
+            let plain = Invalid::new("format", found, "a file compressed with gzip", "rename it without .gz");
+            return Err(crate::invalid(path, &stranger(&head, format, is_from_top).unwrap_or(plain)));
+        }
+        let mut text = Vec::new();
+        // What is damaged is said when it is read.
+        let _ = MultiGzDecoder::new(head.as_slice()).take(most).read_to_end(&mut text);
+        head = text;
+    }
+    stranger(&head, format, is_from_top).map_or(Ok(format), |invalid| Err(crate::invalid(path, &invalid)))
 }
 
 fn columns(
@@ -81,13 +138,13 @@ fn columns(
     store: &Arc<dyn Store>,
 ) -> Result<(Columns, Digest), Error> {
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    let format = plan.setup.files[group].format_of(name);
+    let format = known(path, name, &plan.setup.files[group])?;
     if format == Format::Parquet {
         return Ok((parquet(path, plan, group, store)?, Digest::of_file(path)?));
     }
     let unreadable = |e| Error::io(path, "read", e);
     const BUFFER: usize = 1 << 18;
-    let file = File::open(path).map_err(unreadable)?;
+    let file = open(path)?;
     let length = file.metadata().map_err(unreadable)?.len();
     let mut source = Digesting::new(file);
     let (mut bytes, length): (Box<dyn BufRead>, _) = match name.ends_with(".gz") {
@@ -108,73 +165,13 @@ fn columns(
     Ok((columns, source.digest().map_err(unreadable)?))
 }
 
-/// Whether the bytes are at fault and not the disk.
+/// Whether the bytes are at fault and not the disk, whose errors have a number of the system.
 fn is_damage(error: &std::io::Error) -> bool {
-    matches!(error.kind(), ErrorKind::UnexpectedEof | ErrorKind::InvalidData | ErrorKind::InvalidInput)
+    error.raw_os_error().is_none()
 }
 
 fn damaged(error: &std::io::Error) -> Invalid {
     let cut = error.kind() == ErrorKind::UnexpectedEof;
     let found = if cut { "an end within the compressed data".to_owned() } else { error.to_string() };
     Invalid::new("file", found, "a whole gzip file", "the file is truncated or damaged: copy it again")
-}
-
-fn parquet(path: &Path, plan: &Plan, group: usize, store: &Arc<dyn Store>) -> Result<Columns, Error> {
-    let (table, wanted) = (ForeignTable::open(path)?, plan.wanted(group));
-    let refused = |invalid| crate::invalid(path, &invalid);
-    places(table.columns(), &wanted).map_err(refused)?;
-    if table.rows() > plan.most_rows {
-        return Err(refused(plan.too_many_rows(table.rows())));
-    }
-    let column = |w: &Wanted| {
-        Ok::<_, Error>(match w.content {
-            Content::Labels => Cells::Labels(labels(&table, &w.column)?),
-            Content::Dates => {
-                Cells::Numbers(dates((path, &table), &w.column, plan.stamps(group), plan, store)?)
-            }
-            Content::Numbers => {
-                let mut numbers = Samples::new(store);
-                table.numbers(&w.column, |number| numbers.push(number))?;
-                Cells::Numbers(numbers)
-            }
-        })
-    };
-    let cells = wanted.iter().map(column).collect::<Result<_, _>>()?;
-    Ok(Columns { cells, lines: Numbering::of_rows(table.rows()), ..Columns::default() })
-}
-
-fn labels(table: &ForeignTable, column: &str) -> Result<Labels, Error> {
-    let mut labels = Labels::default();
-    texts(table, column, |text| labels.push(text))?;
-    Ok(labels)
-}
-
-fn dates(
-    (path, table): (&Path, &ForeignTable),
-    column: &str,
-    stamps: &Stamps,
-    plan: &Plan,
-    store: &Arc<dyn Store>,
-) -> Result<Samples, Error> {
-    let (mut seconds, mut wrong) = (Samples::new(store), None);
-    texts(table, column, |text| {
-        let known = stamps.seconds(text);
-        if let (Err(why), None) = (known, &wrong) {
-            wrong = Some((seconds.len() + 1, text.to_owned(), why));
-        }
-        seconds.push(known.unwrap_or(f64::NAN));
-    })?;
-    match wrong {
-        None => Ok(seconds),
-        Some((row, found, why)) => {
-            Err(crate::invalid(path, &stamps.refused(row, column, &found, why, plan.setup.written_in)))
-        }
-    }
-}
-
-/// Gives `each` the texts of a column, or numbers as text: labels may be either.
-fn texts(table: &ForeignTable, column: &str, mut each: impl FnMut(&str)) -> Result<(), Error> {
-    let Err(refused) = table.texts(column, &mut each) else { return Ok(()) };
-    let label = |n: f64| each(&if n.is_finite() { n.to_string() } else { String::new() });
-    table.numbers(column, label).map_err(|_| refused)
 }

@@ -1,5 +1,6 @@
 //! The charts that `plan.toml` names, read from their files.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use artifact::{Budget, Error, PROGRAM_BYTES, Provenance, Work};
@@ -8,7 +9,8 @@ use chart::{
     objects_of_geojson,
 };
 
-use super::cells::{bytes, cell, is_cell, of_objects};
+use super::cells::{PER_BYTE, Reading, bytes, cells_of, of_objects};
+use super::exchange_set::existing;
 use super::file::{ChartKind, ChartSpec, PlanFile};
 use crate::documents::PlanChart;
 
@@ -26,9 +28,6 @@ pub struct Charts {
     pub bytes: u64,
 }
 
-/// Bytes that it takes to read a byte of a file of polygons or objects.
-const PER_BYTE: u64 = 14;
-
 /// Reads the charts of `config`, whose files are relative to `config_file`, and notes their digests.
 ///
 /// # Errors
@@ -45,6 +44,7 @@ pub fn read_charts(
     }
     let folder = config_file.parent().unwrap_or(Path::new(""));
     let mut charts = Charts { layers: Vec::new(), objects: Vec::new(), bytes: 0 };
+    let mut sets = BTreeMap::new();
     for spec in &config.chart {
         let rules = Rules {
             changed: spec.rules.clone(),
@@ -52,7 +52,18 @@ pub fn read_charts(
             radius_m: spec.radius_m,
             doubtful_radius_m: spec.doubtful_radius_m,
         };
-        let path = folder.join(&spec.file);
+        let path = existing(folder.join(&spec.file));
+        if let Some(cells) = cells_of(&path)? {
+            spec.check_keys(&path, true)?;
+            let mut reading = Reading { budget, provenance, bytes: charts.bytes, sets };
+            for cell in cells {
+                let (layer, told) = reading.cell(&cell, &rules)?;
+                charts.layers.push(Layer::Polygons(layer));
+                charts.objects.push(told);
+            }
+            (charts.bytes, sets) = (reading.bytes, reading.sets);
+            continue;
+        }
         if GridFormat::of(&path).is_none() {
             let length = std::fs::metadata(&path).map_or(0, |about| about.len());
             charts.bytes += PER_BYTE * length;
@@ -74,13 +85,7 @@ impl Charts {
         rules: &Rules,
         provenance: &mut Provenance,
     ) -> Result<(), Error> {
-        spec.check_keys(path)?;
-        if is_cell(path) {
-            let (layer, told) = cell(path, rules, provenance)?;
-            self.layers.push(Layer::Polygons(layer));
-            self.objects.push(told);
-            return Ok(());
-        }
+        spec.check_keys(path, false)?;
         if let Some(format) = GridFormat::of(path) {
             let declared = declared(path, spec)?;
             let grid = format.read(bytes(path, provenance)?, &declared);
@@ -102,13 +107,13 @@ impl Charts {
 }
 
 impl ChartSpec {
-    /// Refuses keys that say nothing about such a file.
-    fn check_keys(&self, path: &Path) -> Result<(), Error> {
-        let objects = is_cell(path) || self.kind == Some(ChartKind::Objects);
+    /// Refuses keys that say nothing about such a file, be it a cell or another.
+    fn check_keys(&self, path: &Path, is_cell: bool) -> Result<(), Error> {
+        let objects = is_cell || self.kind == Some(ChartKind::Objects);
         let refuse = |thing: &str, found: &str, expected: &str, remedy: &str| {
             Err(Error::refuse(path, thing, found, expected, remedy))
         };
-        if is_cell(path) && self.kind.is_some_and(|kind| kind != ChartKind::Objects) {
+        if is_cell && self.kind.is_some_and(|kind| kind != ChartKind::Objects) {
             let expected = "none, or `objects`: a cell shows objects of many classes";
             return refuse(
                 "`kind`",

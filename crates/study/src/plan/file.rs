@@ -89,8 +89,8 @@ pub struct AreaSpec {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChartSpec {
-    /// GeoJSON (`.geojson`, `.json`), grid (`.asc`, GeoTIFF `.tif`, NetCDF `.nc`) or cell of an electronic chart (`.000`, its
-    /// updates beside it), relative to this file.
+    /// GeoJSON (`.geojson`, `.json`), grid (`.asc`, GeoTIFF `.tif`, NetCDF `.nc`) or cell of an electronic chart (`.000`), or
+    /// the folder or `CATALOG.031` of several, relative to this file.
     pub file: PathBuf,
     /// What it shows; a cell shows objects of many classes.
     pub kind: Option<ChartKind>,

@@ -5,6 +5,7 @@ mod cells;
 mod charts;
 mod check;
 mod document;
+mod exchange_set;
 mod file;
 mod layers;
 mod legs;
@@ -14,6 +15,7 @@ mod routes;
 mod slot;
 mod task;
 mod tide;
+mod updates;
 
 pub use charts::{Charts, read_charts};
 pub use document::{of_problem, of_voyage};

@@ -40,7 +40,7 @@ pub fn in_tide(
         return Err(Error::refuse(config_file, "`tide.until`", found, expected, "correct it"));
     }
     let path = config_file.parent().unwrap_or(Path::new("")).join(&spec.file);
-    let bytes = std::fs::read(&path).map_err(|e| Error::io(&path, "read", e))?;
+    let bytes = artifact::read(&path)?;
     provenance.inputs.insert("tide".to_owned(), Digest::of_bytes(&bytes));
     let table = table(&bytes).map_err(|invalid| Error::invalid(&path, invalid))?;
     let tide = Tide::worst(&table, departure as f64, (until - departure) as f64).ok_or_else(|| {

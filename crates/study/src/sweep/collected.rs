@@ -53,7 +53,7 @@ fn found(cell: &SweepCell, path: &Path) -> Result<Found, Error> {
     if let Some(refusal) = &cell.refused {
         return Ok(Found::Refused(refusal.clone()));
     }
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
+    let bytes = artifact::read_written(path)?;
     match serde_json::from_slice::<Refusal>(&bytes) {
         Ok(refusal) => Ok(Found::Refused(refusal.error)),
         Err(_) => Ok(Found::Tally(Box::new(read_document(path)?))),

@@ -1,0 +1,95 @@
+//! Opening what is to be read: ordinary files alone. A pipe, a device or a folder is refused and never waited for.
+
+use std::fs::{File, FileType, OpenOptions};
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+
+use crate::budget::{Work, budget};
+use crate::error::{Error, Result};
+
+/// Opens the ordinary file at `path` for reading.
+///
+/// # Errors
+/// [`Error::Refused`] for a folder, pipe, socket or device; [`Error::Io`] if the file cannot be opened.
+pub fn open(path: impl AsRef<Path>) -> Result<File> {
+    let path = path.as_ref();
+    let unreadable = |e| Error::io(path, "read", e);
+    // To open a device may do something, and a socket cannot be opened.
+    refuse_special(path, path.metadata().map_err(unreadable)?.file_type())?;
+    let file = without_waiting().open(path).map_err(unreadable)?;
+    // Another may have taken the name since.
+    refuse_special(path, file.metadata().map_err(unreadable)?.file_type())?;
+    Ok(file)
+}
+
+/// The bytes of the ordinary file at `path`.
+///
+/// # Errors
+/// As [`open`]; [`Error::Refused`] if memory has no room for them.
+pub fn read(path: impl AsRef<Path>) -> Result<Vec<u8>> {
+    let path = path.as_ref();
+    bytes_of(path, open(path)?)
+}
+
+/// What stands in `file`, which was opened at `path`.
+pub(crate) fn bytes_of(path: &Path, mut file: File) -> Result<Vec<u8>> {
+    let unreadable = |e| Error::io(path, "read", e);
+    let length = file.metadata().map_err(unreadable)?.len();
+    let found = format!("{length} bytes");
+    let work = Work { file: path, thing: "file", found: &found, remedy: REMEDY };
+    budget().memory(work, length as f64)?;
+    let mut bytes = Vec::new();
+    let room = bytes.try_reserve_exact(usize::try_from(length).unwrap_or(usize::MAX));
+    room.map_err(|_| unreadable(ErrorKind::OutOfMemory.into()))?;
+    file.read_to_end(&mut bytes).map_err(unreadable)?;
+    Ok(bytes)
+}
+
+/// How to let a file through that is too large.
+pub(crate) const REMEDY: &str = "name a smaller file, or raise --memory-mib";
+
+/// How files are opened to be read: a pipe without a writer would be waited for.
+pub(crate) fn without_waiting() -> OpenOptions {
+    let mut options = OpenOptions::new();
+    options.read(true);
+    #[cfg(unix)]
+    {
+        use rustix::fs::OFlags;
+        use std::os::unix::fs::OpenOptionsExt;
+        options.custom_flags((OFlags::NONBLOCK | OFlags::NOCTTY).bits() as i32);
+    }
+    options
+}
+
+fn refuse_special(path: &Path, kind: FileType) -> Result<()> {
+    if kind.is_file() {
+        return Ok(());
+    }
+    let remedy = "name a file: what comes from elsewhere has to be written into one first";
+    Err(Error::refuse(path, "file", name_of(kind), "an ordinary file", remedy))
+}
+
+#[cfg(unix)]
+fn name_of(kind: FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt;
+    match kind {
+        _ if kind.is_dir() => "a folder",
+        _ if kind.is_fifo() => "a pipe",
+        _ if kind.is_socket() => "a socket",
+        _ => "a device",
+    }
+}
+
+#[cfg(not(unix))]
+fn name_of(kind: FileType) -> &'static str {
+    if kind.is_dir() { "a folder" } else { "a device" }
+}
+
+/// The ordinary file at `path` itself: no link.
+pub(crate) fn open_itself(path: &Path) -> io::Result<File> {
+    if !path.symlink_metadata()?.is_file() {
+        return Err(ErrorKind::NotFound.into());
+    }
+    let file = without_waiting().open(path)?;
+    if file.metadata()?.is_file() { Ok(file) } else { Err(ErrorKind::NotFound.into()) }
+}

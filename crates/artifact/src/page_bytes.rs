@@ -1,0 +1,107 @@
+//! The pages of a column as the parquet crate reads them: none whose header promises more than there may be.
+
+use std::io::{self, BufReader, Read};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use bytes::Bytes;
+use flate2::read::MultiGzDecoder;
+use parquet::basic::CompressionCodec;
+use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::file::metadata::ColumnChunkMetaData;
+use parquet::file::reader::{ChunkReader, Length};
+use parquet::file::serialized_reader::SerializedPageReader;
+
+use crate::budget::budget;
+use crate::source::{From, Source};
+use crate::thrift::{BROKEN, PageSizes, page};
+
+/// Share of the memory that a page may take.
+const SHARE: f64 = 0.25;
+/// A header has some ten numbers; with the least and the greatest value of a text it may be longer.
+const USUAL_HEADER: u64 = 512;
+const LONGEST_HEADER: u64 = 1 << 20;
+
+/// Most bytes of a page.
+pub(crate) fn most_bytes() -> u64 {
+    (SHARE * budget().bytes()) as u64
+}
+
+/// Reads the pages of a column, whose blocks have `rows` rows.
+pub(crate) fn pages(
+    source: &Source,
+    chunk: &ColumnChunkMetaData,
+    rows: usize,
+) -> ParquetResult<SerializedPageReader<PageBytes>> {
+    let gzip = matches!(chunk.compression_codec(), CompressionCodec::GZIP);
+    let bytes = PageBytes { source: source.clone(), gzip, uncompressed: AtomicU64::new(0) };
+    SerializedPageReader::new(bytes.into(), chunk, rows, None)
+}
+
+/// A file of which every read from a place on begins with the header of a page.
+pub(crate) struct PageBytes {
+    source: Source,
+    gzip: bool,
+    /// Bytes of the page whose header was read last.
+    uncompressed: AtomicU64,
+}
+
+impl Length for PageBytes {
+    fn len(&self) -> u64 {
+        self.source.len()
+    }
+}
+
+impl ChunkReader for PageBytes {
+    type T = BufReader<From>;
+
+    fn get_read(&self, start: u64) -> ParquetResult<Self::T> {
+        let header = |most: u64| {
+            let mut bytes = Vec::new();
+            self.source.get_read(start)?.take(most).read_to_end(&mut bytes)?;
+            Ok::<_, ParquetError>(page(&bytes))
+        };
+        let short = header(USUAL_HEADER)?;
+        let sizes = if short.is_some() { short } else { header(LONGEST_HEADER)? };
+        let sizes = sizes.ok_or_else(|| general(format!("a page header with {BROKEN}")))?;
+        self.uncompressed.store(check(sizes)?, Ordering::Relaxed);
+        self.source.get_read(start)
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> ParquetResult<Bytes> {
+        let bytes = self.source.get_bytes(start, length)?;
+        if self.gzip {
+            self.check_gzip(&bytes)?;
+        }
+        Ok(bytes)
+    }
+}
+
+impl PageBytes {
+    /// What decompresses gzip does not stop where the page should end.
+    fn check_gzip(&self, bytes: &[u8]) -> ParquetResult<()> {
+        let most = self.uncompressed.load(Ordering::Relaxed);
+        let found = io::copy(&mut MultiGzDecoder::new(bytes).take(most + 1), &mut io::sink());
+        match found {
+            Ok(found) if found > most => {
+                Err(general("a page that is longer than its header says".to_owned()))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Bytes of a page with these sizes.
+fn check(sizes: PageSizes) -> ParquetResult<u64> {
+    let bytes = u64::try_from(sizes.uncompressed).unwrap_or(u64::MAX);
+    if bytes > most_bytes() {
+        return Err(general(format!("a page of {bytes} bytes, more than memory has room for")));
+    }
+    if u64::try_from(sizes.labels).unwrap_or(u64::MAX) > bytes {
+        return Err(general(format!("a page of {} labels in {bytes} bytes", sizes.labels)));
+    }
+    Ok(bytes)
+}
+
+fn general(what: String) -> ParquetError {
+    ParquetError::General(what)
+}

@@ -1,0 +1,177 @@
+//! The channels of a topic: who publishes it, and how messages are made up.
+
+use std::collections::BTreeMap;
+
+use refusal::{Invalid, foreign};
+
+use super::decoder::Decoder;
+use super::definition::LONGEST;
+
+/// Bytes of all definitions that are kept.
+const MOST_BYTES: usize = 1 << 26;
+
+/// Definitions by their numbers.
+#[derive(Default)]
+pub(super) struct Schemas {
+    known: BTreeMap<u16, Schema>,
+    bytes: usize,
+}
+
+/// Name, encoding and text of a definition.
+#[derive(Clone, PartialEq)]
+pub(super) struct Schema {
+    name: String,
+    encoding: String,
+    text: Vec<u8>,
+}
+
+impl Schemas {
+    /// Keeps a definition; of one that is too long as much as shows that.
+    pub(super) fn add(&mut self, id: u16, name: &str, encoding: &str, text: &[u8]) -> Result<(), Invalid> {
+        if self.known.contains_key(&id) {
+            return Ok(());
+        }
+        let text = &text[..text.len().min(LONGEST + 1)];
+        self.bytes += name.len() + encoding.len() + text.len();
+        if self.bytes > MOST_BYTES {
+            let expected = format!("at most {MOST_BYTES} bytes");
+            let remedy = "record fewer topics: the bag may be damaged";
+            return Err(Invalid::new("definitions", format!("{} bytes", self.bytes), expected, remedy));
+        }
+        let own = Schema { name: name.to_owned(), encoding: encoding.to_owned(), text: text.to_vec() };
+        self.known.insert(id, own);
+        Ok(())
+    }
+
+    pub(super) fn get(&self, id: u16) -> Option<&Schema> {
+        self.known.get(&id)
+    }
+}
+
+/// A channel of the topic.
+struct Channel {
+    schema: Option<Schema>,
+    encoding: String,
+    metadata: Vec<(String, String)>,
+    decoder: Decoder,
+}
+
+impl Channel {
+    /// Whether it goes on where another ended, for all that is said of both.
+    fn is_same(&self, other: &Self) -> bool {
+        (&self.schema, &self.encoding, &self.metadata) == (&other.schema, &other.encoding, &other.metadata)
+    }
+}
+
+/// The channels of the topic that are read.
+pub(super) struct Channels<'a> {
+    /// Whose messages are meant.
+    publisher: Option<&'a str>,
+    known: BTreeMap<u16, Channel>,
+    /// What all publishers of the topic are called, those that are not meant too.
+    called: BTreeMap<u16, String>,
+    /// Those of which messages came, in their order.
+    heard: Vec<u16>,
+}
+
+impl<'a> Channels<'a> {
+    /// None yet; all of the topic count, or those of a publisher.
+    pub(super) fn new(publisher: Option<&'a str>) -> Self {
+        Self { publisher, known: BTreeMap::new(), called: BTreeMap::new(), heard: Vec::new() }
+    }
+
+    /// Adds a channel of the topic, of whose messages the fields at `paths` are wanted.
+    ///
+    /// # Errors
+    /// See [`Decoder::new`].
+    pub(super) fn add(
+        &mut self,
+        id: u16,
+        schema: Option<&Schema>,
+        encoding: &str,
+        metadata: Vec<(&str, &str)>,
+        (topic, paths): (&str, &[String]),
+    ) -> Result<(), Invalid> {
+        if self.called.contains_key(&id) {
+            return Ok(());
+        }
+        // Qualities of service are long, and no name.
+        let names = metadata.iter().filter(|(key, _)| !key.contains("qos") && *key != "topic_type_hash");
+        let names: Vec<String> = names.map(|(key, value)| format!("{key} {value}")).collect();
+        let called =
+            if names.is_empty() { String::new() } else { format!(" ({})", foreign(&names.join(", "))) };
+        self.called.insert(id, format!("`{id}`{called}"));
+        let is_meant = self.publisher.is_none_or(|publisher| {
+            publisher == id.to_string() || metadata.iter().any(|(_, value)| *value == publisher)
+        });
+        if is_meant {
+            let parts = schema.map(|s| (s.name.as_str(), s.encoding.as_str(), s.text.as_slice()));
+            let decoder = Decoder::new(topic, encoding, parts, paths)?;
+            let owned = |(key, value): (&str, &str)| (key.to_owned(), value.to_owned());
+            let metadata = metadata.into_iter().map(owned).collect();
+            let channel =
+                Channel { schema: schema.cloned(), encoding: encoding.to_owned(), metadata, decoder };
+            self.known.insert(id, channel);
+        }
+        Ok(())
+    }
+
+    /// The decoder of a message of channel `id`; none where that is not read.
+    ///
+    /// # Errors
+    /// Messages of several channels that do not go on where the one before ended.
+    pub(super) fn heard(&mut self, id: u16, topic: &str) -> Result<Option<&mut Decoder>, Invalid> {
+        let is_known = self.known.contains_key(&id);
+        if let (true, Some(last)) = (is_known && self.heard.last() != Some(&id), self.heard.last()) {
+            let is_next = !self.heard.contains(&id)
+                && self.known.get(last).zip(self.known.get(&id)).is_some_and(|(a, b)| a.is_same(b));
+            if !is_next {
+                return Err(self.several(topic));
+            }
+        }
+        if is_known && self.heard.last() != Some(&id) {
+            self.heard.push(id);
+        }
+        Ok(self.known.get_mut(&id).map(|channel| &mut channel.decoder))
+    }
+
+    fn several(&self, topic: &str) -> Invalid {
+        let called: Vec<&str> = self.called.values().take(4).map(String::as_str).collect();
+        let found = format!("{} channels, {}", self.called.len(), called.join(", "));
+        let first = self.called.keys().next().copied().unwrap_or(0);
+        Invalid::new(
+            format!("publishers of topic `{}`", foreign(topic)),
+            found,
+            "messages of one",
+            format!("name one by its channel or its metadata: `publisher = \"{first}\"` in its [[file]]"),
+        )
+    }
+
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.known.is_empty()
+    }
+
+    /// Refuses a publisher who is none of the topic's.
+    pub(super) fn check_named(&self, topic: &str) -> Result<(), Invalid> {
+        match self.publisher {
+            Some(publisher) if self.known.is_empty() && !self.called.is_empty() => {
+                let called: Vec<&str> = self.called.values().take(8).map(String::as_str).collect();
+                let thing = format!("`publisher` of topic `{}`", foreign(topic));
+                Err(Invalid::new(
+                    thing,
+                    format!("no `{}`", foreign(publisher)),
+                    called.join(", "),
+                    "correct it",
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses a field that none of the messages had.
+    pub(super) fn check_found(&self, paths: &[String], messages: usize) -> Result<(), Invalid> {
+        let heard = self.known.iter().filter(|(id, _)| self.heard.contains(id));
+        heard.map(|(_, channel)| channel).try_for_each(|channel| channel.decoder.check_found(paths, messages))
+    }
+}

@@ -1,0 +1,262 @@
+//! Formats that are not read, known by their first bytes: what each is called and what converts it.
+
+use refusal::Invalid;
+
+use crate::Format;
+
+/// Bytes by which all of them are known.
+pub const SNIFFED: usize = 4096;
+
+/// A format: where its mark stands, the mark, what it is called, what converts it.
+struct Stranger(usize, &'static [u8], &'static str, &'static str);
+
+const SHEET: &str = "save its sheet as CSV";
+const UNPACK: &str = "unpack it, or compress the text with gzip instead";
+const H5: &str = "write its arrays as CSV or Parquet: h5py, or xarray with `.to_dataframe().to_csv(…)`";
+const MAT: &str = "write its variables as CSV: `writetable` in MATLAB, or scipy.io.loadmat in Python";
+const BAG: &str = "convert it: `rosbags-convert --src BAG --dst FOLDER --dst-storage mcap`";
+const FRAME: &str = "convert it to Parquet: pandas or pyarrow read it and have `to_parquet`";
+const DECODE: &str = "decode its messages to CSV, a column per signal";
+const UBX: &str = "convert its messages to CSV, or log NMEA 0183";
+
+/// Containers and logs in bytes, whatever they are called.
+const BYTES: &[Stranger] = &[
+    Stranger(0, b"#ROSBAG V", "a ROS 1 bag", BAG),
+    Stranger(0, b"SQLite format 3\0", "an SQLite database, such as bags of ROS 2 in .db3", BAG),
+    Stranger(0, b"ULog\x01\x12\x35", "a ULog of PX4", "convert it: `ulog2csv FILE` of pyulog"),
+    Stranger(
+        0,
+        b"\xA3\x95",
+        "a log of ArduPilot",
+        "convert it: `mavlogdump.py --format csv --types TYPE FILE` of pymavlink",
+    ),
+    Stranger(0, b"MATLAB 7.3 MAT-file", "a MATLAB file of version 7.3", H5),
+    Stranger(0, b"MATLAB 5.0 MAT-file", "a MATLAB file", MAT),
+    Stranger(0, b"\x89HDF\r\n\x1A\n", "an HDF5 file, such as NetCDF 4 or MATLAB 7.3", H5),
+    Stranger(0, b"CDF\x01", "a NetCDF file", H5),
+    Stranger(0, b"CDF\x02", "a NetCDF file", H5),
+    Stranger(0, b"CDF\x05", "a NetCDF file", H5),
+    Stranger(0, b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "an Excel workbook (.xls)", SHEET),
+    Stranger(0, b"\x1F\x8B", "a file compressed with gzip", "let its name end with .gz, as in `a.csv.gz`"),
+    Stranger(0, b"\x28\xB5\x2F\xFD", "a file compressed with zstd", "unpack it with `zstd -d`"),
+    Stranger(0, b"BZh", "a file compressed with bzip2", "unpack it with `bunzip2`"),
+    Stranger(0, b"\xFD7zXZ\0", "a file compressed with xz", "unpack it with `unxz`"),
+    Stranger(0, b"\x04\x22\x4D\x18", "a file compressed with LZ4", "unpack it with `unlz4`"),
+    Stranger(0, b"7z\xBC\xAF\x27\x1C", "an archive of 7-Zip", UNPACK),
+    Stranger(0, b"Rar!\x1A\x07", "an archive of RAR", UNPACK),
+    Stranger(257, b"ustar", "an archive of tar", UNPACK),
+    Stranger(0, b"\xD4\xC3\xB2\xA1", "captured packets (pcap)", DECODE),
+    Stranger(0, b"\xA1\xB2\xC3\xD4", "captured packets (pcap)", DECODE),
+    Stranger(0, b"\x4D\x3C\xB2\xA1", "captured packets (pcap)", DECODE),
+    Stranger(0, b"\xA1\xB2\x3C\x4D", "captured packets (pcap)", DECODE),
+    Stranger(0, b"\x0A\x0D\x0D\x0A", "captured packets (pcapng)", DECODE),
+    Stranger(
+        0,
+        b"MDF     ",
+        "a measurement file of ASAM (MDF)",
+        "convert it: `asammdf`, or export it as CSV",
+    ),
+    Stranger(0, b"LOGG", "a log of Vector (BLF)", DECODE),
+    Stranger(0, b"TDSm", "a TDMS file of LabVIEW", "convert it: nptdms in Python, or export it as CSV"),
+    Stranger(0, b"Obj\x01", "an Avro file", FRAME),
+    Stranger(0, b"ARROW1\0\0", "an Arrow file (Feather)", FRAME),
+    Stranger(0, b"FEA1", "a Feather file", FRAME),
+    Stranger(0, b"ORC", "an ORC file", FRAME),
+    Stranger(0, b"\x93NUMPY", "an array of NumPy", "write it as CSV with `numpy.savetxt`"),
+    Stranger(0, b"%PDF-", "a PDF", "export the table as CSV"),
+    Stranger(0, b"\xFF\xFE\0\0", "text in UTF-32", "save it as UTF-8"),
+    Stranger(0, b"\0\0\xFE\xFF", "text in UTF-32", "save it as UTF-8"),
+    Stranger(0, b"{\\rtf", "a document in rich text", "save it as plain text"),
+];
+
+/// Receivers' own messages, which may stand between sentences.
+const MESSAGES: &[Stranger] = &[
+    Stranger(0, b"\xB5\x62", "messages of u-blox (UBX)", UBX),
+    Stranger(0, b"\xD3\0", "messages of RTCM 3", UBX),
+    Stranger(0, b"\xAA\x44", "messages of NovAtel", UBX),
+    Stranger(0, b"$@", "messages of Septentrio (SBF)", UBX),
+];
+
+const OTHER_FORMAT: &str = "set `format` of its [[file]], or name the file so";
+
+/// Files that are read as something else.
+const FRIENDS: &[(Format, Stranger)] = &[
+    (Format::Parquet, Stranger(0, b"PAR1", "a Parquet file", OTHER_FORMAT)),
+    (Format::Mcap, Stranger(0, b"\x89MCAP0\r\n", "a bag of MCAP", OTHER_FORMAT)),
+];
+
+impl Stranger {
+    fn is(&self, head: &[u8]) -> bool {
+        head.get(self.0..).is_some_and(|rest| rest.starts_with(self.1))
+    }
+
+    fn refused(&self, format: Format) -> Invalid {
+        refused(self.2, format, self.3)
+    }
+}
+
+/// What is said of a file that begins with `head` and is of another format than `format`, by the name of what it is. Text that
+/// is not read is known as such where `is_from_top`: no lines of it are skipped.
+pub fn stranger(head: &[u8], format: Format, is_from_top: bool) -> Option<Invalid> {
+    let friend = FRIENDS.iter().find(|(_, friend)| friend.is(head));
+    if let Some((own, friend)) = friend {
+        return (*own != format).then(|| friend.refused(format));
+    }
+    let messages = if format == Format::Nmea { &[] } else { MESSAGES };
+    if let Some(known) = BYTES.iter().chain(messages).find(|known| known.is(head)) {
+        return Some(known.refused(format));
+    }
+    if let Some((found, remedy)) = archive(head).or_else(|| unmarked(head)) {
+        return Some(refused(found, format, remedy));
+    }
+    match format {
+        Format::Csv if is_from_top => {
+            text(&readable(head)).map(|(found, remedy)| refused(found, format, remedy))
+        }
+        Format::Parquet | Format::Mcap if !head.is_empty() && is_text(head) => {
+            Some(refused("text", format, OTHER_FORMAT))
+        }
+        _ => None,
+    }
+}
+
+fn refused(found: &str, format: Format, remedy: &str) -> Invalid {
+    let expected = match format {
+        Format::Csv => "text with a row per line (CSV)",
+        Format::Parquet => "a Parquet file",
+        Format::Nmea => "sentences of NMEA 0183",
+        Format::Mcap => "a bag of MCAP",
+    };
+    Invalid::new("format", found, expected, remedy)
+}
+
+/// What is in an archive of zip, by the names at its beginning.
+fn archive(head: &[u8]) -> Option<(&'static str, &'static str)> {
+    let has = |name: &[u8]| head.windows(name.len()).any(|part| part == name);
+    match head.starts_with(b"PK\x03\x04") {
+        false => None,
+        true if has(b"[Content_Types].xml") || has(b"xl/") => Some(("an Excel workbook (.xlsx)", SHEET)),
+        true if has(b"opendocument.spreadsheet") => Some(("a workbook of OpenDocument (.ods)", SHEET)),
+        true if has(b".npy") => Some(("arrays of NumPy (.npz)", "write them as CSV with `numpy.savetxt`")),
+        true => Some(("an archive of zip", UNPACK)),
+    }
+}
+
+/// Formats without a mark of their own.
+fn unmarked(head: &[u8]) -> Option<(&'static str, &'static str)> {
+    let (fours, _) = head[..head.len().min(256)].as_chunks::<4>();
+    let zeros = |places: [usize; 3]| {
+        fours.len() > 1 && fours.iter().all(|four| places.iter().all(|place| four[*place] == 0))
+    };
+    if (zeros([0, 1, 2]) || zeros([1, 2, 3])) && head.iter().any(|byte| *byte != 0) {
+        return Some(("text in UTF-32", "save it as UTF-8"));
+    }
+    // Microseconds since 1970 before each message, from 2000 to 2100.
+    let stamp = head.first_chunk().map(|stamp| u64::from_be_bytes(*stamp));
+    let dated = stamp.is_some_and(|us| (946_684_800_000_000..4_102_444_800_000_000).contains(&us));
+    if dated && matches!(head.get(8), Some(0xFD | 0xFE)) {
+        let remedy = "convert it: `mavlogdump.py --format csv --types TYPE FILE` of pymavlink";
+        return Some(("a telemetry log of MAVLink (tlog)", remedy));
+    }
+    let is_pickle = matches!(head, [0x80, 2..=5, ..]) && !is_text(head);
+    is_pickle.then_some(("a pickle of Python", "write the data as CSV or Parquet"))
+}
+
+/// The beginning of a text, in UTF-16 too.
+fn readable(head: &[u8]) -> String {
+    let head: Vec<u8> = head.iter().copied().filter(|byte| *byte != 0).collect();
+    let text = String::from_utf8_lossy(&head);
+    text.trim_start_matches(|c: char| c.is_whitespace() || c == '\u{feff}' || c == '\u{fffd}').to_owned()
+}
+
+/// Text that is no table.
+fn text(head: &str) -> Option<(&'static str, &'static str)> {
+    let small = head.get(..15).unwrap_or(head).to_ascii_lowercase();
+    if small.starts_with("<!doctype html") || small.starts_with("<html") {
+        return Some(("a page in HTML", "download the file itself, or save the table as CSV"));
+    }
+    if small.starts_with("<?xml") {
+        return Some(("a file in XML, such as GPX or KML", "export it as CSV, a row per time"));
+    }
+    let mut signs = head.chars().filter(|c| !c.is_whitespace());
+    if matches!((signs.next(), signs.next()), (Some('{'), Some('"')) | (Some('['), Some('{' | '['))) {
+        return Some((
+            "a file in JSON",
+            "convert it to CSV, a row per time: `pandas.read_json(…).to_csv(…)`",
+        ));
+    }
+    is_candump(head)
+        .then_some(("frames of a CAN bus (candump)", "decode them to CSV: `cantools decode` with their .dbc"))
+}
+
+/// `(1436509052.249713) can0 044#2A36`, or `can0  044   [2]  2A 36`.
+fn is_candump(head: &str) -> bool {
+    let mut words = head.lines().next().unwrap_or_default().split_ascii_whitespace();
+    let mut first = words.next().unwrap_or_default();
+    let is_stamped = first.starts_with('(') && first.ends_with(')');
+    if is_stamped {
+        first = words.next().unwrap_or_default();
+    }
+    let is_bus = ["can", "vcan", "slcan"].iter().any(|bus| {
+        first.strip_prefix(bus).is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
+    });
+    let (frame, length) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+    is_bus && (frame.contains('#') || length.starts_with('[') && length.ends_with(']'))
+}
+
+/// Whether there is nothing in it that only other files have.
+fn is_text(head: &[u8]) -> bool {
+    let is_odd = |byte: &u8| *byte < 0x20 && !b"\t\r\n\x0c\x1b".contains(byte) || *byte == 0x7F;
+    let odd = head.iter().filter(|byte| is_odd(byte)).count();
+    let after = head.len().saturating_sub(4);
+    let is_utf8 = match std::str::from_utf8(head) {
+        Ok(_) => true,
+        Err(wrong) => wrong.valid_up_to() >= after,
+    };
+    odd == 0 && is_utf8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(head: &[u8], format: Format) -> String {
+        stranger(head, format, true).map_or_else(String::new, |invalid| invalid.to_string())
+    }
+
+    #[test]
+    fn formats_are_known_by_their_first_bytes_in_one_short_line_each() {
+        for known in BYTES.iter().chain(MESSAGES) {
+            let head = [&vec![b'x'; known.0], known.1, &[0; 40]].concat();
+            let said = found(&head, Format::Csv);
+            assert!(said.contains(known.2) && said.len() < 360, "{said}");
+        }
+        for (head, said) in [
+            (&b"PK\x03\x04..[Content_Types].xml"[..], "Excel"),
+            (b"PK\x03\x04..a.csv", "zip"),
+            (b"a\0\0\0,\0\0\0b\0\0\0\n\0\0\0", "UTF-32"),
+            (b"\0\x05\x18\x40\x10\0\0\0\xFE..", "MAVLink"),
+            (b"\n {\"t\": [0, 1]}", "JSON"),
+            (b"\xEF\xBB\xBF<?xml version='1.0'?>", "XML"),
+            (b"(1436509052.249713) vcan0 044#2A366C2BBA\n", "candump"),
+            (b"  can0  123   [2]  01 02\n", "candump"),
+            (b"PAR1....", "Parquet"),
+            (b"\x89MCAP0\r\n", "MCAP"),
+        ] {
+            assert!(found(head, Format::Csv).contains(said), "{said}: {}", found(head, Format::Csv));
+        }
+        assert!(found(b"t,u\n0,1\n", Format::Mcap).contains("text"));
+    }
+
+    #[test]
+    fn tables_and_sentences_are_none_of_them() {
+        for text in ["", "t,u\n", "(a) b,c\n", "can0,1\n", "{a},b\n", "[s],[m]\n", "MATLAB,1\n", "time;\0\0"]
+        {
+            assert_eq!(found(text.as_bytes(), Format::Csv), "", "{text}");
+        }
+        for text in ["{\"class\":\"VERSION\"}\n$GPRMC,\n", "\u{b5}b$GPGGA", "$GPRMC,1\n"] {
+            assert_eq!(found(text.as_bytes(), Format::Nmea), "", "{text}");
+        }
+        assert_eq!(found(b"PAR1", Format::Parquet), "");
+    }
+}
