@@ -81,6 +81,19 @@ pub struct PlanChartClass {
 }
 
 impl PlanChart {
+    /// A chart in `file` that has depths and no objects.
+    pub(crate) fn measured(file: String, measured: &chart::Measured) -> Self {
+        Self {
+            file,
+            edition: None,
+            update: None,
+            issued: None,
+            scale: None,
+            classes: BTreeMap::new(),
+            depths: Some(PlanDepths::of(measured)),
+        }
+    }
+
     /// Which chart it is, and which classes have no or less effect, with their numbers.
     pub fn told(&self) -> String {
         let counted = |count: fn(&PlanChartClass) -> u64| {
