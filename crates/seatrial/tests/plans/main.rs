@@ -9,6 +9,7 @@ mod xml;
 mod area;
 mod budget;
 mod cells;
+mod chart_means;
 mod chart_refusals;
 mod choices;
 mod file_refusals;
