@@ -9,7 +9,8 @@ use chart::{
     objects_of_geojson,
 };
 
-use super::cells::{PER_BYTE, Reading, bytes, cells_of, of_objects};
+use super::cells::{PER_BYTE, Reading, cells_of, of_objects};
+use super::chart_file::bytes;
 use super::exchange_set::existing;
 use super::file::{ChartKind, ChartSpec, PlanFile};
 use crate::documents::PlanChart;

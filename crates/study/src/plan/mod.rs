@@ -2,6 +2,7 @@
 
 mod area;
 mod cells;
+mod chart_file;
 mod charts;
 mod check;
 mod document;
