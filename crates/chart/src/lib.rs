@@ -85,7 +85,7 @@ pub use bounds::Bounds;
 pub use called::Called;
 pub use causes::Causes;
 pub use chart::{Chart, Layer, Uncharted};
-pub use classes::{Ignored, Judged, RULES, Rule};
+pub use classes::{Ignored, Judged, RULES, Rule, Treatment};
 pub use clip::clip_ring;
 pub use crs::Crs;
 pub use dangers::{Dangers, Nearest};
@@ -105,4 +105,4 @@ pub use polygons::{Area, Class, Contour, DANGER_M, Filter, LayerKind, Mark, Poly
 pub use raster::Raster;
 pub use reading::{Reading, Unread};
 pub use refusal::Invalid;
-pub use rules::{DOUBTFUL_M, Rules, Treatment};
+pub use rules::{DOUBTFUL_M, Rules};

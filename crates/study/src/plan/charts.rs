@@ -10,7 +10,8 @@ use chart::{
     Unread, read_objects,
 };
 
-use super::cells::{CellReader, PER_BYTE, bytes, cells_of, of_objects};
+use super::cells::{CellReader, PER_BYTE, cells_of, of_objects};
+use super::chart_file::bytes;
 use super::chart_grids::GridFormat;
 use super::chart_text::text;
 use super::exchange_set::existing;
