@@ -291,6 +291,7 @@ fn what_charts_left_out_is_listed_by_class_with_count_and_reason() {
             ("LIGHTS".to_owned(), class(9, "no body")),
             ("FAIRWY".to_owned(), fairway),
         ]),
+        depths: None,
     };
     let told = text(&with(|plan| plan.charts = vec![chart.clone()]));
     holds(

@@ -9,7 +9,7 @@ use chart::{PolygonLayer, Rules, Tally};
 use enc::attribute::VERDAT;
 use enc::{Cell, Feature, vertical_datum};
 
-use super::chart_file::{contents, note};
+use super::chart_file::note;
 use super::exchange_set::{CellFile, ExchangeSet, capitals, is_catalogue};
 use super::updates::{Age, Catalogue, Found, Updates, age_of};
 use crate::documents::{PlanChart, PlanChartClass};
@@ -54,7 +54,7 @@ fn below(folder: &Path) -> Result<Vec<PathBuf>, Error> {
 }
 
 fn check_same(one: &Path, other: &Path) -> Result<(), Error> {
-    if contents(one)? == contents(other)? {
+    if artifact::read(one)? == artifact::read(other)? {
         return Ok(());
     }
     let found = format!("the same edition as {}, and other bytes", one.display());

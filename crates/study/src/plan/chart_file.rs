@@ -12,7 +12,7 @@ pub(super) fn bytes(path: &Path, provenance: &mut Provenance) -> Result<Vec<u8>,
 }
 
 /// Notes the digest of a chart's file by its name; by a number behind it where another chart's file has the same.
-fn note(path: &Path, bytes: &[u8], provenance: &mut Provenance) {
+pub(super) fn note(path: &Path, bytes: &[u8], provenance: &mut Provenance) {
     let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
     let digest = Digest::of_bytes(bytes);
     let roles = (1..).map(|k| if k == 1 { format!("chart:{name}") } else { format!("chart:{name} ({k})") });

@@ -7,7 +7,7 @@ use std::path::Path;
 use artifact::{Digesting, Error, Provenance};
 use chart::{Grid, GridDeclaration, Reading, Unread};
 
-use super::cells::bytes;
+use super::chart_file::bytes;
 use super::chart_text::text;
 
 /// How a grid is written.
