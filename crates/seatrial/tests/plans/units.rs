@@ -178,6 +178,31 @@ fn depths_of_a_geotiff_with_a_scale_are_what_it_says() {
     unread("own.tif", "kind = \"depth\"", &chart, &["UNITTYPE", "`ft`"]);
 }
 
+/// GDAL writes what an ASCII grid has no place for into a file beside it.
+#[test]
+fn what_stands_beside_a_grid_is_not_passed_over() {
+    let basin = Basin::with_a_shoal();
+    let decimetres = ascii(&basin, &Packed { scale: 0.1, ..METRES }, "-9999");
+    let keys = "kind = \"depth\"\ncrs = \"WGS84\"";
+    let beside = |chart: &[u8], keys: &str, said: &str| {
+        let folder = over_a_shoal("own.asc", keys, chart);
+        let text = format!("<PAMDataset><PAMRasterBand band=\"1\">{said}</PAMRasterBand></PAMDataset>");
+        put(&folder, "own.asc.aux.xml", &text);
+        folder
+    };
+    let scale = "<Offset>0</Offset>\n<Scale>0.1</Scale>";
+    refused(
+        &beside(&decimetres, keys, scale),
+        3,
+        PLAN,
+        &["own.asc.aux.xml", "Scale: found 0.1", "gdal_translate"],
+    );
+    let feet = ascii(&basin, &Packed { metres: 0.3048, ..METRES }, "-9999");
+    let unit = "<UnitType>ft</UnitType><Scale>1</Scale>";
+    refused(&beside(&feet, keys, unit), 3, PLAN, &["own.asc.aux.xml", "`ft`", "`depth_unit`"]);
+    refused(&beside(&feet, &format!("{keys}\ndepth_unit = \"ft\""), unit), 4, PLAN, &SHOAL);
+}
+
 #[test]
 fn depths_in_the_feet_of_a_vertical_system_are_feet() {
     let packed = Packed { metres: 1200.0 / 3937.0, up: true, ..METRES };

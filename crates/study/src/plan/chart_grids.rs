@@ -8,6 +8,7 @@ use artifact::{Digesting, Error, Provenance};
 use chart::{Grid, GridDeclaration, Reading, Unread};
 
 use super::cells::bytes;
+use super::chart_beside::check_beside;
 use super::chart_text::text;
 
 /// How a grid is written.
@@ -37,6 +38,7 @@ impl GridFormat {
         reading: &Reading,
         provenance: &mut Provenance,
     ) -> Result<Result<Grid, Unread>, Error> {
+        check_beside(path, declared)?;
         Ok(match self {
             Self::Ascii => {
                 let length = std::fs::metadata(path).map_or(0, |about| about.len()) as f64;

@@ -2,6 +2,7 @@
 
 mod area;
 mod cells;
+mod chart_beside;
 mod chart_grids;
 mod chart_keys;
 mod chart_text;
