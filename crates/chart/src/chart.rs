@@ -7,6 +7,9 @@ use crate::{
     Area, Bounds, Called, Class, Contour, Grid, Invalid, PlacedGrid, Plane, Polygon, PolygonLayer, Spot,
 };
 
+/// Points and lines between two looks at the clock.
+const AT_ONCE: usize = 1000;
+
 /// What places that no layer charts are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -78,33 +81,59 @@ impl Chart {
         layers: &[Layer],
         uncharted: Option<Uncharted>,
     ) -> Result<Self, Invalid> {
+        let whole = Self::new_while(plane, area, layers, uncharted, &|| true)?;
+        let Some(whole) = whole else { unreachable!("nobody says no") };
+        Ok(whole)
+    }
+
+    /// The same, while `go_on` says so; `None` where it did not.
+    ///
+    /// # Errors
+    /// As [`Chart::new`].
+    pub fn new_while(
+        plane: Plane,
+        area: Bounds,
+        layers: &[Layer],
+        uncharted: Option<Uncharted>,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Option<Self>, Invalid> {
         let uncharted = uncharted_of(layers, uncharted)?;
         let mut polygons = Vec::new();
         let (mut spots, mut contours, mut grids) = (Vec::new(), Vec::new(), Vec::new());
         for layer in layers {
-            match layer {
-                Layer::Polygons(layer) => {
-                    for area_of_file in &layer.areas {
-                        let placed =
-                            Polygon::place(area_of_file, &plane).ok_or_else(|| off_earth(area_of_file))?;
-                        polygons.extend(Some(placed).filter(|p| p.bounds.meets(&area)));
-                    }
-                    let own = layer.marks.iter().filter_map(|mark| Spot::place(mark, &plane));
-                    spots.extend(own.filter(|spot| area.contains(spot.place)));
-                    let lines = layer.contours.iter();
-                    contours.extend(lines.filter_map(|line| Contour::place(line, &plane, &area)));
-                    let around = |mark| Polygon::around(mark, &plane);
-                    polygons.extend(layer.marks.iter().flat_map(around).filter(|p| p.bounds.meets(&area)));
+            let layer = match layer {
+                Layer::Polygons(layer) => layer,
+                Layer::Grid(grid) => {
+                    grids.extend(PlacedGrid::place(grid, &plane, &area)?);
+                    continue;
                 }
-                Layer::Grid(grid) => grids.extend(PlacedGrid::place(grid, &plane, &area)?),
+            };
+            for area_of_file in &layer.areas {
+                if !go_on() {
+                    return Ok(None);
+                }
+                let placed = Polygon::place(area_of_file, &plane).ok_or_else(|| off_earth(area_of_file))?;
+                polygons.extend(Some(placed).filter(|p| p.bounds.meets(&area)));
+            }
+            let lines = layer.contours.iter();
+            contours.extend(lines.filter_map(|line| Contour::place(line, &plane, &area)));
+            for marks in layer.marks.chunks(AT_ONCE) {
+                if !go_on() {
+                    return Ok(None);
+                }
+                let own = marks.iter().filter_map(|mark| Spot::place(mark, &plane));
+                spots.extend(own.filter(|spot| area.contains(spot.place)));
+                let around = |mark| Polygon::around(mark, &plane);
+                polygons.extend(marks.iter().flat_map(around).filter(|p| p.bounds.meets(&area)));
             }
         }
         let charted = match uncharted {
+            _ if !go_on() => return Ok(None),
             Uncharted::Obstacle => charted(&polygons, &grids),
             Uncharted::Water => Charted { polygons: Vec::new(), frontier: Vec::new() },
         };
         let known_by = KnownBy::of(layers);
-        Ok(Self { plane, area, uncharted, polygons, spots, contours, grids, charted, known_by })
+        Ok(Some(Self { plane, area, uncharted, polygons, spots, contours, grids, charted, known_by }))
     }
 
     /// The plane that everything is on.

@@ -1,6 +1,5 @@
 //! What the attributes of a NetCDF variable say of its numbers, by the conventions of CF.
 
-use netcdf_reader::masked::MaskParams;
 use netcdf_reader::unpack::SignParams;
 use netcdf_reader::{NcFile, NcType, NcVariable};
 
@@ -85,25 +84,30 @@ impl Attributes<'_> {
 
     /// Numbers that stand for no data, and the range of those that do not, as they stand in the file.
     fn missing(&self) -> Result<(Vec<f64>, [f64; 2]), Invalid> {
-        for name in ["_FillValue", "missing_value", "valid_min", "valid_max"] {
-            self.numbers(name)?;
+        let numbers = |name: &str| -> Result<Option<Vec<f64>>, Invalid> {
+            Ok(self.numbers(name)?.map(|all| all.into_iter().map(|value| self.as_stored(value)).collect()))
+        };
+        let first = |name: &str| Ok(numbers(name)?.and_then(|all| all.first().copied()));
+        let mut missing =
+            numbers("_FillValue")?.or_else(|| Some(vec![self.usual_fill()?])).unwrap_or_default();
+        missing.extend(numbers("missing_value")?.into_iter().flatten());
+        let least = first("valid_min")?.unwrap_or(f64::NEG_INFINITY);
+        let most = first("valid_max")?.unwrap_or(f64::INFINITY);
+        match numbers("valid_range")?.as_deref() {
+            None => Ok((missing, [least, most])),
+            Some([least, most]) => Ok((missing, [*least, *most])),
+            Some(range) => {
+                let thing = format!("`valid_range` of {}", named(self.0));
+                let found = format!("{} numbers", range.len());
+                Err(Invalid::new(thing, found, "two of them", "correct the attribute in the file"))
+            }
         }
-        if let Some(range) = self.numbers("valid_range")?.filter(|range| range.len() != 2) {
-            let thing = format!("`valid_range` of {}", named(self.0));
-            let found = format!("{} numbers", range.len());
-            return Err(Invalid::new(thing, found, "two of them", "correct the attribute in the file"));
-        }
-        let mut missing = Vec::new();
-        let mut valid = [f64::NEG_INFINITY, f64::INFINITY];
-        if let Some(mask) = MaskParams::from_variable(self.0) {
-            missing.extend(mask.fill_value);
-            missing.extend(mask.missing_values);
-            valid = [mask.valid_min.unwrap_or(valid[0]), mask.valid_max.unwrap_or(valid[1])];
-        }
-        if self.0.attribute("_FillValue").is_none() {
-            missing.extend(self.usual_fill());
-        }
-        Ok((missing, valid))
+    }
+
+    /// A number of an attribute as the variable's own type and sign have it.
+    fn as_stored(&self, value: f64) -> f64 {
+        let value = if *self.0.dtype() == NcType::Float { f64::from(value as f32) } else { value };
+        SignParams::from_variable(self.0).map_or(value, |sign| sign.reinterpret(value))
     }
 
     /// What the library writes where nothing was written, of types that have room for it.
@@ -117,6 +121,6 @@ impl Attributes<'_> {
             NcType::Double => 9.969_209_968_386_869e36,
             _ => return None,
         };
-        Some(SignParams::from_variable(self.0).map_or(value, |sign| sign.reinterpret(value)))
+        Some(self.as_stored(value))
     }
 }

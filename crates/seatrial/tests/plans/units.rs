@@ -178,6 +178,31 @@ fn depths_of_a_geotiff_with_a_scale_are_what_it_says() {
     unread("own.tif", "kind = \"depth\"", &chart, &["UNITTYPE", "`ft`"]);
 }
 
+/// GDAL writes what an ASCII grid has no place for into a file beside it.
+#[test]
+fn what_stands_beside_a_grid_is_not_passed_over() {
+    let basin = Basin::with_a_shoal();
+    let decimetres = ascii(&basin, &Packed { scale: 0.1, ..METRES }, "-9999");
+    let keys = "kind = \"depth\"\ncrs = \"WGS84\"";
+    let beside = |chart: &[u8], keys: &str, said: &str| {
+        let folder = over_a_shoal("own.asc", keys, chart);
+        let text = format!("<PAMDataset><PAMRasterBand band=\"1\">{said}</PAMRasterBand></PAMDataset>");
+        put(&folder, "own.asc.aux.xml", &text);
+        folder
+    };
+    let scale = "<Offset>0</Offset>\n<Scale>0.1</Scale>";
+    refused(
+        &beside(&decimetres, keys, scale),
+        3,
+        PLAN,
+        &["own.asc.aux.xml", "Scale: found 0.1", "gdal_translate"],
+    );
+    let feet = ascii(&basin, &Packed { metres: 0.3048, ..METRES }, "-9999");
+    let unit = "<UnitType>ft</UnitType><Scale>1</Scale>";
+    refused(&beside(&feet, keys, unit), 3, PLAN, &["own.asc.aux.xml", "`ft`", "`depth_unit`"]);
+    refused(&beside(&feet, &format!("{keys}\ndepth_unit = \"ft\""), unit), 4, PLAN, &SHOAL);
+}
+
 #[test]
 fn depths_in_the_feet_of_a_vertical_system_are_feet() {
     let packed = Packed { metres: 1200.0 / 3937.0, up: true, ..METRES };
@@ -246,9 +271,10 @@ fn unit_and_datum_are_told_wherever_the_plan_is() {
     let words = "own.tif: depths in ft (as the file says) after scale 0.5 and offset 0, datum EPSG:5866";
     assert!(ran.stdout.contains(words) && ran.stderr.contains(words), "{ran}");
     let depths = json(&folder, "plan.json")["data"]["charts"][0]["depths"].take();
-    let expected = serde_json::json!({"unit": "ft", "unit_from": "file", "scale": 0.5, "offset": 0.0,
-        "datum": "EPSG:5866", "invalid": 0});
-    assert_eq!(depths, expected);
+    let said = |key: &str| depths[key].as_str().unwrap().to_owned();
+    assert_eq!([said("unit"), said("unit_from"), said("datum")], ["ft", "file", "EPSG:5866"]);
+    let number = |key: &str| depths[key].as_f64().unwrap();
+    assert_eq!([number("scale"), number("offset"), number("invalid")], [0.5, 0.0, 0.0]);
     let least = json(&folder, "plan.json")["data"]["voyage"]["passage"]["legs"][0]["least_depth_m"].as_f64();
     assert!((least.unwrap() - 20.0).abs() < 1e-5, "{least:?}");
     run(&folder, REPORT).succeeds();

@@ -7,6 +7,7 @@ use std::path::Path;
 use artifact::{Digesting, Error, Provenance};
 use chart::{Grid, GridDeclaration, Reading, Unread};
 
+use super::chart_beside::check_beside;
 use super::chart_file::bytes;
 use super::chart_text::text;
 
@@ -37,6 +38,7 @@ impl GridFormat {
         reading: &Reading,
         provenance: &mut Provenance,
     ) -> Result<Result<Grid, Unread>, Error> {
+        check_beside(path, declared)?;
         Ok(match self {
             Self::Ascii => {
                 let length = std::fs::metadata(path).map_or(0, |about| about.len()) as f64;

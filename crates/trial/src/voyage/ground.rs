@@ -51,22 +51,24 @@ impl Task {
     /// The chart of `layers` around the area, and the lattice over it. Maneuvers drift by up to `drift_m`.
     ///
     /// # Errors
-    /// An area without room for a lattice, charts that show nothing of it, no speed that the vessel can hold at a node.
+    /// An area without room for a lattice, charts that show nothing of it, no speed that the vessel can hold at a node; no time.
     pub(super) fn ground(
         &self,
         vessel: &Vessel,
         layers: &[Layer],
         drift_m: f64,
-    ) -> Result<(Chart, Grid), Invalid> {
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<(Chart, Grid), VoyageError> {
         let plane = self.area.plane()?;
         let (corner, [nx, ny]) = self.on_start(&plane, self.nodes(&plane)?);
         let bounds = self.sight((corner, [nx, ny]), drift_m)?;
-        let chart = Chart::new(plane, bounds, layers, self.uncharted)?;
+        let chart = Chart::new_while(plane, bounds, layers, self.uncharted, go_on)?;
+        let chart = chart.ok_or(VoyageError::OutOfTime("the layout of the chart"))?;
         self.area.check_shown(layers, &chart)?;
         let modes = self.modes_of(vessel);
         if modes.is_empty() {
             let expected = "at least one, for a vessel that cannot turn on the spot";
-            return Err(Invalid::new("[[speed_mode]]", "none", expected, "add one"));
+            return Err(Invalid::new("[[speed_mode]]", "none", expected, "add one").into());
         }
         let origin_m = corner.map(|c| c + self.cell_m / 2.0);
         Ok((chart, Grid { nx, ny, headings: self.headings, cell_m: self.cell_m, origin_m, modes }))

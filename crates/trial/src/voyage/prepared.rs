@@ -52,7 +52,7 @@ impl Prepared {
         let Brief { vessel, task, .. } = &brief;
         let wanted = brief.wanted()?;
         let pieces: Vec<Piece> = wanted.iter().map(|w| w.piece.clone()).collect();
-        let (chart, grid) = task.ground(vessel, &layers, brief.drift_m(&wanted))?;
+        let (chart, grid) = task.ground(vessel, &layers, brief.drift_m(&wanted), search.go_on)?;
         drop(layers);
         let information = pieces.iter().map(|piece| MomentSums::of_piece(vessel, piece)).collect();
         let (mirror, others) = (mirror(vessel), brief.rehearsers());
