@@ -297,7 +297,7 @@ fn what_charts_left_out_is_listed_by_class_with_count_and_reason() {
     holds(
         &told,
         &[
-            "US5WA22M.000 (edition 40, update 3, 1 : 15000, depths below mean lower low water)",
+            "US5WA22M.000 (edition 40, update 3, 1 : 15000), depths below mean lower low water",
             "all 4 files agree with CATALOG.031",
             "LNDMRK 7 on land",
             "LIGHTS 9 no body",

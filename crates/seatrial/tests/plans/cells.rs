@@ -63,7 +63,9 @@ fn a_cell_is_planned_on_as_its_updates_leave_it() {
     let counts = |objects: u64, avoided: u64, maneuvers: u64, ignored: u64| -> Value {
         serde_json::json!({"objects": objects, "avoided": avoided, "maneuvers_avoid": maneuvers, "ignored": ignored})
     };
-    assert_eq!(class("RESARE"), counts(2, 1, 0, 1));
+    let mut resare = counts(2, 1, 0, 1);
+    resare["reasons"] = serde_json::json!({"restricts no passing ship": 1});
+    assert_eq!(class("RESARE"), resare);
     assert_eq!(class("UWTROC"), counts(1, 1, 0, 0));
     assert_eq!(class("CBLARE"), Value::Null);
     // Wreck, rock of the second update, obstruction of unknown depth, shoal sounding: 50 m and the margin.

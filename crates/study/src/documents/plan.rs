@@ -127,7 +127,7 @@ impl PlanChart {
         let datum = self.sounding_datum.as_ref().map_or(String::new(), below);
         match (edition, update, scale) {
             (Some(edition), Some(update), Some(scale)) => {
-                format!("{file} (edition {edition}, update {update}, 1 : {scale}{datum})")
+                format!("{file} (edition {edition}, update {update}, 1 : {scale}){datum}")
             }
             _ => file.clone(),
         }
