@@ -1,8 +1,19 @@
 //! What objects of an electronic chart mean to a trial, class by class: one table.
 
-use enc::{class as code_of, class_name};
+use enc::class_name;
+use serde::{Deserialize, Serialize};
 
-use crate::Treatment;
+/// What objects of a class do to a trial.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Treatment {
+    /// Nothing.
+    Ignore,
+    /// Informative maneuvers keep out; getting about does not.
+    ManeuversAvoid,
+    /// The ship keeps out.
+    Avoid,
+}
 
 /// By what an object is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -196,5 +207,5 @@ pub(crate) fn of_class(code: u16) -> Option<&'static Rule> {
 
 /// Whether a code is that of a class.
 pub(crate) fn is(code: u16, acronym: &str) -> bool {
-    code_of(acronym) == Some(code)
+    class_name(code) == Some(acronym)
 }

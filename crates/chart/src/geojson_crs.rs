@@ -2,7 +2,6 @@
 
 use geojson::{JsonObject, JsonValue};
 
-use crate::polygons::mixed;
 use crate::{Crs, Invalid};
 
 /// Refuses a member `crs` of coordinates that are no longitudes and latitudes within a metre or two of those of WGS84.
@@ -17,4 +16,14 @@ pub(crate) fn check_member(members: Option<&JsonObject>) -> Result<(), Invalid> 
         return Ok(());
     }
     Err(mixed("`crs` member", format!("`{}`", refusal::foreign(&crs.to_string()))))
+}
+
+/// Coordinates in another system than that of the layer.
+pub(crate) fn mixed(thing: impl Into<String>, found: impl Into<String>) -> Invalid {
+    Invalid::new(
+        thing,
+        format!("{} (projected coordinates in a WGS84 layer: mixed CRS)", found.into()),
+        "longitude within ±180 and latitude within ±90, WGS84",
+        "transform the file, for instance with `ogr2ogr -t_srs EPSG:4326`",
+    )
 }

@@ -1,41 +1,11 @@
 use std::sync::Arc;
 
-use serde::Deserialize;
-
-use crate::depth_unit::DepthUnit;
-use crate::grid_cells::{Block, LAND};
+pub(crate) use crate::grid_kind::FARTHEST;
+use crate::grid_window::{Block, bytes_of};
 use crate::{Crs, Measured};
 
-/// What the numbers of a grid are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum GridKind {
-    /// Depths, positive down: charts.
-    Depth,
-    /// Elevations, negative down: GEBCO, EMODnet and the like.
-    Elevation,
-    /// 1 is land, 0 is water of unknown depth.
-    LandMask,
-}
-
-/// Farther from the sea's surface than any ground \[m\]: what stands for no data in files that do not say so.
-pub(crate) const FARTHEST: f64 = 12_000.0;
-
-/// How a grid file is to be read.
-#[derive(Clone, Debug)]
-pub struct GridDeclaration {
-    /// What its numbers are.
-    pub kind: GridKind,
-    /// The system of its coordinates, where the file does not say.
-    pub crs: Option<Crs>,
-    /// The unit of its depths or elevations, where the file does not say; metres where nobody does.
-    pub unit: Option<DepthUnit>,
-    /// The variable of a NetCDF file, where it has several.
-    pub variable: Option<String>,
-    /// Set where the area really is open sea, without land, drying or missing cells: otherwise a grid of
-    /// only depths is refused as one of elevations of land.
-    pub open_sea: bool,
-}
+/// Stands for land in cells of a mask.
+pub(crate) const LAND: f32 = 1.0;
 
 /// A grid of depths or land, as far as it was read. A value holds for its whole cell.
 #[derive(Clone, Debug)]
@@ -74,9 +44,9 @@ pub enum GridCell {
 }
 
 impl Grid {
-    /// Bytes of its cells.
+    /// Bytes of its cells, with what is kept of where they are.
     pub fn bytes(&self) -> u64 {
-        size_of_val(&self.cells[..]) as u64
+        bytes_of(self.cells.len() as f64) as u64
     }
 
     /// The cells that were kept, row by row from the south.

@@ -3,19 +3,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::grid::FARTHEST;
+use crate::grid::LAND;
 use crate::grid_header::{Header, check_degrees};
+use crate::grid_kind::FARTHEST;
 use crate::grid_packing::{Measured, Number, Packing};
-use crate::placed_grid::window;
+use crate::grid_window::{Block, bytes_of, window};
 use crate::{Crs, Grid, GridDeclaration, GridKind, Invalid, Reading, Unread};
-
-/// Stands for land and for water of unknown depth in cells of a mask.
-pub(crate) const LAND: f32 = 1.0;
-/// Bytes of a cell.
-const CELL_BYTES: f64 = 4.0;
-
-/// Columns from the west and rows from the south.
-pub(crate) type Block = [Range<usize>; 2];
 
 /// Which way the rows of a file run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,7 +81,7 @@ impl<'a> Cells<'a> {
 
     /// Refuses to read `bytes` of a file at once that there is no room for beside the cells.
     pub fn check_room(&self, bytes: f64) -> Result<(), Unread> {
-        let cells = CELL_BYTES * self.kept.len() as f64;
+        let cells = bytes_of(self.kept.len() as f64);
         self.reading.check_memory(cells + bytes, || {
             format!("{} cells around the area, in blocks of {bytes} bytes", self.kept.len())
         })
@@ -242,8 +235,8 @@ impl<'a> Cells<'a> {
 
 /// As many cells without data, if they fit in the memory.
 fn nothing([columns, rows]: [usize; 2], reading: &Reading) -> Result<Vec<f32>, Unread> {
-    let (found, bytes) =
-        (format!("{columns} × {rows} cells around the area"), CELL_BYTES * columns as f64 * rows as f64);
+    let found = format!("{columns} × {rows} cells around the area");
+    let bytes = bytes_of(columns as f64 * rows as f64);
     let mut cells = Vec::new();
     let fits = bytes <= reading.bytes && cells.try_reserve_exact(columns.saturating_mul(rows)).is_ok();
     if !fits {

@@ -9,9 +9,10 @@ use netcdf_reader::{
     Error, NcFile, NcOpenOptions, NcSliceInfo, NcSliceInfoElem, NcVariable, RangeRequestStorage,
 };
 
-use crate::grid_cells::{Block, Cells, Rows};
+use crate::grid_cells::{Cells, Rows};
 use crate::grid_header::{Header, MOST_ON_A_SIDE, check_square};
-use crate::grid_netcdf_attributes::packing;
+use crate::grid_netcdf_attributes::{named, packing};
+use crate::grid_window::Block;
 use crate::{Crs, Grid, GridDeclaration, Invalid, Reading, Unread};
 
 /// Part of a step that a coordinate may be off an even spacing.
@@ -179,10 +180,6 @@ impl Axis {
         let is_east = units.is_some_and(|units| units.starts_with("degree") && units.ends_with("east"));
         Ok(Self { first, step, count, is_east: is_east || ["lon", "longitude"].contains(&name) })
     }
-}
-
-pub(crate) fn named(variable: &NcVariable) -> String {
-    format!("variable `{}`", refusal::foreign(variable.name()))
 }
 
 fn refuse(error: &Error) -> Invalid {

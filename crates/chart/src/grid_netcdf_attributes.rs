@@ -6,7 +6,6 @@ use netcdf_reader::{NcFile, NcType, NcVariable};
 
 use crate::depth_unit::DepthUnit;
 use crate::direction::Direction;
-use crate::grid_netcdf::named;
 use crate::grid_packing::Packing;
 use crate::{GridKind, Invalid};
 
@@ -47,6 +46,11 @@ fn datum(file: &NcFile, variable: &NcVariable) -> Option<String> {
     let text = DATUMS.iter().find_map(named)?;
     let text = refusal::foreign(text.trim());
     (!text.is_empty()).then_some(text)
+}
+
+/// A variable in a message.
+pub(crate) fn named(variable: &NcVariable) -> String {
+    format!("variable `{}`", refusal::foreign(variable.name()))
 }
 
 struct Attributes<'f>(&'f NcVariable);

@@ -2,15 +2,16 @@
 
 use std::io::{Read, Seek};
 
+use tiff::ColorType;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
-use tiff::{ColorType, TiffError};
 
-use crate::grid_cells::{Block, Cells, Rows};
+use crate::grid_cells::{Cells, Rows};
 use crate::grid_header::{Header, MOST_ON_A_SIDE, check_square};
 use crate::grid_packing::Packing;
-use crate::grid_tiff_keys::Keys;
+use crate::grid_tiff_keys::{Keys, refuse};
 use crate::grid_tiff_metadata::Metadata;
+use crate::grid_window::Block;
 use crate::{DepthUnit, Grid, GridDeclaration, GridKind, Invalid, Reading, Unread};
 
 /// Most bytes of a block of an image, decoded.
@@ -227,13 +228,4 @@ fn numbers(block: DecodingResult) -> Result<Box<dyn Iterator<Item = f64>>, Inval
             return Err(Invalid::new("GeoTIFF", "numbers of another width", expected, remedy));
         }
     })
-}
-
-pub(crate) fn refuse(error: TiffError) -> Invalid {
-    Invalid::new(
-        "GeoTIFF",
-        error.to_string(),
-        "a whole GeoTIFF, uncompressed or with LZW or deflate",
-        "export it again, for instance with `gdal_translate -co COMPRESS=DEFLATE`",
-    )
 }

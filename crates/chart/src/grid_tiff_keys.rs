@@ -2,11 +2,11 @@
 
 use std::io::{Read, Seek};
 
+use tiff::TiffError;
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
 use crate::depth_unit::{DepthUnit, unknown};
-use crate::grid_tiff::refuse;
 use crate::{Crs, Invalid};
 
 /// How a value relates to its pixel, the geographic and the projected system.
@@ -124,4 +124,14 @@ impl Keys {
             }
         }
     }
+}
+
+/// What the library says of a file.
+pub(crate) fn refuse(error: TiffError) -> Invalid {
+    Invalid::new(
+        "GeoTIFF",
+        error.to_string(),
+        "a whole GeoTIFF, uncompressed or with LZW or deflate",
+        "export it again, for instance with `gdal_translate -co COMPRESS=DEFLATE`",
+    )
 }

@@ -2,7 +2,7 @@
 
 use crate::chart::Charted;
 use crate::cover::{Size, along, centres, each_edge};
-use crate::grid_cells::LAND;
+use crate::grid::LAND;
 use crate::{Bounds, Called, Causes, Chart, Class, PlacedGrid, Polygon, Raster, Uncharted};
 
 /// Cells that touch within this distance count as touched, so that rounding does not decide \[m\].

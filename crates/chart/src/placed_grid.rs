@@ -3,15 +3,10 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::grid_cells::Block;
 use crate::grid_header::Header;
+use crate::grid_window::{Block, MOST_KEPT, window};
 use crate::{Bounds, Crs, Grid, GridCell, Invalid, Plane};
 
-/// Points of the area's edge that are looked at to find the part of a grid that covers it, per side.
-const PER_SIDE: usize = 32;
-
-/// Most cells whose corners are kept rather than found anew whenever one is wanted.
-const MOST_KEPT: usize = 4_000_000;
 /// Corners on a side of a block of cells whose corners are not kept: between them a side is as good as straight.
 const PER_BLOCK: usize = 64;
 
@@ -165,30 +160,4 @@ impl Grid {
         };
         rows.flat_map(row).copied().collect()
     }
-}
-
-/// Columns and rows that cover the area, with two cells to spare.
-pub(crate) fn window(
-    grid: &Header,
-    crs: &Crs,
-    plane: &Plane,
-    area: &Bounds,
-) -> Result<Option<Block>, Invalid> {
-    let own = |p: [f64; 2]| {
-        let (lon, lat) = plane.to_geographic(p);
-        let [x, y] = crs.to_own(lon, lat)?;
-        // Longitudes as the grid has them: -179 or 181.
-        let middle = grid.corner[0] + grid.cell * grid.columns as f64 / 2.0;
-        let turn = if crs.is_geographic() { 360.0 * ((x - middle) / 360.0).round() } else { 0.0 };
-        Ok([x - turn, y])
-    };
-    let edge = area.edge(PER_SIDE).into_iter().map(own).collect::<Result<Vec<_>, Invalid>>()?;
-    let Some(around) = Bounds::around(&edge) else { return Ok(None) };
-    let range = |k: usize, count: usize| {
-        let low = ((around.min[k] - grid.corner[k]) / grid.cell).floor() - 2.0;
-        let high = ((around.max[k] - grid.corner[k]) / grid.cell).ceil() + 2.0;
-        low.clamp(0.0, count as f64) as usize..high.clamp(0.0, count as f64) as usize
-    };
-    let ranges = [range(0, grid.columns), range(1, grid.rows)];
-    Ok((!ranges[0].is_empty() && !ranges[1].is_empty()).then_some(ranges))
 }

@@ -4,9 +4,9 @@ use geojson::{Feature, GeoJson, JsonObject, JsonValue, PolygonType, Position};
 use serde::Deserialize;
 
 use crate::called::Called;
-use crate::geojson_crs::check_member;
+use crate::geojson_crs::{check_member, mixed};
 use crate::geometries::Geometries;
-use crate::grid::FARTHEST;
+use crate::grid_kind::FARTHEST;
 use crate::ring::{RingFault, ring_fault_while};
 use crate::{DepthUnit, Invalid, Reading, Unread};
 
@@ -298,15 +298,6 @@ fn plain(message: &str) -> String {
     let (found, rest) = message.split_once(", expected ").unwrap_or((message, ""));
     let place = rest.rfind(" at line ").map_or("", |at| &rest[at..]);
     format!("{found}{place}")
-}
-
-pub(crate) fn mixed(thing: impl Into<String>, found: impl Into<String>) -> Invalid {
-    Invalid::new(
-        thing,
-        format!("{} (projected coordinates in a WGS84 layer: mixed CRS)", found.into()),
-        "longitude within ±180 and latitude within ±90, WGS84",
-        "transform the file, for instance with `ogr2ogr -t_srs EPSG:4326`",
-    )
 }
 
 fn passes(feature: &Feature, filter: &Filter) -> bool {

@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 
 use enc::attribute::{CATDIS, RESTRN, VERCCL, VERCLR, VERCSA};
 use enc::{Feature, Geometry, class, class_name};
-use serde::{Deserialize, Serialize};
 
-use crate::classes::{Ignored, Judged, is, judged, of_class};
+use crate::classes::{Ignored, Judged, Treatment, is, judged, of_class};
 use crate::land::Land;
 use crate::{DANGER_M, Invalid};
 
@@ -24,18 +23,6 @@ const CLOSED: [u16; 3] = [7, 8, 14];
 const UNMARKED: u16 = 1;
 /// Restrictions that leave it to ships that pass: no wake, stopping prohibited, speed restricted.
 const PASSING: [u16; 3] = [13, 25, 27];
-
-/// What objects of a class do to a trial.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Treatment {
-    /// Nothing.
-    Ignore,
-    /// Informative maneuvers keep out; getting about does not.
-    ManeuversAvoid,
-    /// The ship keeps out.
-    Avoid,
-}
 
 /// What is asked of a chart besides the table.
 #[derive(Clone, Debug, Default)]

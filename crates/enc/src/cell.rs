@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use refusal::foreign;
+
 use crate::dataset::{Parameters, Structure, identity, parameters};
 use crate::iso8211::{first_records, records};
 use crate::record::{CONNECTED, EDGE, ISOLATED, Name, Object, Vector};
 use crate::topology::{Topology, stored};
 use crate::update::{apply, moved};
-use crate::{Datums, Feature, Identity, Invalid, Purpose, foreign, layout};
+use crate::{Datums, Feature, Identity, Invalid, Purpose, layout};
 
 /// How often objects may use what the cell stores, on average: real cells stay below ten.
 const MOST_USES: u64 = 64;

@@ -1,9 +1,11 @@
 //! The catalogue of an exchange set (`CATALOG.031`; S-57 edition 3.1, part 3, 7.4.1): which files belong to it, and their checksums.
 
+use refusal::foreign;
+
+use crate::Invalid;
 use crate::cursor::Cursor;
 use crate::iso8211::{Record, UNIT_END, records};
 use crate::layout::{expanded, format_of};
-use crate::{Invalid, foreign};
 
 /// A file that a catalogue lists.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -39,4 +39,3 @@ pub use datum::{Datums, vertical_datum};
 pub use exchange::{Listed, crc, listed};
 pub use feature::{Feature, Geometry, Polygon};
 pub use refusal::Invalid;
-use refusal::foreign;

@@ -288,7 +288,7 @@ fn doubts(setup: &Setup, channels: &Channels, omitted: &[Omission]) -> Vec<Strin
         let stated = |reason: Reason| match reason {
             Reason::Missing => spec.missing.is_some(),
             Reason::Range => spec.valid.is_some(),
-            reason => reason == Reason::Quality,
+            reason => [Reason::Quality, Reason::Incomplete, Reason::Time].contains(&reason),
         };
         let own = omitted.iter().filter(|one| one.channel == spec.channel);
         let (asked, found) = own.fold((0, 0), |(asked, found), one| match stated(one.reason) {

@@ -3,14 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use artifact::Provenance;
-use study::documents::{DesignDocument, PlanChart, PlanDocument};
+use study::documents::{DesignDocument, PlanDocument};
 use study::files::read_vessel;
-use study::plan::{ChartsError, Means, PlanFile, in_tide, read_charts, resumed};
+use study::plan::{PlanFile, in_tide, resumed};
 use trial::voyage::{Brief, Place, Shares};
 
-use super::Limits;
-use super::refusals::{out_of_time, voyage};
-use crate::cli::{beside, budget};
+use crate::cli::beside;
 use crate::failure::Failure;
 use crate::inputs;
 
@@ -54,14 +52,13 @@ const BESIDE: [&str; 8] = [
 ];
 
 impl VoyageFiles<'_> {
-    /// Reads everything for a plan that is to be written to `out`, and what is to be told of its charts.
+    /// Reads everything for a plan that is to be written to `out` but its charts, and `plan.toml`, which names them.
     pub(super) fn read(
         &self,
         out: &Path,
         provenance: &mut Provenance,
         seed: u64,
-        limits: &Limits,
-    ) -> Result<(Brief, Vec<PlanChart>), Failure> {
+    ) -> Result<(Brief, PlanFile), Failure> {
         check_names(out)?;
         let vessel = read_vessel(self.vessel, provenance)?.with_disturbances_held();
         let config: PlanFile = inputs::toml(self.config, "plan", provenance)?;
@@ -77,20 +74,12 @@ impl VoyageFiles<'_> {
         let dictionary = inputs::runs(self.trajectories, &vessel, provenance)?;
         let design = self.design.map(|path| inputs::document::<DesignDocument>(path, "design", provenance));
         let design = design.transpose()?.map(|d| Shares { order: d.order, share: d.shares });
-        let mut brief = Brief { vessel, task, layers: Vec::new(), chart_bytes: 0, dictionary, design, seed };
-        let (plane, bounds) = brief.sight().map_err(|error| voyage(self, error))?;
-        let means = Means { area: (&plane, &bounds), budget: budget(), go_on: &|| limits.go_on() };
-        let charts = read_charts(self.config, &config, &means, provenance).map_err(|error| match error {
-            ChartsError::Refused(error) => error.into(),
-            ChartsError::OutOfTime => out_of_time(self.config, "the reading of its charts"),
-        })?;
-        self.check_inputs(&config, out)?;
-        (brief.layers, brief.chart_bytes) = (charts.layers, charts.bytes);
-        Ok((brief, charts.told))
+        let (layers, chart_bytes) = (Vec::new(), 0);
+        Ok((Brief { vessel, task, layers, chart_bytes, dictionary, design, seed }, config))
     }
 
     /// Refuses to write over an input: any of them beside `out`, and charts under its own name.
-    fn check_inputs(&self, config: &PlanFile, out: &Path) -> Result<(), Failure> {
+    pub(super) fn check_inputs(&self, config: &PlanFile, out: &Path) -> Result<(), Failure> {
         let folder = self.config.parent().unwrap_or(Path::new(""));
         let charts = config.chart.iter().map(|spec| folder.join(&spec.file));
         let others = [Some(self.vessel), Some(self.config), Some(self.trajectories), self.design];

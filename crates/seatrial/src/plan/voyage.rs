@@ -6,16 +6,16 @@ use artifact::{Provenance, Staged, commit, stage_set_document};
 use lattice::ProblemFile;
 use report::PlanMap;
 use serde_json::{Value, json};
-use study::documents::{PlanDocument, Voyage};
-use study::plan::{Routes, of_voyage};
+use study::documents::{PlanChart, PlanDocument, Voyage};
+use study::plan::{ChartsError, Means, PlanFile, Routes, of_voyage, read_charts};
 use study::track::stage_track;
-use trial::voyage::{Prepared, Sailing, Search, Solved};
+use trial::voyage::{Brief, Prepared, Sailing, Search, Solved};
 
 use super::Limits;
 use super::files::{MAIN, VoyageFiles};
 use super::problem::known;
 use super::refusals;
-use crate::cli::beside;
+use crate::cli::{beside, budget};
 use crate::failure::Failure;
 use crate::said::on_stderr;
 use crate::stage::Summary;
@@ -43,8 +43,10 @@ pub fn plan_voyage(
 ) -> Result<Summary, Failure> {
     let out = wanted.out;
     provenance.settings.insert("seed".into(), json!(seed));
-    let (brief, charts) = files.read(out, &mut provenance, seed, limits)?;
     let refuse = |error| refusals::voyage(files, error);
+    let (mut brief, config) = files.read(out, &mut provenance, seed)?;
+    let charts = charts(files, (&mut brief, &config), limits, &mut provenance)?;
+    files.check_inputs(&config, out)?;
     let searched = limits.before_check();
     let search = Search { options: limits.options(), watch: &|| searched.watch(), go_on: &|| limits.go_on() };
     let mut prepared = Prepared::new(brief, &search).map_err(refuse)?;
@@ -65,6 +67,23 @@ pub fn plan_voyage(
     commit(staged)?;
     document.told().filter(|_| !limits.quiet).for_each(|chart| on_stderr(format_args!("plan: {chart}")));
     Ok(summary(out, &document))
+}
+
+/// Reads the charts into `brief`, and says what is to be told of them.
+fn charts(
+    files: &VoyageFiles,
+    (brief, config): (&mut Brief, &PlanFile),
+    limits: &Limits,
+    provenance: &mut Provenance,
+) -> Result<Vec<PlanChart>, Failure> {
+    let (plane, bounds) = brief.sight().map_err(|error| refusals::voyage(files, error))?;
+    let means = Means { area: (&plane, &bounds), budget: budget(), go_on: &|| limits.go_on() };
+    let charts = read_charts(files.config, config, &means, provenance).map_err(|error| match error {
+        ChartsError::Refused(error) => error.into(),
+        ChartsError::OutOfTime => refusals::out_of_time(files.config, "the reading of its charts"),
+    })?;
+    (brief.layers, brief.chart_bytes) = (charts.layers, charts.bytes);
+    Ok(charts.told)
 }
 
 /// All that is written.

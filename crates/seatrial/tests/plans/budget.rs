@@ -74,7 +74,7 @@ fn law_a_plan_goes_through_with_the_memory_that_its_refusal_tells() {
 
 /// Exit code and peak memory of the program in a folder \[MiB\].
 #[cfg(target_os = "linux")]
-fn peak_mib(folder: &TempDir, line: &str) -> (Option<i32>, f64) {
+pub fn peak_mib(folder: &TempDir, line: &str) -> (Option<i32>, f64) {
     let mut command = std::process::Command::new(SEATRIAL);
     command.args(line.split_whitespace()).arg("--quiet").current_dir(folder.path());
     let (out, err) = (std::process::Stdio::null(), std::process::Stdio::null());

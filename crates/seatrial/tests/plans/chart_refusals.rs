@@ -60,6 +60,50 @@ fn projected_coordinates_in_geojson_are_refused_as_mixed() {
     refused(&folder, 3, PLAN, &["land.geojson", "`crs`", "EPSG:3067", "ogr2ogr"]);
 }
 
+/// Whoever starts on the island is refused, however its chart is encoded, and whatever degrees it names.
+#[test]
+fn islands_are_read_in_any_encoding_and_any_degrees_near_those_of_wgs84() {
+    let ashore = ("longitude_deg = 24.985", "longitude_deg = 25.0");
+    let is_read = |chart: &[u8], changes: &[(&str, &str)]| {
+        let folder = small_with(&[&[ashore], changes].concat());
+        std::fs::write(folder.path().join("land.geojson"), chart).unwrap();
+        run(&folder, PLAN).refuses(4, &["`start`", "0 m from an obstacle"]);
+    };
+    let wide = |unit: fn(u16) -> [u8; 2]| {
+        format!("\u{feff}{ISLAND}").encode_utf16().flat_map(unit).collect::<Vec<u8>>()
+    };
+    for chart in [format!("\u{feff}{ISLAND}").into_bytes(), wide(u16::to_le_bytes), wide(u16::to_be_bytes)] {
+        is_read(&chart, &[]);
+    }
+    let named = |name: &str| {
+        ISLAND.replacen(
+            '{',
+            &format!("{{\"crs\": {{\"type\": \"name\", \"properties\": {{\"name\": \"{name}\"}}}}, "),
+            1,
+        )
+    };
+    for name in [
+        "urn:ogc:def:crs:OGC:1.3:CRS84",
+        "EPSG:4258",
+        "urn:ogc:def:crs:EPSG::4269",
+        "http://www.opengis.net/def/crs/EPSG/0/4326",
+    ] {
+        is_read(named(name).as_bytes(), &[]);
+        let crs = format!("kind = \"land\"\ncrs = \"{name}\"");
+        is_read(ISLAND.as_bytes(), &[("kind = \"land\"", &crs)]);
+    }
+    for name in ["EPSG:4230", "EPSG:4275", "EPSG:32635", "none"] {
+        charted(&named(name), &["`crs` member", name, "ogr2ogr"]);
+    }
+    charted(
+        &"x".repeat(40)
+            .encode_utf16()
+            .map(|unit| char::from(unit as u8).to_string() + "\0")
+            .collect::<String>(),
+        &["UTF-16 without"],
+    );
+}
+
 /// A grid in UTM zone 35 over the small study's area, `cell` deciding what stands in a cell.
 fn grid(header: &str, cell: impl Fn(usize, usize) -> String) -> String {
     let row = |r: usize| (0..16).map(|c| cell(r, c)).collect::<Vec<_>>().join(" ");

@@ -4,8 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use artifact::{Budget, Provenance};
+use chart::{Bounds, Plane};
 use serde_json::Value;
-use study::plan::{PlanFile, read_charts};
+use study::plan::{Means, PlanFile, read_charts};
 use tempfile::TempDir;
 
 use crate::made::catalogue;
@@ -259,10 +260,12 @@ fn law_damage_inside_records_is_seen_where_there_is_a_catalogue() {
     exchange_set(&folder, |_, bytes| bytes);
     let config: PlanFile =
         toml::from_str(&fs::read_to_string(folder.path().join("plan.toml")).unwrap()).unwrap();
+    let budget = Budget::new(None);
+    let (plane, bounds) = (Plane::new(25.0, 60.0).unwrap(), Bounds::new([-1e4; 2], [1e4; 2]).unwrap());
+    let means = Means { area: (&plane, &bounds), budget: &budget, go_on: &|| true };
     let read = || {
         let mut provenance = Provenance::default();
-        read_charts(&folder.path().join("plan.toml"), &config, &Budget::new(None), &mut provenance)
-            .map(|_| ())
+        read_charts(&folder.path().join("plan.toml"), &config, &means, &mut provenance).map(|_| ())
     };
     read().unwrap();
     let mut draw = Draw(540);

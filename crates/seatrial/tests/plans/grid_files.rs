@@ -181,74 +181,105 @@ pub enum Said<'a> {
 
 /// A classic NetCDF file with the variable `z` over `lat` and `lon`, northward unless `southward`.
 pub fn netcdf(basin: &Basin, packed: &Packed, said: &[(&str, Said)], southward: bool) -> Vec<u8> {
-    let (rows, columns) = (basin.rows(), basin.columns);
+    let mut lines: Vec<&[Option<f64>]> = basin.depths_m.chunks(basin.columns).rev().collect();
+    if southward {
+        lines.reverse();
+    }
+    let mut out = netcdf_before(basin, [basin.rows(), basin.columns], packed, said, southward);
+    let numbers =
+        lines.concat().into_iter().flat_map(|depth| packed.numbers.bytes(packed.number(depth), true));
+    out.extend(numbers);
+    out.resize(out.len().next_multiple_of(4), 0);
+    out
+}
+
+/// All of such a file that stands before its numbers, of `rows` and `columns`.
+pub fn netcdf_before(
+    basin: &Basin,
+    [rows, columns]: [usize; 2],
+    packed: &Packed,
+    said: &[(&str, Said)],
+    southward: bool,
+) -> Vec<u8> {
     let middle = |start: f64, k: usize| start + basin.cell_deg * (k as f64 + 0.5);
     let mut lat: Vec<f64> = (0..rows).map(|k| middle(basin.south_deg, k)).collect();
     let lon: Vec<f64> = (0..columns).map(|k| middle(basin.west_deg, k)).collect();
-    let mut lines: Vec<&[Option<f64>]> = basin.depths_m.chunks(columns).rev().collect();
     if southward {
-        (lat, lines) = (lat.into_iter().rev().collect(), lines.into_iter().rev().collect());
+        lat.reverse();
     }
     let own_type = match packed.numbers {
-        Numbers::I16 => 3_u32,
+        Numbers::I16 => 3,
         Numbers::I32 => 4,
         Numbers::F32 => 5,
         Numbers::U16 => panic!("classic files have no such numbers"),
     };
-    let values: Vec<u8> =
-        lines.concat().iter().flat_map(|d| packed.numbers.bytes(packed.number(*d), true)).collect();
-    let doubles = |all: &[f64]| all.iter().flat_map(|v| v.to_be_bytes()).collect::<Vec<u8>>();
-    let padded = |mut bytes: Vec<u8>| {
-        bytes.resize(bytes.len().next_multiple_of(4), 0);
-        bytes
-    };
-    let word = |v: usize| (v as u32).to_be_bytes().to_vec();
-    let name = |text: &str| [word(text.len()), padded(text.as_bytes().to_vec())].concat();
-    let attribute = |(key, value): &(&str, Said)| {
-        let (kind, count, bytes) = match value {
-            Said::Text(text) => (2, text.len(), text.as_bytes().to_vec()),
-            Said::Own(number) => (own_type as usize, 1, packed.numbers.bytes(*number, true)),
-            Said::Double(number) => (6, 1, doubles(&[*number])),
-        };
-        [name(key), word(kind), word(count), padded(bytes)].concat()
-    };
-    let attributes = |all: &[(&str, Said)]| match all.is_empty() {
-        true => word(0).repeat(2),
-        false => [word(12), word(all.len()), all.iter().flat_map(attribute).collect()].concat(),
-    };
-    let axis = |units| attributes(&[("units", Said::Text(units))]);
+    let own = (own_type, packed.numbers);
+    let axis = |units| attributes(&[("units", Said::Text(units))], own);
+    let size = (rows * columns * packed.numbers.size()).next_multiple_of(4);
     let variables = [
-        ("lat", vec![0], axis("degrees_north"), 6_usize, doubles(&lat)),
-        ("lon", vec![1], axis("degrees_east"), 6, doubles(&lon)),
-        ("z", vec![0, 1], attributes(said), own_type as usize, padded(values)),
+        Variable { name: "lat", dimensions: vec![0], said: axis("degrees_north"), kind: 6, size: 8 * rows },
+        Variable { name: "lon", dimensions: vec![1], said: axis("degrees_east"), kind: 6, size: 8 * columns },
+        Variable { name: "z", dimensions: vec![0, 1], said: attributes(said, own), kind: own_type, size },
     ];
-    let header = |starts: [usize; 3]| {
+    let header = |mut start: usize| {
         let mut out = b"CDF\x01\0\0\0\0".to_vec();
         out.extend([word(10), word(2), name("lat"), word(rows), name("lon"), word(columns)].concat());
-        out.extend(word(0).repeat(2));
-        out.extend([word(11), word(3)].concat());
-        for ((own, dimensions, attributes, kind, bytes), start) in variables.iter().zip(starts) {
-            let dimensions = dimensions.iter().flat_map(|d| word(*d)).collect::<Vec<u8>>();
-            let count = word(dimensions.len() / 4);
-            let parts = [
-                name(own),
-                count,
-                dimensions,
-                attributes.clone(),
-                word(*kind),
-                word(bytes.len()),
-                word(start),
-            ];
-            out.extend(parts.concat());
+        out.extend([word(0), word(0), word(11), word(3)].concat());
+        for own in &variables {
+            out.extend(own.header(start));
+            start += own.size;
         }
         out
     };
-    let mut starts = [header([0; 3]).len(); 3];
-    starts[1] += variables[0].4.len();
-    starts[2] = starts[1] + variables[1].4.len();
-    let mut out = header(starts);
-    variables.iter().for_each(|own| out.extend(&own.4));
+    let mut out = header(header(0).len());
+    out.extend(lat.iter().chain(&lon).flat_map(|v| v.to_be_bytes()));
     out
+}
+
+/// A variable of a classic file, with its attributes as bytes.
+struct Variable {
+    name: &'static str,
+    dimensions: Vec<usize>,
+    said: Vec<u8>,
+    kind: usize,
+    size: usize,
+}
+
+impl Variable {
+    fn header(&self, start: usize) -> Vec<u8> {
+        let dimensions = self.dimensions.iter().flat_map(|d| word(*d)).collect::<Vec<u8>>();
+        let ends = [word(self.kind), word(self.size), word(start)].concat();
+        [name(self.name), word(self.dimensions.len()), dimensions, self.said.clone(), ends].concat()
+    }
+}
+
+fn word(value: usize) -> Vec<u8> {
+    (value as u32).to_be_bytes().to_vec()
+}
+
+fn padded(mut bytes: Vec<u8>) -> Vec<u8> {
+    bytes.resize(bytes.len().next_multiple_of(4), 0);
+    bytes
+}
+
+fn name(text: &str) -> Vec<u8> {
+    [word(text.len()), padded(text.as_bytes().to_vec())].concat()
+}
+
+/// The attributes of a variable of numbers `own`.
+fn attributes(all: &[(&str, Said)], (own_type, numbers): (usize, Numbers)) -> Vec<u8> {
+    if all.is_empty() {
+        return word(0).repeat(2);
+    }
+    let attribute = |(key, value): &(&str, Said)| {
+        let (kind, count, bytes) = match value {
+            Said::Text(text) => (2, text.len(), text.as_bytes().to_vec()),
+            Said::Own(number) => (own_type, 1, numbers.bytes(*number, true)),
+            Said::Double(number) => (6, 1, number.to_be_bytes().to_vec()),
+        };
+        [name(key), word(kind), word(count), padded(bytes)].concat()
+    };
+    [word(12), word(all.len()), all.iter().flat_map(attribute).collect()].concat()
 }
 
 /// Depth areas: the shoal, and the deeper water around it; `least` is the property of the depth.

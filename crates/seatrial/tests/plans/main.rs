@@ -11,6 +11,7 @@ mod xml;
 mod area;
 mod budget;
 mod cells;
+mod chart_means;
 mod chart_refusals;
 mod choices;
 mod exchange_sets;

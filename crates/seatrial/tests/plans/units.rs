@@ -17,10 +17,10 @@ const DEPTHS: (&str, &str) =
 const MANEUVERS: (&str, &str) = (", { name = \"sway-zig-zag\", count = 1 }", "");
 const OWN_CHART: &str = "[[chart]]\nfile = \"land.geojson\"\nkind = \"land\"";
 /// What is said of a start over the shoal: 3 m is too little, and the water around it deep enough.
-const SHOAL: [&str; 3] = ["`start`", "m from an obstacle", "the nearest clear node is"];
+pub const SHOAL: [&str; 3] = ["`start`", "m from an obstacle", "the nearest clear node is"];
 
 /// A study whose start lies over a shoal of 3 m in the middle of a basin of 20 m, on the chart `name`, said to be `keys`.
-fn over_a_shoal(name: &str, keys: &str, chart: &[u8]) -> TempDir {
+pub fn over_a_shoal(name: &str, keys: &str, chart: &[u8]) -> TempDir {
     let own = format!("[[chart]]\nfile = \"{name}\"\n{keys}");
     let folder =
         small_with(&[("uncharted = \"water\"\n", ""), (OWN_CHART, &own), AREA, START, DEPTHS, MANEUVERS]);
@@ -40,7 +40,7 @@ fn unread(name: &str, keys: &str, chart: &[u8], pieces: &[&str]) {
     refused(&over_a_shoal(name, keys, chart), 3, PLAN, &[&[name], pieces].concat());
 }
 
-const METRES: Packed =
+pub const METRES: Packed =
     Packed { numbers: Numbers::F32, metres: 1.0, up: false, scale: 1.0, offset: 0.0, missing: -9999.0 };
 
 fn scaled(scale: f64, offset: f64, unit: &str) -> String {

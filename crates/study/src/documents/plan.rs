@@ -104,6 +104,22 @@ pub struct LeftOut<'a> {
 }
 
 impl PlanChart {
+    /// A chart in `file` that has depths and no objects.
+    pub(crate) fn measured(file: String, measured: &chart::Measured) -> Self {
+        Self {
+            file,
+            edition: None,
+            update: None,
+            issued: None,
+            scale: None,
+            sounding_datum: None,
+            vertical_datum: None,
+            notes: Vec::new(),
+            classes: BTreeMap::new(),
+            depths: Some(PlanDepths::of(measured)),
+        }
+    }
+
     /// Which chart it is, and in which depths.
     pub fn named(&self) -> String {
         let Self { file, edition, update, scale, .. } = self;

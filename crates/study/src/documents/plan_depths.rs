@@ -1,13 +1,8 @@
 //! What the depths of a chart were measured in.
 
-use std::collections::BTreeMap;
-use std::path::Path;
-
 use chart::{Measured, UnitFrom};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use super::plan::PlanChart;
 
 /// What the depths, or heights, of a chart are measured in, and from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -59,30 +54,21 @@ impl PlanDepths {
     }
 }
 
-impl PlanChart {
-    /// A chart that has depths and no objects.
-    pub(crate) fn measured(path: &Path, measured: &Measured) -> Self {
+impl PlanDepths {
+    /// As a chart was read.
+    pub(crate) fn of(measured: &Measured) -> Self {
         let unit_from = match measured.unit_from {
             UnitFrom::File => PlanUnitFrom::File,
             UnitFrom::Declared => PlanUnitFrom::PlanToml,
             UnitFrom::Assumed => PlanUnitFrom::Assumed,
         };
-        let depths = PlanDepths {
+        Self {
             unit: measured.unit.name().to_owned(),
             unit_from,
             scale: measured.scale,
             offset: measured.offset,
             datum: measured.datum.clone(),
             invalid: measured.invalid,
-        };
-        Self {
-            file: path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned()),
-            edition: None,
-            update: None,
-            issued: None,
-            scale: None,
-            classes: BTreeMap::new(),
-            depths: Some(depths),
         }
     }
 }

@@ -1,41 +1,23 @@
-//! Files of charts, and cells of electronic ones with their updates.
+//! Cells of electronic charts, with their updates.
 
-use std::collections::{BTreeMap, btree_map::Entry};
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use artifact::{Budget, Digest, Error, PROGRAM_BYTES, Provenance, Work};
+use artifact::{Budget, Error, PROGRAM_BYTES, Provenance, Work};
 use chart::{PolygonLayer, Rules, Tally};
+use enc::attribute::VERDAT;
 use enc::{Cell, Feature, vertical_datum};
 
+use super::chart_file::{contents, note};
 use super::exchange_set::{CellFile, ExchangeSet, capitals, is_catalogue};
-use super::updates::{Catalogue, Found, Updates};
+use super::updates::{Age, Catalogue, Found, Updates, age_of};
 use crate::documents::{PlanChart, PlanChartClass};
 
 /// Bytes that it takes to read a byte of a file of polygons or objects.
 pub(super) const PER_BYTE: u64 = 14;
 /// Bytes that a place of an object takes, from the cell to the chart.
 const PER_PLACE: u64 = 72;
-
-/// The bytes of a chart's file, whose digest is noted.
-pub(super) fn bytes(path: &Path, provenance: &mut Provenance) -> Result<Vec<u8>, Error> {
-    let bytes = artifact::read(path)?;
-    note(path, &bytes, provenance);
-    Ok(bytes)
-}
-
-/// Notes the digest of a chart's file by its name; by a number behind it where another chart's file has the same.
-fn note(path: &Path, bytes: &[u8], provenance: &mut Provenance) {
-    let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
-    let digest = Digest::of_bytes(bytes);
-    let roles = (1..).map(|k| if k == 1 { format!("chart:{name}") } else { format!("chart:{name} ({k})") });
-    for role in roles {
-        let known = provenance.inputs.get(&role);
-        if known.is_none_or(|known| *known == digest) {
-            provenance.inputs.insert(role, digest);
-            return;
-        }
-    }
-}
 
 /// The base cells that a path names: one, or those of a folder or of a catalogue's; `None` for another file.
 ///
@@ -45,7 +27,7 @@ pub(super) fn cells_of(path: &Path) -> Result<Option<Vec<PathBuf>>, Error> {
     if path.is_dir() {
         return Ok(Some(below(path)?));
     }
-    if is_catalogue(path) {
+    if is_catalogue(path) && path.is_file() {
         return Ok(Some(below(path.parent().unwrap_or(Path::new("")))?));
     }
     Ok(capitals(path).ends_with(".000").then(|| vec![path.to_path_buf()]))
@@ -54,12 +36,13 @@ pub(super) fn cells_of(path: &Path) -> Result<Option<Vec<PathBuf>>, Error> {
 /// The newest base cell of every name below a folder.
 fn below(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let set = ExchangeSet::below(folder)?;
-    let mut newest: BTreeMap<&str, Found> = BTreeMap::new();
+    let mut newest: BTreeMap<&str, (Age, &Path)> = BTreeMap::new();
     for file in set.files.iter().filter(|file| file.is_base() && !file.special) {
-        let found = Found::read(&file.path)?;
+        let own = (age_of(&file.path)?, file.path.as_path());
         match newest.entry(file.stem()) {
-            Entry::Vacant(free) => drop(free.insert(found)),
-            Entry::Occupied(mut known) if found.age() > known.get().age() => drop(known.insert(found)),
+            Entry::Vacant(free) => drop(free.insert(own)),
+            Entry::Occupied(mut known) if own.0 > known.get().0 => drop(known.insert(own)),
+            Entry::Occupied(known) if own.0 == known.get().0 => check_same(known.get().1, own.1)?,
             Entry::Occupied(_) => {}
         }
     }
@@ -67,7 +50,16 @@ fn below(folder: &Path) -> Result<Vec<PathBuf>, Error> {
         let expected = "a cell (`.000`), or GeoJSON or a grid by its own name";
         return Err(Error::refuse(folder, "folder", "no cell in it or below", expected, "name another one"));
     }
-    Ok(newest.into_values().map(|found| found.path).collect())
+    Ok(newest.into_values().map(|(_, path)| path.to_path_buf()).collect())
+}
+
+fn check_same(one: &Path, other: &Path) -> Result<(), Error> {
+    if contents(one)? == contents(other)? {
+        return Ok(());
+    }
+    let found = format!("the same edition as {}, and other bytes", one.display());
+    let remedy = "name the cell that is meant by its file, or move the other away";
+    Err(Error::refuse(other, "cell", found, "each cell once", remedy))
 }
 
 /// How charts are read: what they may take, what they took before, and the folders that were looked into.
@@ -76,7 +68,7 @@ pub(super) struct CellReader<'a> {
     pub provenance: &'a mut Provenance,
     /// Memory of the charts so far \[bytes\].
     pub bytes: u64,
-    pub sets: BTreeMap<PathBuf, ExchangeSet>,
+    pub sets: BTreeMap<PathBuf, (ExchangeSet, Option<Catalogue>)>,
 }
 
 impl CellReader<'_> {
@@ -85,14 +77,17 @@ impl CellReader<'_> {
     /// # Errors
     /// Files that cannot be read, do not fit in the memory, are damaged, or are refused; each names itself.
     pub(super) fn cell(&mut self, path: &Path, rules: &Rules) -> Result<(PolygonLayer, PlanChart), Error> {
-        let set = self.set(path)?;
+        let root = self.look_around(path)?;
         let stem = capitals(path).trim_end_matches(".000").to_owned();
-        let files: Vec<CellFile> = set.of(&stem).filter(|file| !is_same(&file.path, path)).cloned().collect();
+        let files = self.sets.get(&root).into_iter().flat_map(|(set, _)| set.of(&stem));
+        let files: Vec<CellFile> = files.filter(|file| !is_same(&file.path, path)).cloned().collect();
         let before = self.bytes;
         self.account(path, &files)?;
         let base = Found::read(path)?;
-        let others = files.iter().map(|file| other(file)).collect::<Result<Vec<_>, _>>()?;
-        let checked = self.check(path, &stem, &base, (&files, &others))?;
+        let others = files.iter().map(other).collect::<Result<Vec<_>, _>>()?;
+        let named = CellFile::at(path, &root);
+        let bytes = [(&named, &base)].into_iter().chain(files.iter().zip(&others));
+        let checked = self.check(&root, &stem, &bytes.collect::<Vec<_>>())?;
         let updates = Updates::of(&base, others)?;
         note(path, &base.bytes, self.provenance);
         let mut cell = Cell::read(&base.bytes).map_err(|e| Error::invalid(path, e))?;
@@ -106,30 +101,29 @@ impl CellReader<'_> {
         // Large, and not needed any more.
         drop(cell);
         let (layer, told) = of_objects(path, &objects, Some(scale), rules)?;
-        let datum = |code: u8| vertical_datum(code).map_or_else(|| format!("VERDAT {code}"), str::to_owned);
+        let parts = other_datums(&objects, datums.depths);
         let told = PlanChart {
             edition: Some(identity.edition),
             update: Some(identity.update.into()),
             issued: Some(identity.issued),
             scale: Some(scale.into()),
-            sounding_datum: Some(datum(datums.depths)),
-            vertical_datum: Some(datum(datums.heights)),
-            notes: updates.notes.into_iter().chain(checked).collect(),
+            sounding_datum: Some(datum_of(datums.depths)),
+            vertical_datum: Some(datum_of(datums.heights)),
+            notes: updates.notes.into_iter().chain(checked).chain(parts).collect(),
             ..told
         };
         Ok((layer, told))
     }
 
-    /// The folders around a cell, looked into once.
-    fn set(&mut self, path: &Path) -> Result<&ExchangeSet, Error> {
+    /// Looks into the folders around a cell, unless that is done, and gives the highest of them.
+    fn look_around(&mut self, path: &Path) -> Result<PathBuf, Error> {
         let root = ExchangeSet::root_of(path)?;
-        Ok(match self.sets.entry(root) {
-            Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(free) => {
-                let set = ExchangeSet::below(free.key())?;
-                free.insert(set)
-            }
-        })
+        if let Entry::Vacant(free) = self.sets.entry(root.clone()) {
+            let set = ExchangeSet::below(&root)?;
+            let catalogue = Catalogue::of(&set, self.provenance)?;
+            free.insert((set, catalogue));
+        }
+        Ok(root)
     }
 
     /// Counts what the files take, before they are read.
@@ -143,23 +137,11 @@ impl CellReader<'_> {
     }
 
     /// Checks all files of a cell against the catalogue of their set, and says what came of it and what was left out.
-    fn check(
-        &mut self,
-        path: &Path,
-        stem: &str,
-        base: &Found,
-        (files, others): (&[CellFile], &[Found]),
-    ) -> Result<Vec<String>, Error> {
-        let provenance = &mut *self.provenance;
-        let Some(set) = ExchangeSet::root_of(path).ok().and_then(|root| self.sets.get(&root)) else {
-            return Ok(Vec::new());
-        };
+    fn check(&self, root: &Path, stem: &str, files: &[(&CellFile, &Found)]) -> Result<Vec<String>, Error> {
+        let Some((set, catalogue)) = self.sets.get(root) else { return Ok(Vec::new()) };
         let closed = (set.closed > 0).then(|| format!("{} folders not looked into", set.closed));
-        let named = CellFile::at(path, &set.root);
-        let others = files.iter().zip(others).map(|(file, found)| (file, &found.bytes[..]));
-        let all: Vec<(&CellFile, &[u8])> = [(&named, &base.bytes[..])].into_iter().chain(others).collect();
-        let agree = match Catalogue::of(set, provenance)? {
-            Some(catalogue) => catalogue.check(stem, &all)?,
+        let agree = match catalogue {
+            Some(catalogue) => catalogue.check(stem, files)?,
             None => "no CATALOG.031, so that no checksum was looked at".to_owned(),
         };
         Ok(closed.into_iter().chain([agree]).collect())
@@ -173,6 +155,19 @@ impl CellReader<'_> {
         self.bytes = self.bytes.max(before + PER_PLACE * places);
         Ok(objects)
     }
+}
+
+/// What is to be said of parts of a cell whose depths are measured from elsewhere than `usual`.
+fn other_datums(objects: &[Feature], usual: u8) -> Option<String> {
+    let parts = objects.iter().filter(|object| enc::class_name(object.class) == Some("M_SDAT"));
+    let codes = parts.flat_map(|object| object.list(VERDAT)).filter(|code| *code != u16::from(usual));
+    let names = codes.map(|code| datum_of(u8::try_from(code).unwrap_or_default()));
+    let names: BTreeSet<String> = names.collect();
+    (!names.is_empty()).then(|| format!("in parts depths are below {}", Vec::from_iter(names).join(", ")))
+}
+
+fn datum_of(code: u8) -> String {
+    vertical_datum(code).map_or_else(|| format!("VERDAT {code}"), str::to_owned)
 }
 
 /// Another file of a cell: read, but never along a link.

@@ -10,7 +10,8 @@ use chart::{
     Unread, read_objects,
 };
 
-use super::cells::{CellReader, PER_BYTE, bytes, cells_of, of_objects};
+use super::cells::{CellReader, PER_BYTE, cells_of, of_objects};
+use super::chart_file::bytes;
 use super::chart_grids::GridFormat;
 use super::chart_text::text;
 use super::exchange_set::existing;
@@ -146,7 +147,8 @@ impl Charts {
             let grid = format.read(path, &spec.grid(path)?, &reading, provenance)?;
             let grid = grid.map_err(|e| self.unread(path, e, means))?;
             self.grid_bytes += grid.bytes();
-            self.told.extend(grid.measured.as_ref().map(|measured| PlanChart::measured(path, measured)));
+            self.told
+                .extend(grid.measured.as_ref().map(|measured| PlanChart::measured(name(path), measured)));
             self.layers.push(Layer::Grid(grid));
             return Ok(());
         }
@@ -168,7 +170,7 @@ impl Charts {
         let radius_m = spec.radius_m.unwrap_or(DANGER_M);
         let layer = PolygonLayer { open_sea: spec.open_sea, ..layer.with_danger(radius_m) };
         if matches!(kind, LayerKind::Depth { .. } | LayerKind::Danger { .. }) {
-            self.told.push(PlanChart::measured(path, &Measured::plainly(unit, unit_from)));
+            self.told.push(PlanChart::measured(name(path), &Measured::plainly(unit, unit_from)));
         }
         self.layers.push(Layer::Polygons(layer));
         Ok(())
@@ -187,4 +189,8 @@ impl Charts {
             }
         }
     }
+}
+
+fn name(path: &Path) -> String {
+    path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned())
 }

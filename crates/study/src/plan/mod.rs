@@ -2,6 +2,7 @@
 
 mod area;
 mod cells;
+mod chart_file;
 mod chart_grids;
 mod chart_keys;
 mod chart_text;

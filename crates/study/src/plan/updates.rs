@@ -1,13 +1,15 @@
 //! Which files of a cell are applied to it: its updates, each once, as far as a catalogue finds them whole.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use artifact::{Error, Provenance};
 use enc::{Identity, Listed, Purpose, identify, listed};
 use refusal::foreign;
 
-use super::cells::bytes;
+use super::chart_file::bytes;
 use super::exchange_set::{CellFile, ExchangeSet};
 
 /// A file of a cell, and what it says that it is.
@@ -24,10 +26,27 @@ impl Found {
         Ok(Self { path: path.to_path_buf(), bytes, identity })
     }
 
-    /// Edition and update as numbers: the greater, the newer.
-    pub(super) fn age(&self) -> (Option<u32>, u32) {
-        (self.identity.edition.parse().ok(), self.identity.update)
+    fn age(&self) -> Age {
+        age(&self.identity)
     }
+}
+
+/// Edition and update as numbers: the greater, the newer.
+pub(super) type Age = (Option<u32>, u32);
+
+/// Bytes at the beginning of a file that identify it; its first records have some thousand.
+const HEAD: u64 = 1 << 17;
+
+/// How new a file of a cell is, by its first records.
+pub(super) fn age_of(path: &Path) -> Result<Age, Error> {
+    let fails = |e| Error::io(path, "read", e);
+    let mut head = Vec::new();
+    File::open(path).map_err(fails)?.take(HEAD).read_to_end(&mut head).map_err(fails)?;
+    Ok(age(&identify(&head).map_err(|e| Error::invalid(path, e))?))
+}
+
+fn age(identity: &Identity) -> Age {
+    (identity.edition.parse().ok(), identity.update)
 }
 
 /// The updates of a cell in their order, and what is to be said of its other files.
@@ -112,7 +131,7 @@ impl Catalogue {
     }
 
     /// Refuses files of a cell that are missing or other than when the catalogue was made, and says how many agree.
-    pub(super) fn check(&self, stem: &str, files: &[(&CellFile, &[u8])]) -> Result<String, Error> {
+    pub(super) fn check(&self, stem: &str, files: &[(&CellFile, &Found)]) -> Result<String, Error> {
         let of_cell = |own: &&Listed| own.name().strip_prefix(stem).is_some_and(is_number);
         let own: Vec<&Listed> = self.listed.iter().filter(of_cell).collect();
         let places: BTreeSet<&[String]> = own.iter().map(|own| &own.place[..]).collect();
@@ -126,7 +145,7 @@ impl Catalogue {
             return Err(Error::refuse(&self.file, "exchange set", found, "all files of the cell", remedy));
         }
         let mut agree = 0;
-        for (file, bytes) in files {
+        for (file, Found { bytes, .. }) in files {
             let told: Vec<&&Listed> = own.iter().filter(|own| stands_for(file, own)).collect();
             if !told.is_empty() && !told.iter().any(|own| own.agrees(bytes)) {
                 let found = format!("CRC-32 {:08X}", enc::crc(bytes));

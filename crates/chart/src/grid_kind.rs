@@ -1,0 +1,36 @@
+//! What a grid is said to be.
+
+use serde::Deserialize;
+
+use crate::{Crs, DepthUnit};
+
+/// What the numbers of a grid are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GridKind {
+    /// Depths, positive down: charts.
+    Depth,
+    /// Elevations, negative down: GEBCO, EMODnet and the like.
+    Elevation,
+    /// 1 is land, 0 is water of unknown depth.
+    LandMask,
+}
+
+/// Farther from the sea's surface than any ground \[m\]: what stands for no data in files that do not say so.
+pub(crate) const FARTHEST: f64 = 12_000.0;
+
+/// How a grid file is to be read.
+#[derive(Clone, Debug)]
+pub struct GridDeclaration {
+    /// What its numbers are.
+    pub kind: GridKind,
+    /// The system of its coordinates, where the file does not say.
+    pub crs: Option<Crs>,
+    /// The unit of its depths or elevations, where the file does not say; metres where nobody does.
+    pub unit: Option<DepthUnit>,
+    /// The variable of a NetCDF file, where it has several.
+    pub variable: Option<String>,
+    /// Set where the area really is open sea, without land, drying or missing cells: otherwise a grid of
+    /// only depths is refused as one of elevations of land.
+    pub open_sea: bool,
+}
