@@ -182,7 +182,7 @@ impl Log {
             (own, &plan.limits[group][*channel])
         });
         let cells = with_angles(cells.collect(), spec, &rows.lines)?;
-        let channels: Vec<(Cells, ((&ChannelSpec, &Unit), &Limit))> = cells.into_iter().zip(specs).collect();
+        let channels: Vec<_> = cells.into_iter().zip(specs).collect();
         let channel = |(cells, ((spec, unit), limit))| rows.channel(cells, spec, unit, limit);
         let judged = channels.into_par_iter().map(channel).collect::<Result<Vec<_>, _>>()?;
         let labels = labels.map(|labels| rows.labels(labels));

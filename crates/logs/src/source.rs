@@ -81,7 +81,7 @@ impl Naming {
             let remedy = "add the file or narrow the patterns";
             return Err(Invalid::new(called(&name), "some of its files", expected, remedy));
         }
-        files.iter_mut().for_each(|parts| parts.sort_by(|a, b| counted(a).cmp(&counted(b))));
+        files.iter_mut().for_each(|parts| parts.sort_by_key(|name| counted(name)));
         let kind = match &self.kind {
             Kind::Given(kind) => kind.clone(),
             Kind::Named(template) => named(template, &files[0][0])?,

@@ -91,7 +91,8 @@ impl Stamps {
 
     /// Whether a text, which was read as `time`, tells a second 60: that is read as 59.
     fn is_leap(&self, text: &str, time: f64) -> bool {
-        if !(time.rem_euclid(60.0) >= 59.0) {
+        let is_last = time.rem_euclid(60.0) >= 59.0;
+        if !is_last {
             return false;
         }
         let with = |at: usize, second: &str| format!("{}{second}{}", &text[..at], &text[at + 2..]);

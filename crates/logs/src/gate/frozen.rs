@@ -91,7 +91,8 @@ fn is_caught_up(hold: &Hold, step: f64, rate: &Series) -> bool {
         (most, before) = (most.max(turned.abs()), time);
     }
     let missed = (hold.step_out - turned.abs()).abs();
-    most >= TURNED.max(3.0 * step) && !(missed > 0.5 * turned.abs() + 0.5 * TURNED + step)
+    let is_missed = missed > 0.5 * turned.abs() + 0.5 * TURNED + step;
+    most >= TURNED.max(3.0 * step) && !is_missed
 }
 
 /// Whether the heading did not turn by the yaw rate that stood still.

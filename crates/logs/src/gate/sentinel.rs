@@ -152,7 +152,8 @@ impl Sentinels {
             (self.all_seen, self.before) = (true, f64::NAN);
         }
         let known = self.found.iter().any(|found| found.number == number);
-        if known && !(self.step(self.before, number) <= LOOKED_AT * mean) {
+        let is_near = self.step(self.before, number) <= LOOKED_AT * mean;
+        if known && !is_near {
             return false;
         }
         self.before = number;

@@ -125,6 +125,17 @@ fn midnight_passes_with_and_without_a_date() {
 }
 
 #[test]
+fn a_recording_in_parts_is_one_over_midnight_too() {
+    for (clock, cut) in [("RMC", 25), ("GGA", 25), ("GGA", 40), ("RMC", 10)] {
+        let all = from(86_375, "310725", "010825");
+        let (first, then) = all.split_at(cut);
+        let config = nmea_config(clock, "HDT.heading", "run_from_file = \"{run}_*.nmea\"");
+        let parts = [("ingest.toml", config.as_str()), ("a_1.nmea", &nmea(first)), ("a_2.nmea", &nmea(then))];
+        healthy(&read(folder(&parts).path()), 61);
+    }
+}
+
+#[test]
 fn a_late_sentence_is_no_new_day() {
     for clock in ["RMC", "GGA"] {
         for late in [1, 2, 5] {
