@@ -32,17 +32,20 @@ pub(crate) fn pages(
     chunk: &ColumnChunkMetaData,
     rows: usize,
 ) -> ParquetResult<SerializedPageReader<PageBytes>> {
-    let gzip = matches!(chunk.compression_codec(), CompressionCodec::GZIP);
-    let bytes = PageBytes { source: source.clone(), gzip, uncompressed: AtomicU64::new(0) };
+    let codec = chunk.compression_codec();
+    let [uncompressed, levels] = [0, 0].map(AtomicU64::new);
+    let bytes = PageBytes { source: source.clone(), codec, uncompressed, levels };
     SerializedPageReader::new(bytes.into(), chunk, rows, None)
 }
 
 /// A file of which every read from a place on begins with the header of a page.
 pub(crate) struct PageBytes {
     source: Source,
-    gzip: bool,
+    codec: CompressionCodec,
     /// Bytes of the page whose header was read last.
     uncompressed: AtomicU64,
+    /// Those of them that are not compressed and come first.
+    levels: AtomicU64,
 }
 
 impl Length for PageBytes {
@@ -64,24 +67,30 @@ impl ChunkReader for PageBytes {
         let sizes = if short.is_some() { short } else { header(LONGEST_HEADER)? };
         let sizes = sizes.ok_or_else(|| general(format!("a page header with {BROKEN}")))?;
         self.uncompressed.store(check(sizes)?, Ordering::Relaxed);
+        self.levels.store(sizes.levels.unsigned_abs(), Ordering::Relaxed);
         self.source.get_read(start)
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> ParquetResult<Bytes> {
         let bytes = self.source.get_bytes(start, length)?;
-        if self.gzip {
-            self.check_gzip(&bytes)?;
-        }
+        self.check_length(&bytes)?;
         Ok(bytes)
     }
 }
 
 impl PageBytes {
-    /// What decompresses gzip does not stop where the page should end.
-    fn check_gzip(&self, bytes: &[u8]) -> ParquetResult<()> {
+    /// What decompresses gzip and brotli does not stop where the page should end.
+    fn check_length(&self, bytes: &[u8]) -> ParquetResult<()> {
+        const BUFFER: usize = 1 << 12;
         let most = self.uncompressed.load(Ordering::Relaxed);
-        let found = io::copy(&mut MultiGzDecoder::new(bytes).take(most + 1), &mut io::sink());
-        match found {
+        let levels = usize::try_from(self.levels.load(Ordering::Relaxed)).unwrap_or(usize::MAX);
+        let bytes = bytes.get(levels..).unwrap_or_default();
+        let mut counted: Box<dyn Read> = match self.codec {
+            CompressionCodec::GZIP => Box::new(MultiGzDecoder::new(bytes)),
+            CompressionCodec::BROTLI => Box::new(brotli::Decompressor::new(bytes, BUFFER)),
+            _ => return Ok(()),
+        };
+        match io::copy(&mut counted.by_ref().take(most + 1), &mut io::sink()) {
             Ok(found) if found > most => {
                 Err(general("a page that is longer than its header says".to_owned()))
             }

@@ -19,6 +19,8 @@ pub(crate) struct PageSizes {
     pub uncompressed: i64,
     /// Values of a page of labels; 0 for other pages.
     pub labels: i64,
+    /// Bytes before those that are compressed: levels, in the second version of pages.
+    pub levels: i64,
 }
 
 /// Checks the footer of a file: lists that are as long as they say, columns that are nested as deep as programs do. Memory that
@@ -79,6 +81,12 @@ pub(crate) fn page(bytes: &[u8]) -> Option<PageSizes> {
             walk.structure(1, &mut |id, value| {
                 if id == 1 {
                     sizes.labels = sizes.labels.max(value);
+                }
+            })?;
+        } else if (id, kind) == (8, STRUCT) {
+            walk.structure(1, &mut |id, value| {
+                if matches!(id, 5 | 6) {
+                    sizes.levels = sizes.levels.saturating_add(value);
                 }
             })?;
         } else if let (2, Some(value)) = (id, walk.value(kind, 1)?) {
@@ -215,7 +223,7 @@ mod tests {
     fn a_page_header_tells_its_sizes_whatever_stands_between() {
         // type 2, 300 bytes, 20 compressed, checksum, a page of 7 labels in encoding 0.
         let header = [0x15, 4, 0x15, 0xd8, 4, 0x15, 40, 0x15, 2, 0x3c, 0x15, 14, 0x15, 0, 0, 0];
-        assert_eq!(page(&header), Some(PageSizes { uncompressed: 300, labels: 7 }));
+        assert_eq!(page(&header), Some(PageSizes { uncompressed: 300, labels: 7, levels: 0 }));
         for end in 0..header.len() - 1 {
             assert_eq!(page(&header[..end]), None, "{end}");
         }

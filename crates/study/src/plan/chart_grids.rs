@@ -58,7 +58,7 @@ impl GridFormat {
 /// The file of a chart, whose digest is noted.
 fn open(path: &Path, provenance: &mut Provenance) -> Result<File, Error> {
     let failed = |e| Error::io(path, "read", e);
-    let mut file = File::open(path).map_err(failed)?;
+    let mut file = artifact::open(path)?;
     let digest = Digesting::new(&file).digest().map_err(failed)?;
     file.rewind().map_err(failed)?;
     let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());

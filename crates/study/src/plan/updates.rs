@@ -1,7 +1,6 @@
 //! Which files of a cell are applied to it: its updates, each once, as far as a catalogue finds them whole.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -41,7 +40,7 @@ const HEAD: u64 = 1 << 17;
 pub(super) fn age_of(path: &Path) -> Result<Age, Error> {
     let fails = |e| Error::io(path, "read", e);
     let mut head = Vec::new();
-    File::open(path).map_err(fails)?.take(HEAD).read_to_end(&mut head).map_err(fails)?;
+    artifact::open(path)?.take(HEAD).read_to_end(&mut head).map_err(fails)?;
     Ok(age(&identify(&head).map_err(|e| Error::invalid(path, e))?))
 }
 
