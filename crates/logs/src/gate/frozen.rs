@@ -70,12 +70,12 @@ fn is_frozen(name: &str, hold: &Hold, holds: &Holds, channels: &Channels) -> boo
             None => hold.step_out >= 3.0 * step,
         },
         _ => {
-            // Rates below what an instrument resolves are exactly zero.
-            let abrupt = hold.is_abrupt(match hold.value {
-                0.0 => 3.0 * step,
-                _ if hold.is_cut() => 0.05 * step,
-                _ => 0.25 * step,
-            });
+            let abrupt = match hold.value {
+                // Sway and yaw rate are exactly zero on a straight course that is simulated, or below what is resolved.
+                0.0 => hold.step_in > 3.0 * step && !(hold.step_out <= 3.0 * step),
+                _ if hold.is_cut() => hold.is_abrupt(0.05 * step),
+                _ => hold.is_abrupt(0.25 * step),
+            };
             let turned = || name == "y_r" && channels.get("psi").is_some_and(|psi| turns_unevenly(hold, psi));
             abrupt && (turned() || others_vary(name, hold, channels))
         }
