@@ -72,7 +72,7 @@ fn is_frozen(name: &str, hold: &Hold, holds: &Holds, channels: &Channels) -> boo
         _ => {
             let abrupt = match hold.value {
                 // Sway and yaw rate are exactly zero on a straight course that is simulated, or below what is resolved.
-                0.0 => hold.step_in > 3.0 * step && !(hold.step_out <= 3.0 * step),
+                0.0 => hold.step_in > 3.0 * step && (hold.step_out.is_nan() || hold.step_out > 3.0 * step),
                 _ if hold.is_cut() => hold.is_abrupt(0.05 * step),
                 _ => hold.is_abrupt(0.25 * step),
             };
