@@ -154,6 +154,7 @@ impl Table {
             cells,
             lines: self.lines,
             omitted: self.omitted,
+            repeated: self.repeated,
             is_stamped,
             is_sorted,
             ..Columns::default()
