@@ -78,7 +78,7 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// The time of the first row that has one, and the latest.
+    /// The time of the first row that has one, and of the last.
     pub fn span(&self) -> Option<[f64; 2]> {
         if !self.apart.is_empty() {
             let spans = self.apart.iter().filter_map(|own| own.columns.span());
@@ -87,7 +87,7 @@ impl Columns {
         let Some(Cells::Numbers(times)) = self.cells.first() else { return None };
         let known = times.iter().filter(|time| time.is_finite());
         known.fold(None, |span: Option<[f64; 2]>, time| {
-            Some(span.map_or([time; 2], |[first, last]| [first, last.max(time)]))
+            Some(span.map_or([time; 2], |[first, _]| [first, time]))
         })
     }
 

@@ -87,6 +87,7 @@ pub use plan::{Exogenous, PIECE, Plan};
 pub use prepare::{Channels, Conventions, Derived, KINEMATIC, Propulsor, prepare};
 pub use quality::{ChannelSummary, MotionSummary, State, consistency, lag, noise_std};
 pub use record::{Recorded, RecordedRun, RecordingSummary, record};
+pub use rollover::begins_anew;
 pub use samples::{Samples, Store, Values};
 pub use segment::{Cut, Interval, Part, Segmentation, SpeedClasses, check_intervals};
 pub use series::Series;

@@ -42,6 +42,11 @@ const YEAR: f64 = 365.0 * DAY;
 /// Clocks that were set are not before 2001 \[s\].
 const SET: f64 = 978_307_200.0;
 
+/// Whether a clock that went on by `step_s` \[s\], which is below 0, began anew and the next row came within `near_s`.
+pub fn begins_anew(step_s: f64, near_s: f64) -> bool {
+    PERIODS.iter().any(|period| (0.0..=near_s).contains(&(step_s + period)))
+}
+
 /// `times` \[s\] with what a clock lost where it began anew, and how often it did. Clocks `of_day` tell no date. Others count
 /// from anything; what they lose is known by how much it is, and by a next row within a few usual steps or `max_gap_s`.
 pub(crate) fn unrolled(times: Samples, of_day: bool, max_gap_s: f64) -> (Samples, usize) {

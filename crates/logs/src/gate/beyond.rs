@@ -12,6 +12,8 @@ pub(super) struct Beyond {
     kept: Option<f64>,
     /// The last that was not, and how many went on from each other.
     dropped: (f64, usize),
+    /// Where most are beyond a turn the unit is in doubt, and no number: how many are, of how many. None of a heading.
+    seen: Option<[usize; 2]>,
 }
 
 /// How a column begins.
@@ -26,8 +28,10 @@ enum Start {
 }
 
 impl Beyond {
-    pub(super) fn new(turn: f64) -> Self {
-        Self { turn, start: Start::Open(None), kept: None, dropped: (f64::NAN, 0) }
+    /// Of a column whose angles have this `turn`.
+    pub(super) fn new(turn: f64, is_heading: bool) -> Self {
+        let seen = (!is_heading).then_some([0; 2]);
+        Self { turn, start: Start::Open(None), kept: None, dropped: (f64::NAN, 0), seen }
     }
 
     fn is_beyond(&self, number: f64) -> bool {
@@ -41,6 +45,10 @@ impl Beyond {
     /// Looks at a number: the first ones are judged by those after them.
     #[inline]
     pub(super) fn see(&mut self, number: f64) {
+        if let Some([beyond, all]) = &mut self.seen {
+            *beyond += usize::from(number.abs() > 1.001 * self.turn);
+            *all += 1;
+        }
         if let Start::Open(last) = self.start {
             self.start = match last {
                 Some(last) if !self.goes_on(last, number) => Start::Wrong,
@@ -53,6 +61,9 @@ impl Beyond {
     /// Whether a number is an angle; all have been seen.
     #[inline]
     pub(super) fn keeps(&mut self, number: f64) -> bool {
+        if self.seen.is_some_and(|[beyond, all]| 2 * beyond > all) {
+            return true;
+        }
         let keeps = !self.is_beyond(number)
             || match self.kept {
                 Some(kept) => self.goes_on(kept, number) || self.again(number),

@@ -41,9 +41,16 @@ fn same(a: f64, b: f64) -> bool {
 impl<'a> Gate<'a> {
     /// No number seen yet of the column of `spec`, which is in `unit`.
     pub(crate) fn new(spec: &'a ChannelSpec, unit: &Unit, limit: &'a Limit) -> Self {
-        let turn = limit.turn(spec, unit);
+        let (turn, is_heading) = (limit.turn(spec, unit), spec.channel == "psi");
         let sentinels = spec.missing.is_none().then(|| Sentinels::new(turn));
-        Self { spec, limit, sentinels, beyond: turn.map(Beyond::new), numbers: 0, left_out: [0; 2] }
+        Self {
+            spec,
+            limit,
+            sentinels,
+            beyond: turn.map(|turn| Beyond::new(turn, is_heading)),
+            numbers: 0,
+            left_out: [0; 2],
+        }
     }
 
     /// Looks at a number for the first time; NaN if it counts for none by itself.

@@ -20,18 +20,18 @@ pub(crate) fn check_share(
     let share = 100.0 * count as f64 / values as f64;
     let found = format!("{count} of {values} values left out ({share:.0} %): {}", reasons.join(", "));
     let within = limit.map(|Limit { numbers: [low, high], of }| {
-        format!("; the column's numbers within {} to {}, {of}", six(*low), six(*high))
+        format!("; the column's numbers within {} to {}, {of}", five(*low), five(*high))
     });
     Err(Invalid::new(
         format!("channel `{channel}`"),
         found,
-        format!("at most {} % left out{}", six(100.0 * most), within.unwrap_or_default()),
+        format!("at most {} % left out{}", five(100.0 * most), within.unwrap_or_default()),
         "correct its `unit` or `scale`, say what is `valid` and what `missing`, or raise its `max_omitted`",
     ))
 }
 
-/// A number with six digits at most.
-fn six(number: f64) -> String {
-    let digits = format!("{number:.5e}").parse::<f64>().unwrap_or(number);
+/// A number with five digits at most.
+fn five(number: f64) -> String {
+    let digits = format!("{number:.4e}").parse::<f64>().unwrap_or(number);
     if digits.abs() < 1e7 { digits.to_string() } else { format!("{digits:e}") }
 }

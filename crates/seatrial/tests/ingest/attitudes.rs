@@ -88,18 +88,18 @@ fn velocities_along_the_axes_of_the_earth_are_refused_as_such_of_the_ship_and_tu
 
 #[test]
 fn an_unwrapped_angle_in_radians_is_no_angle_in_degrees() {
-    // A direction that goes round and round, a rudder in degrees that is said to be in radians.
+    // A direction that goes round and round, a azimuth in degrees that is said to be in radians.
     let row = |k: usize| {
         let t = 0.5 * k as f64;
         format!("{t},1,0.1,0.01,{},{},{}\n", 60 + k % 3, 0.2 * t, if k % 60 < 30 { 10.0 } else { -10.0 })
     };
-    let csv = "t,u,v,r,n,wind,rudder\n".to_owned() + &(0..400).map(row).collect::<String>();
+    let csv = "t,u,v,r,n,wind,azimuth\n".to_owned() + &(0..400).map(row).collect::<String>();
     let mut text = config("");
-    for column in ["wind", "rudder"] {
+    for column in ["wind", "azimuth"] {
         text += &format!("[[file.channel]]\ncolumn = \"{column}\"\nchannel = \"{column}\"\nunit = \"rad\"\n");
     }
     let made = ingest(folder(&[("ingest.toml", &text), ("a.csv", &csv)]).path(), &CONFIG);
     let warnings = &made.summary.recordings[0].warnings;
     let units = warnings.iter().filter(|w| w.text.contains("may be in degrees"));
-    assert_eq!(units.map(|w| w.channel.as_str()).collect::<Vec<_>>(), ["rudder"], "{warnings:?}");
+    assert_eq!(units.map(|w| w.channel.as_str()).collect::<Vec<_>>(), ["azimuth"], "{warnings:?}");
 }

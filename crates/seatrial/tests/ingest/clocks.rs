@@ -81,8 +81,8 @@ fn formats_and_zones_without_meaning_are_refused() {
 fn seconds_and_nanoseconds_in_two_columns_are_one_time() {
     let row = |k: usize| format!("{},{},{},0,0,60\n", 1_744_373_300 + k / 4, k % 4 * 250_000_000, k);
     let csv = "t,ns,u,v,r,n\n".to_owned() + &(0..40).map(row).collect::<String>();
-    let text =
-        timed("unit = \"s\", nanoseconds = \"ns\"").replace("sample_rate_hz = 1.0", "sample_rate_hz = 4.0");
+    let text = timed("unit = \"s\", nanoseconds = \"ns\"")
+        .replace("sample_rate_hz = 1.0", "sample_rate_hz = 4.0\nmax_speed_m_s = 50.0");
     let made = made(&text, &csv);
     assert_eq!((made.rows, made.summary.recordings[0].rows.repeated), (40, 0));
     for (k, u) in made.f64("y_u").iter().enumerate() {

@@ -116,7 +116,7 @@ fn a_bag_without_the_topic_or_of_another_encoding_is_refused() {
     let topics = [
         "mission.mcap: topic",
         "no `/joint`",
-        "/camera, /joints, /odometry, /propeller",
+        "`/camera`, `/joints`, `/odometry`, `/propeller`",
         "did you mean `/joints`?",
     ];
     bag(("\"/joints\"", "\"/joint\""), &topics);
@@ -126,7 +126,7 @@ fn a_bag_without_the_topic_or_of_another_encoding_is_refused() {
     );
     bag(
         ("position[1]", "positions[1]"),
-        &["column of topic `/joints`", "`positions[1]`", "position[0], velocity[0]"],
+        &["column of topic `/joints`", "`positions[1]`", "`position[0]`, `velocity[0]`"],
     );
     bag(("position[1]", "name[1]"), &["column of topic `/joints`", "a number in sensor_msgs/msg/JointState"]);
     bag(("shaft[0].rps", "shaft[0].rpm"), &["column", "`shaft[0].rpm` in none of"]);
@@ -146,13 +146,13 @@ fn damaged_bags_are_refused() {
         &["mission.mcap: file", "an end within a record", "mcap recover"],
     );
     let text = |_| b"t,u\n0,1\n".to_vec();
-    refused_set("robot", "mission.mcap", &[], text, &["mission.mcap: file"]);
+    refused_set("robot", "mission.mcap", &[], text, &["mission.mcap: format", "a bag of MCAP"]);
     let flipped = |mut bytes: Vec<u8>| {
         let middle = bytes.len() / 2;
         bytes[middle] ^= 0xff;
         bytes
     };
-    refused_set("robot", "mission.mcap", &[], flipped, &["mission.mcap: chunk", "do not fit their checksum"]);
+    refused_set("robot", "mission.mcap", &[], flipped, &["mission.mcap: chunk", "mcap recover"]);
 }
 
 #[test]

@@ -132,9 +132,9 @@ fn what_is_odd_but_usable_is_counted_and_told() {
             f64::from(t).rem_euclid(std::f64::consts::TAU)
         )
     };
-    let csv = "t,u,v,r,n,psi,rudder,wind\n".to_owned() + &(0..30).map(row).collect::<String>();
+    let csv = "t,u,v,r,n,psi,azimuth,wind\n".to_owned() + &(0..30).map(row).collect::<String>();
     let mut text = config("").replace("sample_rate_hz = 1.0", "sample_rate_hz = 2.0");
-    for column in ["psi", "rudder", "wind"] {
+    for column in ["psi", "azimuth", "wind"] {
         text += &format!("[[file.channel]]\ncolumn = \"{column}\"\nchannel = \"{column}\"\nunit = \"rad\"\n");
     }
     let made = ingest(folder(&[("ingest.toml", &text), ("a.csv", &csv)]).path(), &CONFIG);
@@ -142,16 +142,21 @@ fn what_is_odd_but_usable_is_counted_and_told() {
     let of = |kind: WarningKind| -> Vec<(&str, u64)> {
         warnings.iter().filter(|w| w.kind == kind).map(|w| (w.channel.as_str(), w.count)).collect()
     };
-    assert_eq!(of(WarningKind::Constant), [("y_u", 1), ("y_r", 1), ("n", 1), ("rudder", 1)]);
+    assert_eq!(of(WarningKind::Constant), [("y_u", 1), ("y_r", 1), ("n", 1), ("azimuth", 1)]);
     assert_eq!(of(WarningKind::Jump), [("psi", 2)]);
-    assert_eq!(of(WarningKind::Unit), [("rudder", 1)]);
+    assert_eq!(of(WarningKind::Unit), [("azimuth", 1)]);
     assert_eq!(of(WarningKind::Rate).len(), 7);
     assert!(made.line.contains("; 14 warnings, see ingest.json"), "{}", made.line);
 }
 
+/// For a log whose speed and revolutions rise and rise.
+fn in_wide_ranges() -> String {
+    config("max_speed_m_s = 2000.0").replace("unit = \"rpm\"", "unit = \"rpm\"\nvalid = [0.0, 1e6]")
+}
+
 #[test]
 fn what_a_long_recording_puts_aside_changes_no_byte_and_leaves_no_file() {
-    let folder = folder(&[("ingest.toml", &config("")), ("a.csv", &log(140_000))]);
+    let folder = folder(&[("ingest.toml", &in_wide_ranges()), ("a.csv", &log(140_000))]);
     let made = |more: &[&str]| {
         let ran = run(folder.path(), &[&CONFIG[..], &["--out", "made.parquet"], more].concat());
         assert_eq!(ran.code, Some(0), "{}{}", ran.stdout, ran.stderr);

@@ -148,7 +148,7 @@ fn the_vessels_range_counts_with_half_of_its_width_more() {
     refused_in(
         log.path(),
         &["--vessel", "vessel.toml"],
-        &["`delta`", "-11.4592 to 11.4592, the input's `range` in vessel.toml"],
+        &["`delta`", "-11.459 to 11.459, the input's `range` in vessel.toml"],
     );
     let wide = VESSEL.replace("[-0.1, 0.1]", "[-0.2, 0.2]");
     std::fs::write(log.path().join("vessel.toml"), wide).unwrap();
@@ -193,6 +193,6 @@ fn no_estimate_is_made_of_a_doubtful_recording_unless_asked() {
     let pool = |more: &[&str]| asked(&["estimate", "pool"], &[&["--estimator", "ls"], more].concat());
     let (code, said) = pool(&["--allow-doubtful"]);
     assert!(code == Some(0) || code == Some(4), "{said}");
-    let (code, said) = pool(&["--recordings", "ingest.json", "--leave-out", "a"]);
+    let (code, said) = pool(&["--recordings", "t-ingest.json", "--leave-out", "a"]);
     assert!(code == Some(0) || code == Some(4), "{said}");
 }

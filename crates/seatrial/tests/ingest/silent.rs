@@ -119,7 +119,10 @@ pub fn said(recording: &RecordingSummary) -> Vec<String> {
     let rows = rows.filter(|(name, count)| name != "read" && count.as_u64() != Some(0));
     let rows = rows.map(|(name, count)| format!("rows {name} {count}"));
     let splits = (recording.splits > 0).then(|| format!("splits {}", recording.splits));
-    omitted.chain(warnings).chain(rows).chain(splits).collect()
+    let channels = recording.channels.iter().filter(|channel| channel.missing > 0);
+    let missing =
+        channels.map(|channel| format!("{} has no value in {} rows", channel.name, channel.missing));
+    omitted.chain(warnings).chain(rows).chain(splits).chain(missing).collect()
 }
 
 /// How far the states, the heading and the inputs may be off: m/s, m/s, rad/s, rad, rad, 1/s.

@@ -197,7 +197,7 @@ fn files_of_one_run_are_one_recording() {
     let config = config("unit = \"s\"");
     let other = [("ingest.toml", config.as_str()), ("trial_b.csv", &parts[0]), ("trial_a.csv", &parts[1])];
     healthy(&read(folder(&other).path()), 61);
-    let wrong = parts[1].replacen(",2.", ",x2.", 1);
+    let wrong = parts[1].replacen(",1.", ",x1.", 1);
     let other = [("ingest.toml", config.as_str()), ("trial_0.csv", &parts[0]), ("trial_1.csv", &wrong)];
     refused_in(folder(&other).path(), &[], &["trial_1.csv: line 2, column `u`"]);
 }

@@ -45,7 +45,7 @@ fn a_start_over_a_shoal_is_refused_in_whatever_unit_its_depth_is_written() {
     for name in ["01", "02", "28"] {
         let Some(folder) = case(name) else { return };
         let ran = run(&folder, PLAN);
-        ran.refuses(3, &["[start]"]);
+        ran.refuses(4, &["`start`", "from an obstacle"]);
     }
 }
 
@@ -61,5 +61,5 @@ fn a_start_over_a_wreck_is_refused_where_updates_stand_in_folders_of_their_own()
         )
         .unwrap();
     }
-    run(&folder, PLAN).refuses(3, &["[start]"]);
+    run(&folder, PLAN).refuses(4, &["`start`", "from an obstacle"]);
 }

@@ -21,7 +21,7 @@ fn campaigns_that_no_disk_holds_are_refused() {
 
 #[test]
 fn runs_without_end_are_refused_by_every_stage_that_simulates() {
-    let long = "duration_s = 1e10\nspeed_m_s = 0.6";
+    let long = "duration_s = 9e8\nspeed_m_s = 0.6";
     let pieces = ["maneuver `telegraph`, `duration_s`", "at most 4194304 samples"];
     edited("campaign.toml", "duration_s = 125.0\nspeed_m_s = 0.6", long, VALIDATION, &pieces);
     let moments = "moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml \
@@ -30,16 +30,16 @@ fn runs_without_end_are_refused_by_every_stage_that_simulates() {
     edited(
         "campaign.toml",
         "duration_s = 125.0",
-        "duration_s = 1e10",
+        "duration_s = 9e8",
         CAMPAIGN,
         &["`duration_s`", "at most 4194304"],
     );
     let generate =
-        "duration_s = 1e10\n[generate]\ncandidates = 9\nlimits = { u_m_s = 1, v_m_s = 1, r_rad_s = 1 }\n#";
+        "duration_s = 9e8\n[generate]\ncandidates = 9\nlimits = { u_m_s = 1, v_m_s = 1, r_rad_s = 1 }\n#";
     edited(
         "dictionary.toml",
         "duration_s = 37.5",
-        "duration_s = 1e10",
+        "duration_s = 9e8",
         DICTIONARY,
         &["`duration_s`", "at most"],
     );

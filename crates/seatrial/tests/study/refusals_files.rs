@@ -324,7 +324,7 @@ fn absent_files_and_folders_instead_of_files_fail() {
             refused(&folder, 1, stage, &[name, "read", "an existing file", "check the path"]);
         }
         fs::create_dir(folder.path().join(name)).unwrap();
-        refused(&folder, 1, stage, &[name, "read", "name a file"]);
+        refused(&folder, 3, stage, &[name, "a folder", "an ordinary file", "name a file"]);
     }
     for name in WRITTEN {
         let folder = with(&ALL);

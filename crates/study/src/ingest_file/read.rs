@@ -9,8 +9,8 @@ use std::sync::Arc;
 use artifact::{Digest, Digesting, Error, Scratch, open};
 use flate2::read::MultiGzDecoder;
 use logs::{
-    Columns, FileSpec, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source, Store, read_bag,
-    read_csv, read_nmea, record, stranger,
+    Columns, FileSpec, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source, Store, TimeUnit,
+    begins_anew, read_bag, read_csv, read_nmea, record, stranger,
 };
 use refusal::Invalid;
 
@@ -73,7 +73,7 @@ fn of_files(
             digests.push(digest);
         }
         let path = if let [only] = parts.as_slice() { folder.join(only) } else { folder.to_owned() };
-        let columns = joined(read);
+        let columns = joined(read, plan, group);
         if columns.lines.rows() > plan.most_rows {
             return Err(crate::invalid(&path, &plan.too_many_rows(columns.lines.rows())));
         }
@@ -84,10 +84,12 @@ fn of_files(
 }
 
 /// The rows of a recording's files, one after the other: as their names count, or as their times do where these contradict.
-fn joined(mut parts: Vec<(&str, Columns)>) -> Columns {
+fn joined(mut parts: Vec<(&str, Columns)>, plan: &Plan, group: usize) -> Columns {
+    let unit = plan.setup.files[group].time.unit.and_then(TimeUnit::seconds).unwrap_or(1.0);
     let follows = |parts: &[(&str, Columns)]| {
         let spans: Vec<[f64; 2]> = parts.iter().filter_map(|(_, columns)| columns.span()).collect();
-        spans.windows(2).all(|pair| pair[0][1] <= pair[1][0])
+        let steps = spans.windows(2).map(|pair| unit * (pair[1][0] - pair[0][1]));
+        steps.into_iter().all(|step| step >= 0.0 || begins_anew(step, plan.setup.max_gap_s))
     };
     // Times of a day begin anew at midnight: they contradict no name.
     let of_day = parts.iter().any(|(_, columns)| columns.clock.of_day);

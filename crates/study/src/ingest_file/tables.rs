@@ -100,13 +100,15 @@ impl TypedTime<'_> {
             return refuse(&found, "the time's `unit` or `format` as it is stated", remedy);
         }
         let (mut seconds, mut wrong) = (Samples::new(store), None);
+        // Where a unit is stated, times are expected to count it.
+        let unit = spec.unit.and_then(TimeUnit::seconds).unwrap_or(1.0);
         let stamps = self.plan.stamps(self.group);
         self.table.seconds(self.column, |shown| {
             let known = if is_shown { stamps.shown(shown) } else { Ok(shown) };
             if let (Err(why), None) = (known, &wrong) {
                 wrong = Some((seconds.len() + 1, shown, why));
             }
-            seconds.push(known.unwrap_or(f64::NAN));
+            seconds.push(known.unwrap_or(f64::NAN) / unit);
         })?;
         match wrong {
             None => Ok(seconds),

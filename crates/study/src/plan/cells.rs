@@ -69,6 +69,8 @@ pub(super) struct CellReader<'a> {
     /// Memory of the charts so far \[bytes\].
     pub bytes: u64,
     pub sets: BTreeMap<PathBuf, (ExchangeSet, Option<Catalogue>)>,
+    /// The folder that is named in place of a cell: all in it belongs together.
+    pub named: Option<PathBuf>,
 }
 
 impl CellReader<'_> {
@@ -118,6 +120,7 @@ impl CellReader<'_> {
     /// Looks into the folders around a cell, unless that is done, and gives the highest of them.
     fn look_around(&mut self, path: &Path) -> Result<PathBuf, Error> {
         let root = ExchangeSet::root_of(path)?;
+        let root = self.named.clone().filter(|named| root.starts_with(named)).unwrap_or(root);
         if let Entry::Vacant(free) = self.sets.entry(root.clone()) {
             let set = ExchangeSet::below(&root)?;
             let catalogue = Catalogue::of(&set, self.provenance)?;

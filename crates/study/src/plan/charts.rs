@@ -1,7 +1,6 @@
 //! The charts that `plan.toml` names, read from their files.
 
 use std::collections::BTreeMap;
-use std::fs::Metadata;
 use std::path::Path;
 
 use artifact::{Budget, Error, PROGRAM_BYTES, Provenance, Work};
@@ -88,7 +87,8 @@ pub fn read_charts(
         if let Some(cells) = cells_of(&path)? {
             spec.check_keys(&path, true)?;
             let bytes = charts.bytes + charts.grid_bytes;
-            let mut reader = CellReader { budget: means.budget, provenance, bytes, sets };
+            let named = path.canonicalize().ok().filter(|named| named.is_dir());
+            let mut reader = CellReader { budget: means.budget, provenance, bytes, sets, named };
             for cell in cells {
                 if !(means.go_on)() {
                     return Err(ChartsError::OutOfTime);
@@ -107,18 +107,13 @@ pub fn read_charts(
 }
 
 impl Charts {
-    /// Refuses pipes and the like, and counts what it takes to read a file of polygons or objects.
+    /// Counts what it takes to read a file of polygons or objects.
     fn check_file(&mut self, path: &Path, means: &Means) -> Result<(), ChartsError> {
         if !(means.go_on)() {
             return Err(ChartsError::OutOfTime);
         }
-        let about = std::fs::metadata(path);
-        if about.as_ref().is_ok_and(|about| !(about.is_file() || about.is_dir())) {
-            let (found, expected) = ("a pipe or a device", "a file");
-            return Err(Error::refuse(path, "file", found, expected, "copy it into a file").into());
-        }
         if GridFormat::of(path).is_none() {
-            let length = about.as_ref().map_or(0, Metadata::len);
+            let length = std::fs::metadata(path).map_or(0, |about| about.len());
             self.bytes += PER_BYTE * length;
             let found = format!("{length} bytes");
             let work = Work { file: path, thing: "file", found: &found, remedy: LESS };
