@@ -115,7 +115,7 @@ fn law_a_shoal_of_an_update_is_seen_wherever_the_update_stands() {
         };
         let named = |number: usize| {
             let name = format!("{STEM}.00{number}");
-            if lower && (number != 0 || draw.0 % 3 == 0) { name.to_lowercase() } else { name }
+            if lower && (number != 0 || draw.0.is_multiple_of(3)) { name.to_lowercase() } else { name }
         };
         let files: Vec<String> = (0..3).map(|number| place(number) + &named(number)).collect();
         let in_set = root.eq_ignore_ascii_case("enc_root/");
