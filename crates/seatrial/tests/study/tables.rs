@@ -37,7 +37,7 @@ fn with_table(table: &str, more: &str) -> TempDir {
 fn played(folder: &TempDir, name: &str) -> Vec<Vec<[f64; 3]>> {
     let whole = craft::read(&folder.path().join(name), "trajectories");
     let place = |name: &str| whole.schema.columns.iter().position(|c| c.name == name).unwrap();
-    let mut found: Vec<((String, i32, i32), Vec<[f64; 3]>)> = Vec::new();
+    let (mut found, mut last): (Vec<Vec<[f64; 3]>>, _) = (Vec::new(), None);
     for block in &whole.blocks {
         let integer = |name: &str, row: usize| block.columns[place(name)].as_i32().unwrap()[row];
         let inputs = ["tau1", "tau2", "tau3"].map(|name| &block.columns[place(name)]);
@@ -47,14 +47,15 @@ fn played(folder: &TempDir, name: &str) -> Vec<Vec<[f64; 3]>> {
                 continue;
             }
             let design = block.columns[place("design")].text_at(row).unwrap_or("").to_owned();
-            let key = (design, integer("run", row), integer("segment", row));
-            if found.last().is_none_or(|(last, _)| *last != key) {
-                found.push((key, Vec::new()));
+            let key = Some((design, integer("run", row), integer("segment", row)));
+            if last != key {
+                found.push(Vec::new());
+                last = key;
             }
-            found.last_mut().unwrap().1.push(inputs.map(|column| column.as_f64().unwrap()[row]));
+            found.last_mut().unwrap().push(inputs.map(|column| column.as_f64().unwrap()[row]));
         }
     }
-    found.into_iter().map(|(_, rows)| rows).collect()
+    found
 }
 
 /// The design becomes one of `recorded`, with this share, and of a zig-zag.
@@ -82,7 +83,7 @@ fn law_a_tables_played_inputs_are_the_files_in_dictionary_campaign_and_validatio
     edit(&folder, "campaign.toml", telegraph, &format!("{own}\n{telegraph}"));
     stages(&folder, &[DICTIONARY, MOMENTS, DESIGN, VALIDATION]);
     for name in ["dictionary.parquet", "validation.parquet"] {
-        assert_eq!(played(&folder, name), [rows.clone()], "{name}");
+        assert_eq!(played(&folder, name), std::slice::from_ref(&rows), "{name}");
     }
     shared(&folder, 0.47);
     let said = run(&folder, CAMPAIGN).succeeds().stdout;
