@@ -15,7 +15,7 @@ use crate::table_reader::TableReader;
 use crate::table_writer::TableWriter;
 
 /// Missing shards that a message names one by one.
-const MOST_NAMED: usize = 1000;
+const MOST_NAMED: usize = 8;
 
 /// Puts the shards of a table together, in the order of their numbers whatever the order of
 /// `shards`. Blocks are copied byte for byte: the result has the bytes that the table would have

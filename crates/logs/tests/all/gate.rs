@@ -56,9 +56,7 @@ fn law_a_fault_is_left_out_wherever_it_stands_and_however_long() {
     for place in [0, 1, 50, 97, 99] {
         for count in [1, 3] {
             let mut numbers: Vec<f64> = (0..100).map(|k| 40.0 + (0.1 * f64::from(k)).sin()).collect();
-            for row in place..(place + count).min(100) {
-                numbers[row] = 327.67;
-            }
+            numbers.iter_mut().skip(place).take(count).for_each(|number| *number = 327.67);
             let rows = numbers.iter().filter(|number| **number == 327.67).count() as u64;
             for (channel, unit) in [("psi", "deg"), ("power", "kW"), ("wind", "m/s")] {
                 let reason = if channel == "wind" { Reason::Range } else { Reason::Missing };

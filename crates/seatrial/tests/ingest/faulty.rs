@@ -208,7 +208,8 @@ fn replaced(body: &str, place: &str) -> String {
 fn places_that_jump_are_never_silent() {
     cases(3, |random, case| {
         let mut log = Log::healthy();
-        let (metres, course) = (10_f64.powf(random.within(1.0, 5.0)), random.within(0.0, 6.28));
+        let (metres, course) =
+            (10_f64.powf(random.within(1.0, 5.0)), random.within(0.0, std::f64::consts::TAU));
         let fixes = [1, 2, 3, 5, 30][random.below(5)];
         for row in stretch(random, fixes) {
             log.rows[row][0] += metres * course.cos();
