@@ -287,7 +287,11 @@ fn healthy_logs_and_charts_of_every_format_are_read() {
         if stage.out == "t.parquet" {
             assert_eq!(code, Some(0), "{line}: {}", ended.told);
         } else {
-            assert!(matches!(code, Some(3 | 4)) && ended.told.contains("start"), "{line}: {}", ended.told);
+            assert!(
+                matches!(code, Some(3 | 4)) && ended.told.contains("plan.toml: "),
+                "{line}: {}",
+                ended.told
+            );
         }
     }
 }
