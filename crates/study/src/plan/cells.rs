@@ -4,7 +4,7 @@ use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use artifact::{Budget, Error, PROGRAM_BYTES, Provenance, Work};
+use artifact::{Budget, Digest, Error, PROGRAM_BYTES, Provenance, Work};
 use chart::{PolygonLayer, Rules, Tally};
 use enc::attribute::VERDAT;
 use enc::{Cell, Feature, vertical_datum};
@@ -91,11 +91,11 @@ impl CellReader<'_> {
         let bytes = [(&named, &base)].into_iter().chain(files.iter().zip(&others));
         let checked = self.check(&root, &stem, &bytes.collect::<Vec<_>>())?;
         let updates = Updates::of(&base, others)?;
-        note(path, &base.bytes, self.provenance);
+        note(path, Digest::of_bytes(&base.bytes), self.provenance);
         let mut cell = Cell::read(&base.bytes).map_err(|e| Error::invalid(path, e))?;
         drop(base);
         for update in updates.files.values() {
-            note(&update.path, &update.bytes, self.provenance);
+            note(&update.path, Digest::of_bytes(&update.bytes), self.provenance);
             cell.update(&update.bytes).map_err(|e| Error::invalid(&update.path, e))?;
         }
         let objects = self.objects(path, &cell, before)?;

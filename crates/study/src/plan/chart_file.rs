@@ -7,14 +7,13 @@ use artifact::{Digest, Error, Provenance};
 /// The bytes of a chart's file, whose digest is noted.
 pub(super) fn bytes(path: &Path, provenance: &mut Provenance) -> Result<Vec<u8>, Error> {
     let bytes = artifact::read(path)?;
-    note(path, &bytes, provenance);
+    note(path, Digest::of_bytes(&bytes), provenance);
     Ok(bytes)
 }
 
 /// Notes the digest of a chart's file by its name; by a number behind it where another chart's file has the same.
-pub(super) fn note(path: &Path, bytes: &[u8], provenance: &mut Provenance) {
+pub(super) fn note(path: &Path, digest: Digest, provenance: &mut Provenance) {
     let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
-    let digest = Digest::of_bytes(bytes);
     let roles = (1..).map(|k| if k == 1 { format!("chart:{name}") } else { format!("chart:{name} ({k})") });
     for role in roles {
         let known = provenance.inputs.get(&role);

@@ -8,7 +8,7 @@ use artifact::{Digesting, Error, Provenance};
 use chart::{Grid, GridDeclaration, Reading, Unread};
 
 use super::chart_beside::check_beside;
-use super::chart_file::bytes;
+use super::chart_file::{bytes, note};
 use super::chart_text::text;
 
 /// How a grid is written.
@@ -61,7 +61,6 @@ fn open(path: &Path, provenance: &mut Provenance) -> Result<File, Error> {
     let mut file = artifact::open(path)?;
     let digest = Digesting::new(&file).digest().map_err(failed)?;
     file.rewind().map_err(failed)?;
-    let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
-    provenance.inputs.insert(format!("chart:{name}"), digest);
+    note(path, digest, provenance);
     Ok(file)
 }
