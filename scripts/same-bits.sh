@@ -1,6 +1,6 @@
 #!/bin/sh
-# Do the programs write the same bytes on a processor without FMA and AVX? Runs small studies with the programs in BIN as they
-# are and under an emulated processor of 2008, and compares the SHA-256 of every output.
+# Do the programs write the same bytes on a processor without AVX-512? Runs small studies with the programs in BIN as they
+# are and under an emulated processor of 2013, with AVX2 and no AVX-512, and compares the SHA-256 of every output.
 #
 #   sh scripts/same-bits.sh BIN OUT [STUDY...]      BIN: a folder of release programs; OUT: for the outputs
 #
@@ -20,7 +20,7 @@ fi
 mkdir -p "$out/programs"
 for program in "$bin"/*; do
   if [ -f "$program" ] && [ -x "$program" ]; then
-    printf '#!/bin/sh\nexec qemu-x86_64 -cpu Nehalem "%s" "$@"\n' "$program" > "$out/programs/${program##*/}"
+    printf '#!/bin/sh\nexec qemu-x86_64 -cpu Haswell "%s" "$@"\n' "$program" > "$out/programs/${program##*/}"
     chmod +x "$out/programs/${program##*/}"
   fi
 done

@@ -179,12 +179,22 @@ pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
     listen();
     artifact::set_patience(patience());
     set_budget(common.memory_mib);
-    match start_threads(common.threads).and_then(|()| task.run(common)) {
+    match check_processor().and_then(|()| start_threads(common.threads)).and_then(|()| task.run(common)) {
         Ok(summary) if common.json => on_stdout(summary.json),
         Ok(summary) => on_stdout(summary.line),
         Err(failure) => return ended(&failure, common.json),
     }
     ExitCode::SUCCESS
+}
+
+/// Refuses a processor that the loops over lanes were not compiled for.
+fn check_processor() -> Result<(), Failure> {
+    let refused = |missing: &str| {
+        Failure::Failed(format!(
+            "processor: found no {missing}, expected them, as x86-64 processors have them since 2013; use another machine"
+        ))
+    };
+    numerics::missing_instructions().map_or(Ok(()), |missing| Err(refused(missing)))
 }
 
 /// Prints the help that was asked for, or what is wrong with the command line, in one line.

@@ -7,11 +7,13 @@
 #![warn(missing_docs)]
 
 pub mod distributions;
+mod instructions;
 mod lu;
 mod product;
 pub mod statistics;
 mod weakest;
 
+pub use instructions::{dispatch, dispatch_narrow, missing_instructions};
 pub use lu::{LogDet, condition, inverse, inverse_and_log_det, inverse_in_order, log_det, one_norm, solve};
 pub use product::{add_outer, add_rows, congruence, dot, product, quadratic, times, transposed};
 pub use weakest::{Weakest, weakest};

@@ -1,6 +1,6 @@
 use std::ops::{Div, Mul, Sub};
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 /// A determinant by sign and logarithm of its modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct LogDet {
 /// Solves A X = B by Gaussian elimination with partial pivoting. `a`: n × n, destroyed. `b`: n × columns, replaced by
 /// X. `None` where a pivot is zero or not finite.
 pub fn solve(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<()> {
-    Arch::new().dispatch(Solve { n, a, b }).map(|_| ())
+    crate::dispatch(Solve { n, a, b }).map(|_| ())
 }
 
 /// What is solved, for the instruction sets that pulp picks from: the same sums in the same order, so that all give the same bits.
@@ -66,7 +66,7 @@ pub fn inverse_and_log_det(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<L
 fn signed_inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<f64> {
     out.fill(0.0);
     out.iter_mut().step_by(n + 1).for_each(|d| *d = 1.0);
-    Arch::new().dispatch(Solve { n, a, b: out })
+    crate::dispatch(Solve { n, a, b: out })
 }
 
 /// The inverse of A (n × n, destroyed) into `out` (n × n) by Gauss and Jordan's elimination, rows taken as they come; the

@@ -2,13 +2,13 @@
 
 use std::ops::{AddAssign, Mul};
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 /// A B.
 pub fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; n * n];
     if n > 0 {
-        Arch::new().dispatch(Product { n, a, b, out: &mut out });
+        crate::dispatch(Product { n, a, b, out: &mut out });
     }
     out
 }
@@ -78,7 +78,7 @@ const MANY: usize = 64;
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let both = a.len().min(b.len());
     let dot = Dot { a: &a[..both], b: &b[..both] };
-    if both < MANY { dot.sum() } else { Arch::new().dispatch(dot) }
+    if both < MANY { dot.sum() } else { crate::dispatch(dot) }
 }
 
 struct Dot<'a> {
@@ -114,7 +114,7 @@ impl WithSimd for Dot<'_> {
 /// Adds c_k x_k to `out` for every row x_k of `rows`, of which each has as many entries as `out`, and its coefficient c_k, in turn.
 pub fn add_rows(out: &mut [f64], rows: &[f64], coefficients: &[f64]) {
     if !out.is_empty() {
-        Arch::new().dispatch(Rows { out, rows, coefficients });
+        crate::dispatch(Rows { out, rows, coefficients });
     }
 }
 

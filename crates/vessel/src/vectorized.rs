@@ -1,13 +1,20 @@
 #[doc(hidden)]
-pub use pulp::Arch;
+pub use numerics::{dispatch, dispatch_narrow};
 
-/// An expression compiled for every instruction set that pulp picks from; what it calls must be inlined. Lanes are added and
-/// multiplied, and fused only where [`crate::Lane::fused`] says so, so that all give the same bits.
+/// An expression compiled for the vector instructions that [`numerics::dispatch`] picks from, with `narrow:` before it for those
+/// of [`numerics::dispatch_narrow`]; what it calls must be inlined. Lanes are added and multiplied, and fused only where
+/// [`crate::Lane::fused`] says so, so that all give the same bits.
 #[macro_export]
 macro_rules! vectorized {
-    ($expression:expr) => {{
+    (narrow: $expression:expr) => {
+        $crate::vectorized!(dispatch_narrow, $expression)
+    };
+    ($expression:expr) => {
+        $crate::vectorized!(dispatch, $expression)
+    };
+    ($dispatch:ident, $expression:expr) => {{
         let once = $crate::vectorized::Once;
-        $crate::vectorized::Arch::new().dispatch(
+        $crate::vectorized::$dispatch(
             #[inline(always)]
             || {
                 once.spend();

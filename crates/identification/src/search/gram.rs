@@ -1,4 +1,4 @@
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use vessel::{LANES, Lane};
 
 /// Rows that are multiplied at once: as many as the caches hold.
@@ -47,7 +47,7 @@ impl Gram {
     fn multiply(&mut self) {
         self.filled = 0;
         let columns = self.signals.next_multiple_of(TILE);
-        Arch::new().dispatch(Multiply { rows: &self.rows, columns, sums: &mut self.sums });
+        numerics::dispatch(Multiply { rows: &self.rows, columns, sums: &mut self.sums });
     }
 
     /// The sums over all rows and lanes: signals × signals.

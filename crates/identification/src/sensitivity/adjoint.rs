@@ -23,10 +23,10 @@ pub(crate) fn backward<X: Unknowns, const N: usize>(
     let spread = levels.map(Levels::spread);
     if let Some(structure) = model.structure_with_intercepts() {
         let dynamics = Dynamics::of(Built::new(structure, theta), spread.as_ref());
-        vessel::vectorized!(go_back(dynamics, recordings, path, weights, between))
+        vessel::vectorized!(narrow: go_back(dynamics, recordings, path, weights, between))
     } else {
         let dynamics = Dynamics::new(model, theta, spread.as_ref());
-        vessel::vectorized!(go_back(dynamics, recordings, path, weights, between))
+        vessel::vectorized!(narrow: go_back(dynamics, recordings, path, weights, between))
     }
 }
 

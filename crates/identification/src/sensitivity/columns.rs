@@ -1,7 +1,7 @@
 //! Passes over columns at one sample, in the processor's registers: left to themselves compilers take eight columns at a time
 //! and gather their numbers one by one.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use vessel::Lane;
 
 use crate::batch::Block;
@@ -18,7 +18,7 @@ pub(crate) struct Backward<'a, const N: usize> {
 impl<const N: usize> Backward<'_, N> {
     #[inline(always)]
     pub(crate) fn go(self) {
-        Arch::new().dispatch(self);
+        numerics::dispatch_narrow(self);
     }
 }
 
@@ -68,7 +68,7 @@ pub(crate) struct Weigh<'a, const N: usize> {
 impl<const N: usize> Weigh<'_, N> {
     #[inline(always)]
     pub(crate) fn go(self) {
-        Arch::new().dispatch(self);
+        numerics::dispatch_narrow(self);
     }
 }
 
@@ -101,7 +101,7 @@ pub(crate) struct Scale<'a, const N: usize> {
 impl<const N: usize> Scale<'_, N> {
     #[inline(always)]
     pub(crate) fn go(self) {
-        Arch::new().dispatch(self);
+        numerics::dispatch_narrow(self);
     }
 }
 

@@ -67,7 +67,7 @@ pub(crate) fn filter_each<const N: usize>(
     levels: &Levels<Lane>,
     known_start: bool,
 ) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
-    vessel::vectorized!(filtered::<N>(recordings, unknowns, levels, known_start))
+    vessel::vectorized!(narrow: filtered::<N>(recordings, unknowns, levels, known_start))
 }
 
 #[inline(always)]

@@ -1,6 +1,6 @@
 use std::marker::PhantomData;
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use vessel::{LANES, Lane};
 
 use super::columns::{Scale, Weigh};
@@ -59,7 +59,7 @@ impl<X: Unknowns> Products<X> {
         self.filled = 0;
         if X::PER_COLUMN == 1 {
             let columns = self.columns.as_chunks().0;
-            Arch::new().dispatch(Tiles { tiles: &mut self.sums.tiles, columns });
+            numerics::dispatch_narrow(Tiles { tiles: &mut self.sums.tiles, columns });
             return;
         }
         let mut rest = &mut self.sums.rows[..];
@@ -82,7 +82,7 @@ impl<X: Unknowns> Products<X> {
         for signal in &mut self.columns {
             signal[self.filled..].fill(Lane::ZERO);
         }
-        vessel::vectorized!(self.add());
+        vessel::vectorized!(narrow: self.add());
         self.sums
     }
 }

@@ -25,10 +25,10 @@ pub(crate) fn slopes(
     let theta = &unknowns[..model.parameters()];
     let (squares, gradient) = if let Some(structure) = model.structure_with_intercepts() {
         let dynamics = Dynamics::of(Built::new(structure, theta), None);
-        vessel::vectorized!(there_and_back(dynamics, recordings, unknowns, first, weights, path))
+        vessel::vectorized!(narrow: there_and_back(dynamics, recordings, unknowns, first, weights, path))
     } else {
         let dynamics = Dynamics::new(model, theta, None);
-        vessel::vectorized!(there_and_back(dynamics, recordings, unknowns, first, weights, path))
+        vessel::vectorized!(narrow: there_and_back(dynamics, recordings, unknowns, first, weights, path))
     };
     let own = |lane: usize| Slopes {
         squares: squares.map(|sum| sum[lane]),

@@ -20,10 +20,10 @@ pub(crate) fn sweep<X: Unknowns, const N: usize>(
     let (model, (theta, _)) = (recordings.model, unknowns.split_at(recordings.model.parameters()));
     if let Some(structure) = model.structure_with_intercepts() {
         let dynamics = Dynamics::of(Built::new(structure, theta), levels);
-        vessel::vectorized!(go_along(dynamics, recordings, unknowns, free, gains, each));
+        vessel::vectorized!(narrow: go_along(dynamics, recordings, unknowns, free, gains, each));
     } else {
         let dynamics = Dynamics::new(model, theta, levels);
-        vessel::vectorized!(go_along(dynamics, recordings, unknowns, free, gains, each));
+        vessel::vectorized!(narrow: go_along(dynamics, recordings, unknowns, free, gains, each));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use vessel::Lane;
 
 use super::regressors::{ALL, Order, Regressors};
@@ -165,7 +165,7 @@ impl To<'_> {
         last: [Z; E],
     ) {
         if C + E > 0 {
-            Arch::new().dispatch(Tile { x, y, last, to: self });
+            numerics::dispatch(Tile { x, y, last, to: self });
         }
     }
 

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use vessel::{Factor, Lane, Model, Number, Numbers, Term};
 
 use super::signals::{Column, Difference, Modulus, Product, SPAN, Signal, Signals};
@@ -345,7 +345,7 @@ impl<'s> Signals for Products<'s> {
 /// Writes a signal into the first column of a table.
 #[inline(always)]
 pub(super) fn fill(signal: impl Signal, out: &mut Table) {
-    Arch::new().dispatch(Fill { signal, out });
+    numerics::dispatch(Fill { signal, out });
 }
 
 struct Fill<'a, T> {

@@ -1,6 +1,6 @@
 //! Residuals, and their products with each other.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use vessel::Lane;
 
 use super::regressors::{Order, Regressors, Table, fill};
@@ -92,16 +92,7 @@ impl<M: Signals, I: Signals> Terms<'_, M, I> {
     fn add_few<const C: usize, const D: usize>(self, lags: [&mut Lane; 2], edge: &mut Lane) {
         let Self { blocks, increments, intercepts, measured, inputs, less } = self;
         let (measured, inputs) = (measured.some::<C>(0), inputs.some::<D>(0));
-        Arch::new().dispatch(Residuals {
-            blocks,
-            increments,
-            intercepts,
-            measured,
-            inputs,
-            less,
-            lags,
-            edge,
-        });
+        numerics::dispatch(Residuals { blocks, increments, intercepts, measured, inputs, less, lags, edge });
     }
 
     /// Terms are subtracted one after the other.
@@ -112,10 +103,10 @@ impl<M: Signals, I: Signals> Terms<'_, M, I> {
         (0..SPAN).for_each(|t| left[3 * t] = left[3 * t] - intercepts[t % BLOCK]);
         let (of_measured, of_inputs) = less.split_at(measured.count());
         for (i, less) in of_measured.iter().enumerate() {
-            Arch::new().dispatch(Less { term: measured.one(i), less, left: &mut left });
+            numerics::dispatch(Less { term: measured.one(i), less, left: &mut left });
         }
         for (i, less) in of_inputs[..inputs.count()].iter().enumerate() {
-            Arch::new().dispatch(Less { term: inputs.one(i), less, left: &mut left });
+            numerics::dispatch(Less { term: inputs.one(i), less, left: &mut left });
         }
         let (measured, inputs) = (measured.part(0..0), inputs.part(0..0));
         let increments = Difference([Column::of(&left), Column::ZERO]);

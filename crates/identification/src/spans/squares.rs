@@ -1,6 +1,6 @@
 //! Products of centred instruments with each other and with their neighbours.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use vessel::Lane;
 
 use super::regressors::{ALL, Order};
@@ -108,14 +108,14 @@ impl<'a, T: Signals> Centred<'a, T> {
     fn add_triangle<const N: usize>(self, first: usize, edges: &mut [Lane], sums: [&mut [Lane]; 2]) {
         let width = edges.len() - first;
         let all = self.some::<N>(first, edges);
-        let edge = Arch::new().dispatch(Triangle { all, width, sums });
+        let edge = numerics::dispatch(Triangle { all, width, sums });
         edges[first..first + N].copy_from_slice(&edge);
     }
 
     /// Adds the products of instrument `row` with `N` others from `first` on.
     fn add_row<const N: usize>(self, row: usize, first: usize, edges: &[Lane], sums: [&mut [Lane]; 2]) {
         let (one, others) = (self.some::<1>(row, edges), self.some::<N>(first, edges));
-        Arch::new().dispatch(Row { one, others, sums });
+        numerics::dispatch(Row { one, others, sums });
     }
 
     /// `N` instruments from `first` on.

@@ -1,0 +1,56 @@
+//! The vector instructions that loops over lanes are compiled for.
+
+use pulp::WithSimd;
+
+/// Runs `op` as compiled for the widest vector instructions of this processor. On x86-64 that is AVX-512, or AVX2 with FMA:
+/// what neither has ran slower by a factor of twenty, and was compiled all the same.
+///
+/// # Panics
+/// Where the processor has neither. Programs ask [`missing_instructions`] first.
+#[inline(always)]
+pub fn dispatch<O: WithSimd>(op: O) -> O::Output {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use pulp::Simd;
+        use pulp::x86::{V3, V4};
+        if let Some(wide) = V4::try_new() {
+            return Simd::vectorize(wide, op);
+        }
+        match V3::try_new() {
+            Some(simd) => Simd::vectorize(simd, op),
+            None => lacking(),
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    pulp::Arch::new().dispatch(op)
+}
+
+/// As [`dispatch`], but with AVX2 where there is AVX-512 too: for what is long to compile and gains nothing by wider lanes.
+#[inline(always)]
+pub fn dispatch_narrow<O: WithSimd>(op: O) -> O::Output {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use pulp::Simd;
+        match pulp::x86::V3::try_new() {
+            Some(simd) => Simd::vectorize(simd, op),
+            None => lacking(),
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    pulp::Arch::new().dispatch(op)
+}
+
+/// Instructions without which nothing here runs, where this processor lacks them.
+pub fn missing_instructions() -> Option<&'static str> {
+    #[cfg(target_arch = "x86_64")]
+    let missing = pulp::x86::V3::try_new().is_none();
+    #[cfg(not(target_arch = "x86_64"))]
+    let missing = false;
+    missing.then_some("AVX2 and FMA")
+}
+
+#[cfg(target_arch = "x86_64")]
+#[cold]
+fn lacking() -> ! {
+    panic!("this processor lacks AVX2 and FMA, which those of 2013 and later have")
+}
