@@ -10,6 +10,9 @@ use crate::grid_packing::{Measured, Number, Packing};
 use crate::grid_window::{Block, bytes_of, window};
 use crate::{Crs, Grid, GridDeclaration, GridKind, Invalid, Reading, Unread};
 
+/// Most cells beyond the window that are read to find out whether a grid has depths.
+const MOST_BEYOND: usize = 1 << 26;
+
 /// Which way the rows of a file run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rows {
@@ -87,7 +90,8 @@ impl<'a> Cells<'a> {
         })
     }
 
-    /// Reads blocks of the file: all that the window meets, and others until it is known that these are depths.
+    /// Reads blocks of the file: all that the window meets, and others until it is known that these are depths. Of more than
+    /// [`MOST_BEYOND`] cells that is found out by blocks all over the grid, not by all of them.
     pub fn read<N: Iterator<Item = f64>>(
         mut self,
         blocks: impl Iterator<Item = Block> + Clone,
@@ -96,12 +100,13 @@ impl<'a> Cells<'a> {
     ) -> Result<Grid, Unread> {
         let window = self.window.clone();
         let is_within = move |block: &Block| (0..2).all(|k| meet(&block[k], &window[k]));
-        let is_beyond = |block: &Block| !is_within(block);
-        for block in blocks.clone().filter(&is_within) {
+        let beyond = blocks.clone().filter(|block| !is_within(block));
+        let stride = beyond.clone().map(|block| cells_of(&block)).sum::<usize>().div_ceil(MOST_BEYOND).max(1);
+        for block in blocks.filter(&is_within) {
             self.reading.check_time()?;
             self.take(&block, rows, numbers(&block)?);
         }
-        for block in blocks.filter(is_beyond) {
+        for block in beyond.step_by(stride) {
             if self.is_plain() {
                 break;
             }
@@ -244,6 +249,10 @@ fn nothing([columns, rows]: [usize; 2], reading: &Reading) -> Result<Vec<f32>, U
     }
     cells.resize(columns * rows, f32::NAN);
     Ok(cells)
+}
+
+fn cells_of([columns, rows]: &Block) -> usize {
+    columns.len() * rows.len()
 }
 
 fn meet(a: &Range<usize>, b: &Range<usize>) -> bool {
