@@ -80,7 +80,7 @@ fn joined(columns: Columns, group: usize, plan: &Plan) -> Result<Log, Invalid> {
     };
     for ((own, spec), unit) in choices.into_iter().zip(&spec.channel).zip(&plan.units[group]) {
         let gap = spec.max_gap_s.unwrap_or(plan.setup.max_gap_s);
-        let turn = (unit.si == "rad").then_some(TAU * spec.scale.abs());
+        let turn = (unit.si == "rad").then_some(TAU);
         let (series, seen, rows) = chosen(own, spec, turn, gap, &mut warnings);
         joined.channels.push(series);
         joined.seen.push(seen);
