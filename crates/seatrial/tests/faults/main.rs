@@ -2,6 +2,9 @@
 //! writers at once. CI tries a bounded, fixed part of it; `make faults CASES=100000` tries more of the same and says what
 //! came of it.
 
+#[path = "../../../enc/tests/all/made.rs"]
+#[allow(dead_code)]
+mod made;
 #[path = "../plans/planned.rs"]
 #[allow(dead_code)]
 mod planned;

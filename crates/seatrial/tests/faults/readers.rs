@@ -14,6 +14,7 @@ use tempfile::TempDir;
 
 use crate::damage::{Draw, damaged, damaged_bytes};
 use crate::grounds::{Ground, Stage, files, stage};
+use crate::made::catalogue;
 use crate::places::Place;
 use crate::planned::{ISLAND, SMALL};
 use crate::support::{DICTIONARY, put, repository, run};
@@ -52,7 +53,7 @@ macro_rules! plan {
 }
 
 /// A file that is damaged most of the time, and seldom what says how to read it.
-static STAGES: [Stage; 19] = [
+static STAGES: [Stage; 20] = [
     ingest!("csv", "a.csv", "a.csv", "a.csv", "ingest.toml"),
     ingest!("dated", "a.csv", "a.csv", "ingest.toml"),
     ingest!("gz", "a.csv.gz"),
@@ -72,6 +73,7 @@ static STAGES: [Stage; 19] = [
     plan!("land", "a.geojson", "a.geojson", "plan.toml"),
     plan!("cell", "ZZ5BAY01.000", "ZZ5BAY01.000", "ZZ5BAY01.001", "ZZ5BAY01.002"),
     plan!("areas", "a.geojson"),
+    plan!("set", "ENC_ROOT/CATALOG.031", "ENC_ROOT/CATALOG.031", "ENC_ROOT/ZZ5BAY01/ZZ5BAY01.001"),
 ];
 
 /// The ground of all readers, made once.
@@ -234,6 +236,15 @@ fn charts(folder: &TempDir) {
         let bytes = fs::read(fixtures.join(format!("enc/ZZ5BAY01.{update}"))).unwrap();
         write(top, &format!("cell/ZZ5BAY01.{update}"), bytes);
     }
+    let mut listed = vec![("CATALOG.031".to_owned(), String::new())];
+    for suffix in ["000", "001", "002"] {
+        let bytes = fs::read(fixtures.join(format!("enc/ZZ5BAY01.{suffix}"))).unwrap();
+        listed.push((format!("ZZ5BAY01\\ZZ5BAY01.{suffix}"), format!("{:08X}", enc::crc(&bytes))));
+        write(top, &format!("set/ENC_ROOT/ZZ5BAY01/ZZ5BAY01.{suffix}"), bytes);
+    }
+    let listed: Vec<(&str, &str)> = listed.iter().map(|(file, crc)| (file.as_str(), crc.as_str())).collect();
+    write(top, "set/ENC_ROOT/CATALOG.031", catalogue(&listed));
+    write(top, "set/plan.toml", plan_toml("file = \"ENC_ROOT\""));
     write(top, "land/a.geojson", ISLAND);
     write(top, "land/plan.toml", plan_toml("file = \"a.geojson\"\nkind = \"land\""));
     write(top, "asc/a.asc", crate::grounds::grid());

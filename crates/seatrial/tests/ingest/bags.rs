@@ -7,6 +7,7 @@ use tempfile::TempDir;
 
 use crate::known::*;
 use crate::runner::*;
+use crate::silent::{Faulty, none_is_silent};
 
 fn text(text: &str) -> Vec<u8> {
     [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat()
@@ -175,4 +176,58 @@ fn what_a_bag_says_is_short_in_messages() {
         assert!(said.chars().count() < 500 && !said.contains('\u{202e}'), "{said}");
         refused_in(folder.path(), &[], &pieces);
     }
+}
+
+/// One fault of a bag, of nine kinds: what was recorded, and what it is.
+fn spoilt(draw: &mut crate::silent::Draw) -> (Vec<u8>, &'static str) {
+    let (at, count) = (draw.between(1, 54), draw.between(1, 6));
+    let one = |id| channel(id, 0, "/s", "json", &[]);
+    let said = |from: &str, to: &str| {
+        let text = String::from_utf8(motion_in_json(at)).unwrap();
+        message(1, at, text.replacen(from, to, 1).as_bytes())
+    };
+    let mut all = messages(1, 0..61);
+    let mut heads = vec![one(1)];
+    let kind = draw.below(9);
+    match kind {
+        0 => drop(all.drain(at..at + count)),
+        1 => all[at..at + count].reverse(),
+        2 => all.insert(at, all[at - 1].clone()),
+        3 => all[at][15..31].fill(0),
+        4 => all[at] = said("\"u\"", "\"w\""),
+        5 => {
+            all[at] =
+                said(&format!("\"u\":{:.6}", motion(at as f64)[0]), ["\"u\":null", "\"u\":65535"][count % 2])
+        }
+        6 => {
+            heads.push(one(7));
+            (at..at + count).for_each(|k| all[k] = message(7, k, &motion_in_json(0)));
+        }
+        7 => all[at] = message(1, at, &motion_in_json(at)[..count]),
+        _ => {}
+    }
+    let whole = bag(&[heads, all].concat());
+    let names = [
+        "lost",
+        "backwards",
+        "twice",
+        "without a time",
+        "another field",
+        "no value",
+        "two publishers",
+        "cut short",
+        "cut",
+    ];
+    let end = if kind == 8 { draw.between(whole.len() / 2, whole.len() - 1) } else { whole.len() };
+    (whole[..end].to_vec(), names[kind])
+}
+
+#[test]
+fn law_a_fault_of_a_bag_is_never_silent() {
+    let tally = none_is_silent(111, |draw| {
+        let (bag, what) = spoilt(draw);
+        let named = &["splits", "backwards", "sorted", "repeated", "late", "unset", "time", "no value", "u "];
+        Faulty::new(&config(""), "a.mcap", bag, 61).named(named).what(what)
+    });
+    assert!(tally.refused > 0 && tally.counted > 0, "{tally:?}");
 }

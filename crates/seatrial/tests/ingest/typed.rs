@@ -12,6 +12,7 @@ use parquet::schema::parser::parse_message_type;
 
 use crate::known::*;
 use crate::runner::*;
+use crate::silent::{Faulty, none_is_silent};
 
 /// A column.
 enum Of {
@@ -198,4 +199,51 @@ fn damaged_pages_are_refused_as_damaged() {
             assert!(matches!(ran.code, Some(0 | 3)), "{place}: {}", ran.stderr);
         }
     }
+}
+
+#[test]
+fn law_a_fault_of_a_table_in_parquet_is_never_silent() {
+    let tally = none_is_silent(112, |draw| {
+        let kinds = [("MILLIS", 1000_i64), ("MICROS", 1_000_000), ("NANOS", 1_000_000_000)];
+        let (kind, per_second) = kinds[draw.below(3)];
+        let (at, count, column) = (draw.between(1, 54), draw.between(1, 6), draw.below(6));
+        let mut times: Vec<i64> = (0..=60).map(|k| (START + k) * per_second).collect();
+        let mut columns: [Vec<f64>; 6] = std::array::from_fn(|i| rows(60).iter().map(|row| row[i]).collect());
+        let fault = draw.below(6);
+        match fault {
+            0 => {
+                drop(times.drain(at..at + count));
+                columns.iter_mut().for_each(|own| drop(own.drain(at..at + count)));
+            }
+            1 => times[at..at + count + 1].reverse(),
+            2 => times[at] = times[at - 1],
+            3 => times[at] = [0, i64::MIN, i64::MAX][count % 3],
+            4 => columns[column][at] = [f64::NAN, f64::INFINITY, -1e38, 65535.0, -9999.0, 1e300][count % 6],
+            _ => times.iter_mut().for_each(|t| *t /= 1000),
+        }
+        let mut types = vec![format!("INT64 t (TIMESTAMP({kind},true))")];
+        types.extend(COLUMNS.map(|name| format!("DOUBLE {name}")));
+        let types: Vec<&str> = types.iter().map(String::as_str).collect();
+        let all: Vec<Of> = [Of::I64(times)].into_iter().chain(columns.map(Of::F64)).collect();
+        let log = table(&types, &all, Compression::UNCOMPRESSED);
+        let policy = ["", "non_monotonic = \"drop\"", "non_monotonic = \"sort\""][draw.below(3)];
+        let config = table_config("*.parquet", "unit = \"iso8601\"", policy);
+        let named = &[
+            "splits",
+            "backwards",
+            "sorted",
+            "repeated",
+            "unset",
+            "time",
+            "no value",
+            "y_",
+            "psi",
+            "delta",
+            "n ",
+        ];
+        Faulty::new(&config, "a.parquet", log, 61)
+            .named(named)
+            .what(format!("{kind}, fault {fault}, row {at}, {count}"))
+    });
+    assert!(tally.refused > 0 && tally.counted > 0, "{tally:?}");
 }
