@@ -5,6 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use crate::active_set::{State, concentrate};
 use crate::{ActiveSetNewton, Bounds, Candidates, Covariance, Error, Objective, is_concave};
 
+/// Criteria that differ by less than this are the same: 1e-9 of the experiment's time.
+const DIGITS: f64 = 1e-9;
+
 /// How to solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
@@ -162,10 +165,8 @@ pub(crate) fn from_points<O: Objective>(
             starts.push(run(objective, bounds, from, options)?);
         }
     }
-    let best = starts
-        .iter()
-        .max_by(|a, b| a.log_det.total_cmp(&b.log_det))
-        .ok_or_else(|| Error::Solver("every start was singular".into()))?;
+    let best =
+        best(&starts, options.tolerance).ok_or_else(|| Error::Solver("every start was singular".into()))?;
     let mut at = O::Point::default();
     objective.evaluate(&best.shares, &mut at);
     let sensitivities = objective.sensitivities(&at);
@@ -178,6 +179,14 @@ pub(crate) fn from_points<O: Objective>(
     };
     let (shares, log_det) = (best.shares.clone(), best.log_det);
     Ok(Design { shares, log_det, sensitivities, gap, status, starts })
+}
+
+/// The best of the starts that converged; one that did not where it is better by more than digits, or none did.
+fn best(starts: &[Start], tolerance: f64) -> Option<&Start> {
+    let highest = |a: &&Start, b: &&Start| a.log_det.total_cmp(&b.log_det);
+    let best = starts.iter().max_by(highest)?;
+    let converged = starts.iter().filter(|start| start.relative_gap <= tolerance).max_by(highest);
+    Some(converged.filter(|own| own.log_det > best.log_det - DIGITS).unwrap_or(best))
 }
 
 /// Equal shares and random ones, brought within the bounds.
@@ -268,5 +277,23 @@ impl Design {
             }
         }
         libm::exp((log_det - self.log_det) / parameters as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_start_that_stalled_wins_by_more_than_digits_alone() {
+        let start =
+            |log_det: f64, relative_gap: f64| Start { shares: vec![], log_det, relative_gap, iterations: 1 };
+        let won = |of: &[Start]| best(of, 1e-10).map(|own| (own.log_det, own.relative_gap));
+        let (converged, near, far) = (start(5.0, 1e-11), start(5.0 + 1e-11, 1e-7), start(5.1, 1e-7));
+        assert_eq!(won(&[near.clone(), converged.clone()]), Some((5.0, 1e-11)));
+        assert_eq!(won(&[converged.clone(), start(4.0, 1e-12)]), Some((5.0, 1e-11)));
+        assert_eq!(won(&[converged, far.clone(), near]), Some((5.1, 1e-7)));
+        assert_eq!(won(&[far]), Some((5.1, 1e-7)));
+        assert_eq!(won(&[]), None);
     }
 }
