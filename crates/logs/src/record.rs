@@ -145,6 +145,23 @@ fn is_zero(seconds: &f64) -> bool {
     *seconds == 0.0
 }
 
+/// Refuses slopes over more time than there is.
+fn check_window(channels: &Channels, window_s: f64) -> Result<(), Invalid> {
+    let span = |name: &str| {
+        let t = &channels.get(name)?.t;
+        Some(t.last()? - t.first()?).filter(|span| *span > 0.0)
+    };
+    match ["x", "y", "psi"].into_iter().filter_map(span).find(|span| window_s > *span) {
+        None => Ok(()),
+        Some(span) => Err(Invalid::new(
+            "`velocities.window_s`",
+            format!("{window_s} s"),
+            format!("at most the {span:.1} s of the recording"),
+            "state a window of a second or a few",
+        )),
+    }
+}
+
 /// Makes runs of the `logs` of `source`, one per group of files.
 ///
 /// # Errors
@@ -185,6 +202,7 @@ pub fn record(
     drop(derivatives);
     let summaries = summaries(plan, &channels, &missing);
     check_pace(setup, &channels, &summaries)?;
+    check_window(&channels, setup.conventions.window_s)?;
     let contradictions = Contradictions::of(&motion, turned, setup.conventions.rate_hz);
     let warnings = warnings(setup, &channels, &summaries, &seen, &contradictions.told);
     let warnings = [warnings, of_logs].concat();

@@ -90,6 +90,21 @@ fn keys_of_the_gate_without_meaning_are_refused() {
 }
 
 #[test]
+fn slopes_over_more_time_than_the_log_has_are_refused() {
+    for (window_s, is_read) in [("60.0", true), ("61.0", false), ("1e5", false)] {
+        let top = format!("velocities = {{ window_s = {window_s} }}");
+        let config = table_config("*.csv", "unit = \"s\"", &top);
+        let log = folder(&[("ingest.toml", &config), ("a.csv", &csv(60, |k| k.to_string()))]);
+        match is_read {
+            true => assert_eq!(read(log.path()).rows, 61),
+            false => {
+                refused_in(log.path(), &[], &["`velocities.window_s`", "at most the 60.0 s of the recording"])
+            }
+        }
+    }
+}
+
+#[test]
 fn a_heading_that_counts_on_beyond_a_turn_stays() {
     // Some 29 deg a second, first unwrapped from 400 deg on, then within a turn: the latter is every number of its kind.
     for wraps in [false, true] {
