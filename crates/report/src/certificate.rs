@@ -18,6 +18,7 @@ pub(super) fn certificate(study: &Study) -> Section {
 fn certified(design: &DesignDocument) -> Markup {
     html! {
         p { (design.statement) }
+        (super::parts::beyond(&design.beyond))
         (facts(design))
         @if !design.starts.is_empty() {
             p { (agreement(&design.starts)) }

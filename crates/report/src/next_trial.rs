@@ -79,6 +79,7 @@ pub(super) fn next_trial(next: &NextTrial, sailed: Option<Markup>) -> Section {
             "). " (coded(&next.design.statement))
             @if let Some(restricted) = &next.design.restricted { " " (coded(&restricted.statement)) }
         }
+        (super::parts::beyond(&next.design.beyond))
         (shares(next))
         (free_runs(next))
         (parameters(next))

@@ -40,6 +40,15 @@ pub(super) fn statements(said: &[String]) -> Markup {
     html! { @for statement in said { p.note { (coded(statement)) } } }
 }
 
+/// Where maneuvers leave what the logs of the model cover, if they do.
+pub(super) fn beyond(said: &[String]) -> Markup {
+    html! {
+        @if !said.is_empty() {
+            p.caution { b { "Beyond the model's logs." } " " (said.join("; ")) ". There the model is not known to hold." }
+        }
+    }
+}
+
 /// Words in which names stand between backticks.
 pub(super) fn coded(text: &str) -> Markup {
     html! { @for (i, piece) in text.split('`').enumerate() { @if i % 2 == 1 { code { (piece) } } @else { (piece) } } }

@@ -37,6 +37,18 @@ pub fn read_followed(path: &Path, provenance: &mut Provenance) -> Result<Vessel,
     Ok(if is_model(path) { Vessel { value: truth, ..vessel } } else { vessel })
 }
 
+/// The vessel at `path`, kept to what the data covered where it is a model, unless it may go `beyond` that.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn kept_to_data(path: &Path, vessel: Vessel, beyond: bool) -> Result<Vessel, Error> {
+    let model = if beyond { None } else { read_model(path)? };
+    Ok(match model {
+        Some(model) => model.kept_to_data(vessel),
+        None => vessel,
+    })
+}
+
 /// The `model.json` that stands in a vessel's place; none of a `vessel.toml`.
 pub fn read_model(path: &Path) -> Result<Option<ModelDocument>, Error> {
     is_model(path).then(|| read_document(path).map(|read| read.data)).transpose()

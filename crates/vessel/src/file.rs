@@ -121,7 +121,13 @@ pub struct Vessel {
     pub actuators: Vec<Actuator>,
     /// Parameters that are fixed or tied, in the order that they are written in.
     pub constrained: Vec<Constrained>,
+    /// Ranges of u, v \[m/s\] and r \[rad/s\] that maneuvers keep to, those of the logs that a model was fitted to; none
+    /// where maneuvers may do anything.
+    pub motion: Option<[[f64; 2]; 3]>,
 }
+
+/// Share of its width that a motion may be beyond its range.
+const SPARE: f64 = 0.02;
 
 /// The built-in vessels: name and `vessel.toml`.
 const PRESETS: [(&str, &str); 1] =
@@ -170,7 +176,17 @@ impl Vessel {
         let simulated = simulated(&file)?;
         let inputs = file.input.len();
         let model = Model { variables, inputs, simulated, derived, degrees, constant: file.constant };
-        Ok(Self { name, sample_rate_hz: rate, model, value, nominal, couplings, actuators, constrained })
+        Ok(Self {
+            name,
+            sample_rate_hz: rate,
+            model,
+            value,
+            nominal,
+            couplings,
+            actuators,
+            constrained,
+            motion: None,
+        })
     }
 
     /// One of the built-in vessels, by name.
@@ -229,6 +245,20 @@ impl Vessel {
             (!(low - rounding..=high + rounding).contains(input)).then_some((i, [low, high]))
         };
         inputs.iter().zip(&self.actuators).enumerate().find_map(beyond)
+    }
+
+    /// Which of u, v, r leaves its range in `states`, rows of three, by most of its width: its place, and what it reaches.
+    pub fn beyond_motion(&self, states: &[f64]) -> Option<(usize, f64)> {
+        let ranges = self.motion?;
+        let beyond = |(d, state): (usize, &f64)| {
+            let [low, high] = ranges[d];
+            let share = (low - state).max(state - high) / (high - low).max(f64::MIN_POSITIVE);
+            (share > SPARE).then_some((d, *state, share))
+        };
+        let all =
+            states.as_chunks::<3>().0.iter().flat_map(|state| state.iter().enumerate().filter_map(beyond));
+        let most = all.max_by(|a, b| a.2.total_cmp(&b.2));
+        most.map(|(d, state, _)| (d, state))
     }
 
     /// Number of samples in `duration_s`, to the nearest.

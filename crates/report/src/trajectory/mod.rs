@@ -65,6 +65,7 @@ pub(super) fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures)
                 (passage(&voyage.passage))
                 (sheet(study, &main.plan, voyage))
                 (front(&main.plan, voyage, figures))
+                (super::parts::beyond(&main.plan.beyond))
                 (moves(voyage))
                 (charts(&main.plan.charts))
             }

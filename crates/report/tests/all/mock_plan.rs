@@ -78,6 +78,7 @@ pub fn plan() -> PlanDocument {
         ],
         voyage: Some(voyage()),
         charts: Vec::new(),
+        beyond: Vec::new(),
     }
 }
 

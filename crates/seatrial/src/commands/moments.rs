@@ -82,6 +82,7 @@ impl Task for Arguments {
             label(reader.runs(0)?.iter().map(|run| run.design.as_str()), &mut provenance);
         }
         provenance.settings.insert("instruments".into(), json!(self.instruments));
+        let beyond = study::beyond(&self.vessel, &self.trajectories)?;
         let (disturbances, output_error) = predicted(self, &vessel, &mut provenance)?;
         let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);
         let out = common.main_output("moments.json", inputs.chain(&self.sharding.gather))?;
@@ -94,6 +95,7 @@ impl Task for Arguments {
                 instruments: self.instruments,
                 degrees: structure(&vessel.model),
                 maneuvers,
+                beyond: beyond.clone(),
                 disturbances: disturbances.clone(),
                 output_error: output_error.clone(),
             })

@@ -47,6 +47,9 @@ pub(super) struct How {
     /// Write the lattice problem that was solved, too: for other solvers, and for --problem
     #[arg(long, value_name = "problem.json")]
     export_problem: Option<PathBuf>,
+    /// Allow inputs that the logs of a model from logs do not cover; plan and report say where maneuvers leave them
+    #[arg(long)]
+    pub(super) beyond_range: bool,
     #[command(flatten)]
     limits: LimitFlags,
 }
@@ -63,6 +66,7 @@ impl Task for Arguments {
             config: given(&self.config, "config")?,
             trajectories: given(&self.trajectories, "trajectories")?,
             design: self.design.as_deref(),
+            beyond_range: self.how.beyond_range,
             resumed: None,
         };
         let inputs = [files.vessel, files.config, files.trajectories].into_iter().chain(files.design);

@@ -50,6 +50,7 @@ impl Task for Arguments {
             config: &self.config,
             trajectories: &self.trajectories,
             design: None,
+            beyond_range: self.how.beyond_range,
             resumed: Some(Resumed { plan: &self.plan, done: self.done, from: &self.from }),
         };
         let inputs = [files.vessel, files.config, files.trajectories, &self.plan];

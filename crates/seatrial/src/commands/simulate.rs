@@ -16,7 +16,7 @@ use clap::Parser;
 use serde_json::{Value, json};
 use study::campaign_file::CampaignFile;
 use study::documents::{SIMULATED_FILE, SimulatedLogsDocument};
-use study::files::{generator, read_campaign, read_dictionary, read_simulated};
+use study::files::{generator, kept_to_data, read_campaign, read_dictionary, read_simulated};
 use study::logs_file::LogsFile;
 use study::track::read_planned;
 use study::trajectories::{DataLabel, ID, VERSION};
@@ -46,6 +46,9 @@ pub struct Dictionary {
     /// The maneuvers
     #[arg(long, required_unless_present = "gather", value_name = "dictionary.toml")]
     dictionary: Option<PathBuf>,
+    /// Allow inputs and motion that the logs of a model from logs do not cover; moments, design and report say so
+    #[arg(long)]
+    beyond_range: bool,
     #[command(flatten)]
     sharding: Sharding,
 }
@@ -130,7 +133,7 @@ impl Task for Dictionary {
         }
         let mut provenance = common.provenance("simulate");
         let files = (given(&self.vessel, "vessel")?, given(&self.dictionary, "dictionary")?);
-        let vessel = read_simulated(files.0, &mut provenance)?;
+        let vessel = kept_to_data(files.0, read_simulated(files.0, &mut provenance)?, self.beyond_range)?;
         let generator = read_dictionary(files.1, &vessel, &mut provenance)?;
         let source = vessel.best_known();
         provenance.settings.insert("model".into(), json!(source.name()));

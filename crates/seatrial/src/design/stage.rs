@@ -132,6 +132,7 @@ fn design(
         accuracy: accuracy.as_ref(),
         sequence,
         streamed: streamed.as_ref(),
+        beyond: moments.beyond.clone(),
     }
     .into())
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use artifact::Provenance;
 use study::documents::{DesignDocument, PlanDocument};
-use study::files::read_vessel;
+use study::files::{kept_to_data, read_vessel};
 use study::plan::{PlanFile, in_tide, resumed};
 use trial::voyage::{Brief, Place, Shares};
 
@@ -22,6 +22,8 @@ pub struct VoyageFiles<'a> {
     pub trajectories: &'a Path,
     /// `design.json`, for counts that follow from its shares.
     pub design: Option<&'a Path>,
+    /// Whether inputs may leave what the logs of a model cover.
+    pub beyond_range: bool,
     /// The plan whose rest is wanted.
     pub resumed: Option<Resumed<'a>>,
 }
@@ -61,6 +63,7 @@ impl VoyageFiles<'_> {
     ) -> Result<(Brief, PlanFile), Failure> {
         check_names(out)?;
         let vessel = read_vessel(self.vessel, provenance)?.with_disturbances_held();
+        let vessel = kept_to_data(self.vessel, vessel, self.beyond_range)?;
         let config: PlanFile = inputs::toml(self.config, "plan", provenance)?;
         let task = config.task(&vessel).map_err(|e| Failure::invalid(self.config, &e))?;
         let task = in_tide(self.config, &config, task, provenance)?;

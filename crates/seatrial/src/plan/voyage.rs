@@ -55,7 +55,8 @@ pub fn plan_voyage(
         return Err(refusals::unsafe_plan(files.config, &sailing.check));
     }
     prepared.check_slot(&sailing.sailed).map_err(refuse)?;
-    let document = PlanDocument { charts, ..of_voyage(&prepared, &solved, &sailing) };
+    let beyond = study::beyond(files.vessel, files.trajectories)?;
+    let document = PlanDocument { charts, beyond, ..of_voyage(&prepared, &solved, &sailing) };
     let planned = Planned { prepared: &prepared, solved: &solved, sailing: &sailing, document: &document };
     let mut staged = planned.stage(out, &provenance)?;
     if let Some(path) = wanted.problem {

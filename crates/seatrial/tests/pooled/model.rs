@@ -136,10 +136,20 @@ fn where_a_model_leaves_what_it_was_fitted_on_is_told() {
     let outside = data["outside"].as_array().unwrap();
     assert!(outside.iter().any(|o| o["name"] == "u" && o["samples"].as_u64().unwrap() > 0), "{outside:?}");
     let statements = data["statements"].to_string();
-    // Whoever simulates with it is told too.
+    // No trial is designed there unless that is asked for, and then it is said to the end.
     let simulate = "simulate dictionary --dictionary dictionary.toml --out dictionary.parquet";
-    let said = run(&folder, &format!("{simulate} --vessel narrow.json")).succeeds();
-    assert!(said.stdout.contains("u leaves the 0.8000 to 0.9000 m/s"), "{said}");
+    let narrow = format!("{simulate} --vessel narrow.json");
+    let pieces = ["maneuver `", "0.8000 to 0.9000, which the logs of the model cover", "--beyond-range"];
+    refused(&folder, 3, &narrow, &pieces);
+    let leaves = "u leaves the 0.8000 to 0.9000 m/s";
+    let said = run(&folder, &format!("{narrow} --beyond-range")).succeeds();
+    assert!(said.stdout.contains(leaves), "{said}");
+    run(&folder, "moments --model narrow.json --trajectories dictionary.parquet --out moments.json")
+        .succeeds();
+    run(&folder, "design --moments moments.json --out design.json").succeeds();
+    for name in ["moments.json", "design.json"] {
+        assert!(json(&folder, name)["data"]["beyond"].to_string().contains(leaves), "{name}");
+    }
     let said = run(&folder, &format!("{simulate} --vessel vessel.toml")).succeeds();
     assert!(!said.stdout.contains("leaves the"), "{said}");
     run(&folder, REPORT).succeeds();

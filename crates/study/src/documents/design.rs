@@ -29,6 +29,9 @@ pub struct DesignDocument {
     pub status: DesignStatus,
     /// The certificate in words.
     pub statement: String,
+    /// Where its maneuvers leave what the logs of the model cover, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub beyond: Vec<String>,
     /// Share of the experiment time per maneuver, in the dictionary's order; sums to 1.
     pub shares: BTreeMap<String, f64>,
     /// Maneuver names in the dictionary's order.

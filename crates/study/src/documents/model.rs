@@ -265,6 +265,27 @@ impl ModelDocument {
         self.with(|p| Some(p.value), |d| Some(d.constant)).unwrap_or_else(|| Err(self.incomplete()))
     }
 
+    /// `vessel`, which the model is of, kept to what the data covered: inputs within their range there and within that of
+    /// their actuators, motion within that of u, v, r.
+    #[must_use]
+    pub fn kept_to_data(&self, mut vessel: Vessel) -> Vessel {
+        let range =
+            |name: &str| self.covered.iter().find(|own| own.name == name).map(|own| [own.low, own.high]);
+        for (variable, actuator) in vessel.model.input_variables().iter().zip(&mut vessel.actuators) {
+            let stated = actuator.range.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+            if let Some([low, high]) = range(&variable.name) {
+                actuator.range =
+                    Some([stated[0].max(low).min(stated[1]), stated[1].min(high).max(stated[0])]);
+            }
+        }
+        let states = DegreeOfFreedom::ALL.map(|degree| range(degree.state()));
+        vessel.motion = match states {
+            [Some(u), Some(v), Some(r)] => Some([u, v, r]),
+            _ => None,
+        };
+        vessel
+    }
+
     /// The same with the least-squares values, where there are any.
     ///
     /// # Errors

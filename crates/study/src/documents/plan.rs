@@ -35,13 +35,16 @@ pub struct PlanDocument {
     /// What became of the objects of electronic charts, and what depths are measured in.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub charts: Vec<PlanChart>,
+    /// Where its maneuvers leave what the logs of the model cover, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub beyond: Vec<String>,
 }
 
 impl PlanDocument {
     /// What is to be told of its charts, a line each.
     pub fn told(&self) -> impl Iterator<Item = String> {
         let uncharted = self.voyage.as_ref().and_then(Voyage::uncharted);
-        self.charts.iter().map(PlanChart::told).chain(uncharted)
+        self.charts.iter().map(PlanChart::told).chain(uncharted).chain(self.beyond.iter().cloned())
     }
 }
 

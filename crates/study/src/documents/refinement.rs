@@ -107,6 +107,7 @@ impl RefinedFiles<'_> {
             mean_removal: None,
             status: DesignStatus::Refined,
             statement: document.statement.clone(),
+            beyond: Vec::new(),
             shares: BTreeMap::from([(NAME.to_owned(), 1.0)]),
             order: vec![NAME.into()],
             candidates: None,

@@ -45,6 +45,8 @@ pub struct Solved<'a> {
     pub sequence: Option<Arranged>,
     /// What was found over all maneuvers of a table, where only those with a share are in the dictionary.
     pub streamed: Option<&'a Streamed>,
+    /// Where the maneuvers leave what the logs of the model cover, in words.
+    pub beyond: Vec<String>,
 }
 
 /// A restriction as it was asked for.
@@ -82,6 +84,7 @@ impl From<Solved<'_>> for DesignDocument {
                 None => design.status.into(),
             },
             statement,
+            beyond: solved.beyond.clone(),
             shares: named(&design.shares),
             sensitivities: named(&design.sensitivities),
             dimension: Some(p as u64),

@@ -70,6 +70,7 @@ fn plan(
         steps: solution.steps.iter().map(step).collect(),
         voyage: None,
         charts: Vec::new(),
+        beyond: Vec::new(),
     }
 }
 

@@ -8,12 +8,27 @@ use vessel::{Invalid, Vessel};
 use super::file::{KnownCurrent, PlanFile};
 
 impl PlanFile {
+    /// Refuses speeds that the logs of a model do not cover.
+    fn check_speeds(&self, vessel: &Vessel) -> Result<(), Invalid> {
+        let Some([[low, high], ..]) = vessel.motion else { return Ok(()) };
+        match self.speed_mode.iter().find(|mode| !(low..=high).contains(&mode.speed_m_s)) {
+            None => Ok(()),
+            Some(mode) => Err(Invalid::new(
+                format!("speed mode `{}`", mode.name),
+                format!("{} m/s", mode.speed_m_s),
+                format!("{low:.4} to {high:.4} m/s, which the logs of the model cover"),
+                "choose such a speed, or allow it with --beyond-range",
+            )),
+        }
+    }
+
     /// What is asked of `vessel`.
     ///
     /// # Errors
     /// Numbers without meaning, or beyond the vessel: names the key.
     pub fn task(&self, vessel: &Vessel) -> Result<Task, Invalid> {
         self.check()?;
+        self.check_speeds(vessel)?;
         let derived = DerivedHandling::of(vessel, &self.speed_mode, self.hull.length_m)?;
         let handling = self.handling.completed(&derived)?;
         let approach = self.approach(&handling);

@@ -1,12 +1,13 @@
 use std::ops::Range;
 
 use vessel::{
-    Exceeded, Generator, Invalid, Realized, Run, Segment, Source, Vessel, check_diverged, simulate_one,
+    DegreeOfFreedom, Exceeded, Generator, Invalid, Realized, Run, Segment, Source, Vessel, check_diverged,
+    simulate_one,
 };
 
 use super::Refusal;
 use super::sea::SimulatedRun;
-use super::tally::Tally;
+use super::tally::{BEYOND_LOGS, Tally};
 
 /// The maneuvers of a dictionary or of a validation, each an undisturbed run of its own.
 pub struct Maneuvers<'a> {
@@ -124,7 +125,7 @@ pub enum Judged {
 /// Judges maneuver `index` by what its inputs were made with, whatever moves the vessel.
 ///
 /// # Errors
-/// One that is written by hand and too long, or that the model cannot hold.
+/// One that is written by hand and too long, that the model cannot hold, or that leaves [`Vessel::motion`].
 pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Judged, Invalid> {
     let samples = generator.samples(index)?;
     let limits = generator.limits(index);
@@ -133,9 +134,36 @@ pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Jud
         realized => realized?,
     };
     let exogenous = vessel.model.undisturbed(&inputs);
-    let exceeded = limits.and_then(|limits| {
-        let states = simulate_one(&vessel.model, generator.parameters(), initial, &exogenous);
-        limits.exceeded(&vessel.model, &states, &inputs)
-    });
-    Ok(exceeded.map_or(Judged::Within { initial, exogenous }, Judged::Exceeds))
+    if limits.is_none() && vessel.motion.is_none() {
+        return Ok(Judged::Within { initial, exogenous });
+    }
+    let states = simulate_one(&vessel.model, generator.parameters(), initial, &exogenous);
+    let exceeded = limits.and_then(|limits| limits.exceeded(&vessel.model, &states, &inputs));
+    if let Some(exceeded) = exceeded {
+        return Ok(Judged::Exceeds(exceeded));
+    }
+    match vessel.beyond_motion(&states) {
+        None => Ok(Judged::Within { initial, exogenous }),
+        Some(beyond) if limits.is_some() => Ok(Judged::Exceeds(left_out(vessel, beyond))),
+        Some(beyond) => Err(refused(vessel, &generator.maneuvers()[index].name, beyond)),
+    }
+}
+
+/// A generated maneuver that leaves the motion which the model is known for.
+fn left_out(vessel: &Vessel, (d, found): (usize, f64)) -> Exceeded {
+    let [low, high] = vessel.motion.map_or([0.0; 2], |ranges| ranges[d]);
+    let limit = format!("{} {BEYOND_LOGS}", DegreeOfFreedom::ALL[d].state());
+    Exceeded { limit, allowed: 0.0, found: (low - found).max(found - high) }
+}
+
+/// The refusal of one that is written by hand.
+fn refused(vessel: &Vessel, name: &str, (d, found): (usize, f64)) -> Invalid {
+    let [low, high] = vessel.motion.map_or([0.0; 2], |ranges| ranges[d]);
+    let degree = DegreeOfFreedom::ALL[d];
+    Invalid::new(
+        format!("maneuver `{name}`"),
+        format!("{} = {found:.4} {}", degree.state(), degree.unit()),
+        format!("{low:.4} to {high:.4}, which the logs of the model cover"),
+        "ask for less, or allow it with --beyond-range",
+    )
 }

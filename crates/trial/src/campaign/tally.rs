@@ -5,6 +5,8 @@ use vessel::{Exceeded, Invalid};
 
 /// Name of the one reason to leave a maneuver out that is no limit.
 const UNSTEADY: &str = "no steady inputs";
+/// How the reason ends that a maneuver leaves the motion in the logs of its model, after `u`, `v` or `r`.
+pub(super) const BEYOND_LOGS: &str = "beyond the model's logs";
 
 /// How many maneuvers were simulated, and how many were left out for what.
 #[derive(Clone, Debug, Default)]
@@ -81,6 +83,17 @@ impl Tally {
                 format!("no candidate of {all} that inputs hold steady"),
                 "at least one",
                 "give `speed_m_s` and limits that the vessel can reach, or other `kinds`",
+            ));
+        }
+        if name.ends_with(BEYOND_LOGS) {
+            return Err(Invalid::new(
+                "`generate`",
+                format!(
+                    "{} of {all} candidates with {name} most, the nearest by {:.4}",
+                    about.count, about.nearest
+                ),
+                "at least one within the motion in the logs of the model",
+                "ask for lower or higher speeds and yaw rates as the logs have them, or allow more with --beyond-range",
             ));
         }
         Err(Invalid::new(

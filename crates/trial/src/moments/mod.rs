@@ -35,6 +35,9 @@ pub struct Moments {
     pub degrees: Vec<Degree>,
     /// One entry per maneuver, in the dictionary's order.
     pub maneuvers: Vec<ManeuverMoments>,
+    /// Where the maneuvers leave what the logs of the model cover, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub beyond: Vec<String>,
     /// What the matrices `B` were computed from, where there are any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disturbances: Option<Expected>,
