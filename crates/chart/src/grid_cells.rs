@@ -11,7 +11,7 @@ use crate::grid_window::{Block, bytes_of, window};
 use crate::{Crs, Grid, GridDeclaration, GridKind, Invalid, Reading, Unread};
 
 /// Most cells beyond the window that are read to find out whether a grid has depths.
-const MOST_BEYOND: usize = 1 << 26;
+const MOST_BEYOND: usize = 1 << 24;
 
 /// Which way the rows of a file run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -126,9 +126,6 @@ pub struct Vessel {
     pub motion: Option<[[f64; 2]; 3]>,
 }
 
-/// Share of its width that a motion may be beyond its range.
-const SPARE: f64 = 0.02;
-
 /// The built-in vessels: name and `vessel.toml`.
 const PRESETS: [(&str, &str); 1] =
     [("ljungberg-model-ship", include_str!("../presets/ljungberg-model-ship.toml"))];
@@ -253,7 +250,7 @@ impl Vessel {
         let beyond = |(d, state): (usize, &f64)| {
             let [low, high] = ranges[d];
             let share = (low - state).max(state - high) / (high - low).max(f64::MIN_POSITIVE);
-            (share > SPARE).then_some((d, *state, share))
+            (share > 0.0).then_some((d, *state, share))
         };
         let all =
             states.as_chunks::<3>().0.iter().flat_map(|state| state.iter().enumerate().filter_map(beyond));

@@ -139,7 +139,7 @@ fn where_a_model_leaves_what_it_was_fitted_on_is_told() {
     // No trial is designed there unless that is asked for, and then it is said to the end.
     let simulate = "simulate dictionary --dictionary dictionary.toml --out dictionary.parquet";
     let narrow = format!("{simulate} --vessel narrow.json");
-    let pieces = ["maneuver `", "0.8000 to 0.9000, which the logs of the model cover", "--beyond-range"];
+    let pieces = ["maneuver `", "0.7980 to 0.9020, about what the logs of the model cover", "--beyond-range"];
     refused(&folder, 3, &narrow, &pieces);
     let leaves = "u leaves the 0.8000 to 0.9000 m/s";
     let said = run(&folder, &format!("{narrow} --beyond-range")).succeeds();

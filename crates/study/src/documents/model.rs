@@ -57,6 +57,9 @@ pub struct ModelDocument {
     pub statements: Vec<String>,
 }
 
+/// Share of its width by which a channel may leave its range in the data: a model holds what was logged with slightly other inputs.
+const SPARE: f64 = 0.02;
+
 /// An input.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -265,12 +268,15 @@ impl ModelDocument {
         self.with(|p| Some(p.value), |d| Some(d.constant)).unwrap_or_else(|| Err(self.incomplete()))
     }
 
-    /// `vessel`, which the model is of, kept to what the data covered: inputs within their range there and within that of
+    /// `vessel`, which the model is of, kept to about what the data covered: inputs within their range there and within that of
     /// their actuators, motion within that of u, v, r.
     #[must_use]
     pub fn kept_to_data(&self, mut vessel: Vessel) -> Vessel {
-        let range =
-            |name: &str| self.covered.iter().find(|own| own.name == name).map(|own| [own.low, own.high]);
+        let range = |name: &str| {
+            let own = self.covered.iter().find(|own| own.name == name)?;
+            let spare = SPARE * (own.high - own.low);
+            Some([own.low - spare, own.high + spare])
+        };
         for (variable, actuator) in vessel.model.input_variables().iter().zip(&mut vessel.actuators) {
             let stated = actuator.range.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
             if let Some([low, high]) = range(&variable.name) {

@@ -61,7 +61,7 @@ impl IngestFile {
         check_ranges([
             ("sample_rate_hz", self.sample_rate_hz, 1e-6..=1e6, "Hz"),
             ("max_gap_s", self.max_gap_s, seconds.clone(), "s"),
-            ("max_speed_m_s", self.max_speed_m_s, 1e-6..=1000.0, "m/s"),
+            ("max_speed_m_s", self.max_speed_m_s, 1e-6..=1e4, "m/s"),
             ("average_s", or_one(self.average_s), 1e-9..=1e5, "s"),
             ("velocities.window_s", self.velocities.window_s, 1e-6..=1e5, "s"),
             ("window_s", or_one(self.window_s), 1e-6..=1e7, "s"),

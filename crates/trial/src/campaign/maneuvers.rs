@@ -163,7 +163,7 @@ fn refused(vessel: &Vessel, name: &str, (d, found): (usize, f64)) -> Invalid {
     Invalid::new(
         format!("maneuver `{name}`"),
         format!("{} = {found:.4} {}", degree.state(), degree.unit()),
-        format!("{low:.4} to {high:.4}, which the logs of the model cover"),
+        format!("{low:.4} to {high:.4}, about what the logs of the model cover"),
         "ask for less, or allow it with --beyond-range",
     )
 }

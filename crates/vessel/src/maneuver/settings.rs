@@ -4,10 +4,14 @@ use crate::{Invalid, Vessel};
 pub(super) fn check_range(vessel: &Vessel, inputs: &[f64], what: impl Fn() -> String) -> Result<(), Invalid> {
     let Some((i, [low, high])) = vessel.beyond_range(inputs) else { return Ok(()) };
     let variable = &vessel.model.input_variables()[i];
+    let (from, remedy) = match vessel.motion {
+        None => ("its `range` in the vessel's file", "correct the range"),
+        Some(_) => ("about what the logs of the model cover", "allow more with --beyond-range"),
+    };
     Err(Invalid::new(
         what(),
         format!("{} = {} {}", variable.name, inputs[i], variable.unit),
-        format!("a setting from {low} to {high}, its `range` in the vessel's file"),
-        "lower speeds and yaw rates, or correct the range",
+        format!("a setting from {low} to {high}, {from}"),
+        format!("lower speeds and yaw rates, or {remedy}"),
     ))
 }
