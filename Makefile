@@ -163,16 +163,18 @@ helsinki:
 
 # Every estimator under four kinds of disturbance, and one page that puts them side by side.
 SCENARIOS := white current-constant current-gauss-markov wind-bias
+SCENARIO_STUDIES ?= pipelines/scenarios
+SCENARIO_OUT     ?= out/scenarios
 
 .PHONY: scenarios
 scenarios: build
 	@for name in $(SCENARIOS); do \
-	  $(MAKE) --no-print-directory STUDY=pipelines/scenarios/$$name OUT=out/scenarios/$$name study || exit 1; done
+	  $(MAKE) --no-print-directory STUDY=$(SCENARIO_STUDIES)/$$name OUT=$(SCENARIO_OUT)/$$name study || exit 1; done
 	@$(MAKE) --no-print-directory unknown
-	$(BIN)/report --study pipelines/scenarios/white --dictionary pipelines/paper/dictionary.toml \
-	  --results out/scenarios/white --scenarios $(SCENARIOS:%=out/scenarios/%) $(FLAGS) --out out/scenarios/report.html
+	$(BIN)/report --study $(SCENARIO_STUDIES)/white --dictionary pipelines/paper/dictionary.toml \
+	  --results $(SCENARIO_OUT)/white --scenarios $(SCENARIOS:%=$(SCENARIO_OUT)/%) $(FLAGS) --out $(SCENARIO_OUT)/report.html
 	@echo
-	@echo "Report: out/scenarios/report.html"
+	@echo "Report: $(SCENARIO_OUT)/report.html"
 
 # The same trials, estimated with what the study does not tell: water and wind as unknowns, no forces that stay, the noise.
 WAYS := current current-alone drifting drifting-alone wind no-intercepts undeclared
@@ -183,18 +185,18 @@ WAY_drifting-alone := $(WAY_drifting) --intercepts none
 WAY_wind           := --estimator output-error --unknown-wind earth
 WAY_no-intercepts  := --estimator output-error --intercepts none
 WAY_undeclared     := --estimator prediction-error
-UNKNOWN := $(foreach name,$(SCENARIOS),$(WAYS:%=out/scenarios/$(name)/unknown/%))
+UNKNOWN := $(foreach name,$(SCENARIOS),$(WAYS:%=$(SCENARIO_OUT)/$(name)/unknown/%))
 
 .PHONY: unknown
 unknown: $(UNKNOWN:%=%/scores.parquet)
 
 # Of the stem white/unknown/wind, the first word is the scenario's name and the last the way's
 .SECONDEXPANSION:
-$(UNKNOWN:%=%/scores.parquet): out/scenarios/%/scores.parquet: out/scenarios/$$(*D:/unknown=)/campaign.parquet $(BIN)/estimate $(BIN)/validate
+$(UNKNOWN:%=%/scores.parquet): $(SCENARIO_OUT)/%/scores.parquet: $(SCENARIO_OUT)/$$(*D:/unknown=)/campaign.parquet $(BIN)/estimate $(BIN)/validate
 	@mkdir -p $(@D)
-	$(BIN)/estimate --vessel pipelines/scenarios/$(*D:/unknown=)/vessel.toml --trajectories $< $(WAY_$(*F)) $(FLAGS) \
+	$(BIN)/estimate --vessel $(SCENARIO_STUDIES)/$(*D:/unknown=)/vessel.toml --trajectories $< $(WAY_$(*F)) $(FLAGS) \
 	  --out $(@D)/estimates.parquet
-	$(BIN)/validate --vessel pipelines/scenarios/$(*D:/unknown=)/vessel.toml --campaign pipelines/scenarios/$(*D:/unknown=)/campaign.toml \
+	$(BIN)/validate --vessel $(SCENARIO_STUDIES)/$(*D:/unknown=)/vessel.toml --campaign $(SCENARIO_STUDIES)/$(*D:/unknown=)/campaign.toml \
 	  --estimates $(@D)/estimates.parquet --validation $(<D)/validation.parquet $(FLAGS) --out $@
 
 # Trials designed in rounds against trials designed once.
@@ -254,10 +256,11 @@ results: build
 .PHONY: docs
 docs: $(BIN)/report
 	$(BIN)/report results --written pipelines --studies out/paper out/generated out/helsinki out/helsinki/planned \
-	  --scenarios $(SCENARIOS:%=out/scenarios/%) --unknown $(UNKNOWN) --rounds out/sequential $(ELEVEN) \
+	  --scenarios $(SCENARIOS:%=$(SCENARIO_OUT)/%) --unknown $(UNKNOWN) --rounds out/sequential $(ELEVEN) \
 	  --selections $(foreach name,$(SELECTED_STUDIES),$(foreach seed,1 2 3 4 5 6 7 8 9 10,out/$(name)/seeds/$(seed)/measured)) \
 	  --logs out/esso-osaka/measured out/kvlcc2/measured --out docs/results.md
 	sh scripts/front-table.sh docs/results.md README.md
+	sh scripts/results-check.sh $(BIN) --write
 	$(BIN)/report picture --plan out/helsinki --study out/paper --out docs/trial.svg
 
 .PHONY: smoke
@@ -269,7 +272,7 @@ smoke:
 # The small study and the README's commands run the programs that the unit tests have just run: nothing is compiled twice.
 .PHONY: test
 test: format-check clippy unit
-	$(MAKE) BIN=target/debug smoke readme-check sweep-check
+	$(MAKE) BIN=target/debug smoke readme-check results-check sweep-check
 
 .PHONY: format-check
 format-check:
@@ -286,6 +289,11 @@ unit:
 .PHONY: readme-check
 readme-check: build
 	sh scripts/readme-check.sh $(BIN)
+
+# Would today's programs write other rows into docs/results.md? Few realizations of each study say it.
+.PHONY: results-check
+results-check: build
+	sh scripts/results-check.sh $(BIN)
 
 # The same sweep with a full disk, a killed master, a cancelled job and on Slurm; skipped where there is no Python or Slurm
 .PHONY: sweep-check

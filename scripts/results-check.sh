@@ -1,78 +1,100 @@
 #!/bin/sh
-# Would today's programs write another row into docs/results.md? Some realizations of every study that the page tells of are
-# made again; what the stages say of them must stand in docs/results-check.txt, which `make results` writes with the page.
+# Would today's programs write another row into docs/results.md? Its studies are made again with few realizations, and their page
+# must be fixtures/results/few.md, which `make results` writes beside docs/results.md.
 #
 #   sh scripts/results-check.sh BIN [--write]     BIN: the folder of the programs, such as target/debug
 #
-# Studies of measured logs take part where their logs are.
+# Studies of measured logs take part where their logs are; else their rows are not tried.
 set -eu
 cd "$(dirname "$0")/.."
 bin=$1
 out=out/results-check
-kept=docs/results-check.txt
+kept=fixtures/results/few.md
 few=20
+# Of estimates that take longer
+fewer=8
 PATH="$PWD/$bin:$PATH"
 export PATH
 rm -rf "$out"
-mkdir -p "$out"
+mkdir -p "$out" "$(dirname "$kept")"
 
-# What the last stage says on its way to the target $2 of study $1, with further variables of make, but for where it writes.
-row() {
+# Runs make for study $1, which is to give $2.
+run() {
+  study=$1 wanted=$2
+  shift 2
+  make --no-print-directory -s BIN="$bin" FLAGS=--quiet "$@" > "$out/said" 2>&1 || {
+    cat "$out/said" >&2
+    echo "results-check: found that $study does not run, expected $wanted; try make STUDY=pipelines/$study" >&2
+    exit 1
+  }
+}
+
+# Makes the target $2 of study $1, with further variables of make.
+made() {
   study=$1 target=$2
   shift 2
-  said=$(make --no-print-directory -s BIN="$bin" STUDY="pipelines/$study" OUT="$out/$study" FLAGS=--quiet "$@" "$out/$study/$target") ||
-    { echo "results-check: $study does not run, expected $target of it; run make STUDY=pipelines/$study" >&2; exit 1; }
-  last "$study $target" "$said"
+  run "$study" "$target" STUDY="pipelines/$study" OUT="$out/$study" "$@" "$out/$study/$target"
 }
 
-# The last line of $2, which $1 says.
-last() {
-  echo "$1: $(echo "$2" | tail -n 1 | sed 's/^[^:]*: //')" >> "$out/said"
-}
-
+# Trials of study $1, simulated, estimated by $2 and scored in memory.
 trials() {
-  row "$1" tally.json MONTE_CARLO=yes ESTIMATE_FLAGS="$2 --realizations $few"
+  made "$1" tally.json MONTE_CARLO=yes ESTIMATE_FLAGS="--estimator $2 --realizations $few"
 }
 
-trials paper "--estimator iv"
-trials generated "--estimator iv"
-trials helsinki "--estimator output-error"
-row helsinki plan.json
+trials paper iv
+trials generated iv
+trials helsinki output-error
+scenarios="" unknown=""
 for name in white current-constant current-gauss-markov wind-bias; do
-  study=pipelines/scenarios/$name folder=$out/scenarios/$name
-  trials "scenarios/$name" "--estimator ls,iv,refined-iv,output-error,prediction-error"
-  seatrial simulate campaign --vessel $study/vessel.toml --dictionary "$(sed -n 's/^DICTIONARY *:*= *//p' $study/study.mk)" \
-    --campaign $study/campaign.toml --design "$folder/design.json" --set campaign.realizations=$few --quiet --out "$folder/campaign.parquet" > /dev/null
-  for way in "output-error --unknown-current earth" "output-error --unknown-current drifting" "output-error --unknown-wind earth" \
-    "output-error --intercepts none" prediction-error; do
-    # shellcheck disable=SC2086  # A way is several words.
-    last "scenarios/$name $way" "$(seatrial estimate --vessel $study/vessel.toml --trajectories "$folder/campaign.parquet" \
-      --estimator $way --quiet --out "$folder/estimates.parquet")"
-  done
+  mkdir -p "$out/studies/$name"
+  cp pipelines/scenarios/$name/* "$out/studies/$name/"
+  sed "s/^realizations *=.*/realizations = $fewer/" pipelines/scenarios/$name/campaign.toml > "$out/studies/$name/campaign.toml"
+  run "scenarios/$name" "scores.parquet of it" STUDY="$out/studies/$name" OUT="$out/scenarios/$name" "$out/scenarios/$name/scores.parquet"
+  scenarios="$scenarios $out/scenarios/$name"
 done
+run scenarios "water and wind as unknowns" SCENARIO_STUDIES="$out/studies" SCENARIO_OUT="$out/scenarios" unknown
+for name in "$out"/scenarios/*/unknown/*; do
+  unknown="$unknown $name"
+done
+rounds=""
 for name in sequential paper; do
-  last "rounds $name" "$(seatrial sequential --vessel pipelines/sequential/vessel.toml --dictionary pipelines/$name/dictionary.toml \
+  mkdir -p "$out/rounds/$name"
+  seatrial sequential --vessel pipelines/sequential/vessel.toml --dictionary pipelines/$name/dictionary.toml \
     --campaign pipelines/sequential/campaign.toml --config pipelines/sequential/sequential.toml \
-    --set sequential.realizations=$few --quiet --out "$out/$name.parquet")"
+    --set sequential.realizations=$few --quiet --out "$out/rounds/$name/sequential.parquet" > /dev/null
+  rounds="$rounds $out/rounds/$name"
 done
+selections=""
 for name in model-ship full-scale; do
-  row $name measured/selection.parquet SEED_FLAGS="--seed 1" \
+  made $name measured/selection.parquet SEED_FLAGS="--seed 1" \
     SELECTION_FLAGS="--estimator iv --nominal least-squares --realizations $few"
+  selections="$selections $out/$name/measured"
 done
-for name in esso_osaka kvlcc2_hsva; do
-  if [ -d "../shared/data/$name" ]; then
-    row "$(echo $name | sed 's/_hsva//; s/_/-/')" measured/crossval.json LOGS="../shared/data/$name"
-  else
-    grep "^$(echo $name | sed 's/_hsva//; s/_/-/') " "$kept" >> "$out/said" || true
-    echo "results-check: ../shared/data/$name is not there: its rows are not tried"
+logs=""
+for name in esso-osaka:esso_osaka kvlcc2:kvlcc2_hsva; do
+  folder=../shared/data/${name#*:} study=${name%:*}
+  if [ -d "$folder" ]; then
+    made "$study" measured/crossval.json LOGS="$folder"
+    logs="$logs $out/$study/measured"
   fi
 done
-
+# shellcheck disable=SC2086  # Several folders each.
+seatrial report results --studies "$out/paper" "$out/generated" "$out/helsinki" --scenarios $scenarios --unknown $unknown --rounds $rounds \
+  --selections $selections ${logs:+--logs $logs} --quiet --out "$out/results.md" > /dev/null
 if [ "${2:-}" = --write ]; then
-  cp "$out/said" "$kept"
-elif ! diff "$kept" "$out/said" > "$out/differences"; then
-  echo "docs/results.md: found rows that today's programs write otherwise (< as they were, > as they are), expected none; run make results" >&2
+  cp "$out/results.md" "$kept"
+fi
+# Rows of logs that are not here are left as they are.
+page() {
+  if [ -n "$logs" ]; then cat "$1"; else awk '/^## Measured logs/ { exit } { print }' "$1"; fi
+}
+page "$kept" > "$out/kept.md"
+page "$out/results.md" > "$out/now.md"
+if ! diff "$out/kept.md" "$out/now.md" > "$out/differences"; then
+  echo "docs/results.md: found rows that today's programs write otherwise (with few realizations, < before, > now), expected none;" \
+    "run make results" >&2
   cat "$out/differences" >&2
   exit 1
 fi
-echo "docs/results.md: $(wc -l < "$out/said") rows tried with $few realizations, all as they were"
+[ -n "$logs" ] || echo "results-check: the rows of measured logs were not tried: there is no ../shared/data"
+echo "docs/results.md: its studies with few realizations give the rows that they gave"
