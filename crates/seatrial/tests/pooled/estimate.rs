@@ -172,7 +172,9 @@ fn resamples_that_are_not_those_asked_for_are_refused() {
 fn runs_that_are_read_again_give_the_same_bytes() {
     let folder = with(&["campaign.parquet"]);
     let path = folder.path().join("campaign.parquet");
-    craft::read(&path, "trajectories").in_blocks_of(3 * 1001).write(&path);
+    let mut some = craft::read(&path, "trajectories").in_blocks_of(3 * 1001);
+    some.blocks.truncate(6);
+    some.write(&path);
     for flags in [
         "refined-iv --mean-removal batch",
         "auto --part-s 20 --bootstrap 5",
