@@ -61,6 +61,15 @@ pub(crate) fn on_one_clock(
 }
 
 impl Assembled {
+    /// How many gaps split it: between stretches, and between these and rows that stand alone before the first or after the last.
+    pub(crate) fn splits(&self) -> usize {
+        let (Some(first), Some(last)) = (self.stretches.first(), self.stretches.last()) else { return 0 };
+        let is_known = |channel: &Samples| channel.range(0..1).next().is_some_and(f64::is_finite);
+        let before = first.start > 0 && self.measured.iter().chain(&self.exogenous).all(is_known);
+        let after = last.start + last.samples + 1 < self.grid.rows;
+        self.stretches.len() - 1 + usize::from(before) + usize::from(after)
+    }
+
     /// Without the last rows at which the states are not known.
     fn trimmed(mut self) -> Self {
         let rows = known_rows(&self.measured);

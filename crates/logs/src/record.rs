@@ -213,8 +213,7 @@ pub fn record(
     let (parts, short) = segmentation.runs(source, &made, labels.as_ref());
     let maneuver = || format!("{}, a maneuver", called(&source.name));
     parts.iter().flatten().try_for_each(|part| check_name(maneuver(), &part.maneuver))?;
-    let (duration_s, splits) =
-        (made.grid.rows.saturating_sub(1) as f64 / made.grid.rate_hz, made.stretches.len().saturating_sub(1));
+    let (duration_s, splits) = (made.grid.rows.saturating_sub(1) as f64 / made.grid.rate_hz, made.splits());
     let known: usize = made.stretches.iter().map(|stretch| stretch.samples).sum();
     let runs = cut(plan, made, &parts);
     let samples: usize = runs.iter().map(RecordedRun::samples).sum();
