@@ -3,7 +3,6 @@
 //! came of it.
 
 #[path = "../../../enc/tests/all/made.rs"]
-#[allow(dead_code)]
 mod made;
 #[path = "../plans/planned.rs"]
 #[allow(dead_code)]
