@@ -77,8 +77,11 @@ fn a_model_carries_what_was_fixed_tied_and_at_a_bound_and_the_next_estimate_star
             assert_eq!(parameter(&again, name)[key], parameter(&model, name)[key], "{name} {key}");
         }
     }
-    run(&folder, "simulate dictionary --model model.json --dictionary dictionary.toml --out d.parquet")
-        .succeeds();
+    run(
+        &folder,
+        "simulate dictionary --model model.json --dictionary dictionary.toml --beyond-range --out d.parquet",
+    )
+    .succeeds();
     run(&folder, "moments --model model.json --trajectories d.parquet --out moments.json").succeeds();
     let regressors = json(&folder, "moments.json")["data"]["degrees"].to_string();
     assert!(!regressors.contains("X_uu") && !regressors.contains("Y_ur"), "{regressors}");
@@ -206,7 +209,7 @@ fn a_search_keeps_what_is_fixed_tied_and_bounded_to_the_bit() {
         let terms = |d: usize| model["data"]["degrees"][d]["parameters"].as_array().unwrap().clone();
         let count = |d: usize, term: &str| terms(d).iter().filter(|p| p["term"] == term).count();
         assert_eq!([count(0, "u |u|"), count(1, "u r"), count(1, "1")], [1; 3]);
-        run(&folder, "simulate dictionary --model model.json --dictionary dictionary.toml --out d.parquet")
+        run(&folder, "simulate dictionary --model model.json --dictionary dictionary.toml --beyond-range --out d.parquet")
             .succeeds();
     }
 }

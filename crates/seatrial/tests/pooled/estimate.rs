@@ -253,7 +253,7 @@ fn terms_that_the_model_lacks_are_added_and_delivered() {
     assert_eq!(named(&model), named(&before) + added.len());
     let first = model["data"]["statements"][0].as_str().unwrap().to_owned();
     assert!(first.contains(" added in ") && first.contains(" without it): "), "{first}");
-    let simulate = "simulate dictionary --model model.json --dictionary dictionary.toml --out again.parquet --allow-mixed";
+    let simulate = "simulate dictionary --model model.json --dictionary dictionary.toml --beyond-range --out again.parquet --allow-mixed";
     run(&folder, simulate).succeeds();
     run(&folder, &format!("{line} --add-terms 51 --out estimates.parquet"))
         .refuses(2, &["--add-terms", "51"]);
