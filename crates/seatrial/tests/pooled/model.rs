@@ -144,10 +144,10 @@ fn where_a_model_leaves_what_it_was_fitted_on_is_told() {
     let leaves = "u leaves the 0.8000 to 0.9000 m/s";
     let said = run(&folder, &format!("{narrow} --beyond-range")).succeeds();
     assert!(said.stdout.contains(leaves), "{said}");
-    run(&folder, "moments --model narrow.json --trajectories dictionary.parquet --out moments.json")
+    run(&folder, "moments --model narrow.json --trajectories dictionary.parquet --out narrow-moments.json")
         .succeeds();
-    run(&folder, "design --moments moments.json --out design.json").succeeds();
-    for name in ["moments.json", "design.json"] {
+    run(&folder, "design --moments narrow-moments.json --out narrow-design.json").succeeds();
+    for name in ["narrow-moments.json", "narrow-design.json"] {
         assert!(json(&folder, name)["data"]["beyond"].to_string().contains(leaves), "{name}");
     }
     let said = run(&folder, &format!("{simulate} --vessel vessel.toml")).succeeds();
