@@ -171,7 +171,7 @@ scenarios: build
 	@for name in $(SCENARIOS); do \
 	  $(MAKE) --no-print-directory STUDY=$(SCENARIO_STUDIES)/$$name OUT=$(SCENARIO_OUT)/$$name study || exit 1; done
 	@$(MAKE) --no-print-directory unknown
-	$(BIN)/report --study $(SCENARIO_STUDIES)/white --dictionary pipelines/paper/dictionary.toml \
+	$(BIN)/report --study $(SCENARIO_STUDIES)/white --dictionary pipelines/scenarios/dictionary.toml \
 	  --results $(SCENARIO_OUT)/white --scenarios $(SCENARIOS:%=$(SCENARIO_OUT)/%) $(FLAGS) --out $(SCENARIO_OUT)/report.html
 	@echo
 	@echo "Report: $(SCENARIO_OUT)/report.html"
@@ -245,7 +245,7 @@ results: build
 	$(MAKE) STUDY=pipelines/generated study
 	$(MAKE) scenarios
 	$(MAKE) ROUNDS_FLAGS="--set sequential.realizations=10000" sequential
-	$(MAKE) ROUNDS_FLAGS="--set sequential.realizations=10000" ROUNDS_DICTIONARY=pipelines/paper/dictionary.toml \
+	$(MAKE) ROUNDS_FLAGS="--set sequential.realizations=10000" ROUNDS_DICTIONARY=pipelines/scenarios/dictionary.toml \
 	  ROUNDS_OUT=$(ELEVEN) sequential
 	for name in $(SELECTED_STUDIES); do $(MAKE) STUDY=pipelines/$$name OUT=out/$$name seeds || exit 1; done
 	for name in $(LOGGED_STUDIES); do \
@@ -323,6 +323,7 @@ verify: build
 .PHONY: oracle
 oracle:
 	$(PYTHON) scripts/oracle.py --study pipelines/paper --fixtures fixtures/oracle
+	$(PYTHON) scripts/paper_reading.py oracle --out fixtures/oracle/reading.json
 	$(PYTHON) scripts/independent/pooled.py --out fixtures/oracle/pooled.json
 	$(PYTHON) scripts/independent/intervals.py --out fixtures/oracle/intervals.json
 	$(PYTHON) scripts/independent/correlations.py --out fixtures/oracle/correlations.json

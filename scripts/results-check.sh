@@ -57,7 +57,7 @@ for name in "$out"/scenarios/*/unknown/*; do
   unknown="$unknown $name"
 done
 rounds=""
-for name in sequential paper; do
+for name in sequential scenarios; do
   mkdir -p "$out/rounds/$name"
   seatrial sequential --vessel pipelines/sequential/vessel.toml --dictionary pipelines/$name/dictionary.toml \
     --campaign pipelines/sequential/campaign.toml --config pipelines/sequential/sequential.toml \

@@ -90,6 +90,12 @@ def optimal(moments: list[list[Moments]], removal: str, starts: int = 12, seed: 
     )
 
 
+def from_equal_shares(problem: list[Block]) -> np.ndarray:
+    """Shares from one start, as SLSQP leaves them: quick, to about 1e-4, and not polished."""
+    count = len(problem[0].x)
+    return _slsqp(problem, np.full(count, 1.0 / count), ftol=1e-9)
+
+
 def sensitivities(problem: list[Block], w: np.ndarray, removal: str) -> tuple[np.ndarray, int]:
     """g_q = Σ_d tr(M_d⁻¹ M_d,q) and p with Σ w_q g_q = p, through the Schur complement A = T − S Z̄ᵀ of M.
 
@@ -106,7 +112,7 @@ def sensitivities(problem: list[Block], w: np.ndarray, removal: str) -> tuple[np
     return g, dimension
 
 
-def _slsqp(problem: list[Block], start: np.ndarray) -> np.ndarray:
+def _slsqp(problem: list[Block], start: np.ndarray, ftol: float = 1e-15) -> np.ndarray:
     def negative(w: np.ndarray) -> tuple[float, np.ndarray]:
         value, gradient, _ = criterion(problem, w)
         return -value, -gradient
@@ -118,7 +124,7 @@ def _slsqp(problem: list[Block], start: np.ndarray) -> np.ndarray:
         method="SLSQP",
         bounds=[(0.0, 1.0)] * len(start),
         constraints={"type": "eq", "fun": lambda w: w.sum() - 1.0, "jac": np.ones_like},
-        options={"ftol": 1e-15, "maxiter": 2000},
+        options={"ftol": ftol, "maxiter": 2000},
     )
     return np.maximum(found.x, 0.0) / np.maximum(found.x, 0.0).sum()
 

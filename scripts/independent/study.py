@@ -61,12 +61,19 @@ class Study:
     measurement_std: tuple[float, float, float]
 
 
+HELD = Path(__file__).resolve().parents[2] / "pipelines/scenarios/dictionary.toml"
+"""The maneuvers that the oracle's numbers are for: the paper's, held steady."""
+
+
+def read_vessel(folder: Path) -> Vessel:
+    """Reads vessel.toml of `folder`."""
+    return _vessel(tomllib.loads((folder / "vessel.toml").read_text()))
+
+
 def read_study(folder: Path) -> Study:
-    """Reads vessel.toml, dictionary.toml and campaign.toml of `folder`."""
-    vessel, dictionary, campaign = (
-        tomllib.loads((folder / f"{name}.toml").read_text()) for name in ("vessel", "dictionary", "campaign")
-    )
-    ship = _vessel(vessel)
+    """Reads vessel.toml and campaign.toml of `folder`, and the maneuvers of `HELD`."""
+    ship = read_vessel(folder)
+    dictionary, campaign = (tomllib.loads(file.read_text()) for file in (HELD, folder / "campaign.toml"))
     noise = campaign["measurement"]
     return Study(
         vessel=ship,

@@ -2,7 +2,7 @@
 
 use design::{Candidates, Options, solve};
 use serde_json::{Value, json};
-use vessel::{DictionaryFile, Generator, Kind, ManeuverSpec, Shape, Source};
+use vessel::{DictionaryFile, Generator, Kept, Kind, ManeuverSpec, Shape, Source};
 
 use crate::paper::Paper;
 use crate::timing::fastest;
@@ -38,7 +38,13 @@ pub fn generated(paper: &Paper, count: usize) -> anyhow::Result<Candidates> {
                 period_s: 4.0 + fraction(i, 0.618_033_988_749_895) * 26.0,
             }
         };
-        ManeuverSpec { name: format!("m{i}"), description: String::new(), duration_s: None, kind }
+        ManeuverSpec {
+            name: format!("m{i}"),
+            description: String::new(),
+            duration_s: None,
+            keeps: Kept::default(),
+            kind,
+        }
     };
     let dictionary = DictionaryFile {
         duration_s: Some(12.5),

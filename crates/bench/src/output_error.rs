@@ -60,7 +60,7 @@ impl<'a> Realizations<'a> {
         let model = self.experiment.paper.vessel.model.with_intercepts();
         let start = |run: &Measured| vec![model.layout().woven(&run.start, [0.0; 3])];
         let starts: Vec<Vec<Vec<f64>>> = self.runs.iter().map(start).collect();
-        output_error(&model, &runs, &starts, InitialState::Known, Spread::Residuals)
+        output_error(&model, &runs, &starts, InitialState::Known, Spread::Blocks)
     }
 
     fn recording<'b>(&'b self, run: &'b Measured) -> RunView<'b> {

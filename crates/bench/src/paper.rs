@@ -35,7 +35,7 @@ impl Paper {
 
     fn of(file: &str) -> anyhow::Result<Self> {
         let vessel = Vessel::from_file(toml::from_str(file)?)?;
-        let dictionary = toml::from_str(include_str!("../../../pipelines/paper/dictionary.toml"))?;
+        let dictionary = toml::from_str(include_str!("../../../pipelines/scenarios/dictionary.toml"))?;
         let splat = |source| -> Result<Vec<Lane>, Invalid> {
             Ok(vessel.parameters(source)?.into_iter().map(Lane::splat).collect())
         };

@@ -66,7 +66,7 @@ pub use rounding::apportion;
 pub use scarce::Scarce;
 pub use segments::{Segments, Whole, counted};
 pub use select::{Restricted, Restriction, Selected, select};
-pub use shortest::{Accuracy, AccuracyPoint, Question, Rivals, Shortest};
+pub use shortest::{Accuracy, AccuracyPoint, MOST, Question, Rivals, Shortest, holds_from};
 pub use stock::{Available, Length, Stock};
 pub use streamed::{Blocks, Streamed, solve_streamed};
 pub use wanted::{AccuracyOf, OutOfReach, Wanted};

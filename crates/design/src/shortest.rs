@@ -11,6 +11,8 @@ use crate::{
 pub struct Question<'a> {
     /// The maneuvers.
     pub dictionary: &'a Dictionary,
+    /// Samples of each of them, as its matrices count it.
+    pub lengths: &'a [f64],
     /// The criterion, one of the covariance.
     pub criterion: &'a Criterion,
     /// What predicts the accuracy.
@@ -56,6 +58,9 @@ pub struct Accuracy {
     pub duration_s: f64,
     /// The accuracy that it is predicted to have.
     pub reached: f64,
+    /// From which duration on the prediction holds: [`MOST`] of the time is spent on maneuvers that are as long as their matrices
+    /// count them, and not on their beginnings \[s\].
+    pub holds_from_s: f64,
     /// No shares need less time than this \[s\]; proved where the problem is convex.
     pub bound_s: Option<f64>,
     /// How long the shares of the paper's criterion take \[s\].
@@ -88,6 +93,23 @@ pub struct AccuracyPoint {
 
 /// Durations of the curve.
 const POINTS: usize = 25;
+
+/// The part of the time that whole maneuvers take where predictions hold. Measured: trials then err by 0.8 to 1.0 of the
+/// prediction, at a quarter of that length by two to three times of it (docs/design.md).
+pub const MOST: f64 = 0.8;
+
+/// From how many samples on maneuvers of these `lengths` that make up [`MOST`] of the time are whole at `shares`.
+pub fn holds_from(shares: &[f64], lengths: &[f64]) -> f64 {
+    let used = shares.iter().zip(lengths).filter(|(share, _)| **share > 0.0);
+    let mut needs: Vec<(f64, f64)> = used.map(|(share, length)| (length / share, *share)).collect();
+    needs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut whole = 0.0;
+    let enough = needs.iter().find(|(_, share)| {
+        whole += share;
+        whole >= MOST
+    });
+    enough.or(needs.last()).map_or(f64::INFINITY, |(samples, _)| *samples)
+}
 
 impl Question<'_> {
     /// The answer.
@@ -188,6 +210,7 @@ impl Question<'_> {
             samples: samples as u64,
             duration_s: samples / rate,
             reached: (own / samples).sqrt(),
+            holds_from_s: holds_from(&shortest.design.shares, self.lengths) / rate,
             bound_s: shortest.bound.map(needs),
             paper_s: told(paper),
             equal_s: told(Some(equal)),

@@ -70,6 +70,21 @@ impl Failure {
                 file.display(),
                 reasons.join("; ")
             )),
+            PoolError::Unfound(unfound) if unfound.recordings.is_empty() => Self::NoAnswer(format!(
+                "{}: pooled estimate: found that {unfound}, expected one; leave out terms that these runs do not move",
+                file.display()
+            )),
+            PoolError::Unfound(unfound) => Self::NoAnswer(format!(
+                "{}: pooled estimate: found that {unfound}, expected a model that follows all; name recordings that belong to \
+                 another ship or load with --leave-out, cut shorter parts with --part-s, or correct the structure",
+                file.display()
+            )),
+            PoolError::Incomplete(reasons) => Self::NoAnswer(format!(
+                "{}: pooled estimate: found degrees of freedom that are not identifiable ({}), without which no search can \
+                 simulate, expected all three; add runs that vary these terms, fix them, or use --estimator auto",
+                file.display(),
+                reasons.join("; ")
+            )),
             PoolError::NotIdentifiable(reasons) => Self::NoAnswer(format!(
                 "{}: pooled estimate: found no degree of freedom that is identifiable ({}), expected one; add runs that vary \
                  these terms, name a --prior, or use --estimator ls",

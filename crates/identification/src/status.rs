@@ -5,6 +5,10 @@ vessel::choices! {
         Identified = "identified",
         /// There is an estimate, but the run rejects the model: something is missing beyond chance.
         Rejected = "identified, model rejected",
+        /// There is an estimate, but a free simulation of what it was estimated from diverges.
+        Diverges = "estimated, simulation diverges",
+        /// There is an estimate, whose errors follow no noise that is known here: its standard errors are approximate.
+        Approximate = "identified, errors approximate",
         /// There is one that could not be refined further: a simulation with it diverged.
         Kept = "kept",
         /// A direction of the parameters is not excited.
@@ -17,7 +21,7 @@ vessel::choices! {
 impl EstimateStatus {
     /// Whether there is an estimate.
     pub fn estimated(self) -> bool {
-        matches!(self, Self::Identified | Self::Rejected | Self::Kept)
+        matches!(self, Self::Identified | Self::Rejected | Self::Approximate | Self::Diverges | Self::Kept)
     }
 }
 

@@ -67,6 +67,9 @@ fn share_caption(reference: Option<&Reference>) -> Markup {
         @if reference.is_some_and(|r| !r.shares.is_empty()) {
             " Solid: this design; outlined: published."
         }
+        @if let Some(used) = reference.and_then(|r| r.used.as_ref()) {
+            " " (used)
+        }
     }
 }
 

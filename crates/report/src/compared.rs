@@ -85,7 +85,8 @@ fn differences(found: &CompareDocument) -> Markup {
             "Median over recordings, or windows where there are few recordings, with its 95 % interval; one that contains 0 \
              tells no difference. Error norm: norm of RMSE over the standard deviations of u, v, r. The bands come from "
             @if found.spread.is_some() { "how far the models are apart" } @else { "the parameters' covariance" }
-            " and the errors on the recordings that were fitted."
+            " and the errors on the recordings that were fitted; those of a searched model from its errors on recordings left \
+             out of the search."
         }
     }
 }

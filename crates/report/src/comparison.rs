@@ -16,10 +16,16 @@ pub(super) fn comparison(study: &Study) -> Section {
             None => (missing("The comparison of designs is", "validation.json", "validate")),
         }
         @if let Some(reference) = &study.reference {
-            p.note { "Published: " (reference.source) ". Published numbers are shown for comparison and used for nothing else." }
+            p.note { "Published: " (reference.source) ". " (use_of_published(reference)) }
         }
     };
     Section::new("comparison", "Result", heading, body)
+}
+
+/// What published numbers were used for.
+pub(super) fn use_of_published(reference: &Reference) -> &str {
+    let none = "Published numbers are shown for comparison and used for nothing else.";
+    reference.used.as_deref().unwrap_or(none)
 }
 
 /// What a row says of a design, and what is published of it.

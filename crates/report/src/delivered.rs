@@ -13,7 +13,7 @@ use study::listed;
 pub(super) fn delivered(measured: &Measured) -> Section {
     let body = match &measured.model {
         None if measured.trust.is_some() => html! {
-            p { "The estimate delivers no model: not every degree of freedom has an estimate. See below what it lacks." }
+            p { "The estimate delivers no model: a degree of freedom has no estimate, or the free simulation of a recording diverges. See below." }
         },
         None => missing("The model is", "model.json", "estimate pool"),
         Some(model) => html! {

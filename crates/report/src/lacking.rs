@@ -1,6 +1,6 @@
 //! What a model lacks, or would have to lack to be noticed.
 
-use identification::criticism::{Absent, Criticism};
+use identification::criticism::{Absent, Criticism, FoundNoise, Verdict};
 use maud::{Markup, html};
 
 use super::number::{probability, three, unit};
@@ -56,14 +56,35 @@ fn added(absent: &Absent) -> String {
     each.map(|(value, error)| format!("{} ± {}", three(*value), three(*error))).collect::<Vec<_>>().join(", ")
 }
 
-/// The noise that the errors were made white with.
+/// The noise that the errors were made white with: its kind, its levels, and by how much others are less likely.
 fn noise(found: &Criticism) -> Markup {
     html! {
         p.note {
-            "Noise " (if found.stated_noise { "stated" } else { "found" }) ": u " (three(found.noise_u)) " m/s, v "
+            "Noise " (if found.stated_noise { "stated" } else { "found" })
+            @if let Some(own) = &found.noise { ", " (own.kind.told()) }
+            ": u " (three(found.noise_u)) " m/s, v "
             (three(found.noise_v)) " m/s, r " (three(found.noise_r)) " rad/s, current " (three(found.current_std)) " m/s"
             @if let Some(time) = found.current_time_s { " changing within " (three(time)) " s" }
+            @for own in found.noise.iter().flat_map(|own| &own.drifts) {
+                ", " (own.of) " " (own.state) " " (three(own.std)) " " (unit(&own.unit)) " over " (three(own.time_s)) " s"
+            }
             "."
+            @if let Some(own) = &found.noise {
+                " Noise and parameters were found in " (own.turns) " turns"
+                @if !own.at_rest { ", without coming to rest" }
+                "."
+                @if !own.others.is_empty() { " Less likely, in twice the log-likelihood: " (others(own)) "." }
+            }
+        }
+        @if found.verdict == Verdict::None {
+            p.note {
+                "No verdict: these errors follow no noise known here. What is missing, and standard errors, do not hold."
+            }
         }
     }
+}
+
+fn others(noise: &FoundNoise) -> String {
+    let each = noise.others.iter().map(|own| format!("{} by {}", own.kind.told(), three(own.below)));
+    each.collect::<Vec<_>>().join(", ")
 }

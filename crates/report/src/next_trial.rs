@@ -195,7 +195,7 @@ fn parameters(next: &NextTrial) -> Markup {
         .text("Of", |(degree, _)| &degree.name)
         .text("Unit", |(_, p)| unit(&p.unit))
         .number("Value", |(_, p)| three(p.value))
-        .number("Standard error, logs", |(_, p)| three_or_dash(p.standard_error))
+        .number("Interval, logs", |(_, p)| interval(p))
         .number("Predicted, this trial", |(_, p)| after(p));
     let told = duration_s(next).map(|s| format!(" of {} s", exact(s)));
     html! {
@@ -203,10 +203,18 @@ fn parameters(next: &NextTrial) -> Markup {
         (table)
         p.note {
             "Predicted standard errors are those of estimates from this trial" (or_nothing(told))
-            " alone, under the noise that its campaign states; – where it holds constant what they stand before. Those of the \
-             logs know nothing of the ridge's bias."
+            " alone, under the noise that its campaign states; – where it holds constant what they stand before. Intervals from \
+             the logs hold 95\u{a0}% of the searches over recordings drawn again, or are 1.96 standard errors wide on either side; – \
+             where parameters have no errors."
         }
     }
+}
+
+/// What the logs tell about a parameter.
+fn interval(p: &ModelParameter) -> String {
+    let by_errors = || p.standard_error.map(|error| [p.value - 1.96 * error, p.value + 1.96 * error]);
+    let ends = p.low.zip(p.high).map(|(low, high)| [low, high]).or_else(by_errors);
+    ends.map_or("–".to_owned(), |[low, high]| format!("{} to {}", three(low), three(high)))
 }
 
 fn or_nothing(text: Option<impl Display>) -> String {

@@ -1,5 +1,6 @@
 use maud::{Markup, Render, html};
 
+use super::comparison::use_of_published;
 use super::histograms::ErrorFigure;
 use super::number::{exact, or_dash, percent_within, published, three};
 use super::parts::{Figures, Section};
@@ -25,7 +26,7 @@ pub(super) fn published_selection(study: &Study, figures: &mut Figures) -> Optio
         }
         (table(found, limits))
         @for statement in &limits.statements { p.note { "Published: “" (statement) "”" } }
-        p.note { "Source: " (reference.source) ". Published numbers are shown for comparison and used for nothing else." }
+        p.note { "Source: " (reference.source) ". " (use_of_published(reference)) }
         div.pair { (whole.place(&found.errors(norm), figures)) }
         div.triple {
             @for (d, figure) in degrees.iter().enumerate() { (figure.place(&found.rmse(d), figures)) }

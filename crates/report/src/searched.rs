@@ -9,7 +9,7 @@ use super::table::Table;
 use crate::figures::{ScoredDot, scored};
 use study::documents::{FreeRunErrors, SearchDocument, SearchTerm};
 
-/// Terms beyond this many are not listed: those of the base structure first, then the largest against their standard errors.
+/// Terms beyond this many are not listed: those of the base structure first, then those that were chosen most often.
 const MOST_TERMS: usize = 40;
 
 /// How the structure was searched for: candidates, the score on recordings that the search has not seen, terms.
@@ -137,27 +137,39 @@ fn sizes(found: &SearchDocument, figures: &mut Figures) -> Markup {
 }
 
 fn terms(found: &SearchDocument) -> Markup {
-    let told = |term: &SearchTerm| {
-        let error = term.standard_error.filter(|error| *error > 0.0);
-        error.map_or(0.0, |error| (term.value / error).abs())
-    };
     let mut rows: Vec<&SearchTerm> = found.terms.iter().collect();
-    rows.sort_by(|a, b| b.base.cmp(&a.base).then(told(b).total_cmp(&told(a))));
+    rows.sort_by_key(|term| std::cmp::Reverse((term.base, term.chosen_by_resamples, term.chosen_by_folds)));
     let listed = rows.len().min(MOST_TERMS);
-    let table = Table::of(rows[..listed].iter().copied())
+    let mut table = Table::of(rows[..listed].iter().copied())
         .compact()
         .mark("main", |t| t.base)
         .name("Term", |t| t.term.as_str())
         .text("Of", |t| t.degree.as_str())
         .text("Parameter", |t| t.name.as_str())
         .number("Value", |t| three(t.value))
-        .number("Standard error", |t| three_or_dash(t.standard_error))
         .number("Chosen without a fold", |t| or_dash(t.chosen_by_folds));
+    if let Some(own) = found.resamples {
+        table = table
+            .number("2.5 %", |t| three_or_dash(t.low))
+            .number("97.5 %", |t| three_or_dash(t.high))
+            .number("Chosen again", move |t| {
+                or_dash(t.chosen_by_resamples.map(|n| format!("{n} of {}", own.searches)))
+            });
+    }
     html! {
         h3 { "Terms" }
         (table)
         p.note {
-            "Those of the base structure first, then by value over standard error, which knows nothing of the ridge's bias. "
+            "Those of the base structure first, then those that were chosen most often. "
+            @match found.resamples {
+                Some(own) => {
+                    "2.5 % and 97.5 %: what so many of " (own.searches) " searches over recordings drawn again found less and \
+                     more, 0 without the term (bootstrap of the whole search). "
+                }
+                None => {
+                    "A ridge holds them back: predictions have bands, parameters have no errors. "
+                }
+            }
             @if rows.len() > listed { "The first " (listed) " of " (rows.len()) "; all are in `search.json`. " }
             @if !found.sizes.is_empty() {
                 "Chosen without a fold: in how many of the " (found.folds) " searches without a fold the term was chosen too."

@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let what = at(0).unwrap_or("stated");
     let (trials, seed): (u32, u64) = (at(1).unwrap_or("40").parse()?, at(2).unwrap_or("1").parse()?);
     let dictionary: DictionaryFile =
-        toml::from_str(include_str!("../../../pipelines/paper/dictionary.toml"))?;
+        toml::from_str(include_str!("../../../pipelines/scenarios/dictionary.toml"))?;
     let vessel = |more: &str| -> Result<Vessel, Box<dyn Error>> {
         Ok(Vessel::from_file(toml::from_str(&format!("{PAPER}{more}"))?)?)
     };

@@ -126,11 +126,13 @@ impl CampaignFile {
                 turning: turning(axes),
             },
         };
-        let gusts = |wind: Wind| Gusts { std: wind.std_per_sample(rate_hz), factor: wind.factor(rate_hz) };
+        let gusts =
+            |wind: Wind| Gusts { std: wind.std_per_sample(rate_hz), factor: [wind.factor(rate_hz); 3] };
         Levels {
             measurement: [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s],
             current,
             force: self.wind.map(gusts),
+            drift: None,
         }
     }
 

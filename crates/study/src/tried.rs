@@ -73,9 +73,12 @@ impl Tried {
     pub fn known(&self) -> Option<Known<'_>> {
         let rmse = self.output_rmse?;
         match self.models.as_slice() {
-            [model] => {
-                model.covariance.as_ref().map(|covariance| Known { covariance: Some(covariance), rmse })
-            }
+            // Errors on recordings that were left out hold all there is, so that parameters need no covariance.
+            [model] => match (&model.covariance, model.left_out_rmse) {
+                (None, None) => None,
+                (None, Some(rmse)) => Some(Known { covariance: None, rmse }),
+                (covariance, _) => Some(Known { covariance: covariance.as_ref(), rmse }),
+            },
             _ => Some(Known { covariance: None, rmse }),
         }
     }

@@ -52,7 +52,7 @@ pub(crate) fn derive(
     let one = |(i, spec): (usize, &DerivedSpec)| {
         let formula = Formula::parse(&spec.formula).map_err(|malformed| {
             let found = format!("`{}` with {malformed}", foreign(&spec.formula));
-            let expected = "a product such as `positive(n)`, `n |n|` or `-1 wind^2 cos(gamma)`";
+            let expected = "a product such as `positive(n)`, `n |n|` or `-1 wind^2 cos(gamma)`, or a sum such as `port - starboard`";
             refused(&spec.name, &found, expected, "write the formula again")
         })?;
         let sources = formula.channels.iter().map(|name| source(&spec.name, name, names));

@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use thiserror::Error;
 
 use crate::Arithmetic;
@@ -35,15 +37,22 @@ struct Factor {
     power: i32,
 }
 
+#[derive(Clone, Debug, PartialEq)]
+struct Product {
+    coefficient: f64,
+    factors: Vec<Factor>,
+}
+
 /// A channel computed from others: a product of numbers, channels (`n`), moduli (`|n|`), `positive(n)` (n where above 0,
 /// else 0), `negative(n)` (n where below 0, else 0), `sin(a)`, `cos(a)`, each with an optional power `^2`, side by side or
-/// with `*` between: `-1 wind^2 cos(gamma)`.
+/// with `*` between: `-1 wind^2 cos(gamma)`. Or a sum or difference of such, with blanks around `+` and `-`:
+/// `port |port| - starboard |starboard|`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formula {
     /// Channels it is computed from, each once, in the order of appearance; at least one.
     pub channels: Vec<String>,
-    coefficient: f64,
-    factors: Vec<Factor>,
+    /// What is summed up; at least one.
+    products: Vec<Product>,
 }
 
 /// Why a text is no [`Formula`].
@@ -60,28 +69,38 @@ impl Formula {
     /// # Errors
     /// Says what cannot be read.
     pub fn parse(text: &str) -> Result<Self, Malformed> {
-        let mut formula = Self { channels: Vec::new(), coefficient: 1.0, factors: Vec::new() };
-        let mut rest = text.trim_start();
+        let mut formula = Self { channels: Vec::new(), products: Vec::new() };
+        let (mut product, mut rest, mut multiplied) = (Product::of(1.0), text.trim_start(), true);
         while !rest.is_empty() {
-            let after = formula.parse_factor(rest)?;
+            if let Some((sign, after)) = parse_sign(rest).filter(|_| !multiplied) {
+                formula.products.push(std::mem::replace(&mut product, Product::of(sign)));
+                (rest, multiplied) = (after, true);
+                continue;
+            }
+            let after = formula.parse_factor(&mut product, rest)?;
             rest = after.trim_start();
+            multiplied = rest.starts_with('*');
             rest = rest.strip_prefix('*').unwrap_or(rest).trim_start();
         }
-        if !formula.coefficient.is_finite() {
+        formula.products.push(product);
+        if formula.products.iter().any(|own| !own.coefficient.is_finite()) {
             return Err(Malformed("numbers whose product is infinite".to_owned()));
         }
-        if formula.channels.is_empty() {
+        if formula.products.iter().any(|own| own.factors.is_empty()) {
             return Err(Malformed("no channel".to_owned()));
+        }
+        if formula.products.iter().map(|own| own.factors.len()).sum::<usize>() > MOST_FACTORS {
+            return Err(Malformed(format!("more than {MOST_FACTORS} factors")));
         }
         Ok(formula)
     }
 
-    /// Adds the factor at the start of `text`; what comes after it.
-    fn parse_factor<'a>(&mut self, text: &'a str) -> Result<&'a str, Malformed> {
+    /// Adds the factor at the start of `text` to `product`; what comes after it.
+    fn parse_factor<'a>(&mut self, product: &mut Product, text: &'a str) -> Result<&'a str, Malformed> {
         if text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+' || c == '.') {
             let end = number_end(text);
             let number = text[..end].parse::<f64>().ok().filter(|number| number.is_finite());
-            self.coefficient *= number.ok_or_else(|| Malformed(format!("`{}`", &text[..end.max(1)])))?;
+            product.coefficient *= number.ok_or_else(|| Malformed(format!("`{}`", &text[..end.max(1)])))?;
             return Ok(&text[end..]);
         }
         let (function, name, after) = parse_operand(text)?;
@@ -90,8 +109,8 @@ impl Formula {
             self.channels.push(name.to_owned());
             self.channels.len() - 1
         });
-        self.factors.push(Factor { channel, function, power });
-        if self.factors.len() > MOST_FACTORS {
+        product.factors.push(Factor { channel, function, power });
+        if product.factors.len() > MOST_FACTORS {
             return Err(Malformed(format!("more than {MOST_FACTORS} factors")));
         }
         Ok(after)
@@ -104,13 +123,59 @@ impl Formula {
 
     /// The value where those of [`Formula::channels`] are `value` of their places.
     pub fn of(&self, value: impl Fn(usize) -> f64) -> f64 {
-        let factors = self.factors.iter();
-        factors.fold(self.coefficient, |product, factor| product * factor.value(value(factor.channel)))
+        let products = self.products.iter().map(|own| own.without(usize::MAX, &value));
+        products.reduce(|sum, own| sum + own).unwrap_or(0.0)
     }
 
-    /// The formula as a product in another language, in the order in which it is computed; `operand` writes what is applied to
-    /// the channel of a place. A power is a product of its own.
+    /// Whether both are the same product of the same channels but for a number; never of sums of several.
+    pub fn is_multiple_of(&self, other: &Self) -> bool {
+        let [own, others] = [self, other].map(|formula| formula.powers());
+        own.is_some() && own == others
+    }
+
+    /// Channels by name, with what is applied to them and to what power in all; none of a sum of several products.
+    fn powers(&self) -> Option<BTreeMap<(&str, u8), i32>> {
+        let [product] = self.products.as_slice() else { return None };
+        let mut powers = BTreeMap::new();
+        for factor in &product.factors {
+            let channel = self.channels[factor.channel].as_str();
+            *powers.entry((channel, factor.function as u8)).or_insert(0) += factor.power;
+        }
+        Some(powers)
+    }
+
+    /// The formula in another language, in the order in which it is computed; `operand` writes what is applied to the channel of
+    /// a place. A power is a product of its own.
     pub fn written(&self, operand: impl Fn(Function, usize) -> String) -> String {
+        let products: Vec<String> = self.products.iter().map(|own| own.written(&operand)).collect();
+        products.join(" + ")
+    }
+
+    /// Its slope by channel `by`, where those of [`Formula::channels`] are `value` of their places. The slope of a modulus at
+    /// zero is 0.
+    pub fn slope(&self, by: usize, value: impl Fn(usize) -> f64) -> f64 {
+        self.products.iter().flat_map(|own| own.slopes(by, &value)).sum()
+    }
+}
+
+impl Product {
+    fn of(coefficient: f64) -> Self {
+        Self { coefficient, factors: Vec::new() }
+    }
+
+    /// The value without one of its factors.
+    fn without(&self, left_out: usize, value: &impl Fn(usize) -> f64) -> f64 {
+        let others = self.factors.iter().enumerate().filter(|(i, _)| *i != left_out);
+        others.fold(self.coefficient, |product, (_, factor)| product * factor.value(value(factor.channel)))
+    }
+
+    /// What each of its factors adds to the slope by channel `by`.
+    fn slopes(&self, by: usize, value: &impl Fn(usize) -> f64) -> impl Iterator<Item = f64> {
+        let own = self.factors.iter().enumerate().filter(move |(_, factor)| factor.channel == by);
+        own.map(move |(i, factor)| factor.slope(value(by)) * self.without(i, value))
+    }
+
+    fn written(&self, operand: &impl Fn(Function, usize) -> String) -> String {
         let factor = |factor: &Factor| {
             let one = operand(factor.function, factor.channel);
             let all = std::iter::repeat_n(one, factor.power.unsigned_abs() as usize).collect::<Vec<_>>();
@@ -118,18 +183,6 @@ impl Formula {
         };
         let number = Some(format!("{:?}", self.coefficient)).filter(|_| self.coefficient != 1.0);
         number.into_iter().chain(self.factors.iter().map(factor)).collect::<Vec<_>>().join(" * ")
-    }
-
-    /// Its slope by channel `by`, where those of [`Formula::channels`] are `value` of their places. The slope of a modulus at
-    /// zero is 0.
-    pub fn slope(&self, by: usize, value: impl Fn(usize) -> f64) -> f64 {
-        let without = |left_out: usize| {
-            let others = self.factors.iter().enumerate().filter(move |(i, _)| *i != left_out);
-            others
-                .fold(self.coefficient, |product, (_, factor)| product * factor.value(value(factor.channel)))
-        };
-        let own = self.factors.iter().enumerate().filter(|(_, factor)| factor.channel == by);
-        own.map(|(i, factor)| factor.slope(value(by)) * without(i)).sum()
     }
 }
 
@@ -166,6 +219,15 @@ impl Function {
             Self::Cosine => -libm::sin(x),
         }
     }
+}
+
+/// The sign between two products at the start of `text`, which has blanks around it, and what comes after it.
+fn parse_sign(text: &str) -> Option<(f64, &str)> {
+    let (sign, after) = text
+        .strip_prefix('+')
+        .map(|after| (1.0, after))
+        .or_else(|| text.strip_prefix('-').map(|after| (-1.0, after)))?;
+    after.starts_with(char::is_whitespace).then(|| (sign, after.trim_start()))
 }
 
 /// Where the number at the start of `text` ends.

@@ -22,6 +22,7 @@ pub mod lanes;
 mod layout;
 mod maneuver;
 mod model;
+mod more_channels;
 mod newton;
 mod noise;
 mod normals;
@@ -53,8 +54,8 @@ pub use formula::{Formula, Function, Malformed};
 pub use lane::{Arithmetic, LANES, Lane, Number, Numbers, Row};
 pub use layout::ParameterLayout;
 pub use maneuver::{
-    CandidateKind, DictionaryFile, Exceeded, GenerateSpec, Generator, InputTable, Kind, Limits, ManeuverSpec,
-    Pace, PlayedTable, Realized, Shape, Signal, SignalShape,
+    CandidateKind, DictionaryFile, Exceeded, GenerateSpec, Generator, InputTable, Kept, Kind, Limits,
+    ManeuverSpec, Pace, PlayedTable, Realized, Shape, Signal, SignalShape,
 };
 pub use model::{Degree, DegreeOfFreedom, Model, Variable};
 pub use noise::Streams;

@@ -120,11 +120,6 @@ impl Model {
         &self.variables[3 + self.inputs..self.variables.len() - self.derived.len()]
     }
 
-    /// Whether `other` has the same channels, computed alike.
-    pub fn has_channels_of(&self, other: &Self) -> bool {
-        self.variables == other.variables && self.derived == other.derived
-    }
-
     /// The terms whose parameters are known, with their degrees of freedom.
     pub fn known(&self) -> impl Iterator<Item = (usize, &Product)> {
         self.degrees.iter().enumerate().flat_map(|(d, degree)| degree.known.iter().map(move |own| (d, own)))

@@ -1,4 +1,4 @@
-//! Which inputs hold a wanted motion steady: the inverse of the model at equilibrium.
+//! Which inputs hold a wanted motion steady, or lead from one to the next: the inverse of the model.
 
 use crate::newton::{Room, Rows, damped, plain};
 use crate::{Actuator, Compiled, Invalid, Vessel};
@@ -48,7 +48,15 @@ impl<'a> Steady<'a> {
     /// # Errors
     /// A vessel without the inputs to command the motion; a motion that no inputs were found to hold.
     pub fn solve(&mut self, motion: Motion, unknowns: &mut [f64]) -> Result<(), Invalid> {
-        let wanted = Wanted::of(motion, self.vessel)?;
+        self.follow(motion, [0.0; 3], unknowns)
+    }
+
+    /// The same for inputs by which u, v and r gain `gain` until the next sample \[m/s, m/s, rad/s\].
+    ///
+    /// # Errors
+    /// As [`Steady::solve`].
+    pub fn follow(&mut self, motion: Motion, gain: [f64; 3], unknowns: &mut [f64]) -> Result<(), Invalid> {
+        let wanted = Wanted { gain, ..Wanted::of(motion, self.vessel)? };
         let used = self.vessel.model.inputs + usize::from(wanted.sway_free);
         let mut beyond = None;
         for from_zero in [false, true] {
@@ -68,7 +76,7 @@ impl<'a> Steady<'a> {
                 beyond.get_or_insert_with(|| self.at.clone());
             }
         }
-        let found = self.search(&wanted, beyond).ok_or_else(|| unreachable_motion(wanted.motion))?;
+        let found = self.search(&wanted, beyond).ok_or_else(|| unreachable_motion(&wanted))?;
         unknowns[..used].copy_from_slice(&found);
         self.found = found;
         Ok(())
@@ -117,7 +125,7 @@ impl<'a> Steady<'a> {
             row[..n].iter_mut().enumerate().for_each(|(j, entry)| {
                 *entry = self.gradients[if j < inputs { 3 + j } else { 1 }][d];
             });
-            row[n] = -increment;
+            row[n] = -(increment - wanted.gain[d]);
         }
         if wanted.coupled {
             for (i, coupling) in self.vessel.couplings.iter().enumerate() {
@@ -135,6 +143,8 @@ impl<'a> Steady<'a> {
 /// A motion, and which unknowns and equations it leaves.
 struct Wanted {
     motion: Motion,
+    /// What u, v and r gain until the next sample.
+    gain: [f64; 3],
     sway_free: bool,
     coupled: bool,
 }
@@ -154,7 +164,7 @@ impl Wanted {
             ));
         }
         let motion = Motion { v: if sway_free { None } else { Some(motion.v.unwrap_or(0.0)) }, ..motion };
-        Ok(Self { motion, sway_free, coupled })
+        Ok(Self { motion, gain: [0.0; 3], sway_free, coupled })
     }
 }
 
@@ -220,15 +230,14 @@ impl<'a> Around<'a> {
     }
 }
 
-fn unreachable_motion(motion: Motion) -> Invalid {
+fn unreachable_motion(wanted: &Wanted) -> Invalid {
+    let Wanted { motion, gain, .. } = wanted;
+    let (how, what) = if *gain == [0.0; 3] { ("hold steady", "hold") } else { ("follow", "follow") };
     let sway = motion.v.map_or(String::new(), |v| format!(", v = {v} m/s"));
     Invalid::new(
         "wanted motion",
-        format!(
-            "u = {} m/s{sway}, r = {} rad/s, which no inputs were found to hold steady",
-            motion.u, motion.r
-        ),
-        "a motion that the model can hold",
+        format!("u = {} m/s{sway}, r = {} rad/s, which no inputs were found to {how}", motion.u, motion.r),
+        format!("a motion that the model can {what}"),
         "lower the speeds, or turn the maneuver into inputs with the other parameters (`inputs_from`)",
     )
 }

@@ -1,5 +1,5 @@
 # Flags of this study's stages; make reads this file where it exists. The maneuvers are the paper's.
-DICTIONARY = pipelines/paper/dictionary.toml
+DICTIONARY = pipelines/scenarios/dictionary.toml
 DESIGN_FLAGS = --segments 5 --segment-samples 200
 # Every estimator on the same runs; the campaign's disturbances are what prediction-error filters with.
 ESTIMATE_FLAGS = --compare --campaign $(STUDY)/campaign.toml

@@ -1,8 +1,8 @@
 //! The shortest experiment for an accuracy.
 
 use design::{
-    AccuracyOf, Candidates, Criterion, Degree, Dictionary, Errors, NoDesign, Norm, Options, Question, Stock,
-    Wanted,
+    AccuracyOf, Candidates, Criterion, Degree, Dictionary, Errors, MOST, NoDesign, Norm, Options, Question,
+    Stock, Wanted, holds_from,
 };
 
 /// Straight lines with intercept through −1 and 1, white noise of unit variance.
@@ -27,6 +27,7 @@ fn law_the_time_for_an_accuracy_falls_as_its_square_and_what_exists_limits_it() 
         let errors = Errors::new(&dictionary, middle, own, &[1.0], wanted.of);
         let question = Question {
             dictionary: &dictionary,
+            lengths: &[20.0, 20.0],
             criterion: &criterion,
             errors,
             wanted,
@@ -46,4 +47,23 @@ fn law_the_time_for_an_accuracy_falls_as_its_square_and_what_exists_limits_it() 
     let share = 40.0 / limited.samples;
     assert!((4.0 * share * (1.0 - share) * limited.samples - 100.0).abs() < 1.0, "{limited:?}");
     assert!(limited.samples > 100.0 && limited.design.shares[0] <= share + 1e-9);
+}
+
+/// At the answer the maneuvers that are whole take `MOST` of the time or more; a sample earlier they take less.
+#[test]
+fn law_a_prediction_holds_from_where_whole_maneuvers_take_most_of_the_time() {
+    let cases: [(&[f64], &[f64]); 4] = [
+        (&[0.5, 0.5], &[40.0, 60.0]),
+        (&[0.27, 0.231, 0.198, 0.195, 0.063, 0.038, 0.005], &[300.0; 7]),
+        (&[0.1, 0.9, 0.0], &[10.0, 400.0, 1e6]),
+        (&[0.79, 0.01, 0.2], &[100.0, 100.0, 100.0]),
+    ];
+    for (shares, lengths) in cases {
+        let whole = |samples: f64| -> f64 {
+            let pairs = shares.iter().zip(lengths);
+            pairs.filter(|(w, n)| **w * samples >= **n * (1.0 - 1e-12)).map(|(w, _)| w).sum()
+        };
+        let from = holds_from(shares, lengths);
+        assert!(whole(from) >= MOST && whole(from - 1.0) < MOST, "{shares:?}: {from}");
+    }
 }

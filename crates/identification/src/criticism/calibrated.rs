@@ -2,68 +2,62 @@
 
 use vessel::{Model, RunView};
 
-use super::noise::{Guess, Search};
-use crate::sensitivity::{Flow, Levels};
+use super::criticise::verdicts;
+use super::found::Verdict;
+use super::listened::heard;
+use super::problems::{Problems, Subject};
+use crate::sensitivity::Levels;
 
-/// How often noise and parameters are found in turns.
-const TURNS: usize = 3;
+/// Samples below which noise is not known well enough to choose one kind.
+const SHORT: usize = 300;
+/// Student's t of 13 degrees of freedom over the normal distribution's, for intervals of 95 % of short runs.
+const STUDENT: f64 = 2.160_369 / 1.959_964;
 
-/// Noise and a drifting current that make runs most likely, found in turns with the parameters.
-pub(crate) struct Calibration<'a> {
-    search: Search<'a>,
-    rate_hz: f64,
-    /// Root mean square errors of free simulations, which the first searches begin at.
-    errors: [f64; 3],
+/// Noise of runs, found in turns with parameters of a model.
+#[derive(Clone, Debug)]
+pub(crate) struct Calibrated {
+    /// The noise.
+    pub levels: Levels,
+    /// The parameters under it.
+    pub parameters: Vec<f64>,
+    /// Standard errors of them where runs are short: the largest among all kinds of noise that may be the right one.
+    pub widest: Option<Vec<f64>>,
+    /// The levels of these kinds; of the best one alone where runs are long enough.
+    pub near: Vec<Levels>,
+    /// What standard errors under these are multiplied with.
+    pub factor: f64,
+    /// Whether the errors follow this noise.
+    pub white: bool,
 }
 
-impl<'a> Calibration<'a> {
-    /// Of `runs` under `model`, which start at states that may be known; free simulations of it err by `errors`.
-    pub(crate) fn new<'r>(
-        model: &'a Model,
-        runs: impl Iterator<Item = RunView<'r>>,
-        rate_hz: f64,
-        known_start: bool,
-        errors: [f64; 3],
-    ) -> Self {
-        Self { search: Search::new(model, runs, rate_hz, known_start), rate_hz, errors }
-    }
-
-    /// The most likely of what `fit` finds in turns with disturbances, beginning with parameters `theta`: `fit` is called with
-    /// disturbances and parameters, and gives others and whatever it has found, which comes with twice its log-likelihood. Each search of disturbances goes on from the last
-    /// one's and judges the parameters before it. None where the filter's numbers end.
-    ///
-    /// # Errors
-    /// Those of `fit`.
-    pub(crate) fn in_turns<T, E>(
-        &self,
-        mut theta: Vec<f64>,
-        mut fit: impl FnMut(&Levels, &[f64]) -> Result<Option<(Vec<f64>, T)>, E>,
-    ) -> Result<Option<(f64, T)>, E> {
-        let mut best: Option<(f64, T)> = None;
-        let Some((mut guess, _)) = self.search.from(&Guess::first(self.errors, self.rate_hz), &theta) else {
-            return Ok(None);
-        };
-        for _ in 0..TURNS {
-            let levels = self.levels(&guess);
-            let Some((next, found)) = fit(&levels, &theta)? else { break };
-            let Some((again, worth)) = self.search.from(&[guess], &next) else { break };
-            if best.as_ref().is_none_or(|(most, _)| worth > *most) {
-                best = Some((worth, found));
-            }
-            (guess, theta) = (again, next);
-        }
-        Ok(best)
-    }
-
-    fn levels(&self, guess: &Guess) -> Levels {
-        let (std, time_s) = guess.current(self.rate_hz);
-        let current = match time_s {
-            None => Flow::White { std },
-            Some(time_s) => {
-                let (factor, turning) = (libm::exp(-1.0 / (self.rate_hz * time_s)), 1.0 / self.rate_hz);
-                Flow::Markov { std, factor, turning }
-            }
-        };
-        Levels { measurement: guess.measurement(), current, force: None }
-    }
+/// Noise and parameters of `runs` under `model`, which start at states that may be known, from the first of `starts` that leads
+/// to any.
+pub(crate) fn calibrated(
+    model: &Model,
+    runs: &[RunView],
+    rate_hz: f64,
+    known_start: bool,
+    starts: &[Vec<f64>],
+) -> Option<Calibrated> {
+    let subject = Subject { model, runs, rate_hz, known_start, levels: None };
+    let problems = Problems::new(&subject, true);
+    let state = heard(&problems, 0, starts)?;
+    let noise = state.noise.clone()?;
+    let parameters = state.parameters.clone();
+    let verdict = verdicts(&subject, &problems, vec![state]).pop().flatten();
+    let short = runs.iter().map(RunView::samples).sum::<usize>() < SHORT;
+    let levels = noise.guess.levels(rate_hz);
+    let factor = if short { STUDENT } else { 1.0 };
+    let near = match short {
+        true => noise.near().map(|guess| guess.levels(rate_hz)).collect(),
+        false => vec![levels],
+    };
+    Some(Calibrated {
+        levels,
+        parameters,
+        widest: short.then(|| noise.widest.iter().map(|error| factor * error).collect()),
+        near,
+        factor,
+        white: verdict.is_some_and(|found| found.verdict != Verdict::None),
+    })
 }

@@ -1,8 +1,90 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use vessel::DegreeOfFreedom;
 
 use super::feedback::Feedback;
+use super::noise::{Noise, NoiseKind};
 use crate::pooled::Whiteness;
+
+/// What becomes of a model that runs are asked about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Nothing is missing beyond chance, which is no proof of the model.
+    NotRejected,
+    /// Something is missing beyond chance.
+    Rejected,
+    /// The errors follow no noise known here, so that nothing can be said.
+    None,
+}
+
+/// Noise that was found by its likelihood.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FoundNoise {
+    /// What there is besides white noise of the sensors.
+    pub kind: NoiseKind,
+    /// Forces or errors of sensors that drift.
+    pub drifts: Vec<FoundDrift>,
+    /// The other kinds, the likeliest first.
+    pub others: Vec<OtherNoise>,
+    /// How often noise and parameters were found in turns.
+    pub turns: u64,
+    /// Whether the parameters came to rest.
+    pub at_rest: bool,
+}
+
+/// A force or an error of a sensor that drifts, as a Gauss–Markov process.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FoundDrift {
+    /// `force` for what is added to the state in a sample, `sensor` for what is added to its measurement.
+    pub of: String,
+    /// The state: `u`, `v` or `r`.
+    pub state: String,
+    /// Its standard deviation.
+    pub std: f64,
+    /// The unit of that.
+    pub unit: String,
+    /// Over which time it drifts, 100,000 where it stays.
+    pub time_s: f64,
+}
+
+/// A kind of noise that is less likely.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OtherNoise {
+    /// The kind.
+    pub kind: NoiseKind,
+    /// By how much its twice restricted log-likelihood, less 2 for every level, is below that of the kind that was taken.
+    pub below: f64,
+}
+
+impl From<&Noise> for FoundNoise {
+    fn from(found: &Noise) -> Self {
+        let (guess, best) = (&found.guess, found.kinds.first().map_or(0.0, |(_, worth)| *worth));
+        let of = |of: &str, std: [f64; 3], times: [f64; 3]| {
+            let each = DegreeOfFreedom::ALL.map(|d| FoundDrift {
+                of: of.to_owned(),
+                state: d.state().to_owned(),
+                std: std[d as usize],
+                unit: d.unit().to_owned(),
+                time_s: times[d as usize],
+            });
+            each.to_vec()
+        };
+        let forces = guess.forces().map(|(std, times)| of("force", std, times));
+        let sensors = guess.sensors().map(|(std, time)| of("sensor", std, [time; 3]));
+        let others = found.kinds.iter().filter(|(own, _)| own.kind != guess.kind);
+        Self {
+            kind: guess.kind,
+            drifts: forces.or(sensors).unwrap_or_default(),
+            others: others.map(|(own, worth)| OtherNoise { kind: own.kind, below: best - worth }).collect(),
+            turns: found.turns as u64,
+            at_rest: found.at_rest,
+        }
+    }
+}
 
 /// What the runs say about the structure of a model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -10,6 +92,8 @@ use crate::pooled::Whiteness;
 pub struct Criticism {
     /// Whether something is missing beyond chance.
     pub rejected: bool,
+    /// What becomes of the model.
+    pub verdict: Verdict,
     /// How probable it is under the model that anything looked for seems as likely to be missing; null where nothing could be
     /// looked for.
     pub p_value: Option<f64>,
@@ -25,6 +109,9 @@ pub struct Criticism {
     pub current_std: f64,
     /// Over which the current changes, 100,000 where it stays; null for one that is new at every sample.
     pub current_time_s: Option<f64>,
+    /// Of what kind the noise is; absent where it was stated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<FoundNoise>,
     /// Errors over the noise: 1 where the noise explains them.
     pub error_ratio: f64,
     /// Whether the whitened errors of u, v, r are white.
@@ -74,7 +161,12 @@ impl Criticism {
         };
         let white = self.whiteness.iter().flat_map(|w| [w.statistic, w.p_value, w.first_autocorrelation]);
         let optional = [self.p_value, self.current_time_s].into_iter().flatten();
-        noise.into_iter().chain(white).chain(optional).all(f64::is_finite) && self.absent.iter().all(absent)
+        let found = self.noise.iter().flat_map(|noise| {
+            let drifts = noise.drifts.iter().flat_map(|own| [own.std, own.time_s]);
+            drifts.chain(noise.others.iter().map(|own| own.below))
+        });
+        noise.into_iter().chain(found).chain(white).chain(optional).all(f64::is_finite)
+            && self.absent.iter().all(absent)
     }
 }
 

@@ -4,8 +4,8 @@ use vessel::{LANES, Lane, Model, RunView};
 
 use super::channels::with_effects;
 use super::library::Lifted;
-use super::noise::{Guess, Search, side_by_side};
-use crate::predictor::{Linear, linearize, linearize_each, scaled_inverse};
+use super::noise::{Noise, NoiseKind, Turns, side_by_side};
+use crate::predictor::{Linear, linearize_each, scaled_inverse};
 use crate::sensitivity::{Flow, Gain, Gusts, Levels, Recordings, filter_each, groups, with_states};
 
 /// Runs that are to be explained by a model.
@@ -28,7 +28,7 @@ pub struct Subject<'a> {
 pub(super) struct State {
     pub parameters: Vec<f64>,
     /// What was found of the noise where none is stated.
-    pub noise: Option<Guess>,
+    pub noise: Option<Noise>,
 }
 
 /// Forces over noise where every prediction begins at what was measured last.
@@ -57,32 +57,21 @@ impl<'a> Problems<'a> {
         self.of_run.last().map_or(0, |last| last + 1)
     }
 
-    /// Number of states of the filter: levels that are found drift.
+    /// Number of states of the filter for what is stated.
     fn states(&self) -> usize {
-        self.subject.levels.map_or(5, |levels| levels.states())
+        self.subject.levels.map_or(3, |levels| levels.states())
+    }
+
+    /// The runs of one of them, with their places.
+    pub fn runs_of(&self, problem: usize) -> impl Iterator<Item = (usize, RunView<'a>)> + '_ {
+        let own = self.subject.runs.iter().copied().enumerate().zip(&self.of_run);
+        own.filter(move |(_, of)| **of == problem).map(|(run, _)| run)
     }
 
     /// The search for the noise of one of them.
-    pub fn search(&self, problem: usize) -> Search<'_> {
-        let Subject { model, runs, rate_hz, known_start, .. } = *self.subject;
-        let own = runs.iter().zip(&self.of_run).filter(move |(_, of)| **of == problem);
-        Search::new(model, own.map(|(run, _): (&RunView, _)| *run), rate_hz, known_start)
-    }
-
-    /// Standard deviations of the errors of free simulations.
-    pub fn free_errors(&self, problem: usize, parameters: &[f64]) -> Option<[f64; 3]> {
-        let unknowns: Vec<Lane> = parameters.iter().copied().chain([0.0; 3]).map(Lane::splat).collect();
-        let (mut squares, mut samples) = ([0.0; 3], 0.0);
-        for (group, runs) in self.groups.iter().filter(|(group, _)| self.any(group, &[problem])) {
-            let recordings = Recordings::of(self.subject.model, runs);
-            let sums = linearize::<3>(&recordings, &unknowns, &[], None, &[], false);
-            for (_, own) in group.iter().zip(&sums).filter(|(run, _)| self.of_run[**run] == problem) {
-                samples += own.samples;
-                (0..3).for_each(|d| squares[d] += own.squares[d]);
-            }
-        }
-        let errors = squares.map(|sum| (sum / samples).sqrt());
-        errors.iter().all(|e| e.is_finite()).then_some(errors)
+    pub fn turns(&self, problem: usize) -> Turns<'a> {
+        let Subject { model, rate_hz, known_start, .. } = *self.subject;
+        Turns { model, runs: self.runs_of(problem).map(|(_, run)| run).collect(), rate_hz, known_start }
     }
 
     fn any(&self, group: &[usize], wanted: &[usize]) -> bool {
@@ -103,9 +92,9 @@ impl<'a> Problems<'a> {
     /// Least squares of the `wanted` ones: predictions of a sample under forces beyond all noise are linear in the parameters.
     pub fn least_squares(&self, wanted: &[usize]) -> Vec<(usize, Vec<f64>)> {
         let std = self.subject.levels.map_or([1.0; 3], |levels| levels.measurement).map(|std| FORCE * std);
-        let gusts = Gusts { std, factor: 0.0 };
+        let gusts = Gusts { std, factor: [0.0; 3] };
         let measurement = std.map(|std| std / FORCE);
-        let levels = Levels { measurement, current: Flow::Still, force: Some(gusts) };
+        let levels = Levels { measurement, current: Flow::Still, force: Some(gusts), drift: None };
         let forced = Subject { levels: Some(levels), ..*self.subject };
         let same = Problems { subject: &forced, groups: self.groups.clone(), of_run: self.of_run.clone() };
         let zero = State { parameters: vec![0.0; self.subject.model.parameters()], noise: None };
@@ -118,10 +107,21 @@ impl<'a> Problems<'a> {
     pub fn look(&self, lifted: &Lifted, states: &[State]) -> (Vec<Option<Linear>>, Vec<Series>) {
         let mut sums = Sums(vec![None; self.count()]);
         let mut series: Vec<Series> = vec![Vec::new(); self.count()];
-        for (group, runs) in &self.groups {
-            let (found, white) = with_states!(self, look_at(self, lifted, group, runs, states));
+        let mut look = |group: &[usize], runs: &SideBySide, own: &Levelled| {
+            let (found, white) = with_states!(own, look_at(self, lifted, group, runs, states));
             sums.add(group, &self.of_run, found);
             group.iter().zip(white).for_each(|(run, white)| series[self.of_run[*run]].push((*run, white)));
+        };
+        if self.subject.levels.is_some() {
+            let own = Levelled(self.states());
+            self.groups.iter().for_each(|(group, runs)| look(group, runs, &own));
+        } else {
+            for kind in NoiseKind::ALL {
+                let of = |run: &usize| states[self.of_run[*run]].noise.as_ref().map(|noise| noise.guess.kind);
+                let chosen = (0..self.subject.runs.len()).filter(|run| of(run) == Some(kind));
+                let own = Levelled(kind.states());
+                groups(self.subject.runs, chosen).for_each(|(group, runs)| look(&group, &runs, &own));
+            }
         }
         (sums.finite(), series)
     }
@@ -134,14 +134,26 @@ impl<'a> Problems<'a> {
 
     /// What disturbs every lane.
     fn levels(&self, group: &[usize], states: &[State]) -> Levels<Lane> {
-        let found = |run: usize| states[self.of_run[group[run]]].noise;
-        match self.subject.levels {
-            Some(stated) => stated.spread(),
-            None => {
-                let unknown = Guess::first([1.0; 3], self.subject.rate_hz)[0];
-                side_by_side(&by_lane(group.len(), |run| found(run).unwrap_or(unknown)), self.subject.rate_hz)
+        let found = |run: usize| states[self.of_run[group[run]]].noise.as_ref().map(|noise| noise.guess);
+        match (self.subject.levels, found(0)) {
+            (None, Some(first)) => {
+                let each = by_lane(group.len(), |run| found(run).unwrap_or(first));
+                side_by_side(&each, self.subject.rate_hz)
             }
+            (stated, _) => stated.unwrap_or(WHITE).spread(),
         }
+    }
+}
+
+/// Levels where no noise was found, which nothing is looked at under.
+const WHITE: Levels = Levels { measurement: [1.0; 3], current: Flow::Still, force: None, drift: None };
+
+/// So many states of a filter.
+struct Levelled(usize);
+
+impl Levelled {
+    fn states(&self) -> usize {
+        self.0
     }
 }
 

@@ -1,4 +1,4 @@
-use super::found::{Absent, Criticism};
+use super::found::{Absent, Criticism, FoundNoise, Verdict};
 use super::noise::LASTING;
 use crate::pooled::listed;
 
@@ -22,8 +22,8 @@ pub(super) fn statements(found: &Criticism) -> Vec<String> {
     let Some(p) = found.p_value else {
         return vec!["structure: the runs tell of nothing that the model lacks".to_owned()];
     };
-    match (found.rejected, found.absent.first()) {
-        (true, Some(first)) => {
+    match (found.verdict, found.absent.first()) {
+        (Verdict::Rejected, Some(first)) => {
             let p = if p < 1e-4 { "p < 0.0001".to_owned() } else { format!("p {p:.4}") };
             let values = values(first);
             out.push(format!(
@@ -36,6 +36,10 @@ pub(super) fn statements(found: &Criticism) -> Vec<String> {
                 out.push(format!("cannot be told from: {}", listed(&others)));
             }
         }
+        (Verdict::None, _) => out.push(
+            "no verdict on the model: these errors follow no noise known here, so that tests and standard errors do not hold"
+                .to_owned(),
+        ),
         _ => out.push(format!("model not rejected (p {p:.2}), which is no proof of it")),
     }
     let told = |(name, degree): &(&str, Option<&str>)| {
@@ -47,6 +51,7 @@ pub(super) fn statements(found: &Criticism) -> Vec<String> {
     if !visible.is_empty() {
         out.push(format!("these runs would have shown {}", listed(&visible)));
     }
+    out.extend(found.noise.as_ref().map(|noise| told_noise(found, noise)));
     out.extend(drift(found));
     if let Some(f) = &found.feedback {
         out.push(format!(
@@ -59,6 +64,34 @@ pub(super) fn statements(found: &Criticism) -> Vec<String> {
         out.push(format!("errors are {:.2} times the stated noise", found.error_ratio));
     }
     out
+}
+
+/// Which noise was found, how large it is, and how far behind the next kind is.
+fn told_noise(found: &Criticism, noise: &FoundNoise) -> String {
+    let [u, v, r] = [found.noise_u, found.noise_v, found.noise_r].map(number);
+    let mut own = vec![format!("white noise of u {u}, v {v} m/s, r {r} rad/s")];
+    for (of, told) in [("force", "forces, in a sample"), ("sensor", "sensors that drift by")] {
+        let each = noise.drifts.iter().filter(|own| own.of == of);
+        let each: Vec<String> = each
+            .map(|own| {
+                format!("{} {} {} over {} s", own.state, number(own.std), own.unit, number(own.time_s))
+            })
+            .collect();
+        if !each.is_empty() {
+            own.push(format!("{told} {}", each.join(", ")));
+        }
+    }
+    if found.current_std > 0.0 {
+        let drifting = |time| format!("drifting over {} s", number(time));
+        let time = found.current_time_s.map_or("new at every sample".to_owned(), drifting);
+        own.push(format!("a current of {} m/s, {time}", number(found.current_std)));
+    }
+    let turns = if noise.turns == 1 { "turn" } else { "turns" };
+    let rest = if noise.at_rest { "" } else { ", without coming to rest" };
+    let next = noise.others.first().map_or(String::new(), |next| {
+        format!("; next likely: {}, {:.1} below in twice the log-likelihood", next.kind.told(), next.below)
+    });
+    format!("noise found in {} {turns}{rest}: {}: {}{next}", noise.turns, noise.kind.told(), own.join("; "))
 }
 
 /// That a current lasts, which no estimator but one that is told of it can know from the vessel's own motion.

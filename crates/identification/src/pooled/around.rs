@@ -8,7 +8,8 @@ use vessel::lanes::lane;
 use vessel::{LANES, Lane};
 
 use crate::predictor::{
-    AROUND, Asked, Linear, Recordings, Residuals, STEPS, Unknown, Weighting, minimize, scaled_inverse,
+    AROUND, Asked, Linear, Recordings, Residuals, STEPS, Unknown, Weighting, jackknife, minimize,
+    scaled_inverse,
 };
 
 /// A part with what is settled around it.
@@ -97,12 +98,12 @@ impl<'a> Around<'a> {
         let Ok(minima) = minimize(&mut self, weighting, starts, STEPS);
         let points: Vec<Vec<f64>> = minima.into_iter().map(|minimum| minimum.point).collect();
         let all: Vec<usize> = free.iter().chain(&self.own).copied().collect();
-        let scores = spread.then(|| self.scores(&points));
+        let blocks = spread.then(|| self.unknown.blocks(self.recordings, &self.unknowns(&points), &self.own));
         let linears = self.linears(&points, &all);
         let each = points.into_iter().zip(linears).enumerate();
         each.map(|(lane, (around, linear))| {
-            let middle = scores.iter().flatten().map(|own| own[lane]).collect::<Vec<_>>();
-            projected(&linear, around, self.weights, Some(middle.as_slice()).filter(|_| spread))
+            let own = blocks.iter().flatten().map(|block| &block[lane]).collect::<Vec<_>>();
+            projected(&linear, around, self.weights, spread.then_some(&own))
         })
         .collect()
     }
@@ -119,17 +120,12 @@ impl<'a> Around<'a> {
     fn linears(&self, points: &[impl AsRef<[f64]>], free: &[usize]) -> Vec<Linear> {
         self.unknown.linearize(self.recordings, &self.unknowns(points), free)
     }
-
-    /// The covariance of the scores of what is around the parts.
-    fn scores(&self, points: &[impl AsRef<[f64]>]) -> Vec<Lane> {
-        let weights = self.weights.map(Lane::splat);
-        self.unknown.scores(self.recordings, &self.unknowns(points), &self.own, weights)
-    }
 }
 
 /// The errors of a part by its parameters alone, after those around it: with A B; Bᵀ N the weighted normal matrix of both and
-/// g, h the gradients, A − B N⁻¹ Bᵀ and g − B N⁻¹ h. `middle`: covariance of h, where it is wanted.
-fn projected(linear: &Linear, around: Vec<f64>, weights: [f64; 3], middle: Option<&[f64]>) -> Settled {
+/// g, h the gradients, A − B N⁻¹ Bᵀ and g − B N⁻¹ h. `blocks`: sums over blocks of samples by those around it, where their
+/// covariance is wanted, see [`jackknife`].
+fn projected(linear: &Linear, around: Vec<f64>, weights: [f64; 3], blocks: Option<&Vec<&Linear>>) -> Settled {
     let (normal, gradient) = linear.weighted(weights);
     let (n, q) = (gradient.len(), around.len());
     let p = n - q;
@@ -152,8 +148,15 @@ fn projected(linear: &Linear, around: Vec<f64>, weights: [f64; 3], middle: Optio
             }
             cost -= gradient[p + k] * step[k];
         }
-        if let Some(middle) = middle {
-            known = numerics::product(q, &numerics::product(q, &inverse, middle), &inverse);
+        if let Some(blocks) = blocks {
+            let whole = rows(p..n, p..n);
+            let without = |block: &Linear| {
+                let (own, gradient) = block.weighted(weights);
+                let others: Vec<f64> = whole.iter().zip(own).map(|(whole, own)| whole - own).collect();
+                // What one block alone tells of counts as what all tell little of.
+                Some(times(&scaled_inverse(&others, q).unwrap_or_else(|_| inverse.clone()), &gradient))
+            };
+            known = jackknife(blocks.iter().copied(), without).unwrap_or_else(|| vec![f64::NAN; q * q]);
             follows = reach;
         }
     }

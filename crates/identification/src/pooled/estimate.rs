@@ -7,7 +7,7 @@ use super::statements::statements;
 use super::trust::Judge;
 use super::{
     DegreeTrust, Delivered, Estimated, Follow, Judgement, LostInstruments, NoEstimate, ParameterTrust, Part,
-    Parts, Pool, PooledRuns, Recorded, Resample, SourceErrors, Status, listed,
+    Parts, Pool, PooledRuns, Recorded, Resample, SourceErrors, Status, Unfound, listed,
 };
 use crate::criticism::{Criticism, Subject, criticise};
 use crate::{EstimateStatus, Estimator, RunEstimate};
@@ -42,6 +42,7 @@ impl Pooled {
         let theta: Option<Vec<f64>> = parameters().map(|p| p.estimate).collect();
         let errors: Option<Vec<f64>> = parameters().map(ParameterTrust::spread).collect();
         let estimate = theta.zip(errors);
+        let diverges = self.degrees.iter().any(|d| d.status == EstimateStatus::Diverges);
         let rejected = self.criticism.as_ref().is_some_and(|found| found.rejected);
         RunEstimate {
             design: self.design.clone(),
@@ -49,6 +50,7 @@ impl Pooled {
             estimator,
             status: match (&estimate, rejected) {
                 (None, _) => EstimateStatus::NotIdentifiable,
+                (Some(_), _) if diverges => EstimateStatus::Diverges,
                 (Some(_), true) => EstimateStatus::Rejected,
                 (Some(_), false) => EstimateStatus::Identified,
             },
@@ -71,6 +73,12 @@ pub enum PoolError<E> {
     /// Bounds hold every parameter of degrees of freedom: these.
     #[error("the bounds exclude every estimate ({})", .0.join("; "))]
     Bounded(Vec<String>),
+    /// Some degrees of freedom are not identifiable, for these reasons, so that a search has no model to simulate.
+    #[error("not all degrees of freedom are identifiable ({})", .0.join("; "))]
+    Incomplete(Vec<String>),
+    /// A search led nowhere.
+    #[error(transparent)]
+    Unfound(Unfound),
     /// The runs cannot be read.
     #[error("{0}")]
     Unread(E),
@@ -90,22 +98,33 @@ pub fn estimate<R: Recorded>(
     let parts = pool.cut(runs);
     let found = solved(pool, &parts, estimator)?;
     let judge = Judge { pool, found: &found, parts: &parts, judgement, resampling };
-    let degrees = judge.degrees().map_err(PoolError::Unread)?;
+    let mut degrees = judge.degrees().map_err(PoolError::Unread)?;
     let sources = judge.sources(runs).map_err(PoolError::Unread)?;
-    let delivered = Delivered::new(pool, &found, &parts, &degrees, &sources).map_err(PoolError::Unread)?;
-    let lost = found.diverged.as_ref().map(LostInstruments::to_string);
+    let astray = astray(&sources);
+    let mut delivered =
+        Delivered::new(pool, &found, &parts, &degrees, &sources).map_err(PoolError::Unread)?;
+    if astray.is_some() {
+        delivered = None;
+        let identified = degrees.iter_mut().filter(|degree| degree.status == EstimateStatus::Identified);
+        identified.for_each(|degree| degree.status = EstimateStatus::Diverges);
+    }
+    let lost = found.diverged.as_ref().map(|lost| match estimator {
+        Estimator::RefinedIv => format!("`refined-iv` was not refined any more: {lost}"),
+        _ => lost.to_string(),
+    });
     let criticism = criticism(pool, &found, runs).map_err(PoolError::Unread)?;
     let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
     let started = criticism.as_ref().and_then(|criticism| noisy_start(&found, criticism));
     let alike = delivered.iter().flat_map(|own| entangled(own, pool.model.layout()));
-    let spread = started.into_iter().chain(few_tell(pool, &found)).chain(around(pool, &found));
+    let stalled = stalled(&found).map(str::to_owned);
+    let spread = stalled.into_iter().chain(started).chain(few_tell(pool, &found)).chain(around(pool, &found));
     let known: Vec<String> = spread.chain(statements(&degrees)).chain(alike).collect();
     Ok(Pooled {
         design: runs.design().to_owned(),
         parts: parts.count(),
         samples: judge.samples() as u64,
         bandwidth: judge.bandwidth(),
-        statements: lost.into_iter().chain(criticised).chain(known).collect(),
+        statements: astray.into_iter().chain(lost).chain(criticised).chain(known).collect(),
         degrees,
         sources,
         delivered,
@@ -128,6 +147,29 @@ pub fn resampled<R: Recorded, T>(
     let found = solved(pool, &parts, estimator)?;
     let resampler = Resampler::new(pool, &found, &parts, seed).map_err(PoolError::Unread)?;
     Ok(work(&|number| resampler.draw(number)))
+}
+
+/// That a search ended before its minimum.
+fn stalled(found: &Estimated) -> Option<&'static str> {
+    let (own, _) = found.searched.as_ref()?;
+    (!own.converged).then_some(
+        "the search stalled before its minimum: standard errors are those of where it ended; vary the terms that the data \
+         tell least about, or fix them",
+    )
+}
+
+/// That free simulations of some recordings diverge, so that there is no model to deliver.
+fn astray(sources: &[SourceErrors]) -> Option<String> {
+    let diverging = sources.iter().filter(|source| source.diverged > 0);
+    let names: Vec<String> = diverging.map(|source| format!("`{}`", source.source)).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "no model is delivered: free simulations of {} of {} recordings diverge: {}",
+            names.len(),
+            sources.len(),
+            listed(&names)
+        )
+    })
 }
 
 /// Noise beside the motion from which simulations that start at measured states bias the estimate.
@@ -190,11 +232,17 @@ fn solved<P: Parts>(pool: &Pool, parts: &P, estimator: Estimator) -> Result<Esti
         NoEstimate::Lost(lost) => PoolError::Lost(lost),
         NoEstimate::Unread(e) => PoolError::Unread(e),
     })?;
+    if let Some(unfound) = found.unfound {
+        return Err(PoolError::Unfound(unfound));
+    }
     if found.degrees.iter().any(|d| d.status == Status::Bounded) {
         return Err(PoolError::Bounded(pool.unidentified(&found.degrees)));
     }
     if found.degrees.iter().all(|d| d.solution.is_none()) {
         return Err(PoolError::NotIdentifiable(pool.unidentified(&found.degrees)));
+    }
+    if estimator.searches() && found.searched.is_none() {
+        return Err(PoolError::Incomplete(pool.unidentified(&found.degrees)));
     }
     Ok(found)
 }

@@ -49,6 +49,8 @@ pub enum Status {
     Collinear(Diagnosis),
     /// The bounds hold every parameter.
     Bounded,
+    /// A search was asked for and led nowhere.
+    Unfound,
 }
 
 /// An estimate of one degree of freedom.

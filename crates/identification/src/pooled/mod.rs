@@ -10,6 +10,7 @@
 mod around;
 mod bootstrap;
 mod centre;
+mod continued;
 mod delivered;
 mod demand;
 mod diagnosis;
@@ -37,6 +38,7 @@ mod statements;
 mod strength;
 mod surroundings;
 mod trust;
+mod unfound;
 mod windows;
 mod words;
 
@@ -68,6 +70,7 @@ pub use strength::Strength;
 pub use strength::strength;
 pub use surroundings::{FoundUnknown, Surroundings};
 pub use trust::{DegreeTrust, InstrumentResidual, Judgement, ParameterTrust, SourceErrors};
+pub use unfound::Unfound;
 pub use windows::{FreeRunErrors, Score, deviations};
 pub(crate) use words::{collinear, first_named, unidentified, weakest};
 pub use words::{lies_above, listed};

@@ -3,7 +3,7 @@ use vessel::{Degree, DegreeOfFreedom, Invalid, Model, Vessel};
 use super::windows::StateMeans;
 use super::{
     COLLINEAR, CutRuns, DegreeFit, LostInstruments, NominalModel, Options, PartView, Parts, PooledRuns,
-    PooledSums, Prior, Recorded, Regression, Scales, Searched, joined, unidentified,
+    PooledSums, Prior, Recorded, Regression, Scales, Searched, Unfound, joined, unidentified,
 };
 use crate::beside::Beside;
 use crate::predictor::{InitialState, Unknown};
@@ -43,7 +43,10 @@ pub struct Estimated {
     pub nominal: Option<(Vec<f64>, [f64; 3])>,
     /// What a search found and its scales, where one was asked for and found.
     pub searched: Option<(Searched, Scales)>,
-    /// Why no instruments were simulated with `auto`, which then is least squares.
+    /// That a search was asked for and led nowhere: then no degree of freedom has an estimate.
+    pub unfound: Option<Unfound>,
+    /// Why no instruments were simulated with `auto`, which then is least squares, or not simulated again with `refined-iv`,
+    /// which then is what it was before.
     pub diverged: Option<LostInstruments>,
     /// Parameters of the model with intercepts that the instruments were simulated with.
     pub instruments: Option<Vec<f64>>,
@@ -166,6 +169,7 @@ impl Pool<'_> {
             used: [Estimator::Ls; 3],
             nominal,
             searched: None,
+            unfound: None,
             diverged: None,
             instruments: None,
             ls,
@@ -252,20 +256,23 @@ impl Pool<'_> {
         let mut data = self.sums(parts, Some(&model), |_, _| {})?;
         let options = self.options(Some(&theta), Estimator::Iv);
         let mut degrees = data.fit(&options);
+        let mut used = Estimator::Iv;
         for _ in 0..if estimator == Estimator::RefinedIv { ROUNDS } else { 0 } {
             let Some((own, intercepts)) = whole(&degrees) else { break };
             let own = self.model.layout().woven(&own, intercepts);
             let again = match self.sums(parts, Some(&own), |_, _| {}) {
-                Err(NoEstimate::Lost(_)) => break,
+                Err(NoEstimate::Lost(lost)) => {
+                    found.diverged = Some(lost);
+                    break;
+                }
                 again => again?,
             };
             let refitted = again.fit(&options);
             if refitted.iter().any(|d| d.solution.is_none()) {
                 break;
             }
-            (data, degrees, model) = (again, refitted, own);
+            (data, degrees, model, used) = (again, refitted, own, Estimator::RefinedIv);
         }
-        let used = if estimator == Estimator::RefinedIv { Estimator::RefinedIv } else { Estimator::Iv };
         for (d, degree) in degrees.into_iter().enumerate() {
             if degree.solution.is_some() || !(estimator == Estimator::Auto || estimator.searches()) {
                 (found.degrees[d], found.used[d]) = (degree, used);

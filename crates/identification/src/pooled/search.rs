@@ -1,19 +1,21 @@
 //! Pooled estimates that are searched for, by simulations and by predictions.
 
 use crate::beside::Intercepts;
-use crate::criticism::{Calibration, ENOUGH};
-
+use crate::criticism::{ENOUGH, calibrated};
 use crate::{DegreeSums, Estimator, MeanRemoval};
+use vessel::RunView;
 
-use super::windows::Score;
 use super::{
-    DegreeFit, Drawn, Estimated, Follow, Part, Parts, Pool, PooledSums, Scales, Searched, Status,
-    least_errors,
+    DegreeFit, Drawn, Estimated, Follow, Part, Parts, Pool, PooledSums, Scales, Searched, Status, Unfound,
 };
 
 impl Pool<'_> {
     /// Goes on from the estimate at hand to the least errors of free simulations, and from there to those of predictions where
-    /// these are wanted. Where simulations diverge, the estimate at hand stays.
+    /// these are wanted. Where that leads nowhere there is no estimate. A model of which a degree of freedom has none cannot be
+    /// simulated: it stays as it is.
+    ///
+    /// # Errors
+    /// Parts that cannot be read.
     pub(super) fn searched<P: Parts>(
         &self,
         parts: &P,
@@ -28,11 +30,25 @@ impl Pool<'_> {
         let std = deviations.found();
         let sizes = self.sizes(found.least_squares_sums(), std);
         let mut scales = Scales { std, sizes, follow: Follow::Simulated(self.unknown()) };
-        let Some(mut best) = self.least_errors(parts, &start, &scales)? else { return Ok(()) };
-        if estimator == Estimator::PredictionError {
-            let Some(predicted) = self.predicted(parts, &best, &scales)? else { return Ok(()) };
-            (scales.follow, best) = predicted;
-        }
+        let simulated = self.continued(parts, &start, &scales)?;
+        let best = if estimator == Estimator::PredictionError {
+            // Filters follow what no simulation does.
+            let from = simulated.as_ref().map_or(&start, |found| &found.parameters);
+            let predicted = self.predicted(parts, from, &scales)?;
+            predicted.map(|(follow, best)| {
+                scales.follow = follow;
+                best
+            })
+        } else {
+            simulated
+        };
+        let Some(best) = best else {
+            let recordings = self.diverging(parts, &start)?;
+            found.unfound = Some(Unfound { estimator, recordings });
+            let none = || DegreeFit { status: Status::Unfound, solution: None };
+            found.degrees = [none(), none(), none()];
+            return Ok(());
+        };
         for (d, (theta, intercept)) in self.split(&best.parameters).into_iter().enumerate() {
             let model = &self.vessel.model.degrees[d];
             if theta.iter().enumerate().all(|(i, value)| model.at_bound(i, *value)) {
@@ -48,11 +64,11 @@ impl Pool<'_> {
     }
 
     /// The least errors of predictions by filters for noise and a drifting current that make the first parts most likely, found
-    /// in turns from an estimate by simulations.
+    /// in turns from other parameters.
     fn predicted<P: Parts>(
         &self,
         parts: &P,
-        simulated: &Searched,
+        from: &[f64],
         scales: &Scales,
     ) -> Result<Option<(Follow, Searched)>, P::Error> {
         let (mut samples, mut first) = (0, Vec::new());
@@ -63,27 +79,15 @@ impl Pool<'_> {
         };
         let places: Vec<usize> = (0..parts.count()).take_while(enough).collect();
         parts.at(&places, |part| first.push(Part::new("", "", part.run)))?;
-        let views = || first.iter().map(Part::view);
-        // Where no simulation follows the parts to their ends, they are first thought to err by all of the motion.
-        let errors = Score::of(&self.model, &simulated.parameters, views()).rmse().unwrap_or(scales.std);
-        let rate_hz = self.vessel.sample_rate_hz;
-        let calibration = Calibration::new(&self.model, views(), rate_hz, false, errors);
-        let turned = calibration.in_turns(simulated.parameters.clone(), |levels, theta| {
-            let follow = Follow::Predicted(*levels, theta.to_vec());
-            let scales = Scales { follow, std: scales.std, sizes: scales.sizes.clone() };
-            let found = self.least_errors(parts, theta, &scales)?;
-            Ok(found.map(|found| (found.parameters.clone(), (scales.follow, found))))
-        })?;
-        Ok(turned.map(|(_, found)| found))
-    }
-
-    fn least_errors<P: Parts>(
-        &self,
-        parts: &P,
-        start: &[f64],
-        Scales { std, sizes, follow }: &Scales,
-    ) -> Result<Option<Searched>, P::Error> {
-        least_errors(&self.model, parts, start, *std, sizes, follow)
+        let views: Vec<RunView> = first.iter().map(Part::view).collect();
+        let start = [from.to_vec()];
+        let Some(found) = calibrated(&self.model, &views, self.vessel.sample_rate_hz, false, &start) else {
+            return Ok(None);
+        };
+        let follow = Follow::Predicted(found.levels, found.parameters.clone());
+        let scales = Scales { follow, std: scales.std, sizes: scales.sizes.clone() };
+        let found = self.least_errors(parts, &found.parameters, &scales)?;
+        Ok(found.map(|found| (scales.follow, found)))
     }
 
     /// The estimate of a search from the parts at `drawn`, started at that of all: θ̂ of surge, sway and yaw.

@@ -102,6 +102,7 @@ pub fn unidentified(
             degree.terms.get(*parameter).map_or("", |t| t.text.as_str()),
         )),
         Status::Bounded => Some(excluded(d, degree)),
+        Status::Unfound => Some(format!("{}: the search for an estimate led nowhere", d.name())),
         Status::Collinear(diagnosis) => Some(collinear(d, degree, diagnosis, constant)),
     }
 }

@@ -13,14 +13,14 @@ mod scores;
 mod sums;
 mod unknown;
 
-pub use crate::sensitivity::{Flow, Gusts, Levels, Recordings, Sensitivities};
+pub use crate::sensitivity::{Drift, Flow, Gusts, Levels, Recordings, Sensitivities};
 pub(crate) use levenberg_marquardt::{
     Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };
-pub(crate) use output_error::mean_square;
-pub use output_error::{Fit, Fitted, Spread, output_error};
+pub use output_error::{Fit, Fitted, FoundSpread, Spread, output_error};
+pub(crate) use prediction_error::errors_by_blocks;
 pub use prediction_error::{innovations, prediction_error};
-pub(crate) use scores::Windowed;
+pub(crate) use scores::{Windowed, jackknife};
 pub use sums::Linear;
 pub(crate) use sums::{linearize, linearize_each};
 pub use unknown::{AROUND, InitialState, Unknown};

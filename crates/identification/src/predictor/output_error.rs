@@ -2,23 +2,35 @@ use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
 
+use numerics::times;
 use vessel::lanes::{SideBySide, lane};
 use vessel::{LANES, Lane, Model, ParameterLayout, RunView};
 
 use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
-use super::scores::disturbed_scores;
+use super::scores::{disturbed_scores, jackknife, roots};
 use super::sums::{Linear, linearize_and_keep};
 use super::unknown::{AROUND, Unknown};
 use crate::Direction;
 use crate::sensitivity::{Levels, Recordings, Sensitivities, Slopes, groups, of_one_length, with_states};
 
 /// What standard errors are made of.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub enum Spread<'a> {
-    /// Errors correlated in time, by their own scores over overlapping windows.
-    Residuals,
+    /// What the estimate changes where one of ten blocks of samples is left out: whatever errors are like, and approximate.
+    Blocks,
     /// Stated disturbances, followed through the model to first order.
     Stated(&'a Levels),
+    /// The same of those that are found of a run, by its place, at its estimate.
+    Found(&'a (dyn Fn(usize, &[f64]) -> FoundSpread + Sync)),
+}
+
+/// Disturbances that were found of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundSpread {
+    /// Those that may be the right ones, of which the largest standard error counts; without any, blocks are left out.
+    pub levels: Vec<Levels>,
+    /// What standard errors are multiplied with.
+    pub factor: f64,
 }
 
 /// What became of one run.
@@ -49,6 +61,8 @@ pub struct Fitted {
     pub rmse: [f64; 3],
     /// Steps of the search.
     pub steps: usize,
+    /// Whether standard errors are approximate, since errors follow no noise that is known here.
+    pub approximate: bool,
 }
 
 /// Variances of output errors are not taken below this share of the measured state's mean square: data without noise.
@@ -59,7 +73,7 @@ const BRIEF: usize = 24;
 
 /// Estimates every run by the errors of free simulations: minimises Σ_d N log Σ e_d², the likelihood of white errors with a
 /// variance of their own in u, v and r, over the model's parameters (with or without intercepts) and, if so wanted, the
-/// initial state, water and wind. With these standard errors are made of the residuals, whatever `spread`. Per run `starts` holds parameters to begin at; where the first ones diverge or lead to no minimum, the next are taken.
+/// initial state, water and wind. With these standard errors are made of blocks, whatever `spread`. Per run `starts` holds parameters to begin at; where the first ones diverge or lead to no minimum, the next are taken.
 pub fn output_error(
     model: &Model,
     runs: &[RunView],
@@ -198,7 +212,7 @@ impl Searches<'_> {
     fn fit(&mut self, searched: Vec<usize>, spread: Spread, fits: &mut [Fit]) -> Vec<usize> {
         let mut missed = Vec::new();
         let mut kept = std::mem::take(&mut self.room.kept);
-        let spread = if self.unknown.around().next().is_some() { Spread::Residuals } else { spread };
+        let spread = if self.unknown.around().next().is_some() { Spread::Blocks } else { spread };
         for (group, runs) in groups(self.runs, searched.into_iter()) {
             let recordings = Recordings::of(self.model, &runs);
             let free = self.unknown.free(self.model);
@@ -218,7 +232,7 @@ impl Searches<'_> {
                     }
                 }
             }
-            let errors = problem.standard_errors(&found, &weighting, spread, &kept);
+            let errors = problem.standard_errors(&group, &found, &weighting, spread, &kept);
             for ((run, minimum), errors) in group.into_iter().zip(found).zip(errors) {
                 fits[run] = fit(&problem.recordings, &minimum, errors, self.unknown);
                 self.best[run] = Some(minimum);
@@ -230,7 +244,7 @@ impl Searches<'_> {
 }
 
 /// Of measured u, v or r.
-pub(crate) fn mean_square(run: &RunView, d: usize) -> f64 {
+fn mean_square(run: &RunView, d: usize) -> f64 {
     let sum: f64 = run.measured.iter().skip(d).step_by(3).map(|y| y * y).sum();
     sum / (run.samples() + 1) as f64
 }
@@ -268,7 +282,7 @@ pub(super) fn side_by_side(points: &[impl AsRef<[f64]>], free: &[usize], all: us
 pub(super) fn fit(
     recordings: &Recordings,
     minimum: &Minimum,
-    errors: Option<Vec<f64>>,
+    errors: Option<(Vec<f64>, bool)>,
     unknown: Unknown,
 ) -> Fit {
     let layout = recordings.model.layout();
@@ -290,7 +304,7 @@ pub(super) fn fit(
             let degree = all_held(layout, minimum).unwrap_or_default();
             Fit::NotIdentifiable(Direction { degree, parameter: 0 })
         }
-        (Ended::Converged, Some(errors)) => Fit::Converged(Fitted {
+        (Ended::Converged, Some((errors, approximate))) => Fit::Converged(Fitted {
             parameters: layout.theta(&point[..all]),
             standard_errors: layout.theta(&errors[..all]),
             intercepts: layout.intercepts(point),
@@ -298,6 +312,7 @@ pub(super) fn fit(
             around: Box::new([point, &errors].map(|of| std::array::from_fn(|i| beside(of, 3 + i)))),
             rmse: minimum.linear.squares.map(|s| (s / minimum.linear.samples).sqrt()),
             steps: minimum.steps,
+            approximate,
         }),
         _ => Fit::NotConverged(minimum.steps),
     }
@@ -464,51 +479,92 @@ impl Simulations<'_> {
     fn look(&self, spread: Spread, kept: &mut Sensitivities<Lane>) -> Vec<Linear> {
         let Self { recordings, unknowns, free, unknown } = self;
         match spread {
-            Spread::Residuals => unknown.linearize(recordings, unknowns, free),
-            Spread::Stated(_) => linearize_and_keep(recordings, unknowns, free, unknown.start_counts(), kept),
+            Spread::Blocks => unknown.linearize(recordings, unknowns, free),
+            _ => linearize_and_keep(recordings, unknowns, free, unknown.start_counts(), kept),
         }
     }
 
     /// Follows them, where the spread is stated.
     fn follow(&self, spread: Spread, kept: &mut Sensitivities<Lane>) {
-        if let Spread::Stated(_) = spread {
+        if !matches!(spread, Spread::Blocks) {
             kept.follow(&self.recordings, &self.unknowns, &self.free, self.unknown.start_counts());
         }
     }
 
-    /// √diag(H⁻¹ B H⁻¹), H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe. Where the spread is stated, sensitivities were `kept`.
+    /// Standard errors, and whether they are approximate. Unless they are made of blocks, sensitivities were `kept`.
     fn standard_errors(
         &self,
+        group: &[usize],
         found: &[Minimum],
         weighting: &[Weighting],
         spread: Spread,
         kept: &Sensitivities<Lane>,
-    ) -> Vec<Option<Vec<f64>>> {
-        let Self { recordings, unknowns, free, unknown } = self;
+    ) -> Vec<Option<(Vec<f64>, bool)>> {
         let own = found.iter().zip(weighting);
         let weights: Vec<[f64; 3]> =
             own.map(|(own, weighting)| weighting.weights(own.linear.squares, own.linear.samples)).collect();
-        let weights = [0, 1, 2].map(|d: usize| lane(weights.len(), |run| weights[run][d]));
-        let middles = match spread {
-            Spread::Residuals => unknown.scores(recordings, unknowns, free, weights),
-            Spread::Stated(levels) => {
-                with_states!(levels, disturbed_scores(recordings, unknowns, kept, weights, levels))
-            }
+        let mut blocks = None;
+        let mut of_blocks = |lane: usize, minimum: &Minimum| {
+            let Self { recordings, unknowns, free, unknown } = self;
+            let blocks = blocks.get_or_insert_with(|| unknown.blocks(recordings, unknowns, free));
+            let inverse = minimum.inverse(weights[lane]).ok()?;
+            // Without a block that alone determines a parameter there is no estimate: it counts as one that tells little.
+            let without = |block: &Linear| {
+                let (_, gradient) = block.weighted(weights[lane]);
+                Some(minimum.without(block, weights[lane]).unwrap_or_else(|_| times(&inverse, &gradient)))
+            };
+            jackknife(blocks.iter().map(|block| &block[lane]), without).map(|own| roots(&own))
         };
-        let p = self.free.len();
-        let errors = |(lane, minimum): (usize, &Minimum)| {
-            let own = [0, 1, 2].map(|d: usize| weights[d][lane]);
-            let inverse = minimum.inverse(own).ok()?;
-            let mut middle: Vec<f64> = middles.iter().map(|m| m[lane]).collect();
-            if let Spread::Stated(levels) = spread {
-                let noise = [0, 1, 2].map(|d: usize| (own[d] * levels.measurement[d]).powi(2));
-                let (measured, _) = minimum.linear.weighted(noise);
-                middle.iter_mut().zip(measured).for_each(|(all, own)| *all += own);
+        let parameters = self.recordings.model.parameters();
+        let mut middles = BTreeMap::new();
+        let errors = |(lane, minimum): (usize, &Minimum)| match spread {
+            Spread::Blocks => of_blocks(lane, minimum).map(|errors| (errors, false)),
+            Spread::Stated(levels) => {
+                let middle = middles.entry(0).or_insert_with(|| self.middles(&weights, levels, kept));
+                self.of_levels(minimum, weights[lane], middle, lane, levels).map(|errors| (errors, false))
             }
-            let error = |row: &[f64]| numerics::quadratic(row, &middle).max(0.0).sqrt();
-            let errors: Vec<f64> = inverse.chunks_exact(p).map(error).collect();
-            errors.iter().all(|e| e.is_finite()).then_some(errors)
+            Spread::Found(of) if minimum.status == Ended::Converged => {
+                let FoundSpread { levels, factor } = of(group[lane], &minimum.point[..parameters]);
+                let of_one = |levels: &Levels| {
+                    let middle = self.middles(&weights, levels, kept);
+                    self.of_levels(minimum, weights[lane], &middle, lane, levels)
+                };
+                let all: Option<Vec<Vec<f64>>> = levels.iter().map(of_one).collect();
+                let largest =
+                    |a: Vec<f64>, b: Vec<f64>| a.into_iter().zip(b).map(|(a, b)| a.max(b)).collect();
+                match all?.into_iter().reduce(largest) {
+                    Some(errors) => Some((errors.into_iter().map(|e| factor * e).collect(), false)),
+                    None => of_blocks(lane, minimum).map(|errors| (errors, true)),
+                }
+            }
+            Spread::Found(_) => None,
         };
         found.iter().enumerate().map(errors).collect()
+    }
+
+    /// What `levels` add to the covariance of the scores, by lane, see [`disturbed_scores`].
+    fn middles(&self, weights: &[[f64; 3]], levels: &Levels, kept: &Sensitivities<Lane>) -> Vec<Lane> {
+        let weights = [0, 1, 2].map(|d: usize| lane(weights.len(), |run| weights[run][d]));
+        let Self { recordings, unknowns, .. } = self;
+        with_states!(levels, disturbed_scores(recordings, unknowns, kept, weights, levels))
+    }
+
+    /// √diag(H⁻¹ B H⁻¹), H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe: that of the measurements and the `middle`.
+    fn of_levels(
+        &self,
+        minimum: &Minimum,
+        weights: [f64; 3],
+        middle: &[Lane],
+        lane: usize,
+        levels: &Levels,
+    ) -> Option<Vec<f64>> {
+        let inverse = minimum.inverse(weights).ok()?;
+        let mut middle: Vec<f64> = middle.iter().map(|m| m[lane]).collect();
+        let noise = [0, 1, 2].map(|d: usize| (weights[d] * levels.measurement[d]).powi(2));
+        let (measured, _) = minimum.linear.weighted(noise);
+        middle.iter_mut().zip(measured).for_each(|(all, own)| *all += own);
+        let error = |row: &[f64]| numerics::quadratic(row, &middle).max(0.0).sqrt();
+        let errors: Vec<f64> = inverse.chunks_exact(self.free.len()).map(error).collect();
+        errors.iter().all(|e| e.is_finite()).then_some(errors)
     }
 }

@@ -1,10 +1,14 @@
 use std::convert::Infallible;
 
-use vessel::lanes::by_lane;
+use numerics::times;
+use vessel::lanes::{SideBySide, by_lane};
 use vessel::{LANES, Lane, Model, RunView};
 
-use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
+use super::levenberg_marquardt::{
+    Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
+};
 use super::output_error::{Fit, better, fit, side_by_side};
+use super::scores::{blocks, jackknife, roots};
 use super::sums::{Linear, linearize};
 use super::unknown::InitialState;
 use crate::sensitivity::{Gain, Levels, Recordings, filter, groups, with_states};
@@ -48,6 +52,45 @@ pub fn innovations(
 ) -> Vec<Lane> {
     let known = initial == InitialState::Known;
     with_states!(levels, filter(recordings, unknowns, levels, known).1)
+}
+
+/// Standard errors of the parameters `theta` of a run, by what they change where one of ten blocks of samples is left out of the
+/// predictions by a filter for `levels`: whatever errors are like, and approximate.
+pub(crate) fn errors_by_blocks(
+    model: &Model,
+    run: RunView,
+    theta: &[f64],
+    initial: InitialState,
+    levels: &Levels,
+) -> Option<Vec<f64>> {
+    let alike = SideBySide::of(&[run]);
+    let recordings = &Recordings::of(model, &alike);
+    let unknowns: Vec<Lane> = theta.iter().copied().chain([0.0; 3]).map(Lane::splat).collect();
+    let known = initial == InitialState::Known;
+    let found = with_states!(levels, of_blocks(recordings, &unknowns, levels, known));
+    let own: Vec<&Linear> = found.iter().filter_map(|block| block.first()).collect();
+    let mut whole = (*own.first()?).clone();
+    own[1..].iter().for_each(|block| whole.add(block));
+    let (whole, _) = whole.weighted([1.0; 3]);
+    let without = |block: &Linear| {
+        let (own, gradient) = block.weighted([1.0; 3]);
+        let others: Vec<f64> = whole.iter().zip(own).map(|(whole, own)| whole - own).collect();
+        let inverse =
+            scaled_inverse(&others, gradient.len()).or_else(|_| scaled_inverse(&whole, gradient.len()));
+        Some(times(&inverse.ok()?, &gradient))
+    };
+    jackknife(own.iter().copied(), without).map(|own| roots(&own))
+}
+
+fn of_blocks<const N: usize>(
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    levels: &Levels,
+    known: bool,
+) -> Vec<Vec<Linear>> {
+    let free: Vec<usize> = (0..recordings.model.parameters()).collect();
+    let (gains, _) = filter::<N>(recordings, unknowns, levels, known);
+    blocks(recordings, unknowns, &free, Some(levels), &gains, false)
 }
 
 struct Predictions<'a, const N: usize> {
@@ -122,8 +165,10 @@ fn rounds<const N: usize>(
             }
         }
     }
-    let fit =
-        |minimum: &Minimum| fit(recordings, minimum, errors(minimum, free.len()), InitialState::Known.into());
+    let fit = |minimum: &Minimum| {
+        let errors = errors(minimum, free.len()).map(|errors| (errors, false));
+        fit(recordings, minimum, errors, InitialState::Known.into())
+    };
     best.iter().map(fit).collect()
 }
 

@@ -1,38 +1,79 @@
 use vessel::Lane;
 
+use super::sums::{Linear, linears};
 use crate::sensitivity::{
-    Levels, Products, Recordings, Sensitivities, Step, add_draws, add_start, backward, sweep,
+    Gain, Levels, Products, Recordings, Sensitivities, Step, add_draws, add_start, backward, sweep,
 };
 
-/// Covariance of Σ sᵀWe where errors are correlated over less than about 2√N samples, of recordings simulated with `unknowns` by
-/// the `free` ones, in a current of `levels` that is among them. Sample 0 counts where `from_start`. free × free lanes.
-pub(crate) fn correlated_scores<const N: usize>(
+/// Blocks of samples that are left out, one after the other.
+const BLOCKS: usize = 10;
+/// Student's t of nine degrees of freedom over the normal distribution's, for intervals of 95 %.
+const STUDENT: f64 = 2.262_157 / 1.959_964;
+
+/// Sums over each of ten blocks of samples, by block and lane, of recordings predicted with `unknowns` by the `free` ones: free
+/// simulations, in a current of `levels` that is among the unknowns, or white innovations where there are gains. Sample 0
+/// counts where `from_start`.
+pub(crate) fn blocks<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],
     free: &[usize],
     levels: Option<&Levels>,
+    gains: &[Gain<Lane, N>],
     from_start: bool,
-    weights: [Lane; 3],
-) -> Vec<Lane> {
-    let mut scores = Windowed::new(recordings.longest() + 1, free.len());
+) -> Vec<Vec<Linear>> {
+    let (rows, columns) = (recordings.longest() + 1, free.len() + 1);
+    let new = || [0; 3].map(|_| Products::<Lane>::new(columns));
+    let (mut products, mut found) = (new(), Vec::new());
     sweep(
         recordings,
         unknowns,
         free,
         levels.map(Levels::spread).as_ref(),
-        &[],
-        #[inline(always)]
+        gains,
         |step: Step<'_, Lane, N>| {
             let counts = if step.k == 0 && !from_start { Lane::ZERO } else { recordings.lasting(step.k) };
-            let weighted = [0, 1, 2].map(|d: usize| weights[d] * (step.error[d] * counts));
-            for (i, s) in step.sensitivities.iter().enumerate() {
-                let by = [s[0] * counts, s[1] * counts, s[2] * counts];
-                scores.set(i, by[0] * weighted[0] + by[1] * weighted[1] + by[2] * weighted[2]);
+            let white = |x: [Lane; 3]| {
+                let own = gains.get(step.k).map_or(x, |gain| gain.white(&x));
+                own.map(|x| x * counts)
+            };
+            let all = step.sensitivities.iter().map(|s| [s[0], s[1], s[2]]).chain([step.error]);
+            for (i, own) in all.map(white).enumerate() {
+                (0..3).for_each(|d| products[d].set(i, own[d]));
             }
-            scores.advance();
+            products.iter_mut().for_each(Products::advance);
+            if (step.k + 1) * BLOCKS / rows > step.k * BLOCKS / rows {
+                let full = std::mem::replace(&mut products, new());
+                found.push(linears(full, recordings, from_start));
+            }
         },
     );
-    scores.finish()
+    found
+}
+
+/// Covariance of an estimate by what it changes where a block is left out, as `without` says; in units in which 1.96 standard
+/// errors are an interval of 95 %. None where that is not a number.
+pub(crate) fn jackknife<'l>(
+    blocks: impl ExactSizeIterator<Item = &'l Linear>,
+    without: impl Fn(&Linear) -> Option<Vec<f64>>,
+) -> Option<Vec<f64>> {
+    let count = blocks.len() as f64;
+    let share = STUDENT * STUDENT * (count - 1.0) / count;
+    let mut covariance: Vec<f64> = Vec::new();
+    for block in blocks {
+        let moved = without(block)?;
+        let p = moved.len();
+        covariance.resize(p * p, 0.0);
+        for (k, sum) in covariance.iter_mut().enumerate() {
+            *sum += share * moved[k / p] * moved[k % p];
+        }
+    }
+    covariance.iter().all(|c| c.is_finite()).then_some(covariance)
+}
+
+/// Roots of a diagonal.
+pub(crate) fn roots(covariance: &[f64]) -> Vec<f64> {
+    let p = covariance.len().isqrt();
+    covariance.iter().step_by(p + 1).map(|variance| variance.sqrt()).collect()
 }
 
 /// What `levels` add to the covariance of Σ sᵀWe beside measurement noise, to first order around the run's simulation: every
@@ -110,6 +151,58 @@ impl Windowed {
                 self.set(i, Lane::ZERO);
             }
             self.advance();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vessel::{Source, Vessel};
+
+    use super::*;
+    use crate::sensitivity::{Drift, Flow};
+
+    /// Drift of the sensors enters the scores as it is measured: its covariance at all pairs of samples.
+    #[test]
+    fn oracle_scores_under_drifting_sensors_have_the_covariance_of_all_pairs_of_samples() {
+        let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+        let theta = vessel.parameters(Source::Value).unwrap();
+        let inputs = |k: usize| [2000.0, 900.0, 400.0].map(|size: f64| size * (0.2 * k as f64 + size).sin());
+        let samples = 40;
+        let exogenous: Vec<Lane> = (0..samples).flat_map(inputs).map(Lane::splat).collect();
+        let measured = vec![Lane::ZERO; 3 * (samples + 1)];
+        let recordings = Recordings {
+            model: &vessel.model,
+            measured: &measured,
+            exogenous: &exogenous,
+            initial: [0.6, 0.0, 0.1].map(Lane::splat),
+            samples: [samples; vessel::LANES],
+        };
+        let unknowns: Vec<Lane> = theta.iter().copied().chain([0.0; 3]).map(Lane::splat).collect();
+        let free: Vec<usize> = (0..theta.len()).collect();
+        let kept = Sensitivities::of(&recordings, &unknowns, &free, true);
+        let (std, factor, weights) = ([0.3, 0.2, 0.1], 0.9_f64, [4.0, 9.0, 25.0]);
+        let levels = Levels {
+            measurement: [1.0; 3],
+            current: Flow::Still,
+            force: None,
+            drift: Some(Drift { std, factor }),
+        };
+        let found = disturbed_scores::<7>(&recordings, &unknowns, &kept, weights.map(Lane::splat), &levels);
+        let p = free.len();
+        for (i, j) in [(0, 0), (3, 3), (1, 2), (4, 4), (9, 9), (7, 8)] {
+            let mut wanted = 0.0;
+            for k in 0..=samples {
+                for l in 0..=samples {
+                    for d in 0..3 {
+                        let both = kept.by(k, i)[d][0] * kept.by(l, j)[d][0];
+                        let covariance = std[d] * std[d] * factor.powi(k.abs_diff(l) as i32);
+                        wanted += weights[d] * weights[d] * both * covariance;
+                    }
+                }
+            }
+            let found = found[i * p + j][0];
+            assert!((found - wanted).abs() < 1e-9 * wanted.abs().max(1e-12), "{i} {j}: {found} {wanted}");
         }
     }
 }

@@ -131,7 +131,11 @@ pub(crate) fn linearize_and_keep(
 }
 
 /// By lane, of sums of sensitivities and, last, errors.
-fn linears(products: [Products<Lane>; 3], recordings: &Recordings, from_start: bool) -> Vec<Linear> {
+pub(super) fn linears(
+    products: [Products<Lane>; 3],
+    recordings: &Recordings,
+    from_start: bool,
+) -> Vec<Linear> {
     let sums = products.map(|products| products.finish().square());
     let first = usize::from(!from_start);
     let p = sums[0].len().isqrt() - 1;

@@ -1,6 +1,6 @@
 use vessel::{Lane, Model};
 
-use super::scores::correlated_scores;
+use super::scores::blocks;
 use super::sums::{Linear, linearize};
 use crate::beside::{Beside, UnknownCurrent, UnknownWind};
 use crate::sensitivity::{Flow, Levels, Recordings, Slopes, slopes};
@@ -78,7 +78,7 @@ impl Unknown {
         let turning = if self.current == UnknownCurrent::Body { 0.0 } else { self.interval_s };
         let lasting = Flow::Markov { std: 0.0, factor: 1.0, turning };
         let any = self.around().next();
-        any.map(|_| Levels { measurement: [0.0; 3], current: lasting, force: None })
+        any.map(|_| Levels { measurement: [0.0; 3], current: lasting, force: None, drift: None })
     }
 
     /// States of the vessel and of what is around it.
@@ -117,19 +117,18 @@ impl Unknown {
         slopes(recordings, unknowns, free, self.start_counts(), weights, path)
     }
 
-    /// What correlated errors do to the scores of free simulations, see [`correlated_scores`].
-    pub(crate) fn scores(
+    /// Sums of free simulations over blocks of samples, see [`blocks`].
+    pub(crate) fn blocks(
         self,
         recordings: &Recordings,
         unknowns: &[Lane],
         free: &[usize],
-        weights: [Lane; 3],
-    ) -> Vec<Lane> {
+    ) -> Vec<Vec<Linear>> {
         let (levels, counts) = (self.levels(), self.start_counts());
         match self.states() {
-            3 => correlated_scores::<3>(recordings, unknowns, free, None, counts, weights),
-            5 => correlated_scores::<5>(recordings, unknowns, free, levels.as_ref(), counts, weights),
-            _ => correlated_scores::<9>(recordings, unknowns, free, levels.as_ref(), counts, weights),
+            3 => blocks::<3>(recordings, unknowns, free, None, &[], counts),
+            5 => blocks::<5>(recordings, unknowns, free, levels.as_ref(), &[], counts),
+            _ => blocks::<9>(recordings, unknowns, free, levels.as_ref(), &[], counts),
         }
     }
 }

@@ -143,7 +143,7 @@ impl RunEstimators<'_> {
         }
         if wanted(&[OutputError, PredictionError]) {
             let iv: Vec<Found> = found.iv.iter().map(|r| r.found.clone()).collect();
-            let free = self.output_error(runs, &found.refined.near, &iv);
+            let free = self.output_error(runs, &found.refined.near, &iv, wanted(&[OutputError]));
             found.simulated = free.iter().map(Found::from).collect();
             if wanted(&[PredictionError]) {
                 let fits = match &self.levels {

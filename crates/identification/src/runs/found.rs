@@ -47,7 +47,11 @@ impl From<&Fit> for Found {
     fn from(fit: &Fit) -> Self {
         match fit {
             Fit::Converged(found) => Self {
-                status: EstimateStatus::Identified,
+                status: if found.approximate {
+                    EstimateStatus::Approximate
+                } else {
+                    EstimateStatus::Identified
+                },
                 estimate: Some((found.parameters.clone(), found.standard_errors.clone())),
                 intercepts: Some(found.intercepts),
                 around: Some(*found.around),

@@ -1,32 +1,39 @@
 //! Output error and prediction error of single runs.
 
 use std::borrow::Cow;
-use std::convert::Infallible;
 
 use rayon::prelude::*;
 use vessel::{Model, Run, RunView};
 
 use super::estimators::RunEstimators;
 use super::found::Found;
-use crate::Estimator;
 use crate::beside::Intercepts;
-use crate::criticism::Calibration;
+use crate::criticism::{Calibrated, calibrated};
 use crate::predictor::{
-    Fit, Fitted, InitialState, Levels, Spread, Unknown, mean_square, output_error, prediction_error,
+    Fit, Fitted, FoundSpread, InitialState, Levels, Spread, Unknown, errors_by_blocks, output_error,
+    prediction_error,
 };
-
-/// Share of the motion that errors are first thought to have where no free simulation follows it.
-const UNKNOWN: f64 = 0.2;
 
 impl RunEstimators<'_> {
     /// Least errors of free simulations of `runs`. Searches begin at the estimates `near`, then at those of `iv`, then at the
     /// nominal model, where there is none or it leads nowhere.
-    pub(super) fn output_error(&self, runs: &[Run], near: &[Found], iv: &[Found]) -> Vec<Fit> {
+    /// Whose standard errors are not wanted need no noise.
+    pub(super) fn output_error(&self, runs: &[Run], near: &[Found], iv: &[Found], errors: bool) -> Vec<Fit> {
         let starts =
             |(near, iv): (&Found, &Found)| self.starts([near, iv].map(|found| found.theta().map(without)));
         let starts: Vec<Vec<Vec<f64>>> = near.iter().zip(iv).map(starts).collect();
-        let spread = self.levels.as_ref().map_or(Spread::Residuals, Spread::Stated);
-        output_error(&self.lifted(), &views(runs), &starts, self.unknown(), spread)
+        let (model, views) = (self.lifted(), views(runs));
+        let of = |run: usize, theta: &[f64]| {
+            let noise = self.noise(&model, views[run], &[theta.to_vec()]).filter(|noise| noise.white);
+            let found = |noise: Calibrated| FoundSpread { levels: noise.near, factor: noise.factor };
+            noise.map_or(FoundSpread { levels: Vec::new(), factor: 1.0 }, found)
+        };
+        let spread = match &self.levels {
+            Some(levels) => Spread::Stated(levels),
+            None if errors => Spread::Found(&of),
+            None => Spread::Blocks,
+        };
+        output_error(&model, &views, &starts, self.unknown(), spread)
     }
 
     /// What free simulations do not know.
@@ -51,13 +58,12 @@ impl RunEstimators<'_> {
 
     /// Seconds that finding out what disturbs runs takes a thread for a row, to the order; see [`crate::Estimator::seconds_per_row`].
     pub fn seconds_per_row_calibrated(&self) -> f64 {
-        let wanted = self.estimators.contains(&Estimator::PredictionError);
-        if wanted && self.levels.is_none() { 1e-3 } else { 0.0 }
+        let searched = self.estimators.iter().filter(|estimator| estimator.searches()).count();
+        if self.levels.is_none() { 1e-3 * searched as f64 } else { 0.0 }
     }
 
-    /// The same where nobody says what disturbs `runs`: noise and a current are found by the likelihood of each run by itself, in
-    /// turns with its parameters, from where free simulations have the least errors, from the estimates `near` and from the nominal
-    /// model. The most likely of what they lead to counts.
+    /// The same where nobody says what disturbs `runs`: the noise is found by the likelihood of each run by itself, in turns with
+    /// its parameters, from where free simulations have the least errors; else from the estimates `near`, or the nominal model.
     pub(super) fn calibrated(&self, runs: &[Run], free: &[Fit], near: &[Found]) -> Vec<Fit> {
         let each = runs.par_iter().zip(free).zip(near);
         each.map(|((run, free), near)| self.calibrated_to(run, free, near)).collect()
@@ -65,27 +71,42 @@ impl RunEstimators<'_> {
 
     fn calibrated_to(&self, run: &Run, free: &Fit, near: &Found) -> Fit {
         let (model, view) = (self.lifted(), run.view());
-        let layout = model.layout();
-        let known = self.initial == InitialState::Known;
-        let simulated = converged(free);
-        let errors = simulated
-            .map_or_else(|| [0, 1, 2].map(|d: usize| UNKNOWN * mean_square(&view, d).sqrt()), |own| own.rmse);
-        let rate_hz = self.vessel.sample_rate_hz;
-        let calibration = Calibration::new(&model, std::iter::once(view), rate_hz, known, errors);
-        let fit = |levels: &Levels, theta: &[f64]| {
-            let starts = [vec![theta.to_vec()]];
-            let fit = prediction_error(&model, &[view], &starts, self.initial, levels).pop();
-            let next = fit.as_ref().and_then(converged);
-            let next = next.map(|found| layout.woven(&found.parameters, found.intercepts));
-            Ok::<_, Infallible>(next.zip(fit))
+        let starts = self.starts([converged(free).map(with_intercepts), near.theta().map(without)]);
+        // An estimate by simulations is another one: it does not stand in for what a filter does not find.
+        let none = || match free {
+            Fit::NotIdentifiable(_) => free.clone(),
+            Fit::Converged(found) => Fit::NotConverged(found.steps),
+            Fit::NotConverged(steps) => Fit::NotConverged(*steps),
         };
-        let starts = self.starts([simulated.map(with_intercepts), near.theta().map(without)]);
-        let turned = starts.into_iter().filter_map(|theta| {
-            let Ok(turned) = calibration.in_turns(theta, fit);
-            turned
-        });
-        let best = turned.reduce(|best, own| if own.0 > best.0 { own } else { best });
-        best.map_or_else(|| free.clone(), |(_, fit)| fit)
+        let Some(noise) = self.noise(&model, view, &starts) else { return none() };
+        let starts = [vec![noise.parameters.clone()]];
+        let fit = prediction_error(&model, &[view], &starts, self.initial, &noise.levels).pop();
+        match fit {
+            Some(Fit::Converged(found)) => Fit::Converged(self.with_errors_of(found, &model, view, &noise)),
+            other => other.unwrap_or_else(none),
+        }
+    }
+
+    /// What disturbs a run, found in turns with its parameters from the first of `starts` that leads to any.
+    fn noise(&self, model: &Model, run: RunView, starts: &[Vec<f64>]) -> Option<Calibrated> {
+        let known = self.initial == InitialState::Known;
+        calibrated(model, &[run], self.vessel.sample_rate_hz, known, starts)
+    }
+
+    /// An estimate under noise that was found, with standard errors of short runs, or of those whose errors follow no noise that
+    /// is known here.
+    fn with_errors_of(&self, found: Fitted, model: &Model, run: RunView, noise: &Calibrated) -> Fitted {
+        let layout = model.layout();
+        let theta = layout.woven(&found.parameters, found.intercepts);
+        let (errors, approximate) = match (noise.white, &noise.widest) {
+            (false, _) => (errors_by_blocks(model, run, &theta, self.initial, &noise.levels), true),
+            (true, widest) => (widest.clone(), false),
+        };
+        let own = errors.map_or(found.standard_errors.clone(), |errors| layout.theta(&errors));
+        // What a bound holds has no error.
+        let held = |(before, own): (&f64, f64)| if *before == 0.0 { 0.0 } else { own };
+        let standard_errors = found.standard_errors.iter().zip(own).map(held).collect();
+        Fitted { standard_errors, approximate, ..found }
     }
 
     /// The model with its intercepts, if it is to have any.

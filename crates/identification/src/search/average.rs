@@ -98,7 +98,7 @@ impl Study<'_> {
         };
         let within: Vec<Vec<&Recording>> = (0..count).map(of).collect();
         let places = self.compact(base, &within, ridge)?.places;
-        let fitted = self.fitted(&places, base, &self.others(without), ridge, false)?;
+        let fitted = self.fitted(&places, base, &self.others(without), ridge)?;
         Some((fitted, drawn.iter().map(|own| own.name.clone()).collect()))
     }
 }

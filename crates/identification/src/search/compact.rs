@@ -93,14 +93,13 @@ impl Study<'_> {
         Some(Compact { sizes: told, places })
     }
 
-    /// The model of the terms at `places`, fitted to all of `folds`; its covariance where it is `delivered`.
+    /// The model of the terms at `places`, fitted to all of `folds`.
     pub fn fitted(
         &self,
         places: &[usize],
         base: &[f64],
         folds: &[Vec<&Recording>],
         ridge: f64,
-        delivered: bool,
     ) -> Option<Fitted> {
         let recordings: Vec<&Recording> = folds.iter().flatten().copied().collect();
         let model = subset(self.library, places);
@@ -109,11 +108,9 @@ impl Study<'_> {
         let known: Vec<bool> = places.iter().map(|i| self.known()[*i]).collect();
         let problem = Problem::new(&model, &recordings, self.rate_hz).by_effect(&start, &known);
         let beta = minimum(&problem, problem.beta(&start), ridge, JUDGED)?;
-        let exact = problem.exactly();
-        let looked = exact.look(&beta)?;
-        let covariance = delivered.then(|| exact.covariance(&beta, &looked, ridge)).flatten();
-        let theta = exact.theta(&beta);
-        Some(Fitted { model, theta, covariance })
+        problem.look(&beta)?;
+        let theta = problem.theta(&beta);
+        Some(Fitted { model, theta })
     }
 
     /// Adds terms to those at `start` one by one, each time the one with which the folds are best followed when they are left out,

@@ -4,7 +4,7 @@ use super::nested::Fitted;
 use super::problem::limit;
 use super::recording::{Laid, Recording};
 use super::scores::{scores, together};
-use crate::pooled::{Covariance, Delivered, Part, RecordingConstant, covered};
+use crate::pooled::{Delivered, Part, RecordingConstant, covered};
 
 /// `library` without those terms beyond `base` that are 0 in every sample.
 pub(super) fn without_zeros(base: &Model, library: &Model, recordings: &[Recording]) -> Model {
@@ -60,7 +60,7 @@ pub(super) fn delivered(
     recordings: &[Recording],
     parts: &[Part],
 ) -> Delivered {
-    let Fitted { model: lifted, theta: parameters, covariance } = found;
+    let Fitted { model: lifted, theta: parameters } = found;
     let layout = lifted.layout();
     let (theta, intercepts) = (layout.theta(parameters), layout.intercepts(parameters));
     let (increment_std, constants) = gained(structure, recordings, &theta);
@@ -69,7 +69,8 @@ pub(super) fn delivered(
     Delivered {
         theta,
         constant: [0, 1, 2].map(|d| structure.constant[d] + intercepts[d]),
-        covariance: covariance.clone().map(|entries| Covariance::joint(lifted, entries)),
+        // A ridge or a choice of terms leaves no standard errors that hold.
+        covariance: None,
         least_squares: None,
         increment_std,
         output_rmse: together(followed.iter()).rmse(),

@@ -74,12 +74,21 @@ pub struct NestedRecording {
     pub search_norm: Option<f64>,
     /// That of the base structure.
     pub base_norm: Option<f64>,
+    /// Windows in which the found model diverged.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub search_diverged: u64,
     /// Errors of the mean trajectory, where an average was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub average: Option<FreeRunErrors>,
     /// Its norm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub average_norm: Option<f64>,
+}
+
+// Serde hands over a reference.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 impl Margin {

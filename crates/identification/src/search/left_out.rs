@@ -34,6 +34,7 @@ impl Study<'_> {
             base: own(*base, recording),
             search_norm: norm(*search),
             base_norm: norm(*base),
+            search_diverged: search.map_or(0, |score| score.diverged),
             average: own(*average, recording),
             average_norm: norm(*average),
         };

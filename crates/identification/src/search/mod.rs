@@ -5,6 +5,7 @@
 //! on a path of its own, and the whole algorithm is judged once more by recordings that it has not seen.
 
 mod average;
+mod bootstrap;
 mod compact;
 mod deliver;
 mod folds;
@@ -12,20 +13,24 @@ mod gram;
 mod judged;
 mod left_out;
 mod library;
+mod made;
 mod mean;
 mod minimum;
 mod nested;
+mod pairs;
 mod problem;
 mod recording;
 mod roles;
 mod scores;
 mod searched;
+mod wind;
 mod words;
 
 pub use average::{AverageOptions, Averaged, Member};
+pub use bootstrap::{BootstrapOptions, Resampled, ResampledParameter};
 pub use compact::SizeScore;
 pub use judged::{Margin, NestedAverage, NestedRecording, NestedScore};
-pub use library::{library, listed};
+pub use library::{library, listed, with_channels};
 pub use mean::MeanTrajectory;
 pub use nested::Candidate;
 pub use recording::Cut;

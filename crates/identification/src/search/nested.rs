@@ -33,9 +33,12 @@ pub(super) struct Study<'a> {
     pub folds: &'a [usize],
     pub ridges: &'a [f64],
     pub rate_hz: f64,
-    /// Of u, v, r over windows side by side, and over those that overlap.
+    /// Of u, v, r over windows side by side, over those that overlap, and over those that choose the ridge.
     pub std: [f64; 3],
     pub overlapping_std: [f64; 3],
+    pub choosing_std: [f64; 3],
+    /// Whether whole runs are scored.
+    pub whole_runs: bool,
 }
 
 /// Of the model that is delivered.
@@ -61,11 +64,11 @@ pub(super) struct RidgePath<'a> {
 pub struct Candidate {
     /// Λ.
     pub ridge: f64,
-    /// Mean fit of u, v, r over the recordings when they were left out \[%\]; none where a fold was rejected.
+    /// Mean fit of u, v, r over windows of the recordings when they were left out \[%\]; none where a fold was rejected.
     pub score: Option<f64>,
     /// Its standard error.
     pub standard_error: Option<f64>,
-    /// Folds whose fit diverged, or whose model left every bound on what was left out.
+    /// Folds whose fit diverged, or whose model left every bound on what was left out, over windows or over what is scored.
     pub rejected: u64,
 }
 
@@ -100,7 +103,6 @@ pub(super) struct Fitted {
     /// Its structure, with intercepts.
     pub model: Model,
     pub theta: Vec<f64>,
-    pub covariance: Option<Vec<f64>>,
 }
 
 /// What the whole algorithm finds, and what it finds when a fold is left out.
@@ -153,12 +155,16 @@ impl<'a> Study<'a> {
     /// The ridge that was chosen without the fold at `without`, and the base structure as it is fitted to the others.
     pub fn given(&self, nested: &Nested, chosen: usize, without: Option<usize>) -> Option<(f64, Vec<f64>)> {
         let Some(fold) = without else {
-            let base = started(self.base, &self.picked(|_| true), self.rate_hz, BASE)?;
-            return Some((self.ridges[chosen], base));
+            return Some((self.ridges[chosen], self.base_of_all()?));
         };
         let choice = &nested.without[fold];
         let ridge = choice.best().map(|best| choice.candidates[best].ridge)?;
         Some((ridge, nested.paths[&vec![fold]].base.clone()?))
+    }
+
+    /// The base structure, fitted to all.
+    pub fn base_of_all(&self) -> Option<Vec<f64>> {
+        started(self.base, &self.picked(|_| true), self.rate_hz, BASE)
     }
 
     /// Places in the library of the base structure's parameters.
@@ -173,6 +179,23 @@ impl<'a> Study<'a> {
     pub fn known(&self) -> Vec<bool> {
         let places = self.base_places();
         (0..self.library.parameters()).map(|i| places.contains(&i)).collect()
+    }
+
+    /// Chooses the ridge by recordings that are left out.
+    pub fn choice(&self) -> Choice {
+        let sets: Vec<Vec<usize>> = self.all_folds().map(|fold| vec![fold]).collect();
+        let paths: Vec<RidgePath> = sets.par_iter().map(|set| self.path(set)).collect();
+        let mut paths: BTreeMap<Vec<usize>, RidgePath> = sets.into_iter().zip(paths).collect();
+        let mut choice = Choice::default();
+        for ridge in self.ridges {
+            if choice.ended {
+                break;
+            }
+            let all: Vec<&mut RidgePath> = paths.values_mut().collect();
+            all.into_par_iter().for_each(|path| path.go_on(*ridge));
+            choice.add(self.candidate(&paths, *ridge, &[]));
+        }
+        choice
     }
 
     /// Chooses the ridge by recordings that are left out; again without each fold, by the folds that remain. A fit without two
@@ -216,8 +239,7 @@ impl<'a> Study<'a> {
         for fold in self.all_folds().filter(|fold| !without.contains(fold)) {
             let mut set = [without, &[fold]].concat();
             set.sort_unstable();
-            let own = self.scores(&paths[&set], paths[&set].last_theta(), self.library, fold);
-            match own.filter(|own| own.iter().all(|score| score.diverged == 0)) {
+            match self.followed(&paths[&set], fold) {
                 Some(own) => all.extend(own),
                 None => rejected += 1,
             }
@@ -225,21 +247,24 @@ impl<'a> Study<'a> {
         let whole = rejected == 0;
         Candidate {
             ridge,
-            score: mean_fit(&together(all.iter()), self.overlapping_std).filter(|_| whole),
-            standard_error: standard_error(&all, self.overlapping_std).filter(|_| whole),
+            score: mean_fit(&together(all.iter()), self.choosing_std).filter(|_| whole),
+            standard_error: standard_error(&all, self.choosing_std).filter(|_| whole),
             rejected,
         }
     }
 
-    /// How `theta` follows the recordings of `fold`.
-    pub fn scores(
-        &self,
-        path: &RidgePath,
-        theta: Option<&[f64]>,
-        model: &Model,
-        fold: usize,
-    ) -> Option<Vec<Score>> {
-        theta.map(|theta| scores(model, theta, &self.within(fold), Laid::Overlapping, path.limit))
+    /// How the last fit of `path` follows windows of the recordings of `fold`; none where it diverges over some window, or
+    /// over some run where whole runs are scored.
+    fn followed(&self, path: &RidgePath, fold: usize) -> Option<Vec<Score>> {
+        let (theta, recordings) = (path.last_theta()?, self.within(fold));
+        let over = |laid| {
+            let own = scores(self.library, theta, &recordings, laid, path.limit);
+            Some(own).filter(|own| own.iter().all(|score| score.diverged == 0))
+        };
+        if self.whole_runs {
+            over(Laid::SideBySide)?;
+        }
+        over(Laid::Choosing)
     }
 }
 
@@ -254,9 +279,7 @@ impl RidgePath<'_> {
     /// The last fit once more, to its end.
     pub fn delivered(&self, ridge: f64) -> Option<Fitted> {
         let beta = minimum(&self.problem, self.last.clone()?, ridge, DELIVERED)?;
-        let exact = self.problem.clone().exactly();
-        let covariance = exact.look(&beta).and_then(|looked| exact.covariance(&beta, &looked, ridge));
-        Some(Fitted { model: exact.model.clone(), theta: exact.theta(&beta), covariance })
+        Some(Fitted { model: self.problem.model.clone(), theta: self.problem.theta(&beta) })
     }
 
     pub fn last_theta(&self) -> Option<&[f64]> {

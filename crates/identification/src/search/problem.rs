@@ -24,8 +24,6 @@ pub(super) struct Problem<'a> {
     pub model: &'a Model,
     /// Longest first, so that neighbours are about as long.
     windows: Vec<RunView<'a>>,
-    /// By window, in which stretch of a window's length it begins.
-    stretches: Vec<usize>,
     std: [f64; 3],
     limit: [f64; 3],
     /// 0 for a term that is always 0.
@@ -55,9 +53,8 @@ pub(super) struct Slopes {
 
 impl<'a> Problem<'a> {
     pub fn new(model: &'a Model, recordings: &[&'a Recording], rate_hz: f64) -> Self {
-        let mut windows = overlapping(recordings);
-        windows.sort_by_key(|(_, window)| std::cmp::Reverse(window.samples()));
-        let (stretches, windows): (Vec<usize>, Vec<RunView>) = windows.into_iter().unzip();
+        let mut windows: Vec<RunView> = recordings.iter().flat_map(|r| r.overlapping()).collect();
+        windows.sort_by_key(|window| std::cmp::Reverse(window.samples()));
         let longest = windows.first().map_or(1, RunView::samples);
         let std = deviations(recordings.iter().flat_map(|r| &r.whole).map(|p| p.measured.as_slice()));
         let samples: usize = windows.iter().map(RunView::samples).sum();
@@ -70,7 +67,6 @@ impl<'a> Problem<'a> {
             // States change little within a twentieth of a window.
             thin: (longest / 20).max(1),
             windows,
-            stretches,
             std,
         }
     }
@@ -81,8 +77,7 @@ impl<'a> Problem<'a> {
         let samples = whole.flat_map(|whole| (0..whole.samples()).map(move |k| whole.part(k..k + 1)));
         let windows: Vec<RunView> = samples.collect();
         let residuals = (3 * windows.len()).max(1) as f64;
-        let stretches = vec![0; windows.len()];
-        Self { windows, stretches, residuals, thin: 1, ..Self::new(model, recordings, rate_hz) }
+        Self { windows, residuals, thin: 1, ..Self::new(model, recordings, rate_hz) }
     }
 
     /// The same errors over some `recordings` alone.
@@ -116,11 +111,6 @@ impl<'a> Problem<'a> {
     /// Number of errors.
     pub fn errors(&self) -> f64 {
         self.residuals
-    }
-
-    /// Sums up the curvature at every sample.
-    pub fn exactly(self) -> Self {
-        Self { thin: 1, ..self }
     }
 
     /// θ, within its bounds: at a bound to the bit where β is.
@@ -198,7 +188,7 @@ impl<'a> Problem<'a> {
         let groups: Vec<(&[RunView], &[f64])> =
             self.windows.chunks(LANES).zip(looked.weights.chunks(LANES)).collect();
         let pieces: Vec<_> = groups.chunks(groups.len().div_ceil(PIECES).max(1)).collect();
-        let parts: Vec<_> = pieces.par_iter().map(|groups| self.piece(&theta, groups, self.thin)).collect();
+        let parts: Vec<_> = pieces.par_iter().map(|groups| self.piece(&theta, groups)).collect();
         let (mut curvature, mut descent) = (vec![0.0; p * p], vec![0.0; p]);
         for (own, slope) in parts {
             curvature.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
@@ -213,43 +203,8 @@ impl<'a> Problem<'a> {
         finite.then_some(Slopes { curvature, descent })
     }
 
-    /// Covariance of a minimum's β: (H + ridge I)⁻¹ (Σ g gᵀ) (H + ridge I)⁻¹ with the descent g of each stretch of a window's
-    /// length, so that errors may be correlated in any way within one.
-    pub fn covariance(&self, beta: &[f64], looked: &Looked, ridge: f64) -> Option<Vec<f64>> {
-        let (p, slopes) = (beta.len(), self.slopes(beta, looked)?);
-        let theta: Vec<Lane> = self.theta(beta).into_iter().map(Lane::splat).collect();
-        let groups: Vec<_> = self.windows.chunks(LANES).zip(looked.weights.chunks(LANES)).collect();
-        let own = |group: &(&[RunView], &[f64])| self.piece(&theta, std::slice::from_ref(group), 0).1;
-        let found: Vec<Vec<Lane>> = groups.par_iter().map(own).collect();
-        let stretches = self.stretches.iter().copied().max().map_or(0, |last| last + 1);
-        let mut sums = vec![vec![0.0; p]; stretches];
-        for (window, stretch) in self.stretches.iter().enumerate() {
-            let own = found[window / LANES].iter().zip(&self.sizes);
-            let scaled = own.map(|(sum, size)| sum[window % LANES] * size / self.residuals);
-            sums[*stretch].iter_mut().zip(scaled).for_each(|(sum, own)| *sum += own);
-        }
-        let mut matrix = slopes.curvature;
-        (0..p).for_each(|i| matrix[i * p + i] += if self.sizes[i] > 0.0 { ridge } else { 1.0 });
-        // What lies at a bound is known: it has no error, and leaves the others theirs.
-        let held = self.held(beta);
-        for i in (0..p).filter(|i| held[*i]) {
-            (0..p).for_each(|j| (matrix[i * p + j], matrix[j * p + i]) = (0.0, 0.0));
-            matrix[i * p + i] = 1.0;
-            sums.iter_mut().for_each(|sum| sum[i] = 0.0);
-        }
-        let mut inverse = vec![0.0; p * p];
-        numerics::inverse(p, &mut matrix, &mut inverse)?;
-        let mut covariance = vec![0.0; p * p];
-        for sum in &sums {
-            let moved: Vec<f64> =
-                numerics::times(&inverse, sum).iter().zip(&self.sizes).map(|(m, size)| m * size).collect();
-            numerics::add_outer(&mut covariance, &moved, &moved);
-        }
-        Some(covariance)
-    }
-
-    /// Σ s sᵀ, at every `thin`th sample, and Σ s e of `groups`, by θ.
-    fn piece(&self, theta: &[Lane], groups: &[(&[RunView], &[f64])], thin: usize) -> (Vec<f64>, Vec<Lane>) {
+    /// Σ s sᵀ, at some samples, and Σ s e of `groups`, by θ.
+    fn piece(&self, theta: &[Lane], groups: &[(&[RunView], &[f64])]) -> (Vec<f64>, Vec<Lane>) {
         let p = theta.len();
         let unknowns = [theta, &[Lane::ZERO; 3]].concat();
         let free: Vec<usize> = (0..p).collect();
@@ -273,7 +228,7 @@ impl<'a> Problem<'a> {
                         return;
                     }
                     let counts = recordings.lasting(step.k) * weight;
-                    let counted = thin > 0 && step.k.is_multiple_of(thin);
+                    let counted = step.k.is_multiple_of(self.thin);
                     for d in 0..3 {
                         let by = counts * Lane::splat(scales[d]);
                         let error = step.error[d] * by * by;
@@ -290,7 +245,7 @@ impl<'a> Problem<'a> {
                 },
             );
         }
-        let curvature = products.finish().into_iter().map(|sum| thin as f64 * sum).collect();
+        let curvature = products.finish().into_iter().map(|sum| self.thin as f64 * sum).collect();
         (curvature, descent)
     }
 }
@@ -349,18 +304,6 @@ fn errors(states: &[Lane], runs: &SideBySide, limit: [f64; 3]) -> Vec<Option<[f6
         }
     }
     sums
-}
-
-/// The windows of all of `recordings`, each with the number of the stretch of a window's length that it begins in.
-fn overlapping<'a>(recordings: &[&'a Recording]) -> Vec<(usize, RunView<'a>)> {
-    let (mut all, mut first) = (Vec::new(), 0);
-    for recording in recordings {
-        let own: Vec<(usize, RunView)> = recording.overlapping().collect();
-        let next = own.iter().map(|(stretch, _)| first + stretch + 1).max().unwrap_or(first);
-        all.extend(own.into_iter().map(|(stretch, window)| (first + stretch, window)));
-        first = next;
-    }
-    all
 }
 
 /// How far a state may go.

@@ -20,6 +20,9 @@ pub(super) enum Laid {
     SideBySide,
     /// One begins at every quarter of another, so that a score hardly depends on where the first begins.
     Overlapping,
+    /// The same where windows are scored. Where whole runs are, windows of the length that is fitted, or a run that is shorter:
+    /// a ridge that is chosen over whole runs is too large, because a few long ones decide.
+    Choosing,
 }
 
 /// One recording: left out as a whole.
@@ -44,10 +47,11 @@ impl Recording {
 
     /// Its windows to score, all of one length; whole runs where they have none.
     pub fn scored(&self, laid: Laid) -> impl Iterator<Item = RunView<'_>> + Clone {
-        let length = self.cut.scored;
+        let Cut { window, scored, .. } = self.cut;
         self.whole.iter().flat_map(move |whole| {
             let samples = whole.samples();
-            let length = length.unwrap_or(samples).max(1);
+            let unscored = if laid == Laid::Choosing { window.min(samples) } else { samples };
+            let length = scored.unwrap_or(unscored).max(1);
             let every = if laid == Laid::SideBySide { length } else { length.div_ceil(4) };
             let starts = (0..=samples.saturating_sub(length)).step_by(every);
             starts
@@ -56,20 +60,15 @@ impl Recording {
         })
     }
 
-    /// Its windows to fit, overlapping, each with the number of the stretch of a window's length that it begins in. The last
-    /// ones are shorter, so that the recording's end counts too.
-    pub fn overlapping(&self) -> impl Iterator<Item = (usize, RunView<'_>)> {
+    /// Its windows to fit, overlapping. The last ones are shorter, so that the recording's end counts too.
+    pub fn overlapping(&self) -> impl Iterator<Item = RunView<'_>> {
         let Cut { window, every, .. } = self.cut;
-        let mut before = 0;
         self.whole.iter().flat_map(move |whole| {
             let samples = whole.samples();
             // A remainder that is shorter than a step belongs to the windows before it.
             let starts =
                 (0..samples).step_by(every).filter(move |start| *start == 0 || start + every <= samples);
-            let first = before;
-            before += samples.div_ceil(window);
-            let cut = move |start| whole.view().part(start..(start + window).min(samples));
-            starts.map(move |start| (first + start / window, cut(start)))
+            starts.map(move |start| whole.view().part(start..(start + window).min(samples)))
         })
     }
 
@@ -80,7 +79,7 @@ impl Recording {
 
     /// Number of errors in its windows.
     pub fn errors(&self) -> f64 {
-        self.overlapping().map(|(_, window)| 3 * window.samples()).sum::<usize>() as f64
+        self.overlapping().map(|window| 3 * window.samples()).sum::<usize>() as f64
     }
 
     /// What kind of trial it is: its name up to the first digit or sign, or its maneuver's.

@@ -5,6 +5,7 @@ use thiserror::Error;
 use vessel::Model;
 
 use super::average::{AverageOptions, Averaged, share};
+use super::bootstrap::{BootstrapOptions, Resampled};
 use super::compact::{Compact, SizeScore};
 use super::deliver::{delivered, without_intercepts, without_zeros};
 use super::folds::folds;
@@ -12,9 +13,9 @@ use super::judged::NestedScore;
 use super::left_out::Judged;
 use super::nested::{Candidate, Choice, Fitted, Nested, Study};
 use super::recording::{Cut, Laid, Recording};
-use super::scores::varying;
+use super::scores::{scores, varying};
 use super::words;
-use crate::pooled::{Delivered, Part, PooledRuns};
+use crate::pooled::{Delivered, Part, PooledRuns, listed};
 
 /// How a model is searched for.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +28,8 @@ pub struct SearchOptions {
     pub ridges: Vec<f64>,
     /// Whether few terms are wanted instead of all that the ridge holds back.
     pub compact: bool,
+    /// How often recordings are drawn again and searched anew, where few terms are wanted.
+    pub bootstrap: Option<BootstrapOptions>,
     /// Whether several models of few terms are wanted besides, to be averaged.
     pub average: Option<AverageOptions>,
     /// The sampling rate \[Hz\].
@@ -63,6 +66,8 @@ pub struct Searched {
     pub chosen_by_folds: BTreeMap<String, u64>,
     /// The whole search and the base structure on recordings that were left out of both.
     pub nested: NestedScore,
+    /// What searches over recordings that were drawn again found, where that was wanted.
+    pub resampled: Option<Resampled>,
     /// Several models of few terms, where an average is wanted.
     pub average: Option<Averaged>,
     /// What to know, in words.
@@ -91,15 +96,28 @@ pub enum SearchError {
     /// A model of the average diverges.
     #[error("a model of the average diverges, or cannot be fitted")]
     NoAverage,
+    /// Hardly any resample of the recordings gives a model.
+    #[error("fewer than two resamples of the recordings give a model")]
+    NoResample,
     /// No run is as long as a window.
     #[error("no run is as long as a window")]
     NoWindow,
     /// All were rejected.
-    #[error("all of {0} candidates diverge in some fold")]
-    AllDiverge(usize),
+    #[error("all of {candidates} candidates diverge in some fold{}", told(recordings))]
+    AllDiverge {
+        /// How many were tried.
+        candidates: usize,
+        /// Recordings on which the last of them diverges when they are left out of it.
+        recordings: Vec<String>,
+    },
     /// The best is useless.
     #[error("the best candidate has a mean fit of {0:.1} %, no better than the mean of the data")]
     Useless(f64),
+}
+
+fn told(recordings: &[String]) -> String {
+    let named: Vec<String> = recordings.iter().map(|name| format!("`{name}`")).collect();
+    if named.is_empty() { String::new() } else { format!(", left out in it: {}", listed(&named)) }
 }
 
 /// Finds a model of `runs`: all terms of `library` beside those of `base`, held back by a ridge that is chosen by leaving out
@@ -138,10 +156,15 @@ pub fn search(
         rate_hz: options.rate_hz,
         std: varying(recordings.iter(), Laid::SideBySide),
         overlapping_std: varying(recordings.iter(), Laid::Overlapping),
+        choosing_std: varying(recordings.iter(), Laid::Choosing),
+        whole_runs: options.cut.scored.is_none(),
     };
     let nested = setting.nested(done);
-    let (chosen, score) = chosen(&nested.all)?;
-    let lost = || SearchError::AllDiverge(nested.all.candidates.len());
+    let lost = || SearchError::AllDiverge {
+        candidates: nested.all.candidates.len(),
+        recordings: setting.diverging(&nested),
+    };
+    let (chosen, score) = chosen(&nested.all, lost)?;
     let mut found = setting.by_ridge(&nested, chosen).ok_or_else(lost)?;
     if options.compact {
         found = setting.few(&nested, chosen, done).ok_or_else(lost)?;
@@ -150,12 +173,23 @@ pub fn search(
         Some(wanted) => Some(setting.averages(&nested, chosen, wanted, done).ok_or(SearchError::NoAverage)?),
         None => None,
     };
+    let wanted = options.bootstrap.filter(|_| options.compact);
+    let resampled = match wanted {
+        Some(wanted) => Some(setting.resampled(wanted, done).ok_or(SearchError::NoResample)?),
+        None => None,
+    };
     let nested_score = setting.judged(&found.by_folds, averages.as_ref().map(|own| own.by_folds.as_slice()));
     let candidates = nested.all.candidates;
+    let mut statements =
+        words::statements(&candidates, chosen, score, &found.sizes, &found.all, &nested_score);
+    statements.push(words::errors(resampled.as_ref(), &found.all));
+    if options.cut.scored.is_none() {
+        statements.insert(1, words::CHOSEN_ON_WINDOWS.to_owned());
+    }
     let parts: Vec<Part> = recordings.iter().flat_map(|r| &r.whole).cloned().collect();
     let structure = without_intercepts(&found.all.model);
     Ok(Searched {
-        statements: words::statements(&candidates, chosen, score, &found.sizes, &found.all, &nested_score),
+        statements,
         delivered: delivered(&structure, &found.all, &recordings, &parts),
         samples: parts.iter().map(|part| part.samples() as u64).sum(),
         windows: recordings.iter().map(|r| r.scored(Laid::SideBySide).count() as u64).sum(),
@@ -166,6 +200,7 @@ pub fn search(
         chosen_by_folds: found.chosen_by_folds,
         nested: nested_score,
         model: structure,
+        resampled,
         average: averages.map(|own| own.delivered(&recordings, &parts)),
     })
 }
@@ -185,8 +220,8 @@ fn needed(folds: usize) -> usize {
     (folds..).find(|recordings| share(left(*recordings)) >= folds.max(3)).unwrap_or(usize::MAX)
 }
 
-fn chosen(all: &Choice) -> Result<(usize, f64), SearchError> {
-    let best = all.best().ok_or(SearchError::AllDiverge(all.candidates.len()))?;
+fn chosen(all: &Choice, lost: impl Fn() -> SearchError) -> Result<(usize, f64), SearchError> {
+    let best = all.best().ok_or_else(lost)?;
     match all.candidates[best].score {
         Some(score) if score > 0.0 => Ok((best, score)),
         score => Err(SearchError::Useless(score.unwrap_or(f64::NEG_INFINITY))),
@@ -194,6 +229,23 @@ fn chosen(all: &Choice) -> Result<(usize, f64), SearchError> {
 }
 
 impl Study<'_> {
+    /// The recordings on which the last fits without them diverge.
+    fn diverging(&self, nested: &Nested) -> Vec<String> {
+        let of = |fold: usize| {
+            let path = &nested.paths[&vec![fold]];
+            let recordings = self.within(fold);
+            let over = |laid| {
+                let theta = path.last_theta();
+                theta.map_or(Vec::new(), |theta| scores(self.library, theta, &recordings, laid, path.limit))
+            };
+            let [windows, scored] = [Laid::Choosing, Laid::SideBySide].map(over);
+            let diverges =
+                |i: &usize| [&windows, &scored].iter().any(|own| own.get(*i).is_some_and(|s| s.diverged > 0));
+            (0..recordings.len()).filter(diverges).map(|i| recordings[i].name.clone()).collect::<Vec<_>>()
+        };
+        self.all_folds().flat_map(of).collect()
+    }
+
     /// All terms, with the ridge at `chosen`; without each fold with the one that was chosen without it.
     fn by_ridge(&self, nested: &Nested, chosen: usize) -> Option<Found> {
         let mut whole = self.path(&[]);
@@ -201,7 +253,7 @@ impl Study<'_> {
         let judged = |(fold, choice): (usize, &Choice)| {
             let (path, best) = (&nested.paths[&vec![fold]], choice.best());
             let theta = best.and_then(|best| path.thetas[best].clone());
-            let model = theta.map(|theta| Fitted { model: self.library.clone(), theta, covariance: None });
+            let model = theta.map(|theta| Fitted { model: self.library.clone(), theta });
             let ridge = best.map(|best| choice.candidates[best].ridge);
             Judged { ridge, model, base: path.base.clone(), limit: path.limit }
         };
@@ -217,7 +269,7 @@ impl Study<'_> {
             let (ridge, base) = self.given(nested, chosen, without)?;
             let folds = self.others(without);
             let compact = self.compact(&base, &folds, ridge)?;
-            let fitted = self.fitted(&compact.places, &base, &folds, ridge, without.is_none());
+            let fitted = self.fitted(&compact.places, &base, &folds, ridge);
             done(1);
             Some((compact, fitted?))
         };

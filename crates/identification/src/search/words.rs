@@ -1,8 +1,32 @@
+use super::bootstrap::Resampled;
 use super::compact::SizeScore;
-use super::judged::{Margin, NestedAverage, NestedScore};
+use super::judged::{Margin, NestedAverage, NestedRecording, NestedScore};
 use super::nested::{Candidate, Fitted};
 use super::scores::mean_of;
-use crate::pooled::FreeRunErrors;
+use crate::pooled::{FreeRunErrors, listed};
+
+use numerics::statistics::median;
+
+/// Where whole runs are scored.
+pub(super) const CHOSEN_ON_WINDOWS: &str =
+    "the ridge was chosen over windows of the length that is fitted, though whole runs are scored";
+
+/// What is known of the errors of the parameters of the model `found`: what searches over resampled recordings found, or nothing.
+pub(super) fn errors(resampled: Option<&Resampled>, found: &Fitted) -> String {
+    let Some(Resampled { searches, failed, parameters }) = resampled else {
+        return "held back by a ridge; predictions have bands, parameters have no errors".to_owned();
+    };
+    let named = found.model.parameter_names().filter_map(|name| Some((name, parameters.get(name)?)));
+    let told = named.map(|(name, own)| {
+        let times = if own.chosen < *searches { format!(", in {}", own.chosen) } else { String::new() };
+        format!("`{name}` {:.3e} to {:.3e}{times}", own.low, own.high)
+    });
+    let none = if *failed > 0 { format!(" ({failed} more found no model)") } else { String::new() };
+    let all = told.collect::<Vec<_>>().join("; ");
+    format!(
+        "{searches} searches over recordings drawn again{none}: 95 % of them, and how many chose a term if not all: {all}"
+    )
+}
 
 /// What was chosen and how good it is.
 pub(super) fn statements(
@@ -49,6 +73,7 @@ pub(super) fn statements(
     }
     out.extend(nested.margin.as_ref().map(|margin| against(margin, "the base structure")));
     out.extend(nested.average.iter().flat_map(averaged));
+    out.extend(contradicting(nested));
     let rejected: u64 = candidates.iter().map(|c| c.rejected).sum();
     if rejected > 0 {
         let ridges = candidates.iter().filter(|c| c.rejected > 0).count();
@@ -69,6 +94,33 @@ fn at_bounds(found: &Fitted) -> Option<String> {
         .map(|((name, _), _)| format!("`{name}`"))
         .collect();
     (!held.is_empty()).then(|| format!("held at a bound: {}", held.join(", ")))
+}
+
+/// Norm of RMSE/std from which on a model is of no use: that of the mean of the data is √3.
+const USELESS: f64 = 1.0;
+/// By how many times the others' median the error of a recording exceeds it that contradicts them.
+const CONTRADICTS: f64 = 4.0;
+
+/// Which recordings contradict the others: models of those are of no use for it, or diverge, while they follow each other.
+fn contradicting(nested: &NestedScore) -> Option<String> {
+    let norms: Vec<f64> = nested.recordings.iter().filter_map(|own| own.search_norm).collect();
+    let usual = median(norms)?;
+    let beyond = |own: &&NestedRecording| match own.search_norm {
+        Some(norm) => norm > USELESS && norm > CONTRADICTS * usual,
+        None => own.search_diverged > 0,
+    };
+    let named = nested.recordings.iter().filter(beyond).map(|own| match own.search_norm {
+        Some(norm) => format!("`{}` by an error norm of {norm:.2}", own.source),
+        None => format!("`{}`, where they diverge", own.source),
+    });
+    let named: Vec<String> = named.collect();
+    (!named.is_empty()).then(|| {
+        format!(
+            "models of the other recordings, whose median is {usual:.2}, contradict {}: look at its signs, units, load and ship, or \
+             leave it out",
+            listed(&named)
+        )
+    })
 }
 
 /// What averaging brings on recordings that were left out.
@@ -96,6 +148,8 @@ fn against(margin: &Margin, than: &str) -> String {
     let told = match interval {
         [Some(low), _] if *low > 0.0 => "better than",
         [_, Some(high)] if *high < 0.0 => "worse than",
+        // No interval is as sure as asked for.
+        [None, None] => "too few recordings to tell it from",
         _ => "not told apart from",
     };
     format!("{told} {than}: {}", crate::pooled::lies_above(*median, *interval, *pairs, "recordings"))

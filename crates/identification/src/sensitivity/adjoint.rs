@@ -75,8 +75,9 @@ pub(crate) fn add_draws<X: Unknowns, const N: usize>(
             draws.advance();
         }
     }
+    let measured = levels.drift.is_some();
     for (i, std, factor) in levels.spread::<f64>().processes::<N>() {
-        add_state(draws, adjoints, i, std * (1.0 - factor * factor).max(0.0).sqrt());
+        add_state(draws, adjoints, i, std * (1.0 - factor * factor).max(0.0).sqrt(), measured);
     }
 }
 
@@ -87,19 +88,28 @@ pub(crate) fn add_start<X: Unknowns, const N: usize>(
     levels: &Levels,
 ) {
     let all = levels.spread::<f64>().processes::<N>();
-    all.for_each(|(i, std, _)| add_state(draws, adjoints, i, std));
+    let measured = levels.drift.is_some();
+    all.for_each(|(i, std, _)| add_state(draws, adjoints, i, std, measured));
 }
 
-/// Adds what a change of standard deviation `std` in state `i` does.
+/// Adds what a change of standard deviation `std` in state `i` does; that of a sensor's drift is `measured` at once.
 #[inline(always)]
 fn add_state<X: Unknowns, const N: usize>(
     draws: &mut Products<X>,
     adjoints: &[[Lane; N]],
     i: usize,
     std: f64,
+    measured: bool,
 ) {
-    if std > 0.0 {
-        draws.scale(adjoints, i, Lane::splat(std));
-        draws.advance();
+    if std <= 0.0 {
+        return;
     }
+    if measured {
+        for (column, adjoint) in adjoints.iter().enumerate() {
+            draws.set(column, Lane::splat(std) * (adjoint[i + 3 - N] + adjoint[i]));
+        }
+    } else {
+        draws.scale(adjoints, i, Lane::splat(std));
+    }
+    draws.advance();
 }

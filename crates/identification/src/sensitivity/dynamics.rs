@@ -5,15 +5,25 @@ use super::unknowns::Unknowns;
 
 /// How the N states move on: u, v, r, then the current's two components (N = 5, 8, 9), then three forces (N = 6, 8); or, of free
 /// simulations alone, what changes the current's components and what pushes the vessel in a sample, both over ground (N = 9).
+/// Sensors that drift (N = 7) make the first three states those that are measured, drift included; the last three are the
+/// drift itself, and the one between them stays zero.
 #[derive(Clone, Debug)]
 pub(crate) struct Dynamics<M, X, const N: usize> {
     model: M,
+    motion: Motion<X, N>,
+}
+
+/// The linear part of [`Dynamics`]: how deviations of the states move on, and disturbances by themselves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion<X, const N: usize> {
     current: X,
     turning: X,
-    force: X,
+    force: [X; 3],
+    drift: X,
 }
 
 /// The dynamics at one sample: what their derivative is made of.
+#[derive(Clone, Copy)]
 pub(crate) struct Local<X> {
     pub slopes: [[X; 3]; 3],
     turn: Turn<X>,
@@ -21,6 +31,7 @@ pub(crate) struct Local<X> {
 
 /// What keeps its direction over ground turns against the vessel by its heading's change: cosine and sine, and what r changes in the
 /// components of the current, of its change and of the wind.
+#[derive(Clone, Copy)]
 struct Turn<X> {
     cos: X,
     sin: X,
@@ -39,6 +50,10 @@ const fn force(n: usize) -> bool {
     n == 6 || n == 8
 }
 
+const fn drift(n: usize) -> bool {
+    n == 7
+}
+
 impl<'m, X: Unknowns, const N: usize> Dynamics<Compiled<'m, X>, X, N> {
     /// Of `model` with `theta`, one number per parameter.
     pub(crate) fn new(model: &'m Model, theta: &[X], levels: Option<&Levels<X>>) -> Self {
@@ -55,12 +70,13 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<Compiled<'m, X>, X, N> {
 impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
     /// Of `model` with its parameters.
     pub(crate) fn of(model: M, levels: Option<&Levels<X>>) -> Self {
-        let (current, turning) = match levels.map(|l| l.current) {
-            Some(Flow::Markov { factor, turning, .. }) => (factor, turning),
-            _ => (X::ZERO, X::ZERO),
-        };
-        let force = levels.and_then(|l| l.force).map_or(X::ZERO, |gusts| gusts.factor);
-        Self { model, current, turning, force }
+        Self { model, motion: Motion::new(levels) }
+    }
+
+    /// How deviations move on.
+    #[inline(always)]
+    pub(crate) fn motion(&self) -> &Motion<X, N> {
+        &self.motion
     }
 
     /// φ of parameter `i`.
@@ -73,8 +89,66 @@ impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
     #[inline(always)]
     pub(crate) fn at(&mut self, z: &[X; N], exogenous: &[X]) -> Local<X> {
         let water = if current(N) { Some([z[3], z[4]]) } else { None };
-        self.model.look([z[0], z[1], z[2]], exogenous, water);
-        Local { slopes: self.model.slopes(), turn: self.turn(z) }
+        self.model.look(vessel_state(z), exogenous, water);
+        Local { slopes: self.model.slopes(), turn: self.motion.turn(z) }
+    }
+
+    /// The next u, v, r, without a look at what they come from.
+    #[inline(always)]
+    pub(crate) fn step(&mut self, state: [X; 3], exogenous: &[X]) -> [X; 3] {
+        self.model.step(state, exogenous, Ambient::default())
+    }
+
+    /// The next states, after [`Self::at`] looked at `z`.
+    #[inline(always)]
+    pub(crate) fn next(&self, z: &[X; N], local: &Local<X>) -> [X; N] {
+        let forces = force(N).then(|| [z[N - 3], z[N - 2], z[N - 1]]);
+        self.motion.next(z, self.model.next(vessel_state(z), forces), local)
+    }
+
+    /// A s, A being the derivative of the next states, for a column of s.
+    #[inline(always)]
+    pub(crate) fn forward(&self, local: &Local<X>, s: &[Lane; N]) -> [Lane; N] {
+        self.motion.forward(local, s)
+    }
+
+    /// Aᵀ λ for a column of λ; not of what stands around a free simulation (N = 9).
+    #[inline(always)]
+    pub(crate) fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
+        self.motion.backward(local, adjoint)
+    }
+}
+
+/// u, v, r of the vessel itself, without what its sensors add.
+#[inline(always)]
+pub(crate) fn vessel_state<X: Unknowns, const N: usize>(z: &[X; N]) -> [X; 3] {
+    match drift(N) {
+        true => [z[0] - z[N - 3], z[1] - z[N - 2], z[2] - z[N - 1]],
+        false => [z[0], z[1], z[2]],
+    }
+}
+
+/// The components of the current among the states; none in still water.
+#[inline(always)]
+pub(crate) fn current_of<X: Unknowns, const N: usize>(z: &[X; N]) -> Option<[X; 2]> {
+    current(N).then(|| [z[3], z[4]])
+}
+
+impl<X: Unknowns, const N: usize> Motion<X, N> {
+    pub(crate) fn new(levels: Option<&Levels<X>>) -> Self {
+        let (current, turning) = match levels.map(|l| l.current) {
+            Some(Flow::Markov { factor, turning, .. }) => (factor, turning),
+            _ => (X::ZERO, X::ZERO),
+        };
+        let force = levels.and_then(|l| l.force).map_or([X::ZERO; 3], |gusts| gusts.factor);
+        let drift = levels.and_then(|l| l.drift).map_or(X::ZERO, |drift| drift.factor);
+        Self { current, turning, force, drift }
+    }
+
+    /// Where the model's slopes by its states are `slopes`, at the states `z`.
+    #[inline(always)]
+    pub(crate) fn local(&self, z: &[X; N], slopes: [[X; 3]; 3]) -> Local<X> {
+        Local { slopes, turn: self.turn(z) }
     }
 
     #[inline(always)]
@@ -99,18 +173,11 @@ impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
         Turn { cos, sin, by_r: turned }
     }
 
-    /// The next u, v, r, without a look at what they come from.
+    /// The states after `z`, of which `vessel` are u, v, r.
     #[inline(always)]
-    pub(crate) fn step(&mut self, state: [X; 3], exogenous: &[X]) -> [X; 3] {
-        self.model.step(state, exogenous, Ambient::default())
-    }
-
-    /// The next states, after [`Self::at`] looked at `z`.
-    #[inline(always)]
-    pub(crate) fn next(&self, z: &[X; N], local: &Local<X>) -> [X; N] {
-        let forces = force(N).then(|| [z[N - 3], z[N - 2], z[N - 1]]);
+    pub(crate) fn next(&self, z: &[X; N], vessel: [X; 3], local: &Local<X>) -> [X; N] {
         let mut next = *z;
-        next[..3].copy_from_slice(&self.model.next([z[0], z[1], z[2]], forces));
+        next[..3].copy_from_slice(&vessel);
         if current(N) {
             let changed = if around(N) { [z[3] + z[5], z[4] + z[6]] } else { [z[3], z[4]] };
             [next[3], next[4]] = local.turn.of(changed).map(|c| self.current * c);
@@ -120,21 +187,29 @@ impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
             [next[5], next[6]] = local.turn.of([z[5], z[6]]);
             [next[7], next[8]] = local.turn.of([z[7], z[8]]);
         }
-        if force(N) {
-            for i in N - 3..N {
-                next[i] = self.force * z[i];
+        for d in 0..3 {
+            if force(N) {
+                next[N - 3 + d] = self.force[d] * z[N - 3 + d];
+            }
+            if drift(N) {
+                next[N - 3 + d] = self.drift * z[N - 3 + d];
+                next[d] = next[d] + next[N - 3 + d];
             }
         }
         next
     }
 
-    /// A s, A being the derivative of the next states, for a column of s.
+    /// See [`Dynamics::forward`].
     #[inline(always)]
     pub(crate) fn forward(&self, local: &Local<X>, s: &[Lane; N]) -> [Lane; N] {
         let mut out = *s;
-        let (x, y) = if current(N) { (s[0] - s[3], s[1] - s[4]) } else { (s[0], s[1]) };
+        let mut own = [s[0], s[1], s[2]];
+        if drift(N) {
+            (0..3).for_each(|d| own[d] = s[d] - s[N - 3 + d]);
+        }
+        let (x, y) = if current(N) { (s[0] - s[3], s[1] - s[4]) } else { (own[0], own[1]) };
         for (d, slope) in local.slopes.iter().enumerate() {
-            let by_r = slope[2].lane().fused(s[2], s[d]);
+            let by_r = slope[2].lane().fused(own[2], own[d]);
             out[d] = slope[0].lane().fused(x, slope[1].lane().fused(y, by_r));
             if force(N) {
                 out[d] += s[N - 3 + d];
@@ -149,17 +224,21 @@ impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
             [out[5], out[6]] = local.turn.forward(1, [s[5], s[6]], s[2]);
             [out[7], out[8]] = local.turn.forward(2, [s[7], s[8]], s[2]);
         }
-        if force(N) {
-            for i in N - 3..N {
-                out[i] = self.force.lane() * s[i];
+        for d in 0..3 {
+            if force(N) {
+                out[N - 3 + d] = self.force[d].lane() * s[N - 3 + d];
+            }
+            if drift(N) {
+                out[N - 3 + d] = self.drift.lane() * s[N - 3 + d];
+                out[d] += out[N - 3 + d];
             }
         }
         out
     }
 
-    /// Aᵀ λ for a column of λ; not of what stands around a free simulation (N = 9).
+    /// See [`Dynamics::backward`].
     #[inline(always)]
-    pub(crate) fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
+    fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
         let mut out = *adjoint;
         let [surge, sway, yaw] = &local.slopes;
         let through = |i: usize, start: Lane| {
@@ -175,9 +254,12 @@ impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
             out[3] = kept * (cos * adjoint[3] - sin * adjoint[4]) - through(0, Lane::ZERO);
             out[4] = kept * (sin * adjoint[3] + cos * adjoint[4]) - through(1, Lane::ZERO);
         }
-        if force(N) {
-            for d in 0..3 {
-                out[N - 3 + d] = adjoint[d] + self.force.lane() * adjoint[N - 3 + d];
+        for d in 0..3 {
+            if force(N) {
+                out[N - 3 + d] = adjoint[d] + self.force[d].lane() * adjoint[N - 3 + d];
+            }
+            if drift(N) {
+                out[N - 3 + d] = self.drift.lane() * (adjoint[d] + adjoint[N - 3 + d]) - out[d];
             }
         }
         out

@@ -159,7 +159,7 @@ impl<X: Unknowns> Told<X> {
         let mut draws = Products::new(parameters.len());
         if noise.current > 0.0 {
             let current = Flow::White { std: noise.current };
-            let levels = Levels { measurement: noise.measurement, current, force: None };
+            let levels = Levels { measurement: noise.measurement, current, force: None, drift: None };
             backward(
                 run,
                 parameters,

@@ -1,6 +1,6 @@
-use vessel::{Lane, Look};
+use vessel::Lane;
 
-use super::dynamics::{Dynamics, Local};
+use super::dynamics::{Dynamics, Local, Motion};
 use super::levels::{Flow, Levels};
 use super::recordings::Recordings;
 use super::unknowns::Unknowns;
@@ -67,7 +67,18 @@ pub(crate) fn filter_each<const N: usize>(
     levels: &Levels<Lane>,
     known_start: bool,
 ) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
-    vessel::vectorized!(narrow: filtered::<N>(recordings, unknowns, levels, known_start))
+    filter_along(recordings, unknowns, levels, known_start, |_| ())
+}
+
+/// The same; `each` is called with the states at every sample, corrected by what was measured there.
+pub(crate) fn filter_along<const N: usize>(
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    levels: &Levels<Lane>,
+    known_start: bool,
+    each: impl FnMut(&[Lane; N]),
+) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
+    vessel::vectorized!(narrow: filtered::<N>(recordings, unknowns, levels, known_start, each))
 }
 
 #[inline(always)]
@@ -76,6 +87,7 @@ fn filtered<const N: usize>(
     unknowns: &[Lane],
     levels: &Levels<Lane>,
     known_start: bool,
+    mut each: impl FnMut(&[Lane; N]),
 ) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
     let (theta, offsets) = unknowns.split_at(recordings.model.parameters());
     let mut dynamics = Dynamics::<_, Lane, N>::new(recordings.model, theta, Some(levels));
@@ -94,33 +106,34 @@ fn filtered<const N: usize>(
         innovations.extend_from_slice(&error);
         gain.correct(&mut z, &error);
         shrink(&mut p, &gain);
+        each(&z);
         gains.push(gain);
         if k == last {
             break;
         }
         let local = dynamics.at(&z, recordings.exogenous(k));
         z = dynamics.next(&z, &local);
-        p = moved(&dynamics, &local, &p);
+        p = moved(dynamics.motion(), &local, &p);
         add_noise(&mut p, &local, levels);
     }
     (gains, innovations)
 }
 
 /// The covariance before the first measurement.
-fn start<const N: usize>(levels: &Levels<Lane>, known: bool) -> [[Lane; N]; N] {
+pub(crate) fn start<const N: usize>(levels: &Levels<Lane>, known: bool) -> [[Lane; N]; N] {
     let mut p = [[Lane::ZERO; N]; N];
     if !known {
         for (d, std) in levels.measurement.into_iter().enumerate() {
             p[d][d] = Lane::splat(UNKNOWN) * (std * std);
         }
     }
-    levels.processes::<N>().for_each(|(i, std, _)| p[i][i] = std * std);
+    levels.processes::<N>().for_each(|(i, std, _)| add_draw(&mut p, i, std * std, levels.drift.is_some()));
     p
 }
 
 /// K = P Hᵀ Λ⁻¹ by the Cholesky factor of Λ = H P Hᵀ + R.
 #[inline(always)]
-fn gain<const N: usize>(p: &[[Lane; N]; N], noise: &[Lane; 3]) -> Gain<Lane, N> {
+pub(crate) fn gain<const N: usize>(p: &[[Lane; N]; N], noise: &[Lane; 3]) -> Gain<Lane, N> {
     let l00 = (p[0][0] + noise[0]).sqrt().recip();
     let l10 = p[1][0] * l00;
     let l20 = p[2][0] * l00;
@@ -146,7 +159,7 @@ fn gain<const N: usize>(p: &[[Lane; N]; N], noise: &[Lane; 3]) -> Gain<Lane, N> 
 /// P − K H P, symmetric.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // Both triangles at once.
-fn shrink<const N: usize>(p: &mut [[Lane; N]; N], gain: &Gain<Lane, N>) {
+pub(crate) fn shrink<const N: usize>(p: &mut [[Lane; N]; N], gain: &Gain<Lane, N>) {
     let known = [p[0], p[1], p[2]];
     for i in 0..N {
         for j in 0..=i {
@@ -160,28 +173,28 @@ fn shrink<const N: usize>(p: &mut [[Lane; N]; N], gain: &Gain<Lane, N>) {
 
 /// A P Aᵀ.
 #[inline(always)]
-fn moved<const N: usize>(
-    dynamics: &Dynamics<impl Look<Lane>, Lane, N>,
+pub(crate) fn moved<const N: usize>(
+    motion: &Motion<Lane, N>,
     local: &Local<Lane>,
     p: &[[Lane; N]; N],
 ) -> [[Lane; N]; N] {
     // P is symmetric: its rows are its columns.
     let (mut half, mut whole) = ([[Lane::ZERO; N]; N], [[Lane::ZERO; N]; N]);
     for j in 0..N {
-        let moved = dynamics.forward(local, &p[j]);
+        let moved = motion.forward(local, &p[j]);
         for i in 0..N {
             half[i][j] = moved[i];
         }
     }
     for i in 0..N {
-        whole[i] = dynamics.forward(local, &half[i]);
+        whole[i] = motion.forward(local, &half[i]);
     }
     whole
 }
 
 /// Adds what a sample's disturbances contribute to the covariance.
 #[inline(always)]
-fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local<Lane>, levels: &Levels<Lane>) {
+pub(crate) fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local<Lane>, levels: &Levels<Lane>) {
     if let Flow::White { std } = levels.current {
         let variance = std * std;
         for (row, a) in p.iter_mut().zip(&local.slopes) {
@@ -191,6 +204,18 @@ fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local<Lane>, levels
         }
     }
     for (i, std, factor) in levels.processes::<N>() {
-        p[i][i] += std * std * (Lane::ONE - factor * factor);
+        add_draw(p, i, std * std * (Lane::ONE - factor * factor), levels.drift.is_some());
+    }
+}
+
+/// Adds a draw of this variance of the process that is state `i`; that of a sensor is measured at once.
+#[inline(always)]
+fn add_draw<const N: usize>(p: &mut [[Lane; N]; N], i: usize, variance: Lane, measured: bool) {
+    p[i][i] += variance;
+    if measured {
+        let d = i + 3 - N;
+        p[d][d] += variance;
+        p[d][i] += variance;
+        p[i][d] += variance;
     }
 }

@@ -12,6 +12,8 @@ pub struct Levels<X = f64> {
     pub current: Flow<X>,
     /// Forces that no term tells of, such as wind.
     pub force: Option<Gusts<X>>,
+    /// Errors of the sensors that last; alone, beside neither forces nor a current that lasts.
+    pub drift: Option<Drift<X>>,
 }
 
 /// A current's components, independent of each other.
@@ -40,7 +42,16 @@ pub enum Flow<X = f64> {
 pub struct Gusts<X = f64> {
     /// Standard deviations of what they add to u, v \[m/s\] and r \[rad/s\] in a sample.
     pub std: [X; 3],
-    /// Correlation of neighbouring samples, below 1.
+    /// Correlation of neighbouring samples of each, below 1.
+    pub factor: [X; 3],
+}
+
+/// Errors of the sensors of u, v, r as Gauss–Markov processes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drift<X = f64> {
+    /// Standard deviations \[m/s, m/s, rad/s\].
+    pub std: [X; 3],
+    /// Correlation of neighbouring samples, of all three.
     pub factor: X,
 }
 
@@ -51,6 +62,7 @@ macro_rules! with_states {
             3 => $function::<3> $arguments $($field)*,
             5 => $function::<5> $arguments $($field)*,
             6 => $function::<6> $arguments $($field)*,
+            7 => $function::<7> $arguments $($field)*,
             _ => $function::<8> $arguments $($field)*,
         }
     };
@@ -60,9 +72,9 @@ pub(crate) use with_states;
 impl Levels {
     /// The same where every draw is new, which no force and no current that lasts is.
     pub fn white(&self) -> Option<Noise> {
-        let current = match (self.current, self.force) {
-            (Flow::Still, None) => 0.0,
-            (Flow::White { std }, None) => std,
+        let current = match (self.current, self.force, self.drift) {
+            (Flow::Still, None, None) => 0.0,
+            (Flow::White { std }, None, None) => std,
             _ => return None,
         };
         Some(Noise { measurement: self.measurement, current })
@@ -82,18 +94,34 @@ impl Levels {
             }
             Flow::Markov { std, .. } => format!("a current of {std:.2e} m/s that stays"),
         };
-        format!("most likely disturbances: noise of {u:.2e}, {v:.2e} m/s and {r:.2e} rad/s, {current}")
+        let over = |factor: f64| format!("{:.3} s", -interval_s / libm::log(factor));
+        let three = |std: [f64; 3]| format!("{:.2e}, {:.2e} m/s and {:.2e} rad/s", std[0], std[1], std[2]);
+        let force = self.gusts().map_or(String::new(), |own| {
+            let [a, b, c] = own.factor.map(over);
+            let times = if a == b && b == c { a } else { format!("{a}, {b} and {c}") };
+            format!(", forces that add {} in a sample and drift over {times}", three(own.std))
+        });
+        let drift = self.drift.map_or(String::new(), |own| {
+            format!(", sensors that drift by {} over {}", three(own.std), over(own.factor))
+        });
+        format!(
+            "most likely disturbances: noise of {u:.2e}, {v:.2e} m/s and {r:.2e} rad/s, {current}{force}{drift}"
+        )
     }
 
-    /// Number of states of vessel and disturbances together: 3, and 2 for a current that lasts, and 3 for gusts.
+    /// Number of states of vessel and disturbances together: 3, and 2 for a current that lasts, and 3 for gusts; 7 for sensors
+    /// that drift, see [`super::Dynamics`].
     pub(crate) fn states(&self) -> usize {
+        if self.drift.is_some() {
+            return 7;
+        }
         let current = if matches!(self.current, Flow::Markov { .. }) { 2 } else { 0 };
         3 + current + if self.gusts().is_some() { 3 } else { 0 }
     }
 
     /// The forces that are states of the filter.
     fn gusts(&self) -> Option<Gusts> {
-        self.force.filter(|force| force.factor < 1.0)
+        self.force.filter(|force| force.factor.iter().all(|factor| *factor < 1.0))
     }
 
     /// The same in other numbers, without forces that stay, which are left to the intercepts.
@@ -105,8 +133,14 @@ impl Levels {
                 Flow::Markov { std: std.into(), factor: factor.into(), turning: turning.into() }
             }
         };
-        let gusts = |g: Gusts| Gusts { std: g.std.map(X::from), factor: g.factor.into() };
-        Levels { measurement: self.measurement.map(X::from), current, force: self.gusts().map(gusts) }
+        let gusts = |g: Gusts| Gusts { std: g.std.map(X::from), factor: g.factor.map(X::from) };
+        let drift = |d: Drift| Drift { std: d.std.map(X::from), factor: d.factor.into() };
+        Levels {
+            measurement: self.measurement.map(X::from),
+            current,
+            force: self.gusts().map(gusts),
+            drift: self.drift.map(drift),
+        }
     }
 }
 
@@ -119,7 +153,8 @@ impl<X: Copy> Levels<X> {
             Flow::Markov { std, factor, .. } => Some([(3, std, factor), (4, std, factor)]),
             _ => None,
         };
-        let gusts = self.force.map(|g| [0, 1, 2].map(|d: usize| (N - 3 + d, g.std[d], g.factor)));
-        current.into_iter().flatten().chain(gusts.into_iter().flatten())
+        let gusts = self.force.map(|g| [0, 1, 2].map(|d: usize| (N - 3 + d, g.std[d], g.factor[d])));
+        let drift = self.drift.map(|b| [0, 1, 2].map(|d: usize| (N - 3 + d, b.std[d], b.factor)));
+        current.into_iter().flatten().chain([gusts, drift].into_iter().flatten().flatten())
     }
 }

@@ -19,14 +19,14 @@ mod sweep;
 mod unknowns;
 
 pub(crate) use adjoint::{add_draws, add_start, backward};
-pub(crate) use dynamics::Dynamics;
+pub(crate) use dynamics::{Dynamics, Local, Motion, current_of, vessel_state};
 pub use information::{
     OutputInformation, Simulated, output_information, output_informations, prediction_weights,
 };
 pub(crate) use information::{Told, channels};
-pub(crate) use kalman::{Gain, filter, filter_each};
+pub(crate) use kalman::{Gain, add_noise, filter, filter_along, filter_each, gain, moved, shrink, start};
 pub(crate) use levels::with_states;
-pub use levels::{Flow, Gusts, Levels};
+pub use levels::{Drift, Flow, Gusts, Levels};
 pub(crate) use products::Products;
 pub use recordings::Recordings;
 pub(crate) use recordings::{groups, of_one_length};

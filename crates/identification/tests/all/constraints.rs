@@ -69,7 +69,7 @@ fn by_name(vessel: &Vessel, found: &Estimated) -> BTreeMap<String, f64> {
 /// Estimates of single runs, of the three kinds that begin anew.
 fn single(vessel: &Vessel, runs: &[Run]) -> Vec<RunEstimate> {
     let estimators = Estimator::OF_RUNS.to_vec();
-    let levels = Levels { measurement: [0.01, 0.01, 0.005], current: Flow::Still, force: None };
+    let levels = Levels { measurement: [0.01, 0.01, 0.005], current: Flow::Still, force: None, drift: None };
     let (removal, initial) = (MeanRemoval::Complete, InitialState::Known);
     RunEstimators { vessel, estimators, removal, initial, beside: Beside::default(), levels: Some(levels) }
         .estimates(runs)

@@ -12,7 +12,7 @@ use identification::{EstimateStatus, Estimator, MeanRemoval};
 use vessel::{Compiled, Model, Run, RunView, Segment, Term, Vessel, simulate_one};
 
 const NOISE: f64 = 0.02;
-const STATED: Levels = Levels { measurement: [NOISE; 3], current: Flow::Still, force: None };
+const STATED: Levels = Levels { measurement: [NOISE; 3], current: Flow::Still, force: None, drift: None };
 
 /// The paper's ship with further terms, degree, text and value, which come last in their degrees.
 fn with(vessel: &Vessel, more: &[(usize, &str, f64)]) -> (Model, Vec<f64>) {

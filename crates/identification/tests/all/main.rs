@@ -2,8 +2,10 @@
 
 mod any_model;
 mod collinear;
+mod compact_intervals;
 mod constraints;
 mod criticism;
+mod found_noise;
 mod laws;
 mod names;
 mod oracle;
@@ -12,6 +14,7 @@ mod output_error_oracle;
 mod output_information;
 mod pooled_again;
 mod pooled_around;
+mod pooled_continued;
 mod pooled_laws;
 mod pooled_oracle;
 mod pooled_sums;

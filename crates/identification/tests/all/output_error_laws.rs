@@ -57,7 +57,7 @@ fn starts(vessel: &Vessel, theta: &[f64]) -> Vec<Vec<Vec<f64>>> {
 fn free_fits(vessel: &Vessel, experiment: &Experiment, measured: &[Lane], initial: InitialState) -> Vec<Fit> {
     let runs = runs(experiment, measured);
     let (model, starts) = (vessel.model.with_intercepts(), starts(vessel, &vessel.nominal));
-    output_error(&model, &runs, &starts, initial, Spread::Residuals)
+    output_error(&model, &runs, &starts, initial, Spread::Blocks)
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn law_a_drifting_current_and_a_wind_are_found_with_the_parameters() {
         let fits = |current, wind| {
             let beside = Beside { current, wind, intercepts: Intercepts::None };
             let unknown = Unknown::new(InitialState::Known, beside, interval);
-            converged(output_error(&vessel.model, &runs, &starts, unknown, Spread::Residuals)).swap_remove(0)
+            converged(output_error(&vessel.model, &runs, &starts, unknown, Spread::Blocks)).swap_remove(0)
         };
         let found = fits(current, blows);
         for (found, truth) in found.parameters.iter().zip(&theta) {
@@ -201,7 +201,7 @@ fn law_a_constant_current_is_found_with_the_parameters() {
         let fits = |current| {
             let beside = Beside { current, ..Beside::default() };
             let unknown = Unknown::new(InitialState::Known, beside, 1.0 / vessel.sample_rate_hz);
-            converged(output_error(&vessel.model, &runs, &starts, unknown, Spread::Residuals))
+            converged(output_error(&vessel.model, &runs, &starts, unknown, Spread::Blocks))
         };
         let found = &fits(axes)[0];
         // Simulations turn by sines, searches by polynomials that agree with them to 1e-9.
@@ -232,7 +232,7 @@ fn a_run_that_never_turns_is_not_identifiable_and_a_wild_start_does_not_converge
     let wild = starts(&vessel, &vec![5.0; vessel.model.parameters()]);
     let runs = runs(&experiment, &measured);
     let fits =
-        output_error(&vessel.model.with_intercepts(), &runs, &wild, InitialState::Known, Spread::Residuals);
+        output_error(&vessel.model.with_intercepts(), &runs, &wild, InitialState::Known, Spread::Blocks);
     assert!(matches!(fits[0], Fit::NotConverged(_)), "{:?}", fits[0]);
 }
 
@@ -245,7 +245,8 @@ fn law_prediction_error_without_disturbances_is_output_error() {
     let mut measured = splat(&experiment.states(&vessel, Source::Value));
     measured.iter_mut().for_each(|y| (0..LANES).for_each(|lane| y[lane] += NOISE * normals.next()));
     let free = converged(free_fits(&vessel, &experiment, &measured, InitialState::Known));
-    let levels = |lane: usize| Levels { measurement: free[lane].rmse, current: Flow::Still, force: None };
+    let levels =
+        |lane: usize| Levels { measurement: free[lane].rmse, current: Flow::Still, force: None, drift: None };
     let (runs, from) = (runs(&experiment, &measured), starts(&vessel, &vessel.nominal));
     let model = vessel.model.with_intercepts();
     let found = converged(prediction_error(&model, &runs, &from, InitialState::Known, &levels(6)));
@@ -350,7 +351,8 @@ fn ratios(levels: &Levels, runs: usize, by: By, seed: u64) -> Vec<f64> {
 
 #[test]
 fn law_standard_errors_are_the_spread_of_estimates() {
-    let levels = Levels { measurement: [NOISE; 3], current: Flow::White { std: NOISE }, force: None };
+    let levels =
+        Levels { measurement: [NOISE; 3], current: Flow::White { std: NOISE }, force: None, drift: None };
     for by in [By::PrefilteredInstruments, By::OutputError, By::PredictionError] {
         let ratios = ratios(&levels, 400, by, 31);
         println!("{by:?}: predicted over spread {ratios:.3?}");
@@ -388,7 +390,8 @@ fn law_whitened_innovations_of_the_true_filter_have_unit_variance() {
     let levels = Levels {
         measurement: [0.05; 3],
         current: Flow::Markov { std, factor, turning: 1.0 / 8.0 },
-        force: Some(Gusts { std: gust, factor: keep }),
+        force: Some(Gusts { std: gust, factor: [keep; 3] }),
+        drift: None,
     };
     let (runs, from) = (runs(&experiment, &measured), starts(&vessel, &truth(&vessel)));
     let model = vessel.model.with_intercepts();

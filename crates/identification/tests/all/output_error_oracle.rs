@@ -78,6 +78,7 @@ fn stated() -> Levels {
         measurement: numbers(&whole["measurement_std"]).try_into().unwrap(),
         current: Flow::White { std: whole["current_std"].as_f64().unwrap() },
         force: None,
+        drift: None,
     }
 }
 
@@ -90,7 +91,8 @@ fn levels(kind: &str) -> Levels {
         factor: factor("markov"),
         turning: step,
     };
-    let gusts = Gusts { std: numbers(&whole["gusts"]["std"]).try_into().unwrap(), factor: factor("gusts") };
+    let gusts =
+        Gusts { std: numbers(&whole["gusts"]["std"]).try_into().unwrap(), factor: [factor("gusts"); 3] };
     let white = stated();
     match kind {
         "white" => white,
@@ -126,11 +128,10 @@ fn law_an_estimate_does_not_depend_on_the_runs_that_are_searched_for_beside_it()
     let factors = [1.0, -3.0, 0.3, 1.2];
     let starts: Vec<Vec<Vec<f64>>> =
         (0..runs.len()).map(|i| vec![start(factors[i % 4]), start(0.9)]).collect();
-    let together = output_error(&model, &runs, &starts, InitialState::Known, Spread::Residuals);
+    let together = output_error(&model, &runs, &starts, InitialState::Known, Spread::Blocks);
     assert!(together.iter().any(|fit| matches!(fit, Fit::Converged(_))));
     for (i, fit) in together.iter().enumerate() {
-        let alone =
-            output_error(&model, &runs[i..=i], &starts[i..=i], InitialState::Known, Spread::Residuals);
+        let alone = output_error(&model, &runs[i..=i], &starts[i..=i], InitialState::Known, Spread::Blocks);
         assert_eq!(alone, std::slice::from_ref(fit), "run {i}");
     }
 }
@@ -141,7 +142,7 @@ fn oracle_output_error_estimates_agree_with_least_squares_of_scipy() {
         for (initial, key) in [(InitialState::Known, "known"), (InitialState::Estimated, "estimated")] {
             let expected = numbers(&run.expected[key]["unknowns"]);
             let rmse = numbers(&run.expected[key]["rmse"]);
-            for found in run.fits(initial, Spread::Residuals) {
+            for found in run.fits(initial, Spread::Blocks) {
                 let unknowns = found.parameters.iter().chain(&found.intercepts).chain(&found.offset);
                 let errors = numbers(&run.expected["standard_errors"]);
                 for (i, (found, expected)) in unknowns.zip(&expected).enumerate() {

@@ -114,7 +114,7 @@ fn law_of_one_run_pooled_and_single_estimates_are_the_same() {
     parts.truncate(1);
     let (view, starts) = (parts[0].view(), vec![vec![vessel.nominal.clone()]]);
     let around = unknown(&vessel, EARTH);
-    let single = converged(output_error(&vessel.model, &[view], &starts, around, Spread::Residuals));
+    let single = converged(output_error(&vessel.model, &[view], &starts, around, Spread::Blocks));
     // The weights that likelihood ends at.
     let pooled = found(&vessel, &parts, single.rmse, &vessel.nominal, &Follow::Simulated(around));
     for (a, b) in pooled.parameters.iter().zip(&single.parameters) {
@@ -157,6 +157,7 @@ fn law_of_one_run_pooled_and_single_predictions_are_the_same() {
         measurement: [0.02; 3],
         current: Flow::Markov { std: 0.05, factor: (-1.0 / (30.0 * rate)).exp(), turning: 1.0 / rate },
         force: None,
+        drift: None,
     };
     let parts = vec![drifted(&vessel, PLANS[1], &levels, &mut normals)];
     let (view, starts) = (parts[0].view(), vec![vec![truth(&vessel)]]);
@@ -193,6 +194,7 @@ fn law_predictions_of_pooled_runs_find_the_drift_and_better_parameters() {
         measurement: [0.02; 3],
         current: Flow::Markov { std: 0.08, factor: (-1.0 / (20.0 * rate)).exp(), turning: 1.0 / rate },
         force: None,
+        drift: None,
     };
     let pool = Pool {
         vessel: &vessel,

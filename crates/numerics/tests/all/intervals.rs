@@ -34,6 +34,37 @@ fn oracle_wilsons_limits_are_the_shares_that_a_score_test_just_keeps() {
     assert_eq!(wilson(0, 0), None);
 }
 
+/// Probability of every count of `n` trials that succeed with probability `p`.
+fn binomial(n: u64, p: f64) -> Vec<f64> {
+    let mut logarithm = n as f64 * (1.0 - p).ln();
+    let mut out = vec![logarithm.exp()];
+    for k in 1..=n {
+        logarithm += ((n - k + 1) as f64 / k as f64).ln() + (p / (1.0 - p)).ln();
+        out.push(logarithm.exp());
+    }
+    out
+}
+
+/// What the pages say of brackets: about 95 of 100 studies' intervals hold the true share; another study's share falls into them
+/// some 83 times of 100, as 2 Φ(1.96/√2) − 1 = 0.834 says of normal errors. Summed over all outcomes, nothing is drawn.
+#[test]
+fn law_intervals_hold_the_share_in_95_of_100_studies_and_another_studys_in_83() {
+    for (n, p) in [(500, 0.5), (500, 0.58), (300, 0.3), (2000, 0.9)] {
+        let of_count = binomial(n, p);
+        let intervals: Vec<[f64; 2]> = (0..=n).map(|k| wilson(k, n).unwrap()).collect();
+        let within = |[low, high]: [f64; 2], share: f64| share >= low && share <= high;
+        let held: f64 =
+            intervals.iter().zip(&of_count).filter(|(i, _)| within(**i, p)).map(|(_, of)| of).sum();
+        let falls = |interval: [f64; 2]| -> f64 {
+            let own = of_count.iter().enumerate().filter(|(k, _)| within(interval, *k as f64 / n as f64));
+            own.map(|(_, of)| of).sum()
+        };
+        let fell: f64 = intervals.iter().zip(&of_count).map(|(interval, of)| of * falls(*interval)).sum();
+        assert!((held - 0.95).abs() < 0.012, "{n} {p}: {held}");
+        assert!((fell - 0.834).abs() < 0.015, "{n} {p}: {fell}");
+    }
+}
+
 #[test]
 fn oracle_differences_of_shares_are_those_that_newcombe_prints() {
     // Statistics in Medicine 17 (1998), page 880, method 10.

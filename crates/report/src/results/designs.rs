@@ -11,12 +11,15 @@ use crate::number::{exact, or_dash, published};
 
 pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
     let (found, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
-    let (mut rows, mut bounds) = (Vec::new(), Vec::new());
+    let (mut rows, mut bounds, mut used) = (Vec::new(), Vec::new(), String::new());
     for (folder, Loaded { data: validation, .. }) in &found {
         let (name, seed) = (label(folder), seed(folder)?);
         let reference = reference(written, &name)?;
         let Bounds { parameter_error, simulation_error } = validation.bounds;
         bounds.push(format!("{name} {} and {}", exact(parameter_error), exact(simulation_error)));
+        if let Some(own) = reference.as_ref().and_then(|r| r.used.as_ref()) {
+            used += &format!("\nOf the published numbers of {name}: {own}\n");
+        }
         let published = |design: &str| reference.as_ref()?.designs.get(design).copied();
         rows.extend(validation.designs.iter().map(|d| (name.clone(), seed, d, published(&d.design))));
     }
@@ -38,7 +41,7 @@ pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Opt
     let note = left_out(&missing, "not computed");
     Ok(table.text().map(|table| {
         let bounds = bounds.join(", ");
-        format!("## Designs\n\n{table}\nBounds on parameter and simulation error: {bounds}.\n{note}")
+        format!("## Designs\n\n{table}\nBounds on parameter and simulation error: {bounds}.\n{used}{note}")
     }))
 }
 

@@ -50,6 +50,7 @@ pub fn tables(folders: &Folders) -> Result<String, Error> {
 
 const HEAD: &str = "# Results
 
-Written by `make results` from the documents of the studies; not to be edited. In brackets stands the interval at 95 %: repeated with
-other noise, a study would give a value in such an interval 95 times of 100. A dash stands where a document has none.
+Written by `make results` from the documents of the studies; not to be edited. In brackets stands the 95 % confidence
+interval of what endless trials would give: of 100 studies, each with other noise, the intervals of about 95 hold it. The value of a
+repeated study falls into the interval printed here less often, some 83 times of 100. A dash stands where a document has none.
 ";

@@ -79,7 +79,7 @@ fn cells(sweep: &SweepDocument) -> Markup {
     html! {
         (table)
         p.note {
-            "In brackets 95 % intervals: Wilson's of shares, by ranks of medians, which are read from histograms, to "
+            "In brackets 95 % confidence intervals: Wilson's of shares, by ranks of medians, which are read from histograms, to "
             (percent(sweep.quantile_error)) ". " (bounds(sweep))
         }
     }

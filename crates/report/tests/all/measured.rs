@@ -129,8 +129,13 @@ fn trust(candidates: usize, likely: usize) -> TrustDocument {
             "instrument_fit": null
         }],
         "criticism": {
-            "rejected": likely > 0, "p_value": 0.0004, "stated_noise": false, "noise_u": 0.02, "noise_v": 0.02,
-            "noise_r": 0.02, "current_std": 0.1, "current_time_s": 30.0, "error_ratio": 1.0, "whiteness": [],
+            "rejected": likely > 0, "verdict": if likely > 0 { "rejected" } else { "not-rejected" }, "p_value": 0.0004, "stated_noise": false, "noise_u": 0.02, "noise_v": 0.02,
+            "noise_r": 0.02, "current_std": 0.1, "current_time_s": 30.0, "noise": {
+                "kind": "forces-and-current",
+                "drifts": [{ "of": "force", "state": "u", "std": 0.004, "unit": "m/s", "time_s": 8.0 }],
+                "others": [{ "kind": "white", "below": 123.4 }, { "kind": "sensors", "below": 210.0 }],
+                "turns": 3, "at_rest": true
+            }, "error_ratio": 1.0, "whiteness": [],
             "absent": (0..candidates).map(absent).collect::<Vec<_>>(), "hidden": ["`v` in yaw"], "statements": []
         }
     }))
@@ -152,6 +157,9 @@ fn what_a_model_may_lack_is_ranked_and_the_unlikely_is_folded_away() {
         folded.contains("own terms: <code>v</code> in yaw") && folded.contains("Noise found"),
         "{folded}"
     );
+    let noise = ["drifting forces and a drifting current", "force u 0.00400 m/s over 8.00 s", "3 turns"];
+    assert!(noise.iter().all(|own| folded.contains(own)), "{folded}");
+    assert!(folded.contains("white noise by 123"), "{folded}");
     assert!(said(9, 0).split_once("<details>").unwrap().1.contains("4 more candidates"));
     assert!(!said(3, 0).contains("<details>"));
 }

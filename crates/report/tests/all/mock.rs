@@ -319,6 +319,7 @@ fn reference() -> Reference {
     };
     Reference {
         source: "Ljungberg, Linder, Enqvist, Tervo, simulation study".to_owned(),
+        used: None,
         shares: shares.into_iter().map(|(name, share)| (name.to_owned(), share)).collect(),
         designs: BTreeMap::from([("optimized".to_owned(), optimized), ("random".to_owned(), random)]),
         selection: None,

@@ -91,10 +91,13 @@ impl Arguments {
         provenance.inputs.extend(own.inputs.into_values().map(|digest| ("against".to_owned(), digest)));
         provenance.read.extend(own.read);
         provenance.settings.extend(own.settings);
-        let same =
-            other.model.has_channels_of(&vessel.model) && other.sample_rate_hz == vessel.sample_rate_hz;
+        // A search may have added channels that are computed from the same others.
+        let alike = other.model.with_channels_of(&vessel.model);
         let (found, expected) = ("other channels or another rate", "those of --model");
         let remedy = "compare models of the same logs";
-        if same { Ok(Some(other)) } else { Err(Failure::refuse(path, "model", found, expected, remedy)) }
+        match alike.filter(|_| other.sample_rate_hz == vessel.sample_rate_hz) {
+            Some(model) => Ok(Some(Vessel { model, ..other })),
+            None => Err(Failure::refuse(path, "model", found, expected, remedy)),
+        }
     }
 }

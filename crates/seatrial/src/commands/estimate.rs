@@ -40,14 +40,14 @@ pub struct Arguments {
     /// The runs
     #[arg(long, required_unless_present = "gather", value_name = "campaign.parquet")]
     trajectories: Option<PathBuf>,
-    /// The estimator
-    #[arg(long, value_parser = choice(&Estimator::OF_RUNS, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
-    estimator: Estimator,
+    /// The estimator [default: `prediction-error` for measured logs without --campaign, else `iv`]
+    #[arg(long, value_parser = choice(&Estimator::OF_RUNS, Estimator::name, Estimator::description))]
+    estimator: Option<Estimator>,
     /// Every estimator on the same runs
     #[arg(long, conflicts_with = "estimator")]
     compare: bool,
-    /// What disturbs the runs: for `prediction-error`, which else finds noise and a drifting current from each run by itself, for
-    /// standard errors of `output-error`, and to ask the runs what the model lacks
+    /// What disturbs the runs: for `prediction-error` and standard errors of `output-error`, which else find the noise of each run
+    /// by itself, and to ask the runs what the model lacks
     #[arg(long, value_name = "campaign.toml")]
     campaign: Option<PathBuf>,
     /// How the instruments' mean is removed
@@ -123,9 +123,13 @@ impl Arguments {
             Doubtful::of(reader.provenance()).check(file, |_| true)?;
         }
         let initial = if reader.true_states() { InitialState::Known } else { InitialState::Estimated };
+        // Noise that nobody stated is found with the parameters.
+        let unstated = !reader.true_states() && levels.is_none();
+        let usual = if unstated { Estimator::PredictionError } else { Estimator::Iv };
+        let estimator = self.estimator.unwrap_or(usual);
         let estimators = RunEstimators {
             vessel,
-            estimators: if self.compare { Estimator::OF_RUNS.to_vec() } else { vec![self.estimator] },
+            estimators: if self.compare { Estimator::OF_RUNS.to_vec() } else { vec![estimator] },
             removal: self.mean_removal,
             initial,
             beside: self.beside.unknown(),
@@ -133,7 +137,7 @@ impl Arguments {
         };
         self.beside.check(&estimators.estimators)?;
         let asks = estimators.asks(self.criticise);
-        self.settings(initial, asks, &mut provenance);
+        self.settings(estimator, initial, asks, &mut provenance);
         let share = self.sharding.shard.map_or(1.0, |shard| 1.0 / f64::from(shard.count));
         let rows = reader.expected_runs()? * share * estimators.estimators.len() as f64;
         inputs::fits(file, &format!("about {rows:.0} estimates"), rows * estimates::row_bytes(vessel))?;
@@ -199,16 +203,16 @@ impl Arguments {
     }
 
     /// What the estimates depend on besides the inputs.
-    fn settings(&self, initial: InitialState, asks: bool, provenance: &mut Provenance) {
+    fn settings(&self, estimator: Estimator, initial: InitialState, asks: bool, provenance: &mut Provenance) {
         let settings = &mut provenance.settings;
         if asks {
             settings.insert(estimates::CRITICISED.into(), json!(self.criticise));
         }
-        settings.insert("estimator".into(), json!(self.estimator));
+        settings.insert("estimator".into(), json!(estimator));
         if self.compare {
             settings.insert("compared".into(), json!(Estimator::OF_RUNS));
         }
-        if self.compare || self.estimator.searches() {
+        if self.compare || estimator.searches() {
             settings.insert("initial_state".into(), json!(initial.name()));
         }
         settings.insert("mean_removal".into(), json!(self.mean_removal));
@@ -263,7 +267,7 @@ fn levels(a: &Arguments, vessel: &Vessel, provenance: &mut Provenance) -> Result
     let Some(file) = a.campaign.as_deref() else { return Ok(None) };
     let levels = read_campaign(file, provenance)?.levels(vessel.sample_rate_hz);
     let silent = levels.measurement.iter().position(|std| *std == 0.0);
-    match silent.filter(|_| a.compare || a.estimator == Estimator::PredictionError) {
+    match silent.filter(|_| a.compare || a.estimator == Some(Estimator::PredictionError)) {
         None => Ok(Some(levels)),
         Some(d) => Err(Failure::refuse(
             file,
@@ -286,14 +290,17 @@ fn publish(
     let (runs, identified) = (rows.len(), rows.iter().filter(|r| r.estimate.is_some()).count());
     let asked = estimates::criticised(&provenance);
     let count = |status: EstimateStatus| rows.iter().filter(|r| r.status == status).count();
-    let (unexcited, unconverged, kept, rejected) = (
+    let (unexcited, unconverged, kept, rejected, approximate) = (
         count(EstimateStatus::NotIdentifiable),
         count(EstimateStatus::NotConverged),
         count(EstimateStatus::Kept),
         count(EstimateStatus::Rejected),
+        count(EstimateStatus::Approximate),
     );
     let also = |count: usize, what: &str| if count > 0 { format!(", {count} {what}") } else { String::new() };
-    let searched = also(unconverged, EstimateStatus::NotConverged.name()) + &also(kept, "kept unrefined");
+    let searched = also(unconverged, EstimateStatus::NotConverged.name())
+        + &also(kept, "kept unrefined")
+        + &also(approximate, "with approximate standard errors: these errors follow no noise known here");
     let verdict =
         if asked { format!(", {rejected} reject the model") } else { ", model not criticised".to_owned() };
     let summary = || Ok(estimates::summarize(&out, &provenance, vessel, &rows)?);

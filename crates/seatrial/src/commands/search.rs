@@ -5,14 +5,15 @@ use std::path::{Path, PathBuf};
 use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::{Args, Parser};
 use identification::search::{
-    AverageOptions, Cut, NamedRoles, Roles, SearchError, SearchOptions, library, listed, search,
+    AverageOptions, BootstrapOptions, Cut, NamedRoles, Roles, SearchError, SearchOptions, library, listed,
+    search, with_channels,
 };
 use serde_json::json;
 use study::TermLists;
 use study::documents::{AverageDocument, ModelDocument, SearchDocument};
 use study::files::read_vessel;
 use validation::comparison::Magnitudes;
-use vessel::Model;
+use vessel::{Model, Vessel};
 
 use super::earlier::is_of;
 use crate::cli::{Common, member, samples};
@@ -56,6 +57,10 @@ pub struct Arguments {
     /// Keeps few terms: the fewest that follow recordings left out within a standard error of the best
     #[arg(long)]
     compact: bool,
+    /// With --compact: draws recordings again and repeats the search so often, for an interval of every parameter; 0 does not.
+    /// Each takes a few times as long as one fold of the search
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    bootstrap: u32,
     /// Finds K models of few terms besides, to be averaged: each structure on 70 % of the recordings, each model fitted to all;
     /// writes average.json. Takes about K times as long as --compact, since all are found again without each fold
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(2..=99))]
@@ -68,18 +73,31 @@ struct RoleFlags {
     /// Channels that steer
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     rudder: Vec<String>,
-    /// Propeller speed with its sign
+    /// Propeller speeds with their signs
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    propeller: Vec<String>,
+    /// Propeller speeds where they go ahead, else 0
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    ahead: Vec<String>,
+    /// Propeller speeds where they go astern, else 0
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    astern: Vec<String>,
+    /// Thrusts, where no propeller speed is logged
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    thrust: Vec<String>,
+    /// Thrusters on port, by propeller speed or thrust, of which the library takes what they do with and against those of
+    /// --starboard
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    port: Vec<String>,
+    /// As many on starboard, in the same order
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    starboard: Vec<String>,
+    /// Speed of the relative wind, of whose square the library takes products with cos and sin of its direction
     #[arg(long, value_name = "NAME")]
-    propeller: Option<String>,
-    /// Propeller speed where it goes ahead, else 0
+    wind: Option<String>,
+    /// Where the relative wind comes from, as an angle from the bow to starboard
     #[arg(long, value_name = "NAME")]
-    ahead: Option<String>,
-    /// Propeller speed where it goes astern, else 0
-    #[arg(long, value_name = "NAME")]
-    astern: Option<String>,
-    /// Thrust, where no propeller speed is logged
-    #[arg(long, value_name = "NAME")]
-    thrust: Option<String>,
+    wind_from: Option<String>,
     /// Disturbances that a reflection between port and starboard leaves as they are
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     even: Vec<String>,
@@ -94,12 +112,12 @@ const MAIN: &str = "search.json";
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
-        let vessel = read_vessel(&self.vessel, &mut provenance)?;
+        let given = read_vessel(&self.vessel, &mut provenance)?;
         let read = || [&self.vessel].into_iter().chain(&self.terms).chain(self.of.inputs());
         let out = common.main_output(MAIN, read())?;
         let [single, several] = ["model.json", "average.json"].map(|name| member(&out, MAIN, name, read()));
         let (single, several) = (single?, several?);
-        let in_samples = |flag: &str, s: f64| samples(flag, s, vessel.sample_rate_hz);
+        let in_samples = |flag: &str, s: f64| samples(flag, s, given.sample_rate_hz);
         let window = in_samples("--fitted-window-s", self.fitted_window_s)?;
         let every = self.every_s.map(|s| in_samples("--every-s", s)).transpose()?;
         let cut = Cut {
@@ -107,19 +125,23 @@ impl Task for Arguments {
             every: every.unwrap_or(window.div_ceil(4)),
             scored: self.window_s.map(|s| in_samples("--window-s", s)).transpose()?,
         };
-        let library = self.library(&vessel.model, &mut provenance)?;
+        let (model, library) = self.library(&given.model, &mut provenance)?;
+        let vessel = Vessel { model, ..given };
         let (runs, _) = self.of.read(&vessel, &mut provenance, inputs::runs)?;
         let options = SearchOptions {
             cut,
             folds: usize::from(self.folds),
             ridges: SearchOptions::half_decades(),
             compact: self.compact,
+            bootstrap: self.bootstrap(common),
             average: self.average.map(|models| AverageOptions { models, seed: common.seed.unwrap_or(1) }),
             rate_hz: vessel.sample_rate_hz,
         };
         let each = 1 + self.average.unwrap_or(0) as usize;
-        let fits =
-            options.folds * (options.folds + 1) / 2 * options.ridges.len() + each * (options.folds + 1);
+        let resamples = options.bootstrap.map_or(0, |own| own.resamples as usize);
+        let fits = resamples
+            + options.folds * (options.folds + 1) / 2 * options.ridges.len()
+            + each * (options.folds + 1);
         let progress = Progress::new("fits, at most", fits, common.quiet);
         let done = |count: usize| progress.advance(count);
         let found = search(&vessel.model, &library, &runs, &options, &done);
@@ -133,8 +155,10 @@ impl Task for Arguments {
             ("runs", json!(self.of.runs)),
             ("leave_out", json!(self.of.leave_out)),
         ];
+        let bootstrap =
+            options.bootstrap.map(|own| [("bootstrap", json!(own.resamples)), ("seed", json!(own.seed))]);
         let average = options.average.map(|own| [("average", json!(own.models)), ("seed", json!(own.seed))]);
-        let settings = settings.into_iter().chain(average.into_iter().flatten());
+        let settings = settings.into_iter().chain(bootstrap.into_iter().chain(average).flatten());
         provenance.settings.extend(settings.map(|(key, value)| (key.to_owned(), value)));
         let document = SearchDocument::new(&vessel, &options, &found);
         let Ok(magnitudes) = Magnitudes::of(&vessel.model, &runs, vessel.sample_rate_hz);
@@ -160,21 +184,43 @@ impl Task for Arguments {
 }
 
 impl Arguments {
-    /// The structure with all terms that are searched through.
-    fn library(&self, base: &Model, provenance: &mut Provenance) -> Result<Model, Failure> {
+    /// How often recordings are drawn again; only a search for few terms is repeated.
+    fn bootstrap(&self, common: &Common) -> Option<BootstrapOptions> {
+        let wanted = BootstrapOptions { resamples: self.bootstrap, seed: common.seed.unwrap_or(1) };
+        (self.compact && self.bootstrap > 0).then_some(wanted)
+    }
+
+    /// The vessel's structure with the channels that the library makes, and the same with all terms that are searched through.
+    fn library(&self, base: &Model, provenance: &mut Provenance) -> Result<(Model, Model), Failure> {
         if let Some(path) = &self.terms {
             let TermLists { surge, sway, yaw } = inputs::toml(path, "terms", provenance)?;
-            return listed(base, [&surge, &sway, &yaw]).map_err(|e| Failure::invalid(path, &e));
+            let all = listed(base, [&surge, &sway, &yaw]).map_err(|e| Failure::invalid(path, &e))?;
+            return Ok((base.clone(), all));
         }
-        let roles = Roles::new(base, &self.roles.named()).map_err(|e| Failure::invalid(&self.vessel, &e))?;
-        Ok(library(base, &roles))
+        let own = Roles::new(base, &self.roles.named()).and_then(|roles| with_channels(base, &roles));
+        let (base, roles) = own.map_err(|e| Failure::invalid(&self.vessel, &e))?;
+        let all = library(&base, &roles);
+        Ok((base, all))
     }
 }
 
 impl RoleFlags {
     fn named(&self) -> NamedRoles {
-        let Self { rudder, propeller, ahead, astern, thrust, even, odd } = self.clone();
-        NamedRoles { rudders: rudder, propeller, ahead, astern, thrust, even, odd }
+        let Self { rudder, propeller, ahead, astern, thrust, port, starboard, wind, wind_from, even, odd } =
+            self.clone();
+        NamedRoles {
+            rudders: rudder,
+            propellers: propeller,
+            ahead,
+            astern,
+            thrusts: thrust,
+            ports: port,
+            starboards: starboard,
+            wind,
+            wind_from,
+            even,
+            odd,
+        }
     }
 }
 
@@ -205,10 +251,14 @@ fn refused(file: &Path, error: &SearchError) -> Failure {
             "at least one",
             "shorten --window-s",
         ),
-        SearchError::NoAverage => answer("models that can be fitted; add recordings, or leave --average out"),
-        SearchError::AllDiverge(_) => {
-            answer("one that no fold rejects; shorten --fitted-window-s, or correct the base structure")
+        SearchError::NoResample => {
+            answer("models that can be searched for again; add recordings, or set --bootstrap 0")
         }
+        SearchError::NoAverage => answer("models that can be fitted; add recordings, or leave --average out"),
+        SearchError::AllDiverge { .. } => answer(
+            "one that no fold rejects; leave out recordings of another ship or load, shorten --fitted-window-s, or correct the base \
+             structure",
+        ),
         SearchError::Useless(_) => {
             answer("one that is better; log what moves the vessel, or correct the base structure")
         }

@@ -47,7 +47,8 @@ pub struct Arguments {
     /// Use a maneuver for at least so long or not at all; needs the length of the experiment [s]
     #[arg(long, value_name = "S")]
     pub(super) minimal_s: Option<f64>,
-    /// Find the shortest experiment of this standard error, relative to the parameters (--relative-to)
+    /// Find the shortest experiment of this standard error, relative to the parameters (--relative-to), and from which length on
+    /// that holds
     #[arg(long, value_name = "SHARE", conflicts_with_all = ["segments", "duration_s"])]
     pub(super) accuracy: Option<f64>,
     /// The accuracy is that of every parameter, not of all together (the root of the sum of squares)

@@ -81,8 +81,10 @@ impl<'a> Problem<'a> {
         };
         let squares = self.moments.squares(a.relative_to).map_err(|e| Failure::invalid(&a.moments, &e))?;
         let wanted = a.wanted(accuracy);
+        let lengths: Vec<f64> = self.moments.maneuvers.iter().map(|m| m.samples as f64).collect();
         let question = Question {
             dictionary: &self.dictionary,
+            lengths: &lengths,
             criterion: &self.criterion,
             errors: Errors::new(&self.dictionary, middle, own, &squares, wanted.of),
             wanted,

@@ -149,7 +149,18 @@ fn summary(out: &Path, document: &DesignDocument) -> Summary {
     let used = document.shares.values().filter(|w| **w > 0.0).count();
     let gap = document.relative_gap;
     let within = gap.map_or(String::new(), |gap| format!(", relative gap {gap:.1e}"));
+    let too_short = document.accuracy.as_ref().and_then(|accuracy| {
+        let from = accuracy.holds_from_s.filter(|from| accuracy.duration_s < *from)?;
+        Some(format!(
+            "; {:.1} s are too short for the predicted error, which holds from {from:.1} s on",
+            accuracy.duration_s
+        ))
+    });
     let (all, status) = (document.shares.len(), document.status);
     let told = json!({"status": status, "relative_gap": gap, "used": used});
-    Summary::of(out, format!("{used} of {all} maneuvers, {status}{within}"), told)
+    Summary::of(
+        out,
+        format!("{used} of {all} maneuvers, {status}{within}{}", too_short.unwrap_or_default()),
+        told,
+    )
 }

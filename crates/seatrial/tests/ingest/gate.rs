@@ -184,8 +184,15 @@ fn no_estimate_is_made_of_a_doubtful_recording_unless_asked() {
     let vessel = repository("pipelines/esso-osaka/vessel.toml");
     std::fs::copy(vessel, log.path().join("vessel.toml")).unwrap();
     let config = std::fs::read_to_string(log.path().join("ingest.toml")).unwrap();
-    let measured = ["wind_x", "wind_y", "wind_xy"].map(|name| {
-        format!("[[derived]]\nchannel = \"{name}\"\nformula = \"y_v cos(psi)\"\nunit = \"m^2/s^2\"\n")
+    let units = [
+        ("wind_x", "m^2/s^2"),
+        ("wind_y", "m^2/s^2"),
+        ("wind_xy", "m^2/s^2"),
+        ("wind", "m/s"),
+        ("wind_from", "rad"),
+    ];
+    let measured = units.map(|(name, unit)| {
+        format!("[[derived]]\nchannel = \"{name}\"\nformula = \"y_v cos(psi)\"\nunit = \"{unit}\"\n")
     });
     std::fs::write(log.path().join("ingest.toml"), config + &measured.concat()).unwrap();
     let made = stage(

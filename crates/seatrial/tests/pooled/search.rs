@@ -58,16 +58,20 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     put(&folder, "terms.toml", "surge = [\"u\", \"u |u|\", \"1\"]\n");
     run(&folder, &format!("{line} --allow-mixed --terms terms.toml")).succeeds();
     let listed = json(&folder, "search.json")["data"]["terms"].as_array().unwrap().len();
-    assert_eq!(
-        listed,
-        json(&folder, "model.json")["data"]["covariance"]["names"].as_array().unwrap().len() - 3
-    );
+    let degrees = json(&folder, "model.json")["data"]["degrees"].clone();
+    let written = degrees.as_array().unwrap().iter().map(|d| d["parameters"].as_array().unwrap().len());
+    assert_eq!(listed, written.sum::<usize>());
     put(&folder, "terms.toml", "surge = [\"u w\"]\n");
     refused(&folder, 3, &format!("{line} --allow-mixed --terms terms.toml"), &["terms.toml", "`w`"]);
     run(&folder, &format!("{line} --allow-mixed")).succeeds();
     // Recordings that were left out speak for the model, which has none that is as long as a stretch.
     let model = json(&folder, "model.json");
     assert_eq!(model["data"]["rejected"], false);
+    // A ridge leaves no errors of parameters that hold, and says so.
+    assert!(model["data"]["covariance"].is_null(), "{model}");
+    assert!(terms.iter().all(|term| term["low"].is_null()) && !model.to_string().contains("\"low\":-"));
+    let told = "held back by a ridge; predictions have bands, parameters have no errors";
+    assert!(said.stdout.contains(told) && model["data"]["statements"].to_string().contains(told), "{said}");
     assert!(
         model["data"]["statements"].to_string().contains("not rejected by the recordings that were left out")
     );
@@ -81,11 +85,33 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     let line =
         "validate compare --model model.json --trajectories campaign.parquet --window-s 25 --allow-mixed";
     run(&folder, &format!("{line} --out compare.json")).succeeds();
+    // Bands come from the errors on what was left out, and hold most of what was fitted.
+    let bands = json(&folder, "compare.json")["data"]["bands"].clone();
+    for inside in ["inside_u", "inside_v", "inside_r"] {
+        assert!(bands[inside].as_f64().unwrap() > 0.85, "{bands}");
+    }
     let model = json(&folder, "model.json");
     let values = model["data"]["degrees"].as_array().unwrap().iter();
     let values: Vec<&Value> =
         values.flat_map(|d| d["parameters"].as_array().unwrap()).map(|p| &p["value"]).collect();
     assert_eq!(values, terms.iter().map(|t| &t["value"]).collect::<Vec<_>>());
+}
+
+#[test]
+fn law_the_ridge_is_chosen_on_windows_whatever_the_score_is_taken_on() {
+    let folder = measured("0.01");
+    let line = |flags: &str| SEARCH.replace(" --window-s 25", flags);
+    let found = |flags: &str| {
+        run(&folder, &format!("{} {RUNS} --out search.json", line(flags))).succeeds();
+        json(&folder, "search.json")["data"].clone()
+    };
+    // Windows as long as those that are fitted, and whole runs, of which none diverges.
+    let (windows, whole) = (found(" --window-s 20"), found(""));
+    assert_eq!(windows["candidates"], whole["candidates"]);
+    assert!(windows["ridge"] == whole["ridge"] && windows["nested"] != whole["nested"]);
+    assert!(whole["statements"].to_string().contains("the ridge was chosen over windows"), "{whole}");
+    let flags = format!("{SEARCH} {RUNS} --out search.json");
+    refused(&folder, 3, &format!("{flags} --wind gale"), &["vessel.toml", "channel `gale`"]);
 }
 
 #[test]
@@ -95,9 +121,9 @@ fn few_terms_do_what_many_do() {
     let line = format!("{SEARCH} {RUNS} --allow-mixed --out search.json");
     run(&folder, &line).succeeds();
     let many = json(&folder, "search.json")["data"].clone();
-    run(&folder, &format!("{line} --compact --threads 1")).succeeds();
+    run(&folder, &format!("{line} --compact --bootstrap 2 --threads 1")).succeeds();
     let alone = std::fs::read(folder.path().join("search.json")).unwrap();
-    run(&folder, &format!("{line} --compact --threads 3")).succeeds();
+    run(&folder, &format!("{line} --compact --bootstrap 2 --threads 3")).succeeds();
     assert!(
         alone == std::fs::read(folder.path().join("search.json")).unwrap(),
         "other bytes with other threads"
@@ -108,9 +134,25 @@ fn few_terms_do_what_many_do() {
     assert!(mean(&few["nested"]["search"]) > mean(&many["nested"]["search"]) - 1.0, "{few}");
     let kept = terms(&few).into_iter().find(|t| t["degree"] == "surge" && t["term"] == "u").unwrap();
     assert_eq!((&kept["base"], &kept["chosen_by_folds"]), (&false.into(), &3.into()));
+    // Every search over recordings drawn again finds the term that is missing, and the base's stay.
+    assert_eq!((&few["resamples"]["searches"], &few["resamples"]["failed"]), (&2.into(), &0.into()));
+    assert_eq!(kept["chosen_by_resamples"], 2, "{kept}");
+    let number = |value: &Value| value.as_f64().unwrap();
+    for term in terms(&few) {
+        assert!(number(&term["low"]) <= number(&term["high"]), "{term}");
+        assert!(term["base"] == false || term["chosen_by_resamples"] == 2, "{term}");
+    }
+    let model = json(&folder, "model.json")["data"].clone();
+    let own =
+        model["degrees"][0]["parameters"].as_array().unwrap().iter().find(|p| p["term"] == "u").unwrap();
+    assert_eq!((&own["low"], &own["high"]), (&kept["low"], &kept["high"]));
+    assert!(own["standard_error"].is_null() && model["covariance"].is_null(), "{own}");
+    let said = few["statements"].to_string();
+    assert!(said.contains("2 searches over recordings drawn again"), "{said}");
     run(&folder, &format!("{REPORT} --allow-mixed")).succeeds();
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     assert!(page.contains("Score against the number of terms") && page.contains("Chosen without a fold"));
+    assert!(page.contains("Chosen again") && page.contains("97.5 %"));
     let sizes = few["sizes"].as_array().unwrap();
     let constants = 3;
     let chosen = sizes.iter().find(|size| size["terms"] == terms(&few).len() + constants).unwrap();
@@ -296,7 +338,8 @@ fn a_fold_that_diverges_is_rejected_and_counted_never_a_number() {
     put(&folder, "dictionary.toml", &format!("duration_s = 37.5\n{}", all.join("\n")));
     run(&folder, DICTIONARY).succeeds();
     let line = SEARCH.replace("campaign.parquet", "dictionary.parquet");
-    let pieces = ["dictionary.parquet", "candidates diverge in some fold", "--fitted-window-s"];
+    let pieces =
+        ["dictionary.parquet", "candidates diverge in some fold, left out in it: `5`", "--fitted-window-s"];
     refused(&folder, 4, &format!("{line} --out search.json"), &pieces);
     assert!(!folder.path().join("search.json").exists() && !folder.path().join("model.json").exists());
     // Without it nothing is rejected.

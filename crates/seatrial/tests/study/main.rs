@@ -20,6 +20,7 @@ mod mixed;
 mod monte_carlo;
 mod names;
 mod oracle;
+mod paper;
 mod pipeline;
 mod propeller;
 mod refine;

@@ -118,7 +118,7 @@ fn moments(folder: &Path) -> PathBuf {
     let vessel = repository("pipelines/paper/vessel.toml");
     Stage::new(&["simulate", "dictionary"])
         .file("--vessel", &vessel)
-        .file("--dictionary", &repository("pipelines/paper/dictionary.toml"))
+        .file("--dictionary", &repository("pipelines/scenarios/dictionary.toml"))
         .file("--out", &trajectories)
         .run();
     Stage::new(&["moments"])

@@ -62,7 +62,8 @@ pub fn written(runs: u64) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let paper = repository().join("pipelines/paper");
     put(&folder, "vessel.toml", "preset = \"ljungberg-model-ship\"\n");
-    fs::copy(paper.join("dictionary.toml"), folder.path().join("dictionary.toml")).unwrap();
+    fs::copy(repository().join("pipelines/scenarios/dictionary.toml"), folder.path().join("dictionary.toml"))
+        .unwrap();
     fs::copy(paper.join("campaign.toml"), folder.path().join("campaign.toml")).unwrap();
     edit(&folder, "campaign.toml", "realizations = 500", &format!("realizations = {runs}"));
     folder

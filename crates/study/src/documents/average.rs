@@ -126,7 +126,9 @@ impl Document for AverageDocument {
         ("the parameter's unit", "value standard_error least_squares truth bounds"),
         ("the unit of the row's name times that of the column's", "entries"),
         ("the state's unit", "constant constant_least_squares increment_std output_rmse"),
-        ("the channel's unit", "low high simulated range"),
+        ("the channel's unit", "simulated range"),
+        ("the unit of what it belongs to", "low high"),
+        ("m/s, m/s, rad/s", "left_out_rmse"),
         ("m/s", "constant_u constant_v output_rmse_u output_rmse_v"),
         ("rad/s", "constant_r output_rmse_r"),
     ];

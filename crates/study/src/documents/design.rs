@@ -154,6 +154,10 @@ pub struct Accuracy {
     pub samples: u64,
     /// The accuracy that it is predicted to have.
     pub reached: f64,
+    /// From which duration on that prediction holds \[s\]: maneuvers that take four fifths of the time are then as long as in the
+    /// dictionary, whose matrices the prediction adds up. Trials that are shorter consist of their beginnings, and err more.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub holds_from_s: Option<f64>,
     /// With `per-parameter`: no shares need less time than this \[s\]; proved where the problem is convex.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bound_s: Option<f64>,

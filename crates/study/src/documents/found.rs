@@ -10,10 +10,16 @@ use super::model::{ModelDegree, ModelDocument, ModelParameter, bounds};
 impl ModelDocument {
     /// The model that a search found for `vessel`, whose terms are the base structure.
     pub fn searched(vessel: &Vessel, found: &Searched) -> Self {
+        let mut model = Self::found(vessel, &found.model, &found.delivered, found.samples);
+        for degree in &mut model.degrees {
+            degree.parameters = resampled(std::mem::take(&mut degree.parameters), found);
+        }
+        let left_out = found.nested.search.as_ref();
         Self {
+            left_out_rmse: left_out.map(|own| [own.rmse_u, own.rmse_v, own.rmse_r]),
             rejected: Some(rejected(&found.nested)),
             statements: [&found.statements[..], &[verdict(&found.nested)]].concat(),
-            ..Self::found(vessel, &found.model, &found.delivered, found.samples)
+            ..model
         }
     }
 
@@ -34,12 +40,29 @@ impl ModelDocument {
             recordings: delivered.recordings.clone(),
             surroundings: delivered.surroundings.clone(),
             covered: delivered.covered.clone(),
+            left_out_rmse: None,
             magnitudes: None,
             rejected: None,
             statements: Vec::new(),
         }
         .with_channels(vessel)
     }
+}
+
+/// The same with what searches over recordings that were drawn again found of them.
+pub(super) fn resampled(mut parameters: Vec<ModelParameter>, found: &Searched) -> Vec<ModelParameter> {
+    let all = found.resampled.as_ref().map(|own| &own.parameters);
+    for own in parameters.iter_mut().filter(|own| !own.fixed) {
+        // What is tied follows the other one.
+        let (name, factor) = match &own.tied_to {
+            Some(other) => (other, own.factor.unwrap_or(1.0)),
+            None => (&own.name, 1.0),
+        };
+        let Some(ends) = all.and_then(|all| all.get(name)) else { continue };
+        let [low, high] = [ends.low, ends.high].map(|end| factor * end);
+        (own.low, own.high) = (Some(low.min(high)), Some(low.max(high)));
+    }
+    parameters
 }
 
 /// Whether recordings that were left out speak against what was found: it cannot follow them, is no better than their mean, or

@@ -30,8 +30,8 @@ pub struct ModelDocument {
     pub derived: Vec<ModelDerived>,
     /// Surge, sway, yaw.
     pub degrees: Vec<ModelDegree>,
-    /// Covariance of the values that were estimated by themselves, 0 at bounds; null where some have no standard error, and for
-    /// the estimate of a single run.
+    /// Covariance of the values that were estimated by themselves, 0 at bounds; null where some have no standard error, for the
+    /// estimate of a single run, and where the structure was searched for: a ridge or a choice of terms leaves none that hold.
     pub covariance: Option<Covariance>,
     /// The estimator.
     pub estimator: Estimator,
@@ -50,6 +50,10 @@ pub struct ModelDocument {
     /// sums of runs.
     #[serde(default)]
     pub magnitudes: Option<Magnitudes>,
+    /// Where the structure was searched for: RMSE of u, v \[m/s\], r \[rad/s\] of free simulations over recordings that were left out
+    /// of the whole search, which bands of predictions come from; null where some diverged.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub left_out_rmse: Option<[f64; 3]>,
     /// Whether the data reject the structure; null where that could not be tried. Of a searched model: whether recordings
     /// that were left out of the whole search speak against it.
     pub rejected: Option<bool>,
@@ -144,8 +148,14 @@ pub struct ModelParameter {
     pub unit: String,
     /// The estimate.
     pub value: f64,
-    /// Its standard error; null at a bound.
+    /// Its standard error; null at a bound, and where the structure was searched for.
     pub standard_error: Option<f64>,
+    /// Of a searched structure of few terms: 2.5 % of the searches over recordings that were drawn again found less.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub low: Option<f64>,
+    /// 2.5 % found more.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub high: Option<f64>,
     /// Whether the value was known and not estimated.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub fixed: bool,
@@ -217,6 +227,7 @@ impl ModelDocument {
             surroundings: delivered.surroundings.clone(),
             covered: delivered.covered.clone(),
             magnitudes: None,
+            left_out_rmse: None,
             rejected: None,
             statements: Vec::new(),
         }
@@ -458,9 +469,11 @@ impl Document for ModelDocument {
         ("s", "stretch_s lag_s"),
         ("the channel's unit a second", "rate_per_s"),
         ("the parameter's unit", "value standard_error least_squares truth bounds"),
+        ("m/s, m/s, rad/s", "left_out_rmse"),
         ("the unit of the row's name times that of the column's", "entries"),
         ("the state's unit", "constant constant_least_squares increment_std output_rmse"),
-        ("the channel's unit", "low high simulated range"),
+        ("the channel's unit", "simulated range"),
+        ("the unit of what it belongs to", "low high"),
         ("m/s", "constant_u constant_v"),
         ("rad/s", "constant_r"),
     ];

@@ -12,6 +12,8 @@ use validation::selection::PublishedLimits;
 pub struct Reference {
     /// Where they were published.
     pub source: String,
+    /// What they were used for besides comparison, where they were: sentences for the page.
+    pub used: Option<String>,
     /// Published shares of the optimized design, by maneuver.
     #[serde(default)]
     pub shares: BTreeMap<String, f64>,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use vessel::{DegreeOfFreedom, Vessel};
 
 use super::average::AverageSummary;
-use super::found::parameters;
+use super::found::{parameters, resampled};
 
 /// `search.json`: how a model's structure was searched for in recordings, and how far the search can be trusted.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -39,6 +39,9 @@ pub struct SearchDocument {
     pub sizes: Vec<SizeScore>,
     /// The whole search on recordings that were left out of it, beside the base structure.
     pub nested: NestedScore,
+    /// How often recordings were drawn again and searched anew, where few terms were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resamples: Option<Resamples>,
     /// The terms that were found.
     pub terms: Vec<SearchTerm>,
     /// What the models of `average.json` are made of, where an average was asked for.
@@ -46,6 +49,18 @@ pub struct SearchDocument {
     pub average: Option<AverageSummary>,
     /// What was found, in words.
     pub statements: Vec<String>,
+}
+
+/// Searches over recordings that were drawn again, with replacement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Resamples {
+    /// The seed of the draws.
+    pub seed: u64,
+    /// Searches that found a model.
+    pub searches: u64,
+    /// Those that found none.
+    pub failed: u64,
 }
 
 /// A term with its value.
@@ -62,8 +77,15 @@ pub struct SearchTerm {
     pub base: bool,
     /// The estimate.
     pub value: f64,
-    /// Its standard error; that of the ridge estimate, which knows nothing of the bias.
-    pub standard_error: Option<f64>,
+    /// 2.5 % of the searches over recordings that were drawn again found less, where few terms were asked for: 0 without the term.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub low: Option<f64>,
+    /// 2.5 % found more.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub high: Option<f64>,
+    /// In how many of these it was chosen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chosen_by_resamples: Option<u64>,
     /// In how many of the searches without a fold it was chosen too; null where all terms are kept.
     pub chosen_by_folds: Option<u64>,
 }
@@ -89,6 +111,11 @@ impl SearchDocument {
             candidates: found.candidates.clone(),
             sizes: found.sizes.clone(),
             nested: found.nested.clone(),
+            resamples: found.resampled.as_ref().zip(options.bootstrap).map(|(own, wanted)| Resamples {
+                seed: wanted.seed,
+                searches: own.searches,
+                failed: own.failed,
+            }),
             terms: DegreeOfFreedom::ALL.into_iter().flat_map(|d| terms(vessel, d, found)).collect(),
             average: found
                 .average
@@ -103,34 +130,38 @@ impl SearchDocument {
 fn terms(vessel: &Vessel, degree: DegreeOfFreedom, found: &Searched) -> Vec<SearchTerm> {
     let d = degree as usize;
     let known = vessel.written(degree).len();
-    let all = parameters(vessel, d, &found.model, &found.delivered).into_iter().enumerate();
+    let all = resampled(parameters(vessel, d, &found.model, &found.delivered), found).into_iter().enumerate();
+    let chosen =
+        |name: &str| found.resampled.as_ref().map(|own| own.parameters.get(name).map_or(0, |p| p.chosen));
     all.map(|(i, p)| SearchTerm {
         degree: degree.name().to_owned(),
         base: i < known,
+        chosen_by_resamples: chosen(&p.name).filter(|_| !p.fixed && p.tied_to.is_none()),
         chosen_by_folds: (!found.sizes.is_empty() && !p.fixed && p.tied_to.is_none())
             .then(|| found.chosen_by_folds.get(&p.name).copied().unwrap_or(0)),
         name: p.name,
         term: p.term,
         value: p.value,
-        standard_error: p.standard_error,
+        low: p.low,
+        high: p.high,
     })
     .collect()
 }
 
 impl Document for SearchDocument {
     const ID: &'static str = "search";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
     const UNITS: Units = &[
         ("s", "fitted_window_s every_s window_s"),
         (
             "1",
             "terms windows samples folds chosen_by_folds loss excess ridge ridges rejected diverged fold margin search_norm base_norm \
-             average_norm over_search over_base models chosen recordings_each seed",
+             average_norm over_search over_base models chosen recordings_each seed chosen_by_resamples searches failed search_diverged",
         ),
         ("%", "score fit_u fit_v fit_r"),
         ("m/s", "std_u std_v rmse_u rmse_v"),
         ("rad/s", "std_r rmse_r"),
-        ("the parameter's unit", "value lowest mean highest"),
+        ("the parameter's unit", "value low high lowest mean highest"),
         ("the unit of what it belongs to", "standard_error"),
     ];
 }

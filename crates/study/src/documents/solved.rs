@@ -206,6 +206,7 @@ fn accuracy(accuracy: &Accuracy) -> AccuracyDocument {
         duration_s: accuracy.duration_s,
         samples: accuracy.samples,
         reached: accuracy.reached,
+        holds_from_s: Some(accuracy.holds_from_s).filter(|from| from.is_finite()),
         bound_s: accuracy.bound_s,
         curve: accuracy.curve.clone(),
         statement: statements::accuracy(accuracy),

@@ -83,8 +83,13 @@ pub(super) fn accuracy(accuracy: &Accuracy) -> String {
     let told = |what: &str, seconds: Option<f64>| {
         seconds.map_or(String::new(), |seconds| format!("; {what} need {seconds:.1} s"))
     };
+    let too_short = match accuracy.duration_s < accuracy.holds_from_s {
+        true => ". A trial as short as this errs more than predicted: let `monte-carlo` say how much",
+        false => "",
+    };
     format!(
-        "{:.1} s reach a {} of {}{}{}{}{}.",
+        "{:.1} s reach a {} of {}{}{}{}{}. This adds up what maneuvers tell at their whole lengths, and holds from {:.1} s on: \
+         there maneuvers that take four fifths of the time are whole{too_short}.",
         accuracy.duration_s,
         accuracy.wanted.of,
         accuracy.wanted.accuracy,
@@ -94,6 +99,7 @@ pub(super) fn accuracy(accuracy: &Accuracy) -> String {
         accuracy.bound_s.map_or(String::new(), |b| format!(
             "; no shares need less than {b:.1} s where the problem is convex"
         )),
+        accuracy.holds_from_s,
     )
 }
 

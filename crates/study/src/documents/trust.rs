@@ -82,13 +82,13 @@ impl Document for TrustDocument {
     const UNITS: Units = &[
         ("1", "prior parts sources samples bandwidth replicates condition condition_index variation"),
         ("1", "instrument_strength correlation statistic lags p_value first_autocorrelation strongest"),
-        ("1", "diverged error_ratio evidence factor"),
-        ("the unit beside it", "value visible_from"),
+        ("1", "diverged error_ratio evidence factor below turns"),
+        ("the unit beside it", "value visible_from std"),
         ("the parameter's unit", "estimate standard_error bootstrap_std bootstrap_low bootstrap_high"),
         ("samples", "lag"),
         ("%", "instrument_fit fit_u fit_v fit_r"),
         ("m/s", "rmse_u rmse_v noise_u noise_v current_std"),
         ("rad/s", "rmse_r noise_r"),
-        ("s", "current_time_s"),
+        ("s", "current_time_s time_s"),
     ];
 }

@@ -6,6 +6,7 @@ mod unidentified;
 use std::path::Path;
 
 use artifact::{Columns, Error, TableReader};
+use identification::pooled::listed;
 use identification::{EstimateStatus, Estimator};
 use vessel::{DegreeOfFreedom, Vessel};
 
@@ -133,11 +134,8 @@ pub(crate) fn is_error(value: f64) -> bool {
 }
 
 fn incomplete(file: &Path, row: usize) -> Error {
-    let expected = format!(
-        "all parameters where the status is `{}`, `{}` or `{}`",
-        EstimateStatus::Identified,
-        EstimateStatus::Rejected,
-        EstimateStatus::Kept
-    );
+    let estimated = EstimateStatus::ALL.into_iter().filter(|own| own.estimated());
+    let named: Vec<String> = estimated.map(|own| format!("`{own}`")).collect();
+    let expected = format!("all parameters where the status is {}", listed(&named));
     crate::refuse(file, &format!("row {row}"), "an absent parameter", &expected, "run `estimate` again")
 }

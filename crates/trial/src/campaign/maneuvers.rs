@@ -1,8 +1,8 @@
 use std::ops::Range;
 
 use vessel::{
-    DegreeOfFreedom, Exceeded, Generator, Invalid, Realized, Run, Segment, Source, Vessel, check_diverged,
-    simulate_one,
+    DegreeOfFreedom, Exceeded, Generator, Invalid, Kept, Realized, Run, Segment, Source, Vessel,
+    check_diverged, simulate_one,
 };
 
 use super::Refusal;
@@ -125,7 +125,8 @@ pub enum Judged {
 /// Judges maneuver `index` by what its inputs were made with, whatever moves the vessel.
 ///
 /// # Errors
-/// One that is written by hand and too long, that the model cannot hold, or that leaves [`Vessel::motion`].
+/// One that is written by hand and too long, that the model cannot hold, or whose motion leaves what it is to keep, or
+/// [`Vessel::motion`].
 pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Judged, Invalid> {
     let samples = generator.samples(index)?;
     let limits = generator.limits(index);
@@ -134,10 +135,13 @@ pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Jud
         realized => realized?,
     };
     let exogenous = vessel.model.undisturbed(&inputs);
-    if limits.is_none() && vessel.motion.is_none() {
+    let maneuver = &generator.maneuvers()[index];
+    let is_kept = maneuver.keeps != Kept::default();
+    if limits.is_none() && vessel.motion.is_none() && !is_kept {
         return Ok(Judged::Within { initial, exogenous });
     }
     let states = simulate_one(&vessel.model, generator.parameters(), initial, &exogenous);
+    maneuver.keeps.check_states(&maneuver.name, &states)?;
     let exceeded = limits.and_then(|limits| limits.exceeded(&vessel.model, &states, &inputs));
     if let Some(exceeded) = exceeded {
         return Ok(Judged::Exceeds(exceeded));
@@ -145,7 +149,7 @@ pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Jud
     match vessel.beyond_motion(&states) {
         None => Ok(Judged::Within { initial, exogenous }),
         Some(beyond) if limits.is_some() => Ok(Judged::Exceeds(left_out(vessel, beyond))),
-        Some(beyond) => Err(refused(vessel, &generator.maneuvers()[index].name, beyond)),
+        Some(beyond) => Err(refused(vessel, &maneuver.name, beyond)),
     }
 }
 

@@ -167,7 +167,7 @@ mod tests {
     fn law_a_design_beats_equal_shares_and_makes_good_what_was_missed() {
         let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
         let dictionary: DictionaryFile =
-            toml::from_str(include_str!("../../../../pipelines/paper/dictionary.toml")).unwrap();
+            toml::from_str(include_str!("../../../../pipelines/scenarios/dictionary.toml")).unwrap();
         let generator = Generator::without_tables(&vessel, &dictionary).unwrap();
         let planner = Planner::new(&vessel, &generator, NOISE).unwrap();
         let theta = vessel.parameters(Source::Value).unwrap();

@@ -46,7 +46,11 @@ pub enum Outcome {
 impl From<EstimateStatus> for Outcome {
     fn from(status: EstimateStatus) -> Self {
         match status {
-            EstimateStatus::Identified | EstimateStatus::Rejected | EstimateStatus::Kept => Self::Identified,
+            EstimateStatus::Identified
+            | EstimateStatus::Rejected
+            | EstimateStatus::Approximate
+            | EstimateStatus::Diverges
+            | EstimateStatus::Kept => Self::Identified,
             EstimateStatus::NotIdentifiable => Self::NotIdentifiable,
             EstimateStatus::NotConverged => Self::NotConverged,
         }

@@ -12,14 +12,15 @@ pub(super) const Z: f64 = 1.959_963_984_540_054;
 /// What is known of the model's errors.
 #[derive(Clone, Copy, Debug)]
 pub struct Known<'a> {
-    /// Of its parameters; none of an average, whose models are apart instead.
+    /// Of its parameters; none of an average, whose models are apart instead, and where nothing holds of them.
     pub covariance: Option<&'a Covariance>,
-    /// RMSE of u, v, r on the recordings that it was fitted to.
+    /// RMSE of u, v, r on the recordings that it was fitted to, or without a covariance on those that were left out of it.
     pub rmse: [f64; 3],
 }
 
 /// Shares of the measured samples inside the 95 % bands of a model: from its parameters' covariance, or how far the models of an
-/// average are apart, and the errors that its simulations had on what it was fitted to.
+/// average are apart, and the errors that its simulations had on what it was fitted to. Of a searched model: from its errors
+/// on what was left out of the search.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bands {
@@ -72,19 +73,19 @@ pub(super) struct Banded<'a> {
     model: Model,
     unknowns: Vec<f64>,
     free: Vec<usize>,
-    covariance: &'a Covariance,
+    covariance: Option<&'a Covariance>,
     rmse: [f64; 3],
     inside: Inside,
 }
 
 impl<'a> Banded<'a> {
-    /// Of `model` with parameters `theta` and their `covariance`, whose simulations had errors of `rmse`.
-    pub fn new(model: &Model, theta: &[f64], covariance: &'a Covariance, rmse: [f64; 3]) -> Self {
+    /// Of `model` with parameters `theta`, of which so much is known.
+    pub fn new(model: &Model, theta: &[f64], Known { covariance, rmse }: Known<'a>) -> Self {
         let lifted = model.with_intercepts();
         let layout = lifted.layout();
         // The constant is in the model already; its error is that of an intercept of zero.
         let unknowns = [layout.woven(theta, [0.0; 3]), vec![0.0; 3]].concat();
-        let joint = covariance.names.len() == layout.parameters();
+        let joint = covariance.is_some_and(|own| own.names.len() == layout.parameters());
         let counts = layout.are_intercepts().map(|intercept| joint || !intercept);
         let free = counts.enumerate().filter_map(|(i, counts)| counts.then_some(i)).collect();
         Self { model: lifted, unknowns, free, covariance, rmse, inside: Inside::default() }
@@ -92,22 +93,27 @@ impl<'a> Banded<'a> {
 
     /// Half the widths of the bands over `window`, (N+1) × 3, of which `states` were simulated; counts what lies inside.
     pub fn add(&mut self, window: &Part, states: &[f64]) -> Vec<[f64; 3]> {
+        let Some(covariance) = self.covariance else {
+            let bands = vec![self.rmse.map(|rmse| Z * rmse); window.samples() + 1];
+            self.inside.add(window, states, &bands);
+            return bands;
+        };
         let recordings = Recordings {
             measured: &window.measured,
             ..Recordings::simulated(&self.model, window.view().initial, &window.exogenous)
         };
         let found = Sensitivities::of(&recordings, &self.unknowns, &self.free, true);
-        let half = |k: usize| self.half(&found, k);
+        let half = |k: usize| self.half(covariance, &found, k);
         let bands: Vec<[f64; 3]> = (0..=window.samples()).map(half).collect();
         self.inside.add(window, states, &bands);
         bands
     }
 
-    fn half(&self, found: &Sensitivities<f64>, k: usize) -> [f64; 3] {
+    fn half(&self, covariance: &Covariance, found: &Sensitivities<f64>, k: usize) -> [f64; 3] {
         let all: Vec<[f64; 3]> = (0..self.free.len()).map(|i| found.by(k, i)).collect();
         [0, 1, 2].map(|d| {
             let by: Vec<f64> = all.iter().map(|by| by[d]).collect();
-            let moved = times(&self.covariance.entries, &by);
+            let moved = times(&covariance.entries, &by);
             let variance: f64 = by.iter().zip(moved).map(|(a, b)| a * b).sum();
             Z * (variance.max(0.0) + self.rmse[d].powi(2)).sqrt()
         })

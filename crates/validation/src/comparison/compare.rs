@@ -133,10 +133,7 @@ impl<'a> Looked<'a> {
     fn new(first: &Contestant, options: &CompareOptions<'a>) -> Self {
         let rmse = options.known.map(|known| known.rmse);
         let (banded, spreads) = match first.ships.as_slice() {
-            [Ship { model, theta }] => {
-                let known = options.known.and_then(|known| Some((known.covariance?, known.rmse)));
-                (known.map(|(covariance, rmse)| Banded::new(model, theta, covariance, rmse)), None)
-            }
+            [Ship { model, theta }] => (options.known.map(|known| Banded::new(model, theta, known)), None),
             several => (None, Some(Spreads::new(several.len(), rmse))),
         };
         let counter = Counter::new(options.covered);

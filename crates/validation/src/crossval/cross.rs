@@ -177,6 +177,10 @@ impl<'a> Cut<'a> {
     fn simulate(&self, fold: &Fold, found: &Estimated, without: &str, tried: &mut Tried) {
         tried.by_instruments =
             [0, 1, 2].map(|d: usize| found.used[d].by_instruments() && found.degrees[d].solution.is_some());
+        if let Some(unfound) = &found.unfound {
+            tried.failed = Some((ScoreStatus::NotConverged, format!("without {without}: {unfound}")));
+            return;
+        }
         let Some(model) = found.parameters(&self.pool.model) else {
             let why = self.pool.unidentified(&found.degrees).join("; ");
             tried.failed = Some((ScoreStatus::NotIdentifiable, format!("without {without}: {why}")));

@@ -2,6 +2,7 @@
 
 use super::draw::Draw;
 use super::generate_spec::GenerateSpec;
+use super::kept::Kept;
 use super::spec::ManeuverSpec;
 use crate::{Invalid, Streams};
 
@@ -21,6 +22,7 @@ impl GenerateSpec {
                 name: format!("{kind}-{index:05}"),
                 description: "generated".into(),
                 duration_s: self.duration_s,
+                keeps: Kept::default(),
                 kind: draw.kind(kind, index),
             }
         };

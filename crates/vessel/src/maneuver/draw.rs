@@ -129,7 +129,7 @@ impl<R: Rng> Draw<'_, R> {
         let sway_m_s = drawn(-sway, sway);
         let sway_m_s = (self.share() < 0.8).then_some(sway_m_s);
         let start_m_s = if self.spec.start_m_s.is_empty() { None } else { Some(self.start(low, high)) };
-        Kind::Combined { start_m_s, speed_m_s, yaw_rate_rad_s, sway_m_s }
+        Kind::Combined { exact: false, start_m_s, speed_m_s, yaw_rate_rad_s, sway_m_s }
     }
 
     /// A signal within a range.
@@ -143,7 +143,18 @@ impl<R: Rng> Draw<'_, R> {
             _ => self.within(middle - room, middle + room),
         };
         let amplitude = if shape == SignalShape::Constant { 0.0 } else { amplitude };
-        Signal { shape, mean, amplitude, period_s: self.period(), phase: self.within(0.0, 1.0), seed }
+        let (period_s, phase) = (self.period(), self.within(0.0, 1.0));
+        Signal {
+            shape,
+            mean,
+            amplitude,
+            period_s,
+            phase,
+            seed,
+            steepness: None,
+            exponent: None,
+            over_s: None,
+        }
     }
 
     /// From one speed to another at least a quarter of the range away.
@@ -162,8 +173,8 @@ impl<R: Rng> Draw<'_, R> {
             }
         };
         match kind {
-            CandidateKind::Accelerate => Kind::Accelerate { from_m_s: slow, to_m_s: fast },
-            _ => Kind::Decelerate { from_m_s: fast, to_m_s: slow },
+            CandidateKind::Accelerate => Kind::Accelerate { from_m_s: slow, to_m_s: fast, hold_s: 0.0 },
+            _ => Kind::Decelerate { from_m_s: fast, to_m_s: slow, hold_s: 0.0 },
         }
     }
 }

@@ -141,12 +141,12 @@ impl Generator {
         if let Some(table) = self.tables.get(&index) {
             let inputs = table.first(samples)?.to_vec();
             let plan = Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, 0);
-            return Ok(Realized { initial: [plan.start_speed(), 0.0, 0.0], inputs });
+            return Ok(Realized { initial: plan.start(), inputs });
         }
         let plan = Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, samples);
         let named = |e: Invalid| Invalid { thing: format!("maneuver `{}`, {}", maneuver.name, e.thing), ..e };
         let inputs = self.inputs(&plan, samples).map_err(named)?;
-        Ok(Realized { initial: [plan.start_speed(), 0.0, 0.0], inputs })
+        Ok(Realized { initial: plan.start(), inputs })
     }
 
     fn inputs(&self, plan: &Plan, samples: usize) -> Result<Vec<f64>, Invalid> {
@@ -154,15 +154,16 @@ impl Generator {
         let mut inputs = Vec::with_capacity(samples * width);
         let mut unknowns = vec![0.0; width + 1];
         let mut steady = Steady::new(&self.vessel, &self.parameters);
-        let mut held: Option<Motion> = None;
+        let mut held: Option<(Motion, [f64; 3])> = None;
         for k in 0..samples {
             let motion = plan.motion(k);
-            if held != Some(motion) {
+            let gain = plan.gain(k);
+            if held != Some((motion, gain)) {
                 unknowns.fill(0.0);
-                steady.solve(motion, &mut unknowns)?;
+                steady.follow(motion, gain, &mut unknowns)?;
                 let wanted = || format!("wanted motion: u = {} m/s, r = {} rad/s", motion.u, motion.r);
                 check_range(&self.vessel, &unknowns[..width], wanted)?;
-                held = Some(motion);
+                held = Some((motion, gain));
             }
             inputs.extend_from_slice(&unknowns[..width]);
         }
@@ -219,11 +220,35 @@ impl<'a> Plan<'a> {
         }
     }
 
+    /// State at the start: u, v \[m/s\], r \[rad/s\].
+    fn start(&self) -> [f64; 3] {
+        if !self.exact() {
+            return [self.start_speed(), 0.0, 0.0];
+        }
+        let Motion { u, v, r } = self.motion(0);
+        [u, v.unwrap_or(0.0), r]
+    }
+
+    /// Whether each motion leads to the next.
+    fn exact(&self) -> bool {
+        matches!(self.kind, Kind::Combined { exact: true, .. })
+    }
+
+    /// What the state gains until the next sample: nothing where its motion is to be held.
+    fn gain(&self, k: usize) -> [f64; 3] {
+        if !self.exact() {
+            return [0.0; 3];
+        }
+        let (now, next) = (self.motion(k), self.motion(k + 1));
+        [next.u - now.u, next.v.unwrap_or(0.0) - now.v.unwrap_or(0.0), next.r - now.r]
+    }
+
     fn motion(&self, k: usize) -> Motion {
         let t = k as f64 / self.rate_hz;
         match *self.kind {
-            Kind::Accelerate { to_m_s: u, .. } | Kind::Decelerate { to_m_s: u, .. } => {
-                Motion { u, v: None, r: 0.0 }
+            Kind::Accelerate { from_m_s: from, to_m_s: to, hold_s }
+            | Kind::Decelerate { from_m_s: from, to_m_s: to, hold_s } => {
+                Motion { u: if t < hold_s { from } else { to }, v: None, r: 0.0 }
             }
             Kind::ZigZag {
                 shape,
@@ -263,8 +288,9 @@ impl<'a> Plan<'a> {
                     r: yaw_rate_amplitude_rad_s * sign(2),
                 }
             }
-            Kind::Combined { .. } => {
-                let done = (k as f64 + 0.5) / self.samples as f64;
+            Kind::Combined { exact, .. } => {
+                // Inputs hold the motion in the middle between two samples; an exact one is that of the sample.
+                let done = (k as f64 + if exact { 0.0 } else { 0.5 }) / self.samples as f64;
                 let [u, r, v] = self.waves.each_ref().map(|wave| wave.as_ref().map(|wave| wave.at(t, done)));
                 Motion { u: u.unwrap_or(0.0), v, r: r.unwrap_or(0.0) }
             }

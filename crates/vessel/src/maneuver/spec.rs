@@ -2,8 +2,9 @@ use refusal::strictly;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
+use super::kept::Kept;
 use super::shape::Shape;
-use super::signal::{SWING_SAMPLES, Signal, SignalShape, check_period};
+use super::signal::{LONGEST_S, SWING_SAMPLES, Signal, check_period};
 use crate::Invalid;
 
 /// One maneuver.
@@ -15,6 +16,8 @@ pub struct ManeuverSpec {
     pub description: String,
     /// Its duration in the dictionary \[s\].
     pub duration_s: Option<f64>,
+    /// Ranges that its motion has to keep.
+    pub keeps: Kept,
     /// What is done.
     pub kind: Kind,
 }
@@ -23,11 +26,8 @@ pub struct ManeuverSpec {
 const FASTEST_M_S: f64 = 100.0;
 const FASTEST_RAD_S: f64 = 10.0;
 
-/// The longest duration and period of a maneuver \[s\].
-const LONGEST_S: f64 = 1e9;
-
 /// Keys of every maneuver, whatever its kind.
-const COMMON_KEYS: [&str; 4] = ["name", "kind", "description", "duration_s"];
+const COMMON_KEYS: [&str; 5] = ["name", "kind", "description", "duration_s", "keeps"];
 
 impl<'de> Deserialize<'de> for ManeuverSpec {
     /// The keys that all kinds share, then those of the kind: any other key is refused (which a flattened enum would
@@ -46,12 +46,16 @@ impl<'de> Deserialize<'de> for ManeuverSpec {
             common.extend(table.remove(key).map(|value| (key.to_owned(), value)));
         }
         let refused = |e: toml::de::Error| D::Error::custom(with_common_keys(e.message()));
+        let keeps = table.remove("keeps");
         let Common { name, description, duration_s } = common.try_into().map_err(refused)?;
         let named = |e: toml::de::Error| {
             D::Error::custom(format!("{} (maneuver `{name}`)", with_common_keys(e.message())))
         };
+        let within =
+            |e: toml::de::Error| D::Error::custom(format!("{} (maneuver `{name}`, `keeps`)", e.message()));
+        let keeps = keeps.map(strictly).transpose().map_err(within)?.unwrap_or_default();
         let kind = strictly(table).map_err(named)?;
-        Ok(Self { name, description, duration_s, kind })
+        Ok(Self { name, description, duration_s, keeps, kind })
     }
 }
 
@@ -70,6 +74,7 @@ fn with_common_keys(message: &str) -> String {
 /// What is done in a maneuver. Speeds are surge speeds unless they say otherwise.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+#[allow(clippy::large_enum_variant)] // A dictionary has some dozens of them.
 pub enum Kind {
     /// The thrust for `to_m_s`, set at the speed `from_m_s`.
     Accelerate {
@@ -77,6 +82,9 @@ pub enum Kind {
         from_m_s: f64,
         /// Steady speed of the thrust that is set \[m/s\].
         to_m_s: f64,
+        /// For how long the speed at the start is held first \[s\].
+        #[serde(default)]
+        hold_s: f64,
     },
     /// The same towards a lower speed.
     Decelerate {
@@ -84,6 +92,9 @@ pub enum Kind {
         from_m_s: f64,
         /// Steady speed of the thrust that is set \[m/s\].
         to_m_s: f64,
+        /// For how long the speed at the start is held first \[s\].
+        #[serde(default)]
+        hold_s: f64,
     },
     /// The yaw rate swings about zero.
     ZigZag {
@@ -155,6 +166,10 @@ pub enum Kind {
     },
     /// Speed, yaw rate and sway speed each follow a signal of their own.
     Combined {
+        /// Whether the ship follows the signals from sample to sample, by the inputs that make the model do so, from the start
+        /// on. Otherwise inputs hold the motion of each sample steady, and the ship lags behind.
+        #[serde(default)]
+        exact: bool,
         /// Surge speed at the start \[m/s\]; without it that of the signal.
         start_m_s: Option<f64>,
         /// Surge speed \[m/s\].
@@ -194,6 +209,7 @@ impl ManeuverSpec {
             };
             self.above_zero("duration_s", self.duration(default_s).ok_or_else(missing)?)?;
         }
+        self.keeps.check(&self.name)?;
         for (key, value) in self.kind.numbers() {
             if !value.is_finite() {
                 return Err(self.invalid(key, value, "a finite number"));
@@ -209,11 +225,16 @@ impl ManeuverSpec {
             }
         }
         match self.kind {
-            Kind::Accelerate { from_m_s, to_m_s } if to_m_s <= from_m_s => {
+            Kind::Accelerate { from_m_s, to_m_s, .. } if to_m_s <= from_m_s => {
                 Err(self.invalid("to_m_s", to_m_s, "more than from_m_s"))
             }
-            Kind::Decelerate { from_m_s, to_m_s } if to_m_s >= from_m_s => {
+            Kind::Decelerate { from_m_s, to_m_s, .. } if to_m_s >= from_m_s => {
                 Err(self.invalid("to_m_s", to_m_s, "less than from_m_s"))
+            }
+            Kind::Accelerate { hold_s, .. } | Kind::Decelerate { hold_s, .. }
+                if !(0.0..=LONGEST_S).contains(&hold_s) =>
+            {
+                Err(self.invalid("hold_s", hold_s, &format!("from 0 to {LONGEST_S:e} s")))
             }
             Kind::ZigZag {
                 period_s, yaw_rate_amplitude_rad_s: rate, heading_amplitude_rad: heading, ..
@@ -230,12 +251,45 @@ impl ManeuverSpec {
             }
             Kind::SwayZigZag { period_s, .. } => self.above_zero("period_s", period_s),
             Kind::PseudoRandomBinary { dwell_s, .. } => self.above_zero("dwell_s", dwell_s),
-            Kind::Combined { .. } => {
-                let with_period = self.kind.signals().into_iter().filter(|(_, signal)| signal.has_period());
-                with_period.into_iter().try_for_each(|(key, signal)| {
-                    self.above_zero(&format!("{key}.period_s"), signal.period_s)
-                })
+            Kind::Combined { exact, start_m_s, sway_m_s, .. } => {
+                let mut signals = self.kind.signals().into_iter();
+                signals.try_for_each(|(key, signal)| self.check_signal(key, &signal))?;
+                if exact { self.check_exact(start_m_s, sway_m_s) } else { Ok(()) }
             }
+            _ => Ok(()),
+        }
+    }
+
+    fn check_signal(&self, key: &str, signal: &Signal) -> Result<(), Invalid> {
+        if signal.has_period() {
+            self.above_zero(&format!("{key}.period_s"), signal.period_s)?;
+        }
+        signal.check_shape().map_err(|(own, found, expected)| {
+            let found = found.map_or("none".into(), |found| found.to_string());
+            let thing = format!("maneuver `{}`, `{key}.{own}`", self.name);
+            Invalid::new(thing, found, expected, "correct it")
+        })
+    }
+
+    /// Refuses an exact motion that does not say what all of the ship's speeds do from the start on.
+    fn check_exact(&self, start_m_s: Option<f64>, sway_m_s: Option<Signal>) -> Result<(), Invalid> {
+        let refuse = |key: &str, found: &str, expected: &str, remedy: &str| {
+            let thing = format!("maneuver `{}`, `{key}`", self.name);
+            Err(Invalid::new(thing, found, expected, remedy))
+        };
+        match (start_m_s, sway_m_s) {
+            (Some(start), _) => refuse(
+                "start_m_s",
+                &start.to_string(),
+                "none with `exact`: the ship starts as its signals do",
+                "remove it",
+            ),
+            (None, None) => refuse(
+                "sway_m_s",
+                "none",
+                "a signal, since an exact motion leaves no sway speed to the turn",
+                "add it, or remove `exact`",
+            ),
             _ => Ok(()),
         }
     }
@@ -281,7 +335,7 @@ impl Kind {
             Self::Spiral { .. } => false,
             Self::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } => {
                 let signals = [Some(speed_m_s), yaw_rate_rad_s, sway_m_s];
-                signals.iter().flatten().all(|signal| signal.shape != SignalShape::Ramp)
+                !signals.iter().flatten().any(Signal::is_stretched)
             }
             _ => true,
         }
@@ -294,7 +348,7 @@ impl Kind {
             ($($key:ident),+) => { vec![$((stringify!($key), Option::from($key).unwrap_or(0.0))),+] };
         }
         match *self {
-            Self::Accelerate { from_m_s, to_m_s } | Self::Decelerate { from_m_s, to_m_s } => {
+            Self::Accelerate { from_m_s, to_m_s, .. } | Self::Decelerate { from_m_s, to_m_s, .. } => {
                 keyed![from_m_s, to_m_s]
             }
             Self::ZigZag {

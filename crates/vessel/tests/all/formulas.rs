@@ -27,8 +27,40 @@ fn a_missing_value_stays_missing() {
 
 #[test]
 fn what_is_no_product_is_refused() {
-    for text in ["", "2", "n + m", "|n", "tan(n)", "cos(n", "n^0", "n^x", "n /2", "-n", "cos()", "1..2 n"] {
+    for text in ["", "2", "|n", "tan(n)", "cos(n", "n^0", "n^x", "n /2", "-n", "cos()", "1..2 n"] {
         assert!(Formula::parse(text).is_err(), "{text}");
+    }
+}
+
+#[test]
+fn sums_and_differences_are_read_as_written() {
+    assert_eq!(at("port + starboard", &[3.0, 4.0]), 7.0);
+    assert_eq!(at("port |port| - starboard |starboard|", &[3.0, -4.0]), 25.0);
+    assert_eq!(at("2 a - 0.5 b^2 + -1 a b", &[3.0, 4.0]), 6.0 - 8.0 - 12.0);
+    assert_eq!(at("a - a", &[0.3]), 0.0);
+    assert_eq!(Formula::parse("b - a + |b|").unwrap().channels, ["b", "a"]);
+    // A sign belongs to a number unless there are blanks around it.
+    assert_eq!(at("n -2 m", &[3.0, 4.0]), -24.0);
+    assert_eq!(at("n - 2 m", &[3.0, 4.0]), -5.0);
+    for text in ["n +", "n + 2", "2 + n", "+ n", "- n", "n * - m", "n + + m", "n +m", "n-m"] {
+        assert!(Formula::parse(text).is_err(), "{text}");
+    }
+    let many = ["n"; 33].join(" + ");
+    assert!(Formula::parse(&many).is_err());
+}
+
+#[test]
+fn law_slopes_of_sums_are_those_of_differences_of_values() {
+    let formula = Formula::parse("a |a| - b |b| + 3 a^2 sin(b)").unwrap();
+    let row = [1.3, -0.7];
+    for by in 0..2 {
+        let moved = |step: f64| {
+            let mut row = row;
+            row[by] += step;
+            formula.evaluate(&row)
+        };
+        let expected = (moved(1e-6) - moved(-1e-6)) / 2e-6;
+        approx::assert_relative_eq!(formula.slope(by, |i| row[i]), expected, max_relative = 1e-7);
     }
 }
 

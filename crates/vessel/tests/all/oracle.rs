@@ -6,7 +6,7 @@ use vessel::{DictionaryFile, Generator, Source, Vessel, VesselFile, simulate_one
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/oracle.json");
 const VESSEL: &str = include_str!("../../../../pipelines/paper/vessel.toml");
-const DICTIONARY: &str = include_str!("../../../../pipelines/paper/dictionary.toml");
+const DICTIONARY: &str = include_str!("../../../../pipelines/scenarios/dictionary.toml");
 
 /// Smallest sizes that count as such: a thousandth of what the dictionary uses of u, v \[m/s\], r \[rad/s\] and of
 /// τ1, τ2 \[N\], τ3 \[N m\].
@@ -79,5 +79,31 @@ fn oracle_parameters_of_the_papers_vessel() {
     assert_eq!(expected.as_object().unwrap().len(), truth.len());
     for (name, found) in vessel.model.parameter_names().zip(truth) {
         assert_eq!(found, expected[name].as_f64().unwrap(), "{name}");
+    }
+}
+
+/// The maneuvers of pipelines/paper by `scripts/paper_reading.py`: exact motions by an affine inversion instead of Newton's method.
+#[test]
+fn oracle_inputs_and_states_of_the_papers_reading() {
+    let reading: Value =
+        serde_json::from_str(include_str!("../../../../fixtures/oracle/reading.json")).unwrap();
+    let vessel = vessel();
+    let file: DictionaryFile =
+        toml::from_str(include_str!("../../../../pipelines/paper/dictionary.toml")).unwrap();
+    let generator = Generator::without_tables(&vessel, &file).unwrap();
+    let expected = reading["maneuvers"].as_array().unwrap();
+    assert_eq!((generator.maneuvers().len(), expected.len()), (11, 11));
+    for (index, expected) in expected.iter().enumerate() {
+        assert_eq!(generator.maneuvers()[index].name, expected["name"]);
+        let run = generator.realize(index, 320).unwrap();
+        for (source, key) in [(Source::Value, "states"), (Source::Nominal, "nominal_states")] {
+            let theta = vessel.parameters(source).unwrap();
+            let states = simulate_one(&vessel.model, &theta, run.initial, &run.inputs);
+            for (i, k) in numbers(&reading["k"]).into_iter().enumerate() {
+                let what = format!("maneuver {index}, {key}");
+                assert_row_close(&states, k as usize, &expected[key][i], STATE_FLOOR, &what);
+                assert_row_close(&run.inputs, k as usize, &expected["inputs"][i], INPUT_FLOOR, &what);
+            }
+        }
     }
 }

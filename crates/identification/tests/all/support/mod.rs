@@ -10,7 +10,7 @@ use noise::Normals;
 use vessel::{DictionaryFile, Generator, LANES, Lane, Model, Number, Source, Vessel, simulate_one};
 
 const VESSEL: &str = include_str!("../../../../../pipelines/paper/vessel.toml");
-const DICTIONARY: &str = include_str!("../../../../../pipelines/paper/dictionary.toml");
+const DICTIONARY: &str = include_str!("../../../../../pipelines/scenarios/dictionary.toml");
 
 /// The vessel of the paper's simulation study.
 pub fn paper() -> Vessel {

@@ -1,0 +1,25 @@
+//! Estimates with the noise that is found of their runs.
+
+use rayon::prelude::*;
+
+use super::problems::{Problems, State};
+
+/// Estimates with the noise that was found of each, in turns: from where they start, else from least squares.
+pub(super) fn listened(problems: &Problems, starts: &[Vec<f64>]) -> Vec<State> {
+    let each = starts.par_iter().enumerate().map(|(problem, start)| {
+        let found = heard(problems, problem, std::slice::from_ref(start));
+        found.unwrap_or(State { parameters: start.clone(), noise: None })
+    });
+    each.collect()
+}
+
+/// The same of one of them, from the first of `starts` that leads to any, else from least squares.
+pub(super) fn heard(problems: &Problems, problem: usize, starts: &[Vec<f64>]) -> Option<State> {
+    let turns = problems.turns(problem);
+    let elsewhere = || {
+        let simple = problems.least_squares(&[problem]).pop();
+        simple.and_then(|(_, parameters)| turns.found(&parameters))
+    };
+    let found = starts.iter().find_map(|start| turns.found(start)).or_else(elsewhere);
+    found.map(|(parameters, noise)| State { parameters, noise: Some(noise) })
+}

@@ -1,0 +1,335 @@
+use numerics::{dot, solve};
+use vessel::{LANES, Lane, ParameterLayout};
+
+use super::kind::{Guess, MOST, NoiseKind, side_by_side};
+use super::line::Line;
+use super::pass::{Found, Samples, Sums};
+
+/// By how much a logarithm is changed to see what its level does.
+const CHANGE: f64 = 1e-4;
+/// Steps after which the more promising of two climbs goes on, and most steps of it.
+const STEPS: [usize; 2] = [3, 30];
+/// Rise of twice the log-likelihood from which a further step is worth it.
+const RISE: f64 = 0.01;
+/// Most that a logarithm changes by in a step.
+const LONGEST: f64 = 1.5;
+/// Damping of the first step and beyond which none helps.
+const DAMPING: [f64; 2] = [1e-2, 1e6];
+/// Levels that are changed in one pass, beside a lane without a change.
+const AT_ONCE: usize = LANES - 1;
+
+/// What makes runs most likely, the model being linear about their paths: whatever its parameters are.
+pub(super) struct Search<'a> {
+    pub layout: ParameterLayout,
+    /// Runs, and how many samples of each count.
+    pub lines: Vec<(&'a Line<'a>, usize)>,
+    pub rate_hz: f64,
+    pub known_start: bool,
+    /// Least noise of u, v, r.
+    pub floor: [f64; 3],
+}
+
+/// Where a search has come to.
+#[derive(Clone, Debug)]
+pub(super) struct Best {
+    pub guess: Guess,
+    /// Twice the restricted log-likelihood but for a constant.
+    pub worth: f64,
+    /// By how much the parameters change for the least white errors.
+    pub change: Vec<f64>,
+}
+
+/// A point of a search, with its slopes by the logarithms, and its curvature by those of every sample.
+struct Slopes {
+    at: Best,
+    slopes: [f64; MOST],
+    curvature: [f64; MOST * MOST],
+}
+
+impl Search<'_> {
+    /// The most likely levels of a kind: of `starts` the two best climb a few steps, and the better goes on.
+    pub fn best(&self, starts: &[Guess], change: &[f64]) -> Option<Best> {
+        let mut found: Vec<(Guess, f64)> = Vec::with_capacity(starts.len());
+        for some in starts.chunks(LANES) {
+            let guesses = std::array::from_fn(|lane| some[lane.min(some.len() - 1)]);
+            let worth = self.sums(&guesses, None).worth;
+            found.extend(some.iter().enumerate().map(|(lane, start)| (*start, worth[lane])));
+        }
+        found.retain(|(_, worth)| worth.is_finite());
+        found.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let begun = found.iter().take(2).filter_map(|(start, _)| self.climb(*start, change, STEPS[0]));
+        let better = begun.reduce(|a, b| if b.worth > a.worth { b } else { a })?;
+        self.climb(better.guess, &better.change, STEPS[1])
+    }
+
+    /// Goes uphill by damped steps, whose curvature is that of the samples' own slopes (Berndt, Hall, Hall and Hausman).
+    pub fn climb(&self, start: Guess, change: &[f64], most: usize) -> Option<Best> {
+        let mut here = self.slopes(&start, change)?;
+        let mut damping = DAMPING[0];
+        for _ in 0..most {
+            let step = here.step(damping);
+            let trial = here.at.guess.changed(|i| step[i], self.rate_hz, self.floor);
+            match self.slopes(&trial, &here.at.change).filter(|there| there.at.worth > here.at.worth) {
+                Some(there) => {
+                    let rise = there.at.worth - here.at.worth;
+                    here = there;
+                    damping *= 0.2;
+                    if rise < RISE && damping < 1.0 {
+                        break;
+                    }
+                }
+                None => damping *= 10.0,
+            }
+            if damping > DAMPING[1] || dot(&here.slopes, &here.step(0.0)) < RISE {
+                break;
+            }
+        }
+        Some(here.at)
+    }
+
+    /// Sums of all runs under the levels of every lane.
+    pub fn sums(&self, guesses: &[Guess; LANES], mut own: Option<(&[f64], &mut Samples)>) -> Found {
+        let levels = side_by_side(guesses, self.rate_hz);
+        let mut sums = Sums::new(self.layout.parameters());
+        let known = self.known_start;
+        for (line, samples) in &self.lines {
+            let own = own.as_mut().map(|(change, kept)| (*change, &mut **kept));
+            match guesses[0].kind {
+                NoiseKind::White => sums.add::<3>(self.layout, line, *samples, &levels, known, own),
+                NoiseKind::Current => sums.add::<5>(self.layout, line, *samples, &levels, known, own),
+                NoiseKind::Forces | NoiseKind::ForcesEach => {
+                    sums.add::<6>(self.layout, line, *samples, &levels, known, own)
+                }
+                NoiseKind::Sensors => sums.add::<7>(self.layout, line, *samples, &levels, known, own),
+                NoiseKind::ForcesAndCurrent => {
+                    sums.add::<8>(self.layout, line, *samples, &levels, known, own)
+                }
+            }
+        }
+        sums.finish()
+    }
+
+    /// None where the filter's numbers end, or the parameters cannot be told apart.
+    fn slopes(&self, at: &Guess, change: &[f64]) -> Option<Slopes> {
+        let levels = at.kind.levels();
+        let mut found = Slopes {
+            at: Best { guess: *at, worth: 0.0, change: Vec::new() },
+            slopes: [0.0; MOST],
+            curvature: [0.0; MOST * MOST],
+        };
+        let count: usize = self.lines.iter().map(|(_, samples)| samples).sum();
+        let mut by_sample = vec![[0.0; MOST]; count];
+        for first in (0..levels).step_by(AT_ONCE) {
+            let guesses: [Guess; LANES] = std::array::from_fn(|lane| {
+                let own = |i: usize| if lane > 0 && i + 1 == first + lane { CHANGE } else { 0.0 };
+                at.changed(own, self.rate_hz, self.floor)
+            });
+            let mut samples = Vec::with_capacity(count);
+            let sums = self.sums(&guesses, Some((change, &mut samples)));
+            let changed = first..levels.min(first + AT_ONCE);
+            for i in changed.clone() {
+                found.slopes[i] = (sums.worth[1 + i - first] - sums.worth[0]) / CHANGE;
+            }
+            for (slopes, [scale, squares]) in by_sample.iter_mut().zip(&samples) {
+                for i in changed.clone() {
+                    slopes[i] = slope(scale, squares, 1 + i - first);
+                }
+            }
+            if first == 0 {
+                found.at.worth = sums.worth[0];
+                found.at.change = sums.change()?.0;
+            }
+        }
+        for slopes in &by_sample {
+            for (i, a) in slopes[..levels].iter().enumerate() {
+                // Of twice the log-likelihood: half the squared slopes.
+                let row = found.curvature[i * MOST..].iter_mut().zip(&slopes[..levels]);
+                row.for_each(|(sum, b)| *sum += 0.5 * a * b);
+            }
+        }
+        let finite = found.at.worth.is_finite() && found.slopes.iter().all(|s| s.is_finite());
+        finite.then_some(found)
+    }
+}
+
+/// What a sample adds to the slope of twice the log-likelihood by the level that is changed in a lane.
+fn slope(scale: &Lane, squares: &Lane, lane: usize) -> f64 {
+    (2.0 * (scale[lane] / scale[0] - 1.0) - (squares[lane] - squares[0])) / CHANGE
+}
+
+impl Slopes {
+    /// Uphill; what makes no difference stays.
+    fn step(&self, damping: f64) -> [f64; MOST] {
+        let (mut matrix, mut step) = (self.curvature, self.slopes);
+        for i in 0..MOST {
+            matrix[i * MOST + i] += damping * matrix[i * MOST + i] + 1e-3;
+        }
+        if solve(MOST, &mut matrix, &mut step).is_none() {
+            return [0.0; MOST];
+        }
+        let most = step.iter().fold(LONGEST, |most: f64, x| most.max(x.abs()));
+        step.map(|x| x * LONGEST / most)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vessel::{Model, RunView, Source, Vessel};
+
+    use super::*;
+
+    const RATE_HZ: f64 = 8.0;
+    const SAMPLES: usize = 14;
+
+    /// A short run that the path of a free simulation does not follow exactly.
+    fn run(model: &Model, theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let wave = |k: usize, by: f64| (by * k as f64).sin();
+        let inputs = |k: usize| [2000.0, 900.0, 400.0].map(|size: f64| size * wave(k + 1, 0.2 + 1e-4 * size));
+        let exogenous: Vec<f64> = (0..SAMPLES).flat_map(inputs).collect();
+        let states = vessel::simulate_one(model, theta, [0.6, 0.05, 0.1], &exogenous);
+        let off = |(i, x): (usize, f64)| x + 0.05 * wave(i * i + 3, 1.7);
+        (states.into_iter().enumerate().map(off).collect(), exogenous)
+    }
+
+    /// What is drawn, in units of its standard deviation.
+    #[derive(Clone, Copy, PartialEq)]
+    enum Draw {
+        Noise(usize, usize),
+        Start(usize),
+        /// Of the current, of forces or of sensors, before a sample.
+        Water(usize, usize),
+        Push(usize, usize),
+        Sensor(usize, usize),
+    }
+
+    fn draws(kind: NoiseKind) -> Vec<Draw> {
+        use NoiseKind::{Current, Forces, ForcesAndCurrent, ForcesEach, Sensors, White};
+        let steps = |count: usize| (0..=SAMPLES).flat_map(move |k| (0..count).map(move |d| (k, d)));
+        let mut all: Vec<Draw> = steps(3).map(|(k, d)| Draw::Noise(k, d)).collect();
+        all.extend((0..3).map(Draw::Start));
+        if matches!(kind, White | Current | ForcesAndCurrent) {
+            all.extend(steps(2).map(|(k, d)| Draw::Water(k, d)));
+        }
+        if matches!(kind, Forces | ForcesEach | ForcesAndCurrent) {
+            all.extend(steps(3).map(|(k, d)| Draw::Push(k, d)));
+        }
+        if kind == Sensors {
+            all.extend(steps(3).map(|(k, d)| Draw::Sensor(k, d)));
+        }
+        all
+    }
+
+    /// What a draw, or a unit of a parameter, does to everything that is measured: by going through all samples.
+    #[allow(clippy::needless_range_loop)] // Several arrays at once.
+    fn response(line: &Line, guess: &Guess, drawn: Option<Draw>, parameter: Option<usize>) -> Vec<f64> {
+        let p = line.terms.len() / SAMPLES;
+        let layout = Vessel::preset("ljungberg-model-ship").unwrap().model.with_intercepts().layout();
+        let noise = guess.measurement();
+        let (flow, time) = guess.current();
+        let unit = |own: Draw| if drawn == Some(own) { 1.0 } else { 0.0 };
+        let keep = |time: f64| (-1.0 / (RATE_HZ * time)).exp();
+        let next = |before: f64, k: usize, std: f64, keep: f64, drawn: f64| {
+            keep * before + std * if k == 0 { drawn } else { (1.0 - keep * keep).sqrt() * drawn }
+        };
+        let mut x: [f64; 3] = [0, 1, 2].map(|d| 1e3 * noise[d] * unit(Draw::Start(d)));
+        let (mut water, mut push, mut sensor, mut heading) = ([0.0; 2], [0.0; 3], [0.0; 3], 0.0_f64);
+        let mut out = Vec::new();
+        for k in 0..=SAMPLES {
+            for d in 0..3 {
+                if let Some((std, times)) = guess.forces() {
+                    push[d] = next(push[d], k, std[d], keep(times[d]), unit(Draw::Push(k, d)));
+                }
+                if let Some((std, time)) = guess.sensors() {
+                    sensor[d] = next(sensor[d], k, std[d], keep(time), unit(Draw::Sensor(k, d)));
+                }
+                out.push(x[d] + sensor[d] + noise[d] * unit(Draw::Noise(k, d)));
+            }
+            if k == SAMPLES {
+                break;
+            }
+            for d in 0..2 {
+                water[d] = next(water[d], k, flow, time.map_or(0.0, keep), unit(Draw::Water(k, d)));
+            }
+            let (sin, cos) = if time.is_some() { heading.sin_cos() } else { (0.0, 1.0) };
+            let body = [cos * water[0] + sin * water[1], cos * water[1] - sin * water[0]];
+            let point = &line.points[k];
+            let mut moved = x;
+            for d in 0..3 {
+                let j = point.slopes[d];
+                moved[d] += j[0] * (x[0] - body[0]) + j[1] * (x[1] - body[1]) + j[2] * x[2] + push[d];
+            }
+            if let Some(i) = parameter {
+                moved[layout.degrees().nth(i).unwrap()] += line.terms[k * p + i];
+            }
+            heading += point.state[2] / RATE_HZ;
+            x = moved;
+        }
+        out
+    }
+
+    /// Twice the restricted log-likelihood of all samples after the first, from their covariance.
+    #[allow(clippy::needless_range_loop)] // Cholesky's, of rows and columns.
+    fn dense(line: &Line, guess: &Guess) -> f64 {
+        let p = line.terms.len() / SAMPLES;
+        let n = 3 * (SAMPLES + 1);
+        let columns: Vec<Vec<f64>> =
+            draws(guess.kind).into_iter().map(|draw| response(line, guess, Some(draw), None)).collect();
+        let mut lower = vec![0.0; n * n];
+        for i in 0..n {
+            for j in 0..=i {
+                let covariance: f64 = columns.iter().map(|own| own[i] * own[j]).sum();
+                let left = covariance - (0..j).map(|k| lower[i * n + k] * lower[j * n + k]).sum::<f64>();
+                lower[i * n + j] = if i == j { left.sqrt() } else { left / lower[j * n + j] };
+            }
+        }
+        let white = |mut own: Vec<f64>| {
+            for i in 0..n {
+                let before: f64 = (0..i).map(|k| lower[i * n + k] * own[k]).sum();
+                own[i] = (own[i] - before) / lower[i * n + i];
+            }
+            own.split_off(3)
+        };
+        let path = line.points.iter().map(|point| point.state);
+        let last = line.points[SAMPLES - 1].next;
+        let path: Vec<f64> = path.chain([last]).flatten().collect();
+        let errors = white(line.run.measured.iter().zip(path).map(|(y, x)| y - x).collect());
+        let slopes: Vec<Vec<f64>> = (0..p).map(|i| white(response(line, guess, None, Some(i)))).collect();
+        let mut normal: Vec<f64> = (0..p * p).map(|k| dot(&slopes[k / p], &slopes[k % p])).collect();
+        let gradient: Vec<f64> = slopes.iter().map(|own| dot(own, &errors)).collect();
+        let volume = numerics::log_det(p, &mut normal.clone()).unwrap().log_abs;
+        let mut solved = gradient.clone();
+        solve(p, &mut normal, &mut solved).unwrap();
+        let logs: f64 = (3..n).map(|i| lower[i * n + i].ln()).sum();
+        -2.0 * logs - (dot(&errors, &errors) - dot(&gradient, &solved)) - volume
+    }
+
+    #[test]
+    fn oracle_the_restricted_likelihood_is_that_of_the_whole_covariance() {
+        let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+        let model = vessel.model.with_intercepts();
+        let theta = model.layout().woven(&vessel.parameters(Source::Value).unwrap(), [1e-3, 0.0, -1e-3]);
+        let (measured, exogenous) = run(&model, &theta);
+        let view = RunView { measured: &measured, exogenous: &exogenous, initial: [0.6, 0.05, 0.1] };
+        let line = Line::free(&model, &theta, view);
+        let search = Search {
+            layout: model.layout(),
+            lines: vec![(&line, SAMPLES)],
+            rate_hz: RATE_HZ,
+            known_start: false,
+            floor: [1e-9; 3],
+        };
+        let noise = [0.03, 0.05, 0.04];
+        for (kind, more) in [
+            (NoiseKind::White, &[0.2][..]),
+            (NoiseKind::Current, &[0.1, 0.7]),
+            (NoiseKind::Forces, &[0.02, 0.01, 0.03, 0.4]),
+            (NoiseKind::ForcesEach, &[0.02, 0.01, 0.03, 0.4, 2.0, 0.2]),
+            (NoiseKind::Sensors, &[0.05, 0.02, 0.03, 0.6]),
+            (NoiseKind::ForcesAndCurrent, &[0.02, 0.01, 0.03, 0.4, 0.1, 0.7]),
+        ] {
+            let guess = Guess::new(kind, &[&noise, more].concat());
+            let (found, wanted) = (search.sums(&[guess; LANES], None).worth[3], dense(&line, &guess));
+            assert!((found - wanted).abs() < 2e-5 * wanted.abs(), "{kind:?}: {found} {wanted}");
+        }
+    }
+}

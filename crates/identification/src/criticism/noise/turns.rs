@@ -1,0 +1,210 @@
+use rayon::prelude::*;
+use vessel::{LANES, Model, RunView};
+
+use super::begin::{Seen, after};
+use super::kind::{Guess, NoiseKind};
+use super::line::Line;
+use super::pass::Found;
+use super::search::{Best, Search};
+
+/// Most often that noise and parameters are found in turns.
+const TURNS: usize = 8;
+/// Turns before which all kinds are compared.
+const COMPARED: [usize; 3] = [0, 1, 4];
+/// Most steps of a search that goes on in a later turn.
+const AGAIN: usize = 10;
+/// Standard errors that parameters at rest move by at most.
+const REST: f64 = 0.2;
+/// What a level must add to twice the log-likelihood.
+const A_LEVEL: f64 = 2.0;
+/// Most lengths that are tried of a step.
+const SHORTER: i32 = 6;
+/// Share of the motion that is the least noise.
+const FLOOR: f64 = 1e-6;
+/// Samples that are enough to know the noise.
+pub(crate) const ENOUGH: usize = 12_000;
+/// Kinds that are less likely by no more than this may be the right ones.
+const NEAR: f64 = 6.0;
+
+/// Noise and parameters of runs that nobody stated the noise of.
+pub(crate) struct Turns<'a> {
+    pub model: &'a Model,
+    pub runs: Vec<RunView<'a>>,
+    pub rate_hz: f64,
+    pub known_start: bool,
+}
+
+/// The noise that was found.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Noise {
+    pub guess: Guess,
+    /// Twice the restricted log-likelihood of every kind, less what its levels cost.
+    pub kinds: Vec<(Guess, f64)>,
+    /// How often noise and parameters were found in turns.
+    pub turns: usize,
+    /// Whether the parameters came to rest.
+    pub at_rest: bool,
+    /// Standard errors of the parameters, and the largest among all kinds that may be the right ones.
+    pub errors: Vec<f64>,
+    pub widest: Vec<f64>,
+}
+
+impl Noise {
+    /// The kinds that may be the right ones.
+    pub fn near(&self) -> impl Iterator<Item = &Guess> {
+        let best = self.kinds.first().map_or(0.0, |(_, worth)| *worth);
+        self.kinds.iter().filter(move |(_, worth)| *worth >= best - NEAR).map(|(guess, _)| guess)
+    }
+}
+
+/// Runs with their paths, and what was found under each kind.
+struct State<'a> {
+    theta: Vec<f64>,
+    lines: Vec<Line<'a>>,
+    found: Vec<Best>,
+    best: Best,
+}
+
+impl<'a> Turns<'a> {
+    /// Noise and parameters, found in turns from `theta` until the parameters rest. None where the filter's numbers end, or the
+    /// parameters cannot be told apart.
+    pub fn found(&self, theta: &[f64]) -> Option<(Vec<f64>, Noise)> {
+        let free = |theta: &[f64]| -> Vec<Line<'a>> {
+            self.runs.iter().map(|run| Line::free(self.model, theta, *run)).collect()
+        };
+        let lines = free(theta);
+        let (found, best) = self.compared(&lines, &Seen::of(&lines), &[], &vec![0.0; theta.len()])?;
+        let mut state = State { theta: theta.to_vec(), lines, found, best };
+        for turn in 0..TURNS {
+            if turn > 0 && COMPARED.contains(&turn) {
+                let seen = Seen::of(&free(&state.theta));
+                let change = vec![0.0; theta.len()];
+                (state.found, state.best) = self.compared(&state.lines, &seen, &state.found, &change)?;
+            } else if turn > 0 {
+                let search = self.search(&state.lines, true);
+                let again = search.climb(state.best.guess, &vec![0.0; theta.len()], AGAIN)?;
+                let kind = again.guess.kind;
+                state.found.iter_mut().filter(|own| own.guess.kind == kind).for_each(|own| {
+                    *own = again.clone();
+                });
+                state.best = again;
+            }
+            let (change, moved) = self.step(&state)?;
+            let rests = turn > 0 && moved < REST;
+            self.follow(&mut state, &change, rests)?;
+            if rests || turn + 1 == TURNS {
+                return self.ended(state, turn + 1, rests);
+            }
+        }
+        None
+    }
+
+    /// The first samples of the runs, or all of them.
+    fn search<'l>(&self, lines: &'l [Line<'l>], first: bool) -> Search<'l> {
+        let mut left = if first { ENOUGH } else { usize::MAX };
+        let mut chosen = Vec::new();
+        for line in lines {
+            let samples = line.points.len().min(left);
+            left -= samples;
+            if samples > 0 {
+                chosen.push((line, samples));
+            }
+        }
+        let floor = Seen::of(lines).motion.map(|size| (FLOOR * size).max(1e-12));
+        Search {
+            layout: self.model.layout(),
+            lines: chosen,
+            rate_hz: self.rate_hz,
+            known_start: self.known_start,
+            floor,
+        }
+    }
+
+    /// The most likely levels of every kind, and those of the best.
+    fn compared(
+        &self,
+        lines: &[Line],
+        seen: &Seen,
+        before: &[Best],
+        change: &[f64],
+    ) -> Option<(Vec<Best>, Best)> {
+        let search = self.search(lines, true);
+        let earlier =
+            |kind: NoiseKind| before.iter().filter(move |own| own.guess.kind == kind).map(|own| own.guess);
+        let (first, later) = NoiseKind::ALL.split_at(4);
+        let begun = |kind: &NoiseKind| {
+            let starts: Vec<Guess> = earlier(*kind).chain(seen.starts(*kind, self.rate_hz)).collect();
+            search.best(&starts, change)
+        };
+        let mut found: Vec<Best> = first.par_iter().filter_map(begun).collect();
+        let simple: Vec<Guess> = found.iter().map(|own| own.guess).collect();
+        let begun = |kind: &NoiseKind| {
+            let starts: Vec<Guess> = earlier(*kind).chain(after(*kind, &simple)).collect();
+            search.best(&starts, change)
+        };
+        found.extend(later.par_iter().filter_map(begun).collect::<Vec<_>>());
+        let best = found.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?.clone();
+        Some((found, best))
+    }
+
+    /// By how much the parameters change for the least white errors of all runs, and the most of it in standard errors.
+    fn step(&self, state: &State) -> Option<(Vec<f64>, f64)> {
+        let (change, errors) = self.all(state, &state.best.guess).change()?;
+        let moved =
+            change.iter().zip(&errors).map(|(change, error)| (change / error).abs()).fold(0.0, f64::max);
+        moved.is_finite().then_some((change, moved))
+    }
+
+    /// Sums of all runs.
+    fn all(&self, state: &State, guess: &Guess) -> Found {
+        self.search(&state.lines, false).sums(&[*guess; LANES], None)
+    }
+
+    /// Changes the parameters and filters the runs with them; a part of the change where the filter's numbers end.
+    fn follow(&self, state: &mut State<'a>, change: &[f64], rests: bool) -> Option<()> {
+        let bounds = self.model.bounds().unwrap_or_default();
+        for share in (0..SHORTER).map(|halved| 0.5_f64.powi(halved)) {
+            let mut theta: Vec<f64> = state.theta.iter().zip(change).map(|(p, s)| p + share * s).collect();
+            theta.iter_mut().zip(&bounds).for_each(|(p, [low, high])| *p = p.max(*low).min(*high));
+            if rests {
+                state.theta = theta;
+                return Some(());
+            }
+            let setting = (self.rate_hz, self.known_start);
+            let line =
+                |run: &RunView<'a>| Line::filtered(self.model, &theta, *run, &state.best.guess, setting);
+            if let Some(lines) = self.runs.iter().map(line).collect() {
+                (state.theta, state.lines) = (theta, lines);
+                return Some(());
+            }
+        }
+        None
+    }
+
+    fn ended(&self, state: State, turns: usize, at_rest: bool) -> Option<(Vec<f64>, Noise)> {
+        let errors = |guess: &Guess| {
+            let found = self.all(&state, guess);
+            let freedom = self.runs.iter().map(RunView::samples).sum::<usize>() * 3;
+            let (change, errors) = found.change()?;
+            let explained: f64 = change.iter().zip(&found.gradient).map(|(a, b)| a * b).sum();
+            let freedom = (freedom as f64 - change.len() as f64).max(1.0);
+            let variance = ((found.squares - explained) / freedom).max(0.0);
+            Some(errors.into_iter().map(|error| error * variance.sqrt()).collect::<Vec<f64>>())
+        };
+        let own = errors(&state.best.guess)?;
+        let near = state.found.iter().filter(|own| value(own) >= value(&state.best) - NEAR);
+        let mut widest = own.clone();
+        for errors in near.filter_map(|own| errors(&own.guess)) {
+            widest.iter_mut().zip(errors).for_each(|(most, error)| *most = most.max(error));
+        }
+        let mut kinds: Vec<(Guess, f64)> = state.found.iter().map(|own| (own.guess, value(own))).collect();
+        kinds.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let noise = Noise { guess: state.best.guess, kinds, turns, at_rest, errors: own, widest };
+        Some((state.theta, noise))
+    }
+}
+
+/// By what kinds are compared.
+fn value(best: &Best) -> f64 {
+    best.worth - A_LEVEL * best.guess.kind.levels() as f64
+}

@@ -1,0 +1,182 @@
+use std::collections::BTreeMap;
+
+use numerics::statistics::{quantile, sorted};
+use rayon::prelude::*;
+use vessel::Streams;
+
+use super::folds::folds;
+use super::nested::{Fitted, Study};
+use super::recording::{Laid, Recording};
+use super::scores::varying;
+
+/// How often recordings are drawn again and searched anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BootstrapOptions {
+    /// Number of resamples, two at least.
+    pub resamples: u32,
+    /// What keys the draws.
+    pub seed: u64,
+}
+
+/// What searches over recordings that were drawn again found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resampled {
+    /// How many found a model.
+    pub searches: u64,
+    /// How many found none.
+    pub failed: u64,
+    /// By name of the parameters that some of these models have.
+    pub parameters: BTreeMap<String, ResampledParameter>,
+}
+
+/// One parameter over these models, 0 in those without its term.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResampledParameter {
+    /// Models that have its term.
+    pub chosen: u64,
+    /// 2.5 % of the values are below.
+    pub low: f64,
+    /// 2.5 % are above.
+    pub high: f64,
+}
+
+impl Study<'_> {
+    /// Searches for few terms over recordings that are drawn with replacement, as many of every kind as there are: ridge,
+    /// terms and parameters anew each time. None where fewer than two of these searches find a model.
+    pub fn resampled(&self, wanted: BootstrapOptions, done: &(dyn Fn(usize) + Sync)) -> Option<Resampled> {
+        let streams = Streams::new(wanted.seed, "bootstrap over recordings");
+        let one = |number: u32| {
+            let found = self.searched_again(&draw(self.recordings, &streams, number));
+            done(1);
+            found
+        };
+        let all: Vec<Option<Fitted>> = (0..wanted.resamples).into_par_iter().map(one).collect();
+        let failed = all.iter().filter(|found| found.is_none()).count() as u64;
+        let found: Vec<Fitted> = all.into_iter().flatten().collect();
+        (found.len() > 1).then(|| Resampled {
+            parameters: summed_up(&found),
+            searches: found.len() as u64,
+            failed,
+        })
+    }
+
+    /// The model of few terms that the recordings at `drawn` lead to.
+    fn searched_again(&self, drawn: &[usize]) -> Option<Fitted> {
+        let recordings: Vec<Recording> = drawn.iter().map(|i| self.recordings[*i].clone()).collect();
+        let again = Study {
+            base: self.base,
+            library: self.library,
+            recordings: &recordings,
+            folds: &dealt(self.recordings, drawn, self.all_folds().end),
+            ridges: self.ridges,
+            rate_hz: self.rate_hz,
+            std: varying(recordings.iter(), Laid::SideBySide),
+            overlapping_std: varying(recordings.iter(), Laid::Overlapping),
+            choosing_std: varying(recordings.iter(), Laid::Choosing),
+            whole_runs: self.whole_runs,
+        };
+        let choice = again.choice();
+        let ridge = choice.candidates[choice.best()?].ridge;
+        let (base, folds) = (again.base_of_all()?, again.others(None));
+        let places = again.compact(&base, &folds, ridge)?.places;
+        again.fitted(&places, &base, &folds, ridge)
+    }
+}
+
+/// What `found` say of every parameter that one of them has.
+fn summed_up(found: &[Fitted]) -> BTreeMap<String, ResampledParameter> {
+    let mut values: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for own in found {
+        let layout = own.model.layout();
+        let named = own.model.parameter_names().zip(&own.theta).zip(layout.are_intercepts());
+        for ((name, value), _) in named.filter(|(_, intercept)| !intercept) {
+            values.entry(name.to_owned()).or_default().push(*value);
+        }
+    }
+    let summary = |(name, own): (String, Vec<f64>)| {
+        let chosen = own.len() as u64;
+        let absent = std::iter::repeat_n(0.0, found.len() - own.len());
+        let all = sorted(own.into_iter().chain(absent).map(Some));
+        let at = |q: f64| quantile(&all, q).unwrap_or(0.0);
+        (name, ResampledParameter { chosen, low: at(0.025), high: at(0.975) })
+    };
+    values.into_iter().map(summary).collect()
+}
+
+/// Distinct recordings below which no resample is searched: with fewer no fold can be left out.
+const DISTINCT: usize = 3;
+/// Draws after which a resample is what it is.
+const DRAWS: u32 = 1000;
+
+/// Places among `recordings` of as many of every kind as there are, drawn with replacement. Depends on the stream and the
+/// number alone.
+fn draw(recordings: &[Recording], streams: &Streams, number: u32) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..recordings.len()).collect();
+    order.sort_by_key(|i| recordings[*i].kind());
+    let groups: Vec<&[usize]> =
+        order.chunk_by(|a, b| recordings[*a].kind() == recordings[*b].kind()).collect();
+    let mut drawn = Vec::new();
+    for attempt in 0..DRAWS {
+        drawn = Vec::with_capacity(recordings.len());
+        for (i, group) in groups.iter().enumerate() {
+            let channel = attempt * groups.len() as u32 + i as u32;
+            let choices = streams.choices(number, channel, group.len() as u32, group.len());
+            drawn.extend(choices.into_iter().map(|place| group[place as usize]));
+        }
+        drawn.sort_unstable();
+        if drawn.chunk_by(|a, b| a == b).count() >= DISTINCT.min(recordings.len()) {
+            break;
+        }
+    }
+    drawn
+}
+
+/// The folds of the recordings at `drawn`, in ascending order: one that was drawn several times is in one fold, or what is left
+/// out would be fitted too.
+fn dealt(recordings: &[Recording], drawn: &[usize], count: usize) -> Vec<usize> {
+    let mut distinct = drawn.to_vec();
+    distinct.dedup();
+    let own: Vec<&Recording> = distinct.iter().map(|i| &recordings[*i]).collect();
+    let found = folds(&own, count.min(own.len()));
+    drawn.iter().map(|i| found[distinct.partition_point(|own| own < i)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::recording::Cut;
+    use super::*;
+    use crate::pooled::Part;
+
+    fn recordings() -> Vec<Recording> {
+        let cut = Cut { window: 1, every: 1, scored: None };
+        let names = (0..4).map(|i| format!("turn{i}")).chain((0..8).map(|i| format!("zigzag{i}")));
+        let part = |samples: usize| Part {
+            label: String::new(),
+            source: String::new(),
+            measured: vec![0.0; 3 * (samples + 1)],
+            exogenous: vec![0.0; samples],
+        };
+        let one = |(i, name)| Recording::new(name, vec![part(10 + i)], cut);
+        names.enumerate().map(one).collect()
+    }
+
+    #[test]
+    fn law_as_many_of_each_kind_are_drawn_each_as_often_and_doubles_share_a_fold() {
+        let (all, streams) = (recordings(), Streams::new(3, "bootstrap"));
+        let mut seen = [0; 12];
+        for number in 0..600 {
+            let drawn = draw(&all, &streams, number);
+            assert_eq!((drawn.len(), drawn.iter().filter(|i| **i < 4).count()), (12, 4));
+            drawn.iter().for_each(|i| seen[*i] += 1);
+            let folds = dealt(&all, &drawn, 6);
+            let pairs = drawn.windows(2).zip(folds.windows(2));
+            assert!(pairs.into_iter().all(|(places, folds)| places[0] != places[1] || folds[0] == folds[1]));
+            let distinct = drawn.chunk_by(|a, b| a == b).count();
+            assert_eq!(folds.iter().max().unwrap() + 1, 6.min(distinct));
+        }
+        // 600 each, give or take four standard deviations.
+        assert!(seen.iter().all(|n| (500..=700).contains(n)), "{seen:?}");
+        assert_eq!(draw(&all, &streams, 7), draw(&all, &streams, 7));
+        assert_ne!(draw(&all, &streams, 7), draw(&all, &streams, 8));
+    }
+}

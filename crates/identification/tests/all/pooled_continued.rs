@@ -1,0 +1,92 @@
+//! Searches whose start diverges, and estimates that do not simulate.
+
+use crate::pooled_laws::{craft_file, part};
+use crate::support::noise::Normals;
+use identification::pooled::{Judgement, NominalModel, Part, Pool, PooledRuns, Resampling, estimate};
+use identification::runs::Beside;
+use identification::{EstimateStatus, Estimator, MeanRemoval};
+use std::collections::BTreeMap;
+use vessel::{Run, Segment, Vessel};
+
+fn craft() -> Vessel {
+    Vessel::from_file(craft_file()).unwrap()
+}
+
+/// A craft that runs away: what damps it pushes it.
+fn runaway() -> Vessel {
+    let mut file = craft_file();
+    for spec in [&mut file.surge, &mut file.sway, &mut file.yaw].into_iter().flatten() {
+        if ["u", "v", "r"].contains(&spec.term.as_str()) {
+            spec.nominal = Some(0.6);
+        }
+    }
+    Vessel::from_file(file).unwrap()
+}
+
+fn pool(vessel: &Vessel, strength: f64) -> Pool<'_> {
+    Pool {
+        vessel,
+        model: vessel.model.with_intercepts(),
+        removal: MeanRemoval::Complete,
+        strength,
+        nominal: NominalModel::Known(vessel.nominal.clone()),
+        part_samples: None,
+        beside: Beside::default(),
+        constant: Vec::new(),
+    }
+}
+
+/// Two hundred samples each.
+fn parts(noise: bool) -> Vec<Part> {
+    let (vessel, mut normals) = (craft(), Normals::new(33));
+    (0..4).map(|i| part(&vessel, 200, i, &mut normals, noise)).collect()
+}
+
+fn runs(parts: &[Part]) -> PooledRuns {
+    let run = |(i, part): (usize, &Part)| Run {
+        design: "simulated".to_owned(),
+        run: i as i32,
+        segments: vec![Segment { maneuver: "zigzag".to_owned(), start: 0 }],
+        initial: [0, 1, 2].map(|d| part.measured[d]),
+        exogenous: part.exogenous.clone(),
+        measured: part.measured.clone(),
+    };
+    PooledRuns::new(parts.iter().enumerate().map(run).collect(), &BTreeMap::new())
+}
+
+const JUDGEMENT: Judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };
+
+#[test]
+fn law_a_search_whose_start_diverges_finds_the_minimum_that_it_finds_from_elsewhere() {
+    let (near, far, parts) = (craft(), runaway(), parts(true));
+    let found = |pool: &Pool| {
+        let found = pool.estimate(&parts, Estimator::OutputError).unwrap_or_else(|_| panic!("no estimate"));
+        assert_eq!((found.used, &found.unfound), ([Estimator::OutputError; 3], &None));
+        found.parameters(&pool.model).unwrap()
+    };
+    // A prior that nothing outweighs holds the estimate that the search begins with at a craft that runs away.
+    let (expected, continued) = (found(&pool(&near, 0.0)), found(&pool(&far, 1e9)));
+    for (a, b) in expected.iter().zip(&continued) {
+        assert!((a - b).abs() <= 1e-3 * a.abs().max(1e-3), "{a} {b}");
+    }
+}
+
+#[test]
+fn what_does_not_simulate_is_not_identified_and_no_model_is_delivered() {
+    let (far, runs) = (runaway(), runs(&parts(true)));
+    let of = |strength: f64| {
+        estimate(&pool(&far, strength), &runs, Estimator::Ls, &JUDGEMENT, Resampling::Given(&[])).unwrap()
+    };
+    let held = of(1e9);
+    assert!(held.delivered.is_none() && held.sources.iter().all(|source| source.diverged > 0));
+    assert_eq!(held.as_run(Estimator::Ls).status, EstimateStatus::Diverges);
+    assert!(held.degrees.iter().all(|degree| degree.status == EstimateStatus::Diverges));
+    let said = &held.statements[0];
+    assert!(
+        said.contains("no model is delivered") && said.contains("4 of 4") && said.contains("`2`"),
+        "{said}"
+    );
+    let free = of(0.0);
+    assert!(free.delivered.is_some());
+    assert_ne!(free.as_run(Estimator::Ls).status, EstimateStatus::Diverges);
+}
