@@ -46,7 +46,6 @@ LINES = (
     Line("Monte Carlo, realizations per core", "monte_carlo", "1/s", True, None),
     Line("  optimized run of `monte-carlo`", "stage_optimized", "us", False, 3.5),
     Line("  random run of `monte-carlo`", "stage_random", "us", False, None),
-    Line("  optimized run, model not known to it", "stage_interpreted", "us", False, 0.67),
     Line("  beside rand_distr's normals alone", "stage_drawn", "us", False, 1.0),
     Line("output error, realization of 1000", "output_error", "ms", False, 20.0),
     Line("design, 11 maneuvers", "design_q11", "ms", False, 50.0),
@@ -157,7 +156,6 @@ def run_ours(program: Path, tables: bool) -> tuple[Figures, Figures]:
         "monte_carlo": found["monte_carlo"]["realizations_per_s_per_core"],
         "stage_optimized": found["stage"]["optimized"]["us_per_run"],
         "stage_random": found["stage"]["random"]["us_per_run"],
-        "stage_interpreted": found["stage"]["optimized_interpreted"]["us_per_run"],
         "stage_drawn": found["stage"]["optimized"]["us_per_run"],
         "output_error": 1e3 * found["output_error"]["seconds_per_realization"],
         "design_q11": 1e3 * found["design_q11"]["seconds"],
@@ -167,11 +165,7 @@ def run_ours(program: Path, tables: bool) -> tuple[Figures, Figures]:
         **of_table,
     }
     planner, inside = planner_figures(found["planner"])
-    # One that interprets a model stands beside the one that knows it.
-    stage = {
-        "stage_drawn": found["stage"]["rand_distr"]["us_per_run"],
-        "stage_interpreted": found["stage"]["optimized"]["us_per_run"],
-    }
+    stage = {"stage_drawn": found["stage"]["rand_distr"]["us_per_run"]}
     return {**own, **planner}, {**inside, **stage}
 
 

@@ -21,18 +21,6 @@ impl Paper {
         Self::of("preset = \"ljungberg-model-ship\"")
     }
 
-    /// The same, with the factors of three terms in another order: no model that is known when the program is compiled.
-    pub fn interpreted() -> anyhow::Result<Self> {
-        let file = include_str!("../../../pipelines/paper/vessel.toml");
-        let turned = ["u v", "u r", "v r"].iter().fold(file.to_owned(), |file, term| {
-            let other: String = term.chars().rev().collect();
-            file.replace(&format!("term = \"{term}\""), &format!("term = \"{other}\""))
-        });
-        let own = Self::of(&turned)?;
-        anyhow::ensure!(own.vessel.model.structure().is_none(), "a model that is known");
-        Ok(own)
-    }
-
     fn of(file: &str) -> anyhow::Result<Self> {
         let vessel = Vessel::from_file(toml::from_str(file)?)?;
         let dictionary = toml::from_str(include_str!("../../../pipelines/scenarios/dictionary.toml"))?;

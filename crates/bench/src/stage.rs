@@ -23,11 +23,10 @@ const RUNS: usize = 512;
 const REPETITIONS: usize = 50;
 
 /// Microseconds per run of the paper's study on one thread, of its optimized and of its random design, by instrumental
-/// variables; and the same by the interpreter of models.
+/// variables.
 pub fn measure(paper: &Paper) -> anyhow::Result<Value> {
     let file: CampaignFile = toml::from_str(include_str!("../../../pipelines/paper/campaign.toml"))?;
-    let (own, interpreted) = (study(paper, &file)?, Paper::interpreted()?);
-    let interpreted = study(&interpreted, &file)?;
+    let own = study(paper, &file)?;
     let bounds = Bounds {
         parameter_error: file.validation.parameter_error_bound,
         simulation_error: file.validation.simulation_error_bound,
@@ -35,16 +34,14 @@ pub fn measure(paper: &Paper) -> anyhow::Result<Value> {
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let mut found = BTreeMap::from([("rand_distr".to_owned(), json!({ "us_per_run": 1e6 * drawn(paper)? }))]);
     for (design, name) in own.campaign.names().into_iter().enumerate() {
-        for (study, how) in [(&own, ""), (&interpreted, "_interpreted")] {
-            let (seconds, tally) = one.install(|| fastest(REPETITIONS, || counted(study, design, bounds)))?;
-            let counted = tally.counted.iter().find(|counted| counted.design == name);
-            let below = counted.map_or(0, |counted| counted.parameter_errors_below);
-            let share = below as f64 / RUNS as f64;
-            found.insert(
-                format!("{name}{how}"),
-                json!({"us_per_run": 1e6 * seconds / RUNS as f64, "parameter_error_share": share}),
-            );
-        }
+        let (seconds, tally) = one.install(|| fastest(REPETITIONS, || counted(&own, design, bounds)))?;
+        let counted = tally.counted.iter().find(|counted| counted.design == name);
+        let below = counted.map_or(0, |counted| counted.parameter_errors_below);
+        let share = below as f64 / RUNS as f64;
+        found.insert(
+            name.to_owned(),
+            json!({"us_per_run": 1e6 * seconds / RUNS as f64, "parameter_error_share": share}),
+        );
     }
     Ok(json!(found))
 }

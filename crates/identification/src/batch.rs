@@ -27,8 +27,6 @@ pub(crate) enum AnyBatch<'a> {
 }
 
 /// What a pass over a batch of either kind comes to, [`vessel::vectorized!`].
-/// Passes of models whose structure is known and passes of any model are compiled apart: together, they keep fewer numbers in
-/// registers.
 macro_rules! over_batch {
     ($any:expr, |$batch:ident| $pass:expr) => {
         match $any {

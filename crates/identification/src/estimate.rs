@@ -43,7 +43,7 @@ pub struct Instruments {
     /// Per run its groups with the instruments' means, one per parameter.
     means: [Vec<Group>; LANES],
     squares: InstrumentSquares,
-    /// ζ, where runs share it and the model is none whose structure is known.
+    /// ζ, where runs share it.
     kept: Kept,
     /// Which degrees of freedom have a term 1, whose parameter is the intercept.
     constant: [bool; 3],

@@ -3,9 +3,8 @@ use std::ops::Range;
 use vessel::lanes::lane_of;
 use vessel::{Lane, Model};
 
-use crate::batch::{AnyBatch, BLOCK, over_batch, parts};
+use crate::batch::{AnyBatch, over_batch};
 use crate::spans::{self, Kept};
-use crate::structured::{self, Totals};
 use crate::{DegreeSums, Sums};
 
 /// [`Sums`] of a batch over some samples, lane by lane.
@@ -19,28 +18,18 @@ impl LaneSums {
     /// What depends on the instruments alone, over samples `range`; zero elsewhere. `kept` is ζ of all samples, where it was kept.
     pub(crate) fn of_instruments(batch: AnyBatch, kept: &Kept, range: Range<usize>) -> Self {
         let mut sums = Self::zero(batch.model(), range);
-        match batch.model().structure() {
-            Some(known) => over_batch!(batch, |batch| for block in parts::<BLOCK>(sums.range.clone()) {
-                structured::add_instruments(known, &batch, block, sums.totals());
-            }),
-            None => over_batch!(batch, |batch| {
-                spans::add_instruments(&batch, kept, sums.range.clone(), &mut sums.degrees);
-            }),
-        }
+        over_batch!(batch, |batch| {
+            spans::add_instruments(&batch, kept, sums.range.clone(), &mut sums.degrees);
+        });
         sums
     }
 
     /// These sums of instruments with all the others.
     pub(crate) fn with_measured(&self, batch: AnyBatch, kept: &Kept) -> Self {
         let mut sums = self.clone();
-        match batch.model().structure() {
-            Some(known) => over_batch!(batch, |batch| for block in parts::<BLOCK>(sums.range.clone()) {
-                structured::add_measured(known, &batch, block, sums.totals());
-            }),
-            None => over_batch!(batch, |batch| {
-                spans::add_measured(&batch, kept, sums.range.clone(), &mut sums.degrees);
-            }),
-        }
+        over_batch!(batch, |batch| {
+            spans::add_measured(&batch, kept, sums.range.clone(), &mut sums.degrees);
+        });
         sums
     }
 
@@ -67,21 +56,9 @@ impl LaneSums {
     pub(crate) fn put(&self, lane: usize, degrees: &mut [DegreeSums<Lane>; 3]) {
         degrees.iter_mut().zip(&self.degrees).for_each(|(own, other)| own.take(lane, other));
     }
-
-    #[inline(always)]
-    fn totals(&mut self) -> [Totals<'_>; 3] {
-        let [u, v, r] = &mut self.degrees;
-        [u.totals(), v.totals(), r.totals()]
-    }
 }
 
 impl DegreeSums<Lane> {
-    #[inline(always)]
-    fn totals(&mut self) -> Totals<'_> {
-        let Self { a, b, instrument_squares, regressor_squares, .. } = self;
-        Totals { a, b, instrument_squares, regressor_squares }
-    }
-
     /// The sums of one lane.
     pub(crate) fn lane(&self, lane: usize) -> DegreeSums {
         DegreeSums {

@@ -39,7 +39,6 @@ mod sensitivity;
 mod solve;
 mod spans;
 mod status;
-mod structured;
 mod sums;
 mod validate;
 mod validation_runs;

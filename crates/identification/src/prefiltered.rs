@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use vessel::{LANES, Lane, Look};
+use vessel::{Compiled, LANES, Lane};
 
 use crate::estimate::{Run, Solved, ranges};
 use crate::predictor::Windowed;
@@ -88,12 +88,8 @@ struct Degree {
 impl Signals {
     fn of(batch: &Batch, parameters: &[Lane], range: Range<usize>) -> Self {
         let mut degrees = [0, 1, 2].map(|d| Degree::new(batch, d, range.len()));
-        vessel::stepping!(batch.model, parameters, |mut model| vessel::vectorized!(filter(
-            &mut degrees,
-            [&mut model.clone(), &mut model],
-            batch,
-            range
-        )));
+        let mut model = Compiled::new(batch.model, parameters);
+        vessel::vectorized!(filter(&mut degrees, [&mut model.clone(), &mut model], batch, range));
         Self { degrees }
     }
 
@@ -221,9 +217,9 @@ impl Degree {
 
 /// Fills the signals with samples `range`.
 #[inline(always)]
-fn filter<M: Look<Lane>>(
+fn filter(
     degrees: &mut [Degree; 3],
-    [simulated, measured]: [&mut M; 2],
+    [simulated, measured]: [&mut Compiled<Lane>; 2],
     batch: &Batch,
     range: Range<usize>,
 ) {

@@ -1,5 +1,5 @@
 use vessel::{
-    Arithmetic, LANES, Lane, Model, Number, Row, Step, Weather, Wide, advancing, diverged_lanes, simulate,
+    Arithmetic, Compiled, LANES, Lane, Model, Number, Numbers, Row, Weather, Wide, diverged_lanes, simulate,
     vectorized,
 };
 
@@ -31,17 +31,27 @@ pub fn rmse_norm(rmse: [f64; 3]) -> f64 {
 ///
 /// `parameters`: one lane per parameter. `exogenous`: N × exogenous. `reference`: (N+1) × 3 states; the simulation starts
 /// at the first.
-pub fn free_runs<E: Number>(
+pub fn free_runs(
     model: &Model,
     parameters: &[Lane],
-    exogenous: &[E],
+    exogenous: &[impl Number],
     reference: &[f64],
-) -> [FreeRun; LANES]
-where
-    for<'a> &'a [E]: Row<Wide<1>>,
-{
+) -> [FreeRun; LANES] {
+    free_runs_over(model, parameters, Number::numbers(exogenous), reference)
+}
+
+/// The same: compiled here, not in every crate that calls it.
+fn free_runs_over(
+    model: &Model,
+    parameters: &[Lane],
+    exogenous: Numbers,
+    reference: &[f64],
+) -> [FreeRun; LANES] {
     let parameters: Vec<Wide<1>> = parameters.iter().copied().map(Wide::from).collect();
-    let [found] = free_runs_of(model, &parameters, exogenous, reference);
+    let [found] = match exogenous {
+        Numbers::Lanes(lanes) => free_runs_of(model, &parameters, lanes, reference),
+        Numbers::Shared(numbers) => free_runs_of(model, &parameters, numbers, reference),
+    };
     found
 }
 
@@ -55,12 +65,9 @@ pub(crate) fn free_runs_of<const G: usize, E: Number>(
 where
     for<'a> &'a [E]: Row<Wide<G>>,
 {
-    let (squares, beyond) = advancing!(model, parameters, |mut step| vectorized!(squared_errors(
-        &mut step,
-        model.exogenous(),
-        exogenous,
-        reference
-    )));
+    let mut compiled = Compiled::new(model, parameters);
+    let (squares, beyond) =
+        vectorized!(squared_errors(&mut compiled, model.exogenous(), exogenous, reference));
     let samples = (reference.len() / 3 - 1) as f64;
     let initial = [0, 1, 2].map(|d| Lane::splat(reference[d]));
     let first_beyond = |group: usize, lane: usize| {
@@ -80,7 +87,7 @@ where
 /// Sums of squared errors of u, v and r, and a number above zero where one of them was beyond every bound.
 #[inline(always)]
 fn squared_errors<const G: usize, E: Number>(
-    model: &mut impl Step<Wide<G>>,
+    model: &mut Compiled<Wide<G>>,
     width: usize,
     exogenous: &[E],
     reference: &[f64],

@@ -51,20 +51,6 @@ struct Weighted<X> {
     places: [usize; 2],
 }
 
-/// What steps of a model are made of; places by their numbers.
-pub(crate) struct Parts<X> {
-    pub variables: usize,
-    /// How many.
-    pub places: usize,
-    /// A variable and its modulus.
-    pub moduli: Vec<[usize; 2]>,
-    /// Two places and their product.
-    pub products: Vec<[usize; 3]>,
-    pub constant: [X; 3],
-    /// Parameters, and the two places of their terms.
-    pub sums: [Vec<(X, [usize; 2])>; 3],
-}
-
 /// Places in the making.
 struct Places {
     variables: usize,
@@ -168,22 +154,6 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         }
     }
 
-    /// What steps are made of; `None` where terms are tied to each other.
-    pub(crate) fn parts(&self) -> Option<Parts<X>> {
-        let Self { variables, moduli, products, tied, sums, constant, places, .. } = self;
-        let sums = sums.each_ref().map(|own| own.iter().map(|term| (term.parameter, term.places)).collect());
-        let moduli = moduli.iter().map(|variable| [1 + variable, 1 + variables + variable]);
-        let leading = products.pairs.iter().enumerate();
-        tied.is_empty().then(|| Parts {
-            variables: *variables,
-            places: places.len(),
-            moduli: moduli.collect(),
-            products: leading.map(|(i, [one, two])| [*one, *two, products.first + i]).collect(),
-            constant: *constant,
-            sums,
-        })
-    }
-
     /// Goes to a state (u, v over ground \[m/s\], r \[rad/s\]) and one number per input and measured disturbance, in a
     /// current of surge and sway components in body axes \[m/s\].
     #[inline(always)]
@@ -270,7 +240,7 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
 
     /// [`Self::step`] in place, in a current.
     #[inline(always)]
-    pub(crate) fn advance(
+    pub fn advance(
         &mut self,
         state: &mut [X; 3],
         exogenous: impl Row<X>,

@@ -31,11 +31,8 @@ mod products;
 mod refusals;
 mod rows;
 mod run;
-mod shaped;
 mod simulate;
 mod steady;
-mod stepping;
-mod structure;
 mod term;
 #[doc(hidden)]
 pub mod vectorized;
@@ -63,12 +60,10 @@ pub use pose::{Pose, track};
 pub use refusal::{Invalid, check_numbers, choices, nearest};
 pub use refusals::{MOST_SAMPLES, refuse_endless};
 pub use run::{Run, RunView, Segment};
-pub use shaped::Shaped;
 pub use simulate::{
     DIVERGED, Diverged, Driven, Recording, check_diverged, diverged_lanes, simulate, simulate_disturbed,
     simulate_groups, simulate_one,
 };
 pub use steady::{Motion, Steady};
-pub use structure::{Built, Equation, Look, ModelShip, ModelShipWithIntercepts, Step, Structure, Visit};
 pub use term::{Factor, Product, Term};
 pub use wide::{GROUPS, Wide};

@@ -1,8 +1,8 @@
 use std::ops::Range;
 
 use crate::{
-    Ambient, Arithmetic, Disturbing, LANES, Lane, Model, Number, Numbers, Row, Step, Weather, Wide,
-    advancing, stepping, vectorized,
+    Ambient, Arithmetic, Compiled, Disturbing, LANES, Lane, Model, Number, Numbers, Row, Weather, Wide,
+    vectorized,
 };
 
 /// A speed \[m/s\] or yaw rate \[rad/s\] beyond which a simulation counts as diverged.
@@ -29,14 +29,24 @@ pub fn simulate(
     weather: &Weather,
     states: &mut [Lane],
 ) {
-    let (initial, weather) = (initial.map(Wide::from), [*weather]);
-    advancing!(model, &wide(parameters), |mut step| {
-        let mut follow = Follow::new(&mut step, model, initial);
-        match Number::numbers(exogenous) {
-            Numbers::Lanes(lanes) => vectorized!(follow.whole(&lanes, &weather, [states])),
-            Numbers::Shared(numbers) => vectorized!(follow.whole(&numbers, &weather, [states])),
-        }
-    });
+    simulate_numbers(model, parameters, initial, Number::numbers(exogenous), weather, states);
+}
+
+/// The same: compiled here, not in every crate that calls it.
+fn simulate_numbers(
+    model: &Model,
+    parameters: &[Lane],
+    initial: [Lane; 3],
+    exogenous: Numbers,
+    weather: &Weather,
+    states: &mut [Lane],
+) {
+    let weather = [*weather];
+    let mut follow = Follow::new(model, parameters, initial.map(Wide::from));
+    match exogenous {
+        Numbers::Lanes(lanes) => vectorized!(follow.whole(&lanes, &weather, [states])),
+        Numbers::Shared(numbers) => vectorized!(follow.whole(&numbers, &weather, [states])),
+    }
 }
 
 /// Simulates `G` times as many runs as [`simulate`], of one length and in still water, each driven by its own exogenous
@@ -49,15 +59,8 @@ pub fn simulate_groups<const G: usize>(
 ) {
     let exogenous = runs.each_ref().map(|(exogenous, _)| *exogenous);
     let states = runs.map(|(_, states)| states);
-    advancing!(model, &wide(parameters), |mut step| {
-        let mut follow = Follow::new(&mut step, model, initial);
-        vectorized!(follow.whole(&exogenous, &[Weather::CALM; G], states))
-    });
-}
-
-/// The same parameters in every group.
-fn wide<const G: usize>(parameters: &[Lane]) -> Vec<Wide<G>> {
-    parameters.iter().copied().map(Wide::from).collect()
+    let mut follow = Follow::new(model, parameters, initial);
+    vectorized!(follow.whole(&exogenous, &[Weather::CALM; G], states));
 }
 
 /// What `G` times [`crate::LANES`] runs are driven by: N × exogenous, row-major.
@@ -89,19 +92,9 @@ pub fn simulate_disturbed<const G: usize>(
     parameters: &[Lane],
     initial: [Wide<G>; 3],
     driven: Driven<G>,
-    groups: [Recording; G],
-) -> [Lane; G] {
-    advancing!(model, &wide(parameters), |mut step| {
-        disturbed(Follow::new(&mut step, model, initial), driven, groups)
-    })
-}
-
-/// [`simulate_disturbed`] of runs on their way.
-fn disturbed<const G: usize>(
-    mut follow: Follow<impl Step<Wide<G>>, G>,
-    driven: Driven<G>,
     mut groups: [Recording; G],
 ) -> [Lane; G] {
+    let mut follow = Follow::new(model, parameters, initial);
     let samples = groups.first().map_or(0, |own| own.measured.len() / 3 - 1);
     let mut beyond = [Lane::ZERO; G];
     for first in (0..samples.max(1)).step_by(AT_ONCE) {
@@ -126,16 +119,19 @@ fn disturbed<const G: usize>(
 }
 
 /// Runs on their way.
-struct Follow<'m, M, const G: usize> {
-    model: &'m mut M,
+struct Follow<'m, const G: usize> {
+    model: Compiled<'m, Wide<G>>,
     width: usize,
     state: [Wide<G>; 3],
     heading: Wide<G>,
 }
 
-impl<'m, M: Step<Wide<G>>, const G: usize> Follow<'m, M, G> {
-    fn new(step: &'m mut M, model: &Model, initial: [Wide<G>; 3]) -> Self {
-        Self { width: model.exogenous().max(1), model: step, state: initial, heading: Wide::ZERO }
+impl<'m, const G: usize> Follow<'m, G> {
+    /// With the same parameters in every group.
+    fn new(model: &'m Model, parameters: &[Lane], initial: [Wide<G>; 3]) -> Self {
+        let parameters: Vec<Wide<G>> = parameters.iter().copied().map(Wide::from).collect();
+        let (width, model) = (model.exogenous().max(1), Compiled::new(model, &parameters));
+        Self { model, width, state: initial, heading: Wide::ZERO }
     }
 
     /// Goes through all samples.
@@ -326,13 +322,11 @@ pub fn simulate_one(model: &Model, parameters: &[f64], initial: [f64; 3], exogen
     let width = model.exogenous().max(1);
     let mut states = Vec::with_capacity(3 * (exogenous.len() / width + 1));
     states.extend(initial);
-    let mut state = initial;
-    stepping!(model, parameters, |mut step| {
-        for exogenous in exogenous.chunks_exact(width) {
-            state = step.step(state, exogenous, Ambient::default());
-            states.extend(state);
-        }
-    });
+    let (mut state, mut model) = (initial, Compiled::new(model, parameters));
+    for exogenous in exogenous.chunks_exact(width) {
+        state = model.step(state, exogenous, Ambient::default());
+        states.extend(state);
+    }
     states
 }
 

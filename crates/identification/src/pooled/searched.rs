@@ -89,9 +89,10 @@ pub fn least_errors<P: Parts>(
     let free: Vec<usize> = (0..sizes.len()).filter(|i| sizes[*i] > 0.0).collect();
     let weights = std.map(|s| if s > 0.0 { s.powi(-2) } else { 0.0 });
     let (order, around) = (by_length(parts), vec![Vec::new(); parts.count()]);
-    let mut problem = Problem { model, parts, order, held: start.to_vec(), free, weights, follow, around };
-    let weights = problem.weighting();
-    let from = problem.free.iter().map(|i| start[*i]).collect();
+    let from = free.iter().map(|i| start[*i]).collect();
+    let asked = Question { model, held: start.to_vec(), free, weights, follow };
+    let weights = asked.weighting();
+    let mut problem = Problem { asked, parts, order, around };
     let found = minimize(&mut problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop();
     let Some(found) = found.filter(|found| matches!(found.status, Ended::Converged | Ended::Stalled)) else {
         return Ok(None);
@@ -100,7 +101,7 @@ pub fn least_errors<P: Parts>(
         covariance,
         telling,
         around,
-        parameters: problem.whole(&found.point),
+        parameters: problem.asked.whole(&found.point),
         steps: found.steps,
         converged: found.status == Ended::Converged,
     }))
@@ -108,17 +109,22 @@ pub fn least_errors<P: Parts>(
 
 /// One problem: all parts, [`LANES`] of them at a time.
 struct Problem<'a, P> {
-    model: &'a Model,
+    asked: Question<'a>,
     parts: &'a P,
     /// Places of the parts: those of similar length go side by side.
     order: Vec<usize>,
+    /// What was last found around the parts, in their order.
+    around: Vec<Vec<f64>>,
+}
+
+/// What is asked of every part.
+struct Question<'a> {
+    model: &'a Model,
     held: Vec<f64>,
     free: Vec<usize>,
     /// Of squared errors in u, v, r.
     weights: [f64; 3],
     follow: &'a Follow,
-    /// What was last found around the parts, in their order.
-    around: Vec<Vec<f64>>,
 }
 
 /// The longest first.
@@ -128,7 +134,7 @@ fn by_length(parts: &impl Parts) -> Vec<usize> {
     order
 }
 
-impl<P: Parts> Problem<'_, P> {
+impl Question<'_> {
     /// All parameters of a point.
     fn whole(&self, point: &[f64]) -> Vec<f64> {
         let mut whole = self.held.clone();
@@ -152,38 +158,17 @@ impl<P: Parts> Problem<'_, P> {
         }
     }
 
-    /// Calls `look` with every part linearised, in order; with the spread of what is around it where that is wanted.
-    fn each(&self, point: &[f64], spread: bool, mut look: impl FnMut(Settled)) -> Result<(), P::Error> {
-        let whole = self.whole(point);
-        let together = LANES * rayon::current_num_threads();
-        let mut waiting: Vec<Part> = Vec::with_capacity(together);
-        let mut first = 0;
-        let mut pass = |waiting: &mut Vec<Part>| {
-            self.settled(waiting, first, &whole, spread).into_iter().for_each(&mut look);
-            first += waiting.len();
-            waiting.clear();
-        };
-        self.parts.at(&self.order, |part| {
-            waiting.push(Part::new("", "", part.run));
-            if waiting.len() == together {
-                pass(&mut waiting);
-            }
-        })?;
-        pass(&mut waiting);
-        Ok(())
-    }
-
-    /// Parts from the `first` on linearised, [`LANES`] of them by a thread.
-    fn settled(&self, parts: &[Part], first: usize, whole: &[f64], spread: bool) -> Vec<Settled> {
+    /// Parts linearised, [`LANES`] of them by a thread, with what was last found around them.
+    fn settled(&self, parts: &[Part], around: &[Vec<f64>], whole: &[f64], spread: bool) -> Vec<Settled> {
         let settled = |(i, parts): (usize, &[Part])| {
             let group = SideBySide::of(&parts.iter().map(Part::view).collect::<Vec<_>>());
             let recordings = Recordings::of(self.model, &group);
             let mut found: Vec<Settled> = match self.unknown() {
                 None => self.linears(&recordings, whole).into_iter().map(Settled::from).collect(),
                 Some(unknown) => {
-                    let starts = &self.around[first + i * LANES..][..parts.len()];
-                    let around = Around::new(&recordings, unknown, whole, self.weights);
-                    around.settled(&self.free, starts, spread)
+                    let starts = &around[i * LANES..][..parts.len()];
+                    let own = Around::new(&recordings, unknown, whole, self.weights);
+                    own.settled(&self.free, starts, spread)
                 }
             };
             found.truncate(group.runs);
@@ -202,20 +187,45 @@ impl<P: Parts> Problem<'_, P> {
             }
         }
     }
+}
+
+impl<P: Parts> Problem<'_, P> {
+    /// Calls `look` with every part linearised, in order; with the spread of what is around it where that is wanted.
+    fn each(&self, point: &[f64], spread: bool, mut look: impl FnMut(Settled)) -> Result<(), P::Error> {
+        let whole = self.asked.whole(point);
+        let together = LANES * rayon::current_num_threads();
+        let mut waiting: Vec<Part> = Vec::with_capacity(together);
+        let mut first = 0;
+        let mut pass = |waiting: &mut Vec<Part>| {
+            let around = &self.around[first..first + waiting.len()];
+            self.asked.settled(waiting, around, &whole, spread).into_iter().for_each(&mut look);
+            first += waiting.len();
+            waiting.clear();
+        };
+        self.parts.at(&self.order, |part| {
+            waiting.push(Part::new("", "", part.run));
+            if waiting.len() == together {
+                pass(&mut waiting);
+            }
+        })?;
+        pass(&mut waiting);
+        Ok(())
+    }
 
     /// The covariance of all parameters, how many parts tell of each, and what is around the parts.
     fn spread(&self, found: &Minimum) -> Result<Option<Spread>, P::Error> {
-        let weights = self.weighting();
+        let weights = self.asked.weighting();
         let Ok(inverse) = found.inverse(weights) else { return Ok(None) };
-        let (all, free, parts) = (self.held.len(), self.free.len(), self.parts.count() as f64);
+        let places = &self.asked.free;
+        let (all, free, parts) = (self.asked.held.len(), places.len(), self.parts.count() as f64);
         let (mut covariance, mut told) = (vec![0.0; all * all], vec![[0.0; 2]; all]);
         let mut settled = Vec::new();
         self.each(&found.point, true, |own| {
             let (normal, gradient) = own.linear.weighted(weights);
             // Without a part that alone determines a parameter there is no estimate: it counts as one that tells little.
             let moved = found.without(&own.linear, weights).unwrap_or_else(|_| times(&inverse, &gradient));
-            for (i, (row, a)) in self.free.iter().zip(&moved).enumerate() {
-                for (column, b) in self.free.iter().zip(&moved) {
+            for (i, (row, a)) in places.iter().zip(&moved).enumerate() {
+                for (column, b) in places.iter().zip(&moved) {
                     covariance[row * all + column] += (parts - 1.0) / parts * a * b;
                 }
                 let share = quadratic(&inverse[i * free..(i + 1) * free], &normal);
@@ -225,9 +235,9 @@ impl<P: Parts> Problem<'_, P> {
         })?;
         let alike = |[sum, squares]: [f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
         let mut around = Vec::new();
-        if let Some(unknown) = self.unknown() {
+        if let Some(unknown) = self.asked.unknown() {
             around.resize(settled.len(), [[0.0; AROUND]; 2]);
-            let pairs = self.free.iter().flat_map(|i| self.free.iter().map(move |j| i * all + j));
+            let pairs = places.iter().flat_map(|i| places.iter().map(move |j| i * all + j));
             let own: Vec<f64> = pairs.map(|k| covariance[k]).collect();
             let found = self.order.iter().zip(&settled);
             found.for_each(|(place, settled)| around[*place] = settled.around(unknown, &own));
@@ -276,7 +286,7 @@ impl<P: Parts> Residuals for Problem<'_, P> {
     }
 
     fn bounds(&self) -> Vec<[f64; 2]> {
-        let all = self.model.bounds();
-        all.map_or(Vec::new(), |all| self.free.iter().map(|i| all[*i]).collect())
+        let all = self.asked.model.bounds();
+        all.map_or(Vec::new(), |all| self.asked.free.iter().map(|i| all[*i]).collect())
     }
 }

@@ -104,7 +104,7 @@ fn follow(run: &Recordings<f64>, parameters: &[f64], forward: &Forward, response
     if forward.adjoints.is_empty() {
         return all;
     }
-    let mut dynamics = Dynamics::<_, f64, 3>::new(run.model, parameters, None);
+    let mut dynamics = Dynamics::<f64, 3>::new(run.model, parameters, None);
     let columns = forward.path.columns();
     let mut now = vec![[Lane::ZERO; 3]; columns];
     let mut pushed = vec![[Lane::ZERO; 2]; columns];
@@ -153,7 +153,7 @@ impl Back<'_> {
     fn gradient(&self) -> Vec<f64> {
         let Self { run, parameters, forward, .. } = *self;
         let (samples, inputs) = (run.longest(), run.model.inputs);
-        let mut dynamics = Dynamics::<_, f64, 3>::new(run.model, parameters, None);
+        let mut dynamics = Dynamics::<f64, 3>::new(run.model, parameters, None);
         let degrees: Vec<usize> = run.model.layout().degrees().collect();
         let (mut big, mut small) = (vec![[Lane::ZERO; 3]; forward.path.columns()], [0.0; 3]);
         let known: Vec<(usize, f64)> = run.model.known().map(|(d, known)| (d, known.coefficient)).collect();

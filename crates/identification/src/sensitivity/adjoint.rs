@@ -1,4 +1,4 @@
-use vessel::{Built, Lane, Look};
+use vessel::Lane;
 
 use super::columns::Backward;
 use super::dynamics::{Dynamics, Local};
@@ -21,18 +21,13 @@ pub(crate) fn backward<X: Unknowns, const N: usize>(
 ) -> Vec<[Lane; N]> {
     let (model, (theta, _)) = (recordings.model, unknowns.split_at(recordings.model.parameters()));
     let spread = levels.map(Levels::spread);
-    if let Some(structure) = model.structure_with_intercepts() {
-        let dynamics = Dynamics::of(Built::new(structure, theta), spread.as_ref());
-        vessel::vectorized!(narrow: go_back(dynamics, recordings, path, weights, between))
-    } else {
-        let dynamics = Dynamics::new(model, theta, spread.as_ref());
-        vessel::vectorized!(narrow: go_back(dynamics, recordings, path, weights, between))
-    }
+    let dynamics = Dynamics::new(model, theta, spread.as_ref());
+    vessel::vectorized!(narrow: go_back(dynamics, recordings, path, weights, between))
 }
 
 #[inline(always)]
 fn go_back<X: Unknowns, const N: usize>(
-    mut dynamics: Dynamics<impl Look<X>, X, N>,
+    mut dynamics: Dynamics<X, N>,
     recordings: &Recordings<X>,
     path: &Sensitivities<X>,
     weights: [X; 3],

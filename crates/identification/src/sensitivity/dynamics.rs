@@ -1,4 +1,4 @@
-use vessel::{Ambient, Compiled, Lane, Look, Model};
+use vessel::{Ambient, Compiled, Lane, Model};
 
 use super::levels::{Flow, Levels};
 use super::unknowns::Unknowns;
@@ -8,8 +8,8 @@ use super::unknowns::Unknowns;
 /// Sensors that drift (N = 7) make the first three states those that are measured, drift included; the last three are the
 /// drift itself, and the one between them stays zero.
 #[derive(Clone, Debug)]
-pub(crate) struct Dynamics<M, X, const N: usize> {
-    model: M,
+pub(crate) struct Dynamics<'m, X, const N: usize> {
+    model: Compiled<'m, X>,
     motion: Motion<X, N>,
 }
 
@@ -54,23 +54,16 @@ const fn drift(n: usize) -> bool {
     n == 7
 }
 
-impl<'m, X: Unknowns, const N: usize> Dynamics<Compiled<'m, X>, X, N> {
+impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
     /// Of `model` with `theta`, one number per parameter.
     pub(crate) fn new(model: &'m Model, theta: &[X], levels: Option<&Levels<X>>) -> Self {
-        Self::of(Compiled::new(model, theta), levels)
+        Self { model: Compiled::new(model, theta), motion: Motion::new(levels) }
     }
 
     /// Transposed products where [`Self::at`] looked last: see [`Compiled::pull_back`].
     #[inline(always)]
     pub(crate) fn pull_back(&mut self, terms: &[X], slopes: &[[X; 3]; 3], out: &mut [X]) {
         self.model.pull_back(terms, slopes, out);
-    }
-}
-
-impl<M: Look<X>, X: Unknowns, const N: usize> Dynamics<M, X, N> {
-    /// Of `model` with its parameters.
-    pub(crate) fn of(model: M, levels: Option<&Levels<X>>) -> Self {
-        Self { model, motion: Motion::new(levels) }
     }
 
     /// How deviations move on.

@@ -90,7 +90,7 @@ fn filtered<const N: usize>(
     mut each: impl FnMut(&[Lane; N]),
 ) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
     let (theta, offsets) = unknowns.split_at(recordings.model.parameters());
-    let mut dynamics = Dynamics::<_, Lane, N>::new(recordings.model, theta, Some(levels));
+    let mut dynamics = Dynamics::<Lane, N>::new(recordings.model, theta, Some(levels));
     let noise = levels.measurement.map(|s| s * s);
     let mut z = [Lane::ZERO; N];
     for d in 0..3 {

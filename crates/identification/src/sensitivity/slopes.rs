@@ -1,4 +1,4 @@
-use vessel::{Built, LANES, Lane, Look};
+use vessel::{LANES, Lane};
 
 use super::dynamics::Dynamics;
 use super::recordings::Recordings;
@@ -23,13 +23,9 @@ pub(crate) fn slopes(
 ) -> Vec<Slopes> {
     let (model, first) = (recordings.model, usize::from(!from_start));
     let theta = &unknowns[..model.parameters()];
-    let (squares, gradient) = if let Some(structure) = model.structure_with_intercepts() {
-        let dynamics = Dynamics::of(Built::new(structure, theta), None);
-        vessel::vectorized!(narrow: there_and_back(dynamics, recordings, unknowns, first, weights, path))
-    } else {
-        let dynamics = Dynamics::new(model, theta, None);
-        vessel::vectorized!(narrow: there_and_back(dynamics, recordings, unknowns, first, weights, path))
-    };
+    let dynamics = Dynamics::new(model, theta, None);
+    let (squares, gradient) =
+        vessel::vectorized!(narrow: there_and_back(dynamics, recordings, unknowns, first, weights, path));
     let own = |lane: usize| Slopes {
         squares: squares.map(|sum| sum[lane]),
         gradient: free.iter().map(|i| gradient[*i][lane]).collect(),
@@ -40,7 +36,7 @@ pub(crate) fn slopes(
 /// Squared errors, and their slopes by every unknown. Samples count from `first` on.
 #[inline(always)]
 fn there_and_back(
-    mut dynamics: Dynamics<impl Look<Lane>, Lane, 3>,
+    mut dynamics: Dynamics<Lane, 3>,
     recordings: &Recordings,
     unknowns: &[Lane],
     first: usize,

@@ -1,4 +1,4 @@
-use vessel::{Built, Lane, Look, Model};
+use vessel::{Lane, Model};
 
 use super::dynamics::Dynamics;
 use super::kalman::Gain;
@@ -18,13 +18,8 @@ pub(crate) fn sweep<X: Unknowns, const N: usize>(
     each: impl FnMut(Step<'_, X, N>),
 ) {
     let (model, (theta, _)) = (recordings.model, unknowns.split_at(recordings.model.parameters()));
-    if let Some(structure) = model.structure_with_intercepts() {
-        let dynamics = Dynamics::of(Built::new(structure, theta), levels);
-        vessel::vectorized!(narrow: go_along(dynamics, recordings, unknowns, free, gains, each));
-    } else {
-        let dynamics = Dynamics::new(model, theta, levels);
-        vessel::vectorized!(narrow: go_along(dynamics, recordings, unknowns, free, gains, each));
-    }
+    let dynamics = Dynamics::new(model, theta, levels);
+    vessel::vectorized!(narrow: go_along(dynamics, recordings, unknowns, free, gains, each));
 }
 
 /// What a sweep finds at a sample, before the sample's measurement corrects it.
@@ -40,7 +35,7 @@ pub(crate) struct Step<'a, X, const N: usize> {
 
 #[inline(always)]
 fn go_along<X: Unknowns, const N: usize>(
-    mut dynamics: Dynamics<impl Look<X>, X, N>,
+    mut dynamics: Dynamics<X, N>,
     recordings: &Recordings<X>,
     unknowns: &[X],
     free: &[usize],

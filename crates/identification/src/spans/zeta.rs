@@ -9,8 +9,7 @@ use crate::batch::AnyBatch;
 
 /// ζ at all samples of a batch whose runs share it, evaluated once for all passes and for all batches that share it.
 pub(crate) struct Kept {
-    /// Per degree of freedom a column per term in the passes' order, a span of zeros at its end; none where runs do not share ζ, or the
-    /// model's structure is known.
+    /// Per degree of freedom a column per term in the passes' order, a span of zeros at its end; none where runs do not share ζ.
     columns: [Vec<Vec<f64>>; 3],
 }
 
@@ -18,9 +17,6 @@ impl Kept {
     /// Of a batch.
     pub(crate) fn of(batch: AnyBatch) -> Self {
         let AnyBatch::Shared(batch) = batch else { return Self { columns: Default::default() } };
-        if batch.model.structure().is_some() {
-            return Self { columns: Default::default() };
-        }
         let orders = Order::of(batch.model);
         let mut columns = orders.each_ref().map(|order| vec![Vec::new(); order.terms.len()]);
         let mut terms = Compiled::new(batch.model, &vec![0.0; batch.model.parameters()]);

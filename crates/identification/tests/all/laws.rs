@@ -196,14 +196,12 @@ proptest! {
         }
     }
 
-    /// What is compiled for a structure gives the bits of what takes any model: one more channel, which no term has, makes the
-    /// paper's model one of these.
+    /// One more channel, which no term has, changes nothing.
     #[test]
-    fn law_a_known_structure_gives_the_bits_of_any_model(seed in 0u64..1000, lengths in [20usize..90, 20usize..90]) {
+    fn law_a_channel_that_no_term_has_changes_no_bit(seed in 0u64..1000, lengths in [20usize..90, 20usize..90]) {
         let vessel = paper();
         let mut any = vessel.model.clone();
         any.variables.push(vessel::Variable { name: "idle".to_owned(), unit: "1".to_owned() });
-        prop_assert!(vessel.model.structure().is_some() && any.structure().is_none());
         let mut normals = Normals::new(seed);
         let experiment = Experiment::random(&mut normals, &lengths);
         let runs: Vec<Recording> = (0..LANES).map(|_| experiment.record(&vessel, 0.1, &mut normals)).collect();

@@ -15,6 +15,7 @@ mod search;
 mod selection;
 mod single;
 mod sums;
+mod undeclared;
 mod units;
 
 /// Pools the runs of the small study; add flags and an output.

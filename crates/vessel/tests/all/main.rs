@@ -11,5 +11,5 @@ mod layout;
 mod maneuvers;
 mod noise;
 mod oracle;
-mod structure;
+mod steps;
 mod terms;

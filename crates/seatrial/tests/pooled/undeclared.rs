@@ -1,0 +1,133 @@
+//! Logs of which nobody stated the noise, some of them of no use: what is said of the model then, and what is not.
+
+use crate::support::{Ran, json, put, run, written};
+use serde_json::Value;
+use tempfile::TempDir;
+
+const RATE_HZ: f64 = 8.0;
+const SAMPLES: usize = 900;
+
+/// What a log of the paper's ship was recorded with.
+#[derive(Clone, Copy)]
+struct Log {
+    /// Standard deviation of the sensors.
+    noise: f64,
+    /// What waves of 3 s add to every state at each sample.
+    waves: f64,
+    /// Whether the thrusters run.
+    driven: bool,
+    /// Damping and forces of the ship over those of the paper's.
+    ship: f64,
+    /// The rows in which the sensors stand still.
+    frozen: (usize, usize),
+    seed: u64,
+}
+
+const HEALTHY: Log = Log { noise: 0.0158, waves: 0.0, driven: true, ship: 1.0, frozen: (0, 0), seed: 1 };
+
+/// Numbers of mean 0 and standard deviation 1.
+struct Normals(u64);
+
+impl Normals {
+    fn next(&mut self) -> f64 {
+        let mut one = || {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..12).map(|_| one()).sum::<f64>() - 6.0
+    }
+}
+
+/// The log as text: t, u, v, r, then three forces.
+fn recorded(log: Log) -> String {
+    let mut normals = Normals(log.seed);
+    let mut text = "t,u,v,r,tau1,tau2,tau3\n".to_owned();
+    let mut state = [if log.driven { 1.0 } else { 0.0 }, 0.0, 0.0];
+    let mut shown = [0.0; 3];
+    for k in 0..=SAMPLES {
+        let t = k as f64 / RATE_HZ;
+        let block = |period: f64, levels: &[f64]| levels[(t / period) as usize % levels.len()];
+        let driven = f64::from(u8::from(log.driven));
+        let tau1 = driven * block(17.0, &[5200.0, 1500.0, 9000.0, 3200.0, 7000.0]);
+        let tau3 = driven * block(6.5, &[180.0, -220.0, 60.0, -120.0, 240.0, 0.0, -60.0]);
+        let tau2 = -2.5 * tau3 + driven * block(11.0, &[900.0, -700.0, 0.0, 1500.0]);
+        if !(log.frozen.0..log.frozen.1).contains(&k) {
+            shown = state.map(|x| x + log.noise * normals.next());
+        }
+        let [y_u, y_v, y_r] = shown;
+        text += &format!("{t:.3},{y_u:.6},{y_v:.6},{y_r:.6},{tau1:.3},{tau2:.3},{tau3:.3}\n");
+        let [u, v, r] = state;
+        let s = log.ship;
+        let wave = |d: f64| log.waves * (std::f64::consts::TAU * t / 3.0 + log.seed as f64 + 2.0 * d).sin();
+        state = [
+            u + s * (-0.06 * u - 0.01 * u * u.abs() + 1.4e-5 * tau1) + 0.08 * v * r + wave(0.0),
+            v + s * (-0.1 * v + 1.4e-5 * tau2) - 0.006 * u * r + wave(1.0),
+            r + s * (-0.35 * r + 3.0e-4 * tau3) - 0.03 * u * v + wave(2.0),
+        ];
+    }
+    text
+}
+
+/// A study with the runs of these logs, as `ingest` reads them.
+fn ingested(logs: &[Log]) -> TempDir {
+    let folder = written(1);
+    let channels = [
+        ("u", "y_u", "m/s"),
+        ("v", "y_v", "m/s"),
+        ("r", "y_r", "rad/s"),
+        ("tau1", "tau1", "N"),
+        ("tau2", "tau2", "N"),
+        ("tau3", "tau3", "N m"),
+    ];
+    let mut config = "design = \"sea\"\nsample_rate_hz = 8.0\nmax_gap_s = 1.0\n\n[[file]]\npattern = [\"*.csv\"]\n\
+                      time = { column = \"t\", unit = \"s\" }\n"
+        .to_owned();
+    for (column, channel, unit) in channels {
+        config += &format!(
+            "\n[[file.channel]]\ncolumn = \"{column}\"\nchannel = \"{channel}\"\nunit = \"{unit}\"\n"
+        );
+    }
+    put(&folder, "ingest.toml", &config);
+    for (i, log) in logs.iter().enumerate() {
+        put(&folder, &format!("log{i}.csv"), &recorded(*log));
+    }
+    run(&folder, "ingest --config ingest.toml --vessel vessel.toml --out logs.parquet").succeeds();
+    folder
+}
+
+/// Every run by itself.
+const EACH: &str = "estimate --vessel vessel.toml --trajectories logs.parquet --out estimates.parquet";
+/// All runs together.
+const ALL: &str =
+    "estimate pool --vessel vessel.toml --trajectories logs.parquet --estimator prediction-error --out trust.json";
+
+fn statements(folder: &TempDir, name: &str) -> String {
+    json(folder, name)["data"]["statements"].to_string()
+}
+
+#[test]
+fn try_all() {
+    for (name, logs) in [
+        ("healthy", vec![HEALTHY]),
+        ("noise alone", vec![Log { driven: false, ..HEALTHY }]),
+        ("without noise", vec![Log { noise: 0.0, ..HEALTHY }]),
+        ("frozen", vec![Log { frozen: (300, 420), ..HEALTHY }]),
+        ("waves", vec![Log { waves: 0.01, ..HEALTHY }]),
+        ("two ships", vec![HEALTHY, Log { ship: 1.6, seed: 2, ..HEALTHY }]),
+        ("one ship", vec![HEALTHY, Log { seed: 2, ..HEALTHY }]),
+    ] {
+        let folder = ingested(&logs);
+        println!("=== {name}");
+        let ran: Ran = run(&folder, EACH);
+        println!("{ran}");
+        if ran.code == Some(0) {
+            println!("{}", serde_json::to_string_pretty(&json(&folder, "estimate.json")["data"]).unwrap());
+        }
+        let ran: Ran = run(&folder, ALL);
+        println!("{ran}");
+        if ran.code == Some(0) {
+            let _: Value = json(&folder, "trust.json");
+            println!("{}", statements(&folder, "trust.json"));
+        }
+    }
+}
