@@ -66,7 +66,7 @@ fn noise(found: &Criticism) -> Markup {
             (three(found.noise_v)) " m/s, r " (three(found.noise_r)) " rad/s, current " (three(found.current_std)) " m/s"
             @if let Some(time) = found.current_time_s { " changing within " (three(time)) " s" }
             @for own in found.noise.iter().flat_map(|own| &own.drifts) {
-                ", " (own.of) " " (own.state) " " (three(own.std)) " " (unit(&own.unit)) " over " (three(own.time_s)) " s"
+                ", " (own.of) " " (own.state) " " (three(own.std)) " " (own.unit) " over " (three(own.time_s)) " s"
             }
             "."
             @if let Some(own) = &found.noise {

@@ -41,7 +41,7 @@ pub(crate) fn calibrated(
 ) -> Option<Calibrated> {
     let subject = Subject { model, runs, rate_hz, known_start, levels: None };
     let problems = Problems::new(&subject, true);
-    let state = heard(&problems, 0, starts)?;
+    let state = heard(&problems, 0, starts, &[])?;
     let noise = state.noise.clone()?;
     let parameters = state.parameters.clone();
     let verdict = verdicts(&subject, &problems, vec![state]).pop().flatten();

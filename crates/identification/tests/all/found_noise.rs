@@ -163,7 +163,7 @@ fn missing_terms_are_found_under_noise_that_is_found() {
 #[test]
 fn a_disturbance_that_no_kind_describes_gets_no_verdict() {
     let vessel = paper();
-    let runs = runs(&vessel, false, WAVES, 21..25);
+    let runs = runs(&vessel, false, WAVES, 21..23);
     for own in criticised(&vessel, &runs) {
         assert!(own.verdict == Verdict::None && !own.rejected, "{:?}", own.statements);
         assert!(

@@ -367,7 +367,9 @@ fn made(folder: &TempDir, stages: &'static [Stage]) -> Ground {
 }
 
 fn paper() -> Ground {
-    let folder = copied("paper", &["dictionary.toml", "campaign.toml"]);
+    let folder = copied("paper", &["campaign.toml"]);
+    let dictionary = repository().join("pipelines/scenarios/dictionary.toml");
+    fs::copy(dictionary, folder.path().join("dictionary.toml")).unwrap();
     put(&folder, "vessel.toml", "preset = \"ljungberg-model-ship\"\n");
     edit(&folder, "campaign.toml", "realizations = 500", "realizations = 2");
     edit(&folder, "campaign.toml", "duration_s = 125.0", "duration_s = 40.0");

@@ -200,12 +200,8 @@ fn a_search_keeps_what_is_fixed_tied_and_bounded_to_the_bit() {
         assert_eq!(tied["value"].as_f64().unwrap(), 0.06 * to["value"].as_f64().unwrap());
         assert_eq!((&bound["value"], &bound["at_bound"]), (&json!(0.0), &json!(true)));
         assert_eq!((&bound["bounds"], &bound["standard_error"]), (&json!([0.0, null]), &Value::Null));
-        assert!(to["standard_error"].as_f64().unwrap() > 0.0, "{to}");
-        let covariance = &model["data"]["covariance"];
-        let names = covariance["names"].as_array().unwrap();
-        let place = names.iter().position(|name| name == "N_uv").unwrap();
-        let row = &covariance["entries"].as_array().unwrap()[place * names.len()..(place + 1) * names.len()];
-        assert!(row.iter().all(|entry| *entry == 0.0), "{row:?}");
+        // Neither a ridge nor few terms leave standard errors that hold.
+        assert!(to["standard_error"].is_null() && model["data"]["covariance"].is_null(), "{to}");
         let terms = |d: usize| model["data"]["degrees"][d]["parameters"].as_array().unwrap().clone();
         let count = |d: usize, term: &str| terms(d).iter().filter(|p| p["term"] == term).count();
         assert_eq!([count(0, "u |u|"), count(1, "u r"), count(1, "1")], [1; 3]);

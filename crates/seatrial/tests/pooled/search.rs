@@ -69,7 +69,7 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     assert_eq!(model["data"]["rejected"], false);
     // A ridge leaves no errors of parameters that hold, and says so.
     assert!(model["data"]["covariance"].is_null(), "{model}");
-    assert!(terms.iter().all(|term| term["low"].is_null()) && !model.to_string().contains("\"low\":-"));
+    assert!(terms.iter().all(|term| term["low"].is_null() && term["high"].is_null()), "{terms:?}");
     let told = "held back by a ridge; predictions have bands, parameters have no errors";
     assert!(said.stdout.contains(told) && model["data"]["statements"].to_string().contains(told), "{said}");
     assert!(
@@ -137,8 +137,8 @@ fn few_terms_do_what_many_do() {
     // Every search over recordings drawn again finds the term that is missing, and the base's stay.
     assert_eq!((&few["resamples"]["searches"], &few["resamples"]["failed"]), (&2.into(), &0.into()));
     assert_eq!(kept["chosen_by_resamples"], 2, "{kept}");
-    let number = |value: &Value| value.as_f64().unwrap();
-    for term in terms(&few) {
+    let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{few}"));
+    for term in terms(&few).into_iter().filter(|term| term["chosen_by_resamples"] != 0) {
         assert!(number(&term["low"]) <= number(&term["high"]), "{term}");
         assert!(term["base"] == false || term["chosen_by_resamples"] == 2, "{term}");
     }

@@ -99,7 +99,7 @@ fn law_an_exact_motion_is_followed_from_the_first_sample_to_the_last() {
     assert_eq!(states.len(), 161 * 3);
     for (k, state) in states.chunks(3).enumerate() {
         let t = k as f64 / 8.0;
-        let r = 0.3 * 2.0 / std::f64::consts::PI * (std::f64::consts::TAU * t / 7.0).sin().asin();
+        let r = -0.3 * 2.0 / std::f64::consts::PI * (std::f64::consts::TAU * t / 7.0).sin().asin();
         let v = 0.02 + 0.1 * (std::f64::consts::TAU * (t / 5.0 + 0.1)).sin();
         for (found, wanted) in state.iter().zip([0.4 + 0.4 * (t / 20.0).powi(2), v, r]) {
             assert!((found - wanted).abs() < 1e-9, "sample {k}: {found} {wanted}");

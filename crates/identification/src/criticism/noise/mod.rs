@@ -12,6 +12,6 @@ mod search;
 mod turns;
 
 pub use kind::NoiseKind;
-pub(super) use kind::{LASTING, side_by_side};
+pub(super) use kind::{Guess, LASTING, side_by_side};
 pub(crate) use turns::ENOUGH;
 pub(super) use turns::{Noise, Turns};

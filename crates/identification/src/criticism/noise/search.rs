@@ -10,7 +10,7 @@ const CHANGE: f64 = 1e-4;
 /// Steps after which the more promising of two climbs goes on, and most steps of it.
 const STEPS: [usize; 2] = [3, 30];
 /// Rise of twice the log-likelihood from which a further step is worth it.
-const RISE: f64 = 0.01;
+const RISE: f64 = 0.05;
 /// Most that a logarithm changes by in a step.
 const LONGEST: f64 = 1.5;
 /// Damping of the first step and beyond which none helps.

@@ -21,10 +21,13 @@ const A_LEVEL: f64 = 2.0;
 const SHORTER: i32 = 6;
 /// Share of the motion that is the least noise.
 const FLOOR: f64 = 1e-6;
-/// Samples that are enough to know the noise.
-pub(crate) const ENOUGH: usize = 12_000;
+/// Samples that are enough to know the noise, and to begin with.
+pub(crate) const ENOUGH: usize = 8_000;
+const FIRST: usize = 3_000;
 /// Kinds that are less likely by no more than this may be the right ones.
 const NEAR: f64 = 6.0;
+/// Kinds that were less likely by more than this are not searched for again.
+const FAR: f64 = 30.0;
 
 /// Noise and parameters of runs that nobody stated the noise of.
 pub(crate) struct Turns<'a> {
@@ -66,22 +69,23 @@ struct State<'a> {
 }
 
 impl<'a> Turns<'a> {
-    /// Noise and parameters, found in turns from `theta` until the parameters rest. None where the filter's numbers end, or the
-    /// parameters cannot be told apart.
-    pub fn found(&self, theta: &[f64]) -> Option<(Vec<f64>, Noise)> {
+    /// Noise and parameters, found in turns from `theta` until the parameters rest. `before`: the kinds that were found of nearly
+    /// the same model, the likeliest first. None where the filter's numbers end, or the parameters cannot be told apart.
+    pub fn found(&self, theta: &[f64], before: &[(Guess, f64)]) -> Option<(Vec<f64>, Noise)> {
         let free = |theta: &[f64]| -> Vec<Line<'a>> {
             self.runs.iter().map(|run| Line::free(self.model, theta, *run)).collect()
         };
         let lines = free(theta);
-        let (found, best) = self.compared(&lines, &Seen::of(&lines), &[], &vec![0.0; theta.len()])?;
+        let (found, best) = self.compared(&lines, &Seen::of(&lines), before)?;
         let mut state = State { theta: theta.to_vec(), lines, found, best };
         for turn in 0..TURNS {
             if turn > 0 && COMPARED.contains(&turn) {
                 let seen = Seen::of(&free(&state.theta));
-                let change = vec![0.0; theta.len()];
-                (state.found, state.best) = self.compared(&state.lines, &seen, &state.found, &change)?;
+                let before: Vec<(Guess, f64)> =
+                    state.found.iter().map(|own| (own.guess, value(own))).collect();
+                (state.found, state.best) = self.compared(&state.lines, &seen, &before)?;
             } else if turn > 0 {
-                let search = self.search(&state.lines, true);
+                let search = self.search(&state.lines, ENOUGH);
                 let again = search.climb(state.best.guess, &vec![0.0; theta.len()], AGAIN)?;
                 let kind = again.guess.kind;
                 state.found.iter_mut().filter(|own| own.guess.kind == kind).for_each(|own| {
@@ -99,9 +103,9 @@ impl<'a> Turns<'a> {
         None
     }
 
-    /// The first samples of the runs, or all of them.
-    fn search<'l>(&self, lines: &'l [Line<'l>], first: bool) -> Search<'l> {
-        let mut left = if first { ENOUGH } else { usize::MAX };
+    /// The first samples of the runs.
+    fn search<'l>(&self, lines: &'l [Line<'l>], most: usize) -> Search<'l> {
+        let mut left = most;
         let mut chosen = Vec::new();
         for line in lines {
             let samples = line.points.len().min(left);
@@ -120,30 +124,30 @@ impl<'a> Turns<'a> {
         }
     }
 
-    /// The most likely levels of every kind, and those of the best.
-    fn compared(
-        &self,
-        lines: &[Line],
-        seen: &Seen,
-        before: &[Best],
-        change: &[f64],
-    ) -> Option<(Vec<Best>, Best)> {
-        let search = self.search(lines, true);
-        let earlier =
-            |kind: NoiseKind| before.iter().filter(move |own| own.guess.kind == kind).map(|own| own.guess);
+    /// The most likely levels of every kind, and those of the best. Kinds that were far less likely `before` stay as far behind.
+    fn compared(&self, lines: &[Line], seen: &Seen, before: &[(Guess, f64)]) -> Option<(Vec<Best>, Best)> {
+        let search = self.search(lines, if before.is_empty() { FIRST } else { ENOUGH });
+        let change = vec![0.0; lines.first()?.terms.len() / lines.first()?.points.len().max(1)];
+        let earlier = |kind: NoiseKind| before.iter().filter(move |(guess, _)| guess.kind == kind);
+        let highest = before.iter().map(|(_, value)| *value).fold(f64::NEG_INFINITY, f64::max);
+        let far = |kind: NoiseKind| earlier(kind).any(|(_, value)| *value < highest - FAR);
         let (first, later) = NoiseKind::ALL.split_at(4);
-        let begun = |kind: &NoiseKind| {
-            let starts: Vec<Guess> = earlier(*kind).chain(seen.starts(*kind, self.rate_hz)).collect();
-            search.best(&starts, change)
+        let begun = |kind: &NoiseKind, others: Vec<Guess>| {
+            let starts: Vec<Guess> = earlier(*kind).map(|(guess, _)| *guess).chain(others).collect();
+            if far(*kind) { None } else { search.best(&starts, &change) }
         };
-        let mut found: Vec<Best> = first.par_iter().filter_map(begun).collect();
-        let simple: Vec<Guess> = found.iter().map(|own| own.guess).collect();
-        let begun = |kind: &NoiseKind| {
-            let starts: Vec<Guess> = earlier(*kind).chain(after(*kind, &simple)).collect();
-            search.best(&starts, change)
-        };
-        found.extend(later.par_iter().filter_map(begun).collect::<Vec<_>>());
+        let each = |kind: &NoiseKind| begun(kind, seen.starts(*kind, self.rate_hz));
+        let mut found: Vec<Best> = first.par_iter().filter_map(each).collect();
+        let mut simple: Vec<Guess> = found.iter().map(|own| own.guess).collect();
+        simple.extend(before.iter().map(|(guess, _)| *guess).filter(|guess| far(guess.kind)));
+        let each = |kind: &NoiseKind| begun(kind, after(*kind, &simple));
+        found.extend(later.par_iter().filter_map(each).collect::<Vec<_>>());
         let best = found.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?.clone();
+        found.extend(before.iter().filter(|(guess, _)| far(guess.kind)).map(|(guess, own)| Best {
+            guess: *guess,
+            worth: best.worth - cost(&best.guess) + cost(guess) + own - highest,
+            change: change.clone(),
+        }));
         Some((found, best))
     }
 
@@ -157,7 +161,7 @@ impl<'a> Turns<'a> {
 
     /// Sums of all runs.
     fn all(&self, state: &State, guess: &Guess) -> Found {
-        self.search(&state.lines, false).sums(&[*guess; LANES], None)
+        self.search(&state.lines, usize::MAX).sums(&[*guess; LANES], None)
     }
 
     /// Changes the parameters and filters the runs with them; a part of the change where the filter's numbers end.
@@ -206,5 +210,9 @@ impl<'a> Turns<'a> {
 
 /// By what kinds are compared.
 fn value(best: &Best) -> f64 {
-    best.worth - A_LEVEL * best.guess.kind.levels() as f64
+    best.worth - cost(&best.guess)
+}
+
+fn cost(guess: &Guess) -> f64 {
+    A_LEVEL * guess.kind.levels() as f64
 }
