@@ -197,7 +197,7 @@ impl Ship {
         let waves = sea.waves.map(|(std, period)| {
             [0, 1, 2].map(|d| oscillating(&draws(11 + d as u32), std[d] / rate, rate * period))
         });
-        let noise = [0, 1, 2].map(|d| draws(d));
+        let noise = [0, 1, 2].map(draws);
         let mut compiled = Compiled::<f64>::new(model, theta);
         let (mut state, mut heading, mut measured) = (self.initial, 0.0_f64, Vec::new());
         for k in 0..=samples {
@@ -261,7 +261,7 @@ impl Ship {
             .par_iter()
             .filter_map(|run| {
                 let views = [run.view()];
-                criticise_each(&self.subject(&model, &views), &[start.clone()]).pop().flatten()
+                criticise_each(&self.subject(&model, &views), std::slice::from_ref(&start)).pop().flatten()
             })
             .collect();
         summary(&found)

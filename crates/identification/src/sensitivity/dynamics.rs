@@ -186,7 +186,7 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
             }
             if drift(N) {
                 next[N - 3 + d] = self.drift * z[N - 3 + d];
-                next[d] = next[d] + next[N - 3 + d];
+                next[d] += next[N - 3 + d];
             }
         }
         next
