@@ -63,6 +63,7 @@ help:
 	@echo "make smoke             the small study that the tests run, into out/smoke/"
 	@echo "make build             build the stages into $(BIN)/"
 	@echo "make test              format, clippy, all tests, the smoke study and the README's commands"
+	@echo "make nightly           make test, and what takes hours: many more damaged inputs, the release build, a sweep on Slurm"
 	@echo "make bench             measure against numba, scipy and pyarrow (needs Python; says how to get it)"
 	@echo "make faults CASES=...  damage inputs and kill runs, so many times, and say what came of it"
 	@echo "make verify            check that the files of the study in $(OUT)/ are whole and belong together"
@@ -295,10 +296,19 @@ readme-check: build
 results-check: build
 	sh scripts/results-check.sh $(BIN)
 
-# The same sweep with a full disk, a killed master, a cancelled job and on Slurm; skipped where there is no Python or Slurm
+# The same sweep with a full disk and a killed master; skipped where there is no Python
 .PHONY: sweep-check
 sweep-check: build
 	bash scripts/sweep-check.sh $(BIN)
+
+# What is too long for every change: the main jobs by the release build, twenty thousand damaged inputs, a thousand faults of
+# every kind in logs, and the sweep on a Slurm that is started for it (Debian: slurmctld slurmd slurm-client munge)
+.PHONY: nightly
+nightly: test
+	$(MAKE) BIN=target/release study helsinki
+	bash scripts/sweep-check.sh target/release slurm
+	$(MAKE) faults CASES=20000
+	SEATRIAL_CASES=1000 $(CARGO) test --workspace --locked --test ingest silent
 
 # --- upkeep
 

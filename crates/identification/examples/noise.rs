@@ -251,7 +251,7 @@ impl Ship {
 
     fn subject<'a>(&self, model: &'a Model, runs: &'a [RunView<'a>]) -> Subject<'a> {
         let rate_hz = self.vessel.sample_rate_hz;
-        Subject { model, runs, rate_hz, known_start: self.known_start, levels: None }
+        Subject { model, runs, rate_hz, known_start: self.known_start, levels: None, names: &[] }
     }
 
     fn verdicts(&self, runs: &[Run], truth: &[f64]) -> Vec<String> {

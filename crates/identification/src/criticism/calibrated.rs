@@ -5,6 +5,7 @@ use vessel::{Model, RunView};
 use super::criticise::verdicts;
 use super::found::Verdict;
 use super::listened::heard;
+use super::noise::Kinds;
 use super::problems::{Problems, Subject};
 use crate::sensitivity::Levels;
 
@@ -28,6 +29,8 @@ pub(crate) struct Calibrated {
     pub factor: f64,
     /// Whether the errors follow this noise.
     pub white: bool,
+    /// All kinds of noise, the likeliest first.
+    pub kinds: Kinds,
 }
 
 /// Noise and parameters of `runs` under `model`, which start at states that may be known, from the first of `starts` that leads
@@ -39,11 +42,11 @@ pub(crate) fn calibrated(
     known_start: bool,
     starts: &[Vec<f64>],
 ) -> Option<Calibrated> {
-    let subject = Subject { model, runs, rate_hz, known_start, levels: None };
+    let subject = Subject { model, runs, rate_hz, known_start, levels: None, names: &[] };
     let problems = Problems::new(&subject, true);
     let state = heard(&problems, 0, starts, &[])?;
     let noise = state.noise.clone()?;
-    let parameters = state.parameters.clone();
+    let (parameters, kinds) = (state.parameters.clone(), noise.kinds.clone());
     let verdict = verdicts(&subject, &problems, vec![state]).pop().flatten();
     let short = runs.iter().map(RunView::samples).sum::<usize>() < SHORT;
     let levels = noise.guess.levels(rate_hz);
@@ -59,5 +62,6 @@ pub(crate) fn calibrated(
         near,
         factor,
         white: verdict.is_some_and(|found| found.verdict != Verdict::None),
+        kinds,
     })
 }

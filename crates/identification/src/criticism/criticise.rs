@@ -1,10 +1,11 @@
+use super::agreement::apart;
 use super::chance::Draws;
 use super::feedback::feedback;
 use super::found::{Criticism, FoundNoise, Verdict};
 use super::gate::{LAGS, is_white, white_once_named};
 use super::library::Lifted;
 use super::listened::listened;
-use super::noise::LASTING;
+use super::noise::{Guess, LASTING};
 use super::problems::{Problems, Series, State, Subject};
 use super::refinement::Refinement;
 use super::score::Projected;
@@ -16,18 +17,32 @@ use crate::sensitivity::Flow;
 /// Looks for what the model lacks: score tests of whitened errors, see [`super`]. `parameters`: θ̂ of all runs, in the order of
 /// the model. None where the model diverges, or the runs determine nothing.
 pub fn criticise(subject: &Subject, parameters: &[f64]) -> Option<Criticism> {
-    judge(subject, &Problems::new(subject, true), &[parameters.to_vec()]).pop().flatten()
+    criticise_after(subject, parameters, &[])
+}
+
+/// The same where kinds of noise were found of these runs before.
+pub(crate) fn criticise_after(
+    subject: &Subject,
+    parameters: &[f64],
+    before: &[(Guess, f64)],
+) -> Option<Criticism> {
+    judge(subject, &Problems::new(subject, true), &[parameters.to_vec()], before).pop().flatten()
 }
 
 /// The same of every run by itself, of which each has its estimate.
 pub fn criticise_each(subject: &Subject, parameters: &[Vec<f64>]) -> Vec<Option<Criticism>> {
-    judge(subject, &Problems::new(subject, false), parameters)
+    judge(subject, &Problems::new(subject, false), parameters, &[])
 }
 
-fn judge(subject: &Subject, problems: &Problems, starts: &[Vec<f64>]) -> Vec<Option<Criticism>> {
+fn judge(
+    subject: &Subject,
+    problems: &Problems,
+    starts: &[Vec<f64>],
+    before: &[(Guess, f64)],
+) -> Vec<Option<Criticism>> {
     let states = match subject.levels {
         Some(_) => Refinement::new(problems, starts).run(),
-        None => listened(problems, starts),
+        None => listened(problems, starts, before),
     };
     verdicts(subject, problems, states)
 }
@@ -45,6 +60,13 @@ pub(super) fn verdicts(subject: &Subject, problems: &Problems, states: Vec<State
             let rejected = found.rejected && white_once_named(problems, problem, &state, &lifted, &found);
             found.verdict = if rejected { Verdict::Rejected } else { Verdict::None };
             found.rejected = rejected;
+        }
+        let known = found.verdict != Verdict::None;
+        if known && !subject.names.is_empty() {
+            found.apart = apart(problems, &state);
+        }
+        if !found.apart.is_empty() {
+            (found.rejected, found.verdict) = (true, Verdict::Rejected);
         }
         found.statements = statements(&found);
         Some(found).filter(Criticism::is_finite)
@@ -81,6 +103,7 @@ fn judged(
         noise: state.noise.as_ref().map(FoundNoise::from),
         error_ratio: projected.variance().sqrt(),
         whiteness: whiteness.to_vec(),
+        apart: Vec::new(),
         feedback: feedback(subject.model, subject.runs, series),
         absent: found,
         hidden,

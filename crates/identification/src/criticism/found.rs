@@ -116,6 +116,9 @@ pub struct Criticism {
     pub error_ratio: f64,
     /// Whether the whitened errors of u, v, r are white.
     pub whiteness: Vec<Whiteness>,
+    /// Recordings that contradict the others, the farthest first, up to half of them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub apart: Vec<Apart>,
     /// An input that answers what was measured at the same sample; absent where none does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub feedback: Option<Feedback>,
@@ -125,6 +128,16 @@ pub struct Criticism {
     pub hidden: Vec<String>,
     /// The verdict and what follows, in words.
     pub statements: Vec<String>,
+}
+
+/// A recording whose own parameters are not those of the others.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Apart {
+    /// Its name.
+    pub recording: String,
+    /// How probable it is, if all are of one ship, that any of them differs as much.
+    pub p_value: f64,
 }
 
 /// Something that the model lacks.
@@ -167,6 +180,7 @@ impl Criticism {
         });
         noise.into_iter().chain(found).chain(white).chain(optional).all(f64::is_finite)
             && self.absent.iter().all(absent)
+            && self.apart.iter().all(|own| own.p_value.is_finite())
     }
 }
 

@@ -5,10 +5,11 @@ use rayon::prelude::*;
 use super::noise::Guess;
 use super::problems::{Problems, State};
 
-/// Estimates with the noise that was found of each, in turns: from where they start, else from least squares.
-pub(super) fn listened(problems: &Problems, starts: &[Vec<f64>]) -> Vec<State> {
+/// Estimates with the noise that was found of each, in turns: from where they start, else from least squares. `before`: see
+/// [`heard`].
+pub(super) fn listened(problems: &Problems, starts: &[Vec<f64>], before: &[(Guess, f64)]) -> Vec<State> {
     let each = starts.par_iter().enumerate().map(|(problem, start)| {
-        let found = heard(problems, problem, std::slice::from_ref(start), &[]);
+        let found = heard(problems, problem, std::slice::from_ref(start), before);
         found.unwrap_or(State { parameters: start.clone(), noise: None })
     });
     each.collect()

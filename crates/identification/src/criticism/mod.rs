@@ -7,6 +7,7 @@
 //! runs. How many are looked for is taken care of by draws of all scores together. Where no noise is stated it is found by its
 //! likelihood.
 
+mod agreement;
 mod calibrated;
 mod chance;
 mod channels;
@@ -24,10 +25,11 @@ mod tested;
 mod words;
 
 pub(crate) use calibrated::{Calibrated, calibrated};
+pub(crate) use criticise::criticise_after;
 pub use criticise::{criticise, criticise_each};
 pub use feedback::Feedback;
-pub use found::{Absent, Criticism, FoundDrift, FoundNoise, OtherNoise, Verdict};
-pub(crate) use noise::ENOUGH;
+pub use found::{Absent, Apart, Criticism, FoundDrift, FoundNoise, OtherNoise, Verdict};
 pub use noise::NoiseKind;
+pub(crate) use noise::{ENOUGH, Kinds};
 pub use problems::Subject;
 pub use tested::LEVEL;

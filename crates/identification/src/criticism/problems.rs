@@ -21,6 +21,8 @@ pub struct Subject<'a> {
     pub known_start: bool,
     /// What disturbs the runs, where it is stated; else it is looked for.
     pub levels: Option<Levels>,
+    /// Of every run which recording it is of, to ask whether recordings agree; empty where that is not asked.
+    pub names: &'a [&'a str],
 }
 
 /// An estimate that is to be judged, with the noise that it is judged under.
@@ -87,6 +89,19 @@ impl<'a> Problems<'a> {
             sums.add(group, &self.of_run, found);
         }
         sums.finite()
+    }
+
+    /// The same of every run by itself, of one estimate of all, under the noise that was stated or found.
+    pub fn by_run(&self, state: &State) -> Vec<(usize, Linear)> {
+        let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
+        let kind = state.noise.as_ref().map(|noise| noise.guess.kind);
+        let own = Levelled(kind.map_or(self.states(), NoiseKind::states));
+        let states = vec![state.clone(); self.count()];
+        let each = self.groups.iter().flat_map(|(group, runs)| {
+            let found = with_states!(own, white(self, group, runs, &states, &free));
+            group.iter().copied().zip(found)
+        });
+        each.collect()
     }
 
     /// Least squares of the `wanted` ones: predictions of a sample under forces beyond all noise are linear in the parameters.

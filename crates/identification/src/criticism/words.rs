@@ -1,5 +1,6 @@
-use super::found::{Absent, Criticism, FoundNoise, Verdict};
+use super::found::{Absent, Apart, Criticism, FoundNoise, Verdict};
 use super::noise::LASTING;
+use super::tested::LEVEL;
 use crate::pooled::listed;
 
 /// Terms whose visibility is told where nothing is missing.
@@ -15,6 +16,8 @@ const SLOW: f64 = 2.0;
 const FELT: f64 = 0.5;
 /// Errors that differ from the stated noise by more than this share are told.
 const OFF: f64 = 0.05;
+/// Recordings that are named at most.
+const NAMED: usize = 4;
 
 /// The verdict, what is most likely missing, what it cannot be told from, what the runs would have shown.
 pub(super) fn statements(found: &Criticism) -> Vec<String> {
@@ -22,8 +25,9 @@ pub(super) fn statements(found: &Criticism) -> Vec<String> {
     let Some(p) = found.p_value else {
         return vec!["structure: the runs tell of nothing that the model lacks".to_owned()];
     };
+    out.extend(told_apart(&found.apart));
     match (found.verdict, found.absent.first()) {
-        (Verdict::Rejected, Some(first)) => {
+        (Verdict::Rejected, Some(first)) if p < LEVEL => {
             let p = if p < 1e-4 { "p < 0.0001".to_owned() } else { format!("p {p:.4}") };
             let values = values(first);
             out.push(format!(
@@ -40,6 +44,7 @@ pub(super) fn statements(found: &Criticism) -> Vec<String> {
             "no verdict on the model: these errors follow no noise known here, so that tests and standard errors do not hold"
                 .to_owned(),
         ),
+        (Verdict::Rejected, _) => {}
         _ => out.push(format!("model not rejected (p {p:.2}), which is no proof of it")),
     }
     let told = |(name, degree): &(&str, Option<&str>)| {
@@ -64,6 +69,22 @@ pub(super) fn statements(found: &Criticism) -> Vec<String> {
         out.push(format!("errors are {:.2} times the stated noise", found.error_ratio));
     }
     out
+}
+
+/// Which recordings contradict the others.
+fn told_apart(apart: &[Apart]) -> Option<String> {
+    let first = apart.first()?;
+    let p = if first.p_value < 1e-4 { "p < 0.0001".to_owned() } else { format!("p {:.4}", first.p_value) };
+    let named: Vec<String> = apart.iter().take(NAMED).map(|own| format!("`{}`", own.recording)).collect();
+    let more = match apart.len() - named.len() {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let contradict = if apart.len() == 1 { "contradicts" } else { "contradict" };
+    Some(format!(
+        "model rejected ({p}): {}{more} {contradict} the other recordings: another ship, loading or sensor; estimate them apart",
+        listed(&named)
+    ))
 }
 
 /// Which noise was found, how large it is, and how far behind the next kind is.

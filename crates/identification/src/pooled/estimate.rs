@@ -9,7 +9,7 @@ use super::{
     DegreeTrust, Delivered, Estimated, Follow, Judgement, LostInstruments, NoEstimate, ParameterTrust, Part,
     Parts, Pool, PooledRuns, Recorded, Resample, SourceErrors, Status, Unfound, listed,
 };
-use crate::criticism::{Criticism, Subject, criticise};
+use crate::criticism::{Criticism, Subject, criticise_after};
 use crate::{EstimateStatus, Estimator, RunEstimate};
 
 /// One estimate from all runs, and how far it can be trusted.
@@ -296,12 +296,14 @@ fn criticism<R: Recorded>(
         }
     })?;
     let views: Vec<RunView> = recordings.iter().map(Part::view).collect();
+    let names: Vec<&str> = recordings.iter().map(|own| own.source.as_str()).collect();
     let subject = Subject {
         model: &model,
         runs: &views,
         rate_hz: pool.vessel.sample_rate_hz,
         known_start: false,
         levels: None,
+        names: &names,
     };
-    Ok(criticise(&subject, &parameters))
+    Ok(criticise_after(&subject, &parameters, &found.noises))
 }

@@ -6,6 +6,7 @@ use super::{
     PooledSums, Prior, Recorded, Regression, Scales, Searched, Unfound, joined, unidentified,
 };
 use crate::beside::Beside;
+use crate::criticism::Kinds;
 use crate::predictor::{InitialState, Unknown};
 use crate::{Estimator, MeanRemoval, Sums};
 
@@ -43,6 +44,8 @@ pub struct Estimated {
     pub nominal: Option<(Vec<f64>, [f64; 3])>,
     /// What a search found and its scales, where one was asked for and found.
     pub searched: Option<(Searched, Scales)>,
+    /// The kinds of noise that predictions found; none without predictions.
+    pub(super) noises: Kinds,
     /// That a search was asked for and led nowhere: then no degree of freedom has an estimate.
     pub unfound: Option<Unfound>,
     /// Why no instruments were simulated with `auto`, which then is least squares, or not simulated again with `refined-iv`,
@@ -169,6 +172,7 @@ impl Pool<'_> {
             used: [Estimator::Ls; 3],
             nominal,
             searched: None,
+            noises: Vec::new(),
             unfound: None,
             diverged: None,
             instruments: None,

@@ -1,7 +1,7 @@
 //! Pooled estimates that are searched for, by simulations and by predictions.
 
 use crate::beside::Intercepts;
-use crate::criticism::{ENOUGH, calibrated};
+use crate::criticism::{ENOUGH, Kinds, calibrated};
 use crate::{DegreeSums, Estimator, MeanRemoval};
 use vessel::RunView;
 
@@ -35,8 +35,8 @@ impl Pool<'_> {
             // Filters follow what no simulation does.
             let from = simulated.as_ref().map_or(&start, |found| &found.parameters);
             let predicted = self.predicted(parts, from, &scales)?;
-            predicted.map(|(follow, best)| {
-                scales.follow = follow;
+            predicted.map(|(follow, best, noises)| {
+                (scales.follow, found.noises) = (follow, noises);
                 best
             })
         } else {
@@ -70,7 +70,7 @@ impl Pool<'_> {
         parts: &P,
         from: &[f64],
         scales: &Scales,
-    ) -> Result<Option<(Follow, Searched)>, P::Error> {
+    ) -> Result<Option<(Follow, Searched, Kinds)>, P::Error> {
         let (mut samples, mut first) = (0, Vec::new());
         let enough = |i: &usize| {
             let before = samples;
@@ -81,13 +81,13 @@ impl Pool<'_> {
         parts.at(&places, |part| first.push(Part::new("", "", part.run)))?;
         let views: Vec<RunView> = first.iter().map(Part::view).collect();
         let start = [from.to_vec()];
-        let Some(found) = calibrated(&self.model, &views, self.vessel.sample_rate_hz, false, &start) else {
+        let Some(heard) = calibrated(&self.model, &views, self.vessel.sample_rate_hz, false, &start) else {
             return Ok(None);
         };
-        let follow = Follow::Predicted(found.levels, found.parameters.clone());
+        let follow = Follow::Predicted(heard.levels, heard.parameters.clone());
         let scales = Scales { follow, std: scales.std, sizes: scales.sizes.clone() };
-        let found = self.least_errors(parts, &found.parameters, &scales)?;
-        Ok(found.map(|found| (scales.follow, found)))
+        let found = self.least_errors(parts, &heard.parameters, &scales)?;
+        Ok(found.map(|found| (scales.follow, found, heard.kinds)))
     }
 
     /// The estimate of a search from the parts at `drawn`, started at that of all: θ̂ of surge, sway and yaw.

@@ -58,6 +58,7 @@ impl RunEstimators<'_> {
                 rate_hz: self.vessel.sample_rate_hz,
                 known_start: self.initial == InitialState::Known,
                 levels: self.levels.filter(|_| self.asks(Asked::Stated)),
+                names: &[],
             };
             for (run, found) in asked.iter().zip(criticise_each(&subject, thetas)) {
                 if found.is_some_and(|found| found.rejected) {

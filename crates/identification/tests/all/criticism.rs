@@ -71,7 +71,11 @@ fn criticised(
     let (exogenous, initial) = (&experiment.inputs, experiment.initial);
     let views: Vec<RunView> =
         measured.iter().map(|measured| RunView { measured, exogenous, initial }).collect();
-    criticise(&Subject { model, runs: &views, rate_hz: 8.0, known_start: true, levels }, parameters).unwrap()
+    criticise(
+        &Subject { model, runs: &views, rate_hz: 8.0, known_start: true, levels, names: &[] },
+        parameters,
+    )
+    .unwrap()
 }
 
 fn found<'a>(criticism: &'a Criticism, name: &str, degree: Option<&str>) -> &'a Absent {
@@ -163,8 +167,14 @@ fn law_the_verdict_on_a_run_does_not_depend_on_its_company() {
     let (exogenous, initial) = (&experiment.inputs, experiment.initial);
     let views: Vec<RunView> =
         measured.iter().map(|measured| RunView { measured, exogenous, initial }).collect();
-    let subject =
-        |runs, levels| Subject { model: &vessel.model, runs, rate_hz: 8.0, known_start: true, levels };
+    let subject = |runs, levels| Subject {
+        model: &vessel.model,
+        runs,
+        rate_hz: 8.0,
+        known_start: true,
+        levels,
+        names: &[],
+    };
     let theta = truth(&vessel);
     for (levels, among) in [(Some(STATED), 9), (None, 3)] {
         let all = criticise_each(&subject(&views[9 - among..], levels), &vec![theta.clone(); among]);

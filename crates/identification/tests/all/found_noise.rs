@@ -3,7 +3,7 @@
 
 use crate::support::noise::Normals;
 use crate::support::{Experiment, dictionary, paper, truth};
-use identification::criticism::{Criticism, NoiseKind, Subject, Verdict, criticise_each};
+use identification::criticism::{Criticism, NoiseKind, Subject, Verdict, criticise, criticise_each};
 use identification::predictor::InitialState;
 use identification::runs::{Beside, RunEstimators};
 use identification::{EstimateStatus, Estimator, MeanRemoval};
@@ -109,8 +109,14 @@ fn criticised(vessel: &Vessel, runs: &[Run]) -> Vec<Criticism> {
     let start = model.layout().woven(&start, [0.0; 3]);
     let one = |run: &Run| {
         let views: [RunView; 1] = [run.view()];
-        let subject =
-            Subject { model: &model, runs: &views, rate_hz: RATE_HZ, known_start: true, levels: None };
+        let subject = Subject {
+            model: &model,
+            runs: &views,
+            rate_hz: RATE_HZ,
+            known_start: true,
+            levels: None,
+            names: &[],
+        };
         criticise_each(&subject, std::slice::from_ref(&start)).pop().flatten().unwrap()
     };
     runs.par_iter().map(one).collect()
@@ -190,8 +196,14 @@ fn law_noise_and_parameters_at_rest_do_not_depend_on_where_the_search_begins() {
     let runs = runs(&vessel, false, CURRENT, 31..33);
     for run in &runs {
         let views = [run.view()];
-        let subject =
-            Subject { model: &model, runs: &views, rate_hz: RATE_HZ, known_start: true, levels: None };
+        let subject = Subject {
+            model: &model,
+            runs: &views,
+            rate_hz: RATE_HZ,
+            known_start: true,
+            levels: None,
+            names: &[],
+        };
         let from = |share: f64| {
             let theta: Vec<f64> = truth(&vessel).iter().map(|theta| share * theta).collect();
             let start = model.layout().woven(&theta, [0.0; 3]);
@@ -201,5 +213,37 @@ fn law_noise_and_parameters_at_rest_do_not_depend_on_where_the_search_begins() {
         assert_eq!(near.noise.as_ref().unwrap().kind, far.noise.as_ref().unwrap().kind);
         assert!((near.p_value.unwrap() - far.p_value.unwrap()).abs() < 0.07, "{near:?} {far:?}");
         assert!((near.current_std / far.current_std - 1.0).abs() < 0.05);
+    }
+}
+
+#[test]
+fn law_recordings_of_one_ship_seldom_contradict_each_other_and_another_ship_does() {
+    let vessel = paper();
+    let model = vessel.model.with_intercepts();
+    let other: Vec<f64> = truth(&vessel).iter().map(|theta| 1.15 * theta).collect();
+    let experiment = experiment(&vessel);
+    let names = ["a", "b", "c", "d"];
+    let apart = |sea: Sea, first: u64, foreign: bool| {
+        let mut runs = runs(&vessel, false, sea, first..first + 4);
+        if foreign {
+            runs[1] = recorded(&vessel.model, &other, &experiment, sea, first + 4);
+        }
+        let views: Vec<RunView> = runs.iter().map(Run::view).collect();
+        let subject = Subject {
+            model: &model,
+            runs: &views,
+            rate_hz: RATE_HZ,
+            known_start: true,
+            levels: None,
+            names: &names,
+        };
+        let found = criticise(&subject, &model.layout().woven(&truth(&vessel), [0.0; 3])).unwrap();
+        found.apart.into_iter().map(|own| own.recording).collect::<Vec<String>>()
+    };
+    for sea in [CALM, CURRENT, GUSTS] {
+        for first in (0..4).map(|i| 900 + 10 * i) {
+            assert_eq!(apart(sea, first, false), [""; 0]);
+        }
+        assert_eq!(apart(sea, 950, true), ["b"]);
     }
 }

@@ -15,10 +15,12 @@ struct Log {
     waves: f64,
     /// Whether the thrusters run.
     driven: bool,
+    /// How many times the drag of the paper's ship she has.
+    drag: f64,
     seed: u64,
 }
 
-const HEALTHY: Log = Log { noise: 0.0158, waves: 0.0, driven: true, seed: 1 };
+const HEALTHY: Log = Log { noise: 0.0158, waves: 0.0, driven: true, drag: 1.0, seed: 1 };
 
 /// Numbers of mean 0 and standard deviation 1.
 struct Normals(u64);
@@ -50,8 +52,8 @@ fn recorded(log: Log) -> String {
         let [u, v, r] = state;
         let wave = |d: f64| log.waves * (std::f64::consts::TAU * t / 3.0 + log.seed as f64 + 2.0 * d).sin();
         state = [
-            u - 0.06 * u - 0.01 * u * u.abs() + 1.4e-5 * tau1 + 0.08 * v * r + wave(0.0),
-            v - 0.1 * v + 1.4e-5 * tau2 - 0.006 * u * r + wave(1.0),
+            u - log.drag * (0.06 * u + 0.01 * u * u.abs()) + 1.4e-5 * tau1 + 0.08 * v * r + wave(0.0),
+            v - log.drag * 0.1 * v + 1.4e-5 * tau2 - 0.006 * u * r + wave(1.0),
             r - 0.35 * r + 3.0e-4 * tau3 - 0.03 * u * v + wave(2.0),
         ];
     }
@@ -143,4 +145,24 @@ fn waves_that_no_noise_known_here_describes_get_no_verdict_and_approximate_error
     assert!(ran.stdout.contains("1 with approximate standard errors"), "{ran}");
     let said = statements(&folder);
     assert!(said.contains("no verdict on the model: these errors follow no noise known here"), "{said}");
+}
+
+/// Logs of the paper's ship and of others, by their drag.
+fn of_ships(drags: &[f64]) -> TempDir {
+    let logs = drags.iter().zip(1..).map(|(drag, seed)| Log { drag: *drag, seed, ..HEALTHY });
+    ingested(&logs.collect::<Vec<Log>>())
+}
+
+#[test]
+fn a_recording_of_another_ship_is_named_and_two_ships_pooled_give_no_model_to_trust() {
+    let alike = statements(&of_ships(&[1.0; 4]));
+    assert!(alike.contains("model not rejected") && !alike.contains("contradict"), "{alike}");
+    let folder = of_ships(&[1.0, 1.0, 1.3, 1.0]);
+    let one = statements(&folder);
+    assert!(one.contains("model rejected") && one.contains("contradicts the other recordings"), "{one}");
+    let criticism = json(&folder, "trust.json")["data"]["criticism"].clone();
+    let apart = criticism["apart"].as_array().unwrap();
+    assert!(apart.len() == 1 && apart[0]["recording"] == "log2.csv", "{criticism}");
+    let two = statements(&of_ships(&[1.0, 1.3, 1.0, 1.3]));
+    assert!(two.contains("model rejected") && two.contains("contradict the other recordings"), "{two}");
 }

@@ -11,7 +11,8 @@ mod pass;
 mod search;
 mod turns;
 
+pub(crate) use kind::Guess;
 pub use kind::NoiseKind;
-pub(super) use kind::{Guess, LASTING, side_by_side};
-pub(crate) use turns::ENOUGH;
+pub(super) use kind::{LASTING, side_by_side};
+pub(crate) use turns::{ENOUGH, Kinds};
 pub(super) use turns::{Noise, Turns};

@@ -7,10 +7,10 @@ use super::pass::{Found, Samples, Sums};
 
 /// By how much a logarithm is changed to see what its level does.
 const CHANGE: f64 = 1e-4;
-/// Steps after which the more promising of two climbs goes on, and most steps of it.
-const STEPS: [usize; 2] = [3, 30];
-/// Rise of twice the log-likelihood from which a further step is worth it.
-const RISE: f64 = 0.05;
+/// Steps after which the more promising of two climbs goes on.
+const FIRST: usize = 3;
+/// Most steps of a climb.
+pub(super) const STEPS: usize = 30;
 /// Most that a logarithm changes by in a step.
 const LONGEST: f64 = 1.5;
 /// Damping of the first step and beyond which none helps.
@@ -27,6 +27,8 @@ pub(super) struct Search<'a> {
     pub known_start: bool,
     /// Least noise of u, v, r.
     pub floor: [f64; 3],
+    /// Rise of twice the log-likelihood from which a further step is worth it.
+    pub rise: f64,
 }
 
 /// Where a search has come to.
@@ -48,7 +50,7 @@ struct Slopes {
 
 impl Search<'_> {
     /// The most likely levels of a kind: of `starts` the two best climb a few steps, and the better goes on.
-    pub fn best(&self, starts: &[Guess], change: &[f64]) -> Option<Best> {
+    pub fn best(&self, starts: &[Guess]) -> Option<Best> {
         let mut found: Vec<(Guess, f64)> = Vec::with_capacity(starts.len());
         for some in starts.chunks(LANES) {
             let guesses = std::array::from_fn(|lane| some[lane.min(some.len() - 1)]);
@@ -57,13 +59,18 @@ impl Search<'_> {
         }
         found.retain(|(_, worth)| worth.is_finite());
         found.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let begun = found.iter().take(2).filter_map(|(start, _)| self.climb(*start, change, STEPS[0]));
+        let begun = found.iter().take(2).filter_map(|(start, _)| self.climb(*start, FIRST));
         let better = begun.reduce(|a, b| if b.worth > a.worth { b } else { a })?;
-        self.climb(better.guess, &better.change, STEPS[1])
+        self.climb_on(better.guess, &better.change, STEPS)
     }
 
-    /// Goes uphill by damped steps, whose curvature is that of the samples' own slopes (Berndt, Hall, Hall and Hausman).
-    pub fn climb(&self, start: Guess, change: &[f64], most: usize) -> Option<Best> {
+    /// Goes uphill from `start` by so many steps at most.
+    pub fn climb(&self, start: Guess, most: usize) -> Option<Best> {
+        self.climb_on(start, &vec![0.0; self.layout.parameters()], most)
+    }
+
+    /// Damped steps, whose curvature is that of the samples' own slopes (Berndt, Hall, Hall and Hausman).
+    fn climb_on(&self, start: Guess, change: &[f64], most: usize) -> Option<Best> {
         let mut here = self.slopes(&start, change)?;
         let mut damping = DAMPING[0];
         for _ in 0..most {
@@ -74,13 +81,13 @@ impl Search<'_> {
                     let rise = there.at.worth - here.at.worth;
                     here = there;
                     damping *= 0.2;
-                    if rise < RISE && damping < 1.0 {
+                    if rise < self.rise && damping < 1.0 {
                         break;
                     }
                 }
                 None => damping *= 10.0,
             }
-            if damping > DAMPING[1] || dot(&here.slopes, &here.step(0.0)) < RISE {
+            if damping > DAMPING[1] || dot(&here.slopes, &here.step(0.0)) < self.rise {
                 break;
             }
         }
@@ -317,6 +324,7 @@ mod tests {
             rate_hz: RATE_HZ,
             known_start: false,
             floor: [1e-9; 3],
+            rise: 0.05,
         };
         let noise = [0.03, 0.05, 0.04];
         for (kind, more) in [

@@ -5,7 +5,7 @@ use super::begin::{Seen, after};
 use super::kind::{Guess, NoiseKind};
 use super::line::Line;
 use super::pass::Found;
-use super::search::{Best, Search};
+use super::search::{Best, STEPS, Search};
 
 /// Most often that noise and parameters are found in turns.
 const TURNS: usize = 8;
@@ -21,13 +21,15 @@ const A_LEVEL: f64 = 2.0;
 const SHORTER: i32 = 6;
 /// Share of the motion that is the least noise.
 const FLOOR: f64 = 1e-6;
-/// Samples that are enough to know the noise, and to begin with.
+/// Samples that are enough to know the noise, and the rise of twice the log-likelihood from which a step is worth it then.
 pub(crate) const ENOUGH: usize = 8_000;
-const FIRST: usize = 3_000;
+const RISE: f64 = 0.05;
+/// The same before the parameters were found under any noise.
+const FIRST: (usize, f64) = (3_000, 1.0);
 /// Kinds that are less likely by no more than this may be the right ones.
 const NEAR: f64 = 6.0;
 /// Kinds that were less likely by more than this are not searched for again.
-const FAR: f64 = 30.0;
+const FAR: f64 = 15.0;
 
 /// Noise and parameters of runs that nobody stated the noise of.
 pub(crate) struct Turns<'a> {
@@ -37,12 +39,14 @@ pub(crate) struct Turns<'a> {
     pub known_start: bool,
 }
 
+/// Kinds of noise as they were found, the likeliest first, with twice their restricted log-likelihood less what their levels cost.
+pub(crate) type Kinds = Vec<(Guess, f64)>;
+
 /// The noise that was found.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Noise {
     pub guess: Guess,
-    /// Twice the restricted log-likelihood of every kind, less what its levels cost.
-    pub kinds: Vec<(Guess, f64)>,
+    pub kinds: Kinds,
     /// How often noise and parameters were found in turns.
     pub turns: usize,
     /// Whether the parameters came to rest.
@@ -72,21 +76,16 @@ impl<'a> Turns<'a> {
     /// Noise and parameters, found in turns from `theta` until the parameters rest. `before`: the kinds that were found of nearly
     /// the same model, the likeliest first. None where the filter's numbers end, or the parameters cannot be told apart.
     pub fn found(&self, theta: &[f64], before: &[(Guess, f64)]) -> Option<(Vec<f64>, Noise)> {
-        let free = |theta: &[f64]| -> Vec<Line<'a>> {
-            self.runs.iter().map(|run| Line::free(self.model, theta, *run)).collect()
-        };
-        let lines = free(theta);
-        let (found, best) = self.compared(&lines, &Seen::of(&lines), before)?;
+        let lines: Vec<Line> = self.runs.iter().map(|run| Line::free(self.model, theta, *run)).collect();
+        let (found, best) = self.compared(&lines, before)?;
         let mut state = State { theta: theta.to_vec(), lines, found, best };
         for turn in 0..TURNS {
             if turn > 0 && COMPARED.contains(&turn) {
-                let seen = Seen::of(&free(&state.theta));
-                let before: Vec<(Guess, f64)> =
-                    state.found.iter().map(|own| (own.guess, value(own))).collect();
-                (state.found, state.best) = self.compared(&state.lines, &seen, &before)?;
+                let before: Kinds = state.found.iter().map(|own| (own.guess, value(own))).collect();
+                (state.found, state.best) = self.compared(&state.lines, &before)?;
             } else if turn > 0 {
-                let search = self.search(&state.lines, ENOUGH);
-                let again = search.climb(state.best.guess, &vec![0.0; theta.len()], AGAIN)?;
+                let search = self.search(&state.lines, (ENOUGH, RISE));
+                let again = search.climb(state.best.guess, AGAIN)?;
                 let kind = again.guess.kind;
                 state.found.iter_mut().filter(|own| own.guess.kind == kind).for_each(|own| {
                     *own = again.clone();
@@ -103,8 +102,8 @@ impl<'a> Turns<'a> {
         None
     }
 
-    /// The first samples of the runs.
-    fn search<'l>(&self, lines: &'l [Line<'l>], most: usize) -> Search<'l> {
+    /// Over the first samples of the runs.
+    fn search<'l>(&self, lines: &'l [Line<'l>], (most, rise): (usize, f64)) -> Search<'l> {
         let mut left = most;
         let mut chosen = Vec::new();
         for line in lines {
@@ -121,20 +120,23 @@ impl<'a> Turns<'a> {
             rate_hz: self.rate_hz,
             known_start: self.known_start,
             floor,
+            rise,
         }
     }
 
-    /// The most likely levels of every kind, and those of the best. Kinds that were far less likely `before` stay as far behind.
-    fn compared(&self, lines: &[Line], seen: &Seen, before: &[(Guess, f64)]) -> Option<(Vec<Best>, Best)> {
-        let search = self.search(lines, if before.is_empty() { FIRST } else { ENOUGH });
-        let change = vec![0.0; lines.first()?.terms.len() / lines.first()?.points.len().max(1)];
+    /// The most likely levels of every kind, and those of the best. Kinds that were found `before` go on from there, or stay as far
+    /// behind as they were where they were far less likely.
+    fn compared(&self, lines: &[Line], before: &[(Guess, f64)]) -> Option<(Vec<Best>, Best)> {
+        let search = self.search(lines, if before.is_empty() { FIRST } else { (ENOUGH, RISE) });
+        let seen = Seen::of(lines);
         let earlier = |kind: NoiseKind| before.iter().filter(move |(guess, _)| guess.kind == kind);
         let highest = before.iter().map(|(_, value)| *value).fold(f64::NEG_INFINITY, f64::max);
         let far = |kind: NoiseKind| earlier(kind).any(|(_, value)| *value < highest - FAR);
         let (first, later) = NoiseKind::ALL.split_at(4);
-        let begun = |kind: &NoiseKind, others: Vec<Guess>| {
-            let starts: Vec<Guess> = earlier(*kind).map(|(guess, _)| *guess).chain(others).collect();
-            if far(*kind) { None } else { search.best(&starts, &change) }
+        let begun = |kind: &NoiseKind, others: Vec<Guess>| match earlier(*kind).next() {
+            Some(_) if far(*kind) => None,
+            Some((guess, _)) => search.climb(*guess, STEPS).or_else(|| search.best(&others)),
+            None => search.best(&others),
         };
         let each = |kind: &NoiseKind| begun(kind, seen.starts(*kind, self.rate_hz));
         let mut found: Vec<Best> = first.par_iter().filter_map(each).collect();
@@ -146,7 +148,7 @@ impl<'a> Turns<'a> {
         found.extend(before.iter().filter(|(guess, _)| far(guess.kind)).map(|(guess, own)| Best {
             guess: *guess,
             worth: best.worth - cost(&best.guess) + cost(guess) + own - highest,
-            change: change.clone(),
+            change: vec![0.0; best.change.len()],
         }));
         Some((found, best))
     }
@@ -161,7 +163,7 @@ impl<'a> Turns<'a> {
 
     /// Sums of all runs.
     fn all(&self, state: &State, guess: &Guess) -> Found {
-        self.search(&state.lines, usize::MAX).sums(&[*guess; LANES], None)
+        self.search(&state.lines, (usize::MAX, RISE)).sums(&[*guess; LANES], None)
     }
 
     /// Changes the parameters and filters the runs with them; a part of the change where the filter's numbers end.
@@ -201,7 +203,7 @@ impl<'a> Turns<'a> {
         for errors in near.filter_map(|own| errors(&own.guess)) {
             widest.iter_mut().zip(errors).for_each(|(most, error)| *most = most.max(error));
         }
-        let mut kinds: Vec<(Guess, f64)> = state.found.iter().map(|own| (own.guess, value(own))).collect();
+        let mut kinds: Kinds = state.found.iter().map(|own| (own.guess, value(own))).collect();
         kinds.sort_by(|a, b| b.1.total_cmp(&a.1));
         let noise = Noise { guess: state.best.guess, kinds, turns, at_rest, errors: own, widest };
         Some((state.theta, noise))
