@@ -80,9 +80,9 @@ fn told_apart(apart: &[Apart]) -> Option<String> {
         0 => String::new(),
         more => format!(" and {more} more"),
     };
-    let contradict = if apart.len() == 1 { "contradicts" } else { "contradict" };
+    let (s, contradict) = if apart.len() == 1 { ("", "contradicts") } else { ("s", "contradict") };
     Some(format!(
-        "model rejected ({p}): {}{more} {contradict} the other recordings: another ship, loading or sensor; estimate them apart",
+        "model rejected ({p}): recording{s} {}{more} {contradict} the others: another ship, loading or sensor; estimate them apart",
         listed(&named)
     ))
 }
