@@ -77,7 +77,14 @@ fn is_frozen(name: &str, hold: &Hold, holds: &Holds, channels: &Channels) -> boo
                 _ => hold.is_abrupt(0.25 * step),
             };
             let turned = || name == "y_r" && channels.get("psi").is_some_and(|psi| turns_unevenly(hold, psi));
-            abrupt && (turned() || others_vary(name, hold, channels))
+            // Noise that stops all at once: what becomes steady, in a simulation say, gets there by ever smaller steps.
+            let stopped = || {
+                hold.value != 0.0
+                    && holds.hardly_repeat()
+                    && hold.step_in > 0.25 * step
+                    && all_stop(name, hold, channels)
+            };
+            abrupt && (turned() || others_vary(name, hold, channels) || stopped())
         }
     }
 }
@@ -108,21 +115,40 @@ fn turns_unevenly(hold: &Hold, psi: &Series) -> bool {
 
 /// Whether another velocity varied meanwhile as it does elsewhere.
 fn others_vary(name: &str, hold: &Hold, channels: &Channels) -> bool {
-    VELOCITIES.into_iter().filter(|other| *other != name).any(|other| {
-        channels.get(other).is_some_and(|series| {
-            let (mut inside, mut all, mut before) = ((0.0, 0_u32), (0.0, 0_u32), f64::NAN);
-            for (time, value) in series.t.iter().zip(series.values.iter()) {
-                let step = (value - before).abs();
-                before = value;
-                if step.is_finite() {
-                    all = (all.0 + step, all.1 + 1);
-                    if time > hold.times[0] && time <= hold.times[1] {
-                        inside = (inside.0 + step, inside.1 + 1);
-                    }
+    others(name, hold, channels).any(|[(inside, rows), (all, all_rows)]| {
+        rows > 0 && inside / f64::from(rows) > 0.25 * all / f64::from(all_rows)
+    })
+}
+
+/// Rows over which all velocities may be the same by chance.
+const TOGETHER: u32 = 20;
+
+/// Whether all other velocities, of which there are some, stood still meanwhile.
+fn all_stop(name: &str, hold: &Hold, channels: &Channels) -> bool {
+    let mut others = others(name, hold, channels).peekable();
+    others.peek().is_some() && others.all(|[(inside, rows), _]| inside == 0.0 && rows >= TOGETHER)
+}
+
+/// Of every other velocity the sum and number of its steps, during a hold and over all.
+fn others<'a>(
+    name: &'a str,
+    hold: &'a Hold,
+    channels: &'a Channels,
+) -> impl Iterator<Item = [(f64, u32); 2]> + 'a {
+    VELOCITIES.into_iter().filter(move |other| *other != name).filter_map(move |other| {
+        let series = channels.get(other)?;
+        let (mut inside, mut all, mut before) = ((0.0, 0_u32), (0.0, 0_u32), f64::NAN);
+        for (time, value) in series.t.iter().zip(series.values.iter()) {
+            let step = (value - before).abs();
+            before = value;
+            if step.is_finite() {
+                all = (all.0 + step, all.1 + 1);
+                if time > hold.times[0] && time <= hold.times[1] {
+                    inside = (inside.0 + step, inside.1 + 1);
                 }
             }
-            inside.1 > 0 && inside.0 / f64::from(inside.1) > 0.25 * all.0 / f64::from(all.1)
-        })
+        }
+        Some([inside, all])
     })
 }
 

@@ -103,6 +103,11 @@ impl Holds {
     pub(super) fn long(&self) -> impl Iterator<Item = Hold> {
         self.candidates.iter().filter(|hold| hold.rows >= ROWS * self.usual).cloned()
     }
+
+    /// Whether hardly any value is the one before, as under the noise of a sensor that is finely resolved.
+    pub(super) fn hardly_repeat(&self) -> bool {
+        self.usual == 1
+    }
 }
 
 impl Counting {

@@ -154,6 +154,23 @@ fn what_is_held_or_at_rest_is_not_frozen() {
 }
 
 #[test]
+fn what_all_sensors_repeat_at_once_is_frozen() {
+    // A logger that hangs for 15 s while the ship moves: no sensor tells that the others stood still.
+    let line = |k: u32| {
+        let (t, from) = (f64::from(k) / 8.0, f64::from(if (160..280).contains(&k) { 160 } else { k }));
+        let noise = |d: f64| 0.02 * (from * from * (1.3 + d)).sin();
+        let (u, v, r) = (2.0, 0.1 * (from / 56.0).sin(), 0.05 * (from / 72.0).cos());
+        format!("{t:.3},{:.4},{:.4},{:.5},8\n", u + noise(0.0), v + noise(0.1), r + noise(0.2))
+    };
+    let log = "t,u,v,r,n\n".to_owned() + &(0..480).map(line).collect::<String>();
+    let made = read(folder(&[("ingest.toml", &config("")), ("a.csv", &log)]).path());
+    let mut found = omitted(&made);
+    found.sort();
+    let each = ["y_r", "y_u", "y_v"].map(|name| (name.to_owned(), "frozen".to_owned(), 119));
+    assert_eq!(found, each, "{}", made.line);
+}
+
+#[test]
 fn the_vessels_range_counts_with_half_of_its_width_more() {
     const VESSEL: &str = "name = \"x\"\nsample_rate_hz = 1.0\n[[input]]\nname = \"delta\"\nunit = \"rad\"\nrange = [-0.1, 0.1]\n\
         [[surge]]\nparameter = \"X_u\"\nterm = \"u\"\nnominal = -0.1\n[[sway]]\nparameter = \"Y_v\"\nterm = \"v\"\nnominal = -0.1\n\
