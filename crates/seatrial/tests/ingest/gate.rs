@@ -162,7 +162,7 @@ fn what_all_sensors_repeat_at_once_is_frozen() {
         let (u, v, r) = (2.0, 0.1 * (from / 56.0).sin(), 0.05 * (from / 72.0).cos());
         format!("{t:.3},{:.4},{:.4},{:.5},8\n", u + noise(0.0), v + noise(0.1), r + noise(0.2))
     };
-    let log = "t,u,v,r,n\n".to_owned() + &(0..480).map(line).collect::<String>();
+    let log = "t,u,v,r,n\n".to_owned() + &(0..800).map(line).collect::<String>();
     let made = read(folder(&[("ingest.toml", &config("")), ("a.csv", &log)]).path());
     let mut found = omitted(&made);
     found.sort();
