@@ -102,6 +102,11 @@ fn runs(vessel: &Vessel, more: bool, sea: Sea, seeds: std::ops::Range<u64>) -> V
     seeds.map(|seed| recorded(&model, &values.concat(), &experiment, sea, seed)).collect()
 }
 
+/// Runs that are asked about, from known starts.
+fn asked<'a>(model: &'a Model, runs: &'a [RunView<'a>], names: &'a [&'a str]) -> Subject<'a> {
+    Subject { model, runs, rate_hz: RATE_HZ, known_start: true, levels: None, names }
+}
+
 /// Each run by itself, from estimates that are a fifth off.
 fn criticised(vessel: &Vessel, runs: &[Run]) -> Vec<Criticism> {
     let model = vessel.model.with_intercepts();
@@ -109,14 +114,7 @@ fn criticised(vessel: &Vessel, runs: &[Run]) -> Vec<Criticism> {
     let start = model.layout().woven(&start, [0.0; 3]);
     let one = |run: &Run| {
         let views: [RunView; 1] = [run.view()];
-        let subject = Subject {
-            model: &model,
-            runs: &views,
-            rate_hz: RATE_HZ,
-            known_start: true,
-            levels: None,
-            names: &[],
-        };
+        let subject = asked(&model, &views, &[]);
         criticise_each(&subject, std::slice::from_ref(&start)).pop().flatten().unwrap()
     };
     runs.par_iter().map(one).collect()
@@ -196,14 +194,7 @@ fn law_noise_and_parameters_at_rest_do_not_depend_on_where_the_search_begins() {
     let runs = runs(&vessel, false, CURRENT, 31..33);
     for run in &runs {
         let views = [run.view()];
-        let subject = Subject {
-            model: &model,
-            runs: &views,
-            rate_hz: RATE_HZ,
-            known_start: true,
-            levels: None,
-            names: &[],
-        };
+        let subject = asked(&model, &views, &[]);
         let from = |share: f64| {
             let theta: Vec<f64> = truth(&vessel).iter().map(|theta| share * theta).collect();
             let start = model.layout().woven(&theta, [0.0; 3]);
@@ -229,14 +220,7 @@ fn law_recordings_of_one_ship_seldom_contradict_each_other_and_another_ship_does
             runs[1] = recorded(&vessel.model, &other, &experiment, sea, first + 4);
         }
         let views: Vec<RunView> = runs.iter().map(Run::view).collect();
-        let subject = Subject {
-            model: &model,
-            runs: &views,
-            rate_hz: RATE_HZ,
-            known_start: true,
-            levels: None,
-            names: &names,
-        };
+        let subject = asked(&model, &views, &names);
         let found = criticise(&subject, &model.layout().woven(&truth(&vessel), [0.0; 3])).unwrap();
         found.apart.into_iter().map(|own| own.recording).collect::<Vec<String>>()
     };
