@@ -1,201 +1,96 @@
-//! One column of one block as it stands in the file: its pages, each compressed, and what the footer says about them.
+//! One column of one block as it stands in the file, written by the parquet crate.
 
 use std::io::Write;
-use std::ops::Range;
+use std::sync::Arc;
 
-use parquet::basic::{Compression, Encoding, PageType, ZstdLevel};
-use parquet::column::page::{CompressedPage, Page, PageWriter};
-use parquet::errors::Result as ParquetResult;
-use parquet::file::metadata::{ColumnChunkMetaData, PageEncodingStats};
+use parquet::basic::{Compression, Encoding, ZstdLevel};
+use parquet::column::writer::{ColumnWriter, get_column_writer};
+use parquet::data_type::ByteArray;
+use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::file::metadata::ColumnChunkMetaData;
+use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesPtr};
 use parquet::file::writer::{SerializedPageWriter, TrackedWrite};
 use parquet::schema::types::ColumnDescPtr;
-use zstd::bulk::Compressor;
 
-use crate::bits::{Runs, width_of};
-use crate::columns::{Column, Labels};
-use crate::{deltas, streams};
+use crate::columns::Column;
+use crate::schema::Kind;
 
 /// Rows of a page: a block of usual size is one page per column.
 pub(crate) const PAGE_ROWS: usize = 1 << 16;
 
 const LEVEL: i32 = 1;
 
-/// What all columns of a block are compressed with.
-pub(crate) fn compressor() -> ParquetResult<Compressor<'static>> {
-    Ok(Compressor::new(LEVEL)?)
+/// How columns of a kind are written: floats are split into byte streams, integers told by their differences, texts by numbers of
+/// labels.
+fn properties(kind: Kind) -> ParquetResult<WriterPropertiesPtr> {
+    let all = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::try_new(LEVEL)?))
+        .set_statistics_enabled(EnabledStatistics::None)
+        .set_offset_index_disabled(true)
+        .set_data_page_row_count_limit(PAGE_ROWS)
+        .set_data_page_size_limit(usize::MAX)
+        .set_write_batch_size(PAGE_ROWS);
+    let own = match kind {
+        Kind::F64 => all.set_dictionary_enabled(false).set_encoding(Encoding::BYTE_STREAM_SPLIT),
+        Kind::I32 => all.set_dictionary_enabled(false).set_encoding(Encoding::DELTA_BINARY_PACKED),
+        Kind::Text => all.set_dictionary_enabled(true).set_dictionary_page_size_limit(usize::MAX),
+    };
+    Ok(Arc::new(own.build()))
 }
 
-/// A column being written. Floats are split into byte streams, integers told by their differences, texts by numbers of labels.
-pub(crate) struct Chunk<'a, W: Write + Send> {
-    descriptor: ColumnDescPtr,
-    compressor: &'a mut Compressor<'static>,
-    to: SerializedPageWriter<'a, W>,
-    /// A page before it is compressed.
-    body: Vec<u8>,
-    labels: Labels,
-    /// Pages of text, which stand after the labels.
-    waiting: Vec<CompressedPage>,
-    rows: usize,
-    bytes: [i64; 2],
-    labels_at: Option<i64>,
-    pages_at: Option<i64>,
-    encodings: Vec<PageEncodingStats>,
-}
+/// A column being written.
+pub(crate) struct Chunk<'a>(ColumnWriter<'a>);
 
-impl<'a, W: Write + Send> Chunk<'a, W> {
-    /// The column that `descriptor` describes, written to `to`.
-    pub fn new(
+impl<'a> Chunk<'a> {
+    /// The column of this kind that `descriptor` describes, written to `to`.
+    pub fn new<W: Write + Send>(
+        kind: Kind,
         descriptor: ColumnDescPtr,
-        compressor: &'a mut Compressor<'static>,
         to: &'a mut TrackedWrite<W>,
-    ) -> Self {
-        Self {
-            descriptor,
-            compressor,
-            to: SerializedPageWriter::new(to),
-            body: Vec::new(),
-            labels: Labels::default(),
-            waiting: Vec::new(),
-            rows: 0,
-            bytes: [0; 2],
-            labels_at: None,
-            pages_at: None,
-            encodings: Vec::new(),
-        }
+    ) -> ParquetResult<Self> {
+        let pages = Box::new(SerializedPageWriter::new(to));
+        Ok(Self(get_column_writer(descriptor, properties(kind)?, pages)))
     }
 
     /// Appends `column`, in pages of its own.
     pub fn push(&mut self, column: &Column) -> ParquetResult<()> {
-        let starts = (0..column.len()).step_by(PAGE_ROWS);
-        for rows in starts.map(|start| start..column.len().min(start + PAGE_ROWS)) {
-            self.page(column, rows)?;
+        match (&mut self.0, column) {
+            (ColumnWriter::DoubleColumnWriter(to), Column::F64(_)) => {
+                let values = column.as_f64().unwrap_or_default();
+                if column.nulls() == 0 {
+                    let levels = to.get_descriptor().max_def_level() > 0;
+                    let present = levels.then(|| vec![1; values.len()]);
+                    to.write_batch(values, present.as_deref(), None)?;
+                } else {
+                    let levels: Vec<i16> =
+                        (0..values.len()).map(|row| i16::from(!column.is_null(row))).collect();
+                    let present: Vec<f64> = values
+                        .iter()
+                        .zip(&levels)
+                        .filter(|(_, level)| **level > 0)
+                        .map(|(x, _)| *x)
+                        .collect();
+                    to.write_batch(&present, Some(&levels), None)?;
+                }
+            }
+            (ColumnWriter::Int32ColumnWriter(to), Column::I32(_)) => {
+                to.write_batch(column.as_i32().unwrap_or_default(), None, None)?;
+            }
+            (ColumnWriter::ByteArrayColumnWriter(to), Column::Text(_)) => {
+                let (labels, codes) = column.text_codes().unwrap_or_default();
+                let labels: Vec<ByteArray> = labels.iter().map(|label| label.as_str().into()).collect();
+                let texts: Vec<ByteArray> = codes.iter().map(|code| labels[*code as usize].clone()).collect();
+                to.write_batch(&texts, None, None)?;
+            }
+            _ => {
+                return Err(ParquetError::General("a column of another kind than its schema says".to_owned()));
+            }
         }
         Ok(())
-    }
-
-    fn page(&mut self, column: &Column, rows: Range<usize>) -> ParquetResult<()> {
-        self.body.clear();
-        self.rows += rows.len();
-        let num_values = rows.len() as u32;
-        let encoding = match column {
-            Column::F64(_) => self.floats(column, rows),
-            Column::I32(_) => {
-                deltas::put(&column.as_i32().unwrap_or_default()[rows], &mut self.body);
-                Encoding::DELTA_BINARY_PACKED
-            }
-            Column::Text(_) => self.texts(column, rows),
-        };
-        let page = Page::DataPage {
-            buf: self.compressed()?.into(),
-            num_values,
-            encoding,
-            def_level_encoding: Encoding::RLE,
-            rep_level_encoding: Encoding::RLE,
-            statistics: None,
-        };
-        let page = CompressedPage::new(page, self.body.len());
-        if encoding == Encoding::RLE_DICTIONARY {
-            self.waiting.push(page);
-            return Ok(());
-        }
-        self.write(page)
-    }
-
-    fn floats(&mut self, column: &Column, rows: Range<usize>) -> Encoding {
-        let values = &column.as_f64().unwrap_or_default()[rows.clone()];
-        if self.descriptor.max_def_level() == 0 {
-            streams::split(values, &mut self.body);
-            return Encoding::BYTE_STREAM_SPLIT;
-        }
-        let runs = column.presence(rows);
-        self.body.extend([0; 4]);
-        let mut levels = Runs::new(&mut self.body, 1);
-        runs.iter().for_each(|(present, times)| levels.push(u32::from(*present), *times));
-        levels.finish();
-        let length = self.body.len() as u32 - 4;
-        self.body[..4].copy_from_slice(&length.to_le_bytes());
-        if let [(true, _)] = runs[..] {
-            streams::split(values, &mut self.body);
-        } else {
-            let mut present = Vec::with_capacity(values.len());
-            let mut start = 0;
-            for (is_present, times) in runs {
-                present.extend_from_slice(if is_present { &values[start..start + times] } else { &[] });
-                start += times;
-            }
-            streams::split(&present, &mut self.body);
-        }
-        Encoding::BYTE_STREAM_SPLIT
-    }
-
-    fn texts(&mut self, column: &Column, rows: Range<usize>) -> Encoding {
-        let (labels, codes) = column.text_codes().unwrap_or_default();
-        let runs: Vec<(u32, usize)> = codes[rows]
-            .chunk_by(|one, other| one == other)
-            .map(|run| (self.labels.number(&labels[run[0] as usize]), run.len()))
-            .collect();
-        let width = width_of(self.labels.len().saturating_sub(1) as u32).max(1);
-        self.body.push(width as u8);
-        let mut numbers = Runs::new(&mut self.body, width);
-        runs.iter().for_each(|(number, times)| numbers.push(*number, *times));
-        numbers.finish();
-        Encoding::RLE_DICTIONARY
-    }
-
-    fn compressed(&mut self) -> ParquetResult<Vec<u8>> {
-        let mut compressed = Vec::with_capacity(zstd::zstd_safe::compress_bound(self.body.len()));
-        self.compressor.compress_to_buffer(&self.body, &mut compressed)?;
-        Ok(compressed)
-    }
-
-    fn write(&mut self, page: CompressedPage) -> ParquetResult<()> {
-        let (page_type, encoding) = (page.page_type(), page.encoding());
-        let written = self.to.write_page(page)?;
-        self.bytes[0] += written.uncompressed_size as i64;
-        self.bytes[1] += written.compressed_size as i64;
-        let at = match page_type {
-            PageType::DICTIONARY_PAGE => &mut self.labels_at,
-            _ => &mut self.pages_at,
-        };
-        at.get_or_insert(written.offset as i64);
-        match self.encodings.last_mut().filter(|last| last.page_type == page_type) {
-            Some(last) => last.count += 1,
-            None => self.encodings.push(PageEncodingStats { page_type, encoding, count: 1 }),
-        }
-        Ok(())
-    }
-
-    /// The labels of a column of text, then its pages.
-    fn write_waiting(&mut self) -> ParquetResult<()> {
-        if self.waiting.is_empty() {
-            return Ok(());
-        }
-        self.body.clear();
-        for label in self.labels.all() {
-            self.body.extend((label.len() as u32).to_le_bytes());
-            self.body.extend(label.as_bytes());
-        }
-        let num_values = self.labels.len() as u32;
-        let buf = self.compressed()?.into();
-        let page = Page::DictionaryPage { buf, num_values, encoding: Encoding::PLAIN, is_sorted: false };
-        self.write(CompressedPage::new(page, self.body.len()))?;
-        std::mem::take(&mut self.waiting).into_iter().try_for_each(|page| self.write(page))
     }
 
     /// Completes the column.
-    pub fn close(mut self) -> ParquetResult<ColumnChunkMetaData> {
-        self.write_waiting()?;
-        let mut encodings = vec![Encoding::RLE];
-        encodings.extend(self.encodings.iter().map(|stats| stats.encoding));
-        ColumnChunkMetaData::builder(self.descriptor)
-            .set_compression(Compression::ZSTD(ZstdLevel::try_new(LEVEL)?))
-            .set_encodings(encodings)
-            .set_page_encoding_stats(self.encodings)
-            .set_total_uncompressed_size(self.bytes[0])
-            .set_total_compressed_size(self.bytes[1])
-            .set_num_values(self.rows as i64)
-            .set_data_page_offset(self.pages_at.unwrap_or_default())
-            .set_dictionary_page_offset(self.labels_at)
-            .build()
+    pub fn close(self) -> ParquetResult<ColumnChunkMetaData> {
+        Ok(self.0.close()?.metadata)
     }
 }

@@ -1,11 +1,10 @@
 //! Columns in memory. The only file that names arrow2: another store replaces it here alone.
 
 use std::collections::HashMap;
-use std::ops::Range;
 use std::sync::Arc;
 
 use arrow2::array::{Array, PrimitiveArray};
-use arrow2::bitmap::{Bitmap, MutableBitmap};
+use arrow2::bitmap::Bitmap;
 
 use crate::schema::Kind;
 
@@ -55,32 +54,17 @@ impl Labels {
     pub fn push(&mut self, label: &str, rows: usize) {
         let last = self.rows.last().copied().filter(|code| self.labels[*code as usize] == label);
         let code = last.unwrap_or_else(|| self.number(label));
-        self.repeat(code, rows);
-    }
-
-    /// `rows` more rows of the label that has this number.
-    pub(crate) fn repeat(&mut self, number: u32, rows: usize) {
-        self.rows.extend(std::iter::repeat_n(number, rows));
+        self.rows.extend(std::iter::repeat_n(code, rows));
     }
 
     /// The number of a label, a new one where it is new.
-    pub(crate) fn number(&mut self, label: &str) -> u32 {
+    fn number(&mut self, label: &str) -> u32 {
         self.known.get(label).copied().unwrap_or_else(|| {
             let new = self.labels.len() as u32;
             self.labels.push(label.to_owned());
             self.known.insert(label.to_owned(), new);
             new
         })
-    }
-
-    /// How many labels there are.
-    pub(crate) fn len(&self) -> usize {
-        self.labels.len()
-    }
-
-    /// The labels by number.
-    pub(crate) fn all(&self) -> &[String] {
-        &self.labels
     }
 
     /// All rows.
@@ -106,36 +90,6 @@ impl Column {
         let array = PrimitiveArray::from_vec(values);
         let bits = (bits.unset_bits() > 0).then_some(bits);
         Self::F64(FloatColumn(array.with_validity(bits)))
-    }
-
-    /// A column whose values are present and absent in turn, for so many rows; NaN where absent.
-    pub(crate) fn with_presence(values: Vec<f64>, runs: &[(bool, usize)]) -> Self {
-        let array = PrimitiveArray::from_vec(values);
-        if runs.iter().all(|(present, _)| *present) {
-            return Self::F64(FloatColumn(array));
-        }
-        let mut bits = MutableBitmap::with_capacity(array.len());
-        runs.iter().for_each(|(present, rows)| bits.extend_constant(*rows, *present));
-        Self::F64(FloatColumn(array.with_validity(Some(bits.into()))))
-    }
-
-    /// Whether the values of some rows are present, and for how many rows each time.
-    pub(crate) fn presence(&self, rows: Range<usize>) -> Vec<(bool, usize)> {
-        let bits = match self {
-            Self::F64(column) => column.0.validity(),
-            _ => None,
-        };
-        let Some(bits) = bits else {
-            return vec![(true, rows.len())];
-        };
-        let mut runs: Vec<(bool, usize)> = Vec::new();
-        for present in bits.iter().skip(rows.start).take(rows.len()) {
-            match runs.last_mut().filter(|last| last.0 == present) {
-                Some(last) => last.1 += 1,
-                None => runs.push((present, 1)),
-            }
-        }
-        runs
     }
 
     /// A column of integers. The vector is taken over, not copied.

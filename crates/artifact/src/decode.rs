@@ -8,14 +8,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::{ParquetError, Result as ParquetResult};
-use parquet::file::metadata::RowGroupMetaData;
-use parquet::file::serialized_reader::SerializedPageReader;
-use parquet::schema::types::ColumnDescPtr;
+use parquet::file::metadata::ColumnChunkMetaData;
 
 use crate::budget::budget;
 use crate::columns::{Column, Labels};
-use crate::page_bytes::{PageBytes, pages};
-use crate::pages::{Press, TRUSTED_ROWS, too_few};
+use crate::page_bytes::pages;
 use crate::source::Source;
 
 /// Why something is not decoded.
@@ -62,30 +59,19 @@ pub(crate) fn inner_io(error: ParquetError) -> Result<io::Error, Box<dyn Error +
     }
 }
 
-/// Decodes column `i` of a row group with `rows` rows.
-pub(crate) fn decode_column(
-    source: &Source,
-    group: &RowGroupMetaData,
-    i: usize,
-    rows: usize,
-    press: &mut Press,
-) -> ParquetResult<Column> {
-    let chunk = group.column(i);
-    if let Some(column) = crate::pages::decode(source, chunk, press, rows)? {
-        return Ok(column);
-    }
-    decode_any(pages(source, chunk, rows)?, chunk.column_descr_ptr(), rows)
-}
+/// Rows for which memory is set aside before they have been decoded.
+const TRUSTED_ROWS: usize = 1 << 20;
 
 /// Memory of a text before it is known to be one of few \[bytes\].
 const TEXT_BYTES: f64 = 48.0;
 
-/// Decodes a column in any encoding, such as other programs write and as stood in tables before.
-fn decode_any(
-    pages: SerializedPageReader<PageBytes>,
-    descriptor: ColumnDescPtr,
+/// Decodes a column of `rows` rows, in any encoding.
+pub(crate) fn decode_column(
+    source: &Source,
+    chunk: &ColumnChunkMetaData,
     rows: usize,
 ) -> ParquetResult<Column> {
+    let (pages, descriptor) = (pages(source, chunk, rows)?, chunk.column_descr_ptr());
     let nullable = descriptor.max_def_level() > 0;
     match get_column_reader(descriptor, Box::new(pages)) {
         ColumnReader::DoubleColumnReader(reader) if nullable => decode_nullable(reader, rows),
@@ -128,6 +114,11 @@ fn decode_nullable<T: DataType<T = f64>>(
     Ok(Column::nullable_f64(values, levels.iter().map(|&level| level > 0).collect()))
 }
 
+/// Refuses a column of another length than its block.
+fn too_few(found: usize, expected: usize) -> ParquetError {
+    ParquetError::General(format!("{found} values in a block of {expected} rows"))
+}
+
 /// The distinct texts in order of appearance, and per row the index of its text.
 fn intern(texts: &[ByteArray]) -> ParquetResult<Column> {
     let mut labels = Labels::default();
@@ -150,7 +141,7 @@ mod tests {
     use parquet::file::writer::{SerializedFileWriter, TrackedWrite};
 
     use super::*;
-    use crate::chunk::{Chunk, compressor};
+    use crate::chunk::Chunk;
     use crate::layout::Layout;
     use crate::schema::{ColumnSpec, Kind};
 
@@ -220,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn oracle_pages_that_the_parquet_crate_wrote_are_read() {
+    fn pages_that_others_wrote_are_read() {
         let zstd = Compression::ZSTD(ZstdLevel::default());
         let any = || WriterProperties::builder().set_data_page_row_count_limit(700).set_write_batch_size(100);
         // As tables were until pages were encoded here: split floats, dictionaries of integers.
@@ -241,31 +232,25 @@ mod tests {
             let file = tempfile::tempfile().unwrap();
             let metadata = written_by_others(file.try_clone().unwrap(), properties.build());
             let source = Source::new(file).unwrap();
-            let mut press = Press::new().unwrap();
             for (i, expected) in columns().iter().enumerate() {
-                let found = decode_column(&source, metadata.row_group(0), i, ROWS, &mut press).unwrap();
+                let found = decode_column(&source, metadata.row_group(0).column(i), ROWS).unwrap();
                 same(&found, expected, &format!("way {way}, column {i}"));
             }
         }
     }
 
     #[test]
-    fn oracle_the_parquet_crate_reads_our_pages() {
+    fn law_columns_are_read_as_they_were_written() {
         let layout = Layout::new(Path::new("t"), &specs()).unwrap();
-        let mut compressor = compressor().unwrap();
         for (i, expected) in columns().iter().enumerate() {
             let file = tempfile::tempfile().unwrap();
             let mut to = TrackedWrite::new(file.try_clone().unwrap());
-            let mut chunk = Chunk::new(layout.descriptor.column(i), &mut compressor, &mut to);
+            let mut chunk = Chunk::new(specs()[i].kind, layout.descriptor.column(i), &mut to).unwrap();
             chunk.push(expected).unwrap();
             let chunk = chunk.close().unwrap();
             drop(to.into_inner().unwrap());
-            let source = Source::new(file).unwrap();
-            let found =
-                decode_any(pages(&source, &chunk, ROWS).unwrap(), chunk.column_descr_ptr(), ROWS).unwrap();
+            let found = decode_column(&Source::new(file).unwrap(), &chunk, ROWS).unwrap();
             same(&found, expected, &format!("column {i}"));
-            let ours = crate::pages::decode(&source, &chunk, &mut Press::new().unwrap(), ROWS).unwrap();
-            same(&ours.unwrap(), expected, &format!("column {i}, read here"));
         }
     }
 }

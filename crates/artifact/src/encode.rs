@@ -6,7 +6,7 @@ use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::writer::TrackedWrite;
 
-use crate::chunk::{Chunk, compressor};
+use crate::chunk::Chunk;
 use crate::columns::{Column, Table};
 use crate::error::{Error, Result};
 use crate::layout::{Layout, write_error};
@@ -44,11 +44,10 @@ pub(crate) fn encode_checked(
     table: &Table,
 ) -> ParquetResult<EncodedBlock> {
     let rows = table.columns.first().map_or(0, Column::len);
-    let mut compressor = compressor()?;
     let mut sink = TrackedWrite::new(Vec::with_capacity(layout.most_bytes(rows)));
     let mut chunks = Vec::with_capacity(table.columns.len());
     for (i, column) in table.columns.iter().enumerate() {
-        let mut chunk = Chunk::new(layout.descriptor.column(i), &mut compressor, &mut sink);
+        let mut chunk = Chunk::new(column.kind(), layout.descriptor.column(i), &mut sink)?;
         chunk.push(column)?;
         chunks.push(chunk.close()?);
     }

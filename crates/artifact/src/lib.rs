@@ -36,7 +36,6 @@
 #![warn(missing_docs)]
 
 mod agreement;
-mod bits;
 mod budget;
 mod changes;
 mod chunk;
@@ -44,7 +43,6 @@ mod columns;
 mod commit;
 mod complaint;
 mod decode;
-mod deltas;
 mod digest;
 mod document;
 mod document_reader;
@@ -66,7 +64,6 @@ mod metadata;
 mod names;
 mod ordinary;
 mod page_bytes;
-mod pages;
 mod pretty;
 mod provenance;
 mod rows;
@@ -77,7 +74,6 @@ mod set;
 mod shard;
 mod source;
 mod staged;
-mod streams;
 mod table_reader;
 mod table_writer;
 mod thrift;

@@ -19,7 +19,6 @@ use crate::footer::{self, Footer};
 use crate::identity::Header;
 use crate::leftover::open_written;
 use crate::metadata::TableMetadata;
-use crate::pages::Press;
 use crate::provenance::Provenance;
 use crate::schema::{ColumnSpec, Kind};
 use crate::seal;
@@ -119,10 +118,9 @@ impl TableReader {
         };
         self.check_room(rows.len(), places.iter().map(width).sum())?;
         let group = self.metadata.row_group(i);
-        let mut press = guarded(&self.path, Press::new)?;
         let mut columns = Vec::with_capacity(places.len());
         for place in places {
-            let decode = || decode_column(&self.source, group, place, rows.len(), &mut press);
+            let decode = || decode_column(&self.source, group.column(place), rows.len());
             let column = guarded(&self.path, decode)?;
             self.check_values(place, &column, rows.start)?;
             columns.push(column);

@@ -14,7 +14,7 @@ use parquet::file::writer::TrackedWrite;
 use parquet::schema::types::SchemaDescPtr;
 use tempfile::NamedTempFile;
 
-use crate::chunk::{Chunk, PAGE_ROWS, compressor};
+use crate::chunk::{Chunk, PAGE_ROWS};
 use crate::columns::Column;
 use crate::digest::Digest;
 use crate::encode::{EncodedBlock, check_piece, check_rows};
@@ -120,10 +120,10 @@ impl TableWriter {
         let file = Path::new(schema.id);
         let failed = |e| write_error(&self.path, e);
         let start = self.to.bytes_written() as i64;
-        let mut compressor = compressor().map_err(failed)?;
         let mut chunks = Vec::with_capacity(schema.columns.len());
         for (i, spec) in schema.columns.iter().enumerate() {
-            let mut chunk = Chunk::new(self.descriptor.column(i), &mut compressor, &mut self.to);
+            let chunk = Chunk::new(spec.kind, self.descriptor.column(i), &mut self.to);
+            let mut chunk = chunk.map_err(failed)?;
             let mut written = 0;
             for piece in column(i) {
                 check_piece(file, spec, &piece, written)?;
