@@ -26,7 +26,6 @@ pub mod scores;
 mod seed;
 pub mod selection;
 pub mod sequential;
-pub mod sums;
 pub mod sweep;
 pub mod tallies;
 mod term_lists;

@@ -19,11 +19,6 @@ pub struct Strength {
 }
 
 impl Strength {
-    /// Of centred sums with `p` parameters: S_φφ, S_ζζ, S_ζφ.
-    pub(super) fn of(p: usize, sums: [Vec<f64>; 3]) -> Self {
-        Self { found: Some((p, sums)) }
-    }
-
     /// Adds degree of freedom `d` of part number `i`.
     pub fn add(&mut self, i: usize, part: &DegreeRegression, centring: &Centring, d: usize) {
         let p = part.parameters;

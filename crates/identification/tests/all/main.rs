@@ -17,7 +17,6 @@ mod pooled_around;
 mod pooled_continued;
 mod pooled_laws;
 mod pooled_oracle;
-mod pooled_sums;
 mod predicted_errors;
 mod quantiles;
 mod recommendation;

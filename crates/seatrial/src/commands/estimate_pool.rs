@@ -1,6 +1,6 @@
 //! `estimate pool`: one estimate from all runs.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use artifact::{Provenance, Shard, TableReader};
 use clap::Parser;
@@ -14,7 +14,6 @@ use study::resamples;
 use validation::comparison::Magnitudes;
 use vessel::Vessel;
 
-use super::estimate_sums::{added_up, merged};
 use crate::choice::choice;
 use crate::cli::{Common, Sharding, member};
 use crate::failure::Failure;
@@ -30,10 +29,7 @@ use crate::stage::{Summary, Task};
 #[command(
     name = "pool",
     after_help = "Example:\n  estimate pool --vessel pipelines/kvlcc2/vessel.toml \
-    --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/\n  \
-    estimate pool --vessel vessel.toml --trajectories part1.parquet --sums-only --out sums1.json\n  \
-    estimate pool --vessel vessel.toml --sums sums1.json,sums2.json --out results/",
-    mut_arg("trajectories", |file| file.required(false).required_unless_present("sums")),
+    --trajectories trajectories.parquet --nominal least-squares --estimator auto --bootstrap 500 --out results/",
     mut_arg("shard", |shard| shard.requires("bootstrap").help("Draw only the resamples of part K of N, into a table; gather the \
     parts with --gather")),
     mut_arg("gather", |gather| gather.requires("bootstrap").help("Take the resamples from the files of all shards instead of \
@@ -56,13 +52,6 @@ pub struct Arguments {
     /// Terms that are added at most, one after the other, where the model is found to lack them
     #[arg(long, value_name = "K", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=50))]
     add_terms: u16,
-    /// Write only the sums of these runs, by `ls`, or by `iv` with a nominal model that is known, to be merged with --sums
-    #[arg(long, conflicts_with_all = ["bootstrap", "bandwidth", "add_terms", "shard", "gather", "prior", "sums"])]
-    sums_only: bool,
-    /// Estimate from the sums of any number of such files instead of runs
-    #[arg(long, value_name = "FILE,…", value_delimiter = ',', conflicts_with_all = ["trajectories", "recordings", "runs", "leave_out",
-        "part_s", "nominal", "bootstrap", "bandwidth", "add_terms", "shard", "gather"])]
-    sums: Vec<PathBuf>,
     #[command(flatten)]
     sharding: Sharding,
 }
@@ -70,11 +59,6 @@ pub struct Arguments {
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         self.beside.check(&[self.estimator])?;
-        if self.sums_only {
-            return added_up(&self.flags, self.estimator, common);
-        } else if !self.sums.is_empty() {
-            return merged(&self.flags, self.estimator, &self.sums, common);
-        }
         let mut provenance = common.provenance("estimate");
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
         let main = if self.sharding.shard.is_some() { resamples::MAIN } else { MAIN };

@@ -6,7 +6,6 @@ mod cross;
 mod earlier;
 mod estimate;
 mod estimate_pool;
-mod estimate_sums;
 mod export;
 mod ingest;
 mod moments;

@@ -14,7 +14,6 @@ mod refusals;
 mod search;
 mod selection;
 mod single;
-mod sums;
 mod undeclared;
 mod units;
 

@@ -24,7 +24,6 @@ mod sequential;
 mod simulated;
 mod solved;
 mod statements;
-mod sums;
 mod sweep;
 mod tally;
 mod titles;
@@ -74,7 +73,6 @@ pub use selection::SelectionDocument;
 pub use sequential::SequentialDocument;
 pub use simulated::{SIMULATED_FILE, SimulatedLogsDocument, SimulatedRecording};
 pub use solved::{Few, Solved};
-pub use sums::{DegreeProducts, SumsDocument};
 pub use sweep::{RefusedCell, SweepDocument, SweptCell, SweptLine};
 pub use tally::{PairedRatio, TallyDocument};
 pub use trust::TrustDocument;
@@ -98,7 +96,6 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (ModelDocument::ID, json_schema::<ModelDocument>()),
         (AverageDocument::ID, json_schema::<AverageDocument>()),
         (TrustDocument::ID, json_schema::<TrustDocument>()),
-        (SumsDocument::ID, json_schema::<SumsDocument>()),
         (CompareDocument::ID, json_schema::<CompareDocument>()),
         (CrossvalDocument::ID, json_schema::<CrossvalDocument>()),
         (SearchDocument::ID, json_schema::<SearchDocument>()),
