@@ -99,17 +99,6 @@ pub fn all(path: &Path, reader: &TrajectoryReader, vessel: &Vessel) -> Result<Ve
 /// # Errors
 /// See [`trajectories`].
 pub fn kept_runs(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<KeptRuns, Failure> {
-    kept(trajectories(path, "trajectories", vessel, provenance)?, vessel)
-}
-
-/// The same, of which the file may hold a shard.
-///
-/// # Errors
-/// See [`trajectories`].
-pub fn kept_part(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<KeptRuns, Failure> {
-    kept(opened(path, "trajectories", vessel, provenance, |_| Ok(()))?, vessel)
-}
-
-fn kept(reader: TrajectoryReader, vessel: &Vessel) -> Result<KeptRuns, Failure> {
+    let reader = trajectories(path, "trajectories", vessel, provenance)?;
     Ok(KeptRuns::new(reader, &Layout::new(&vessel.model), 0.25 * budget().bytes())?)
 }
