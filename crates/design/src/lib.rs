@@ -31,7 +31,6 @@ mod covariance;
 mod criterion;
 mod design;
 mod dictionary;
-mod eigen;
 mod no_design;
 mod norm;
 mod objective;

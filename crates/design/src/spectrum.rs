@@ -1,7 +1,6 @@
-use numerics::{dot, product, transposed};
+use numerics::{dot, product, symmetric, transposed};
 
 use crate::Norm;
-use crate::eigen::symmetric;
 
 /// The norm of a block-diagonal covariance with its first two derivatives.
 #[derive(Clone, Debug, Default)]
@@ -85,7 +84,8 @@ impl Spectrum {
 impl Eigen {
     fn of(matrix: &[f64]) -> Self {
         let k = matrix.len().isqrt();
-        let (values, vectors) = symmetric(k, matrix);
+        // What is not finite has no variance that is defined.
+        let (values, vectors) = symmetric(k, matrix).unwrap_or_else(|| (vec![0.0; k], vec![0.0; k * k]));
         Self { k, values: values.into_iter().map(|v| v.max(0.0)).collect(), vectors }
     }
 

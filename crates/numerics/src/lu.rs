@@ -2,6 +2,8 @@ use std::ops::{Div, Mul, Sub};
 
 use pulp::{Simd, WithSimd};
 
+use crate::decompositions;
+
 /// A determinant by sign and logarithm of its modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogDet {
@@ -11,9 +13,15 @@ pub struct LogDet {
     pub sign: f64,
 }
 
+/// Rows of a matrix from which on faer's blocks are faster.
+const LARGE: usize = 48;
+
 /// Solves A X = B by Gaussian elimination with partial pivoting. `a`: n × n, destroyed. `b`: n × columns, replaced by
 /// X. `None` where a pivot is zero or not finite.
 pub fn solve(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<()> {
+    if n >= LARGE {
+        return decompositions::solve(n, a, b);
+    }
     crate::dispatch(Solve { n, a, b }).map(|_| ())
 }
 
@@ -55,6 +63,9 @@ fn solved(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<f64> {
 
 /// The inverse of A (n × n, destroyed) into `out` (n × n).
 pub fn inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<()> {
+    if n >= LARGE {
+        return decompositions::inverse(n, a, out);
+    }
     signed_inverse(n, a, out).map(|_| ())
 }
 

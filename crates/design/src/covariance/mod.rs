@@ -1,8 +1,7 @@
 use std::ops::Range;
 
-use numerics::{congruence, transposed};
+use numerics::{congruence, symmetric, transposed};
 
-use crate::eigen::symmetric;
 use crate::spectrum::Spectrum;
 use crate::{Candidates, Error, Norm};
 
@@ -100,9 +99,10 @@ impl Covariance {
         let mut block = 0;
         Self::built(information, middle, Norm::Trace, |n, _| {
             block += 1;
-            let (values, vectors) = symmetric(n, &weights[block - 1]);
+            // Nothing is weighted by what is not finite.
+            let (values, vectors) = symmetric(n, &weights[block - 1]).unwrap_or_default();
             let least = 1e-14 * values.iter().copied().fold(0.0, f64::max);
-            let kept: Vec<usize> = (0..n).filter(|e| values[*e] > least).collect();
+            let kept: Vec<usize> = (0..values.len()).filter(|e| values[*e] > least).collect();
             let root = |e: usize, i: usize| values[e].sqrt() * vectors[i * n + e];
             kept.iter().flat_map(|e| (0..n).map(move |i| root(*e, i))).collect()
         })
