@@ -1,3 +1,4 @@
+use numerics::{add_outer, dot};
 use vessel::{Compiled, Model};
 
 use super::nested::Fitted;
@@ -40,6 +41,50 @@ fn each(recordings: &[Recording], width: usize, mut look: impl FnMut(usize, [f64
             }
         }
     }
+}
+
+/// Share of a term's square beside the terms before it below which it is a combination of these, but for rounding.
+const COMBINED: f64 = 1e-10;
+
+/// Parameters of `model` whose terms are combinations of earlier terms of their degree of freedom in every sample, by their names:
+/// no recording tells them apart.
+pub(super) fn combined(model: &Model, recordings: &[Recording]) -> Vec<String> {
+    let mut compiled = Compiled::new(model, &vec![0.0; model.parameters()]);
+    let layout = model.layout();
+    let mut squares: Vec<Vec<f64>> = (0..3).map(|d| vec![0.0; layout.terms(d).len().pow(2)]).collect();
+    each(recordings, model.exogenous(), |_, state, exogenous, _| {
+        compiled.look(state, exogenous, None);
+        for (d, sums) in squares.iter_mut().enumerate() {
+            let terms: Vec<f64> = layout.terms(d).map(|i| compiled.term(i)).collect();
+            add_outer(sums, &terms, &terms);
+        }
+    });
+    let found = (0..3).flat_map(|d| {
+        dependent(layout.terms(d).len(), &squares[d])
+            .into_iter()
+            .map(move |i| model.degrees[d].parameters[i].clone())
+    });
+    found.collect()
+}
+
+/// Columns of which the sums of products are `a`, of `n` rows, that follow from those before them, by Cholesky's method.
+fn dependent(n: usize, a: &[f64]) -> Vec<usize> {
+    let (mut rows, mut found): (Vec<(usize, Vec<f64>)>, Vec<usize>) = (Vec::new(), Vec::new());
+    for i in 0..n {
+        let mut own: Vec<f64> = Vec::with_capacity(rows.len() + 1);
+        for (j, before) in &rows {
+            let rest = a[i * n + j] - dot(&own, &before[..own.len()]);
+            own.push(rest / before[own.len()]);
+        }
+        let rest = a[i * n + i] - dot(&own, &own);
+        if rest <= COMBINED * a[i * n + i] {
+            found.push(i);
+        } else {
+            own.push(rest.sqrt());
+            rows.push((i, own));
+        }
+    }
+    found
 }
 
 /// `lifted` without its intercepts.
@@ -106,4 +151,19 @@ fn gained(structure: &Model, recordings: &[Recording], theta: &[f64]) -> ([f64; 
         RecordingConstant { source, samples, constant_u, constant_v, constant_r }
     };
     ([0, 1, 2].map(std), recordings.iter().zip(&sums).map(constant).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_a_column_that_follows_from_those_before_it_is_told_and_no_other() {
+        // In rows: 1, 2, their sum, something else, nothing, twice the first.
+        let columns =
+            [[1.0, 2.0, 4.0], [0.5, -1.0, 3.0], [1.5, 1.0, 7.0], [0.0, 0.3, 0.0], [0.0; 3], [2.0, 4.0, 8.0]];
+        let sums: Vec<f64> = columns.iter().flat_map(|a| columns.iter().map(move |b| dot(a, b))).collect();
+        assert_eq!(dependent(6, &sums), [2, 4, 5]);
+        assert_eq!(dependent(2, &[1.0, 0.999, 0.999, 1.0]), [0; 0]);
+    }
 }

@@ -7,7 +7,7 @@ use vessel::Model;
 use super::average::{AverageOptions, Averaged, share};
 use super::bootstrap::{BootstrapOptions, Resampled};
 use super::compact::{Compact, SizeScore};
-use super::deliver::{delivered, without_intercepts, without_zeros};
+use super::deliver::{combined, delivered, without_intercepts, without_zeros};
 use super::folds::folds;
 use super::judged::NestedScore;
 use super::left_out::Judged;
@@ -68,6 +68,8 @@ pub struct Searched {
     pub nested: NestedScore,
     /// What searches over recordings that were drawn again found, where that was wanted.
     pub resampled: Option<Resampled>,
+    /// Names of parameters whose terms no recording tells from others.
+    pub combined: Vec<String>,
     /// Several models of few terms, where an average is wanted.
     pub average: Option<Averaged>,
     /// What to know, in words.
@@ -188,6 +190,8 @@ pub fn search(
     }
     let parts: Vec<Part> = recordings.iter().flat_map(|r| &r.whole).cloned().collect();
     let structure = without_intercepts(&found.all.model);
+    let combined = combined(&structure, &recordings);
+    statements.extend(words::combined(&combined));
     Ok(Searched {
         statements,
         delivered: delivered(&structure, &found.all, &recordings, &parts),
@@ -201,6 +205,7 @@ pub fn search(
         nested: nested_score,
         model: structure,
         resampled,
+        combined,
         average: averages.map(|own| own.delivered(&recordings, &parts)),
     })
 }

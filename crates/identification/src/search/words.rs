@@ -85,6 +85,18 @@ pub(super) fn statements(
     out
 }
 
+/// Which terms no recording tells from others.
+pub(super) fn combined(names: &[String]) -> Option<String> {
+    let named: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    (!named.is_empty()).then(|| {
+        format!(
+            "in no sample anything but a combination of other terms, hence fixed in model.json, so that the next experiment is designed \
+             for the others: {}",
+            listed(&named)
+        )
+    })
+}
+
 /// Which parameters their bounds hold.
 fn at_bounds(found: &Fitted) -> Option<String> {
     let bounds = found.model.bounds()?;

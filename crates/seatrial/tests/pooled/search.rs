@@ -97,6 +97,47 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     assert_eq!(values, terms.iter().map(|t| &t["value"]).collect::<Vec<_>>());
 }
 
+/// She never goes astern, so that |u| v is u v in every sample: no design would tell them apart either.
+#[test]
+fn terms_that_no_recording_tells_apart_are_fixed_and_said_and_the_next_design_does_without() {
+    let folder = with(&[]);
+    put(&folder, "dictionary.toml", &zig_zags((0..6).map(|i| (format!("at-{i}"), 0.7 + 0.1 * f64::from(i)))));
+    run(&folder, DICTIONARY).succeeds();
+    put(&folder, "terms.toml", "sway = [\"|u| v\", \"u v\"]\n");
+    let line = SEARCH.replace("campaign.parquet", "dictionary.parquet");
+    let said = run(&folder, &format!("{line} --terms terms.toml --out search.json")).succeeds();
+    let model = json(&folder, "model.json")["data"].clone();
+    let fixed = |degree: &Value| {
+        let parameters = degree["parameters"].as_array().unwrap();
+        let of = |fixed: bool| parameters.iter().filter(|p| (p["fixed"] == true) == fixed).cloned().collect();
+        let (fixed, free): (Vec<Value>, Vec<Value>) = (of(true), of(false));
+        (fixed, free)
+    };
+    let of_degrees: Vec<_> = model["degrees"].as_array().unwrap().iter().map(fixed).collect();
+    let [one] = &of_degrees[1].0[..] else { panic!("{model}") };
+    assert!(of_degrees[0].0.is_empty() && of_degrees[2].0.is_empty() && one["value"] != 0.0, "{model}");
+    let name = one["name"].as_str().unwrap();
+    let told =
+        format!("fixed in model.json, so that the next experiment is designed for the others: `{name}`");
+    assert!(said.stdout.contains(&told) && model["statements"].to_string().contains(&told), "{said}");
+    let dictionary = "simulate dictionary --model model.json --dictionary dictionary.toml --beyond-range --out next.parquet";
+    let moments = "moments --model model.json --trajectories next.parquet --out moments.json";
+    let design = "design --moments moments.json --seed 1 --out design.json";
+    for line in [dictionary, moments, design] {
+        run(&folder, &format!("{line} --allow-mixed")).succeeds();
+    }
+    // Without that there is none.
+    let mut free = model;
+    for own in free["degrees"][1]["parameters"].as_array_mut().unwrap() {
+        own.as_object_mut().unwrap().remove("fixed");
+    }
+    unsealed(&folder, "model.json", "model.json", free);
+    for line in [dictionary, moments] {
+        run(&folder, &format!("{line} --allow-mixed")).succeeds();
+    }
+    refused(&folder, 4, &format!("{design} --allow-mixed"), &["a direction that no maneuver excites"]);
+}
+
 #[test]
 fn law_the_ridge_is_chosen_on_windows_whatever_the_score_is_taken_on() {
     let folder = measured("0.01");
@@ -323,19 +364,23 @@ fn a_search_whose_best_model_is_no_better_than_the_mean_is_no_answer() {
     );
 }
 
-#[test]
-fn a_fold_that_diverges_is_rejected_and_counted_never_a_number() {
-    let folder = with(&[]);
-    let maneuver = |name: &str, speed: f64| {
+/// A dictionary of zig-zags by name and speed.
+fn zig_zags(all: impl Iterator<Item = (String, f64)>) -> String {
+    let maneuver = |(name, speed): (String, f64)| {
         format!(
             "[[maneuver]]\nname = \"{name}\"\nkind = \"zig-zag\"\nshape = \"sine\"\nspeed_m_s = {speed}\n\
              yaw_rate_amplitude_rad_s = 0.03\nperiod_s = 10.0\n"
         )
     };
+    format!("duration_s = 37.5\n{}", all.map(maneuver).collect::<Vec<_>>().join("\n"))
+}
+
+#[test]
+fn a_fold_that_diverges_is_rejected_and_counted_never_a_number() {
+    let folder = with(&[]);
     // Whatever is fitted to the slow ones, five times their speed is far below that of the fast one.
-    let slow = (0..5).map(|i| maneuver(&format!("slow-{i}"), 0.1 + 0.005 * f64::from(i)));
-    let all: Vec<String> = slow.chain([maneuver("fast", 1.2)]).collect();
-    put(&folder, "dictionary.toml", &format!("duration_s = 37.5\n{}", all.join("\n")));
+    let slow = (0..5).map(|i| (format!("slow-{i}"), 0.1 + 0.005 * f64::from(i)));
+    put(&folder, "dictionary.toml", &zig_zags(slow.chain([("fast".to_owned(), 1.2)])));
     run(&folder, DICTIONARY).succeeds();
     let line = SEARCH.replace("campaign.parquet", "dictionary.parquet");
     let pieces =

@@ -13,6 +13,13 @@ impl ModelDocument {
         let mut model = Self::found(vessel, &found.model, &found.delivered, found.samples);
         for degree in &mut model.degrees {
             degree.parameters = resampled(std::mem::take(&mut degree.parameters), found);
+            // What another is tied to stays to be estimated.
+            let targets: Vec<String> =
+                degree.parameters.iter().filter_map(|own| own.tied_to.clone()).collect();
+            let combined = |own: &&mut ModelParameter| {
+                found.combined.contains(&own.name) && own.tied_to.is_none() && !targets.contains(&own.name)
+            };
+            degree.parameters.iter_mut().filter(combined).for_each(|own| own.fixed = true);
         }
         let left_out = found.nested.search.as_ref();
         Self {
