@@ -19,6 +19,7 @@ sys.dont_write_bytecode = True
 
 import numpy as np  # noqa: E402
 from scipy.optimize import least_squares  # noqa: E402
+from scipy.stats import norm, t  # noqa: E402
 
 from independent.motion import realize, simulate  # noqa: E402
 from independent.study import Study, Vessel, read_study  # noqa: E402
@@ -31,6 +32,8 @@ REMOVALS = ("complete", "batch", "none")
 MARKOV = {"std": 0.12, "time_constant_s": 6.0}
 GUSTS = {"std": (0.01, 0.008, 0.006), "time_constant_s": 3.0}
 """Standard deviations of what a sample adds to u, v, r."""
+BLOCKS = 10
+STUDENT, NORMAL = t.ppf(0.975, BLOCKS - 1), norm.ppf(0.975)
 
 
 def main() -> None:
@@ -181,14 +184,18 @@ def prefiltered(
         residual = passed[2] - regressors @ solution
         p = len(terms)
         centred = passed[1] - passed[3] @ np.linalg.lstsq(passed[3], passed[1], rcond=None)[0] if len(ones.T) else passed[1]
-        middle = np.zeros((p, p))
+        middle, normal = np.zeros((p, p)), centred.T @ passed[0]
         for s, length in enumerate(lengths):
             g = (centred * residual[:, None])[segment == s]
-            window = max(1, math.floor(2.0 * math.sqrt(length) + 0.5))
-            lag = np.abs(np.subtract.outer(np.arange(length), np.arange(length)))
-            middle += g.T @ np.maximum(0.0, 1.0 - lag / window) @ g
-        inverse = np.linalg.inv(centred.T @ passed[0])
-        variance = np.diag(inverse @ middle @ inverse.T) * n / (n - p - len(ones.T))
+            z, f = centred[segment == s], passed[0][segment == s]
+            number = (np.arange(length) * BLOCKS) // length
+            for b in range(BLOCKS):
+                # What the estimate changes without this block, times the normal matrix.
+                kept = normal - z[number == b].T @ f[number == b]
+                moved = normal @ np.linalg.solve(kept, g[number == b].sum(axis=0))
+                middle += (STUDENT / NORMAL) ** 2 * (BLOCKS - 1) / BLOCKS * np.outer(moved, moved)
+        inverse = np.linalg.inv(normal)
+        variance = np.diag(inverse @ middle @ inverse.T)
         theta += solution[:p].tolist()
         errors += np.sqrt(variance).tolist()
     return {"theta": theta, "standard_errors": errors}

@@ -221,7 +221,6 @@ pub(crate) struct Run {
 pub(crate) struct Solved {
     pub theta: Vec<f64>,
     inverses: Vec<Vec<f64>>,
-    intercepts: [usize; 3],
 }
 
 impl Run {
@@ -238,10 +237,9 @@ impl Run {
     pub(crate) fn solution(&self) -> Result<Solved, Outcome> {
         let normals = [0, 1, 2].map(|d| self.normal(d));
         let samples = self.samples();
-        let intercepts = [0, 1, 2].map(|d| self.intercepts_of(d));
-        let mut solved = Solved { theta: Vec::new(), inverses: Vec::new(), intercepts };
+        let mut solved = Solved { theta: Vec::new(), inverses: Vec::new() };
         for (d, normal) in normals.iter().enumerate() {
-            if samples <= (normal.b.len() + intercepts[d]) as u64 {
+            if samples <= (normal.b.len() + self.intercepts_of(d)) as u64 {
                 return Err(Outcome::TooShort);
             }
             let unexcited = |parameter| Outcome::NotIdentifiable(Direction { degree: d, parameter });
@@ -263,19 +261,17 @@ impl Run {
 }
 
 impl Solved {
-    /// N over N less unknowns, per degree of freedom: what residuals that were fitted are too small by.
-    pub(crate) fn fitted(&self, samples: u64) -> [f64; 3] {
-        let own = |d: usize| estimated(self.inverses[d].len().isqrt(), |k| self.inverses[d][k]);
-        let unknowns = |d: usize| own(d) + self.intercepts[d];
-        [0, 1, 2].map(|d| samples as f64 / (samples as f64 - unknowns(d) as f64))
+    /// A⁻¹ of a degree of freedom, p × p.
+    pub(crate) fn inverse(&self, d: usize) -> &[f64] {
+        &self.inverses[d]
     }
 
-    /// From A⁻¹ B A⁻ᵀ with B of each degree of freedom, p × p, times `factors`.
-    pub(crate) fn spread(&self, middles: &[Vec<f64>; 3], factors: [f64; 3]) -> Vec<f64> {
+    /// From A⁻¹ B A⁻ᵀ with B of each degree of freedom, p × p.
+    pub(crate) fn spread(&self, middles: &[Vec<f64>; 3]) -> Vec<f64> {
         let mut standard_errors = Vec::with_capacity(self.theta.len());
-        for ((inverse, middle), factor) in self.inverses.iter().zip(middles).zip(factors) {
+        for (inverse, middle) in self.inverses.iter().zip(middles) {
             let p = inverse.len().isqrt();
-            let variance = |row: &[f64]| (factor * quadratic(row, middle)).max(0.0);
+            let variance = |row: &[f64]| quadratic(row, middle).max(0.0);
             standard_errors.extend(inverse.chunks_exact(p).map(|row| variance(row).sqrt()));
         }
         standard_errors

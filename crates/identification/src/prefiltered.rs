@@ -8,16 +8,18 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use numerics::{product, solve};
+use vessel::lanes::lane_of;
 use vessel::{Compiled, LANES, Lane};
 
 use crate::estimate::{Run, Solved, ranges};
-use crate::predictor::Windowed;
+use crate::predictor::{BLOCKS, jackknife};
 use crate::{Batch, DegreeSums, Estimate, MeanRemoval, Noise, Outcome, Sums};
 
 /// Estimates every run of `batch`, whose instrument states were simulated with `parameters`, one lane each: these set the
 /// filter's poles, kept between 0 and 1 − 1/N. The filter starts at rest with every group of samples that has an intercept
 /// of its own. Standard errors follow from `noise` where it is stated (a draw at a joint of groups counts for each of them),
-/// else from filtered residuals, taken as correlated over less than 2√N samples.
+/// else from what the estimate changes where one of ten blocks of a group's samples is left out.
 pub fn estimate_prefiltered(
     batch: &Batch,
     parameters: &[Lane],
@@ -43,14 +45,13 @@ pub fn estimate_prefiltered(
         let own = |lane: usize| ranges(batch, removal, lane).position(|other| other == *range);
         signals.add_middles(&mut middles, &runs, &solved, noise, own);
     }
-    let finish = |((solved, middles), run): ((Result<Solved, Outcome>, Middles), Run)| {
+    let finish = |(solved, middles): (Result<Solved, Outcome>, Middles)| {
         solved.map_or_else(std::convert::identity, |solved| {
-            let fitted = if noise.is_some() { [1.0; 3] } else { solved.fitted(run.samples()) };
-            let standard_errors = solved.spread(&middles.0, fitted);
+            let standard_errors = solved.spread(&middles.0);
             Outcome::Identified(Estimate { parameters: solved.theta, standard_errors })
         })
     };
-    solved.into_iter().zip(middles).zip(runs).map(finish).collect()
+    solved.into_iter().zip(middles).map(finish).collect()
 }
 
 /// cov Σ ζᶜε of one run, p × p per degree of freedom; empty before anything was added.
@@ -83,6 +84,30 @@ struct Degree {
     poles: Vec<Lane>,
     slopes: Vec<Lane>,
     sums: DegreeSums<Lane>,
+}
+
+/// Sums of ζᶜφᵀ, p × p, and of ζᶜε over a block of samples.
+struct Block {
+    products: Vec<Lane>,
+    scores: Vec<Lane>,
+}
+
+impl Block {
+    fn new(p: usize) -> Self {
+        Self { products: vec![Lane::ZERO; p * p], scores: vec![Lane::ZERO; p] }
+    }
+
+    /// What A times the change of a run's estimate is where this block is left out: m with (I − A_b A⁻¹) m = Σ_b ζᶜε. Σ_b ζᶜε where
+    /// the block alone determines a parameter.
+    fn left_out(&self, lane: usize, inverse: &[f64]) -> Option<Vec<f64>> {
+        let p = self.scores.len();
+        let mut left = product(p, &lane_of(&self.products, lane), inverse);
+        left.iter_mut().for_each(|entry| *entry = -*entry);
+        (0..p).for_each(|i| left[i * p + i] += 1.0);
+        let mut moved = lane_of(&self.scores, lane);
+        let alone = moved.clone();
+        Some(solve(p, &mut left, &mut moved).map_or(alone, |()| moved))
+    }
 }
 
 impl Signals {
@@ -118,12 +143,20 @@ impl Signals {
                 centres.for_each(|(lanes, mean)| lanes[lane] = mean);
             }
             let means = &means;
-            let middle = match noise {
-                Some(noise) => vessel::vectorized!(degree.responses(d, means, noise)),
-                None => vessel::vectorized!(degree.scores(&theta, means)).finish(),
-            };
-            for lane in (0..LANES).filter(|lane| own[*lane]) {
-                middles[lane].add(d, middle.iter().map(|m| m[lane]));
+            let own = (0..LANES).filter(|lane| own[*lane]);
+            if let Some(noise) = noise {
+                let middle = vessel::vectorized!(degree.responses(d, means, noise));
+                own.for_each(|lane| middles[lane].add(d, middle.iter().map(|m| m[lane])));
+            } else {
+                let blocks = vessel::vectorized!(degree.blocks(&theta, means));
+                for lane in own {
+                    if let Ok(solved) = &solved[lane] {
+                        let left_out = |block: &Block| block.left_out(lane, solved.inverse(d));
+                        let middle =
+                            jackknife(blocks.iter(), left_out).unwrap_or_else(|| vec![f64::NAN; p * p]);
+                        middles[lane].add(d, middle.into_iter());
+                    }
+                }
             }
             first += p;
         }
@@ -161,11 +194,12 @@ impl Degree {
         row[i] - mean * row[self.parameters]
     }
 
-    /// ζᶜε of every sample. `theta`: with the intercept; `means`: of the instruments, in units of the filtered 1.
+    /// Sums over each of ten blocks of samples. `theta`: with the intercept; `means`: of the instruments, in units of the
+    /// filtered 1.
     #[inline(always)]
-    fn scores(&self, theta: &[Lane], means: &[Lane]) -> Windowed {
-        let p = self.parameters;
-        let mut scores = Windowed::new(self.target.len(), p);
+    fn blocks(&self, theta: &[Lane], means: &[Lane]) -> Vec<Block> {
+        let (p, samples) = (self.parameters, self.target.len());
+        let (mut blocks, mut block) = (Vec::with_capacity(BLOCKS), Block::new(p));
         for (k, target) in self.target.iter().enumerate() {
             let phi = &self.phi[k * (p + 1)..(k + 1) * (p + 1)];
             let mut residual = *target;
@@ -173,11 +207,17 @@ impl Degree {
                 residual = residual - *f * *t;
             }
             for (i, mean) in means.iter().enumerate() {
-                scores.set(i, self.centred(k, i, *mean) * residual);
+                let instrument = self.centred(k, i, *mean);
+                block.scores[i] += instrument * residual;
+                for (sum, f) in block.products[i * p..].iter_mut().zip(&phi[..p]) {
+                    *sum += instrument * *f;
+                }
             }
-            scores.advance();
+            if (k + 1) * BLOCKS / samples > k * BLOCKS / samples {
+                blocks.push(std::mem::replace(&mut block, Block::new(p)));
+            }
         }
-        scores
+        blocks
     }
 
     /// cov Σ ζᶜε from stated noise, to first order, p × p. With η(k) = ζᶜ(k) + a(k+1) η(k+1), Σ ζᶜε is Σ η times the residuals before

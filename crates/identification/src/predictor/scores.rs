@@ -6,9 +6,9 @@ use crate::sensitivity::{
 };
 
 /// Blocks of samples that are left out, one after the other.
-const BLOCKS: usize = 10;
+pub(crate) const BLOCKS: usize = 10;
 /// Student's t of nine degrees of freedom over the normal distribution's, for intervals of 95 %.
-const STUDENT: f64 = 2.262_157 / 1.959_964;
+const STUDENT: f64 = 2.262_157_163 / 1.959_963_985;
 
 /// Sums over each of ten blocks of samples, by block and lane, of recordings predicted with `unknowns` by the `free` ones: free
 /// simulations, in a current of `levels` that is among the unknowns, or white innovations where there are gains. Sample 0
@@ -52,9 +52,9 @@ pub(crate) fn blocks<const N: usize>(
 
 /// Covariance of an estimate by what it changes where a block is left out, as `without` says; in units in which 1.96 standard
 /// errors are an interval of 95 %. None where that is not a number.
-pub(crate) fn jackknife<'l>(
-    blocks: impl ExactSizeIterator<Item = &'l Linear>,
-    without: impl Fn(&Linear) -> Option<Vec<f64>>,
+pub(crate) fn jackknife<B>(
+    blocks: impl ExactSizeIterator<Item = B>,
+    without: impl Fn(B) -> Option<Vec<f64>>,
 ) -> Option<Vec<f64>> {
     let count = blocks.len() as f64;
     let share = STUDENT * STUDENT * (count - 1.0) / count;
@@ -98,61 +98,6 @@ pub(crate) fn disturbed_scores<const N: usize>(
     );
     add_start(&mut draws, &start, levels);
     draws.finish().square()
-}
-
-/// Covariance of the sum of rows of scores that are correlated over less than about 2√N rows: the mean over all windows of
-/// that many rows of (Σ over the window)(…)ᵀ per row, which is what Bartlett's weights 1 − |lag|/L give.
-pub(crate) struct Windowed {
-    /// The rows of the latest window, and how many there have been.
-    latest: Vec<Lane>,
-    rows: usize,
-    window: usize,
-    /// Over the latest window.
-    sum: Vec<Lane>,
-    products: Products<Lane>,
-}
-
-impl Windowed {
-    /// Of so many `rows` of `p` scores.
-    pub(crate) fn new(rows: usize, p: usize) -> Self {
-        let window = (2.0 * (rows as f64).sqrt()).round().max(1.0) as usize;
-        let (latest, sum) = (vec![Lane::ZERO; window * p], vec![Lane::ZERO; p]);
-        Self { latest, rows: 0, window, sum, products: Products::new(p) }
-    }
-
-    /// Score `i` of this row.
-    #[inline(always)]
-    pub(crate) fn set(&mut self, i: usize, score: Lane) {
-        let leaving = &mut self.latest[self.rows % self.window * self.sum.len() + i];
-        self.sum[i] = self.sum[i] + score - *leaving;
-        *leaving = score;
-        self.products.set(i, self.sum[i]);
-    }
-
-    /// Goes to the next row: every score was set of this one.
-    #[inline(always)]
-    pub(crate) fn advance(&mut self) {
-        self.rows += 1;
-        self.products.advance();
-    }
-
-    /// p × p lanes.
-    pub(crate) fn finish(mut self) -> Vec<Lane> {
-        let share = Lane::splat(1.0 / self.window as f64);
-        vessel::vectorized!(self.leave());
-        self.products.finish().square().into_iter().map(|sum| share * sum).collect()
-    }
-
-    /// Lets the last rows leave, one after the other.
-    #[inline(always)]
-    fn leave(&mut self) {
-        for _ in 0..self.window {
-            for i in 0..self.sum.len() {
-                self.set(i, Lane::ZERO);
-            }
-            self.advance();
-        }
-    }
 }
 
 #[cfg(test)]
