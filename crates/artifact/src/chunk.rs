@@ -83,7 +83,9 @@ impl<'a> Chunk<'a> {
                 to.write_batch(&texts, None, None)?;
             }
             _ => {
-                return Err(ParquetError::General("a column of another kind than its schema says".to_owned()));
+                return Err(ParquetError::General(
+                    "a column of another kind than its schema says".to_owned(),
+                ));
             }
         }
         Ok(())

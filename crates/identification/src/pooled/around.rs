@@ -1,5 +1,5 @@
-//! Water and wind around parts, each its own: for any parameters those with the least errors, by which the errors then are the
-//! parameters' alone (variable projection).
+//! Where parts start, and water and wind around them, each its own: for any parameters those with the least errors, by which the
+//! errors then are the parameters' alone (variable projection).
 
 use std::convert::Infallible;
 
@@ -16,7 +16,7 @@ use crate::predictor::{
 pub(super) struct Settled {
     /// Its errors by the parameters alone: what is around it follows them.
     pub linear: Linear,
-    /// What is around it, the unknowns alone.
+    /// Its offset from the measured start and what is around it, the unknowns alone, in the order of [`Unknown::own`].
     pub around: Vec<f64>,
     /// How it follows the parameters, a row for each unknown; and its covariance where they are known.
     follows: Vec<f64>,
@@ -40,7 +40,8 @@ impl Settled {
         let q = self.around.len();
         let free = self.follows.len() / q.max(1);
         let mut all = [[0.0; AROUND]; 2];
-        for (i, place) in unknown.around().enumerate() {
+        let places = unknown.own().enumerate().filter_map(|(i, own)| Some((i, own.checked_sub(3)?)));
+        for (i, place) in places {
             all[0][place] = self.around[i];
             if free > 0 {
                 let through = quadratic(&self.follows[i * free..(i + 1) * free], covariance);
@@ -82,7 +83,7 @@ impl<'a> Around<'a> {
         parameters: &'a [f64],
         weights: [f64; 3],
     ) -> Self {
-        let own = unknown.around().map(|i| parameters.len() + 3 + i).collect();
+        let own = unknown.own().map(|i| parameters.len() + i).collect();
         Self { recordings, unknown, own, parameters, weights }
     }
 

@@ -9,7 +9,8 @@ use super::{
     DegreeTrust, Delivered, Estimated, Follow, Judgement, LostInstruments, NoEstimate, ParameterTrust, Part,
     Parts, Pool, PooledRuns, Recorded, Resample, SourceErrors, Status, Unfound, listed,
 };
-use crate::criticism::{Criticism, Subject, criticise_after};
+use crate::criticism::{Criticism, Subject, Verdict, criticise_after};
+use crate::predictor::InitialState;
 use crate::{EstimateStatus, Estimator, RunEstimate};
 
 /// One estimate from all runs, and how far it can be trusted.
@@ -114,10 +115,9 @@ pub fn estimate<R: Recorded>(
     });
     let criticism = criticism(pool, &found, runs).map_err(PoolError::Unread)?;
     let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
-    let started = criticism.as_ref().and_then(|criticism| noisy_start(&found, criticism));
     let alike = delivered.iter().flat_map(|own| entangled(own, pool.model.layout()));
     let stalled = stalled(&found).map(str::to_owned);
-    let spread = stalled.into_iter().chain(started).chain(few_tell(pool, &found)).chain(around(pool, &found));
+    let spread = stalled.into_iter().chain(few_tell(pool, &found)).chain(around(pool, &found));
     let known: Vec<String> = spread.chain(statements(&degrees)).chain(alike).collect();
     Ok(Pooled {
         design: runs.design().to_owned(),
@@ -172,31 +172,15 @@ fn astray(sources: &[SourceErrors]) -> Option<String> {
     })
 }
 
-/// Noise beside the motion from which simulations that start at measured states bias the estimate.
-const NOISY: f64 = 0.2;
-
-/// That free simulations start at states whose noise is not small beside the motion.
-fn noisy_start(found: &Estimated, criticism: &Criticism) -> Option<String> {
-    let (_, scales) = found.searched.as_ref()?;
-    // Filters weigh the first state like any other.
-    if matches!(scales.follow(), Follow::Predicted(..)) {
-        return None;
-    }
-    let noise = [criticism.noise_u, criticism.noise_v, criticism.noise_r];
-    let share = noise.iter().zip(scales.std()).map(|(noise, std)| noise / std).fold(0.0, f64::max);
-    (share > NOISY).then(|| {
-        format!(
-            "standard errors do not hold: simulations start at measured states, whose noise is {:.0} % of the motion; use \
-             `refined-iv`, or longer sub-experiments",
-            100.0 * share
-        )
-    })
-}
-
-/// That a model was found in waters, or by a filter, that simulations of the recordings do without.
+/// That a model was found from other starts, in waters, or by a filter, that simulations of the recordings do without.
 fn around(pool: &Pool, found: &Estimated) -> Option<String> {
     let (own, scales) = found.searched.as_ref()?;
     match scales.follow() {
+        Follow::Simulated(unknown) if unknown.around().next().is_none() => {
+            (unknown.initial == InitialState::Estimated).then(|| {
+                "found with the start of every sub-experiment as an unknown: sensors' noise makes up much of the errors".to_owned()
+            })
+        }
         Follow::Simulated(_) => (!own.around.is_empty()).then(|| {
             "found with water and wind of its own in every run: free simulations of the recordings go in still water, \
              without wind, and err by what these do"
@@ -225,6 +209,22 @@ fn few_tell(pool: &Pool, found: &Estimated) -> Option<String> {
             listed(&named)
         )
     })
+}
+
+/// The estimator of logs of which nobody stated the noise: `prediction-error` where the noise that is found describes the errors, else
+/// `output-error`. A filter for another noise than there is makes models that predict worse.
+///
+/// # Errors
+/// Runs that cannot be read.
+pub fn unstated<R: Recorded>(pool: &Pool, runs: &PooledRuns<R>) -> Result<Estimator, PoolError<R::Error>> {
+    let quick = Judgement { bandwidth: None, replicates: 0, seed: 1 };
+    match estimate(pool, runs, Estimator::PredictionError, &quick, Resampling::Given(&[])) {
+        Err(PoolError::Unread(e)) => Err(PoolError::Unread(e)),
+        Ok(found) if found.criticism.as_ref().is_some_and(|own| own.verdict != Verdict::None) => {
+            Ok(Estimator::PredictionError)
+        }
+        _ => Ok(Estimator::OutputError),
+    }
 }
 
 fn solved<P: Parts>(pool: &Pool, parts: &P, estimator: Estimator) -> Result<Estimated, PoolError<P::Error>> {

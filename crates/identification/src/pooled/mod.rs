@@ -45,7 +45,7 @@ pub(crate) use delivered::covered;
 pub use delivered::{Covariance, Covered, Delivered, RecordingConstant};
 pub use diagnosis::{COLLINEAR, Diagnosis};
 pub use enriched::{Added, Enriched, Grown, enriched, grown};
-pub use estimate::{PoolError, Pooled, StandardErrors, estimate, resampled, standard_errors};
+pub use estimate::{PoolError, Pooled, StandardErrors, estimate, resampled, standard_errors, unstated};
 pub use fit::joined;
 pub use fit::{DegreeFit, Options, Prior, Solution, Status};
 pub use instrument_fit::InstrumentFit;

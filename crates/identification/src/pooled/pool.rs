@@ -148,7 +148,7 @@ impl Pool<'_> {
         }
     }
 
-    /// What free simulations do not know.
+    /// What free simulations do not know, from known starts on.
     pub(super) fn unknown(&self) -> Unknown {
         Unknown::new(InitialState::Known, self.beside, 1.0 / self.vessel.sample_rate_hz)
     }

@@ -2,12 +2,16 @@
 
 use crate::beside::Intercepts;
 use crate::criticism::{ENOUGH, Kinds, calibrated};
+use crate::predictor::{InitialState, Unknown};
 use crate::{DegreeSums, Estimator, MeanRemoval};
 use vessel::RunView;
 
 use super::{
     DegreeFit, Drawn, Estimated, Follow, Part, Parts, Pool, PooledSums, Scales, Searched, Status, Unfound,
 };
+
+/// Share of the squared errors that noise makes up from which starts are searched for.
+const NOISY: f64 = 0.25;
 
 impl Pool<'_> {
     /// Goes on from the estimate at hand to the least errors of free simulations, and from there to those of predictions where
@@ -40,7 +44,14 @@ impl Pool<'_> {
                 best
             })
         } else {
-            simulated
+            match simulated {
+                Some(found) if self.mostly_noise(parts, &found, std)? => {
+                    let unknown = Unknown { initial: InitialState::Estimated, ..self.unknown() };
+                    scales.follow = Follow::Simulated(unknown);
+                    self.least_errors(parts, &found.parameters, &scales)?
+                }
+                found => found,
+            }
         };
         let Some(best) = best else {
             let recordings = self.diverging(parts, &start)?;
@@ -61,6 +72,25 @@ impl Pool<'_> {
         }
         found.searched = Some((best, scales));
         Ok(())
+    }
+
+    /// Whether sensors' noise makes up much of the errors that free simulations of `found` leave: then the first sample of a part
+    /// errs as much as any other, and where it starts is one more unknown. Noise is what third differences show, to which smooth
+    /// motion adds little.
+    fn mostly_noise<P: Parts>(&self, parts: &P, found: &Searched, std: [f64; 3]) -> Result<bool, P::Error> {
+        let (mut noise, mut counted, mut samples) = (0.0, 0_u64, 0);
+        parts.each(|part| {
+            let rows = part.run.measured.as_chunks::<3>().0;
+            for four in rows.windows(4) {
+                let third = |d: usize| four[3][d] - 3.0 * (four[2][d] - four[1][d]) - four[0][d];
+                let weighed = (0..3).filter(|d| std[*d] > 0.0).map(|d| (third(d) / std[d]).powi(2));
+                // The variance of a third difference of white noise is 1 + 9 + 9 + 1 times its own.
+                noise += weighed.sum::<f64>() / 20.0;
+                counted += 1;
+            }
+            samples += part.run.samples();
+        })?;
+        Ok(noise * samples as f64 > NOISY * found.squares * counted as f64)
     }
 
     /// The least errors of predictions by filters for noise and a drifting current that make the first parts most likely, found

@@ -26,6 +26,8 @@ pub struct Searched {
     pub telling: Vec<f64>,
     /// Of every part what is around it, and standard errors of it (see [`AROUND`]); empty where nothing is unknown of it.
     pub around: Vec<[[f64; AROUND]; 2]>,
+    /// Σ (e_d/std_d)², or of squared whitened innovations.
+    pub squares: f64,
     /// Steps tried.
     pub steps: usize,
     /// Whether the search ended at a minimum.
@@ -44,7 +46,7 @@ impl Searched {
 /// What makes the errors of parts small.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Follow {
-    /// Free simulations, each from its part's first measured state, in water and wind of its own.
+    /// Free simulations, each from its part's first measured state or one near it, in water and wind of its own.
     Simulated(Unknown),
     /// One-sample predictions by a Kalman filter for these levels, whose gains are those along it at these parameters.
     Predicted(Levels, Vec<f64>),
@@ -61,11 +63,6 @@ pub struct Scales {
 }
 
 impl Scales {
-    /// Standard deviations of the measured u, v, r.
-    pub(super) fn std(&self) -> [f64; 3] {
-        self.std
-    }
-
     /// What makes the errors small.
     pub fn follow(&self) -> &Follow {
         &self.follow
@@ -101,6 +98,7 @@ pub fn least_errors<P: Parts>(
         covariance,
         telling,
         around,
+        squares: (0..3).map(|d| weights[d] * found.linear.squares[d]).sum(),
         parameters: problem.asked.whole(&found.point),
         steps: found.steps,
         converged: found.status == Ended::Converged,
@@ -142,10 +140,10 @@ impl Question<'_> {
         whole
     }
 
-    /// What is unknown around the parts, if anything is.
+    /// What is unknown of every part beside the parameters, if anything is.
     fn unknown(&self) -> Option<Unknown> {
         match self.follow {
-            Follow::Simulated(unknown) => Some(*unknown).filter(|own| own.around().next().is_some()),
+            Follow::Simulated(unknown) => Some(*unknown).filter(|unknown| unknown.own().next().is_some()),
             Follow::Predicted(..) => None,
         }
     }
@@ -235,7 +233,7 @@ impl<P: Parts> Problem<'_, P> {
         })?;
         let alike = |[sum, squares]: [f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
         let mut around = Vec::new();
-        if let Some(unknown) = self.asked.unknown() {
+        if let Some(unknown) = self.asked.unknown().filter(|unknown| unknown.around().next().is_some()) {
             around.resize(settled.len(), [[0.0; AROUND]; 2]);
             let pairs = places.iter().flat_map(|i| places.iter().map(move |j| i * all + j));
             let own: Vec<f64> = pairs.map(|k| covariance[k]).collect();

@@ -53,9 +53,13 @@ impl Unknown {
     /// The unknowns that are searched for: the parameters of `model`, the initial state's offsets, those of water and wind.
     pub(super) fn free(self, model: &Model) -> Vec<usize> {
         let parameters = model.parameters();
+        (0..parameters).chain(self.own().map(|i| parameters + i)).collect()
+    }
+
+    /// Of those behind the parameters, which are searched for: the initial state's offsets, and [`Self::around`].
+    pub(crate) fn own(self) -> impl Iterator<Item = usize> {
         let offsets = if self.initial == InitialState::Known { 0..0 } else { 0..3 };
-        let own = (0..parameters).chain(offsets.map(|i| parameters + i));
-        own.chain(self.around().map(|i| parameters + 3 + i)).collect()
+        offsets.chain(self.around().map(|i| 3 + i))
     }
 
     /// Which of the [`AROUND`] are searched for.

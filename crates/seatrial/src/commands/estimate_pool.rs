@@ -6,11 +6,15 @@ use artifact::{Provenance, Shard, TableReader};
 use clap::Parser;
 use frame::beside::BesideFlags;
 use identification::Estimator;
-use identification::pooled::{Judgement, Pool, PooledRuns, Recorded, Resample, Resampling, grown, resampled};
+use identification::pooled::{
+    Judgement, Pool, PooledRuns, Recorded, Resample, Resampling, grown, resampled, unstated,
+};
+use identification::runs::Beside;
 use serde_json::json;
 use study::files::read_vessel;
 use study::pooled_set::{MAIN, PooledSet};
 use study::resamples;
+use study::trajectories::{Layout, TrajectoryReader};
 use validation::comparison::Magnitudes;
 use vessel::Vessel;
 
@@ -38,9 +42,10 @@ use crate::stage::{Summary, Task};
 pub struct Arguments {
     #[command(flatten)]
     flags: PoolFlags,
-    /// The estimator
-    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
-    estimator: Estimator,
+    /// The estimator [default: of measured logs `prediction-error`, or `output-error` where no noise known here describes their
+    /// errors; of simulated trials and with --prior `iv`]
+    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description))]
+    estimator: Option<Estimator>,
     #[command(flatten)]
     beside: BesideFlags,
     /// Resamples of the bootstrap over sub-experiments
@@ -56,9 +61,12 @@ pub struct Arguments {
     sharding: Sharding,
 }
 
+/// Where nobody asked for an estimator.
+const NO_NOISE: &str = "estimated by `output-error`: no noise known here describes the errors, and filters for another one predict worse; \
+     --estimator takes others";
+
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        self.beside.check(&[self.estimator])?;
         let mut provenance = common.provenance("estimate");
         let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
         let main = if self.sharding.shard.is_some() { resamples::MAIN } else { MAIN };
@@ -66,32 +74,46 @@ impl Task for Arguments {
         let model = member(&out, MAIN, "model.json", self.flags.inputs())?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::kept_runs)?;
         let pool = Pool { beside: self.beside.unknown(), ..pool };
+        let estimator = self.estimator(&pool, &runs)?;
+        self.beside.check(&[estimator])?;
         let judgement = Judgement {
             bandwidth: self.bandwidth.map(usize::from),
             replicates: self.bootstrap.unwrap_or(0),
             seed: common.seed.unwrap_or(1),
         };
         let (replicates, threads) = (judgement.replicates, rayon::current_num_threads());
-        let bytes = pool.bytes(&runs, self.estimator, replicates, threads);
+        let bytes = pool.bytes(&runs, estimator, replicates, threads);
         inputs::fits(self.flags.of.file(), &runs.amount(), bytes)?;
-        self.note(&judgement, &mut provenance);
+        self.note(estimator, &judgement, &mut provenance);
         let most = usize::from(self.add_terms);
-        let grown = grown(&pool, &runs, self.estimator, &judgement, most)
+        let grown = grown(&pool, &runs, estimator, &judgement, most)
             .map_err(|e| Failure::of_pool(e, self.flags.of.file()))?;
         let own = pool.of(&grown.vessel, grown.nominal.clone());
         if let Some(shard) = self.sharding.shard {
             provenance.shard = Some(shard);
-            return self.shard(shard, &out, (&own, &runs), &judgement, (provenance, common.quiet));
+            return self.shard(
+                shard,
+                &out,
+                (&own, &runs),
+                (estimator, &judgement),
+                (provenance, common.quiet),
+            );
         }
         let drawn = self.gathered(&grown.vessel, replicates, &mut provenance)?;
         let progress = Progress::new("resamples", replicates as usize, common.quiet);
         let resampled = |count: usize| progress.advance(count);
         let resampling = drawn.as_deref().map_or(Resampling::Drawn(&resampled), Resampling::Given);
-        let found = grown.judged(&pool, &runs, self.estimator, &judgement, resampling);
-        let found = found.map_err(|e| Failure::of_pool(e, self.flags.of.file()))?;
+        let found = grown.judged(&pool, &runs, estimator, &judgement, resampling);
+        let mut found = found.map_err(|e| Failure::of_pool(e, self.flags.of.file()))?;
+        if self.estimator.is_none()
+            && estimator == Estimator::OutputError
+            && self.beside.unknown() == Beside::default()
+        {
+            found.found.statements.insert(0, NO_NOISE.to_owned());
+        }
         let pool = pool.of(&found.vessel, pool.nominal.clone());
         let magnitudes = Magnitudes::of(&vessel.model, &runs, vessel.sample_rate_hz)?;
-        let estimated = (self.estimator, replicates);
+        let estimated = (estimator, replicates);
         let mut set =
             PooledSet::new(&pool, self.flags.nominal().source(), estimated, (&found.found, &found.added));
         set.model.iter_mut().for_each(|own| own.magnitudes.clone_from(&magnitudes));
@@ -102,9 +124,29 @@ impl Task for Arguments {
 }
 
 impl Arguments {
-    fn note(&self, judgement: &Judgement, provenance: &mut Provenance) {
+    /// The one that is asked for, or the usual one. A prior pulls at regressions alone, and unknown water and wind at simulations.
+    fn estimator<R: Recorded<Error = artifact::Error>>(
+        &self,
+        pool: &Pool,
+        runs: &PooledRuns<R>,
+    ) -> Result<Estimator, Failure> {
+        if let Some(asked) = self.estimator {
+            return Ok(asked);
+        }
+        let (layout, file) = (Layout::new(&pool.vessel.model), self.flags.of.file());
+        let reader = TrajectoryReader::open(file, &layout, pool.vessel.sample_rate_hz)?;
+        if reader.true_states() || self.flags.prior.is_some() {
+            return Ok(Estimator::Iv);
+        }
+        if pool.beside != Beside::default() {
+            return Ok(Estimator::OutputError);
+        }
+        unstated(pool, runs).map_err(|e| Failure::of_pool(e, file))
+    }
+
+    fn note(&self, estimator: Estimator, judgement: &Judgement, provenance: &mut Provenance) {
         let settings = [
-            ("estimator", json!(self.estimator)),
+            ("estimator", json!(estimator)),
             ("pool", json!(true)),
             ("bootstrap", json!(judgement.replicates)),
             ("seed", json!(judgement.seed)),
@@ -121,13 +163,13 @@ impl Arguments {
         shard: Shard,
         out: &Path,
         (pool, runs): (&Pool, &PooledRuns<R>),
-        judgement: &Judgement,
+        (estimator, judgement): (Estimator, &Judgement),
         (provenance, quiet): (Provenance, bool),
     ) -> Result<Summary, Failure> {
         let (blocks, each) = resamples::blocks(judgement.replicates);
         let progress = Progress::new("blocks of resamples", shard.range(blocks).len(), quiet);
         let (columns, last) = (resamples::columns(pool.vessel), judgement.replicates);
-        let made = resampled(pool, runs, (self.estimator, judgement.seed), |draw| {
+        let made = resampled(pool, runs, (estimator, judgement.seed), |draw| {
             Made::computed([out, out], &columns, provenance, blocks, |i| {
                 let first = i as u32 * each;
                 let rows = (first..last.min(first + each)).map(draw).collect::<Result<_, _>>()?;

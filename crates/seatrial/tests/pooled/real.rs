@@ -117,7 +117,9 @@ fn poor_instruments_are_told() {
 fn surge_of_the_kvlcc2_is_not_identifiable_by_instruments() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     for flags in ["", "--part-s 100", "--part-s 30"] {
-        let line = format!("estimate pool {LOGGED} --recordings ingest.json --nominal least-squares {flags}");
+        let line = format!(
+            "estimate pool {LOGGED} --recordings ingest.json --estimator iv --nominal least-squares {flags}"
+        );
         run(&folder, &format!("{line} --out estimates.parquet")).succeeds();
         let degrees = json(&folder, "trust.json")["data"]["degrees"].clone();
         let status: Vec<&Value> = degrees.as_array().unwrap().iter().map(|d| &d["status"]).collect();
@@ -132,6 +134,20 @@ fn surge_of_the_kvlcc2_is_not_identifiable_by_instruments() {
         }
         assert!(degrees[0]["parameters"].as_array().unwrap().iter().all(|p| p["estimate"].is_null()));
     }
+}
+
+/// No noise known here describes what a model errs by that is not the ship's.
+#[test]
+fn where_nobody_asks_for_an_estimator_logs_without_a_known_noise_get_the_one_that_predicts_best() {
+    let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
+    let few = ["05_01", "10_01", "15_01", "20_05"].map(|name| format!("kvlcc2_hsva_Z_{name}")).join(",");
+    let line =
+        format!("estimate pool {LOGGED} --recordings ingest.json --runs {few} --nominal least-squares");
+    let said = run(&folder, &format!("{line} --out estimates.parquet")).succeeds();
+    assert!(said.stdout.contains("output-error from"), "{said}");
+    let trust = json(&folder, "trust.json");
+    assert_eq!(trust["provenance"]["settings"]["estimator"], "output-error", "{trust}");
+    assert!(trust["data"]["statements"].to_string().contains("no noise known here describes the errors"));
 }
 
 #[test]
@@ -200,7 +216,8 @@ fn zig_zags_of_one_degree_are_outside_the_range_of_a_model_of_wider_ones() {
 fn the_report_of_measured_logs_shows_what_they_tell() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     let recorded = format!("{LOGGED} --recordings ingest.json --nominal least-squares --part-s 100");
-    run(&folder, &format!("estimate pool {recorded} --bootstrap 20 --out estimates.parquet")).succeeds();
+    run(&folder, &format!("estimate pool {recorded} --estimator iv --bootstrap 20 --out estimates.parquet"))
+        .succeeds();
     run(&folder, &format!("validate cross {recorded} --estimators ls,iv --folds 3 --out crossval.json"))
         .succeeds();
     run(&folder, REPORT).succeeds();

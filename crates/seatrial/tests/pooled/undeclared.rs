@@ -116,6 +116,11 @@ fn the_noise_of_a_healthy_log_is_found_and_its_model_is_not_rejected() {
     }
     let said = statements(&folder);
     assert!(said.contains("model not rejected") && said.contains("turns: white noise"), "{said}");
+    // It is the estimator that logs get where nobody asks for one.
+    let model = || json(&folder, "model.json")["data"].clone();
+    let asked = model();
+    run(&folder, &ALL.replace(" --estimator prediction-error", "")).succeeds();
+    assert_eq!(asked, model());
 }
 
 #[test]
