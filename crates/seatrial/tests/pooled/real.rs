@@ -146,7 +146,7 @@ fn where_nobody_asks_for_an_estimator_logs_without_a_known_noise_get_the_one_tha
     let said = run(&folder, &format!("{line} --out estimates.parquet")).succeeds();
     assert!(said.stdout.contains("output-error from"), "{said}");
     let trust = json(&folder, "trust.json");
-    assert_eq!(trust["provenance"]["settings"]["estimator"], "output-error", "{trust}");
+    assert_eq!(trust["settings"]["estimator"], "output-error", "{trust}");
     assert!(trust["data"]["statements"].to_string().contains("no noise known here describes the errors"));
 }
 
