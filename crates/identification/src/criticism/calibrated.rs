@@ -1,5 +1,6 @@
 //! What disturbs runs where nobody says so: by the likelihood of the runs themselves.
 
+use numerics::distributions::student_half_width;
 use vessel::{Model, RunView};
 
 use super::criticise::verdicts;
@@ -10,9 +11,14 @@ use super::problems::{Problems, Subject};
 use crate::sensitivity::Levels;
 
 /// Samples below which noise is not known well enough to choose one kind.
-const SHORT: usize = 300;
-/// Student's t of 13 degrees of freedom over the normal distribution's, for intervals of 95 % of short runs.
-const STUDENT: f64 = 2.160_369 / 1.959_964;
+const SHORT: usize = 500;
+/// Samples for each degree of freedom of Student's t, and the least of these: levels of noise are found from the run as well.
+const FREEDOM: [f64; 2] = [18.5, 13.0];
+
+/// What standard errors of runs of so many samples are multiplied with, for intervals of 95 % by the normal distribution's 1.96.
+fn student(samples: usize) -> f64 {
+    student_half_width((samples as f64 / FREEDOM[0]).max(FREEDOM[1])) / 1.959_964
+}
 
 /// Noise of runs, found in turns with parameters of a model.
 #[derive(Clone, Debug)]
@@ -48,9 +54,9 @@ pub(crate) fn calibrated(
     let noise = state.noise.clone()?;
     let (parameters, kinds) = (state.parameters.clone(), noise.kinds.clone());
     let verdict = verdicts(&subject, &problems, vec![state]).pop().flatten();
-    let short = runs.iter().map(RunView::samples).sum::<usize>() < SHORT;
+    let samples = runs.iter().map(RunView::samples).sum();
+    let (short, factor) = (samples < SHORT, student(samples));
     let levels = noise.guess.levels(rate_hz);
-    let factor = if short { STUDENT } else { 1.0 };
     let near = match short {
         true => noise.near().map(|guess| guess.levels(rate_hz)).collect(),
         false => vec![levels],
@@ -58,7 +64,7 @@ pub(crate) fn calibrated(
     Some(Calibrated {
         levels,
         parameters,
-        widest: short.then(|| noise.widest.iter().map(|error| factor * error).collect()),
+        widest: short.then(|| noise.widest.clone()),
         near,
         factor,
         white: verdict.is_some_and(|found| found.verdict != Verdict::None),

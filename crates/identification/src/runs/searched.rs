@@ -93,20 +93,23 @@ impl RunEstimators<'_> {
         calibrated(model, &[run], self.vessel.sample_rate_hz, known, starts)
     }
 
-    /// An estimate under noise that was found, with standard errors of short runs, or of those whose errors follow no noise that
-    /// is known here.
+    /// An estimate under noise that was found, with standard errors that allow for it, or of errors that follow no noise that is
+    /// known here.
     fn with_errors_of(&self, found: Fitted, model: &Model, run: RunView, noise: &Calibrated) -> Fitted {
         let layout = model.layout();
         let theta = layout.woven(&found.parameters, found.intercepts);
-        let (errors, approximate) = match (noise.white, &noise.widest) {
-            (false, _) => (errors_by_blocks(model, run, &theta, self.initial, &noise.levels), true),
-            (true, widest) => (widest.clone(), false),
+        let found_ones = || found.standard_errors.clone();
+        let own: Vec<f64> = if noise.white {
+            let all = noise.widest.as_ref().map_or_else(found_ones, |errors| layout.theta(errors));
+            all.into_iter().map(|error| noise.factor * error).collect()
+        } else {
+            let errors = errors_by_blocks(model, run, &theta, self.initial, &noise.levels);
+            errors.map_or_else(found_ones, |errors| layout.theta(&errors))
         };
-        let own = errors.map_or(found.standard_errors.clone(), |errors| layout.theta(&errors));
         // What a bound holds has no error.
         let held = |(before, own): (&f64, f64)| if *before == 0.0 { 0.0 } else { own };
         let standard_errors = found.standard_errors.iter().zip(own).map(held).collect();
-        Fitted { standard_errors, approximate, ..found }
+        Fitted { standard_errors, approximate: !noise.white, ..found }
     }
 
     /// The model with its intercepts, if it is to have any.
