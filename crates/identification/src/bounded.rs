@@ -20,17 +20,27 @@ enum Place {
     Held(f64),
 }
 
-/// A p × p, b, and the bounds by place.
-pub(crate) struct Equations<'a> {
+/// Normal equations A θ = b and bounds of θ.
+pub struct Equations<'a> {
+    /// A: p × p, row-major.
     pub a: &'a [f64],
+    /// b: p entries.
     pub b: &'a [f64],
+    /// Lower and upper bound by the place of the parameter, infinite at open ends; those of others are not bounded.
     pub bounds: &'a BTreeMap<usize, [f64; 2]>,
 }
 
 /// θ and the gain within the bounds, from what they would be without, `theta`; or the index of a parameter that is not
 /// excited. `solve` solves the equations of some parameters with right-hand sides of their own. Parameters are held and let go
 /// one by one, the first that asks for it first: Murty's method, which ends where there is one solution only.
-pub(crate) fn bounded(
+///
+/// `theta` has p entries. The gain is p × p, row-major: empty where `theta` is the solution, else 0 in rows and columns of what is held.
+/// `solve` is handed the places of n parameters and their n right-hand sides. It answers with their values and the n × n inverse of
+/// their block of A, or with the place among them of one that is not excited.
+///
+/// # Errors
+/// The place of a parameter that is not excited, or of one that has bounds where no solution is found.
+pub fn bounded(
     equations: &Equations,
     mut theta: Vec<f64>,
     solve: impl Fn(&[usize], Vec<f64>) -> Result<(Vec<f64>, Vec<f64>), usize>,

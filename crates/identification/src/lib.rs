@@ -34,16 +34,17 @@ mod repeated;
 mod residual;
 mod run_estimate;
 pub mod runs;
-pub mod search;
 mod sensitivity;
 mod solve;
 mod spans;
 mod status;
 mod sums;
+pub mod terms;
 mod validate;
 mod validation_runs;
 
 pub use batch::Batch;
+pub use bounded::{Equations, bounded};
 pub use estimate::{Estimate, Instruments, Outcome};
 pub use estimator::Estimator;
 pub use instrument_kind::InstrumentKind;

@@ -1,5 +1,5 @@
-use identification::search::{Candidate, NestedAverage, NestedRecording, SizeScore};
 use maud::{Markup, html};
+use search::{Candidate, NestedAverage, NestedRecording, SizeScore};
 
 use super::averaged::averaged;
 use super::measured::free_runs;

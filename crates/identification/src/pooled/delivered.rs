@@ -291,8 +291,9 @@ fn pooled_rmse(sources: &[SourceErrors]) -> Option<[f64; 3]> {
     (samples > 0.0).then(|| squares.map(|sum| (sum / samples).sqrt()))
 }
 
-/// What `parts` cover of the channels of `model`.
-pub(crate) fn covered(model: &Model, parts: &[Part]) -> Vec<Covered> {
+/// What `parts` cover of the channels of `model`: ranges of its states and of its inputs and measured disturbances, in the order of
+/// its variables and in their units.
+pub fn covered(model: &Model, parts: &[Part]) -> Vec<Covered> {
     let mut ranges = Ranges::new(model);
     parts.iter().for_each(|part| ranges.add(&part.view()));
     ranges.covered()

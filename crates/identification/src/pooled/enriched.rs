@@ -6,7 +6,7 @@ use super::estimate::{PoolError, Pooled, estimate};
 use super::{Judgement, NominalModel, Pool, PooledRuns, Recorded, Resampling};
 use crate::Estimator;
 use crate::criticism::Absent;
-use crate::search::listed;
+use crate::terms::listed;
 
 /// A term that a model lacked and was given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

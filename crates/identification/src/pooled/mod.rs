@@ -41,8 +41,7 @@ mod words;
 
 pub use bootstrap::{Bootstrap, Resample, Resampled, redraw};
 pub use centre::Centring;
-pub(crate) use delivered::covered;
-pub use delivered::{Covariance, Covered, Delivered, RecordingConstant};
+pub use delivered::{Covariance, Covered, Delivered, RecordingConstant, covered};
 pub use diagnosis::{COLLINEAR, Diagnosis};
 pub use enriched::{Added, Enriched, Grown, enriched, grown};
 pub use estimate::{PoolError, Pooled, StandardErrors, estimate, resampled, standard_errors, unstated};

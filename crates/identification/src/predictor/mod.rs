@@ -13,7 +13,7 @@ mod scores;
 mod sums;
 mod unknown;
 
-pub use crate::sensitivity::{Drift, Flow, Gusts, Levels, Recordings, Sensitivities};
+pub use crate::sensitivity::{Drift, Flow, Gusts, Levels, Recordings, Sensitivities, Step, free_sweep};
 pub(crate) use levenberg_marquardt::{
     Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };

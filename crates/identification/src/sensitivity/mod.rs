@@ -31,5 +31,5 @@ pub(crate) use products::Products;
 pub use recordings::Recordings;
 pub(crate) use recordings::{groups, of_one_length};
 pub(crate) use slopes::{Slopes, slopes};
-pub use sweep::Sensitivities;
-pub(crate) use sweep::{Step, sweep};
+pub(crate) use sweep::sweep;
+pub use sweep::{Sensitivities, Step, free_sweep};

@@ -61,7 +61,7 @@ impl<'a, X: Unknowns> Recordings<'a, X> {
 
     /// 1 for recordings that last to sample `k`, 0 for others.
     #[inline(always)]
-    pub(crate) fn lasting(&self, k: usize) -> X {
+    pub fn lasting(&self, k: usize) -> X {
         X::by_lane(|lane| if k <= self.samples[lane] { 1.0 } else { 0.0 })
     }
 }

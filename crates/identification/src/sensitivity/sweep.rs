@@ -22,12 +22,25 @@ pub(crate) fn sweep<X: Unknowns, const N: usize>(
     vessel::vectorized!(narrow: go_along(dynamics, recordings, unknowns, free, gains, each));
 }
 
+/// A sweep of free simulations of the vessel's three states: nothing disturbs and nothing corrects them. `unknowns`: the model's
+/// parameters, then three offsets of the initial state; `free`: places of those whose sensitivities are wanted. `each` is called
+/// with every sample from 0 to N.
+pub fn free_sweep<X: Unknowns>(
+    recordings: &Recordings<X>,
+    unknowns: &[X],
+    free: &[usize],
+    each: impl FnMut(Step<'_, X, 3>),
+) {
+    sweep(recordings, unknowns, free, None, &[], each);
+}
+
 /// What a sweep finds at a sample, before the sample's measurement corrects it.
-pub(crate) struct Step<'a, X, const N: usize> {
+pub struct Step<'a, X, const N: usize> {
+    /// The sample, from 0 on.
     pub k: usize,
-    /// Measured minus predicted.
+    /// Measured minus predicted u, v \[m/s\], r \[rad/s\].
     pub error: [X; 3],
-    /// Predicted states.
+    /// Predicted states: u, v \[m/s\], r \[rad/s\], then those of disturbances.
     pub states: &'a [X; N],
     /// Columns of ∂(predicted states)/∂(free unknowns).
     pub sensitivities: &'a [[Lane; N]],

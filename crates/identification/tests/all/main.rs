@@ -2,7 +2,6 @@
 
 mod any_model;
 mod collinear;
-mod compact_intervals;
 mod constraints;
 mod criticism;
 mod found_noise;

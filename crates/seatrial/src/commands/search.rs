@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::{Args, Parser};
-use identification::search::{
-    AverageOptions, BootstrapOptions, Cut, NamedRoles, Roles, SearchError, SearchOptions, library, listed,
-    search, with_channels,
+use identification::terms::listed;
+use search::{
+    AverageOptions, BootstrapOptions, Cut, NamedRoles, Roles, SearchError, SearchOptions, library, search,
+    with_channels,
 };
 use serde_json::json;
 use study::TermLists;

@@ -9,11 +9,12 @@ use std::collections::BTreeMap;
 use source::Crate;
 
 /// Crates from the ground up: one may use those of the rows above its own.
-const FLOORS: [&[&str]; 11] = [
+const FLOORS: [&[&str]; 12] = [
     &["refusal", "numerics"],
     &["artifact", "enc"],
     &["vessel", "design", "lattice", "chart"],
     &["identification", "logs", "export"],
+    &["search"],
     &["trial", "validation"],
     &["study"],
     &["report", "in_memory"],
@@ -28,6 +29,7 @@ const SCIENCE: &[&str] = &[
     "numerics",
     "vessel",
     "identification",
+    "search",
     "validation",
     "design",
     "lattice",

@@ -1,8 +1,8 @@
 use std::collections::BTreeMap;
 
 use artifact::{Document, Units};
-use identification::search::{Averaged, Member};
 use schemars::JsonSchema;
+use search::{Averaged, Member};
 use serde::{Deserialize, Serialize};
 use validation::comparison::Magnitudes;
 use vessel::{DegreeOfFreedom, Invalid, Vessel};

@@ -1,8 +1,8 @@
 //! Models whose structure was searched for.
 
 use identification::pooled::Delivered;
-use identification::search::{NestedScore, Searched};
 use identification::{Estimator, MeanRemoval};
+use search::{NestedScore, Searched};
 use vessel::{DegreeOfFreedom, Model, Vessel, Written};
 
 use super::model::{ModelDegree, ModelDocument, ModelParameter, bounds};

@@ -1,6 +1,6 @@
 use artifact::{Document, Units};
-use identification::search::{Candidate, NestedScore, SearchOptions, Searched, SizeScore};
 use schemars::JsonSchema;
+use search::{Candidate, NestedScore, SearchOptions, Searched, SizeScore};
 use serde::{Deserialize, Serialize};
 use vessel::{DegreeOfFreedom, Vessel};
 

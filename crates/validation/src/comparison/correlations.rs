@@ -4,7 +4,7 @@ use vessel::DegreeOfFreedom;
 
 use super::simulated::{Contestant, Ship, Simulated};
 use identification::pooled::{Part, Regression};
-use identification::search::MeanTrajectory;
+use search::MeanTrajectory;
 
 /// Lags that errors are correlated with themselves over.
 const OWN: usize = 40;

@@ -3,7 +3,7 @@ use vessel::{Model, check_diverged, simulate_one};
 use super::errors::{ComparedRecording, Sums};
 use super::standing::{ComparedModel, Standing};
 use identification::pooled::{Part, deviations};
-use identification::search::MeanTrajectory;
+use search::MeanTrajectory;
 
 /// Who takes part.
 #[derive(Clone, Debug)]

@@ -5,11 +5,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::Model;
 
-use super::minimum::{Ending, least_squares, minimum, minimum_from, started};
-use super::problem::{Problem, limit};
-use super::recording::{Laid, Recording};
-use super::scores::{mean_fit, scores, standard_error, together};
-use crate::pooled::Score;
+use crate::minimum::{Ending, least_squares, minimum, minimum_from, started};
+use crate::problem::{Problem, limit};
+use crate::recording::{Laid, Recording};
+use crate::scores::{mean_fit, scores, standard_error, together};
+use identification::pooled::Score;
 
 /// Of a path's fits: the next ridge starts where they end.
 const ALONG: Ending = Ending { steps: 2, enough: 1e-3 };
@@ -24,7 +24,7 @@ const WORSE: usize = 3;
 const TIE: f64 = 0.05;
 
 /// What is searched through.
-pub(super) struct Study<'a> {
+pub(crate) struct Study<'a> {
     /// Both with intercepts; the base's terms come first in each degree of freedom of the library.
     pub base: &'a Model,
     pub library: &'a Model,
@@ -46,7 +46,7 @@ const DELIVERED: Ending = Ending { steps: 20, enough: 1e-6 };
 
 /// Fits without some folds, from the largest ridge on, each from the one before unless the base structure or least squares
 /// is nearer.
-pub(super) struct RidgePath<'a> {
+pub(crate) struct RidgePath<'a> {
     problem: Problem<'a>,
     pub limit: [f64; 3],
     /// Of the base structure, fitted to the same.
@@ -74,7 +74,7 @@ pub struct Candidate {
 
 /// Candidates in the order that they were tried in, until it was clear which is best.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Choice {
+pub(crate) struct Choice {
     pub candidates: Vec<Candidate>,
     ended: bool,
 }
@@ -99,14 +99,14 @@ impl Choice {
 }
 
 /// A model.
-pub(super) struct Fitted {
+pub(crate) struct Fitted {
     /// Its structure, with intercepts.
     pub model: Model,
     pub theta: Vec<f64>,
 }
 
 /// What the whole algorithm finds, and what it finds when a fold is left out.
-pub(super) struct Nested<'a> {
+pub(crate) struct Nested<'a> {
     pub all: Choice,
     pub without: Vec<Choice>,
     pub paths: BTreeMap<Vec<usize>, RidgePath<'a>>,
@@ -288,7 +288,7 @@ impl RidgePath<'_> {
 }
 
 /// θ of `base` as θ of `library`, whose other terms are 0.
-pub(super) fn widened(base: &Model, library: &Model, theta: &[f64]) -> Vec<f64> {
+pub(crate) fn widened(base: &Model, library: &Model, theta: &[f64]) -> Vec<f64> {
     let (own, all) = (base.layout(), library.layout());
     let (mut out, intercepts) = (vec![0.0; all.parameters()], own.intercepts(theta));
     for d in 0..3 {

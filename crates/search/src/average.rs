@@ -1,14 +1,14 @@
 use rayon::prelude::*;
 use vessel::{Model, Streams};
 
-use super::deliver::{delivered, without_intercepts};
-use super::folds::folds;
-use super::left_out::ships;
-use super::nested::{Fitted, Nested, Study};
-use super::problem::limit;
-use super::recording::{Laid, Recording};
-use super::scores::{scores_of_mean, together};
-use crate::pooled::{Delivered, Part};
+use crate::deliver::{delivered, without_intercepts};
+use crate::folds::folds;
+use crate::left_out::ships;
+use crate::nested::{Fitted, Nested, Study};
+use crate::problem::limit;
+use crate::recording::{Laid, Recording};
+use crate::scores::{scores_of_mean, together};
+use identification::pooled::{Delivered, Part};
 
 /// How many models are averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,10 +40,10 @@ pub struct Member {
 }
 
 /// A model, and what its structure was found on.
-pub(super) type Drawn = (Fitted, Vec<String>);
+pub(crate) type Drawn = (Fitted, Vec<String>);
 
 /// The models of all recordings, and those without each fold: none where one cannot be found.
-pub(super) struct Averages {
+pub(crate) struct Averages {
     all: Vec<Drawn>,
     pub by_folds: Vec<Option<Vec<Fitted>>>,
 }
@@ -119,7 +119,7 @@ impl Averages {
 }
 
 /// How many of `recordings` a structure is found on: seven tenths.
-pub(super) fn share(recordings: usize) -> usize {
+pub(crate) fn share(recordings: usize) -> usize {
     (7 * recordings + 5) / 10
 }
 
@@ -146,8 +146,8 @@ fn draw<'a>(recordings: &[&'a Recording], streams: &Streams, number: u32) -> Vec
 
 #[cfg(test)]
 mod tests {
-    use super::super::recording::Cut;
     use super::*;
+    use crate::recording::Cut;
 
     #[test]
     fn law_seven_tenths_of_each_kind_are_drawn_and_every_recording_as_often() {

@@ -2,11 +2,12 @@
 //! again, in gusts and with noise, searched through, and the intervals of the base structure's parameters counted.
 //!
 //! ```text
-//! cargo run --release -p identification --example compact_intervals -- [realizations] [resamples] [white|gusts] [seed]
+//! cargo run --release -p search --example compact_intervals -- [realizations] [resamples] [white|gusts] [seed]
 //! ```
 
 use identification::pooled::PooledRuns;
-use identification::search::{BootstrapOptions, Cut, SearchOptions, listed, search};
+use identification::terms::listed;
+use search::{BootstrapOptions, Cut, SearchOptions, search};
 use std::collections::BTreeMap;
 use vessel::{Run, Segment, Streams, Vessel, VesselFile, simulate_one};
 

@@ -2,7 +2,7 @@ use numerics::statistics::paired_median;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::pooled::FreeRunErrors;
+use identification::pooled::FreeRunErrors;
 
 /// The whole algorithm judged by recordings that it has not seen, beside the base structure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -93,7 +93,7 @@ fn is_zero(count: &u64) -> bool {
 
 impl Margin {
     /// Of pairs of norms: one's own and the other's.
-    pub(super) fn of(pairs: &[[Option<f64>; 2]]) -> Option<Self> {
+    pub(crate) fn of(pairs: &[[Option<f64>; 2]]) -> Option<Self> {
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
         let [low, median, high] = paired_median(pairs.iter().copied())?;
         Some(Self { pairs: pairs.len() as u64, median: finite(median), interval: [low, high].map(finite) })

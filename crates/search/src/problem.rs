@@ -2,11 +2,11 @@ use rayon::prelude::*;
 use vessel::lanes::SideBySide;
 use vessel::{Compiled, LANES, Lane, Model, RunView, Weather, simulate};
 
-use super::gram::Gram;
-use super::mean::MeanTrajectory;
-use super::recording::Recording;
-use crate::pooled::{Part, deviations};
-use crate::sensitivity::{Recordings, Step, sweep};
+use crate::gram::Gram;
+use crate::mean::MeanTrajectory;
+use crate::recording::Recording;
+use identification::pooled::{Part, deviations};
+use identification::predictor::{Recordings, Step, free_sweep};
 
 /// RMS of a window's errors over the states' standard deviations from which on its errors count linearly, not squared: a
 /// single window may hold a quarter of all squared errors.
@@ -20,7 +20,7 @@ const PIECES: usize = 16;
 
 /// Output errors of free simulations over windows, as a function of scaled parameters β: θ = β · size.
 #[derive(Clone)]
-pub(super) struct Problem<'a> {
+pub(crate) struct Problem<'a> {
     pub model: &'a Model,
     /// Longest first, so that neighbours are about as long.
     windows: Vec<RunView<'a>>,
@@ -38,7 +38,7 @@ pub(super) struct Problem<'a> {
 
 /// A point, as simulated.
 #[derive(Clone, Debug)]
-pub(super) struct Looked {
+pub(crate) struct Looked {
     /// Mean over all errors of Huber's loss of their window.
     pub loss: f64,
     /// By window.
@@ -46,7 +46,7 @@ pub(super) struct Looked {
 }
 
 /// Curvature and descent at a point, per error: H ≈ ∂²loss/∂β² / 2 and g = −∂loss/∂β / 2, of the free β.
-pub(super) struct Slopes {
+pub(crate) struct Slopes {
     pub curvature: Vec<f64>,
     pub descent: Vec<f64>,
 }
@@ -216,12 +216,10 @@ impl<'a> Problem<'a> {
             // Lanes beyond the last window repeat it.
             let weight = Lane(std::array::from_fn(|lane| weights.get(lane).map_or(0.0, |w| w.sqrt())));
             let scales = self.std.map(|std| if std > 0.0 { std.recip() } else { 0.0 });
-            sweep(
+            free_sweep(
                 &recordings,
                 &unknowns,
                 &free,
-                None,
-                &[],
                 #[inline(always)]
                 |step: Step<'_, Lane, 3>| {
                     if step.k == 0 {
@@ -255,7 +253,7 @@ fn total(lane: Lane) -> f64 {
 }
 
 /// Squared errors of u, v, r of up to [`LANES`] windows; none of one that leaves `limit`.
-pub(super) fn squares(
+pub(crate) fn squares(
     model: &Model,
     theta: &[Lane],
     windows: &[RunView],
@@ -266,7 +264,7 @@ pub(super) fn squares(
 }
 
 /// Those of the mean trajectory of several models with their parameters; none of a window of which one leaves `limit`.
-pub(super) fn squares_of_mean(
+pub(crate) fn squares_of_mean(
     models: &[(&Model, Vec<Lane>)],
     windows: &[RunView],
     limit: [f64; 3],
@@ -307,7 +305,7 @@ fn errors(states: &[Lane], runs: &SideBySide, limit: [f64; 3]) -> Vec<Option<[f6
 }
 
 /// How far a state may go.
-pub(super) fn limit(recordings: &[&Recording]) -> [f64; 3] {
+pub(crate) fn limit(recordings: &[&Recording]) -> [f64; 3] {
     let mut largest = [0.0_f64; 3];
     for row in recordings.iter().flat_map(|r| &r.whole).flat_map(|p| p.measured.as_chunks::<3>().0) {
         (0..3).for_each(|d| largest[d] = largest[d].max(row[d].abs()));

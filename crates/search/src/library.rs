@@ -1,9 +1,10 @@
-use vessel::{Degree, DegreeOfFreedom, Factor, Invalid, Model, Term};
+use identification::terms::add;
+use vessel::{DegreeOfFreedom, Factor, Invalid, Model, Term};
 
-use super::made::Made;
-use super::pairs::with_pairs;
-use super::roles::Roles;
-use super::wind::with_wind;
+use crate::made::Made;
+use crate::pairs::with_pairs;
+use crate::roles::Roles;
+use crate::wind::with_wind;
 
 /// Terms of surge: even under reflection between port and starboard.
 const SURGE: &str = "u; u |u|; u^3; v r; v^2; r^2; |v|; |r|; u |v|; u |r|; u v^2; u r^2; u v r; |u| v r; |v| |r|; |v|^3; \
@@ -57,22 +58,6 @@ pub fn library(base: &Model, roles: &Roles) -> Model {
     model
 }
 
-/// `base` with the terms of `lists` for surge, sway and yaw instead of the library's.
-///
-/// # Errors
-/// A term that cannot be read.
-pub fn listed(base: &Model, lists: [&[String]; 3]) -> Result<Model, Invalid> {
-    let names: Vec<&str> = base.variables.iter().map(|v| v.name.as_str()).collect();
-    let mut model = base.clone();
-    for (d, list) in lists.into_iter().enumerate() {
-        // The constant is there already.
-        for text in list.iter().filter(|text| text.trim() != "1") {
-            add(&mut model.degrees[d], d, base, Term::parse(text, &names)?.factors);
-        }
-    }
-    Ok(model)
-}
-
 /// The factors of a term of symbols in the vessel's channels; several where several play one role, none where none does.
 fn meant(symbolic: &[Factor], roles: &Roles) -> Vec<Vec<Factor>> {
     let ahead = symbolic.iter().filter(|f| f.variable == AHEAD).count();
@@ -117,51 +102,4 @@ impl Roles {
             state => vec![state],
         }
     }
-}
-
-/// Adds the term of `factors` unless there is one like it.
-fn add(degree: &mut Degree, d: usize, base: &Model, factors: Vec<Factor>) {
-    let names: Vec<&str> = base.variables.iter().map(|v| v.name.as_str()).collect();
-    let form = form(&factors);
-    let known = degree.known.iter().map(|known| known.factors.as_slice());
-    if form.is_empty()
-        || degree.terms.iter().flat_map(Term::products).chain(known).any(|own| self::form(own) == form)
-    {
-        return;
-    }
-    let letter = ["X", "Y", "N"][d];
-    let mut name = format!(
-        "{letter}_{}",
-        text(&factors, "_", |factor, power| {
-            let (abs, name) = (if factor.modulus { "abs_" } else { "" }, names[factor.variable]);
-            if power > 1 { format!("{abs}{name}_{power}") } else { format!("{abs}{name}") }
-        })
-    );
-    while base.parameter_names().any(|taken| taken == name) {
-        name.push_str("_more");
-    }
-    let text = text(&factors, " ", |factor, power| {
-        let name = names[factor.variable];
-        let name = if factor.modulus { format!("|{name}|") } else { name.to_owned() };
-        if power > 1 { format!("{name}^{power}") } else { name }
-    });
-    degree.parameters.push(name);
-    degree.terms.push(Term::of(text, factors));
-}
-
-fn text(factors: &[Factor], between: &str, one: impl Fn(&Factor, usize) -> String) -> String {
-    let runs = factors.chunk_by(|a, b| a == b);
-    runs.map(|run| one(&run[0], run.len())).collect::<Vec<_>>().join(between)
-}
-
-/// By variable its power and whether its sign counts: `|v| v^2` and `|v|^3` are the same.
-fn form(factors: &[Factor]) -> Vec<(usize, usize, bool)> {
-    let mut variables: Vec<usize> = factors.iter().map(|f| f.variable).collect();
-    variables.sort_unstable();
-    variables.dedup();
-    let of = |variable: usize| {
-        let own = || factors.iter().filter(move |f| f.variable == variable);
-        (variable, own().count(), own().filter(|f| !f.modulus).count() % 2 == 1)
-    };
-    variables.into_iter().map(of).collect()
 }

@@ -4,18 +4,18 @@ use rayon::prelude::*;
 use thiserror::Error;
 use vessel::Model;
 
-use super::average::{AverageOptions, Averaged, share};
-use super::bootstrap::{BootstrapOptions, Resampled};
-use super::compact::{Compact, SizeScore};
-use super::deliver::{combined, delivered, without_intercepts, without_zeros};
-use super::folds::folds;
-use super::judged::NestedScore;
-use super::left_out::Judged;
-use super::nested::{Candidate, Choice, Fitted, Nested, Study};
-use super::recording::{Cut, Laid, Recording};
-use super::scores::{scores, varying};
-use super::words;
-use crate::pooled::{Delivered, Part, PooledRuns, listed};
+use crate::average::{AverageOptions, Averaged, share};
+use crate::bootstrap::{BootstrapOptions, Resampled};
+use crate::compact::{Compact, SizeScore};
+use crate::deliver::{combined, delivered, without_intercepts, without_zeros};
+use crate::folds::folds;
+use crate::judged::NestedScore;
+use crate::left_out::Judged;
+use crate::nested::{Candidate, Choice, Fitted, Nested, Study};
+use crate::recording::{Cut, Laid, Recording};
+use crate::scores::{scores, varying};
+use crate::words;
+use identification::pooled::{Delivered, Part, PooledRuns, listed};
 
 /// How a model is searched for.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,9 +1,9 @@
-use super::made::Made;
-use super::roles::Roles;
+use crate::made::Made;
+use crate::roles::Roles;
 
 /// Roles of what thrusters on port and starboard do together and against each other: of thrusts their sum and difference; of
 /// propeller speeds n the sum, and sum and difference of n |n|, which thrusts go with.
-pub(super) fn with_pairs(made: &mut Made, mut roles: Roles) -> Roles {
+pub(crate) fn with_pairs(made: &mut Made, mut roles: Roles) -> Roles {
     for [port, starboard] in roles.pairs.clone() {
         let [p, s] = [port, starboard].map(|variable| made.model.variables[variable].name.as_str());
         let unit = made.model.variables[port].unit.as_str();
@@ -31,8 +31,8 @@ pub(super) fn with_pairs(made: &mut Made, mut roles: Roles) -> Roles {
 
 #[cfg(test)]
 mod tests {
-    use super::super::library::{library, with_channels};
-    use super::super::roles::{NamedRoles, Roles};
+    use crate::library::{library, with_channels};
+    use crate::roles::{NamedRoles, Roles};
     use vessel::{Model, Vessel, VesselFile};
 
     /// A ship of two thrusters and one more, whose terms are `further`.

@@ -1,14 +1,14 @@
 use numerics::{add_outer, dot};
 use vessel::{Compiled, Model};
 
-use super::nested::Fitted;
-use super::problem::limit;
-use super::recording::{Laid, Recording};
-use super::scores::{scores, together};
-use crate::pooled::{Delivered, Part, RecordingConstant, covered};
+use crate::nested::Fitted;
+use crate::problem::limit;
+use crate::recording::{Laid, Recording};
+use crate::scores::{scores, together};
+use identification::pooled::{Delivered, Part, RecordingConstant, covered};
 
 /// `library` without those terms beyond `base` that are 0 in every sample.
-pub(super) fn without_zeros(base: &Model, library: &Model, recordings: &[Recording]) -> Model {
+pub(crate) fn without_zeros(base: &Model, library: &Model, recordings: &[Recording]) -> Model {
     let mut compiled = Compiled::new(library, &vec![0.0; library.parameters()]);
     let mut used = vec![false; library.parameters()];
     each(recordings, library.exogenous(), |_, state, exogenous, _| {
@@ -48,7 +48,7 @@ const COMBINED: f64 = 1e-10;
 
 /// Parameters of `model` whose terms are combinations of earlier terms of their degree of freedom in every sample, by their names:
 /// no recording tells them apart.
-pub(super) fn combined(model: &Model, recordings: &[Recording]) -> Vec<String> {
+pub(crate) fn combined(model: &Model, recordings: &[Recording]) -> Vec<String> {
     let mut compiled = Compiled::new(model, &vec![0.0; model.parameters()]);
     let layout = model.layout();
     let mut squares: Vec<Vec<f64>> = (0..3).map(|d| vec![0.0; layout.terms(d).len().pow(2)]).collect();
@@ -88,7 +88,7 @@ fn dependent(n: usize, a: &[f64]) -> Vec<usize> {
 }
 
 /// `lifted` without its intercepts.
-pub(super) fn without_intercepts(lifted: &Model) -> Model {
+pub(crate) fn without_intercepts(lifted: &Model) -> Model {
     let mut model = lifted.clone();
     for degree in model.degrees.iter_mut().filter(|degree| degree.intercept) {
         degree.terms.pop();
@@ -99,7 +99,7 @@ pub(super) fn without_intercepts(lifted: &Model) -> Model {
 }
 
 /// The model `found`, whose structure without intercepts is `structure`.
-pub(super) fn delivered(
+pub(crate) fn delivered(
     structure: &Model,
     found: &Fitted,
     recordings: &[Recording],

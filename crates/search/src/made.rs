@@ -1,7 +1,7 @@
 use vessel::{DerivedSpec, Formula, Invalid, Model};
 
 /// Channels that are made of those of a model.
-pub(super) struct Made<'a> {
+pub(crate) struct Made<'a> {
     pub model: &'a Model,
     specs: Vec<DerivedSpec>,
 }

@@ -4,10 +4,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vessel::Model;
 
-use super::minimum::{Ending, minimum};
-use super::nested::{Fitted, Study, widened};
-use super::problem::{Problem, Slopes};
-use super::recording::Recording;
+use crate::minimum::{Ending, minimum};
+use crate::nested::{Fitted, Study, widened};
+use crate::problem::{Problem, Slopes};
+use crate::recording::Recording;
 
 /// Of a refit on the way.
 const REFIT: Ending = Ending { steps: 2, enough: 1e-3 };
@@ -37,7 +37,7 @@ pub struct SizeScore {
 }
 
 /// A model of few terms.
-pub(super) struct Compact {
+pub(crate) struct Compact {
     /// Numbers of terms in the order of additions.
     pub sizes: Vec<SizeScore>,
     /// Places in the library of the terms that were chosen.

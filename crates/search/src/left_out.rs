@@ -1,12 +1,12 @@
-use super::judged::{Margin, NestedAverage, NestedRecording, NestedScore};
-use super::nested::{Fitted, Study};
-use super::recording::{Laid, Recording};
-use super::scores::{scores, scores_of_mean, together, varying};
-use crate::pooled::{FreeRunErrors, Score};
+use crate::judged::{Margin, NestedAverage, NestedRecording, NestedScore};
+use crate::nested::{Fitted, Study};
+use crate::recording::{Laid, Recording};
+use crate::scores::{scores, scores_of_mean, together, varying};
+use identification::pooled::{FreeRunErrors, Score};
 use vessel::Model;
 
 /// What is judged by a fold that was left out of it.
-pub(super) struct Judged {
+pub(crate) struct Judged {
     pub ridge: Option<f64>,
     pub model: Option<Fitted>,
     pub base: Option<Vec<f64>>,
@@ -93,7 +93,7 @@ impl Study<'_> {
 }
 
 /// Structures with their parameters.
-pub(super) fn ships(all: &[Fitted]) -> Vec<(&Model, &[f64])> {
+pub(crate) fn ships(all: &[Fitted]) -> Vec<(&Model, &[f64])> {
     all.iter().map(|own| (&own.model, own.theta.as_slice())).collect()
 }
 

@@ -2,17 +2,17 @@ use numerics::statistics::{mean, spread};
 use rayon::prelude::*;
 use vessel::{LANES, Lane, Model, RunView};
 
-use super::problem::{squares, squares_of_mean};
-use super::recording::{Laid, Recording};
-use crate::pooled::{FreeRunErrors, Score, deviations};
+use crate::problem::{squares, squares_of_mean};
+use crate::recording::{Laid, Recording};
+use identification::pooled::{FreeRunErrors, Score, deviations};
 
 /// Standard deviations of u, v, r over the windows of `recordings` that models are scored on.
-pub(super) fn varying<'r>(recordings: impl Iterator<Item = &'r Recording> + Clone, laid: Laid) -> [f64; 3] {
+pub(crate) fn varying<'r>(recordings: impl Iterator<Item = &'r Recording> + Clone, laid: Laid) -> [f64; 3] {
     deviations(recordings.flat_map(move |r| r.scored(laid)).map(|window| window.measured))
 }
 
 /// How `model` with `theta` follows each of `recordings`; a window of which it leaves `limit` counts as diverged.
-pub(super) fn scores(
+pub(crate) fn scores(
     model: &Model,
     theta: &[f64],
     recordings: &[&Recording],
@@ -24,7 +24,7 @@ pub(super) fn scores(
 }
 
 /// How the mean trajectory of several `models` with their θ follows them.
-pub(super) fn scores_of_mean(
+pub(crate) fn scores_of_mean(
     models: &[(&Model, &[f64])],
     recordings: &[&Recording],
     laid: Laid,
@@ -64,7 +64,7 @@ fn scored(
 }
 
 /// All of `scores` together.
-pub(super) fn together<'s>(scores: impl Iterator<Item = &'s Score>) -> Score {
+pub(crate) fn together<'s>(scores: impl Iterator<Item = &'s Score>) -> Score {
     scores.fold(Score::default(), |mut all, own| {
         all.merge(own);
         all
@@ -72,16 +72,16 @@ pub(super) fn together<'s>(scores: impl Iterator<Item = &'s Score>) -> Score {
 }
 
 /// Mean fit of the states that vary \[%\]; none where a window diverged or there is none.
-pub(super) fn mean_fit(score: &Score, std: [f64; 3]) -> Option<f64> {
+pub(crate) fn mean_fit(score: &Score, std: [f64; 3]) -> Option<f64> {
     mean_of(&score.errors(std)?)
 }
 
-pub(super) fn mean_of(errors: &FreeRunErrors) -> Option<f64> {
+pub(crate) fn mean_of(errors: &FreeRunErrors) -> Option<f64> {
     mean(&errors.fits().into_iter().flatten().collect::<Vec<_>>())
 }
 
 /// Standard error of the mean fit over all of `scores`, by leaving each out in turn.
-pub(super) fn standard_error(scores: &[Score], std: [f64; 3]) -> Option<f64> {
+pub(crate) fn standard_error(scores: &[Score], std: [f64; 3]) -> Option<f64> {
     let others = |i: usize| scores.iter().enumerate().filter(move |(j, _)| *j != i).map(|(_, score)| score);
     let without: Vec<f64> = (0..scores.len()).filter_map(|i| mean_fit(&together(others(i)), std)).collect();
     let n = without.len() as f64;

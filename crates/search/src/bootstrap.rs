@@ -4,10 +4,10 @@ use numerics::statistics::{quantile, sorted};
 use rayon::prelude::*;
 use vessel::Streams;
 
-use super::folds::folds;
-use super::nested::{Fitted, Study};
-use super::recording::{Laid, Recording};
-use super::scores::varying;
+use crate::folds::folds;
+use crate::nested::{Fitted, Study};
+use crate::recording::{Laid, Recording};
+use crate::scores::varying;
 
 /// How often recordings are drawn again and searched anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,9 +143,9 @@ fn dealt(recordings: &[Recording], drawn: &[usize], count: usize) -> Vec<usize> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::recording::Cut;
     use super::*;
-    use crate::pooled::Part;
+    use crate::recording::Cut;
+    use identification::pooled::Part;
 
     fn recordings() -> Vec<Recording> {
         let cut = Cut { window: 1, every: 1, scored: None };

@@ -6,7 +6,8 @@ mod example;
 
 use example::{Disturbed, covered, recorded, ship};
 use identification::pooled::PooledRuns;
-use identification::search::{Cut, SearchError, SearchOptions, Searched, listed, search};
+use identification::terms::listed;
+use search::{Cut, SearchError, SearchOptions, Searched, search};
 use std::collections::BTreeMap;
 use vessel::{Run, Streams};
 

@@ -4,6 +4,9 @@
 //! term held back by a ridge Λβ² on its scaled parameter β. Λ is chosen by cross-validation over whole recordings, each fold
 //! on a path of its own, and the whole algorithm is judged once more by recordings that it has not seen.
 
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
 mod average;
 mod bootstrap;
 mod compact;
@@ -30,7 +33,7 @@ pub use average::{AverageOptions, Averaged, Member};
 pub use bootstrap::{BootstrapOptions, Resampled, ResampledParameter};
 pub use compact::SizeScore;
 pub use judged::{Margin, NestedAverage, NestedRecording, NestedScore};
-pub use library::{library, listed, with_channels};
+pub use library::{library, with_channels};
 pub use mean::MeanTrajectory;
 pub use nested::Candidate;
 pub use recording::Cut;

@@ -2,16 +2,16 @@ use std::collections::BTreeMap;
 
 use vessel::Model;
 
-use super::problem::{Looked, Problem, Slopes};
-use super::recording::Recording;
-use crate::bounded::{Equations, bounded};
+use crate::problem::{Looked, Problem, Slopes};
+use crate::recording::Recording;
+use identification::{Equations, bounded};
 
 /// Damping of the first step, and beyond which none helps, in shares of the curvature.
 const DAMPING: [f64; 2] = [1e-6, 1e6];
 
 /// When a search ends.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ending {
+pub(crate) struct Ending {
     /// Most slopes that are worth computing.
     pub steps: usize,
     /// Relative decrease of the loss that is not worth another.
@@ -20,7 +20,7 @@ pub(super) struct Ending {
 
 /// Minimises loss(β) + ridge |β|² within the bounds of β from `start` by Levenberg and Marquardt's method. None where the start
 /// leaves the limits.
-pub(super) fn minimum(problem: &Problem, start: Vec<f64>, ridge: f64, ending: Ending) -> Option<Vec<f64>> {
+pub(crate) fn minimum(problem: &Problem, start: Vec<f64>, ridge: f64, ending: Ending) -> Option<Vec<f64>> {
     let cost = |beta: &[f64], looked: &Looked| cost(beta, looked, ridge);
     let mut beta = problem.within(start);
     let mut looked = problem.look(&beta)?;
@@ -53,7 +53,7 @@ fn cost(beta: &[f64], looked: &Looked, ridge: f64) -> f64 {
 }
 
 /// The minimum from whichever of `starts` costs least: a path that went astray comes back.
-pub(super) fn minimum_from<'s>(
+pub(crate) fn minimum_from<'s>(
     problem: &Problem,
     starts: impl Iterator<Item = &'s Vec<f64>>,
     ridge: f64,
@@ -119,7 +119,7 @@ const NEARLY_NONE: f64 = 1e-8;
 
 /// θ of `model` by output errors over `recordings`, nearly without a penalty, from least squares or, where that diverges, from
 /// nothing at all.
-pub(super) fn started(
+pub(crate) fn started(
     model: &Model,
     recordings: &[&Recording],
     rate_hz: f64,
@@ -133,7 +133,7 @@ pub(super) fn started(
 }
 
 /// Scaled least-squares parameters of the increments.
-pub(super) fn least_squares(model: &Model, recordings: &[&Recording], rate_hz: f64) -> Option<Vec<f64>> {
+pub(crate) fn least_squares(model: &Model, recordings: &[&Recording], rate_hz: f64) -> Option<Vec<f64>> {
     let simple = Problem::increments(model, recordings, rate_hz);
     let none = vec![0.0; model.parameters()];
     minimum(&simple, none, NEARLY_NONE, Ending { steps: 1, enough: 0.0 })

@@ -7,7 +7,7 @@ const ROWS: usize = 48;
 const TILE: usize = 4;
 
 /// Σ x xᵀ over rows of many signals. The sums go by tiles, so that each number that is loaded is used four times.
-pub(super) struct Gram {
+pub(crate) struct Gram {
     signals: usize,
     /// By signal its last rows.
     rows: Vec<f64>,

@@ -1,6 +1,6 @@
 use vessel::RunView;
 
-use crate::pooled::{Part, PooledRuns};
+use identification::pooled::{Part, PooledRuns};
 
 /// How recordings are cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,7 +15,7 @@ pub struct Cut {
 
 /// How windows that models are scored on lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Laid {
+pub(crate) enum Laid {
     /// Side by side from where a run begins, as everybody else compares models.
     SideBySide,
     /// One begins at every quarter of another, so that a score hardly depends on where the first begins.
@@ -27,7 +27,7 @@ pub(super) enum Laid {
 
 /// One recording: left out as a whole.
 #[derive(Clone, Debug)]
-pub(super) struct Recording {
+pub(crate) struct Recording {
     pub name: String,
     /// Runs that follow each other are one.
     pub whole: Vec<Part>,

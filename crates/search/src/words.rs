@@ -1,18 +1,18 @@
-use super::bootstrap::Resampled;
-use super::compact::SizeScore;
-use super::judged::{Margin, NestedAverage, NestedRecording, NestedScore};
-use super::nested::{Candidate, Fitted};
-use super::scores::mean_of;
-use crate::pooled::{FreeRunErrors, listed};
+use crate::bootstrap::Resampled;
+use crate::compact::SizeScore;
+use crate::judged::{Margin, NestedAverage, NestedRecording, NestedScore};
+use crate::nested::{Candidate, Fitted};
+use crate::scores::mean_of;
+use identification::pooled::{FreeRunErrors, listed};
 
 use numerics::statistics::median;
 
 /// Where whole runs are scored.
-pub(super) const CHOSEN_ON_WINDOWS: &str =
+pub(crate) const CHOSEN_ON_WINDOWS: &str =
     "the ridge was chosen over windows of the length that is fitted, though whole runs are scored";
 
 /// What is known of the errors of the parameters of the model `found`: what searches over resampled recordings found, or nothing.
-pub(super) fn errors(resampled: Option<&Resampled>, found: &Fitted) -> String {
+pub(crate) fn errors(resampled: Option<&Resampled>, found: &Fitted) -> String {
     let Some(Resampled { searches, failed, parameters }) = resampled else {
         return "held back by a ridge; predictions have bands, parameters have no errors".to_owned();
     };
@@ -29,7 +29,7 @@ pub(super) fn errors(resampled: Option<&Resampled>, found: &Fitted) -> String {
 }
 
 /// What was chosen and how good it is.
-pub(super) fn statements(
+pub(crate) fn statements(
     candidates: &[Candidate],
     chosen: usize,
     score: f64,
@@ -86,7 +86,7 @@ pub(super) fn statements(
 }
 
 /// Which terms no recording tells from others.
-pub(super) fn combined(names: &[String]) -> Option<String> {
+pub(crate) fn combined(names: &[String]) -> Option<String> {
     let named: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     (!named.is_empty()).then(|| {
         format!(
@@ -164,7 +164,7 @@ fn against(margin: &Margin, than: &str) -> String {
         [None, None] => "too few recordings to tell it from",
         _ => "not told apart from",
     };
-    format!("{told} {than}: {}", crate::pooled::lies_above(*median, *interval, *pairs, "recordings"))
+    format!("{told} {than}: {}", identification::pooled::lies_above(*median, *interval, *pairs, "recordings"))
 }
 
 fn fits(errors: &FreeRunErrors) -> String {

@@ -1,10 +1,10 @@
 use std::cmp::Reverse;
 
-use super::recording::Recording;
+use crate::recording::Recording;
 
 /// The fold of each of `recordings`: those of one kind are dealt out one to each fold in turn, so that each has some of every
 /// kind, the longest first and each to the fold that has the fewest samples so far, so that folds are about as long.
-pub(super) fn folds(recordings: &[&Recording], count: usize) -> Vec<usize> {
+pub(crate) fn folds(recordings: &[&Recording], count: usize) -> Vec<usize> {
     let samples = |i: &usize| recordings[*i].samples();
     let kind = |i: &usize| recordings[*i].kind();
     let mut order: Vec<usize> = (0..recordings.len()).collect();
@@ -26,8 +26,8 @@ pub(super) fn folds(recordings: &[&Recording], count: usize) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pooled::Part;
-    use crate::search::Cut;
+    use crate::recording::Cut;
+    use identification::pooled::Part;
 
     #[test]
     fn law_folds_have_some_of_every_kind_and_are_about_as_long() {

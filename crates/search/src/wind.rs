@@ -1,5 +1,5 @@
-use super::made::Made;
-use super::roles::Roles;
+use crate::made::Made;
+use crate::roles::Roles;
 
 /// What the library makes of the relative wind's speed W and the angle γ that it comes from: how it is called, by which powers of
 /// cos γ and sin γ the square of W is multiplied, and whether a reflection between port and starboard leaves it as it is. They
@@ -16,7 +16,7 @@ const PRODUCTS: [(&str, i32, i32, bool); 7] = [
 
 /// Roles of what the library makes of the wind, as they are without one. What the model has already but for a number is not
 /// made again.
-pub(super) fn with_wind(made: &mut Made, mut roles: Roles) -> Roles {
+pub(crate) fn with_wind(made: &mut Made, mut roles: Roles) -> Roles {
     let (Some(wind), Some(from)) = (roles.wind, roles.wind_from) else { return roles };
     let [wind, from] = [wind, from].map(|variable| &made.model.variables[variable]);
     for (called, cosines, sines, even) in PRODUCTS {
@@ -38,9 +38,9 @@ pub(super) fn with_wind(made: &mut Made, mut roles: Roles) -> Roles {
 
 #[cfg(test)]
 mod tests {
-    use super::super::library::with_channels;
-    use super::super::roles::NamedRoles;
     use super::*;
+    use crate::library::with_channels;
+    use crate::roles::NamedRoles;
     use vessel::{Model, Vessel, VesselFile};
 
     /// A ship of one rudder in a measured wind, with further tables.
