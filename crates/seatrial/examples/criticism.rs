@@ -155,7 +155,7 @@ fn named(found: &Criticism) -> bool {
 
 /// How often exactly the terms that are missing are added, by single runs whose noise is not stated.
 fn added(study: &Study, right: &[SimulatedRun], lacking: &[SimulatedRun]) -> Vec<String> {
-    let judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };
+    let judgement = Judgement { replicates: 0, seed: 1 };
     let terms = |run: &SimulatedRun| {
         let runs = pooled(std::slice::from_ref(run));
         let found =
@@ -177,7 +177,7 @@ fn added(study: &Study, right: &[SimulatedRun], lacking: &[SimulatedRun]) -> Vec
 
 /// How often the 95 % intervals of estimates from several runs hold the truth, over all parameters.
 fn errors(study: &Study, runs: &[SimulatedRun]) -> Vec<String> {
-    let judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };
+    let judgement = Judgement { replicates: 0, seed: 1 };
     let truth: Vec<f64> = study.vessel().value.iter().copied().flatten().collect();
     let of = |estimator: Estimator| {
         let held = |some: &[SimulatedRun]| {

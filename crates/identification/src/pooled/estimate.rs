@@ -217,7 +217,7 @@ fn few_tell(pool: &Pool, found: &Estimated) -> Option<String> {
 /// # Errors
 /// Runs that cannot be read.
 pub fn unstated<R: Recorded>(pool: &Pool, runs: &PooledRuns<R>) -> Result<Estimator, PoolError<R::Error>> {
-    let quick = Judgement { bandwidth: None, replicates: 0, seed: 1 };
+    let quick = Judgement { replicates: 0, seed: 1 };
     match estimate(pool, runs, Estimator::PredictionError, &quick, Resampling::Given(&[])) {
         Err(PoolError::Unread(e)) => Err(PoolError::Unread(e)),
         Ok(found) if found.criticism.as_ref().is_some_and(|own| own.verdict != Verdict::None) => {

@@ -19,8 +19,6 @@ use crate::{EstimateStatus, Estimator};
 /// How an estimate is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Judgement {
-    /// Lags of Bartlett's weights in the standard errors; none: by a rule of thumb.
-    pub bandwidth: Option<usize>,
     /// Resamples of the bootstrap over parts.
     pub replicates: u32,
     /// Seed of the bootstrap.
@@ -162,7 +160,7 @@ impl<P: Parts> Judge<'_, P> {
 
     /// Lags of Bartlett's weights.
     pub(super) fn bandwidth(&self) -> usize {
-        self.judgement.bandwidth.unwrap_or_else(|| default_bandwidth(self.samples()))
+        default_bandwidth(self.samples())
     }
 
     /// Surge, sway, yaw.

@@ -283,7 +283,7 @@ fn bounds_that_exclude_every_estimate_leave_none_and_say_which() {
     };
     let (vessel, parts) = (craft(bounds), parts(3));
     let runs = PooledRuns::new(runs(&parts), &BTreeMap::new());
-    let judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };
+    let judgement = Judgement { replicates: 0, seed: 1 };
     let Err(PoolError::Bounded(reasons)) =
         estimate(&pool(&vessel), &runs, Estimator::Ls, &judgement, Resampling::Drawn(&|_| ()))
     else {
@@ -301,7 +301,7 @@ fn an_estimate_at_a_bound_has_no_standard_error_and_is_told() {
     };
     let (vessel, parts) = (craft(bound), parts(3));
     let runs = PooledRuns::new(runs(&parts), &BTreeMap::new());
-    let judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };
+    let judgement = Judgement { replicates: 0, seed: 1 };
     for estimator in [Estimator::Ls, Estimator::OutputError] {
         let found =
             estimate(&pool(&vessel), &runs, estimator, &judgement, Resampling::Drawn(&|_| ())).unwrap();

@@ -329,7 +329,7 @@ fn terms_are_added_until_the_model_is_not_rejected() {
             beside: Beside::default(),
             constant: Vec::new(),
         };
-        let judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };
+        let judgement = Judgement { replicates: 0, seed: 1 };
         let found =
             enriched(&pool, &runs, Estimator::OutputError, &judgement, most, Resampling::Drawn(&|_| ()))
                 .unwrap();

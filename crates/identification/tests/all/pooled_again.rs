@@ -58,7 +58,7 @@ fn law_runs_that_are_read_again_give_the_same_bits() {
     let blocks = vec![runs[..3].to_vec(), runs[3..4].to_vec(), runs[4..].to_vec()];
     let again = PooledRuns::of(Blocks(blocks), &recordings);
     let (held, Ok(mut again)) = (PooledRuns::new(runs, &recordings), again);
-    let judgement = Judgement { bandwidth: None, replicates: 2, seed: 3 };
+    let judgement = Judgement { replicates: 2, seed: 3 };
     for (removal, part_samples) in
         [(MeanRemoval::None, None), (MeanRemoval::Batch, None), (MeanRemoval::Complete, Some(25))]
     {

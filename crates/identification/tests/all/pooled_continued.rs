@@ -54,7 +54,7 @@ fn runs(parts: &[Part]) -> PooledRuns {
     PooledRuns::new(parts.iter().enumerate().map(run).collect(), &BTreeMap::new())
 }
 
-const JUDGEMENT: Judgement = Judgement { bandwidth: None, replicates: 0, seed: 1 };
+const JUDGEMENT: Judgement = Judgement { replicates: 0, seed: 1 };
 
 #[test]
 fn law_a_search_whose_start_diverges_finds_the_minimum_that_it_finds_from_elsewhere() {

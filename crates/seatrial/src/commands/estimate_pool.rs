@@ -51,9 +51,6 @@ pub struct Arguments {
     /// Resamples of the bootstrap over sub-experiments
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     bootstrap: Option<u32>,
-    /// Lags of the standard errors (default 4 (samples/100)^(2/9))
-    #[arg(long, value_name = "LAGS")]
-    bandwidth: Option<u16>,
     /// Terms that are added at most, one after the other, where the model is found to lack them
     #[arg(long, value_name = "K", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=50))]
     add_terms: u16,
@@ -77,7 +74,6 @@ impl Task for Arguments {
         let estimator = self.estimator(&pool, &runs)?;
         self.beside.check(&[estimator])?;
         let judgement = Judgement {
-            bandwidth: self.bandwidth.map(usize::from),
             replicates: self.bootstrap.unwrap_or(0),
             seed: common.seed.unwrap_or(1),
         };
@@ -150,7 +146,6 @@ impl Arguments {
             ("pool", json!(true)),
             ("bootstrap", json!(judgement.replicates)),
             ("seed", json!(judgement.seed)),
-            ("bandwidth", json!(judgement.bandwidth)),
             ("add_terms", json!(Some(self.add_terms).filter(|most| *most > 0))),
         ];
         self.flags.note(settings, provenance);

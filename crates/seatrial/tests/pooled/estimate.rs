@@ -143,10 +143,6 @@ fn resamples_that_are_not_those_asked_for_are_refused() {
             vec!["part-1.parquet: settings.runs: found [\"random/0\",\"random/1\"], expected nothing"],
         ),
         (
-            format!("{line} --bandwidth 3 --bootstrap 20 {both}"),
-            vec!["part-1.parquet: `bandwidth`: found nothing, expected 3"],
-        ),
-        (
             format!("{line} --bootstrap 20 {both}")
                 .replace("campaign.parquet", "dictionary.parquet")
                 .replace("--runs random/0,random/1", ""),
