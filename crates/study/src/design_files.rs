@@ -1,4 +1,4 @@
-//! The hand-written files of a design: weights, what is available, limits.
+//! The hand-written files of a design: what is available, limits.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,41 +12,6 @@ use vessel::Invalid;
 
 use crate::documents::IngestDocument;
 use crate::invalid;
-
-/// `weights.toml`: parameter → weight of its variance.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct WeightsFile {
-    weight: BTreeMap<String, f64>,
-}
-
-/// Reads `weights.toml` and notes its digest: the weight of each of `parameters`, 0 for those that it does not name.
-///
-/// # Errors
-/// A file that is refused; a weight of an unknown parameter or below zero; none above zero.
-pub fn read_weights(
-    path: &Path,
-    parameters: &[&str],
-    provenance: &mut Provenance,
-) -> Result<Vec<f64>, Error> {
-    let WeightsFile { weight } = provenance.read_toml("weights", "weights", path)?;
-    check_weights(&weight, parameters).map_err(|e| invalid(path, &e))?;
-    Ok(parameters.iter().map(|p| weight.get(*p).copied().unwrap_or(0.0)).collect())
-}
-
-fn check_weights(written: &BTreeMap<String, f64>, parameters: &[&str]) -> Result<(), Invalid> {
-    if let Some(unknown) = written.keys().find(|key| !parameters.contains(&key.as_str())) {
-        let expected = format!("a parameter: one of {}", parameters.join(", "));
-        let unknown = Invalid::unknown("`weight`", unknown, parameters.iter().copied());
-        return Err(Invalid { expected, ..unknown });
-    }
-    let weights = written.iter().map(|(name, weight)| (name, *weight));
-    check_numbers(weights, "a weight of zero or more", |weight| weight >= 0.0)?;
-    match written.values().any(|w| *w > 0.0) {
-        true => Ok(()),
-        false => Err(Invalid::new("`weight`", "none above zero", "at least one", "add one")),
-    }
-}
 
 /// Reads how much of every maneuver exists and notes the file's digest: tables `seconds` and `segments` in TOML or JSON, or the
 /// segments that `ingest.json` counts.

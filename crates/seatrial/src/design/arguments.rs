@@ -60,9 +60,6 @@ pub struct Arguments {
     /// Which parameters the errors of a-relative are relative to
     #[arg(long, value_parser = choice(&Source::ALL, Source::name, relative_to), default_value = "nominal")]
     pub(super) relative_to: Source,
-    /// Weights of the parameters' variances for a and a-relative: a table `[weight]`; parameters not named count nothing
-    #[arg(long, value_name = "weights.toml")]
-    pub(super) weights: Option<PathBuf>,
     /// How much of each maneuver exists: tables `seconds` and `segments` by maneuver, or what `ingest` cut
     #[arg(long, value_name = "available.toml|ingest.json")]
     pub(super) available: Option<PathBuf>,
@@ -196,7 +193,7 @@ impl Arguments {
         if name != CriterionName::DHessian {
             settings.insert("criterion".into(), json!(name));
         }
-        if (name == CriterionName::ARelative && self.weights.is_none()) || self.accuracy.is_some() {
+        if name == CriterionName::ARelative || self.accuracy.is_some() {
             settings.insert("relative_to".into(), json!(self.relative_to));
         }
         if self.estimator == Estimator::OutputError {

@@ -7,7 +7,7 @@ use design::{
     Restricted, Restriction, Stock,
 };
 use identification::MeanRemoval;
-use study::design_files::{read_stock, read_weights};
+use study::design_files::read_stock;
 use study::documents::Few;
 use study::files::{read_dictionary, read_vessel};
 use trial::arranging::{Arranged, Arranging};
@@ -45,7 +45,7 @@ impl<'a> Problem<'a> {
         let (name, estimated) = (a.criterion_name()?, a.estimated());
         let invalid = |e: Invalid| Failure::invalid(&a.moments, &e);
         let dictionary = moments.dictionary(estimated).map_err(invalid)?;
-        let weights = weights(a, name, moments, &dictionary, provenance)?;
+        let weights = weights(a, name, moments, &dictionary)?;
         let (criterion, middle) = match name {
             CriterionName::DHessian => (Ok(Criterion::Information(dictionary.information.clone())), None),
             _ => {
@@ -170,29 +170,16 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// The weight of every parameter's variance: 1, 1/θ², or those of a file.
+/// The weight of every parameter's variance: 1 or 1/θ².
 fn weights(
     a: &Arguments,
     name: CriterionName,
     moments: &Moments,
     dictionary: &Dictionary,
-    provenance: &mut Provenance,
 ) -> Result<Vec<f64>, Failure> {
-    match (&a.weights, name) {
-        (Some(path), CriterionName::A | CriterionName::ARelative) => {
-            let parameters: Vec<&str> = dictionary.parameter_names().collect();
-            Ok(read_weights(path, &parameters, provenance)?)
-        }
-        (Some(_), _) => Err(Failure::Usage(
-            "--weights: found weights for a criterion that no weights change, expected --criterion a or a-relative; leave \
-             them out"
-                .into(),
-        )),
-        (None, CriterionName::ARelative) => {
-            let squares =
-                moments.squares(a.relative_to).map_err(|e| Failure::invalid(&a.moments, &e))?;
-            Ok(squares.iter().map(|s| 1.0 / s).collect())
-        }
-        (None, _) => Ok(vec![1.0; dictionary.parameters()]),
+    if name != CriterionName::ARelative {
+        return Ok(vec![1.0; dictionary.parameters()]);
     }
+    let squares = moments.squares(a.relative_to).map_err(|e| Failure::invalid(&a.moments, &e))?;
+    Ok(squares.iter().map(|s| 1.0 / s).collect())
 }

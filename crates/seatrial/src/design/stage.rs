@@ -19,7 +19,7 @@ use trial::moments::Moments;
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         self.check()?;
-        let inputs = [&self.moments].into_iter().chain(&self.weights).chain(&self.available);
+        let inputs = [&self.moments].into_iter().chain(&self.available);
         let out = common.main_output("design.json", inputs)?;
         let loaded = read_document::<MomentsDocument>(&self.moments)?;
         let moments = loaded.data.moments().map_err(|e| Failure::invalid(&self.moments, &e))?;

@@ -192,20 +192,6 @@ fn refusals_of_criteria() {
     let a = format!("{DESIGN} --criterion a");
     let relative = format!("{DESIGN} --criterion a-relative");
     refused(&folder, 3, &relative, &["moments.json", "`X_uu`", "found 0", "--relative-to value"]);
-    put(&folder, "weights.toml", "[weight]\nX_uv = 1.0\n");
-    refused(&folder, 3, &format!("{a} --weights weights.toml"), &["weights.toml", "`X_uv`", "X_uu"]);
-    put(&folder, "weights.toml", "[weight]\nX_u = -1.0\n");
-    refused(&folder, 3, &format!("{a} --weights weights.toml"), &["weights.toml", "`X_u`", "-1"]);
-    refused(
-        &folder,
-        2,
-        &format!("{DESIGN} --criterion d --weights weights.toml"),
-        &["--weights", "a-relative"],
-    );
-    put(&folder, "weights.toml", "[weight]\nN_r = 2.0\n");
-    run(&folder, &format!("{a} --weights weights.toml")).succeeds();
-    assert_eq!(data(&folder)["covariance"]["weights"]["X_u"], 0.0);
-    std::fs::remove_file(folder.path().join("design.json")).unwrap();
     run(&folder, MOMENTS).succeeds();
     refused(&folder, 3, &a, &["moments.json", "disturbances", "--campaign"]);
     let noise = "std_r_rad_s = 0.15811388300841897";
