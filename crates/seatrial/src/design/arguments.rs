@@ -14,6 +14,9 @@ use crate::choice::choice;
 use crate::cli::{check_positive, name_of};
 use crate::failure::Failure;
 
+/// The longest experiment for --accuracy \[s\]: a day.
+const LONGEST_S: f64 = 86_400.0;
+
 /// Finds the shares of the experiment time that make the information largest (D-optimal), or a criterion of the estimate's
 /// covariance smallest, with a certificate
 #[derive(Parser)]
@@ -54,9 +57,6 @@ pub struct Arguments {
     /// The accuracy is that of every parameter, not of all together (the root of the sum of squares)
     #[arg(long, requires = "accuracy")]
     pub(super) per_parameter: bool,
-    /// The longest experiment for --accuracy [s]
-    #[arg(long, value_name = "S", default_value_t = 86_400.0)]
-    pub(super) longest_s: f64,
     /// Which parameters the errors of a-relative are relative to
     #[arg(long, value_parser = choice(&Source::ALL, Source::name, relative_to), default_value = "nominal")]
     pub(super) relative_to: Source,
@@ -115,8 +115,7 @@ impl Arguments {
         check_positive("--tolerance", Some(self.tolerance))?;
         check_positive("--duration-s", self.duration_s)?;
         check_positive("--minimal-s", self.minimal_s)?;
-        check_positive("--accuracy", self.accuracy)?;
-        check_positive("--longest-s", Some(self.longest_s))
+        check_positive("--accuracy", self.accuracy)
     }
 
     /// The criterion's name, the one that is asked for or the usual one.
@@ -173,7 +172,7 @@ impl Arguments {
     /// What --accuracy asks for.
     pub(super) fn wanted(&self, accuracy: f64) -> Wanted {
         let of = if self.per_parameter { AccuracyOf::PerParameter } else { AccuracyOf::Overall };
-        Wanted { accuracy, of, longest_s: self.longest_s }
+        Wanted { accuracy, of, longest_s: LONGEST_S }
     }
 
     /// The experiment's length, as far as it is told.

@@ -296,8 +296,8 @@ fn the_time_for_an_accuracy_is_that_of_its_own_prediction() {
 #[test]
 fn refusals_of_accuracies_and_estimators() {
     let folder = papers();
-    let far = format!("{FOR} --accuracy 0.001 --longest-s 1000");
-    refused(&folder, 4, &far, &["moments.json", "--accuracy", "0.001", "the best is 0.5"]);
+    let far = format!("{FOR} --accuracy 0.001");
+    refused(&folder, 4, &far, &["moments.json", "--accuracy", "0.001", "86400 s", "the best is 0.0"]);
     let all: String = names(&folder).iter().map(|name| format!("{name} = 20.0\n")).collect();
     put(&folder, "available.toml", &format!("[seconds]\n{all}"));
     let line = format!("{FOR} --accuracy 0.5 --available available.toml");
