@@ -5,34 +5,27 @@ use std::path::Path;
 
 use artifact::Provenance;
 use study::documents::DesignDocument;
-use validation::selection::apportioned;
 use vessel::nearest;
 
 use crate::failure::Failure;
 use crate::inputs;
 
-/// How many sub-experiments of each maneuver to pick: as `--counts label=n` says, or `design.json` by its counts or its
-/// shares of `picks` in whole numbers (largest remainders), and no more than there are.
+/// How many sub-experiments of each maneuver to pick: as `--counts label=n` says, or the counts of `design.json`, and no more
+/// than there are.
 ///
 /// # Errors
-/// Usage: a count that is none, or for a maneuver that there is not. Refused: more than there are.
+/// Usage: a count that is none, or for a maneuver that there is not. Refused: a design without counts; more than there are.
 pub fn counts(
     design: Option<&Path>,
     written: &[String],
-    picks: Option<u64>,
     available: &BTreeMap<String, u64>,
     provenance: &mut Provenance,
 ) -> Result<BTreeMap<String, u64>, Failure> {
     let Some(path) = design else { return parsed(written, available) };
     let design: DesignDocument = inputs::document(path, "design", provenance)?;
-    let counted = design.counts.filter(|counts| picks.is_none_or(|p| counts.values().sum::<u64>() == p));
-    let counts = match (counted, picks) {
-        (Some(counts), _) => counts,
-        (None, Some(picks)) => apportioned(&design.shares, picks, available),
-        (None, None) => {
-            let flag = "--picks: found none and no counts in the design, expected a number";
-            return Err(Failure::Usage(format!("{flag}; name --picks, or use `design --segments`")));
-        }
+    let Some(counts) = design.counts else {
+        let remedy = "make it with `design --segments`, or name --counts";
+        return Err(Failure::refuse(path, "counts", "none", "those of whole segments", remedy));
     };
     for (name, count) in counts.iter().filter(|(_, count)| **count > 0) {
         let there = available.get(name).copied().unwrap_or(0);

@@ -35,15 +35,12 @@ const ESTIMATORS: [Estimator; 3] = [Estimator::Ls, Estimator::Iv, Estimator::Aut
 pub struct Arguments {
     #[command(flatten)]
     flags: PoolFlags,
-    /// The design whose counts, or shares of --picks, are picked
+    /// The design whose counts are picked
     #[arg(long, required_unless_present = "counts", conflicts_with = "counts", value_name = "design.json")]
     design: Option<PathBuf>,
     /// How many of each maneuver are picked, instead
     #[arg(long, value_name = "NAME=N,…", value_delimiter = ',')]
     counts: Vec<String>,
-    /// Sub-experiments per realization, where the design has no counts
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    picks: Option<u16>,
     /// Realizations per design
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     realizations: u32,
@@ -76,10 +73,9 @@ impl Task for Arguments {
         let bytes = pool.bytes_of_many(&runs, rayon::current_num_threads());
         inputs::fits(self.flags.of.file(), &runs.amount(), bytes)?;
         let there = available(&runs.parts(None));
-        let picks = self.picks.map(u64::from);
         let options = SelectionOptions {
             estimator: self.estimator,
-            counts: counts(self.design.as_deref(), &self.counts, picks, &there, &mut provenance)?,
+            counts: counts(self.design.as_deref(), &self.counts, &there, &mut provenance)?,
             realizations: self.realizations,
             seed: common.seed.unwrap_or(1),
             published_limits: self.published(&mut provenance)?,

@@ -57,13 +57,10 @@ fn law_shards_gather_to_the_bytes_of_the_whole() {
 }
 
 #[test]
-fn shares_of_a_design_become_counts() {
+fn a_design_without_counts_is_refused() {
     let folder = with(&["campaign.parquet", "design.json"]);
     let line = "validate selection --vessel vessel.toml --trajectories campaign.parquet --design design.json --realizations 8";
-    run(&folder, &format!("{line} --picks 6 --estimator ls --out selection.parquet")).succeeds();
-    let counts = json(&folder, "selection.json")["data"]["counts"].clone();
-    assert_eq!(counts.as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum::<u64>(), 6);
-    run(&folder, &format!("{line} --out selection.parquet")).refuses(2, &["--picks"]);
+    refused(&folder, 3, &format!("{line} --out selection.parquet"), &["design.json", "`counts`", "--segments"]);
 }
 
 #[test]

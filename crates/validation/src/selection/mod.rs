@@ -7,7 +7,7 @@ mod realize;
 mod scores;
 mod select;
 
-pub use counts::{apportioned, available};
+pub use counts::available;
 pub use realize::Realization;
 pub use scores::{DEGENERATE, PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
 pub use select::{Selection, SelectionOptions, Selector};
