@@ -73,10 +73,7 @@ impl Task for Arguments {
         let pool = Pool { beside: self.beside.unknown(), ..pool };
         let estimator = self.estimator(&pool, &runs)?;
         self.beside.check(&[estimator])?;
-        let judgement = Judgement {
-            replicates: self.bootstrap.unwrap_or(0),
-            seed: common.seed.unwrap_or(1),
-        };
+        let judgement = Judgement { replicates: self.bootstrap.unwrap_or(0), seed: common.seed.unwrap_or(1) };
         let (replicates, threads) = (judgement.replicates, rayon::current_num_threads());
         let bytes = pool.bytes(&runs, estimator, replicates, threads);
         inputs::fits(self.flags.of.file(), &runs.amount(), bytes)?;

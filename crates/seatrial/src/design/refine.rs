@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use artifact::{Digest, Provenance, Staged, commit, stage_document, stage_set_document};
 use clap::Parser;
 use identification::Noise;
-use identification::refine::Effort;
 use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::design_files::read_limits;
@@ -16,7 +15,7 @@ use trial::moments::check_constants;
 use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
 use vessel::{Generator, Invalid, Vessel, refuse_endless};
 
-use crate::cli::{Common, beside, check_positive};
+use crate::cli::{Common, beside};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::simulate::Files;
@@ -46,10 +45,6 @@ pub struct Refine {
     /// dictionary, else what the start reaches
     #[arg(long, value_name = "limits.toml")]
     pub(super) limits: Option<PathBuf>,
-    /// Time between the knots of what is added to the start's inputs, straight between them; below a sample every sample is
-    /// corrected on its own [s]
-    #[arg(long, value_name = "S", default_value_t = 1.0)]
-    knot_s: f64,
     /// Maximum number of iterations
     #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     iterations: u32,
@@ -71,7 +66,7 @@ impl Task for Refine {
         let vessel = read_vessel(&self.vessel, &mut provenance)?.with_disturbances_held();
         check_constants(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let found = search(self, &vessel, &mut provenance)?;
-        settings(self, &vessel, &found, &mut provenance);
+        settings(self, &found, &mut provenance);
         let files = RefinedFiles { vessel: &vessel, found: &found };
         let document = files.document();
         let [csv, dictionary, design] = &others;
@@ -110,8 +105,7 @@ fn search(a: &Refine, vessel: &Vessel, provenance: &mut Provenance) -> Result<Re
         None => StatedLimits::default(),
     };
     let limits = Limits::new(&stated, vessel, &generator, &start).map_err(refused)?;
-    let effort = Effort { knot: knot(a, vessel.sample_rate_hz)?, iterations: a.iterations as usize };
-    Refinement::search(vessel, start, limits, &effort).map_err(refused)
+    Refinement::search(vessel, start, limits, a.iterations as usize).map_err(refused)
 }
 
 /// The experiment that a campaign would make of the design.
@@ -143,18 +137,11 @@ fn noise(config: &CampaignFile) -> Result<Noise, Invalid> {
     Ok(noise)
 }
 
-/// Samples between knots.
-fn knot(a: &Refine, rate_hz: f64) -> Result<usize, Failure> {
-    check_positive("--knot-s", Some(a.knot_s))?;
-    Ok(((a.knot_s * rate_hz).round() as usize).max(1))
-}
-
 /// What the result depends on besides the inputs.
-fn settings(a: &Refine, vessel: &Vessel, found: &Refinement, provenance: &mut Provenance) {
+fn settings(a: &Refine, found: &Refinement, provenance: &mut Provenance) {
     let settings = &mut provenance.settings;
     settings.insert("simulate_with".into(), json!(found.start.source));
     settings.insert("relative_to".into(), json!(found.start.source));
-    settings.insert("knot_s".into(), json!(found.knot as f64 / vessel.sample_rate_hz));
     settings.insert("iterations".into(), json!(a.iterations));
 }
 

@@ -122,7 +122,7 @@ static PAPER: [Stage; 20] = [
         "design refine --vessel vessel.toml --dictionary dictionary.toml --design design-2.json --campaign campaign.toml \
          --limits limits.toml --iterations 8",
         "refined.json",
-        ["--iterations 8", "--iterations 16 --knot-s 1"],
+        ["--iterations 8", "--iterations 16"],
         &["vessel.toml", "dictionary.toml", "design-2.json", "campaign.toml", "limits.toml"],
     ),
     stage(

@@ -60,7 +60,12 @@ fn law_shards_gather_to_the_bytes_of_the_whole() {
 fn a_design_without_counts_is_refused() {
     let folder = with(&["campaign.parquet", "design.json"]);
     let line = "validate selection --vessel vessel.toml --trajectories campaign.parquet --design design.json --realizations 8";
-    refused(&folder, 3, &format!("{line} --out selection.parquet"), &["design.json", "`counts`", "--segments"]);
+    refused(
+        &folder,
+        3,
+        &format!("{line} --out selection.parquet"),
+        &["design.json", "`counts`", "--segments"],
+    );
 }
 
 #[test]

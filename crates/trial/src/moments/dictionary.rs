@@ -110,7 +110,9 @@ impl Moments {
         // Without disturbances the criterion itself is refused.
         let Some(expected) = &self.disturbances else { return Ok(parameters.map(|_| 1.0).collect()) };
         let (values, remedy) = match relative_to {
-            Source::Nominal => (&expected.nominal, "take --relative-to value, or --criterion d without --accuracy"),
+            Source::Nominal => {
+                (&expected.nominal, "take --relative-to value, or --criterion d without --accuracy")
+            }
             Source::Value => (&expected.parameters, "take --criterion d without --accuracy"),
         };
         let square = |name: &String| match values.get(name) {

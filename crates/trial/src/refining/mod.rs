@@ -12,6 +12,9 @@ use crate::campaign;
 pub use limits::{Limits, STATES, StatedLimits};
 pub use start::Start;
 
+/// Time between the knots of what is added to the start's inputs, straight between them \[s\].
+const KNOT_S: f64 = 1.0;
+
 /// Why an experiment cannot be refined, by what is at fault.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Refusal {
@@ -44,13 +47,14 @@ pub struct Refinement {
 }
 
 impl Refinement {
-    /// Follows the gradient of the criterion from `start` within `limits`.
+    /// Follows the gradient of the criterion from `start` within `limits`, in so many iterations at most.
     ///
     /// # Errors
     /// [`Refusal::NotIdentifiable`].
-    pub fn search(vessel: &Vessel, start: Start, limits: Limits, effort: &Effort) -> Result<Self, Refusal> {
-        match refine(&start.criterion(vessel), &start.inputs, &limits.signal, effort) {
-            Some(refined) => Ok(Self { start, limits, knot: effort.knot, refined }),
+    pub fn search(vessel: &Vessel, start: Start, limits: Limits, iterations: usize) -> Result<Self, Refusal> {
+        let knot = ((KNOT_S * vessel.sample_rate_hz).round() as usize).max(1);
+        match refine(&start.criterion(vessel), &start.inputs, &limits.signal, &Effort { knot, iterations }) {
+            Some(refined) => Ok(Self { start, limits, knot, refined }),
             None => Err(Refusal::NotIdentifiable { parameter: start.weakest(vessel) }),
         }
     }
