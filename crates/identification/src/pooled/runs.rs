@@ -1,4 +1,4 @@
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
 use thiserror::Error;
@@ -164,12 +164,6 @@ impl<R: Recorded> PooledRuns<R> {
     /// Name of the design of the first run.
     pub fn design(&self) -> &str {
         self.runs.first().map_or("", |run| &self.designs[run.design])
-    }
-
-    /// Names of the designs of the runs that are selected, sorted.
-    pub fn selected_designs(&self) -> Vec<String> {
-        let names: BTreeSet<&String> = self.runs.iter().map(|run| &self.designs[run.design]).collect();
-        names.into_iter().cloned().collect()
     }
 
     /// Which of the recorded runs are selected, from 0: first and last of those that follow each other.
