@@ -2,9 +2,10 @@
 
 use crate::pooled_laws::{craft_file, part};
 use crate::support::noise::Normals;
+use crate::support::pool;
 use identification::pooled::{
-    DegreeRegression, Estimated, Judgement, NominalModel, Options, Part, Pool, PoolError, PooledRuns,
-    Regression, Resampling, estimate, fit,
+    DegreeRegression, Estimated, Judgement, Options, Part, Pool, PoolError, PooledRuns, Regression,
+    Resampling, estimate, fit,
 };
 use identification::predictor::{Flow, InitialState, Levels};
 use identification::runs::{Beside, RunEstimators};
@@ -39,19 +40,6 @@ fn runs(parts: &[Part]) -> Vec<Run> {
         measured: part.measured.clone(),
     };
     parts.iter().enumerate().map(run).collect()
-}
-
-fn pool(vessel: &Vessel) -> Pool<'_> {
-    Pool {
-        vessel,
-        model: vessel.model.with_intercepts(),
-        removal: MeanRemoval::Complete,
-        strength: 0.0,
-        nominal: NominalModel::Known(vessel.nominal.clone()),
-        part_samples: None,
-        beside: Beside::default(),
-        constant: Vec::new(),
-    }
 }
 
 fn pooled(vessel: &Vessel, parts: &Vec<Part>, estimator: Estimator) -> Estimated {

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::support::noise::Normals;
-use crate::support::{Experiment, dictionary, paper, truth};
+use crate::support::{Experiment, dictionary, paper, pool, truth};
 use identification::criticism::{Absent, Criticism, Subject, criticise, criticise_each};
-use identification::pooled::{Judgement, NominalModel, Pool, PooledRuns, Resampling, enriched};
+use identification::pooled::{Judgement, PooledRuns, Resampling, enriched};
 use identification::predictor::{Flow, InitialState, Levels};
 use identification::runs::{Asked, Beside, RunEstimators};
 use identification::{EstimateStatus, Estimator, MeanRemoval};
@@ -319,20 +319,16 @@ fn terms_are_added_until_the_model_is_not_rejected() {
     let added = |more: &[(usize, &str, f64)], most: usize| {
         let runs = whole(&experiment, recorded(&experiment, &vessel, more, 2));
         let runs = PooledRuns::new(runs, &BTreeMap::new());
-        let pool = Pool {
-            vessel: &vessel,
-            model: vessel.model.with_intercepts(),
-            removal: MeanRemoval::Complete,
-            strength: 0.0,
-            nominal: NominalModel::Known(vessel.nominal.clone()),
-            part_samples: None,
-            beside: Beside::default(),
-            constant: Vec::new(),
-        };
         let judgement = Judgement { replicates: 0, seed: 1 };
-        let found =
-            enriched(&pool, &runs, Estimator::OutputError, &judgement, most, Resampling::Drawn(&|_| ()))
-                .unwrap();
+        let found = enriched(
+            &pool(&vessel),
+            &runs,
+            Estimator::OutputError,
+            &judgement,
+            most,
+            Resampling::Drawn(&|_| ()),
+        )
+        .unwrap();
         let mut names: Vec<String> = found.added.iter().map(|a| format!("{} {}", a.term, a.degree)).collect();
         names.sort_unstable();
         (names, found)

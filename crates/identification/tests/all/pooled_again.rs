@@ -6,8 +6,8 @@ use std::convert::Infallible;
 
 use crate::pooled_laws::{craft, part};
 use crate::support::noise::Normals;
-use identification::pooled::{Judgement, NominalModel, Pool, PooledRuns, Recorded, Resampling, estimate};
-use identification::runs::Beside;
+use crate::support::pool;
+use identification::pooled::{Judgement, Pool, PooledRuns, Recorded, Resampling, estimate};
 use identification::{Estimator, MeanRemoval};
 use vessel::{Run, Segment, Vessel};
 
@@ -62,16 +62,7 @@ fn law_runs_that_are_read_again_give_the_same_bits() {
     for (removal, part_samples) in
         [(MeanRemoval::None, None), (MeanRemoval::Batch, None), (MeanRemoval::Complete, Some(25))]
     {
-        let pool = Pool {
-            vessel: &vessel,
-            model: vessel.model.with_intercepts(),
-            removal,
-            strength: 0.0,
-            nominal: NominalModel::Known(vessel.nominal.clone()),
-            part_samples,
-            beside: Beside::default(),
-            constant: Vec::new(),
-        };
+        let pool = Pool { removal, part_samples, ..pool(&vessel) };
         // Each with one of the estimators, and all with one of them: every estimate takes a second.
         let wanted = |own: &Estimator| match removal {
             MeanRemoval::None => *own == Estimator::Ls,

@@ -1,16 +1,16 @@
 //! What must hold of pooled estimates where water and wind are unknown, or found by a filter.
 
 use approx::assert_relative_eq;
-use identification::pooled::{Follow, NominalModel, Part, Pool, Searched, least_errors};
+use identification::Estimator;
+use identification::pooled::{Follow, Part, Searched, least_errors};
 use identification::predictor::{
     Fit, Fitted, Flow, InitialState, Levels, Spread, Unknown, output_error, prediction_error,
 };
 use identification::runs::{Beside, Intercepts, UnknownCurrent};
-use identification::{Estimator, MeanRemoval};
 use vessel::{Lane, RunView, Vessel, Weather, simulate};
 
 use crate::support::noise::Normals;
-use crate::support::{Experiment, dictionary, paper, truth};
+use crate::support::{Experiment, dictionary, paper, pool, truth};
 
 const EARTH: Beside = Beside { current: UnknownCurrent::Earth, intercepts: Intercepts::None, ..NOTHING };
 const NOTHING: Beside = Beside {
@@ -196,16 +196,7 @@ fn law_predictions_of_pooled_runs_find_the_drift_and_better_parameters() {
         force: None,
         drift: None,
     };
-    let pool = Pool {
-        vessel: &vessel,
-        model: vessel.model.with_intercepts(),
-        removal: MeanRemoval::Complete,
-        strength: 0.0,
-        nominal: NominalModel::Known(vessel.nominal.clone()),
-        part_samples: None,
-        beside: Beside::default(),
-        constant: Vec::new(),
-    };
+    let pool = pool(&vessel);
     let distance = |theta: &[f64]| {
         let relative = theta.iter().zip(truth(&vessel)).map(|(a, b)| (a / b - 1.0).powi(2));
         relative.sum::<f64>().sqrt()

@@ -2,9 +2,9 @@
 
 use crate::pooled_laws::{craft_file, part};
 use crate::support::noise::Normals;
-use identification::pooled::{Judgement, NominalModel, Part, Pool, PooledRuns, Resampling, estimate};
-use identification::runs::Beside;
-use identification::{EstimateStatus, Estimator, MeanRemoval};
+use crate::support::pool;
+use identification::pooled::{Judgement, Part, Pool, PooledRuns, Resampling, estimate};
+use identification::{EstimateStatus, Estimator};
 use std::collections::BTreeMap;
 use vessel::{Run, Segment, Vessel};
 
@@ -21,19 +21,6 @@ fn runaway() -> Vessel {
         }
     }
     Vessel::from_file(file).unwrap()
-}
-
-fn pool(vessel: &Vessel, strength: f64) -> Pool<'_> {
-    Pool {
-        vessel,
-        model: vessel.model.with_intercepts(),
-        removal: MeanRemoval::Complete,
-        strength,
-        nominal: NominalModel::Known(vessel.nominal.clone()),
-        part_samples: None,
-        beside: Beside::default(),
-        constant: Vec::new(),
-    }
 }
 
 /// Two hundred samples each.
@@ -65,7 +52,7 @@ fn law_a_search_whose_start_diverges_finds_the_minimum_that_it_finds_from_elsewh
         found.parameters(&pool.model).unwrap()
     };
     // A prior that nothing outweighs holds the estimate that the search begins with at a craft that runs away.
-    let (expected, continued) = (found(&pool(&near, 0.0)), found(&pool(&far, 1e9)));
+    let (expected, continued) = (found(&pool(&near)), found(&Pool { strength: 1e9, ..pool(&far) }));
     for (a, b) in expected.iter().zip(&continued) {
         assert!((a - b).abs() <= 1e-3 * a.abs().max(1e-3), "{a} {b}");
     }
@@ -75,7 +62,8 @@ fn law_a_search_whose_start_diverges_finds_the_minimum_that_it_finds_from_elsewh
 fn what_does_not_simulate_is_not_identified_and_no_model_is_delivered() {
     let (far, runs) = (runaway(), runs(&parts(true)));
     let of = |strength: f64| {
-        estimate(&pool(&far, strength), &runs, Estimator::Ls, &JUDGEMENT, Resampling::Given(&[])).unwrap()
+        estimate(&Pool { strength, ..pool(&far) }, &runs, Estimator::Ls, &JUDGEMENT, Resampling::Given(&[]))
+            .unwrap()
     };
     let held = of(1e9);
     assert!(held.delivered.is_none() && held.sources.iter().all(|source| source.diverged > 0));

@@ -5,6 +5,8 @@
 pub mod explicit;
 pub mod noise;
 
+use identification::pooled::{NominalModel, Pool};
+use identification::runs::Beside;
 use identification::{Batch, Instruments, MeanRemoval, Outcome};
 use noise::Normals;
 use vessel::{DictionaryFile, Generator, LANES, Lane, Model, Number, Source, Vessel, simulate_one};
@@ -15,6 +17,20 @@ const DICTIONARY: &str = include_str!("../../../../../pipelines/scenarios/dictio
 /// The vessel of the paper's simulation study.
 pub fn paper() -> Vessel {
     Vessel::from_file(toml::from_str(VESSEL).unwrap()).unwrap()
+}
+
+/// Pools runs of `vessel`, whose nominal model is known: whole segments, instruments with all of the mean removed.
+pub fn pool(vessel: &Vessel) -> Pool<'_> {
+    Pool {
+        vessel,
+        model: vessel.model.with_intercepts(),
+        removal: MeanRemoval::Complete,
+        strength: 0.0,
+        nominal: NominalModel::Known(vessel.nominal.clone()),
+        part_samples: None,
+        beside: Beside::default(),
+        constant: Vec::new(),
+    }
 }
 
 /// Every run of `batch` estimated.
