@@ -1,24 +1,26 @@
 //! Channels that are computed from others, sample by sample: `[[derived]]` in `vessel.toml`.
 
-use serde::Deserialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use refusal::foreign;
 
 use crate::{Formula, Invalid, nearest};
 
-/// A channel as written.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+/// A channel that is computed from others.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "ModelDerived")]
 pub struct DerivedSpec {
     /// Name as used in terms and as a column.
     pub name: String,
     /// Its unit.
     pub unit: String,
-    /// What it is, by inputs, measured disturbances and other derived channels; see [`Formula`].
+    /// What it is.
     pub formula: String,
 }
 
-/// A channel that is computed from others.
+/// A derived channel, its formula read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DerivedChannel {
     /// Its place among [`crate::Model::variables`].

@@ -49,34 +49,42 @@ pub struct VesselFile {
 }
 
 /// An input.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "ModelInput")]
 pub struct InputSpec {
     /// Name as used in terms and as a column.
     pub name: String,
     /// Its unit.
     pub unit: String,
     /// Another input that this one is coupled to …
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follows: Option<String>,
     /// … by this factor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factor: Option<f64>,
     /// Between which the actuator can be set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
-    /// Time constant with which the actuator follows a command \[s\]; 0 without it.
+    /// Time constant with which the actuator follows a command \[s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lag_s: Option<f64>,
     /// How much it changes in a second at most.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_per_s: Option<f64>,
 }
 
 /// A measured disturbance.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "ModelChannel")]
 pub struct MeasuredSpec {
     /// Name as used in terms and as a column.
     pub name: String,
     /// Its unit.
     pub unit: String,
-    /// What it is wherever a trial is simulated; without it, none is.
+    /// What it is wherever a trial is simulated, in its unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulated: Option<f64>,
 }
 

@@ -32,27 +32,9 @@ impl ModelDocument {
 
     /// That of the structure `model`, as `delivered` after a fit to so many samples.
     pub(super) fn found(vessel: &Vessel, model: &Model, delivered: &Delivered, samples: u64) -> Self {
-        let degree = |d: DegreeOfFreedom| degree(vessel, d, model, delivered);
-        Self {
-            vessel: vessel.name.clone(),
-            sample_rate_hz: vessel.sample_rate_hz,
-            inputs: Vec::new(),
-            measured: Vec::new(),
-            derived: Vec::new(),
-            degrees: DegreeOfFreedom::ALL.into_iter().map(degree).collect(),
-            covariance: delivered.covariance.clone(),
-            estimator: Estimator::OutputError,
-            mean_removal: MeanRemoval::Complete,
-            samples,
-            recordings: delivered.recordings.clone(),
-            surroundings: delivered.surroundings.clone(),
-            covered: delivered.covered.clone(),
-            left_out_rmse: None,
-            magnitudes: None,
-            rejected: None,
-            statements: Vec::new(),
-        }
-        .with_channels(vessel)
+        let made = (Estimator::OutputError, MeanRemoval::Complete);
+        let own = Self::with_degrees(vessel, made, delivered, |d| degree(vessel, d, model, delivered));
+        Self { samples, ..own }
     }
 }
 

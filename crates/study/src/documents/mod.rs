@@ -57,7 +57,7 @@ pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State,
     WarningKind, WarningSummary,
 };
-pub use model::{ModelChannel, ModelDegree, ModelDocument, ModelInput, ModelParameter};
+pub use model::{ModelDegree, ModelDocument, ModelParameter};
 pub use moments::MomentsDocument;
 pub use passage::{NearestDanger, Passage, PassageLeg};
 pub use plan::{

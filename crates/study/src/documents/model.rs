@@ -22,12 +22,12 @@ pub struct ModelDocument {
     /// The sampling rate that the values hold for.
     pub sample_rate_hz: f64,
     /// Inputs, in order.
-    pub inputs: Vec<ModelInput>,
+    pub inputs: Vec<InputSpec>,
     /// Measured disturbances, in order.
-    pub measured: Vec<ModelChannel>,
+    pub measured: Vec<MeasuredSpec>,
     /// Channels that are computed from inputs, measured disturbances and each other.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub derived: Vec<ModelDerived>,
+    pub derived: Vec<DerivedSpec>,
     /// Surge, sway, yaw.
     pub degrees: Vec<ModelDegree>,
     /// Covariance of the values that were estimated by themselves, 0 at bounds; null where some have no standard error, for the
@@ -63,56 +63,6 @@ pub struct ModelDocument {
 
 /// Share of its width by which a channel may leave its range in the data: a model holds what was logged with slightly other inputs.
 const SPARE: f64 = 0.02;
-
-/// An input.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ModelInput {
-    /// Name as used in terms and as a column.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
-    /// Another input that this one is coupled to …
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub follows: Option<String>,
-    /// … by this factor.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub factor: Option<f64>,
-    /// Between which the actuator can be set.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub range: Option<[f64; 2]>,
-    /// Time constant with which the actuator follows a command \[s\].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lag_s: Option<f64>,
-    /// How much it changes in a second at most.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rate_per_s: Option<f64>,
-}
-
-/// A measured disturbance.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ModelChannel {
-    /// Name as used in terms and as a column.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
-    /// What it is wherever a trial is simulated, in its unit.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub simulated: Option<f64>,
-}
-
-/// A channel that is computed from others.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ModelDerived {
-    /// Name as used in terms and as a column.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
-    /// What it is.
-    pub formula: String,
-}
 
 /// The equation of one degree of freedom; its numbers are per sample, in the unit of its state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -207,11 +157,20 @@ impl ModelDocument {
 
     fn of(
         vessel: &Vessel,
-        (estimator, mean_removal): (Estimator, MeanRemoval),
+        made: (Estimator, MeanRemoval),
         delivered: &Delivered,
         errors: &[Option<f64>],
     ) -> Self {
-        let degree = |d: DegreeOfFreedom| ModelDegree::new(vessel, delivered, errors, d);
+        Self::with_degrees(vessel, made, delivered, |d| ModelDegree::new(vessel, delivered, errors, d))
+    }
+
+    /// The model that was delivered, its equations by `degree`.
+    pub(super) fn with_degrees(
+        vessel: &Vessel,
+        (estimator, mean_removal): (Estimator, MeanRemoval),
+        delivered: &Delivered,
+        degree: impl FnMut(DegreeOfFreedom) -> ModelDegree,
+    ) -> Self {
         Self {
             vessel: vessel.name.clone(),
             sample_rate_hz: vessel.sample_rate_hz,
@@ -240,7 +199,7 @@ impl ModelDocument {
         let input = |(i, variable): (usize, &Variable)| {
             let coupling = vessel.couplings[i];
             let inputs = model.input_variables();
-            ModelInput {
+            InputSpec {
                 name: variable.name.clone(),
                 unit: variable.unit.clone(),
                 follows: coupling.map(|(leader, _)| inputs[leader].name.clone()),
@@ -250,12 +209,12 @@ impl ModelDocument {
                 rate_per_s: vessel.actuators[i].rate_per_s,
             }
         };
-        let measured = |(place, variable): (usize, &Variable)| ModelChannel {
+        let measured = |(place, variable): (usize, &Variable)| MeasuredSpec {
             name: variable.name.clone(),
             unit: variable.unit.clone(),
             simulated: model.simulated.get(&place).copied(),
         };
-        let derived = |own: &DerivedChannel| ModelDerived {
+        let derived = |own: &DerivedChannel| DerivedSpec {
             name: model.variables[own.variable].name.clone(),
             unit: model.variables[own.variable].unit.clone(),
             formula: own.text.clone(),
@@ -344,31 +303,12 @@ impl ModelDocument {
             })
         };
         let terms = |degree: &ModelDegree| degree.parameters.iter().map(term).collect::<Option<Vec<_>>>();
-        let input = |input: &ModelInput| InputSpec {
-            name: input.name.clone(),
-            unit: input.unit.clone(),
-            follows: input.follows.clone(),
-            factor: input.factor,
-            range: input.range,
-            lag_s: input.lag_s,
-            rate_per_s: input.rate_per_s,
-        };
-        let channel = |c: &ModelChannel| MeasuredSpec {
-            name: c.name.clone(),
-            unit: c.unit.clone(),
-            simulated: c.simulated,
-        };
-        let derived = |d: &ModelDerived| DerivedSpec {
-            name: d.name.clone(),
-            unit: d.unit.clone(),
-            formula: d.formula.clone(),
-        };
         Some(Vessel::from_file(VesselFile {
             name: Some(self.vessel.clone()),
             sample_rate_hz: Some(self.sample_rate_hz),
-            input: self.inputs.iter().map(input).collect(),
-            measured: self.measured.iter().map(channel).collect(),
-            derived: self.derived.iter().map(derived).collect(),
+            input: self.inputs.clone(),
+            measured: self.measured.clone(),
+            derived: self.derived.clone(),
             surge: terms(surge)?,
             sway: terms(sway)?,
             yaw: terms(yaw)?,
