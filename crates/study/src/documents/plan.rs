@@ -49,7 +49,7 @@ impl PlanDocument {
 }
 
 /// A chart with objects or depths that the plan was made on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlanChart {
     /// Name of its file.
@@ -109,18 +109,7 @@ pub struct LeftOut<'a> {
 impl PlanChart {
     /// A chart in `file` that has depths and no objects.
     pub(crate) fn measured(file: String, measured: &chart::Measured) -> Self {
-        Self {
-            file,
-            edition: None,
-            update: None,
-            issued: None,
-            scale: None,
-            sounding_datum: None,
-            vertical_datum: None,
-            notes: Vec::new(),
-            classes: BTreeMap::new(),
-            depths: Some(PlanDepths::of(measured)),
-        }
+        Self { file, depths: Some(PlanDepths::of(measured)), ..Self::default() }
     }
 
     /// Which chart it is, and in which depths.

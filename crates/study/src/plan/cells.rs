@@ -209,15 +209,8 @@ pub(super) fn of_objects(
     };
     let told = PlanChart {
         file: path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned()),
-        edition: None,
-        update: None,
-        issued: None,
-        scale: None,
-        sounding_datum: None,
-        vertical_datum: None,
-        notes: Vec::new(),
         classes: tallies.into_iter().map(|(class, tally)| (class, of(tally))).collect(),
-        depths: None,
+        ..PlanChart::default()
     };
     Ok((layer, told))
 }
