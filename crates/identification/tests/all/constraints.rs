@@ -1,6 +1,6 @@
 //! Parameters that are fixed, tied or bounded, and the constant as a term: by every estimator.
 
-use crate::pooled_laws::{craft_file, part};
+use crate::pooled_laws::{craft_file, part, runs};
 use crate::support::noise::Normals;
 use crate::support::pool;
 use identification::pooled::{
@@ -11,7 +11,7 @@ use identification::predictor::{Flow, InitialState, Levels};
 use identification::runs::{Beside, RunEstimators};
 use identification::{Estimator, Known, MeanRemoval, RunEstimate, Sums};
 use std::collections::BTreeMap;
-use vessel::{InputSpec, Run, Segment, TermSpec, Vessel, VesselFile};
+use vessel::{InputSpec, Run, TermSpec, Vessel, VesselFile};
 
 /// The craft with its terms changed.
 fn craft(change: impl Fn(&mut VesselFile)) -> Vessel {
@@ -28,18 +28,6 @@ fn spec<'a>(file: &'a mut VesselFile, name: &str) -> &'a mut TermSpec {
 fn parts(count: usize) -> Vec<Part> {
     let (vessel, mut normals) = (craft(|_| ()), Normals::new(21));
     (0..count).map(|i| part(&vessel, 90, i, &mut normals, true)).collect()
-}
-
-fn runs(parts: &[Part]) -> Vec<Run> {
-    let run = |(i, part): (usize, &Part)| Run {
-        design: "simulated".to_owned(),
-        run: i as i32,
-        segments: vec![Segment { maneuver: "zigzag".to_owned(), start: 0 }],
-        initial: [0, 1, 2].map(|d| part.measured[d]),
-        exogenous: part.exogenous.clone(),
-        measured: part.measured.clone(),
-    };
-    parts.iter().enumerate().map(run).collect()
 }
 
 fn pooled(vessel: &Vessel, parts: &Vec<Part>, estimator: Estimator) -> Estimated {

@@ -1,12 +1,12 @@
 //! Searches whose start diverges, and estimates that do not simulate.
 
-use crate::pooled_laws::{craft_file, part};
+use crate::pooled_laws::{craft_file, part, runs};
 use crate::support::noise::Normals;
 use crate::support::pool;
 use identification::pooled::{Judgement, Part, Pool, PooledRuns, Resampling, estimate};
 use identification::{EstimateStatus, Estimator};
 use std::collections::BTreeMap;
-use vessel::{Run, Segment, Vessel};
+use vessel::Vessel;
 
 fn craft() -> Vessel {
     Vessel::from_file(craft_file()).unwrap()
@@ -29,18 +29,6 @@ fn parts(noise: bool) -> Vec<Part> {
     (0..4).map(|i| part(&vessel, 200, i, &mut normals, noise)).collect()
 }
 
-fn runs(parts: &[Part]) -> PooledRuns {
-    let run = |(i, part): (usize, &Part)| Run {
-        design: "simulated".to_owned(),
-        run: i as i32,
-        segments: vec![Segment { maneuver: "zigzag".to_owned(), start: 0 }],
-        initial: [0, 1, 2].map(|d| part.measured[d]),
-        exogenous: part.exogenous.clone(),
-        measured: part.measured.clone(),
-    };
-    PooledRuns::new(parts.iter().enumerate().map(run).collect(), &BTreeMap::new())
-}
-
 const JUDGEMENT: Judgement = Judgement { replicates: 0, seed: 1 };
 
 #[test]
@@ -60,7 +48,7 @@ fn law_a_search_whose_start_diverges_finds_the_minimum_that_it_finds_from_elsewh
 
 #[test]
 fn what_does_not_simulate_is_not_identified_and_no_model_is_delivered() {
-    let (far, runs) = (runaway(), runs(&parts(true)));
+    let (far, runs) = (runaway(), PooledRuns::new(runs(&parts(true)), &BTreeMap::new()));
     let of = |strength: f64| {
         estimate(&Pool { strength, ..pool(&far) }, &runs, Estimator::Ls, &JUDGEMENT, Resampling::Given(&[]))
             .unwrap()

@@ -9,7 +9,7 @@ use identification::pooled::{
 };
 use identification::predictor::InitialState;
 use identification::{MeanRemoval, Sums};
-use vessel::{RunView, Streams, Vessel, VesselFile, simulate_one};
+use vessel::{Run, RunView, Segment, Streams, Vessel, VesselFile, simulate_one};
 
 const TRUTH: [f64; 8] = [-0.06, 0.7, 0.01, -0.25, -0.3, -0.2, -0.08, 0.1];
 const COMPLETE: Options = Options { removal: MeanRemoval::Complete, prior: None, most: f64::INFINITY };
@@ -27,6 +27,19 @@ pub fn craft_file() -> VesselFile {
     let oracle: serde_json::Value =
         serde_json::from_str(include_str!("../../../../fixtures/oracle/pooled.json")).unwrap();
     toml::from_str(oracle["vessel"].as_str().unwrap()).unwrap()
+}
+
+/// Parts as runs of one segment each.
+pub fn runs(parts: &[Part]) -> Vec<Run> {
+    let run = |(i, part): (usize, &Part)| Run {
+        design: "simulated".to_owned(),
+        run: i as i32,
+        segments: vec![Segment { maneuver: "zigzag".to_owned(), start: 0 }],
+        initial: [0, 1, 2].map(|d| part.measured[d]),
+        exogenous: part.exogenous.clone(),
+        measured: part.measured.clone(),
+    };
+    parts.iter().enumerate().map(run).collect()
 }
 
 /// A part of `samples` samples with forces that are correlated in time and no measurement noise, or none at all.
