@@ -268,7 +268,8 @@ fn split_name(text: &str) -> Result<(&str, &str), Malformed> {
     Ok((&text[..end], text[end..].trim_start()))
 }
 
-fn parse_power(text: &str) -> Result<(i32, &str), Malformed> {
+/// The power that `text` begins with, 1 without any, and what follows it.
+pub(crate) fn parse_power(text: &str) -> Result<(i32, &str), Malformed> {
     let Some(exponent) = text.trim_start().strip_prefix('^') else { return Ok((1, text)) };
     let exponent = exponent.trim_start();
     let end = exponent.find(|c: char| !c.is_ascii_digit()).unwrap_or(exponent.len());

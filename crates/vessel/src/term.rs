@@ -1,5 +1,6 @@
 use refusal::foreign;
 
+use crate::formula::parse_power;
 use crate::{Invalid, Number, nearest};
 
 /// One factor of a term: a variable or its modulus.
@@ -48,7 +49,7 @@ impl Term {
         let mut factors = Vec::new();
         while !rest.is_empty() {
             let (factor, power, after) = parse_factor(text, rest, variables)?;
-            factors.extend(std::iter::repeat_n(factor, power));
+            factors.extend(std::iter::repeat_n(factor, power as usize));
             if factors.len() > MOST_FACTORS {
                 return Err(malformed(text, &format!("more than {MOST_FACTORS} factors")));
             }
@@ -115,7 +116,7 @@ fn parse_factor<'a>(
     text: &str,
     rest: &'a str,
     variables: &[&str],
-) -> Result<(Factor, usize, &'a str), Invalid> {
+) -> Result<(Factor, i32, &'a str), Invalid> {
     let (modulus, start) = match rest.strip_prefix('|') {
         Some(inner) => (true, inner.trim_start()),
         None => (false, rest),
@@ -126,20 +127,8 @@ fn parse_factor<'a>(
         after = after.trim_start().strip_prefix('|').ok_or_else(|| malformed(text, "an unclosed `|`"))?;
     }
     let variable = variables.iter().position(|v| *v == name).ok_or_else(|| unknown(text, name, variables))?;
-    let (power, after) = parse_power(text, after)?;
+    let (power, after) = parse_power(after).map_err(|e| malformed(text, &e.0))?;
     Ok((Factor { variable, modulus }, power, after))
-}
-
-fn parse_power<'a>(text: &str, rest: &'a str) -> Result<(usize, &'a str), Invalid> {
-    let Some(exponent) = rest.trim_start().strip_prefix('^') else {
-        return Ok((1, rest));
-    };
-    let exponent = exponent.trim_start();
-    let digits = exponent.find(|c: char| !c.is_ascii_digit()).unwrap_or(exponent.len());
-    match exponent[..digits].parse::<usize>() {
-        Ok(power @ 1..=9) => Ok((power, &exponent[digits..])),
-        _ => Err(malformed(text, "a power that is no whole number from 1 to 9")),
-    }
 }
 
 fn malformed(text: &str, found: &str) -> Invalid {
