@@ -42,16 +42,7 @@ fn numbers() -> Map<String, Value> {
 
 #[test]
 fn golden_pooled_study() {
-    let remedy = "`make golden` writes it again, once you know why";
-    let text = fs::read_to_string(path()).unwrap_or_else(|e| panic!("{}: {e}; {remedy}", path().display()));
-    let golden: Map<String, Value> = serde_json::from_str(&text).unwrap();
-    let found = numbers();
-    assert!(golden.keys().eq(found.keys()), "other numbers than in {}; {remedy}", path().display());
-    for (name, golden) in &golden {
-        let (golden, found) = (golden.as_f64().unwrap(), found[name].as_f64().unwrap());
-        let same = approx::relative_eq!(golden, found, max_relative = 1e-8, epsilon = 1e-12);
-        assert!(same, "{name}: found {found}, golden {golden}; {remedy}");
-    }
+    are_golden(&path(), &numbers(), 1e-8);
 }
 
 #[test]

@@ -73,17 +73,7 @@ fn numbers() -> Map<String, Value> {
 
 #[test]
 fn golden_small_study() {
-    let path = fixtures("golden/smoke.json");
-    let remedy = "`make golden` writes it again, once you know why";
-    let text = fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}; {remedy}", path.display()));
-    let golden: Map<String, Value> = serde_json::from_str(&text).unwrap();
-    let found = numbers();
-    assert!(golden.keys().eq(found.keys()), "other numbers than in {}; {remedy}", path.display());
-    for (name, golden) in &golden {
-        let (golden, found) = (golden.as_f64().unwrap(), found[name].as_f64().unwrap());
-        let same = approx::relative_eq!(golden, found, max_relative = 1e-9, epsilon = 1e-12);
-        assert!(same, "{name}: found {found}, golden {golden}; {remedy}");
-    }
+    are_golden(&fixtures("golden/smoke.json"), &numbers(), 1e-9);
 }
 
 /// A study with the files of fixtures/schema under their usual names.

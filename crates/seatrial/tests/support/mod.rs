@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 
 use artifact::Document;
 use assert_cmd::Command;
-use serde_json::Value;
+use serde_json::{Map, Value};
 use tempfile::TempDir;
 
 /// Runs per design of the small study.
@@ -255,6 +255,19 @@ pub fn listing(folder: &Path) -> BTreeMap<PathBuf, (u64, std::time::SystemTime)>
         all.insert(entry.path(), (about.len(), about.modified().unwrap()));
     }
     all
+}
+
+/// Asserts that `found` are the numbers in the golden file at `path`, but for `tolerance`.
+pub fn are_golden(path: &Path, found: &Map<String, Value>, tolerance: f64) {
+    let remedy = "`make golden` writes it again, once you know why";
+    let text = fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}; {remedy}", path.display()));
+    let golden: Map<String, Value> = serde_json::from_str(&text).unwrap();
+    assert!(golden.keys().eq(found.keys()), "other numbers than in {}; {remedy}", path.display());
+    for (name, golden) in &golden {
+        let (golden, found) = (golden.as_f64().unwrap(), found[name].as_f64().unwrap());
+        let same = approx::relative_eq!(golden, found, max_relative = tolerance, epsilon = 1e-12);
+        assert!(same, "{name}: found {found}, golden {golden}; {remedy}");
+    }
 }
 
 /// Runs a command line that must be refused, without and with --json, and must leave the folder as it was.
