@@ -87,6 +87,7 @@ fn io_line(path: &Path, action: &str, source: &io::Error) -> String {
             "end that process (`fuser -v` or `lsof` name it), or write into another folder",
         ),
         (_, io::ErrorKind::IsADirectory) => ("a file", "name a file, not a folder"),
+        ("read", io::ErrorKind::NotADirectory) => ("a folder before its name", "check the path"),
         ("read", _) => ("a readable file", "check the file and its disk"),
         _ => ("a writable place", "check the folder and its disk"),
     };

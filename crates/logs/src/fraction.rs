@@ -50,7 +50,7 @@ impl Fractions {
     pub(crate) fn padded(&self, times: Samples) -> (Samples, usize) {
         let lengths = || self.digits.iter().copied().filter(|digits| *digits > 0);
         let (Some(least), Some(most)) = (lengths().min(), lengths().max()) else { return (times, 0) };
-        if self.is_plain || least == most || self.digits.len() != times.len() {
+        if self.is_plain || self.digits.len() != times.len() {
             return (times, 0);
         }
         let unit = if most > 6 {
@@ -66,7 +66,8 @@ impl Fractions {
             let number = ((time - whole) * 10_f64.powi(i32::from(*digits))).round();
             whole + number * 10_f64.powi(-unit)
         }));
-        match self.has_zeros || is_more_even(&meant, &times) {
+        // As many digits in all rows may be what was printed, zeros at the end too.
+        match least < most && self.has_zeros || is_more_even(&meant, &times) {
             true => (meant, lengths().filter(|digits| i32::from(*digits) < unit).count()),
             false => (times, 0),
         }
@@ -125,6 +126,18 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    /// Four digits in every row: 2.0 to 8.6 ms after each second.
+    #[test]
+    fn numbers_of_as_many_digits_are_told_by_how_even_their_steps_are() {
+        let micros = |k: usize| 2000 + (k * 7 % 13) * 550;
+        let texts: Vec<String> = (0..61).map(|k| format!("{}.{}", 50_000 + k, micros(k))).collect();
+        let (found, moved) = padded(&texts);
+        assert_eq!(moved, 61);
+        for (k, time) in found.iter().enumerate() {
+            assert!((time - (50_000 + k) as f64 - micros(k) as f64 * 1e-6).abs() < 1e-9, "{time}");
         }
     }
 

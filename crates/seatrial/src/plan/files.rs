@@ -82,14 +82,32 @@ impl VoyageFiles<'_> {
     }
 
     /// Refuses to write over an input: any of them beside `out`, and charts under its own name.
-    pub(super) fn check_inputs(&self, config: &PlanFile, out: &Path) -> Result<(), Failure> {
+    pub(super) fn check_inputs(
+        &self,
+        config: &PlanFile,
+        out: &Path,
+        problem: Option<&Path>,
+    ) -> Result<(), Failure> {
         let folder = self.config.parent().unwrap_or(Path::new(""));
         let charts = config.chart.iter().map(|spec| folder.join(&spec.file));
         let others = [Some(self.vessel), Some(self.config), Some(self.trajectories), self.design];
         let inputs: Vec<PathBuf> =
             charts.chain(others.into_iter().flatten().map(Path::to_path_buf)).collect();
-        let outputs = BESIDE.iter().map(|name| beside(out, MAIN, name)).chain([out.to_path_buf()]);
-        for output in outputs.filter_map(|path| path.canonicalize().ok()) {
+        let outputs: Vec<PathBuf> =
+            BESIDE.iter().map(|name| beside(out, MAIN, name)).chain([out.to_path_buf()]).collect();
+        if let Some(problem) = problem {
+            let existing = problem.canonicalize().ok();
+            let is = |path: &&PathBuf| {
+                **path == problem || existing.is_some() && path.canonicalize().ok() == existing
+            };
+            if let Some(other) = inputs.iter().chain(&outputs).find(is) {
+                return Err(Failure::Usage(format!(
+                    "--export-problem: found {}, which is also an input or another output, expected another file; name one",
+                    other.display()
+                )));
+            }
+        }
+        for output in outputs.into_iter().filter_map(|path| path.canonicalize().ok()) {
             let same = |input: &&PathBuf| input.canonicalize().is_ok_and(|path| path == output);
             if let Some(input) = inputs.iter().find(same) {
                 return Err(Failure::Usage(format!(

@@ -46,7 +46,7 @@ pub fn plan_voyage(
     let refuse = |error| refusals::voyage(files, error);
     let (mut brief, config) = files.read(out, &mut provenance, seed)?;
     let charts = charts(files, (&mut brief, &config), limits, &mut provenance)?;
-    files.check_inputs(&config, out)?;
+    files.check_inputs(&config, out, wanted.problem)?;
     let searched = limits.before_check();
     let search = Search { options: limits.options(), watch: &|| searched.watch(), go_on: &|| limits.go_on() };
     let mut prepared = Prepared::new(brief, &search).map_err(refuse)?;

@@ -186,6 +186,10 @@ fn a_problem_that_is_not_there_and_one_over_itself_are_told() {
 fn law_an_exported_problem_has_the_plans_cost() {
     let folder = small();
     run(&folder, &format!("{PLAN} --export-problem problem.json")).succeeds();
+    for taken in ["dictionary.parquet", "plan.toml", "./plan.json", "track.geojson"] {
+        let line = format!("{PLAN} --export-problem {taken}");
+        refused(&folder, 2, &line, &["--export-problem", "also an input or another output"]);
+    }
     let planned = json(&folder, "plan.json");
     run(&folder, "plan --problem problem.json --out again.json").succeeds();
     let again = json(&folder, "again.json");
