@@ -1,6 +1,6 @@
 //! Tail probabilities.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::erf::erfc;
 
 /// P(χ² ≥ x) for `freedom` degrees of freedom; 1 without any.
@@ -13,7 +13,13 @@ pub fn normal_tails(z: f64) -> f64 {
     erfc(z.abs() / std::f64::consts::SQRT_2)
 }
 
-/// Half the width of an interval of 95 % by Student's t of so many degrees of freedom, in standard errors.
+/// Half the width of an interval of 95 % by Student's t of so many degrees of freedom, in standard errors: by the expansion of
+/// Fisher and Cornish (*Technometrics* 2, 1960), to 2e-4 of it from nine degrees on.
 pub fn student_half_width(freedom: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.975))
+    const Z: f64 = 1.959_963_985;
+    let square = Z * Z;
+    let first = (square + 1.0) / 4.0;
+    let second = ((5.0 * square + 16.0) * square + 3.0) / 96.0;
+    let third = (((3.0 * square + 19.0) * square + 17.0) * square - 15.0) / 384.0;
+    Z * (1.0 + (first + (second + third / freedom) / freedom) / freedom)
 }
