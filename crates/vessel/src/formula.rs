@@ -3,7 +3,9 @@ use std::collections::BTreeMap;
 use thiserror::Error;
 
 use crate::Arithmetic;
-use crate::term::MOST_FACTORS;
+
+/// Most factors of a term, and of a formula.
+pub(crate) const MOST_FACTORS: usize = 32;
 
 /// What is applied to a channel before it is multiplied with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

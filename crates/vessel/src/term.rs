@@ -1,6 +1,6 @@
 use refusal::foreign;
 
-use crate::formula::parse_power;
+use crate::formula::{MOST_FACTORS, parse_power};
 use crate::{Invalid, Number, nearest};
 
 /// One factor of a term: a variable or its modulus.
@@ -11,9 +11,6 @@ pub struct Factor {
     /// Whether the modulus is meant.
     pub modulus: bool,
 }
-
-/// Most factors of a term, and of a formula.
-pub(crate) const MOST_FACTORS: usize = 32;
 
 /// A product of variables and moduli, such as `u |u|`, `v r` or `u |u| delta`. A power is a repeated factor.
 #[derive(Clone, Debug, PartialEq)]

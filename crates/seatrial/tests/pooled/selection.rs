@@ -64,7 +64,7 @@ fn a_design_without_counts_is_refused() {
         &folder,
         3,
         &format!("{line} --out selection.parquet"),
-        &["design.json", "`counts`", "--segments"],
+        &["design.json", "counts: found none", "--segments"],
     );
 }
 
