@@ -1,4 +1,4 @@
-//! Small blocks, statistics and distributions against laws, faer and exact sums.
+//! Matrices, statistics and distributions against laws, faer and exact sums.
 
 mod decompositions;
 mod distributions;

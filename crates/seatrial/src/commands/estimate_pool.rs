@@ -134,6 +134,8 @@ impl Arguments {
         if pool.beside != Beside::default() {
             return Ok(Estimator::OutputError);
         }
+        let bytes = pool.bytes(runs, Estimator::PredictionError, 0, rayon::current_num_threads());
+        inputs::fits(file, &runs.amount(), bytes)?;
         unstated(pool, runs).map_err(|e| Failure::of_pool(e, file))
     }
 
