@@ -1,4 +1,4 @@
-"""Independent computation of derived channels and their slopes, for the `oracle_*` tests of `vessel`.
+"""Independent computation of derived channels and their slopes, for the `oracle_*` tests of `model`.
 
     python scripts/independent/derived.py --out fixtures/oracle/derived.json
 

@@ -1,8 +1,9 @@
 //! Solving designs.
 
 use design::{Candidates, Options, solve};
+use maneuver::{DictionaryFile, Generator, Kept, Kind, ManeuverSpec, Shape};
+use model::Source;
 use serde_json::{Value, json};
-use vessel::{DictionaryFile, Generator, Kept, Kind, ManeuverSpec, Shape, Source};
 
 use crate::paper::Paper;
 use crate::timing::fastest;

@@ -1,8 +1,10 @@
 //! Monte Carlo in memory: simulate, estimate, validate freely.
 
+use engine::simulate_one;
 use identification::{Batch, FreeRun, Instruments, MeanRemoval, Outcome, free_runs, parameter_error};
+use model::Source;
+use numerics::{LANES, Lane};
 use serde_json::{Value, json};
-use vessel::{LANES, Lane, Source, simulate_one};
 
 use crate::paper::{Experiment, Paper};
 use crate::timing::fastest;

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use engine::RunView;
 use identification::predictor::{Fit, InitialState, Spread, output_error};
 use identification::{Batch, Instruments, MeanRemoval, Outcome};
+use numerics::LANES;
+use numerics::lanes::lane_of;
 use serde_json::{Value, json};
-use vessel::lanes::lane_of;
-use vessel::{LANES, RunView};
 
 use crate::paper::{Experiment, Paper};
 use crate::timing::fastest;

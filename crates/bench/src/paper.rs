@@ -1,12 +1,13 @@
 //! The paper's study in memory.
 
 use design::Candidates;
+use engine::{Current, Disturbances, Measurement, Streams, Weather, simulate, simulate_one};
 use identification::{Batch, moments};
-use vessel::lanes::{interleave, lane};
-use vessel::{
-    Current, Disturbances, Generator, Invalid, LANES, Lane, Measurement, Realized, Source, Streams, Vessel,
-    Weather, simulate, simulate_one,
-};
+use maneuver::{Generator, Realized};
+use model::{Source, Vessel};
+use numerics::lanes::{interleave, lane};
+use numerics::{LANES, Lane};
+use refusal::Invalid;
 
 /// Vessel and dictionary of the paper.
 pub struct Paper {

@@ -6,6 +6,8 @@ use identification::predictor::InitialState;
 use identification::runs::{Beside, RunEstimators};
 use identification::{Estimator, MeanRemoval, ValidationRuns};
 use in_memory::MonteCarlo;
+use maneuver::Generator;
+use model::Source;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -13,7 +15,6 @@ use serde_json::{Value, json};
 use study::campaign_file::CampaignFile;
 use trial::campaign::{Campaign, Designed, Maneuvers};
 use validation::tally::{Bounds, Tally};
-use vessel::{Generator, Source};
 
 use crate::paper::{OPTIMIZED, Paper};
 use crate::timing::fastest;

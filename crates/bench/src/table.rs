@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use artifact::{Column, Provenance, Table, TableReader, TableSchema, TableWriter, commit, encode_block};
+use engine::Streams;
 use serde_json::{Value, json};
 use study::trajectories::{ID, Layout, VERSION};
-use vessel::Streams;
 
 use crate::paper::Paper;
 use crate::timing::fastest;

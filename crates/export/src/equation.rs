@@ -1,6 +1,6 @@
 //! The right-hand sides of the model as expressions.
 
-use vessel::{DerivedChannel, Factor, Function};
+use model::{DerivedChannel, Factor, Function};
 
 use crate::portable::{Portable, Summand};
 use crate::text::number;
@@ -42,7 +42,7 @@ impl Syntax {
     }
 
     /// What degree of freedom `d` of `model` gains in a sample. Products and sums stand in the order in which
-    /// [`vessel::Compiled::step`] computes them.
+    /// [`engine::Compiled::step`] computes them.
     pub fn gain(&self, model: &Portable, d: usize) -> String {
         let summands: Vec<String> = model.equations[d].iter().map(|own| self.summand(model, own)).collect();
         summands.join(self.between)
@@ -74,7 +74,7 @@ impl Syntax {
 
 #[cfg(test)]
 mod tests {
-    use vessel::{Source, Vessel};
+    use model::{Source, Vessel};
 
     use crate::{Knowledge, Origin, Portable, Target};
 

@@ -3,7 +3,7 @@
 //! [`Portable`] is the model as every language wants it: channels, parameters and equations under names that are identifiers
 //! everywhere. A target turns it into text in memory; whoever calls writes the files and builds what is to be built.
 //!
-//! The generated code computes what [`vessel::Compiled::step`] does in the same order, so that both agree to the last bit
+//! The generated code computes what [`engine::Compiled::step`] does in the same order, so that both agree to the last bit
 //! where a processor does not fuse multiplication and addition.
 
 #![forbid(unsafe_code)]

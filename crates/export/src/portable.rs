@@ -2,10 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use vessel::{
-    Constraint, DegreeOfFreedom, DerivedChannel, Factor, Invalid, Product, Source, Term, Variable, Vessel,
-    Written,
+use model::{
+    Constraint, DegreeOfFreedom, DerivedChannel, Factor, Product, Source, Term, Variable, Vessel, Written,
 };
+use refusal::Invalid;
 
 use crate::identifier::{Identifiers, base};
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use artifact::{Change, Changes};
 use clap::{Arg, ArgMatches, Command};
-use vessel::Invalid;
+use refusal::Invalid;
 
 use crate::failure::Failure;
 

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use identification::pooled::{LostInstruments, PoolError};
 use identification::runs::RunError;
+use refusal::Invalid;
 use thiserror::Error;
-use vessel::Invalid;
 
 /// Why nothing was written. The message is one line.
 #[derive(Debug, Error)]

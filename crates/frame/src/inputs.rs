@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use artifact::{Document, Provenance, Work, read_document};
+use engine::Run;
+use model::Vessel;
 use serde::de::DeserializeOwned;
 use study::Doubtful;
 use study::trajectories::{KeptRuns, Layout, TrajectoryReader};
-use vessel::{Run, Vessel};
 
 use crate::cli::budget;
 use crate::failure::Failure;

@@ -9,11 +9,11 @@ use clap::Args;
 use identification::MeanRemoval;
 use identification::pooled::{NominalModel, NominalSource, Pool, PooledRuns, Recorded};
 use identification::runs::Beside;
+use model::Vessel;
 use serde_json::{Value, json};
 use study::Doubtful;
 use study::documents::{EstimateDocument, IngestDocument};
 use study::trajectories::label;
-use vessel::Vessel;
 
 use crate::choice::choice;
 use crate::cli::{not_below, samples};

@@ -3,21 +3,22 @@
 //!
 //! `cargo run --release -p identification --example noise -- <what> <runs> <seed> [<ship or disturbance> …]` with
 //! `size`: how often the exact model is rejected, and how often intervals hold the truth, of `prediction-error` and of
-//! `output-error`; `power`: how often a model that lacks two terms is rejected, and whether one of them is named first; `short`:
-//! the same as `size` of runs of a quarter of the length; `pooled`: size of eight runs together.
+//! `output-error`; `power`: how often a model that lacks two terms is rejected, and whether one of them is named first;
+//! `stated`: the same where the noise is stated; `short`: the same as `size` of runs of a quarter of the length; `pooled`: size of
+//! eight runs together.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
+use engine::{Compiled, Run, RunView, Segment, Streams};
 use identification::criticism::{Criticism, Subject, Verdict, criticise, criticise_each};
-use identification::predictor::InitialState;
+use identification::predictor::{Drift, Flow, Gusts, InitialState, Levels};
 use identification::runs::{Beside, RunEstimators};
 use identification::{Estimator, MeanRemoval};
+use maneuver::{DictionaryFile, Generator};
+use model::{Model, Source, Term, Vessel};
 use numerics::statistics::wilson;
 use rayon::prelude::*;
-use vessel::{
-    Compiled, DictionaryFile, Generator, Model, Run, RunView, Segment, Source, Streams, Term, Vessel,
-};
 
 const PAPER: &str = include_str!("../../../pipelines/paper/vessel.toml");
 const DICTIONARY: &str = include_str!("../../../pipelines/paper/dictionary.toml");
@@ -72,6 +73,26 @@ struct Sea {
     sensors: Option<([f64; 3], f64)>,
     /// Accelerations that oscillate, and their period.
     waves: Option<([f64; 3], f64)>,
+}
+
+impl Sea {
+    /// What disturbs, as one states it to the filter. What stays is left to the intercepts.
+    fn levels(&self, rate: f64) -> Levels {
+        let factor = |time: f64| (-1.0 / (rate * time)).exp();
+        let flow = |(std, time): (f64, f64)| match time > 0.0 {
+            true => Flow::Markov { std, factor: factor(time), turning: 1.0 / rate },
+            false => Flow::White { std },
+        };
+        let gusts = |(std, times): ([f64; 3], [f64; 3])| {
+            times[0].is_finite().then(|| Gusts { std: std.map(|s| s / rate), factor: times.map(factor) })
+        };
+        Levels {
+            measurement: self.noise,
+            current: self.current.map_or(Flow::Still, flow),
+            force: self.force.and_then(gusts),
+            drift: self.sensors.map(|(std, time)| Drift { std, factor: factor(time) }),
+        }
+    }
 }
 
 struct Ship {
@@ -231,7 +252,7 @@ impl Ship {
     fn told(&self, what: &str, sea: &Sea, runs: u32, seed: u64) -> Vec<String> {
         let truth: Vec<f64> = self.vessel.value.iter().copied().flatten().collect();
         let (model, theta) = match what {
-            "power" => (&self.richer.0, &self.richer.1),
+            "power" | "stated" => (&self.richer.0, &self.richer.1),
             _ => (&self.vessel.model, &truth),
         };
         let runs: Vec<Run> =
@@ -239,8 +260,9 @@ impl Ship {
         match what {
             "pooled" => self.pooled(&runs, &truth),
             _ => {
-                let mut lines = self.verdicts(&runs, &truth);
-                if what != "power" {
+                let stated = (what == "stated").then(|| sea.levels(self.vessel.sample_rate_hz));
+                let mut lines = self.verdicts(&runs, &truth, stated);
+                if !["power", "stated"].contains(&what) {
                     lines.extend(self.coverage(&runs, &truth, Estimator::PredictionError));
                     lines.extend(self.coverage(&runs, &truth, Estimator::OutputError));
                 }
@@ -249,19 +271,19 @@ impl Ship {
         }
     }
 
-    fn subject<'a>(&self, model: &'a Model, runs: &'a [RunView<'a>]) -> Subject<'a> {
+    fn subject<'a>(&self, model: &'a Model, runs: &'a [RunView<'a>], levels: Option<Levels>) -> Subject<'a> {
         let rate_hz = self.vessel.sample_rate_hz;
-        Subject { model, runs, rate_hz, known_start: self.known_start, levels: None, names: &[] }
+        Subject { model, runs, rate_hz, known_start: self.known_start, levels, names: &[] }
     }
 
-    fn verdicts(&self, runs: &[Run], truth: &[f64]) -> Vec<String> {
+    fn verdicts(&self, runs: &[Run], truth: &[f64], stated: Option<Levels>) -> Vec<String> {
         let model = self.vessel.model.with_intercepts();
         let start = model.layout().woven(truth, [0.0; 3]);
         let found: Vec<Criticism> = runs
             .par_iter()
             .filter_map(|run| {
                 let views = [run.view()];
-                criticise_each(&self.subject(&model, &views), std::slice::from_ref(&start)).pop().flatten()
+                criticise_each(&self.subject(&model, &views, stated), std::slice::from_ref(&start)).pop().flatten()
             })
             .collect();
         summary(&found)
@@ -274,7 +296,7 @@ impl Ship {
             .par_chunks_exact(POOLED)
             .filter_map(|runs| {
                 let views: Vec<RunView> = runs.iter().map(Run::view).collect();
-                criticise(&self.subject(&model, &views), &start)
+                criticise(&self.subject(&model, &views, None), &start)
             })
             .collect();
         summary(&found)

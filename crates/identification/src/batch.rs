@@ -1,6 +1,7 @@
 use std::ops::Range;
 
-use vessel::{LANES, Lane, Model, Number, Numbers};
+use model::Model;
+use numerics::{LANES, Lane, Number, Numbers};
 
 /// [`LANES`] runs of N samples side by side. All row-major. What the runs share (`X` = `f64`) is one number per entry
 /// instead of a lane; the results are the same bits.
@@ -26,12 +27,12 @@ pub(crate) enum AnyBatch<'a> {
     Shared(Batch<'a, f64>),
 }
 
-/// What a pass over a batch of either kind comes to, [`vessel::vectorized!`].
+/// What a pass over a batch of either kind comes to, [`numerics::vectorized!`].
 macro_rules! over_batch {
     ($any:expr, |$batch:ident| $pass:expr) => {
         match $any {
-            $crate::batch::AnyBatch::Lanes($batch) => vessel::vectorized!($pass),
-            $crate::batch::AnyBatch::Shared($batch) => vessel::vectorized!($pass),
+            $crate::batch::AnyBatch::Lanes($batch) => numerics::vectorized!($pass),
+            $crate::batch::AnyBatch::Shared($batch) => numerics::vectorized!($pass),
         }
     };
 }

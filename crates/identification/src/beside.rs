@@ -11,7 +11,7 @@ pub struct Beside {
     pub wind: UnknownWind,
 }
 
-vessel::choices! {
+refusal::choices! {
     /// Forces that stay, which no term tells of.
     pub enum Intercepts {
         /// One for each degree of freedom.
@@ -21,7 +21,7 @@ vessel::choices! {
     }
 }
 
-vessel::choices! {
+refusal::choices! {
     /// A current that is not known.
     pub enum UnknownCurrent {
         /// None: still water.
@@ -35,7 +35,7 @@ vessel::choices! {
     }
 }
 
-vessel::choices! {
+refusal::choices! {
     /// A wind whose direction is not known.
     pub enum UnknownWind {
         /// None, or one that terms of measured channels tell of.

@@ -1,8 +1,7 @@
 use std::collections::BTreeMap;
 
-use numerics::quadratic;
-use vessel::lanes::lane_of;
-use vessel::{LANES, Lane, Number};
+use numerics::lanes::lane_of;
+use numerics::{LANES, Lane, Number, quadratic};
 
 use crate::bounded::estimated;
 use crate::groups::Group;
@@ -177,7 +176,7 @@ impl Instruments {
             }))
         };
         let freedom = [0, 1, 2].map(freedom);
-        vessel::vectorized!({
+        numerics::vectorized!({
             let mut errors = Vec::new();
             let mut pairs = self.squares.squares.iter().zip(&self.squares.neighbours);
             for (d, SolvedLanes { theta, inverse, .. }) in solved.iter().enumerate() {

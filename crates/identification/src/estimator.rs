@@ -1,4 +1,4 @@
-vessel::choices! {
+refusal::choices! {
     /// How parameters are estimated.
     pub enum Estimator {
         /// Least squares (biased by measurement noise).

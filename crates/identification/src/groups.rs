@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use vessel::{LANES, Lane};
+use numerics::{LANES, Lane};
 
 /// A group of samples that shares its intercepts: its first sample, and a constant per signal.
 #[derive(Clone, Debug)]

@@ -1,4 +1,4 @@
-use vessel::Lane;
+use numerics::Lane;
 
 /// Per degree of freedom Σ ε(k)² and Σ ε(k−1) ε(k) of residuals ε.
 pub(crate) struct Lags {

@@ -1,7 +1,8 @@
 use std::ops::Range;
 
-use vessel::lanes::lane_of;
-use vessel::{Lane, Model};
+use model::Model;
+use numerics::Lane;
+use numerics::lanes::lane_of;
 
 use crate::batch::{AnyBatch, over_batch};
 use crate::spans::{self, Kept};

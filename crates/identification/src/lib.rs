@@ -5,7 +5,7 @@
 //! model simulated over the same inputs. φ̃ = \[φ; 1\] and ζ̃ = \[ζ; 1\] are the lifted ones: an intercept c does what
 //! subtracting the instruments' mean does. One pass over the data gives [`Sums`] that add over sub-experiments.
 //!
-//! Runs are computed [`vessel::LANES`] at a time. Symbols: see `docs/notation.md`.
+//! Runs are computed [`numerics::LANES`] at a time. Symbols: see `docs/notation.md`.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

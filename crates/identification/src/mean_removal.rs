@@ -1,6 +1,7 @@
-use vessel::{DegreeOfFreedom, Invalid, Model};
+use model::{DegreeOfFreedom, Model};
+use refusal::Invalid;
 
-vessel::choices! {
+refusal::choices! {
     /// How the instruments' mean is removed: how many intercepts a degree of freedom has, none, one per segment or one.
     pub enum MeanRemoval {
         /// Not at all.

@@ -6,8 +6,9 @@
 //! Σ_k ζ̃ ε is therefore a sum over independent draws: of e_d(k) times ζ̃(k−1) − (1 + J_dd(k)) ζ̃(k), and of every other
 //! draw times J_di(k) ζ̃(k).
 
-use vessel::lanes::lane_of;
-use vessel::{Compiled, LANES, Lane};
+use engine::Compiled;
+use numerics::lanes::lane_of;
+use numerics::{LANES, Lane};
 
 use crate::Batch;
 
@@ -37,7 +38,7 @@ impl Noise {
 pub fn middle(batch: &Batch, theta: &[f64], noise: &Noise) -> Vec<Vec<Vec<f64>>> {
     let theta: Vec<Lane> = theta.iter().copied().map(Lane::splat).collect();
     let mut own = Compiled::new(batch.model, &theta);
-    let degrees = vessel::vectorized!(draws(batch, &mut own.clone(), &mut own, noise));
+    let degrees = numerics::vectorized!(draws(batch, &mut own.clone(), &mut own, noise));
     let of = |lane: usize| degrees.iter().map(|d| lane_of(&d.sum, lane)).collect();
     (0..LANES).map(of).collect()
 }

@@ -1,5 +1,4 @@
-use numerics::transposed;
-use vessel::{LANES, Number};
+use numerics::{LANES, Number, transposed};
 
 use crate::lane_sums::LaneSums;
 use crate::spans::Kept;

@@ -8,9 +8,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use numerics::{product, solve};
-use vessel::lanes::lane_of;
-use vessel::{Compiled, LANES, Lane};
+use engine::Compiled;
+use numerics::lanes::lane_of;
+use numerics::{LANES, Lane, product, solve};
 
 use crate::estimate::{Run, Solved, ranges};
 use crate::predictor::{BLOCKS, jackknife};
@@ -114,7 +114,7 @@ impl Signals {
     fn of(batch: &Batch, parameters: &[Lane], range: Range<usize>) -> Self {
         let mut degrees = [0, 1, 2].map(|d| Degree::new(batch, d, range.len()));
         let mut model = Compiled::new(batch.model, parameters);
-        vessel::vectorized!(filter(&mut degrees, [&mut model.clone(), &mut model], batch, range));
+        numerics::vectorized!(filter(&mut degrees, [&mut model.clone(), &mut model], batch, range));
         Self { degrees }
     }
 
@@ -145,10 +145,10 @@ impl Signals {
             let means = &means;
             let own = (0..LANES).filter(|lane| own[*lane]);
             if let Some(noise) = noise {
-                let middle = vessel::vectorized!(degree.responses(d, means, noise));
+                let middle = numerics::vectorized!(degree.responses(d, means, noise));
                 own.for_each(|lane| middles[lane].add(d, middle.iter().map(|m| m[lane])));
             } else {
-                let blocks = vessel::vectorized!(degree.blocks(&theta, means));
+                let blocks = numerics::vectorized!(degree.blocks(&theta, means));
                 for lane in own {
                     if let Ok(solved) = &solved[lane] {
                         let left_out = |block: &Block| block.left_out(lane, solved.inverse(d));

@@ -1,7 +1,7 @@
 //! Lanes in the processor's registers: where compilers, left to themselves, gather numbers one by one.
 
+use numerics::{LANES, Lane};
 use pulp::Simd;
-use vessel::{LANES, Lane};
 
 /// The registers that a lane fills.
 #[inline(always)]

@@ -3,7 +3,7 @@
 //! θ̂ − θ = A⁻¹ Σ ζᶜ(k) ε(k). The residual contains e(k+1) − e(k), so it is correlated with its neighbours: it is taken as
 //! a moving average of order one with autocovariances γ₀, γ₁, and |γ₁| ≤ γ₀/2 as every such process has.
 
-use vessel::Lane;
+use numerics::Lane;
 
 use crate::batch::{AnyBatch, over_batch};
 use crate::groups::Groups;

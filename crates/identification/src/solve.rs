@@ -1,8 +1,7 @@
 use std::collections::BTreeMap;
 
-use numerics::times;
-use vessel::lanes::lane_of;
-use vessel::{LANES, Lane, Number};
+use numerics::lanes::lane_of;
+use numerics::{LANES, Lane, Number, times};
 
 use crate::DegreeSums;
 use crate::bounded::{Equations, bounded};
@@ -145,7 +144,7 @@ impl Normal<Lane> {
     /// θ and A⁻¹ of every lane, or the index of a parameter that is not excited. A lane is solved by itself where its neighbours
     /// would wait for it: equations that are close to singular, estimates at a bound.
     pub(crate) fn solve_lanes(&self) -> SolvedLanes {
-        let (mut solved, regular) = vessel::vectorized!(self.in_order());
+        let (mut solved, regular) = numerics::vectorized!(self.in_order());
         for lane in 0..LANES {
             let open =
                 |(i, [low, high]): (&usize, &[f64; 2])| (*low..=*high).contains(&solved.theta[*i][lane]);

@@ -1,4 +1,4 @@
-vessel::choices! {
+refusal::choices! {
     /// What became of the estimate of a run, or of a degree of freedom.
     pub enum EstimateStatus {
         /// There is an estimate, and the run does not reject the model where it was asked.
@@ -25,7 +25,7 @@ impl EstimateStatus {
     }
 }
 
-vessel::choices! {
+refusal::choices! {
     /// What became of a model that was to be simulated over validation data.
     pub enum ScoreStatus {
         /// It was simulated.

@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
-use vessel::{Degree, Number};
+use model::Degree;
+use numerics::Number;
 
 /// Sums over regression pairs of all degrees of freedom. The sums of two pieces of data add to those of both.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,7 +32,7 @@ pub struct DegreeSums<X = f64> {
 pub struct Known {
     /// Whether one of the terms is 1: then its parameter is the intercept, and no mean is removed.
     pub constant: bool,
-    /// Within which estimates stay, by place; see [`vessel::Degree::bounds`].
+    /// Within which estimates stay, by place; see [`model::Degree::bounds`].
     pub bounds: BTreeMap<usize, [f64; 2]>,
 }
 

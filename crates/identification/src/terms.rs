@@ -1,6 +1,7 @@
 //! Terms that are added to a model.
 
-use vessel::{Degree, Factor, Invalid, Model, Term};
+use model::{Degree, Factor, Model, Term};
+use refusal::Invalid;
 
 /// `base` with the terms of `lists` for surge, sway and yaw after its own terms, each as text, such as `u |u|`; those that it has
 /// already and the constant are left out.

@@ -1,7 +1,6 @@
-use vessel::{
-    Arithmetic, Compiled, LANES, Lane, Model, Number, Numbers, Row, Weather, Wide, diverged_lanes, simulate,
-    vectorized,
-};
+use engine::{Compiled, Weather, diverged_lanes, simulate};
+use model::Model;
+use numerics::{Arithmetic, LANES, Lane, Number, Numbers, Row, Wide, vectorized};
 
 /// Errors of a free simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,7 +106,7 @@ where
         for d in 0..3 {
             let error = state[d] - Wide::from(truth[d]);
             squares[d] += error * error;
-            beyond.iter_mut().zip(state[d].0).for_each(|(beyond, state)| beyond.mark(state));
+            beyond.iter_mut().zip(state[d].0).for_each(|(beyond, state)| engine::mark_beyond(beyond, state));
         }
     }
     (squares, beyond)

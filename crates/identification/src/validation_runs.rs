@@ -1,4 +1,6 @@
-use vessel::{GROUPS, LANES, Lane, Run, Vessel, Wide};
+use engine::Run;
+use model::Vessel;
+use numerics::{GROUPS, LANES, Lane, Wide};
 
 use crate::validate::{free_runs_of, rmse_norm};
 use crate::{EstimateStatus, Estimator, FreeRun, RunEstimate, ScoreStatus, parameter_error};

@@ -8,17 +8,20 @@ mod monte_carlo;
 pub use monte_carlo::{MonteCarlo, Realized};
 
 use design::{Bounds, Criterion, Design, NoDesign, Options};
+use engine::Run;
 use identification::predictor::InitialState;
 use identification::runs::{Beside, NominalDiverged, RunError, RunEstimators, RunInstruments};
 use identification::{Estimator, InstrumentKind, MeanRemoval, RunEstimate, RunScore, ValidationRuns};
+use maneuver::{DictionaryFile, Generator};
+use model::{Source, Vessel};
 use rayon::prelude::*;
+use refusal::Invalid;
 use study::campaign_file::CampaignFile;
 use study::documents::DesignScores;
 use study::scores::summarize;
 use thiserror::Error;
 use trial::campaign::{Campaign, Designed, Maneuvers, Refusal, SimulatedRun};
 use trial::moments::{Estimated, Moments, Pool, Prediction, structure};
-use vessel::{DictionaryFile, Generator, Invalid, Run, Source, Vessel};
 
 /// Why a study has no answer.
 #[derive(Clone, Debug, Error)]

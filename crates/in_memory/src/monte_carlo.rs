@@ -2,13 +2,14 @@
 
 use std::ops::Range;
 
+use engine::Run;
 use identification::runs::{Alike, Doing, NominalDiverged, RunError, RunEstimators, RunInstruments};
 use identification::{
     Candidate, EstimateStatus, Estimator, InstrumentKind, Outcome, RunEstimate, RunScore, ValidationRuns,
 };
+use numerics::{GROUPS, LANES};
 use rayon::prelude::*;
 use trial::campaign::{Campaign, SimulatedRun};
-use vessel::{GROUPS, LANES, Run};
 
 use crate::StudyError;
 

@@ -82,7 +82,7 @@ pub struct MotionSummary {
     pub gain: Option<f64>,
 }
 
-vessel::choices! {
+refusal::choices! {
     /// A velocity.
     pub enum State {
         /// Surge.

@@ -3,11 +3,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use engine::Segment;
+use model::DerivedChannel;
 use rayon::prelude::*;
 use refusal::{Invalid, check_name};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{DerivedChannel, Segment};
 
 use crate::assemble::on_one_clock;
 use crate::axes::check_axes;

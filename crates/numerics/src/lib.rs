@@ -1,4 +1,4 @@
-//! Linear algebra on dense matrices, row-major in slices.
+//! Linear algebra on dense matrices, row-major in slices; numbers of runs side by side; statistics.
 //!
 //! Small square blocks (2 to about 20 rows) are eliminated in place, without allocation, for use in hot loops: a general library
 //! spends most of its time on such blocks in set-up. faer does everything else: larger systems, singular values, eigenvalues.
@@ -9,11 +9,18 @@
 mod decompositions;
 pub mod distributions;
 mod instructions;
+mod lane;
+pub mod lanes;
 mod lu;
 mod product;
 pub mod statistics;
+#[doc(hidden)]
+pub mod vectorized;
+mod wide;
 
 pub use decompositions::{Weakest, symmetric, weakest};
 pub use instructions::{dispatch, dispatch_narrow, missing_instructions};
+pub use lane::{Arithmetic, LANES, Lane, Number, Numbers, Row};
 pub use lu::{LogDet, condition, inverse, inverse_and_log_det, inverse_in_order, log_det, one_norm, solve};
 pub use product::{add_outer, add_rows, congruence, dot, product, quadratic, times, transposed};
+pub use wide::{GROUPS, Wide};

@@ -3,16 +3,16 @@
 use std::path::Path;
 
 use artifact::{Error, Provenance, read_document};
-use vessel::{Vessel, track};
-
-use super::loader::{Loader, Sources, document_at};
-use super::trajectory::files::trajectory;
-use super::{ManeuverTrace, Scenario, Study};
+use engine::{Run, track};
+use model::Vessel;
 use study::campaign_file::CampaignFile;
 use study::documents::{EstimateDocument, IngestDocument, ValidationDocument};
 use study::scores;
 use study::trajectories::{Layout, TrajectoryReader};
-use vessel::Run;
+
+use super::loader::{Loader, Sources, document_at};
+use super::trajectory::files::trajectory;
+use super::{ManeuverTrace, Scenario, Study};
 
 /// Maneuvers beyond this many are not drawn.
 const MOST_TRACES: usize = 400;

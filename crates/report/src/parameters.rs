@@ -1,14 +1,14 @@
-use crate::figures::{ErrorRow, relative_errors};
 use identification::{Estimator, MeanRemoval};
 use maud::{Markup, Render, display, html};
+use model::{DegreeOfFreedom, Vessel};
+use study::documents::{DesignSummary, EstimateDocument};
 
 use super::estimators::recommendation;
 use super::number::{or_dash, three, three_or_dash, unit};
 use super::parts::{Figures, Section, entry, missing};
 use super::study::{Study, optimized_first};
 use super::table::Table;
-use study::documents::{DesignSummary, EstimateDocument};
-use vessel::{DegreeOfFreedom, Vessel};
+use crate::figures::{ErrorRow, relative_errors};
 
 /// What the estimates say about every parameter.
 pub(super) fn parameters(study: &Study, figures: &mut Figures) -> Section {

@@ -1,10 +1,10 @@
 use maud::{Markup, html};
+use model::DegreeOfFreedom;
 use validation::comparison::{ErrorCorrelations, ErrorKind};
 
 use super::number::{exact, three};
 use super::parts::Figures;
 use crate::figures::{CorrelationCell, CorrelationRow, correlations};
-use vessel::DegreeOfFreedom;
 
 /// Inputs beyond this many are not drawn.
 const MOST_INPUTS: usize = 7;

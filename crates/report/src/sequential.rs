@@ -1,12 +1,12 @@
-use crate::figures::{AccuracyCurve, accuracy};
 use maud::{Markup, html};
+use model::Source;
+use study::documents::SequentialDocument;
+use trial::rounds::{Arm, ArmSummary, RoundGain};
 
 use super::number::{exact, or_dash, percent_within, three, three_or_dash, three_within};
 use super::parts::{Figures, Section};
 use super::table::{Table, grouped};
-use study::documents::SequentialDocument;
-use trial::rounds::{Arm, ArmSummary, RoundGain};
-use vessel::Source;
+use crate::figures::{AccuracyCurve, accuracy};
 
 /// Trials designed in rounds beside trials designed once: at equal time, and when they stop.
 pub(super) fn sequential(found: &SequentialDocument, figures: &mut Figures) -> Vec<Section> {

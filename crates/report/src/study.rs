@@ -1,9 +1,9 @@
+use model::{Variable, Vessel};
 use study::documents::{
     DesignDocument, DesignScores, EstimateDocument, MomentsDocument, Reference, SequentialDocument,
     TallyDocument, ValidationDocument,
 };
 use study::scores;
-use vessel::{Variable, Vessel};
 
 use super::planned_trial::PlannedTrial;
 

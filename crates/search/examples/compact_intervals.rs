@@ -5,11 +5,13 @@
 //! cargo run --release -p search --example compact_intervals -- [realizations] [resamples] [white|gusts] [seed]
 //! ```
 
+use std::collections::BTreeMap;
+
+use engine::{Run, Segment, Streams, simulate_one};
 use identification::pooled::PooledRuns;
 use identification::terms::listed;
+use model::{Vessel, VesselFile};
 use search::{BootstrapOptions, Cut, SearchOptions, search};
-use std::collections::BTreeMap;
-use vessel::{Run, Segment, Streams, Vessel, VesselFile, simulate_one};
 
 /// A ship of 3 m; its nominal values are the truth.
 const SHIP: &str = r#"

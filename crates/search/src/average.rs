@@ -1,5 +1,7 @@
+use engine::Streams;
+use identification::pooled::{Delivered, Part};
+use model::Model;
 use rayon::prelude::*;
-use vessel::{Model, Streams};
 
 use crate::deliver::{delivered, without_intercepts};
 use crate::folds::folds;
@@ -8,7 +10,6 @@ use crate::nested::{Fitted, Nested, Study};
 use crate::problem::limit;
 use crate::recording::{Laid, Recording};
 use crate::scores::{scores_of_mean, together};
-use identification::pooled::{Delivered, Part};
 
 /// How many models are averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 use std::collections::BTreeMap;
 
+use engine::Streams;
 use numerics::statistics::{quantile, sorted};
 use rayon::prelude::*;
-use vessel::Streams;
 
 use crate::folds::folds;
 use crate::nested::{Fitted, Study};

@@ -1,8 +1,8 @@
+use model::Model;
 use numerics::statistics::spread;
 use numerics::{dot, times};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::Model;
 
 use crate::minimum::{Ending, minimum};
 use crate::nested::{Fitted, Study, widened};

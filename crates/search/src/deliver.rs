@@ -1,11 +1,12 @@
+use engine::Compiled;
+use identification::pooled::{Delivered, Part, RecordingConstant, covered};
+use model::Model;
 use numerics::{add_outer, dot};
-use vessel::{Compiled, Model};
 
 use crate::nested::Fitted;
 use crate::problem::limit;
 use crate::recording::{Laid, Recording};
 use crate::scores::{scores, together};
-use identification::pooled::{Delivered, Part, RecordingConstant, covered};
 
 /// `library` without those terms beyond `base` that are 0 in every sample.
 pub(crate) fn without_zeros(base: &Model, library: &Model, recordings: &[Recording]) -> Model {

@@ -1,5 +1,5 @@
+use numerics::{LANES, Lane};
 use pulp::{Simd, WithSimd};
-use vessel::{LANES, Lane};
 
 /// Rows that are multiplied at once: as many as the caches hold.
 const ROWS: usize = 48;

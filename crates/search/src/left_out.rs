@@ -1,9 +1,10 @@
+use identification::pooled::{FreeRunErrors, Score};
+use model::Model;
+
 use crate::judged::{Margin, NestedAverage, NestedRecording, NestedScore};
 use crate::nested::{Fitted, Study};
 use crate::recording::{Laid, Recording};
 use crate::scores::{scores, scores_of_mean, together, varying};
-use identification::pooled::{FreeRunErrors, Score};
-use vessel::Model;
 
 /// What is judged by a fold that was left out of it.
 pub(crate) struct Judged {

@@ -1,5 +1,6 @@
 use identification::terms::add;
-use vessel::{DegreeOfFreedom, Factor, Invalid, Model, Term};
+use model::{DegreeOfFreedom, Factor, Model, Term};
+use refusal::Invalid;
 
 use crate::made::Made;
 use crate::pairs::with_pairs;

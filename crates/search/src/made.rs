@@ -1,4 +1,5 @@
-use vessel::{DerivedSpec, Formula, Invalid, Model};
+use model::{DerivedSpec, Formula, Model};
+use refusal::Invalid;
 
 /// Channels that are made of those of a model.
 pub(crate) struct Made<'a> {

@@ -1,4 +1,4 @@
-use vessel::Number;
+use numerics::Number;
 
 /// Trajectories that are averaged sample by sample.
 ///

@@ -1,10 +1,10 @@
 use std::collections::BTreeMap;
 
-use vessel::Model;
+use identification::{Equations, bounded};
+use model::Model;
 
 use crate::problem::{Looked, Problem, Slopes};
 use crate::recording::Recording;
-use identification::{Equations, bounded};
 
 /// Damping of the first step, and beyond which none helps, in shares of the curvature.
 const DAMPING: [f64; 2] = [1e-6, 1e6];

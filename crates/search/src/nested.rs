@@ -1,15 +1,15 @@
 use std::collections::BTreeMap;
 
+use identification::pooled::Score;
+use model::Model;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::Model;
 
 use crate::minimum::{Ending, least_squares, minimum, minimum_from, started};
 use crate::problem::{Problem, limit};
 use crate::recording::{Laid, Recording};
 use crate::scores::{mean_fit, scores, standard_error, together};
-use identification::pooled::Score;
 
 /// Of a path's fits: the next ridge starts where they end.
 const ALONG: Ending = Ending { steps: 2, enough: 1e-3 };

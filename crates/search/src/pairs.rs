@@ -33,7 +33,7 @@ pub(crate) fn with_pairs(made: &mut Made, mut roles: Roles) -> Roles {
 mod tests {
     use crate::library::{library, with_channels};
     use crate::roles::{NamedRoles, Roles};
-    use vessel::{Model, Vessel, VesselFile};
+    use model::{Model, Vessel, VesselFile};
 
     /// A ship of two thrusters and one more, whose terms are `further`.
     fn ship(names: [&str; 2], unit: &str, further: &str) -> Model {

@@ -1,12 +1,13 @@
+use engine::{Compiled, RunView, SideBySide, Weather, simulate};
+use identification::pooled::{Part, deviations};
+use identification::predictor::{Recordings, Step, free_sweep};
+use model::Model;
+use numerics::{LANES, Lane};
 use rayon::prelude::*;
-use vessel::lanes::SideBySide;
-use vessel::{Compiled, LANES, Lane, Model, RunView, Weather, simulate};
 
 use crate::gram::Gram;
 use crate::mean::MeanTrajectory;
 use crate::recording::Recording;
-use identification::pooled::{Part, deviations};
-use identification::predictor::{Recordings, Step, free_sweep};
 
 /// RMS of a window's errors over the states' standard deviations from which on its errors count linearly, not squared: a
 /// single window may hold a quarter of all squared errors.

@@ -1,5 +1,4 @@
-use vessel::RunView;
-
+use engine::RunView;
 use identification::pooled::{Part, PooledRuns};
 
 /// How recordings are cut.

@@ -1,4 +1,5 @@
-use vessel::{Invalid, Model};
+use model::Model;
+use refusal::Invalid;
 
 /// What the channels of a model are to the library: indices of its variables.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -220,8 +221,8 @@ fn sides(model: &Model, one: usize, other: usize) -> Option<[usize; 2]> {
 fn mirrored(model: &Model, port: usize, starboard: usize) -> bool {
     let tied = |d: usize, sign: f64| {
         model.degrees[d].terms.iter().any(|term| {
-            let of = |factors: &[vessel::Factor], channel| factors.iter().any(|f| f.variable == channel);
-            let other = |own: &vessel::Product| of(&own.factors, starboard) && own.coefficient == sign;
+            let of = |factors: &[model::Factor], channel| factors.iter().any(|f| f.variable == channel);
+            let other = |own: &model::Product| of(&own.factors, starboard) && own.coefficient == sign;
             of(&term.factors, port) && term.tied.iter().any(other)
         })
     };

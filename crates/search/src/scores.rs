@@ -1,10 +1,12 @@
+use engine::RunView;
+use identification::pooled::{FreeRunErrors, Score, deviations};
+use model::Model;
 use numerics::statistics::{mean, spread};
+use numerics::{LANES, Lane};
 use rayon::prelude::*;
-use vessel::{LANES, Lane, Model, RunView};
 
 use crate::problem::{squares, squares_of_mean};
 use crate::recording::{Laid, Recording};
-use identification::pooled::{FreeRunErrors, Score, deviations};
 
 /// Standard deviations of u, v, r over the windows of `recordings` that models are scored on.
 pub(crate) fn varying<'r>(recordings: impl Iterator<Item = &'r Recording> + Clone, laid: Laid) -> [f64; 3] {

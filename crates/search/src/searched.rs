@@ -1,8 +1,9 @@
 use std::collections::BTreeMap;
 
+use identification::pooled::{Delivered, Part, PooledRuns, listed};
+use model::Model;
 use rayon::prelude::*;
 use thiserror::Error;
-use vessel::Model;
 
 use crate::average::{AverageOptions, Averaged, share};
 use crate::bootstrap::{BootstrapOptions, Resampled};
@@ -15,7 +16,6 @@ use crate::nested::{Candidate, Choice, Fitted, Nested, Study};
 use crate::recording::{Cut, Laid, Recording};
 use crate::scores::{scores, varying};
 use crate::words;
-use identification::pooled::{Delivered, Part, PooledRuns, listed};
 
 /// How a model is searched for.
 #[derive(Clone, Debug, PartialEq)]

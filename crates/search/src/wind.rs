@@ -41,7 +41,7 @@ mod tests {
     use super::*;
     use crate::library::with_channels;
     use crate::roles::NamedRoles;
-    use vessel::{Model, Vessel, VesselFile};
+    use model::{Model, Vessel, VesselFile};
 
     /// A ship of one rudder in a measured wind, with further tables.
     fn ship(further: &str) -> Model {

@@ -9,6 +9,7 @@
 use std::collections::BTreeMap;
 use std::error::Error;
 
+use engine::{Run, RunView};
 use identification::MeanRemoval;
 use identification::criticism::{Criticism, Subject, criticise, criticise_each};
 use identification::pooled::{
@@ -19,7 +20,6 @@ use numerics::statistics::wilson;
 use rayon::prelude::*;
 use seatrial::{CampaignFile, DictionaryFile, Estimator, Study, Vessel};
 use trial::campaign::SimulatedRun;
-use vessel::{Run, RunView};
 
 /// What the paper's ship then has and the model lacks.
 const MORE: &str = r#"
@@ -36,7 +36,7 @@ value = -0.3
 nominal = 0.0
 "#;
 
-const PAPER: &str = include_str!("../../../crates/vessel/presets/ljungberg-model-ship.toml");
+const PAPER: &str = include_str!("../../../crates/model/presets/ljungberg-model-ship.toml");
 /// Runs that are pooled.
 const TOGETHER: usize = 8;
 

@@ -18,5 +18,6 @@ pub mod umbrella;
 pub use frame::{choice, cli, failure, inputs, ordered, pool, progress, said, sharded, stage};
 pub use identification::{Estimator, RunEstimate, RunScore};
 pub use in_memory::{Optimum, Study, StudyError};
+pub use maneuver::DictionaryFile;
+pub use model::Vessel;
 pub use study::campaign_file::CampaignFile;
-pub use vessel::{DictionaryFile, Vessel};

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use identification::Estimator;
 use in_memory::{MonteCarlo, Realized, StudyError};
+use numerics::LANES;
 use study::kept::Kept;
 use validation::tally::{Bounds, Tally};
-use vessel::LANES;
 
 use crate::failure::Failure;
 use crate::ordered::ordered;

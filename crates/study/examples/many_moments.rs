@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use artifact::{Provenance, TableWriter, commit_with_document};
 use design::Degree;
+use engine::Streams;
 use identification::InstrumentKind;
 use study::documents::MomentsDocument;
 use study::moments_table::{BLOCK, columns, table_of};
 use trial::moments::{DegreeMoments, ManeuverMoments, Moments};
-use vessel::Streams;
 
 /// φ̃φ̃ᵀ, averaged over three samples, of regressors drawn as powers of a few numbers.
 fn maneuver(streams: &Streams, number: u32, degrees: &[Degree]) -> ManeuverMoments {

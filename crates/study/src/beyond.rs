@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use artifact::Error;
+use engine::Run;
 use validation::comparison::{Counter, Outside, Validity};
-use vessel::Run;
 
 use crate::files::read_model;
 use crate::trajectories::{Layout, TrajectoryReader};

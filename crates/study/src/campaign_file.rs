@@ -1,15 +1,14 @@
 //! `campaign.toml`.
 
+use engine::{Axes, Current, Disturbances, Measurement, Wind};
 use identification::Noise;
 use identification::predictor::{Flow, Gusts, Levels};
-use refusal::check_ranges;
+use maneuver::{DictionaryFile, ManeuverSpec};
+use model::{Source, Vessel};
+use refusal::{Invalid, check_numbers, check_ranges};
 use serde::Deserialize;
 use trial::campaign::{Sea, Settings};
 use validation::tally::Bounds;
-use vessel::{
-    Axes, Current, DictionaryFile, Disturbances, Invalid, ManeuverSpec, Measurement, Source, Vessel, Wind,
-    check_numbers,
-};
 
 /// `campaign.toml` as written.
 #[derive(Clone, Debug, Deserialize)]

@@ -5,10 +5,9 @@ use std::path::Path;
 
 use artifact::{Digest, Error, Provenance, read_document, read_json};
 use design::Stock;
-use refusal::check_numbers;
+use refusal::{Invalid, check_numbers};
 use serde::Deserialize;
 use trial::refining::{STATES, StatedLimits};
-use vessel::Invalid;
 
 use crate::documents::IngestDocument;
 use crate::invalid;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use artifact::{Error, Provenance};
 use export::{Knowledge, Origin, Portable};
-use vessel::Source;
+use model::Source;
 
 use crate::documents::ModelDocument;
 use crate::files::{read_model, read_vessel};

@@ -2,15 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Digest, Provenance, read_document};
-use vessel::{DictionaryFile, Generator, Invalid, Vessel, VesselFile};
+use artifact::{Digest, Error, Provenance, read_document};
+use maneuver::{DictionaryFile, Generator};
+use model::{Vessel, VesselFile};
+use refusal::Invalid;
 
 use crate::campaign_file::CampaignFile;
 use crate::documents::{ModelDocument, Reference};
 use crate::ingest_file::IngestFile;
 use crate::sequential::SequentialFile;
 use crate::tried::is_average;
-use artifact::Error;
 
 /// Reads `vessel.toml`, or the `model.json` that stands in its place, and notes its digest. A model is where a new study begins:
 /// what it was made of is no part of that.

@@ -4,15 +4,15 @@ use std::path::Path;
 
 use artifact::{Error, Provenance, Staged, TableWriter, stage_set_document};
 use identification::{RunEstimate, RunScore};
+use model::Vessel;
 use trial::campaign::SimulatedRun;
 use validation::tally::Bounds;
-use vessel::Vessel;
 
 use crate::tallies::MAIN;
 use crate::trajectories::{BlockBuilder, Layout, rows_per_block};
 use crate::{beside, estimates, scores, validated};
 
-vessel::choices! {
+refusal::choices! {
     /// What is kept beside a tally.
     pub enum Keep {
         /// No table.

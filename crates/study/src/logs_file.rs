@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use logs::chain::{Actuator, Chain, Compass, Day, Gnss, Hull, Schedule};
+use model::Vessel;
 use refusal::{Invalid, check_name, check_numbers};
 use serde::Deserialize;
-use vessel::Vessel;
 
 /// `logs.toml` as written: who sails what, on which day, with which instruments.
 #[derive(Clone, Debug, Deserialize)]

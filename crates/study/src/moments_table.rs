@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Columns, Error, TableReader};
 use design::{Blocks, Candidates, Degree};
+use refusal::Invalid;
 use trial::moments::{DegreeMoments, Estimated, ManeuverMoments, Moments};
-use vessel::Invalid;
 
 use crate::beside;
 

@@ -5,8 +5,8 @@ use std::path::Path;
 use artifact::{Error, Provenance, TableWriter, commit, stage_document, stage_set_document};
 use identification::pooled::{Added, NominalSource, Pool, Pooled};
 use identification::{Estimator, RunEstimate};
+use model::Vessel;
 use serde_json::{Value, json};
-use vessel::Vessel;
 
 use crate::documents::{EstimateDocument, ModelDocument, TrustDocument};
 use crate::{beside, estimates};

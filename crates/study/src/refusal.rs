@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use artifact::Error;
-use vessel::Invalid;
+use refusal::Invalid;
 
 /// What is invalid in `file`.
 pub fn invalid(file: &Path, invalid: &Invalid) -> Error {

@@ -3,9 +3,8 @@
 use std::path::Path;
 
 use artifact::{Columns, Error, TableReader};
-use vessel::Vessel;
-
 pub use identification::pooled::Resample as Row;
+use model::Vessel;
 
 /// Schema id.
 pub const ID: &str = "resamples";

@@ -3,10 +3,9 @@
 use std::collections::HashSet;
 
 use artifact::{Columns, Error, TableReader};
-use identification::{Estimator, Quantiles, ScoreStatus, Share};
-use vessel::DegreeOfFreedom;
-
 pub use identification::RunScore as Row;
+use identification::{Estimator, Quantiles, ScoreStatus, Share};
+use model::DegreeOfFreedom;
 
 use crate::documents::{Bounds, DesignScores, EstimatorScores};
 use crate::estimates::{distinct, implausible, is_error};

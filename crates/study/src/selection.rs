@@ -3,10 +3,9 @@
 use artifact::{Columns, Error, TableReader};
 use identification::ScoreStatus;
 use identification::pooled::{NominalSource, Pool};
-use validation::selection::{DEGENERATE, Selection, SelectionOptions};
-use vessel::DegreeOfFreedom;
-
+use model::DegreeOfFreedom;
 pub use validation::selection::Realization as Row;
+use validation::selection::{DEGENERATE, Selection, SelectionOptions};
 
 use crate::documents::SelectionDocument;
 

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use artifact::{Columns, Error, Provenance, Staged, TableReader, TableWriter, read_document};
 use chart::Plane;
+use engine::Pose;
+use model::Vessel;
 use trial::{Sailed, Sample};
-use vessel::{Pose, Vessel};
 
 use crate::documents::PlanDocument;
 

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use artifact::{Document, Error, Provenance, inspect, read_document};
 use identification::pooled::Covered;
+use model::Vessel;
 use validation::comparison::{Known, Magnitudes, Ship, Standing};
-use vessel::Vessel;
 
 use crate::documents::{AverageDocument, ModelDocument};
 

@@ -1,4 +1,6 @@
-use vessel::{Invalid, Pose, Vessel};
+use engine::Pose;
+use model::Vessel;
+use refusal::Invalid;
 
 use crate::grid::wrap;
 use crate::handling::{COURSE, MEMORY, MOST_AT_ONCE, SPEED, YAW_RATE};

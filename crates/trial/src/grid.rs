@@ -1,7 +1,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use engine::Pose;
 use serde::Deserialize;
-use vessel::Pose;
 
 /// The lattice at sea: nodes, heading levels, and the speeds that a vessel may have at a node.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,11 @@
 use std::ops::RangeInclusive;
 
+use engine::Compiled;
+use maneuver::{Motion, Steady};
+use model::Vessel;
+use refusal::{Invalid, check_numbers};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{Compiled, Invalid, Motion, Steady, Vessel, check_numbers};
 
 use crate::Mode;
 

@@ -1,4 +1,5 @@
-use vessel::{Invalid, Pose};
+use engine::Pose;
+use refusal::Invalid;
 
 use crate::grid::{around, wrap};
 use crate::rehearser::{Crew, Underway};

@@ -1,4 +1,7 @@
-use vessel::{Compiled, Invalid, Motion, Steady, Vessel};
+use engine::Compiled;
+use maneuver::{Motion, Steady};
+use model::Vessel;
+use refusal::Invalid;
 
 /// Most steps of Newton's method per sample; a model that is linear in its inputs needs one.
 const STEPS: usize = 5;

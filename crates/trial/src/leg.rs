@@ -45,7 +45,7 @@ impl Purpose {
     }
 }
 
-vessel::choices! {
+refusal::choices! {
     /// Which way a maneuver is run.
     pub enum Side {
         /// As in the dictionary.

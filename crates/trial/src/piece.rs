@@ -1,4 +1,6 @@
-use vessel::{Invalid, Run, Vessel};
+use engine::Run;
+use model::Vessel;
+use refusal::Invalid;
 
 /// A piece of a dictionary maneuver: what is run open loop as one use of it.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-use vessel::Invalid;
+use refusal::Invalid;
 
 use crate::{Autopilot, Phase, Ship, Used};
 

@@ -1,4 +1,6 @@
-use vessel::{Invalid, Pose, Vessel};
+use engine::Pose;
+use model::Vessel;
+use refusal::Invalid;
 
 use crate::leg::turned;
 use crate::rehearser::{Crew, Underway};

@@ -1,4 +1,4 @@
-use vessel::Invalid;
+use refusal::Invalid;
 
 use crate::{Autopilot, Leg, Phase, Piece, Purpose, Ship, Side};
 
@@ -10,7 +10,7 @@ pub struct Sample {
     /// Whether an informative maneuver is being run.
     pub informative: bool,
     /// Where the vessel is.
-    pub pose: vessel::Pose,
+    pub pose: engine::Pose,
     /// u, v \[m/s\], r \[rad/s\].
     pub state: [f64; 3],
     /// Inputs held until the next sample.
@@ -23,7 +23,7 @@ pub struct Fix {
     /// Index of the leg.
     pub leg: usize,
     /// Where the vessel is.
-    pub pose: vessel::Pose,
+    pub pose: engine::Pose,
 }
 
 /// What was sailed.
@@ -32,7 +32,7 @@ pub struct Sailed {
     /// Every sample, in order.
     pub samples: Vec<Sample>,
     /// Where the vessel was, and how fast, at the end of each leg.
-    pub ends: Vec<(vessel::Pose, [f64; 3])>,
+    pub ends: Vec<(engine::Pose, [f64; 3])>,
 }
 
 /// One sample as it passes.
@@ -43,7 +43,7 @@ pub struct Passing<'s> {
     /// Whether an informative maneuver is being run.
     pub informative: bool,
     /// Where the vessel is.
-    pub pose: vessel::Pose,
+    pub pose: engine::Pose,
     /// u, v \[m/s\], r \[rad/s\].
     pub state: [f64; 3],
     /// Inputs held until the next sample.
@@ -80,7 +80,7 @@ impl From<Passing<'_>> for Sample {
 }
 
 /// Where a vessel was, and how fast, at the end of a leg.
-pub type End = (vessel::Pose, [f64; 3]);
+pub type End = (engine::Pose, [f64; 3]);
 
 /// Carries out `legs`, each from its own node (north, east), starting wherever `ship` is. Pieces' inputs are multiplied by
 /// `mirror` where they are run to the other side. `record` is told of every sample; the ends of legs are given.
@@ -168,7 +168,7 @@ impl<'s> Way<'_, 's, '_> {
         inputs.copy_from_slice(actual);
         autopilot.observe(pose, state, inputs, ship.state);
         record(Passing { leg, informative, pose, state, inputs });
-        if ship.state.iter().all(|s| s.abs() <= vessel::DIVERGED) {
+        if ship.state.iter().all(|s| s.abs() <= engine::DIVERGED) {
             return Ok(());
         }
         Err(Invalid::new(

@@ -1,4 +1,5 @@
-use vessel::{Actuator, Ambient, Compiled, Pose, Vessel};
+use engine::{Ambient, Compiled, Pose};
+use model::{Actuator, Vessel};
 
 /// A vessel under way: pose and state, moved sample by sample in a current.
 #[derive(Clone, Debug)]

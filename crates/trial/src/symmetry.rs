@@ -1,4 +1,5 @@
-use vessel::{Compiled, Vessel};
+use engine::Compiled;
+use model::Vessel;
 
 /// The signs of the inputs that mirror the vessel's motion about its centre plane: u, −v, −r under `signs` · inputs
 /// is the mirrored motion of u, v, r under inputs. `None` where the model is not symmetric.

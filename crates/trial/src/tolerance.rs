@@ -1,6 +1,6 @@
 use std::fmt;
 
-use vessel::Pose;
+use engine::Pose;
 
 use crate::grid::wrap;
 

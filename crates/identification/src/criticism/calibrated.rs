@@ -1,7 +1,8 @@
 //! What disturbs runs where nobody says so: by the likelihood of the runs themselves.
 
+use engine::RunView;
+use model::Model;
 use numerics::distributions::student_half_width;
-use vessel::{Model, RunView};
 
 use super::criticise::verdicts;
 use super::found::Verdict;

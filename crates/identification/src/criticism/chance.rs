@@ -1,4 +1,4 @@
-use vessel::Streams;
+use engine::Streams;
 
 use super::score::{Group, Projected, Score, log_tail};
 

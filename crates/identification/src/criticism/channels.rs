@@ -1,4 +1,6 @@
-use vessel::{Compiled, LANES, Lane, Model};
+use engine::Compiled;
+use model::Model;
+use numerics::{LANES, Lane};
 
 use super::library::Effect;
 

@@ -1,8 +1,9 @@
+use engine::RunView;
+use model::Model;
 use numerics::distributions::normal_tails;
 use numerics::statistics::median;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{Model, RunView};
 
 use super::problems::Series;
 

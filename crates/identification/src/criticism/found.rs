@@ -1,6 +1,6 @@
+use model::DegreeOfFreedom;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::DegreeOfFreedom;
 
 use super::feedback::Feedback;
 use super::noise::{Noise, NoiseKind};

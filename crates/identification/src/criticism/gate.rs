@@ -1,7 +1,8 @@
 //! Whether errors follow a noise that is known here, once what the model lacks is in.
 
-use vessel::lanes::SideBySide;
-use vessel::{Lane, Model, RunView};
+use engine::{RunView, SideBySide};
+use model::Model;
+use numerics::Lane;
 
 use super::chance::Draws;
 use super::channels::with_effects;

@@ -1,4 +1,4 @@
-use vessel::{Degree, DegreeOfFreedom, Model, Term, Variable};
+use model::{Degree, DegreeOfFreedom, Model, Term, Variable};
 
 use super::score::Group;
 

@@ -1,6 +1,7 @@
-use numerics::times;
-use vessel::lanes::{SideBySide, by_lane, lane};
-use vessel::{LANES, Lane, Model, RunView};
+use engine::{RunView, SideBySide};
+use model::Model;
+use numerics::lanes::{by_lane, lane};
+use numerics::{LANES, Lane, times};
 
 use super::channels::with_effects;
 use super::library::Lifted;

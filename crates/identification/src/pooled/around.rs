@@ -3,9 +3,8 @@
 
 use std::convert::Infallible;
 
-use numerics::{quadratic, times};
-use vessel::lanes::lane;
-use vessel::{LANES, Lane};
+use numerics::lanes::lane;
+use numerics::{LANES, Lane, quadratic, times};
 
 use crate::predictor::{
     AROUND, Asked, Linear, Recordings, Residuals, STEPS, Unknown, Weighting, jackknife, minimize,

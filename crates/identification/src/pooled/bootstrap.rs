@@ -1,7 +1,7 @@
 use std::ops::Range;
 
+use engine::Streams;
 use numerics::statistics::{quantile, sorted, spread};
-use vessel::Streams;
 
 /// The estimate from parts drawn again.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,8 +1,9 @@
 use std::collections::HashMap;
 
+use engine::RunView;
+use model::{DegreeOfFreedom, Model, Variable};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{DegreeOfFreedom, Model, RunView, Variable};
 
 use super::{
     DegreeTrust, Estimated, ParameterTrust, Part, PartView, Parts, Pool, Regression, Scales, Score, Searched,

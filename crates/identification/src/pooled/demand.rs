@@ -1,4 +1,5 @@
-use vessel::{LANES, Model};
+use model::Model;
+use numerics::LANES;
 
 use super::{Parts, Pool, PooledRuns, Recorded};
 use crate::{Estimator, MeanRemoval};

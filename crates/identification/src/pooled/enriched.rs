@@ -1,6 +1,6 @@
+use model::{DegreeOfFreedom, Vessel};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{DegreeOfFreedom, Vessel};
 
 use super::estimate::{PoolError, Pooled, estimate};
 use super::{Judgement, NominalModel, Pool, PooledRuns, Recorded, Resampling};

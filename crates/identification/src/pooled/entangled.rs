@@ -1,6 +1,6 @@
 //! Which estimates their joint covariance cannot tell apart, in words.
 
-use vessel::ParameterLayout;
+use model::ParameterLayout;
 
 use super::Delivered;
 
@@ -120,7 +120,7 @@ fn percent(share: f64) -> String {
 mod tests {
     use super::*;
     use crate::pooled::Covariance;
-    use vessel::Vessel;
+    use model::Vessel;
 
     /// Two surge parameters of these values, standard errors and correlation.
     fn told(values: [f64; 2], errors: [f64; 2], correlation: f64) -> Vec<String> {

@@ -1,5 +1,6 @@
+use engine::RunView;
+use model::DegreeOfFreedom;
 use thiserror::Error;
-use vessel::{DegreeOfFreedom, RunView};
 
 use super::entangled::entangled;
 use super::resampler::{Resampler, Resampling};

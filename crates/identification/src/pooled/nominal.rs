@@ -1,6 +1,6 @@
 use super::{Options, PooledSums, joined};
 
-vessel::choices! {
+refusal::choices! {
     /// Where the model comes from that instruments are simulated with.
     pub enum NominalSource {
         /// The nominal values of the vessel.

@@ -1,7 +1,8 @@
 use std::convert::Infallible;
 
+use engine::{Diverged, RunView, check_diverged, simulate_one};
+use model::{DegreeOfFreedom, Model};
 use thiserror::Error;
-use vessel::{DegreeOfFreedom, Diverged, Model, RunView, check_diverged, simulate_one};
 
 use super::{PartView, Parts};
 

@@ -1,4 +1,5 @@
-use vessel::{Degree, DegreeOfFreedom, Invalid, Model, Vessel};
+use model::{Degree, DegreeOfFreedom, Model, Vessel};
+use refusal::Invalid;
 
 use super::windows::StateMeans;
 use super::{

@@ -1,8 +1,8 @@
 use std::borrow::Cow;
 use std::convert::Infallible;
 
+use engine::{Run, RunView};
 use rayon::prelude::*;
-use vessel::{Run, RunView};
 
 /// Runs that can be read again, block by block, as often as an estimate goes through them.
 pub trait Recorded: Sync {

@@ -1,4 +1,5 @@
-use vessel::{Compiled, Model, RunView};
+use engine::{Compiled, RunView};
+use model::Model;
 
 use super::PartView;
 use crate::{DegreeSums, Known, Sums};

@@ -1,5 +1,5 @@
+use engine::Streams;
 use rayon::prelude::*;
-use vessel::Streams;
 
 use super::{Estimated, NoEstimate, Options, Parts, Pool, Resample, fit, redraw};
 use crate::{Estimator, Sums};

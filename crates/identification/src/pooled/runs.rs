@@ -1,8 +1,9 @@
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
+use engine::Run;
+use refusal::{Invalid, nearest};
 use thiserror::Error;
-use vessel::{Invalid, Run, nearest};
 
 use super::recorded::read;
 use super::{Part, PartView, Parts, Recorded};

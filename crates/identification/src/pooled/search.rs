@@ -1,14 +1,14 @@
 //! Pooled estimates that are searched for, by simulations and by predictions.
 
-use crate::beside::Intercepts;
-use crate::criticism::{ENOUGH, Kinds, calibrated};
-use crate::predictor::{InitialState, Unknown};
-use crate::{DegreeSums, Estimator, MeanRemoval};
-use vessel::RunView;
+use engine::RunView;
 
 use super::{
     DegreeFit, Drawn, Estimated, Follow, Part, Parts, Pool, PooledSums, Scales, Searched, Status, Unfound,
 };
+use crate::beside::Intercepts;
+use crate::criticism::{ENOUGH, Kinds, calibrated};
+use crate::predictor::{InitialState, Unknown};
+use crate::{DegreeSums, Estimator, MeanRemoval};
 
 /// Share of the squared errors that noise makes up from which starts are searched for.
 const NOISY: f64 = 0.25;

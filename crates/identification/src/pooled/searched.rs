@@ -1,9 +1,9 @@
 use std::ops::Range;
 
-use numerics::{quadratic, times};
+use engine::SideBySide;
+use model::Model;
+use numerics::{LANES, Lane, quadratic, times};
 use rayon::prelude::*;
-use vessel::lanes::SideBySide;
-use vessel::{LANES, Lane, Model};
 
 use super::around::{Around, Settled};
 use super::{Part, Parts};

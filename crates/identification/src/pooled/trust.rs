@@ -1,9 +1,9 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use model::DegreeOfFreedom;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::DegreeOfFreedom;
 
 use super::resampler::{Resampler, Resampling};
 use super::residual_tests::{ResidualTests, residuals_of};

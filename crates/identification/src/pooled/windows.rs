@@ -1,6 +1,8 @@
+use engine::RunView;
+use model::Model;
+use numerics::Lane;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{Lane, Model, RunView};
 
 use crate::{FreeRun, free_runs};
 

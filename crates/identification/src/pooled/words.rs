@@ -1,7 +1,7 @@
 //! What a diagnosis means, in words.
 
+use model::{Degree, DegreeOfFreedom};
 use numerics::statistics::median_interval_in_words;
-use vessel::{Degree, DegreeOfFreedom};
 
 use super::diagnosis::{COLLINEAR, Diagnosis};
 use super::fit::Status;

@@ -3,7 +3,7 @@
 //! A predictor goes from sample to sample with the model, x̂(k+1) = x̂(k) + φ(x̂(k))ᵀθ. Without gains it is a free
 //! simulation, and the estimate one of *output error*; with the gains of an extended Kalman filter it corrects itself at
 //! every sample, and the estimate is one of *prediction error*, for runs that are disturbed on their way. Forward
-//! sensitivities ∂x̂/∂(θ, x̂(0)) go along (`sensitivity`), [`vessel::LANES`] runs side by side; Levenberg and Marquardt's
+//! sensitivities ∂x̂/∂(θ, x̂(0)) go along (`sensitivity`), [`numerics::LANES`] runs side by side; Levenberg and Marquardt's
 //! method takes the steps. Near a minimum one adjoint, which gives the slopes alone, takes their place.
 
 mod levenberg_marquardt;
@@ -13,7 +13,6 @@ mod scores;
 mod sums;
 mod unknown;
 
-pub use crate::sensitivity::{Drift, Flow, Gusts, Levels, Recordings, Sensitivities, Step, free_sweep};
 pub(crate) use levenberg_marquardt::{
     Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };
@@ -24,3 +23,5 @@ pub(crate) use scores::{BLOCKS, jackknife};
 pub use sums::Linear;
 pub(crate) use sums::{linearize, linearize_each};
 pub use unknown::{AROUND, InitialState, Unknown};
+
+pub use crate::sensitivity::{Drift, Flow, Gusts, Levels, Recordings, Sensitivities, Step, free_sweep};

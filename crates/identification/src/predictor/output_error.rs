@@ -2,9 +2,10 @@ use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
 
-use numerics::times;
-use vessel::lanes::{SideBySide, lane};
-use vessel::{LANES, Lane, Model, ParameterLayout, RunView};
+use engine::{RunView, SideBySide};
+use model::{Model, ParameterLayout};
+use numerics::lanes::lane;
+use numerics::{LANES, Lane, times};
 
 use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
 use super::scores::{disturbed_scores, jackknife, roots};

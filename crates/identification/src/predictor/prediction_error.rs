@@ -1,8 +1,9 @@
 use std::convert::Infallible;
 
-use numerics::times;
-use vessel::lanes::{SideBySide, by_lane};
-use vessel::{LANES, Lane, Model, RunView};
+use engine::{RunView, SideBySide};
+use model::Model;
+use numerics::lanes::by_lane;
+use numerics::{LANES, Lane, times};
 
 use super::levenberg_marquardt::{
     Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,

@@ -1,4 +1,4 @@
-use vessel::Lane;
+use numerics::Lane;
 
 use super::sums::{Linear, linears};
 use crate::sensitivity::{
@@ -102,7 +102,7 @@ pub(crate) fn disturbed_scores<const N: usize>(
 
 #[cfg(test)]
 mod tests {
-    use vessel::{Source, Vessel};
+    use model::{Source, Vessel};
 
     use super::*;
     use crate::sensitivity::{Drift, Flow};
@@ -121,7 +121,7 @@ mod tests {
             measured: &measured,
             exogenous: &exogenous,
             initial: [0.6, 0.0, 0.1].map(Lane::splat),
-            samples: [samples; vessel::LANES],
+            samples: [samples; numerics::LANES],
         };
         let unknowns: Vec<Lane> = theta.iter().copied().chain([0.0; 3]).map(Lane::splat).collect();
         let free: Vec<usize> = (0..theta.len()).collect();

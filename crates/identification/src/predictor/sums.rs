@@ -1,4 +1,4 @@
-use vessel::{LANES, Lane};
+use numerics::{LANES, Lane};
 
 use crate::sensitivity::{Gain, Levels, Products, Recordings, Sensitivities, Step, sweep};
 

@@ -1,4 +1,5 @@
-use vessel::{Lane, Model};
+use model::Model;
+use numerics::Lane;
 
 use super::scores::blocks;
 use super::sums::{Linear, linearize};

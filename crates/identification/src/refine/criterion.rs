@@ -1,7 +1,8 @@
 //! The criterion of one experiment, and what its gradient needs of the way there.
 
-use numerics::{dot, product};
-use vessel::{Lane, Model, check_diverged};
+use engine::check_diverged;
+use model::Model;
+use numerics::{Lane, dot, product};
 
 use crate::Noise;
 use crate::sensitivity::{Recordings, Sensitivities, Told};

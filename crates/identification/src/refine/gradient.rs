@@ -6,8 +6,8 @@
 //!
 //! S, λ, κ and Λ are columns of lanes, parameters beside each other.
 
-use numerics::product;
-use vessel::{LANES, Lane, Model};
+use model::Model;
+use numerics::{LANES, Lane, product};
 
 use super::criterion::{Forward, TraceCriterion};
 use crate::sensitivity::{Dynamics, Recordings, channels};
@@ -58,9 +58,9 @@ impl TraceCriterion<'_> {
         let factor = 2.0 * self.noise.current * self.noise.current;
         let response = Rows::of(n, &m.iter().map(|m| factor * m).collect::<Vec<f64>>());
         let parameters = &parameters[..];
-        let followed = vessel::vectorized!(follow(run, parameters, forward, &response));
+        let followed = numerics::vectorized!(follow(run, parameters, forward, &response));
         let back = Back { run, parameters, forward, state_slopes, followed, sources, weights };
-        vessel::vectorized!(back.gradient())
+        numerics::vectorized!(back.gradient())
     }
 
     /// M and Q, n × n, divided by φ.

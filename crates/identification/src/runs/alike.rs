@@ -1,6 +1,8 @@
 //! Runs that do the same: what their instruments come to is made once for all of them.
 
-use vessel::{LANES, Lane, Run, Vessel, check_diverged, simulate_one};
+use engine::{Run, check_diverged, simulate_one};
+use model::Vessel;
+use numerics::{LANES, Lane};
 
 use super::error::NominalDiverged;
 use crate::{Batch, Excitation, Instruments, MeanRemoval, Outcome};

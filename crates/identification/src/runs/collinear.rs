@@ -1,4 +1,5 @@
-use vessel::{DegreeOfFreedom, Run, Vessel};
+use engine::Run;
+use model::{DegreeOfFreedom, Vessel};
 
 use crate::MeanRemoval;
 use crate::pooled::{COLLINEAR, PartView, Regression, collinear, diagnose, first_named};

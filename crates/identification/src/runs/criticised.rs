@@ -1,11 +1,12 @@
-use vessel::{Model, Run, RunView};
+use engine::{Run, RunView};
+use model::Model;
 
 use super::estimators::RunEstimators;
 use crate::criticism::{Subject, criticise_each};
 use crate::predictor::InitialState;
 use crate::{EstimateStatus, RunEstimate};
 
-vessel::choices! {
+refusal::choices! {
     /// Which runs are asked what the model lacks.
     pub enum Asked {
         /// Those whose disturbances are stated.

@@ -1,5 +1,7 @@
+use engine::Diverged;
+use model::DegreeOfFreedom;
+use refusal::Invalid;
 use thiserror::Error;
-use vessel::{DegreeOfFreedom, Diverged, Invalid};
 
 /// The nominal model's simulation over a run left every bound, so that there are no instruments.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

@@ -1,4 +1,5 @@
-use vessel::{Run, RunView, Vessel};
+use engine::{Run, RunView};
+use model::Vessel;
 
 use super::collinear::{CollinearRun, collinear_run};
 use super::error::RunError;

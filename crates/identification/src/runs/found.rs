@@ -1,4 +1,5 @@
-use vessel::{Run, Vessel};
+use engine::Run;
+use model::Vessel;
 
 use super::error::RunError;
 use crate::predictor::{AROUND, Fit};

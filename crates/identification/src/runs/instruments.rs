@@ -1,8 +1,7 @@
-use vessel::lanes::{SideBySide, by_lane, give_back, groups, interleave, room};
-use vessel::{
-    Diverged, GROUPS, LANES, Lane, Run, Vessel, Weather, Wide, check_diverged, diverged_lanes, simulate,
-    simulate_groups,
-};
+use engine::{Diverged, Run, SideBySide, Weather, check_diverged, diverged_lanes, simulate, simulate_groups};
+use model::Vessel;
+use numerics::lanes::{by_lane, give_back, groups, interleave, room};
+use numerics::{GROUPS, LANES, Lane, Wide};
 
 use super::alike::{Alike, Doing};
 use super::error::NominalDiverged;
@@ -124,7 +123,7 @@ impl<'a> RunInstruments<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// Up to [`vessel::LANES`] `runs` whose instruments are their regressors.
+    /// Up to [`numerics::LANES`] `runs` whose instruments are their regressors.
     pub(super) fn regressed(vessel: &'a Vessel, runs: &[Run]) -> Self {
         let own = SideBySide::of(&runs.iter().map(Run::view).collect::<Vec<_>>());
         Self::of(vessel, own, runs.iter().map(Run::starts).collect())

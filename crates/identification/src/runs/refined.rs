@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use vessel::lanes::{groups, interleave};
-use vessel::{Run, Vessel};
+use engine::Run;
+use model::Vessel;
+use numerics::lanes::{groups, interleave};
 
 use super::found::{Found, Regressed};
 use super::instruments::Prepared;
@@ -52,7 +53,7 @@ pub(super) fn refine(
     all
 }
 
-/// Up to [`vessel::LANES`] runs.
+/// Up to [`numerics::LANES`] runs.
 struct Refinement<'a> {
     vessel: &'a Vessel,
     removal: MeanRemoval,

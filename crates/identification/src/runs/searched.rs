@@ -2,8 +2,9 @@
 
 use std::borrow::Cow;
 
+use engine::{Run, RunView};
+use model::Model;
 use rayon::prelude::*;
-use vessel::{Model, Run, RunView};
 
 use super::estimators::RunEstimators;
 use super::found::Found;

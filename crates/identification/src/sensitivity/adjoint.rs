@@ -1,4 +1,4 @@
-use vessel::Lane;
+use numerics::Lane;
 
 use super::columns::Backward;
 use super::dynamics::{Dynamics, Local};
@@ -22,7 +22,7 @@ pub(crate) fn backward<X: Unknowns, const N: usize>(
     let (model, (theta, _)) = (recordings.model, unknowns.split_at(recordings.model.parameters()));
     let spread = levels.map(Levels::spread);
     let dynamics = Dynamics::new(model, theta, spread.as_ref());
-    vessel::vectorized!(narrow: go_back(dynamics, recordings, path, weights, between))
+    numerics::vectorized!(narrow: go_back(dynamics, recordings, path, weights, between))
 }
 
 #[inline(always)]

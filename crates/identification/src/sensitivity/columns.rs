@@ -1,8 +1,8 @@
 //! Passes over columns at one sample, in the processor's registers: left to themselves compilers take eight columns at a time
 //! and gather their numbers one by one.
 
+use numerics::Lane;
 use pulp::{Simd, WithSimd};
-use vessel::Lane;
 
 use crate::batch::Block;
 use crate::registers::{part, parts, put};

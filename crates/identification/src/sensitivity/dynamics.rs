@@ -1,4 +1,6 @@
-use vessel::{Ambient, Compiled, Lane, Model};
+use engine::{Ambient, Compiled};
+use model::Model;
+use numerics::Lane;
 
 use super::levels::{Flow, Levels};
 use super::unknowns::Unknowns;

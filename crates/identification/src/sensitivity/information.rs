@@ -5,7 +5,8 @@
 //! E = Σ Sᵀ W R W S of the measurement errors and P of the current, which moves the vessel: δx(k+1) = (I + J) δx(k) − J c(k), so
 //! that P = Σ_l λᵀ J σ_c² Jᵀ λ with the adjoint λ(k) = W S(k) + (I + J(k))ᵀ λ(k+1) at k = l + 1.
 
-use vessel::{LANES, Lane, Model, lanes};
+use model::Model;
+use numerics::{LANES, Lane, lanes};
 
 use super::adjoint::{add_draws, backward};
 use super::levels::{Flow, Levels};
@@ -16,7 +17,7 @@ use super::unknowns::Unknowns;
 use crate::Noise;
 
 /// Information of one run about the parameters with intercepts, per sample: n × n matrices, row-major, symmetric, in the order
-/// of [`vessel::ParameterLayout`].
+/// of [`model::ParameterLayout`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutputInformation {
     /// F.

@@ -1,4 +1,4 @@
-use vessel::Lane;
+use numerics::Lane;
 
 use super::dynamics::{Dynamics, Local, Motion};
 use super::levels::{Flow, Levels};
@@ -78,7 +78,7 @@ pub(crate) fn filter_along<const N: usize>(
     known_start: bool,
     each: impl FnMut(&[Lane; N]),
 ) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
-    vessel::vectorized!(narrow: filtered::<N>(recordings, unknowns, levels, known_start, each))
+    numerics::vectorized!(narrow: filtered::<N>(recordings, unknowns, levels, known_start, each))
 }
 
 #[inline(always)]

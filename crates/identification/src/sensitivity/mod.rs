@@ -3,8 +3,8 @@
 //!
 //! States go from sample to sample by [`Dynamics`]; forward sensitivities go along ([`sweep`]), adjoints go back ([`backward`], and a single one
 //! where the slopes of squared errors are all that is wanted: [`slopes`]).
-//! Both are columns of lanes. Numbers `X` are [`vessel::Lane`]s for runs side by side, each unknown in a column of its own; or `f64`
-//! for a single run, [`vessel::LANES`] unknowns beside each other in a column ([`unknowns::Unknowns`]).
+//! Both are columns of lanes. Numbers `X` are [`numerics::Lane`]s for runs side by side, each unknown in a column of its own; or `f64`
+//! for a single run, [`numerics::LANES`] unknowns beside each other in a column ([`unknowns::Unknowns`]).
 
 mod adjoint;
 mod columns;

@@ -1,7 +1,7 @@
 use std::marker::PhantomData;
 
+use numerics::{LANES, Lane};
 use pulp::{Simd, WithSimd};
-use vessel::{LANES, Lane};
 
 use super::columns::{Scale, Weigh};
 use super::unknowns::Unknowns;
@@ -82,7 +82,7 @@ impl<X: Unknowns> Products<X> {
         for signal in &mut self.columns {
             signal[self.filled..].fill(Lane::ZERO);
         }
-        vessel::vectorized!(narrow: self.add());
+        numerics::vectorized!(narrow: self.add());
         self.sums
     }
 }

@@ -1,7 +1,8 @@
 use std::collections::BTreeMap;
 
-use vessel::lanes::SideBySide;
-use vessel::{LANES, Lane, Model, RunView};
+use engine::{RunView, SideBySide};
+use model::Model;
+use numerics::{LANES, Lane};
 
 use super::unknowns::Unknowns;
 

@@ -1,4 +1,4 @@
-use vessel::{LANES, Lane};
+use numerics::{LANES, Lane};
 
 use super::dynamics::Dynamics;
 use super::recordings::Recordings;
@@ -25,7 +25,7 @@ pub(crate) fn slopes(
     let theta = &unknowns[..model.parameters()];
     let dynamics = Dynamics::new(model, theta, None);
     let (squares, gradient) =
-        vessel::vectorized!(narrow: there_and_back(dynamics, recordings, unknowns, first, weights, path));
+        numerics::vectorized!(narrow: there_and_back(dynamics, recordings, unknowns, first, weights, path));
     let own = |lane: usize| Slopes {
         squares: squares.map(|sum| sum[lane]),
         gradient: free.iter().map(|i| gradient[*i][lane]).collect(),
@@ -93,7 +93,8 @@ fn there_and_back(
 
 #[cfg(test)]
 mod tests {
-    use vessel::{Lane, Source, Vessel};
+    use model::{Source, Vessel};
+    use numerics::Lane;
 
     use super::*;
     use crate::predictor::linearize;

@@ -1,4 +1,5 @@
-use vessel::{Lane, Model};
+use model::Model;
+use numerics::Lane;
 
 use super::dynamics::Dynamics;
 use super::kalman::Gain;
@@ -19,7 +20,7 @@ pub(crate) fn sweep<X: Unknowns, const N: usize>(
 ) {
     let (model, (theta, _)) = (recordings.model, unknowns.split_at(recordings.model.parameters()));
     let dynamics = Dynamics::new(model, theta, levels);
-    vessel::vectorized!(narrow: go_along(dynamics, recordings, unknowns, free, gains, each));
+    numerics::vectorized!(narrow: go_along(dynamics, recordings, unknowns, free, gains, each));
 }
 
 /// A sweep of free simulations of the vessel's three states: nothing disturbs and nothing corrects them. `unknowns`: the model's

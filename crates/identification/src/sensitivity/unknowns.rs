@@ -1,4 +1,4 @@
-use vessel::{LANES, Lane, Number};
+use numerics::{LANES, Lane, Number};
 
 /// How unknowns stand in columns of lanes.
 pub trait Unknowns: Number {

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
+use numerics::Lane;
 use pulp::{Simd, WithSimd};
-use vessel::Lane;
 
 use super::regressors::{ALL, Order, Regressors};
 use super::signals::{Difference, SPAN, Signal, Signals, spans};

@@ -1,7 +1,7 @@
 //! Residuals, and their products with each other.
 
+use numerics::Lane;
 use pulp::{Simd, WithSimd};
-use vessel::Lane;
 
 use super::regressors::{Order, Regressors, Table, fill};
 use super::signals::{Blocks, Column, Difference, SPAN, Signal, Signals, spans};

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
+use numerics::Lane;
 use pulp::Simd;
-use vessel::Lane;
 
 use crate::batch::{BLOCK, parts};
 use crate::registers;

@@ -1,7 +1,7 @@
 //! Products of centred instruments with each other and with their neighbours.
 
+use numerics::Lane;
 use pulp::{Simd, WithSimd};
-use vessel::Lane;
 
 use super::regressors::{ALL, Order};
 use super::signals::{Blocks, Signal, Signals, spans};

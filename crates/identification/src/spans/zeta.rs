@@ -1,6 +1,7 @@
 use std::ops::Range;
 
-use vessel::{Compiled, Lane, Number};
+use engine::Compiled;
+use numerics::{Lane, Number};
 
 use super::regressors::{Order, Products, Regressors};
 use super::signals::{SPAN, Shared, Signals};

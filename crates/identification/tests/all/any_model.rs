@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use identification::{Batch, MeanRemoval, Outcome};
+use model::{Degree, Factor, Model, Product, Term, Variable};
+
 use crate::support::explicit::{Regression, solve};
 use crate::support::noise::Normals;
 use crate::support::{Recording, SideBySide, estimate};
-use identification::{Batch, MeanRemoval, Outcome};
-use vessel::{Degree, Factor, Model, Product, Term, Variable};
 
 const NAMES: [&str; 5] = ["u", "v", "r", "n", "delta"];
 

@@ -1,9 +1,10 @@
 //! Measured runs whose instruments are collinear.
 
+use engine::{Run, Segment};
 use identification::predictor::InitialState;
 use identification::runs::{Beside, RunEstimators};
 use identification::{Estimator, MeanRemoval};
-use vessel::{Run, Segment, Vessel};
+use model::Vessel;
 
 /// A zig-zag of the tanker, `thrust(k)` its thrust.
 fn zig_zag(vessel: &Vessel, design: &str, thrust: impl Fn(usize) -> f64) -> Run {
@@ -14,7 +15,7 @@ fn zig_zag(vessel: &Vessel, design: &str, thrust: impl Fn(usize) -> f64) -> Run 
         design: design.to_owned(),
         run: 0,
         segments: vec![Segment { maneuver: "zig-zag".to_owned(), start: 0 }],
-        measured: vessel::simulate_one(&vessel.model, &vessel.nominal, initial, &exogenous),
+        measured: engine::simulate_one(&vessel.model, &vessel.nominal, initial, &exogenous),
         exogenous,
         initial,
     }

@@ -1,8 +1,8 @@
 //! Parameters that are fixed, tied or bounded, and the constant as a term: by every estimator.
 
-use crate::pooled_laws::{craft_file, part, runs};
-use crate::support::noise::Normals;
-use crate::support::pool;
+use std::collections::BTreeMap;
+
+use engine::Run;
 use identification::pooled::{
     DegreeRegression, Estimated, Judgement, Options, Part, Pool, PoolError, PooledRuns, Regression,
     Resampling, estimate, fit,
@@ -10,8 +10,11 @@ use identification::pooled::{
 use identification::predictor::{Flow, InitialState, Levels};
 use identification::runs::{Beside, RunEstimators};
 use identification::{Estimator, Known, MeanRemoval, RunEstimate, Sums};
-use std::collections::BTreeMap;
-use vessel::{InputSpec, Run, TermSpec, Vessel, VesselFile};
+use model::{InputSpec, TermSpec, Vessel, VesselFile};
+
+use crate::pooled_laws::{craft_file, part, runs};
+use crate::support::noise::Normals;
+use crate::support::pool;
 
 /// The craft with its terms changed.
 fn craft(change: impl Fn(&mut VesselFile)) -> Vessel {

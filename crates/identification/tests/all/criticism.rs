@@ -2,14 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use crate::support::noise::Normals;
-use crate::support::{Experiment, dictionary, paper, pool, truth};
+use engine::{Compiled, Run, RunView, Segment, simulate_one};
 use identification::criticism::{Absent, Criticism, Subject, criticise, criticise_each};
 use identification::pooled::{Judgement, PooledRuns, Resampling, enriched};
 use identification::predictor::{Flow, InitialState, Levels};
 use identification::runs::{Asked, Beside, RunEstimators};
 use identification::{EstimateStatus, Estimator, MeanRemoval};
-use vessel::{Compiled, Model, Run, RunView, Segment, Term, Vessel, simulate_one};
+use model::{Model, Term, Vessel};
+
+use crate::support::noise::Normals;
+use crate::support::{Experiment, dictionary, paper, pool, truth};
 
 const NOISE: f64 = 0.02;
 const STATED: Levels = Levels { measurement: [NOISE; 3], current: Flow::Still, force: None, drift: None };

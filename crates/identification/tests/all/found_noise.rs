@@ -1,14 +1,16 @@
 //! Noise that nobody stated: which kind is found, and what becomes of right and wrong models under it. Few runs of each;
 //! `cargo run --release -p identification --example noise` does as many as wanted.
 
-use crate::support::noise::Normals;
-use crate::support::{Experiment, dictionary, paper, truth};
+use engine::{Compiled, Run, RunView, Segment};
 use identification::criticism::{Criticism, NoiseKind, Subject, Verdict, criticise, criticise_each};
 use identification::predictor::InitialState;
 use identification::runs::{Beside, RunEstimators};
 use identification::{EstimateStatus, Estimator, MeanRemoval};
+use model::{Model, Term, Vessel};
 use rayon::prelude::*;
-use vessel::{Compiled, Model, Run, RunView, Segment, Term, Vessel};
+
+use crate::support::noise::Normals;
+use crate::support::{Experiment, dictionary, paper, truth};
 
 const RATE_HZ: f64 = 8.0;
 const NOISE: f64 = 0.0158;

@@ -3,13 +3,15 @@
 use crate::support::explicit::{Regression, sizes};
 use crate::support::noise::Normals;
 use crate::support::{self, Experiment, Recording, SideBySide, dictionary, estimate, lanes, paper, truth};
+use engine::DIVERGED;
 use identification::predictor::{Recordings, Sensitivities};
 use identification::{
     Batch, DegreeSums, FreeRun, Instruments, Known, MeanRemoval, Outcome, Sums, estimate_prefiltered,
     free_runs, moments,
 };
+use model::Source;
+use numerics::{LANES, Lane};
 use proptest::prelude::*;
-use vessel::{DIVERGED, LANES, Lane, Source};
 
 const REMOVALS: [MeanRemoval; 3] = [MeanRemoval::Complete, MeanRemoval::Batch, MeanRemoval::None];
 
@@ -201,7 +203,7 @@ proptest! {
     fn law_a_channel_that_no_term_has_changes_no_bit(seed in 0u64..1000, lengths in [20usize..90, 20usize..90]) {
         let vessel = paper();
         let mut any = vessel.model.clone();
-        any.variables.push(vessel::Variable { name: "idle".to_owned(), unit: "1".to_owned() });
+        any.variables.push(model::Variable { name: "idle".to_owned(), unit: "1".to_owned() });
         let mut normals = Normals::new(seed);
         let experiment = Experiment::random(&mut normals, &lengths);
         let runs: Vec<Recording> = (0..LANES).map(|_| experiment.record(&vessel, 0.1, &mut normals)).collect();

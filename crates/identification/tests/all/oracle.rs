@@ -3,9 +3,11 @@
 use crate::support::explicit::{Regression, sizes};
 use crate::support::{self, Experiment, Recording, SideBySide, dictionary, lanes, paper};
 use approx::assert_relative_eq;
+use engine::simulate_one;
 use identification::{FreeRun, free_runs, moments};
+use model::Source;
+use numerics::{LANES, Lane};
 use serde_json::Value;
-use vessel::{LANES, Lane, Source, simulate_one};
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/oracle.json");
 

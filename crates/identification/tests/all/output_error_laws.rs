@@ -1,14 +1,17 @@
 //! What must hold of estimates by simulation and prediction.
 
-use crate::support::noise::Normals;
-use crate::support::{Experiment, dictionary, paper, truth};
+use engine::{RunView, Weather, simulate, simulate_one};
 use identification::predictor::{
     Fit, Fitted, Flow, Gusts, InitialState, Levels, Recordings, Sensitivities, Spread, Unknown, output_error,
     prediction_error,
 };
 use identification::runs::{Beside, Intercepts, UnknownCurrent, UnknownWind};
 use identification::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
-use vessel::{LANES, Lane, Model, RunView, Source, Vessel, Weather, simulate, simulate_one};
+use model::{Model, Source, Vessel};
+use numerics::{LANES, Lane};
+
+use crate::support::noise::Normals;
+use crate::support::{Experiment, dictionary, paper, truth};
 
 const NOISE: f64 = 0.158_113_883_008_418_97;
 

@@ -1,12 +1,15 @@
 //! Output error and the Kalman filter against numbers computed independently: `fixtures/oracle/output_error.json`.
 
-use crate::support::{paper, truth};
+use engine::{RunView, Weather, simulate};
 use identification::predictor::{
     Fit, Fitted, Flow, Gusts, InitialState, Levels, Recordings, Spread, innovations, output_error,
 };
 use identification::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
+use model::Vessel;
+use numerics::{LANES, Lane};
 use serde_json::Value;
-use vessel::{LANES, Lane, RunView, Vessel, Weather, simulate};
+
+use crate::support::{paper, truth};
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/output_error.json");
 

@@ -1,9 +1,12 @@
 //! Sensitivities and predicted covariances of free simulation against difference quotients and simulated noise.
 
-use crate::support::*;
+use engine::{Weather, simulate, simulate_one};
 use identification::predictor::{Recordings, Sensitivities};
 use identification::{Noise, Simulated, output_information, output_informations, prediction_weights};
-use vessel::{Lane, Model, Weather, simulate, simulate_one};
+use model::Model;
+use numerics::Lane;
+
+use crate::support::*;
 
 /// The sensitivities of one run to all parameters, ∂x_d(k)/∂θ̃ for k = 1 to N: N × 3 × n, row-major.
 fn sensitivities(lifted: &Model, parameters: &[f64], experiment: &Experiment) -> Vec<f64> {

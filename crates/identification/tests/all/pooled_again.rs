@@ -4,12 +4,14 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 
+use engine::{Run, Segment};
+use identification::pooled::{Judgement, Pool, PooledRuns, Recorded, Resampling, estimate};
+use identification::{Estimator, MeanRemoval};
+use model::Vessel;
+
 use crate::pooled_laws::{craft, part};
 use crate::support::noise::Normals;
 use crate::support::pool;
-use identification::pooled::{Judgement, Pool, PooledRuns, Recorded, Resampling, estimate};
-use identification::{Estimator, MeanRemoval};
-use vessel::{Run, Segment, Vessel};
 
 /// Runs in blocks, as in a file, of which little is held at a time.
 struct Blocks(Vec<Vec<Run>>);

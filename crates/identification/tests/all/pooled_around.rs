@@ -1,13 +1,15 @@
 //! What must hold of pooled estimates where water and wind are unknown, or found by a filter.
 
 use approx::assert_relative_eq;
+use engine::{RunView, Weather, simulate};
 use identification::Estimator;
 use identification::pooled::{Follow, Part, Searched, least_errors};
 use identification::predictor::{
     Fit, Fitted, Flow, InitialState, Levels, Spread, Unknown, output_error, prediction_error,
 };
 use identification::runs::{Beside, Intercepts, UnknownCurrent};
-use vessel::{Lane, RunView, Vessel, Weather, simulate};
+use model::Vessel;
+use numerics::Lane;
 
 use crate::support::noise::Normals;
 use crate::support::{Experiment, dictionary, paper, pool, truth};

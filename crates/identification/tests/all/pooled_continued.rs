@@ -1,12 +1,14 @@
 //! Searches whose start diverges, and estimates that do not simulate.
 
+use std::collections::BTreeMap;
+
+use identification::pooled::{Judgement, Part, Pool, PooledRuns, Resampling, estimate};
+use identification::{EstimateStatus, Estimator};
+use model::Vessel;
+
 use crate::pooled_laws::{craft_file, part, runs};
 use crate::support::noise::Normals;
 use crate::support::pool;
-use identification::pooled::{Judgement, Part, Pool, PooledRuns, Resampling, estimate};
-use identification::{EstimateStatus, Estimator};
-use std::collections::BTreeMap;
-use vessel::Vessel;
 
 fn craft() -> Vessel {
     Vessel::from_file(craft_file()).unwrap()

@@ -1,15 +1,17 @@
 //! What must hold of pooled estimates by theory.
 
-use crate::support::noise::Normals;
-use crate::support::{Experiment, dictionary, paper, truth};
 use approx::assert_relative_eq;
+use engine::{Run, RunView, Segment, Streams, simulate_one};
 use identification::pooled::{
     Bootstrap, COLLINEAR, Centring, Follow, Options, Part, Prior, Regression, Resample, Status, fit,
     least_errors, redraw, sandwich,
 };
 use identification::predictor::InitialState;
 use identification::{MeanRemoval, Sums};
-use vessel::{Run, RunView, Segment, Streams, Vessel, VesselFile, simulate_one};
+use model::{Vessel, VesselFile};
+
+use crate::support::noise::Normals;
+use crate::support::{Experiment, dictionary, paper, truth};
 
 const TRUTH: [f64; 8] = [-0.06, 0.7, 0.01, -0.25, -0.3, -0.2, -0.08, 0.1];
 const COMPLETE: Options = Options { removal: MeanRemoval::Complete, prior: None, most: f64::INFINITY };

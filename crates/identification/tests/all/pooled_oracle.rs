@@ -3,14 +3,15 @@
 use std::ops::Range;
 
 use approx::assert_relative_eq;
+use engine::RunView;
 use identification::pooled::{
     Centring, Options, Part, Prior, Regression, Score, diagnose, fit, residuals, sandwich, strength,
     whiteness,
 };
 use identification::{MeanRemoval, Sums};
+use model::Vessel;
 use numerics::distributions::chi_square_tail;
 use serde_json::Value;
-use vessel::{RunView, Vessel};
 
 const REMOVALS: [(&str, MeanRemoval); 3] =
     [("none", MeanRemoval::None), ("batch", MeanRemoval::Batch), ("complete", MeanRemoval::Complete)];

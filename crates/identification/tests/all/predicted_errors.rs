@@ -1,9 +1,12 @@
 //! The covariance predicted from stated disturbances against the spread of estimates, and against its definition.
 
+use engine::{Weather, simulate};
+use identification::{Estimate, MeanRemoval, Noise, Outcome, middle, moments};
+use model::{Source, Vessel};
+use numerics::{LANES, Lane};
+
 use crate::support::noise::Normals;
 use crate::support::{Experiment, Recording, SideBySide, dictionary, estimate, paper, truth};
-use identification::{Estimate, MeanRemoval, Noise, Outcome, middle, moments};
-use vessel::{LANES, Lane, Source, Vessel, Weather, simulate};
 
 const REALIZATIONS: usize = 2000;
 /// Of the current's components [m/s] and of the measured states [m/s, m/s, rad/s]: the paper's variance 0.025.
@@ -115,7 +118,7 @@ fn law_of_a_model_without_states_the_residual_is_a_difference_of_errors() {
             let states = recording.instrument_states[3 * k..3 * k + 3].iter();
             let all = states.chain(&recording.exogenous[width * k..width * (k + 1)]);
             let values: Vec<[f64; 1]> = all.map(|value| [*value]).collect();
-            let mut term = |term: &vessel::Term| {
+            let mut term = |term: &model::Term| {
                 let mut out = [0.0];
                 term.values(&values, &mut out);
                 out[0]

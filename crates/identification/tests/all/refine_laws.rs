@@ -1,10 +1,11 @@
 //! Gradients by adjoints against difference quotients; limits of what is refined.
 
-use crate::support::noise::Normals;
-use crate::support::*;
 use approx::assert_relative_eq;
 use identification::refine::{Effort, SignalLimits, TraceCriterion, refine};
 use identification::{Noise, output_information};
+
+use crate::support::noise::Normals;
+use crate::support::*;
 
 /// 1/θ².
 fn relative(theta: &[f64]) -> Vec<f64> {
@@ -105,7 +106,7 @@ fn law_refined_inputs_keep_every_limit_and_make_the_criterion_smaller() {
     };
     let largest =
         |values: &[f64], i: usize| values.iter().skip(i).step_by(3).fold(0.0_f64, |m, x| m.max(x.abs()));
-    let states = experiment.states(&vessel, vessel::Source::Value);
+    let states = experiment.states(&vessel, model::Source::Value);
     let free = SignalLimits {
         states: [0, 1, 2].map(|d| largest(&states, d)),
         inputs: (0..3).map(|i| largest(&experiment.inputs, i)).collect(),

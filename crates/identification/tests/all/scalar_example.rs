@@ -3,11 +3,13 @@
 //! With u(k) = ũ(k) ± ū and ũ repeated in both halves, Σu = 0. Complete subtraction leaves ζ = u, batchwise leaves
 //! ζ = ũ. θ̂ − θ₀ = Σζe / Σζu, so its variance is σ² Σζ² / (Σζu)²: σ² / (Σũ² + N ū²) and σ² / Σũ².
 
+use identification::{MeanRemoval, Outcome};
+use model::Vessel;
+use numerics::LANES;
+use serde_json::Value;
+
 use crate::support::noise::Normals;
 use crate::support::{Recording, SideBySide, estimate};
-use identification::{MeanRemoval, Outcome};
-use serde_json::Value;
-use vessel::{LANES, Vessel};
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/oracle.json");
 const BATCHES: usize = 1000;

@@ -1,9 +1,12 @@
 //! Standard errors against the spread of estimates over many realizations.
 
+use engine::{Weather, simulate};
+use identification::{Estimate, MeanRemoval, Outcome};
+use model::{Source, Vessel};
+use numerics::{LANES, Lane};
+
 use crate::support::noise::Normals;
 use crate::support::{Experiment, Recording, SideBySide, dictionary, estimate, paper, truth};
-use identification::{Estimate, MeanRemoval, Outcome};
-use vessel::{LANES, Lane, Source, Vessel, Weather, simulate};
 
 /// Enough that the spread itself is known to 1.6 %.
 const REALIZATIONS: usize = 2000;

@@ -1,5 +1,5 @@
+use refusal::Invalid;
 use serde::Deserialize;
-use vessel::Invalid;
 
 use super::{above_zero, finite, from_zero};
 use crate::{Law, Setting, Thruster};

@@ -1,9 +1,10 @@
 use std::collections::BTreeMap;
 
+use maneuver::Generator;
+use model::Vessel;
 use rayon::prelude::*;
 use refusal::Invalid;
 use serde::Deserialize;
-use vessel::{Generator, Vessel};
 
 use super::{Chain, Drift, Failed, Hits, Key, Weather, Wind};
 use crate::factor;

@@ -1,4 +1,4 @@
-use vessel::Pose;
+use engine::Pose;
 
 /// How a ship moves over ground at two neighbouring samples: u, v \[m/s\], r \[rad/s\].
 #[derive(Clone, Copy, Debug, PartialEq)]

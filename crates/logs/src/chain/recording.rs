@@ -1,6 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
-use vessel::{Ambient, Compiled, Diverged, Model, Pose, Streams, check_diverged};
+use engine::{Ambient, Compiled, Diverged, Pose, Streams, check_diverged};
+use model::Model;
 
 use super::{Actuator, Compass, GaussMarkov, Gnss, Hits, Hull, Pace, Weather, advance, quantised};
 use crate::{Allocation, Setting, Unreachable, body_velocity};

@@ -1,5 +1,6 @@
+use engine::{Streams, check_currents};
+use refusal::Invalid;
 use serde::Deserialize;
-use vessel::{Invalid, Streams, check_currents};
 
 use super::{Wind, above_zero, from_zero};
 

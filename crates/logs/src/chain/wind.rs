@@ -1,8 +1,7 @@
 use std::f64::consts::PI;
 
-use refusal::check_numbers;
+use refusal::{Invalid, check_numbers};
 use serde::Deserialize;
-use vessel::Invalid;
 
 use super::{above_zero, finite, from_zero};
 

@@ -2,7 +2,7 @@
 
 use logs::chain::{Actuator, Chain, Compass, Drift, Gnss, Hull, Key, Recording, Weather, Wind};
 use logs::{Channels, Conventions, Law, Method, Propulsor, Series, assemble, body_velocity};
-use vessel::{Source, Vessel, VesselFile};
+use model::{Source, Vessel, VesselFile};
 
 use crate::declared;
 

@@ -2,8 +2,8 @@
 
 use logs::Law;
 use logs::chain::{Actuator, Chain, Compass, Drift, Gnss, Hull, Key, Recording, Weather, Wind};
+use model::{Source, Vessel, VesselFile};
 use serde_json::Value;
-use vessel::{Source, Vessel, VesselFile};
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/chain.json");
 

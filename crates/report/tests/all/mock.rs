@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use identification::{Estimator, ScoreStatus};
+use model::Vessel;
 use report::{ManeuverTrace, Study};
 use study::documents::{
     Bounds, Degree, DegreeMoments, DegreeSummary, DesignDocument, DesignScores, DesignStatus, DesignSummary,
@@ -10,7 +11,6 @@ use study::documents::{
     PublishedShare, Quantiles, Reference, Start, ValidationDocument,
 };
 use study::scores::Row;
-use vessel::Vessel;
 
 /// Name, share, sensitivity, efficiency alone, speed from, speed to, yaw rate, whether it sweeps.
 type Maneuver = (&'static str, f64, f64, f64, f64, f64, f64, bool);

@@ -4,12 +4,13 @@
 #[path = "../../examples/compact_intervals.rs"]
 mod example;
 
+use std::collections::BTreeMap;
+
+use engine::{Run, Streams};
 use example::{Disturbed, covered, recorded, ship};
 use identification::pooled::PooledRuns;
 use identification::terms::listed;
 use search::{Cut, SearchError, SearchOptions, Searched, search};
-use std::collections::BTreeMap;
-use vessel::{Run, Streams};
 
 /// 22 intervals of 14 resamples: 95 % of them would hold the truth but that few resamples reach less far.
 #[test]

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use artifact::{Provenance, TableWriter, commit, encode_block, stage_set_document};
 use clap::Parser;
+use model::Vessel;
 use serde_json::json;
 use study::Tried;
 use study::documents::{CompareDocument, traces};
 use study::files::read_vessel;
 use validation::comparison::{CompareOptions, Contestant, Ship, Standing, compare};
-use vessel::Vessel;
 
 use crate::cli::{Common, member, samples};
 use crate::failure::Failure;

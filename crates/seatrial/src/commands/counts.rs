@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use artifact::Provenance;
+use refusal::nearest;
 use study::documents::DesignDocument;
-use vessel::nearest;
 
 use crate::failure::Failure;
 use crate::inputs;

@@ -4,17 +4,19 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::Parser;
+use engine::Run;
 use frame::beside::BesideFlags;
 use identification::predictor::{InitialState, Levels};
 use identification::runs::{Asked, RunEstimators};
 use identification::{EstimateStatus, Estimator, MeanRemoval};
+use model::Vessel;
+use refusal::{Invalid, nearest};
 use serde_json::json;
 use study::Doubtful;
 use study::documents::{EstimateDocument, ModelDocument};
 use study::estimates::{self, Row};
 use study::files::{read_campaign, read_followed};
 use study::trajectories::{Layout, TrajectoryReader};
-use vessel::{Invalid, Run, Vessel, nearest};
 
 use super::earlier::is_of;
 use crate::choice::choice;

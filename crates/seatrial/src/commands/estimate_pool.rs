@@ -10,13 +10,13 @@ use identification::pooled::{
     Judgement, Pool, PooledRuns, Recorded, Resample, Resampling, grown, resampled, unstated,
 };
 use identification::runs::Beside;
+use model::Vessel;
 use serde_json::json;
 use study::files::read_vessel;
 use study::pooled_set::{MAIN, PooledSet};
 use study::resamples;
 use study::trajectories::{Layout, TrajectoryReader};
 use validation::comparison::Magnitudes;
-use vessel::Vessel;
 
 use crate::choice::choice;
 use crate::cli::{Common, Sharding, member};

@@ -6,9 +6,9 @@ use artifact::{Staged, commit};
 use clap::Parser;
 use export::{COMPILED_WITH, PLATFORM, Target};
 use frame::compiler::compiled;
+use model::Source;
 use serde_json::json;
 use study::exported::read_portable;
-use vessel::Source;
 
 use crate::choice::choice;
 use crate::cli::{Common, check_positive, in_folder, only_folder_of};

@@ -5,9 +5,12 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, TableWriter, commit, commit_with_document, stage_document};
 use clap::Parser;
+use engine::Run;
 use identification::pooled::{PooledRuns, PooledSums, Regression};
 use identification::runs::RunInstruments;
 use identification::{Estimator, InstrumentKind, MeanRemoval, Sums};
+use model::Vessel;
+use refusal::Invalid;
 use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::documents::MomentsDocument;
@@ -19,7 +22,6 @@ use trial::moments::{
     Expected, FreeRunModel, ManeuverMoments, Moments, Pool, Prediction, Unpredictable, check_constants,
     structure,
 };
-use vessel::{Invalid, Run, Vessel};
 
 use crate::choice::choice;
 use crate::cli::{Common, Sharding};

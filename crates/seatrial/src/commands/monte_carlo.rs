@@ -10,6 +10,8 @@ use identification::predictor::InitialState;
 use identification::runs::RunEstimators;
 use identification::{Estimator, MeanRemoval, ValidationRuns};
 use in_memory::{MonteCarlo, undisturbed};
+use model::{Source, Vessel};
+use numerics::LANES;
 use serde_json::{Value, json};
 use study::campaign_file::CampaignFile;
 use study::documents::TallyDocument;
@@ -19,7 +21,6 @@ use study::kept::{Keep, Kept};
 use study::tallies::MAIN;
 use study::trajectories::Layout;
 use trial::campaign::Settings;
-use vessel::{LANES, Source, Vessel};
 
 use crate::choice::choice;
 use crate::cli::{Common, Sharding, budget, folder_of};

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::{Args, Parser};
 use identification::terms::listed;
+use model::{Model, Vessel};
 use search::{
     AverageOptions, BootstrapOptions, Cut, NamedRoles, Roles, SearchError, SearchOptions, library, search,
     with_channels,
@@ -14,7 +15,6 @@ use study::TermLists;
 use study::documents::{AverageDocument, ModelDocument, SearchDocument};
 use study::files::read_vessel;
 use validation::comparison::Magnitudes;
-use vessel::{Model, Vessel};
 
 use super::earlier::is_of;
 use crate::cli::{Common, member, samples};

@@ -7,11 +7,12 @@ use clap::Parser;
 use identification::predictor::InitialState;
 use identification::runs::{Beside, RunEstimators};
 use identification::{Estimator, MeanRemoval};
+use numerics::LANES;
+use refusal::Invalid;
 use serde_json::json;
 use study::files::{read_campaign, read_dictionary, read_sequential, read_simulated};
 use study::sequential::{SequentialFile, columns, document, rows};
 use trial::rounds::{self, Arm, Row, Trial};
-use vessel::{Invalid, LANES};
 
 use crate::cli::{Common, Sharding, beside, budget};
 use crate::failure::Failure;

@@ -13,6 +13,8 @@ use crate::simulate::{
 use crate::stage::{Summary, Task};
 use artifact::{Provenance, Shard, commit, gather};
 use clap::Parser;
+use engine::Segment;
+use model::Source;
 use serde_json::{Value, json};
 use study::campaign_file::CampaignFile;
 use study::documents::{SIMULATED_FILE, SimulatedLogsDocument};
@@ -21,7 +23,6 @@ use study::logs_file::LogsFile;
 use study::track::read_planned;
 use study::trajectories::{DataLabel, ID, VERSION};
 use trial::campaign::{self, Maneuvers, Refusal, Settings};
-use vessel::{Segment, Source};
 
 /// Simulates a vessel's trajectories
 #[derive(Parser)]

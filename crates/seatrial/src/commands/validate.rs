@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use artifact::{Provenance, TableReader};
 use clap::Parser;
 use identification::ValidationRuns;
+use model::Vessel;
 use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::estimates;
 use study::files::{read_campaign, read_simulated};
 use study::scores::{self, Row};
 use study::trajectories::refuse_shard;
-use vessel::Vessel;
 
 use crate::cli::{Common, Sharding, beside, given};
 use crate::failure::Failure;

@@ -6,9 +6,9 @@ use artifact::Provenance;
 use clap::{Parser, ValueEnum};
 use design::{AccuracyOf, CriterionName, Dictionary, Length, Wanted};
 use identification::{Estimator, MeanRemoval};
+use model::Source;
 use serde_json::json;
 use trial::moments::Estimated;
-use vessel::Source;
 
 use crate::choice::choice;
 use crate::cli::{check_positive, name_of};

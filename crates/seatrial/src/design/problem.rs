@@ -1,18 +1,17 @@
 //! What `design` is asked, read and checked.
 
 use artifact::Provenance;
-use design::{Accuracy, Design};
 use design::{
-    Bounds, Candidates, Criterion, CriterionName, Dictionary, Errors, NoDesign, Norm, Options, Question,
-    Restricted, Restriction, Stock,
+    Accuracy, Bounds, Candidates, Criterion, CriterionName, Design, Dictionary, Errors, NoDesign, Norm,
+    Options, Question, Restricted, Restriction, Stock,
 };
 use identification::MeanRemoval;
+use refusal::Invalid;
 use study::design_files::read_stock;
 use study::documents::Few;
 use study::files::{read_dictionary, read_vessel};
 use trial::arranging::{Arranged, Arranging};
 use trial::moments::{Estimated, Moments};
-use vessel::Invalid;
 
 use super::Arguments;
 use super::refusal::no_design;

@@ -4,7 +4,11 @@ use std::path::PathBuf;
 
 use artifact::{Digest, Provenance, Staged, commit, stage_document, stage_set_document};
 use clap::Parser;
+use engine::refuse_endless;
 use identification::Noise;
+use maneuver::Generator;
+use model::Vessel;
+use refusal::Invalid;
 use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::design_files::read_limits;
@@ -13,7 +17,6 @@ use study::files::{read_campaign, read_dictionary, read_vessel};
 use trial::campaign::Plan;
 use trial::moments::check_constants;
 use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
-use vessel::{Generator, Invalid, Vessel, refuse_endless};
 
 use crate::cli::{Common, beside};
 use crate::failure::Failure;

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use frame::limits::mib_with_program;
 use lattice::{Demand, NoPlan};
+use refusal::{Invalid, nearest};
 use trial::voyage::{Check, VoyageError};
-use vessel::{Invalid, nearest};
 
 use super::files::VoyageFiles;
 use crate::failure::Failure;

@@ -2,11 +2,12 @@ use std::path::PathBuf;
 
 use artifact::Provenance;
 use clap::Args;
+use maneuver::Generator;
+use model::Vessel;
 use study::campaign_file::CampaignFile;
 use study::documents::DesignDocument;
 use study::files::{read_campaign, read_dictionary, read_simulated};
 use trial::campaign::{Campaign, Settings};
-use vessel::{Generator, Vessel};
 
 use super::Files;
 use crate::cli::given;

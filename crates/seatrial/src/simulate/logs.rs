@@ -4,9 +4,10 @@ use std::path::Path;
 
 use artifact::{Provenance, Staged, Work, commit, stage_set_document};
 use logs::chain::{Entry, Fault, Logbook, NoLogs, force_factors};
+use maneuver::Generator;
+use model::{Source, Vessel};
 use study::documents::SimulatedLogsDocument;
 use study::logs_file::LogsFile;
-use vessel::{Generator, Source, Vessel};
 
 use crate::cli::{budget, folder_of, in_folder};
 use crate::failure::Failure;

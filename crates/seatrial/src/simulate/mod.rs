@@ -3,15 +3,14 @@
 mod flags;
 pub mod logs;
 
-pub use flags::{CampaignFlags, CampaignInputs, note_plays};
-
 use std::ops::Range;
 use std::path::Path;
 
 use artifact::{EncodedBlock, Provenance, Shard, TableWriter, Work, commit, encode_block};
+pub use flags::{CampaignFlags, CampaignInputs, note_plays};
+use model::Vessel;
 use study::trajectories::{BlockBuilder, LEAST_ROW_BYTES, Layout, SIMULATED_PER_SECOND, rows_per_block};
 use trial::campaign::{Campaign, Maneuvers, Refusal, SimulatedRun, Tally};
-use vessel::Vessel;
 
 use crate::cli::{budget, folder_of};
 use crate::failure::Failure;

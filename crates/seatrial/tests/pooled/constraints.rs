@@ -7,7 +7,7 @@ use crate::search::measured;
 use crate::support::*;
 use crate::{CROSS, POOL};
 
-const PRESET: &str = include_str!("../../../vessel/presets/ljungberg-model-ship.toml");
+const PRESET: &str = include_str!("../../../model/presets/ljungberg-model-ship.toml");
 /// A few runs, judged by a vessel that they were not simulated with.
 const FEW: &str = "--runs random/0,random/1,optimized/2 --allow-mixed";
 

@@ -9,10 +9,11 @@ use std::collections::BTreeMap;
 use source::Crate;
 
 /// Crates from the ground up: one may use those of the rows above its own.
-const FLOORS: [&[&str]; 12] = [
+const FLOORS: [&[&str]; 13] = [
     &["refusal", "numerics"],
-    &["artifact", "enc"],
-    &["vessel", "design", "lattice", "chart"],
+    &["artifact", "enc", "model"],
+    &["engine", "design", "lattice", "chart"],
+    &["maneuver"],
     &["identification", "logs", "export"],
     &["search"],
     &["trial", "validation"],
@@ -27,7 +28,9 @@ const FLOORS: [&[&str]; 12] = [
 /// The crates that compute, and the one that says in other languages what is computed.
 const SCIENCE: &[&str] = &[
     "numerics",
-    "vessel",
+    "model",
+    "engine",
+    "maneuver",
     "identification",
     "search",
     "validation",
@@ -74,7 +77,7 @@ const DEPENDENCIES: [(&[&str], &[&str], &str); 3] = [
     (SCIENCE, &["artifact", "study", "clap", "indicatif"], "science knows no files and no command line"),
     (
         &["design"],
-        &["vessel", "chart", "lattice", "logs", "trial"],
+        &["model", "engine", "maneuver", "chart", "lattice", "logs", "trial"],
         "a design is of information, not of ships",
     ),
     (

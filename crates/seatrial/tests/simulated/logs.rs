@@ -108,7 +108,7 @@ fn law_without_noise_ingest_gives_the_forces_and_the_motion_back() {
     }
 }
 
-fn rows(folder: &TempDir, name: &str) -> Vec<vessel::Run> {
+fn rows(folder: &TempDir, name: &str) -> Vec<engine::Run> {
     use study::trajectories::{Layout, TrajectoryReader};
     let path = folder.path().join("vessel.toml");
     let vessel = study::files::read_vessel(&path, &mut artifact::Provenance::default()).unwrap();

@@ -236,7 +236,7 @@ fn lasting_currents_and_wind_disturb_and_leave_other_channels_as_they_are() {
 #[test]
 fn runs_are_asked_what_the_model_lacks_where_disturbances_are_stated() {
     let folder = with(&["campaign.parquet"]);
-    let preset = include_str!("../../../vessel/presets/ljungberg-model-ship.toml");
+    let preset = include_str!("../../../model/presets/ljungberg-model-ship.toml");
     let poorer: Vec<&str> = preset.split("\n\n").filter(|block| !block.contains("\"Y_v\"")).collect();
     std::fs::write(folder.path().join("poorer.toml"), poorer.join("\n\n")).unwrap();
     let rejected = |line: &str| {

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use approx::assert_abs_diff_eq;
+use engine::simulate_one;
+use model::{Source, Vessel};
 use tempfile::TempDir;
-use vessel::{Source, Vessel, simulate_one};
 
 use crate::support::*;
 

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use artifact::{Provenance, TableReader, read_document};
+use model::Vessel;
 use serde_json::Value;
 use study::documents::{DesignDocument, MomentsDocument};
 use study::estimates::{self, Row};
 use study::files::read_vessel;
 use tempfile::TempDir;
-use vessel::Vessel;
 
 use crate::support::SEATRIAL;
 

@@ -1,7 +1,7 @@
 //! A ship with a propeller and a rudder in its stream, by channels that are derived from both.
 
+use engine::simulate_one;
 use tempfile::TempDir;
-use vessel::simulate_one;
 
 use crate::support::*;
 
@@ -61,7 +61,7 @@ fn inputs_from_a_table_move_the_propellers_stream_too() {
     assert!(column("r").iter().any(|r| r.abs() > 0.01), "the stream turns the ship");
 }
 
-fn read_vessel(folder: &TempDir) -> vessel::Vessel {
+fn read_vessel(folder: &TempDir) -> model::Vessel {
     let path = folder.path().join("vessel.toml");
     study::files::read_vessel(&path, &mut artifact::Provenance::default()).unwrap()
 }

@@ -1,11 +1,11 @@
 //! Trials in rounds, through the binary.
 
 use artifact::TableReader;
+use model::Source;
 use study::documents::SequentialDocument;
 use study::sequential::{ID, VERSION};
 use tempfile::TempDir;
 use trial::rounds::Arm;
-use vessel::Source;
 
 use crate::support::*;
 

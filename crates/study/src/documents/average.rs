@@ -1,11 +1,12 @@
 use std::collections::BTreeMap;
 
 use artifact::{Document, Units};
+use model::{DegreeOfFreedom, Vessel};
+use refusal::Invalid;
 use schemars::JsonSchema;
 use search::{Averaged, Member};
 use serde::{Deserialize, Serialize};
 use validation::comparison::Magnitudes;
-use vessel::{DegreeOfFreedom, Invalid, Vessel};
 
 use super::found::parameters;
 use super::model::{ModelDocument, ModelParameter};

@@ -1,10 +1,10 @@
 use artifact::{Columns, Document, Units};
+use model::DegreeOfFreedom;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use validation::comparison::{
     Bands, Compared, ComparedModel, Difference, ErrorCorrelations, Outside, Spread, Traced, Validity,
 };
-use vessel::DegreeOfFreedom;
 
 /// `compare.json`: a model beside others on recordings that it was not fitted to.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]

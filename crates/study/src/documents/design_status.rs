@@ -1,6 +1,6 @@
 use design::Status;
 
-vessel::choices! {
+refusal::choices! {
     /// What is known of a design.
     pub enum DesignStatus {
         /// Proved global.

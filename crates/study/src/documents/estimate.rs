@@ -1,9 +1,10 @@
 use artifact::{Document, Units};
 use identification::pooled::{DegreeTrust, ParameterTrust, Pooled};
 use identification::{Estimator, MeanRemoval};
+use model::{Degree, Model, Vessel};
+use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{Degree, Invalid, Model, Vessel};
 
 use super::ConstrainedParameter;
 

@@ -2,8 +2,8 @@
 
 use identification::pooled::Delivered;
 use identification::{Estimator, MeanRemoval};
+use model::{DegreeOfFreedom, Model, Vessel, Written};
 use search::{NestedScore, Searched};
-use vessel::{DegreeOfFreedom, Model, Vessel, Written};
 
 use super::model::{ModelDegree, ModelDocument, ModelParameter, bounds};
 

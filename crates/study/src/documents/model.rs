@@ -1,14 +1,14 @@
 use artifact::{Document, Units};
 use identification::pooled::{Covariance, Covered, Delivered, Pool, Pooled, RecordingConstant, Surroundings};
 use identification::{Estimator, MeanRemoval, RunEstimate};
-use refusal::check_numbers;
+use model::{
+    Constrained, Constraint, DegreeOfFreedom, DerivedChannel, DerivedSpec, InputSpec, MeasuredSpec, TermSpec,
+    Variable, Vessel, VesselFile, Written,
+};
+use refusal::{Invalid, check_numbers};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use validation::comparison::Magnitudes;
-use vessel::{
-    Constrained, Constraint, DegreeOfFreedom, DerivedChannel, DerivedSpec, InputSpec, Invalid, MeasuredSpec,
-    TermSpec, Variable, Vessel, VesselFile, Written,
-};
 
 /// `model.json`: a model as it was estimated, with all that it takes to simulate it. Every stage that takes a `vessel.toml`
 /// takes it instead.

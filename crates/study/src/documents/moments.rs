@@ -1,8 +1,8 @@
 use artifact::{Document, Units};
+use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trial::moments::{Moments, malformed};
-use vessel::Invalid;
 
 /// `moments.json`: the lifted moment matrices of every maneuver.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]

@@ -1,12 +1,13 @@
 use std::collections::BTreeMap;
 
-use super::passage::Passage;
-use super::plan_depths::PlanDepths;
 use artifact::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trial::voyage::{Check, FrontPoint, Information, Primary, Secondary};
 use trial::{DerivedHandling, Handling, Side};
+
+use super::passage::Passage;
+use super::plan_depths::PlanDepths;
 
 /// `plan.json`: a walk over the lattice that uses every maneuver as often as asked, and what becomes of it at sea.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -156,7 +157,7 @@ impl PlanChart {
     }
 }
 
-vessel::choices! {
+refusal::choices! {
     /// What is known of a plan.
     pub enum PlanStatus {
         /// No plan is cheaper: proved.
@@ -166,7 +167,7 @@ vessel::choices! {
     }
 }
 
-vessel::choices! {
+refusal::choices! {
     /// What the cost of a plan counts.
     pub enum CostUnit {
         /// Basic moves.

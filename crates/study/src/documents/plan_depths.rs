@@ -22,7 +22,7 @@ pub struct PlanDepths {
     pub invalid: u64,
 }
 
-vessel::choices! {
+refusal::choices! {
     /// Where the unit of a chart comes from.
     pub enum PlanUnitFrom {
         /// The file states it.

@@ -2,9 +2,9 @@ use std::collections::BTreeMap;
 
 use artifact::{Document, Units};
 use design::CriterionName;
+use model::Source;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::Source;
 
 use super::titles;
 

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use design::CriterionName;
 use identification::Estimator;
 use identification::refine::Forward;
+use model::Vessel;
 use trial::refining::Refinement;
-use vessel::Vessel;
 
 use super::design::{CovarianceCriterion, DesignDocument, Sequence, SequencePart};
 use super::design_status::DesignStatus;

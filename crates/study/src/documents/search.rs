@@ -1,8 +1,8 @@
 use artifact::{Document, Units};
+use model::{DegreeOfFreedom, Vessel};
 use schemars::JsonSchema;
 use search::{Candidate, NestedScore, SearchOptions, Searched, SizeScore};
 use serde::{Deserialize, Serialize};
-use vessel::{DegreeOfFreedom, Vessel};
 
 use super::average::AverageSummary;
 use super::found::{parameters, resampled};

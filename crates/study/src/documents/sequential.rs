@@ -1,8 +1,8 @@
 use artifact::{Document, Units};
+use model::Source;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trial::rounds::{ArmSummary, RoundGain, Stopping};
-use vessel::Source;
 
 /// `sequential.json`: trials designed in rounds against trials designed once.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]

@@ -1,9 +1,9 @@
 //! What is known of designs, in words.
 
 use design::{Accuracy, Criterion, Design, Method, Restricted, Status, Whole};
+use model::Source;
 use trial::arranging::{Arranged, Kept};
 use trial::refining::Refinement;
-use vessel::Source;
 
 use super::design::Start;
 

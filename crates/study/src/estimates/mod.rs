@@ -6,11 +6,10 @@ mod unidentified;
 use std::path::Path;
 
 use artifact::{Columns, Error, TableReader};
+pub use identification::RunEstimate as Row;
 use identification::pooled::listed;
 use identification::{EstimateStatus, Estimator};
-use vessel::{DegreeOfFreedom, Vessel};
-
-pub use identification::RunEstimate as Row;
+use model::{DegreeOfFreedom, Vessel};
 pub use summary::{CRITICISED, criticised, distinct, estimators, summarize};
 pub use unidentified::unidentified;
 

@@ -5,15 +5,15 @@ use std::path::Path;
 
 use artifact::{Error, Provenance};
 use identification::{EstimateStatus, Estimator, RepeatedEstimates, TRUSTED, relative_norms};
+use model::{DegreeOfFreedom, Vessel};
+use numerics::statistics::{quantile, quantile_interval, sorted, wilson};
 use serde::de::DeserializeOwned;
-use vessel::{DegreeOfFreedom, Vessel};
 
 use super::Row;
 use crate::documents::{
     ConstrainedParameter, DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary,
     bounded,
 };
-use numerics::statistics::{quantile, quantile_interval, sorted, wilson};
 
 /// The setting that says under which noise runs were asked what the model lacks.
 pub const CRITICISED: &str = "criticised";

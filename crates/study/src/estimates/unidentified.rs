@@ -3,7 +3,7 @@
 use artifact::Error;
 use identification::EstimateStatus;
 use identification::runs::RunEstimators;
-use vessel::{DegreeOfFreedom, Vessel};
+use model::{DegreeOfFreedom, Vessel};
 
 use super::Row;
 use crate::trajectories::TrajectoryReader;

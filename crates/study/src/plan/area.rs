@@ -1,8 +1,8 @@
 //! Areas of `plan.toml`: boxes, and polygons by their corners.
 
 use chart::ring::{RingFault, ring_fault};
+use refusal::Invalid;
 use trial::voyage::Area;
-use vessel::Invalid;
 
 use super::file::AreaSpec;
 

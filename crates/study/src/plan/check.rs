@@ -3,10 +3,11 @@
 use std::ops::Bound::{self, Excluded, Included};
 use std::ops::RangeBounds;
 
+use engine::MOST_CURRENT_M_S;
+use refusal::Invalid;
 use refusal::check_name;
 use trial::voyage::AT_REST;
 use trial::{Mode, Tolerance};
-use vessel::{Invalid, MOST_CURRENT_M_S};
 
 use super::area::check_corners;
 use super::file::PlanFile;

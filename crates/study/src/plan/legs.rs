@@ -51,7 +51,7 @@ impl Legs<'_> {
         let at = grid.pose(step.from.i, step.from.j, level);
         let (longitude_deg, latitude_deg) = chart.plane().to_geographic([at.y, at.x]);
         let to = self.prepared.node(step.to);
-        let off = |pose: vessel::Pose| libm::hypot(pose.x - to[0], pose.y - to[1]);
+        let off = |pose: engine::Pose| libm::hypot(pose.x - to[0], pose.y - to[1]);
         let open = samples.iter().position(|s| s.informative);
         let largest = |i: usize| samples.iter().map(|s| s.inputs[i].abs()).fold(0.0, f64::max);
         let model = &brief.vessel.model;

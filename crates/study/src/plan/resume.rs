@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use refusal::Invalid;
 use trial::voyage::{Goal, ManeuverUse, Place, Task};
-use vessel::Invalid;
 
 use crate::documents::PlanDocument;
 

@@ -1,7 +1,7 @@
 //! When `plan.toml` lets a trial take place.
 
+use refusal::Invalid;
 use trial::voyage::{Area, Daylight, Slot};
-use vessel::Invalid;
 
 use super::file::PlanFile;
 use super::task::second;

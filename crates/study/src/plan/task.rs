@@ -1,9 +1,10 @@
 //! What `plan.toml` asks, as the science takes it.
 
 use chart::route::Timestamp;
+use model::Vessel;
+use refusal::Invalid;
 use trial::voyage::Task;
 use trial::{Approach, DerivedHandling, Handling, Tolerance};
-use vessel::{Invalid, Vessel};
 
 use super::file::{KnownCurrent, PlanFile};
 

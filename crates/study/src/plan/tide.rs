@@ -4,8 +4,9 @@ use std::path::Path;
 
 use artifact::{Digest, Error, Provenance};
 use chart::route::Timestamp;
+use engine::MOST_CURRENT_M_S;
+use refusal::Invalid;
 use trial::voyage::{Task, Tide, TideRow};
-use vessel::{Invalid, MOST_CURRENT_M_S};
 
 use super::file::PlanFile;
 use super::task::second;

@@ -1,9 +1,9 @@
 use std::collections::BTreeMap;
 
-use refusal::check_ranges;
+use model::{Source, Vessel};
+use refusal::{Invalid, check_numbers, check_ranges};
 use serde::Deserialize;
 use trial::rounds::Knowledge;
-use vessel::{Invalid, Source, Vessel, check_numbers};
 
 /// `sequential.toml`.
 #[derive(Clone, Debug, Deserialize)]

@@ -1,8 +1,8 @@
 use std::path::Path;
 
 use artifact::{Error, Loaded, Provenance, read_document};
+use refusal::Invalid;
 use serde::Deserialize;
-use vessel::Invalid;
 
 use crate::documents::{
     CellsDocument, RefusedCell, SweepCell, SweepDocument, SweepLine, SweptCell, TallyDocument,

@@ -2,10 +2,9 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Error, Provenance};
 use identification::Estimator;
-use refusal::{check_ranges, foreign, one_line};
+use refusal::{Invalid, check_numbers, check_ranges, foreign, one_line};
 use serde::Deserialize;
 use toml::{Table, Value};
-use vessel::{Invalid, check_numbers};
 
 use crate::documents::SweepLine;
 

@@ -1,9 +1,9 @@
 use std::path::{Path, PathBuf};
 
 use artifact::{Change, Changes, Error, Provenance};
+use refusal::Invalid;
 use serde_json::json;
 use toml::Value;
-use vessel::Invalid;
 
 use super::SweepFile;
 use crate::documents::{CellsDocument, SweepAxis, SweepCell, SweepDesign};

@@ -1,8 +1,8 @@
 use std::borrow::Cow;
 
 use artifact::Error;
+use engine::Run;
 use identification::pooled::Recorded;
-use vessel::Run;
 
 use super::{Layout, TrajectoryReader};
 

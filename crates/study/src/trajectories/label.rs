@@ -1,6 +1,6 @@
 use artifact::Provenance;
 
-vessel::choices! {
+refusal::choices! {
     /// What data are labelled as where they are not those of a real ship.
     pub enum DataLabel {
         /// Made of simulated logs.

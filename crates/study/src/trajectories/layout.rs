@@ -1,5 +1,5 @@
 use artifact::{ColumnSpec, Kind, TableSchema};
-use vessel::{DegreeOfFreedom, DerivedChannel, Model};
+use model::{DegreeOfFreedom, DerivedChannel, Model};
 
 /// Schema id of trajectories.
 pub const ID: &str = "trajectories";

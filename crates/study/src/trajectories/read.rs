@@ -2,13 +2,12 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use artifact::{Column, ColumnSpec, Digest, Provenance, Shard, Table, TableReader};
-
+use artifact::{Column, ColumnSpec, Digest, Error, Provenance, Shard, Table, TableReader};
+use engine::{Run, Segment};
+use model::DerivedChannel;
 use refusal::check_name;
-use vessel::{DerivedChannel, Run, Segment};
 
 use super::{ID, Layout, VERSION};
-use artifact::Error;
 
 /// Reads trajectories block by block; every run lies within a block.
 pub struct TrajectoryReader {

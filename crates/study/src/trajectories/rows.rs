@@ -1,5 +1,5 @@
 use artifact::{Column, Labels};
-use vessel::{Run, Segment};
+use engine::{Run, Segment};
 
 use super::Layout;
 

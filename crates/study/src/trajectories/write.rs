@@ -1,9 +1,9 @@
 use std::iter::repeat_n;
 
 use artifact::{Column, Error, Labels, PIECE_ROWS, Table, TableSchema, TableWriter};
+use engine::track;
 use logs::RecordedRun;
 use trial::campaign::SimulatedRun;
-use vessel::track;
 
 use super::Layout;
 use super::rows::{Rows, extend};

@@ -4,7 +4,8 @@ mod search;
 mod whole;
 
 use design::{Criterion, Dictionary};
-use vessel::{Exceeded, Generator, Limits, Vessel};
+use maneuver::{Exceeded, Generator, Limits};
+use model::Vessel;
 
 use crate::moments::{Estimated, Moments};
 

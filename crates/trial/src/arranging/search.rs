@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use engine::{Streams, simulate_one};
+use numerics::LANES;
 use rayon::prelude::*;
-use vessel::{Invalid, LANES, Streams, simulate_one};
-
-use crate::campaign::{Parts, Plan, shared_out};
+use refusal::Invalid;
 
 use super::{Arranged, Arranging, Kept, generated_limits};
+use crate::campaign::{Parts, Plan, shared_out};
 
 /// Neighbours that are judged in one round.
 const NEIGHBOURS: usize = 48;

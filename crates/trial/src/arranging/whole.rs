@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use design::Candidates;
+use engine::{check_diverged, simulate_one};
 use identification::{Batch, MeanRemoval, Noise, middle, moments, output_information};
-use vessel::lanes::interleave;
-use vessel::{LANES, check_diverged, simulate_one};
+use numerics::LANES;
+use numerics::lanes::interleave;
 
 use super::{Arranging, generated_limits};
 use crate::moments::{Estimated, Expected, leading};

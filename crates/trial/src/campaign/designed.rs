@@ -2,7 +2,8 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
-use vessel::{Generator, Invalid, Realized};
+use maneuver::{Generator, Realized};
+use refusal::Invalid;
 
 use super::Refusal;
 use super::plays::{Plan, Tables, said, shared_out};
@@ -171,7 +172,8 @@ pub(super) fn too_short(samples: usize, key: &str) -> Refusal {
 
 #[cfg(test)]
 mod tests {
-    use vessel::{DictionaryFile, Vessel};
+    use maneuver::DictionaryFile;
+    use model::Vessel;
 
     use super::*;
 

@@ -1,9 +1,9 @@
 use std::ops::Range;
 
-use vessel::{
-    DegreeOfFreedom, Exceeded, Generator, Invalid, Kept, Realized, Run, Segment, Source, Vessel,
-    check_diverged, simulate_one,
-};
+use engine::{Run, Segment, check_diverged, simulate_one};
+use maneuver::{Exceeded, Generator, Kept, Realized};
+use model::{DegreeOfFreedom, Source, Vessel};
+use refusal::Invalid;
 
 use super::Refusal;
 use super::sea::SimulatedRun;

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use design::apportion;
-use vessel::{Invalid, PlayedTable};
+use maneuver::PlayedTable;
+use refusal::Invalid;
 
 /// What happens in a run: maneuver (its place in the dictionary) and samples, one after the other.
 pub type Plan = Vec<(usize, usize)>;

@@ -3,8 +3,11 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use design::apportion;
+use engine::{Segment, Streams, refuse_endless};
+use maneuver::{Generator, Realized};
+use model::Vessel;
+use numerics::{GROUPS, LANES};
 use rayon::prelude::*;
-use vessel::{GROUPS, Generator, LANES, Realized, Segment, Streams, Vessel, refuse_endless};
 
 use super::Refusal;
 use super::designed::{Designed, Parts, too_short};

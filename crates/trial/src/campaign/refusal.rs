@@ -1,5 +1,5 @@
+use refusal::Invalid;
 use thiserror::Error;
-use vessel::Invalid;
 
 /// Why a trial cannot be simulated, by what is at fault.
 #[derive(Clone, Debug, Error, PartialEq)]

@@ -1,8 +1,11 @@
-use vessel::lanes::{by_lane, interleave, lane, lane_of, room};
-use vessel::{
-    Current, Disturbances, Diverged, Driven, Invalid, LANES, Lane, Recording, Run, Source, Streams, Vessel,
-    Wide, Wind, diverged_lanes, simulate_disturbed,
+use engine::{
+    Current, Disturbances, Diverged, Driven, Recording, Run, Streams, Wind, diverged_lanes,
+    simulate_disturbed,
 };
+use model::{Source, Vessel};
+use numerics::lanes::{by_lane, interleave, lane, lane_of, room};
+use numerics::{LANES, Lane, Wide};
+use refusal::Invalid;
 
 use super::Refusal;
 

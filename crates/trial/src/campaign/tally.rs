@@ -1,7 +1,8 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use vessel::{Exceeded, Invalid};
+use maneuver::Exceeded;
+use refusal::Invalid;
 
 /// Name of the one reason to leave a maneuver out that is no limit.
 const UNSTEADY: &str = "no steady inputs";

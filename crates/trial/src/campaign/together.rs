@@ -1,7 +1,8 @@
 use std::sync::Arc;
 
-use vessel::lanes::{SideBySide, give_back, interleave, lane};
-use vessel::{LANES, Lane, Run, Segment};
+use engine::{Run, Segment, SideBySide};
+use numerics::lanes::{give_back, interleave, lane};
+use numerics::{LANES, Lane};
 
 use super::sea::{SimulatedRun, States};
 

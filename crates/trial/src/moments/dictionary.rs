@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use design::{Candidates, Dictionary};
 use identification::MeanRemoval;
-use vessel::{Invalid, Source};
+use model::Source;
+use refusal::Invalid;
 
 use super::{DegreeMoments, Moments, OutputErrorMoments};
 

@@ -10,15 +10,15 @@ mod rivals;
 use std::collections::BTreeMap;
 
 use design::Degree;
-use identification::{InstrumentKind, Noise};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use vessel::{DegreeOfFreedom, Invalid, Model, Source, Vessel};
-
 pub use dictionary::{Estimated, leading, malformed};
 pub use free_runs::{FreeRunModel, Unpredictable};
+use identification::{InstrumentKind, Noise};
 pub use matrices::{DegreeMoments, ManeuverMoments, OutputErrorMoments, Pool};
+use model::{DegreeOfFreedom, Model, Source, Vessel};
 pub use prediction::Prediction;
+use refusal::Invalid;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// The lifted moment matrices of every maneuver.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -103,7 +103,7 @@ fn by_name(model: &Model, values: &[f64]) -> BTreeMap<String, f64> {
 /// # Errors
 /// Names the parameter.
 pub fn check_constants(model: &Model) -> Result<(), Invalid> {
-    let constant = |degree: &vessel::Degree| degree.constant().map(|i| degree.parameters[i].clone());
+    let constant = |degree: &model::Degree| degree.constant().map(|i| degree.parameters[i].clone());
     match model.degrees.iter().find_map(constant) {
         None => Ok(()),
         Some(name) => Err(Invalid::new(
@@ -117,7 +117,7 @@ pub fn check_constants(model: &Model) -> Result<(), Invalid> {
 
 /// The rows and columns of the moments of `model`.
 pub fn structure(model: &Model) -> Vec<Degree> {
-    let of = |(d, degree): (DegreeOfFreedom, &vessel::Degree)| Degree {
+    let of = |(d, degree): (DegreeOfFreedom, &model::Degree)| Degree {
         name: d.name().to_owned(),
         regressors: degree.terms.iter().map(|t| t.text.clone()).chain(["1".to_owned()]).collect(),
         parameters: degree.parameters.clone(),
@@ -127,7 +127,7 @@ pub fn structure(model: &Model) -> Vec<Degree> {
 
 /// Names of the parameters with an intercept per degree of freedom, as the matrices for output error have them.
 pub(crate) fn rows(model: &Model) -> Vec<String> {
-    let of = |(d, degree): (DegreeOfFreedom, &vessel::Degree)| {
+    let of = |(d, degree): (DegreeOfFreedom, &model::Degree)| {
         degree.parameters.iter().cloned().chain([format!("intercept ({})", d.name())]).collect::<Vec<_>>()
     };
     DegreeOfFreedom::ALL.into_iter().zip(&model.degrees).flat_map(of).collect()

@@ -1,7 +1,9 @@
 use std::collections::BTreeMap;
 
+use engine::{Run, Segment};
 use identification::{Batch, Noise, middle, moments, output_information};
-use vessel::{DegreeOfFreedom, Invalid, Model, Run, Segment};
+use model::{DegreeOfFreedom, Model};
+use refusal::Invalid;
 
 use super::free_runs::diverges;
 use super::{DegreeMoments, Expected, FreeRunModel, ManeuverMoments, OutputErrorMoments};

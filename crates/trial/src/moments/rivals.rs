@@ -1,6 +1,6 @@
 use design::{Bounds, Options, Rivals, solve_within};
+use engine::Streams;
 use identification::MeanRemoval;
-use vessel::Streams;
 
 use super::{Estimated, Moments};
 

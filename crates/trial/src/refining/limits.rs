@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use identification::refine::SignalLimits;
-use vessel::{Generator, Invalid, Vessel};
+use maneuver::Generator;
+use model::Vessel;
+use refusal::Invalid;
 
 use super::{Refusal, Start};
 use crate::arranging::generated_limits;

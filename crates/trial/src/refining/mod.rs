@@ -4,13 +4,13 @@ mod limits;
 mod start;
 
 use identification::refine::{Effort, Refined, refine};
+pub use limits::{Limits, STATES, StatedLimits};
+use model::Vessel;
+use refusal::Invalid;
+pub use start::Start;
 use thiserror::Error;
-use vessel::{Invalid, Vessel};
 
 use crate::campaign;
-
-pub use limits::{Limits, STATES, StatedLimits};
-pub use start::Start;
 
 /// Time between the knots of what is added to the start's inputs, straight between them \[s\].
 const KNOT_S: f64 = 1.0;

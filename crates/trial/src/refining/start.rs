@@ -2,9 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use engine::{check_diverged, simulate_one};
 use identification::refine::TraceCriterion;
 use identification::{Noise, output_information};
-use vessel::{Generator, Invalid, Source, Vessel, check_diverged, simulate_one};
+use maneuver::Generator;
+use model::{Source, Vessel};
+use refusal::Invalid;
 
 use crate::campaign::{Parts, Refusal};
 use crate::moments::rows;

@@ -1,4 +1,7 @@
-use vessel::{Generator, Invalid, Run, Segment, Vessel};
+use engine::{Run, Segment};
+use maneuver::Generator;
+use model::Vessel;
+use refusal::Invalid;
 
 use crate::campaign::Parts;
 

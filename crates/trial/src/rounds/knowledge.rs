@@ -1,4 +1,4 @@
-use vessel::Streams;
+use engine::Streams;
 
 /// What is known of the parameters before a trial, and with its estimates.
 pub struct Knowledge {

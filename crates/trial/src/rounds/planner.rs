@@ -1,6 +1,8 @@
 use design::{Candidates, Covariance, Norm, Options, solve_covariance_among, solve_covariance_from};
 use identification::{Noise, OutputInformation, Simulated, output_informations};
-use vessel::{Generator, Invalid, ParameterLayout, Vessel};
+use maneuver::Generator;
+use model::{ParameterLayout, Vessel};
+use refusal::Invalid;
 
 use crate::campaign::{Judged, judge};
 
@@ -155,7 +157,8 @@ fn mixed(past: &[f64], own: &[f64], share: f64) -> Vec<f64> {
 mod tests {
     use super::*;
     use design::apportion;
-    use vessel::{DictionaryFile, Source};
+    use maneuver::DictionaryFile;
+    use model::Source;
 
     use super::super::growing_run::GrowingRun;
 

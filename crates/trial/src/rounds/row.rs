@@ -1,7 +1,7 @@
 use identification::EstimateStatus;
 use serde::{Deserialize, Serialize};
 
-vessel::choices! {
+refusal::choices! {
     /// A way to spend the time of a trial.
     pub enum Arm {
         /// Designed anew for every round, with what the rounds before have told.

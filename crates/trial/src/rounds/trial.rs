@@ -1,10 +1,12 @@
 use std::sync::{Mutex, PoisonError};
 
+use engine::{Run, Streams, check_diverged, refuse_endless, simulate_one};
 use identification::runs::{RunError, RunEstimators};
 use identification::{Noise, OutputInformation, RunEstimate, Simulated, parameter_error};
-use vessel::{
-    Generator, Invalid, LANES, Run, Source, Streams, Vessel, check_diverged, refuse_endless, simulate_one,
-};
+use maneuver::Generator;
+use model::{Source, Vessel};
+use numerics::LANES;
+use refusal::Invalid;
 
 use super::growing_run::GrowingRun;
 use super::knowledge::Knowledge;

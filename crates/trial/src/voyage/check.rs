@@ -200,7 +200,7 @@ impl Checking<'_> {
         self.prepared().brief.current(&format!("unknown-current-{}", self.round), run)
     }
 
-    fn run(&self, run: u32, vessels: u32) -> Result<Run, vessel::Invalid> {
+    fn run(&self, run: u32, vessels: u32) -> Result<Run, refusal::Invalid> {
         let (parameters, unknown) = (self.parameters(run % vessels), self.unknown(run));
         let (clearance, rate_hz) = (self.clearance, self.prepared().brief.vessel.sample_rate_hz);
         let mut passages = vec![clearance.open(); self.legs.len()];

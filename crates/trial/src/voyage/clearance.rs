@@ -1,7 +1,7 @@
 //! How near the hull comes to what is charted as an obstacle, in continuous space.
 
 use chart::{Bounds, Distances, Invalid, Polygon, Raster};
-use vessel::Pose;
+use engine::Pose;
 
 use super::error::VoyageError;
 use super::prepared::Prepared;
@@ -171,7 +171,7 @@ pub(super) fn cells_around(raster: &Raster, margin_m: f64) -> u128 {
 #[cfg(test)]
 mod tests {
     use chart::{Chart, Layer, LayerKind, Plane, PolygonLayer};
-    use vessel::Streams;
+    use engine::Streams;
 
     use super::*;
 

@@ -1,6 +1,6 @@
 //! Which pieces, how often: from the design's shares or as the task says.
 
-use vessel::Invalid;
+use refusal::Invalid;
 
 use super::error::VoyageError;
 use super::task::{Brief, ManeuverUse, Shares};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use vessel::Streams;
+use engine::Streams;
 
 use super::task::Brief;
 use crate::Rehearser;

@@ -1,7 +1,8 @@
-use super::footing::Footing;
 use lattice::NoPlan;
+use refusal::Invalid;
 use thiserror::Error;
-use vessel::Invalid;
+
+use super::footing::Footing;
 
 /// Why a trial on a chart cannot be planned.
 #[derive(Clone, Debug, Error, PartialEq)]

@@ -1,7 +1,9 @@
 //! The chart on its plane, and the lattice laid over the task's area.
 
 use chart::{Bounds, Chart, Class, Layer, Mask, Plane, Polygon, Raster};
-use vessel::{Invalid, Motion, Steady, Vessel};
+use maneuver::{Motion, Steady};
+use model::Vessel;
+use refusal::Invalid;
 
 use super::counts::Wanted;
 use super::error::VoyageError;

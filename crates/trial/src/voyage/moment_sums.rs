@@ -1,7 +1,9 @@
 //! What a stretch of trajectory tells about the parameters: sums of lifted moments per degree of freedom.
 
+use engine::simulate_one;
 use identification::{Batch, moments};
-use vessel::{LANES, Lane, Vessel, simulate_one};
+use model::Vessel;
+use numerics::{LANES, Lane};
 
 use crate::Piece;
 

@@ -1,7 +1,7 @@
 //! Places on the chart as poses of the lattice.
 
 use lattice::Pose;
-use vessel::Invalid;
+use refusal::Invalid;
 
 use super::prepared::Prepared;
 use super::task::{Goal, Place};
@@ -50,7 +50,7 @@ impl Prepared {
     }
 
     /// The true heading of a pose on the plane, from 0 to 360 \[deg\].
-    pub fn true_deg(&self, pose: vessel::Pose) -> f64 {
+    pub fn true_deg(&self, pose: engine::Pose) -> f64 {
         compass_deg(pose.psi - self.chart.plane().north_rad([pose.y, pose.x]))
     }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use chart::Chart;
-use vessel::Invalid;
+use refusal::Invalid;
 
 use super::counts::Wanted;
 use super::error::VoyageError;

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use chart::Footprint;
+use engine::Pose;
 use rayon::prelude::*;
-use vessel::{Invalid, Pose};
+use refusal::Invalid;
 
 use super::counts::Wanted;
 use super::error::VoyageError;

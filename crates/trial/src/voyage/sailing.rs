@@ -1,5 +1,8 @@
 //! The plan in continuous space: sailed, checked against the chart, and what it tells.
 
+use lattice::{Problem, Solution};
+use refusal::Invalid;
+
 use super::check::{Check, Checked, Checking};
 use super::clearance::Clearance;
 use super::error::VoyageError;
@@ -11,8 +14,6 @@ use super::search::Search;
 use super::solve::Solved;
 use super::task::Slot;
 use crate::{Fix, Rehearser, Sailed};
-use lattice::{Problem, Solution};
-use vessel::Invalid;
 
 /// How often a plan is searched before the last one has to do.
 const ROUNDS: u32 = 12;

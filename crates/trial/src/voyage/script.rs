@@ -1,6 +1,7 @@
 //! A plan as a script that any vessel can carry out, in any current.
 
-use vessel::{Invalid, Pose};
+use engine::Pose;
+use refusal::Invalid;
 
 use super::prepared::Prepared;
 use crate::{Autopilot, End, Leg, Passing, Sailed, Ship, sail};

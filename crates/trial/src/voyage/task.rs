@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use chart::Layer;
+use engine::Run;
+use model::Vessel;
 use serde::{Deserialize, Serialize};
-use vessel::{Run, Vessel};
 
 use super::tide::Tide;
 use crate::{Approach, DerivedHandling, Handling, Mode};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use chart::{Class, Distances, Footprint, Mask, Obstacles, Polygon, Raster};
 use lattice::Pose;
 use rayon::prelude::*;
-use vessel::Invalid;
+use refusal::Invalid;
 
 use super::error::VoyageError;
 use super::prepared::Prepared;

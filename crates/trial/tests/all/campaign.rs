@@ -1,7 +1,8 @@
 //! Runs at sea, and the experiments that designs state.
 
+use engine::{Current, Disturbances, Measurement, Streams, Wind};
+use model::Vessel;
 use trial::campaign::{Designed, Group, Refusal, Sea, Tables};
-use vessel::{Current, Disturbances, Measurement, Streams, Vessel, Wind};
 
 #[test]
 fn law_a_run_that_goes_on_keeps_its_past() {

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
-use crate::handling::coaster;
+use maneuver::{DictionaryFile, Generator};
+use model::Vessel;
 use trial::{
     Approach, DerivedHandling, Grid, Handling, Mode, Piece, Rehearser, Repertoire, Settled, Side, Tolerance,
     mirror,
 };
-use vessel::{DictionaryFile, Generator, Vessel};
+
+use crate::handling::coaster;
 
 const HANDLING: Handling = Handling {
     turn_rate_rad_s: 0.05,

@@ -1,7 +1,7 @@
 //! Pieces of maneuvers, and their mirror images.
 
+use model::Vessel;
 use trial::{Piece, mirror, period};
-use vessel::Vessel;
 
 fn swing(samples: usize, period: f64) -> Vec<f64> {
     (0..samples).map(|k| (std::f64::consts::TAU * k as f64 / period).sin()).collect()

@@ -1,10 +1,9 @@
+use identification::pooled::{Covariance, Part};
+use identification::predictor::{Recordings, Sensitivities};
+use model::Model;
 use numerics::times;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::Model;
-
-use identification::pooled::{Covariance, Part};
-use identification::predictor::{Recordings, Sensitivities};
 
 /// 97.5 % of a normal distribution lie below this many standard deviations.
 pub(super) const Z: f64 = 1.959_963_984_540_054;

@@ -1,10 +1,10 @@
+use identification::pooled::{Part, Regression};
+use model::DegreeOfFreedom;
 use schemars::JsonSchema;
+use search::MeanTrajectory;
 use serde::{Deserialize, Serialize};
-use vessel::DegreeOfFreedom;
 
 use super::simulated::{Contestant, Ship, Simulated};
-use identification::pooled::{Part, Regression};
-use search::MeanTrajectory;
 
 /// Lags that errors are correlated with themselves over.
 const OWN: usize = 40;
@@ -13,7 +13,7 @@ const CROSSED: usize = 20;
 /// 97.5 % of a normal distribution lie below this many standard deviations.
 const Z: f64 = 1.959_963_984_540_054;
 
-vessel::choices! {
+refusal::choices! {
     /// What a model's errors are errors of.
     pub enum ErrorKind {
         /// Of a prediction from the state measured a sample before. Of measured states it is a moving average by construction:

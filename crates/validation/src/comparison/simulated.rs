@@ -1,9 +1,10 @@
-use vessel::{Model, check_diverged, simulate_one};
+use engine::{check_diverged, simulate_one};
+use identification::pooled::{Part, deviations};
+use model::Model;
+use search::MeanTrajectory;
 
 use super::errors::{ComparedRecording, Sums};
 use super::standing::{ComparedModel, Standing};
-use identification::pooled::{Part, deviations};
-use search::MeanTrajectory;
 
 /// Who takes part.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 
 use super::errors::{ComparedErrors, ComparedRecording};
 
-vessel::choices! {
+refusal::choices! {
     /// Who takes part in a comparison.
     pub enum Standing {
         /// The model.

@@ -1,7 +1,8 @@
+use engine::RunView;
 use identification::pooled::{Covered, PooledRuns, Recorded};
+use model::{Model, Variable};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::{Model, RunView, Variable};
 
 /// Seconds of a stretch: long enough that motion passes through zero and comes back.
 pub const STRETCH_S: f64 = 60.0;

@@ -1,5 +1,6 @@
+use identification::pooled::{lies_above, listed};
+use model::DegreeOfFreedom;
 use numerics::statistics::paired_median;
-use vessel::DegreeOfFreedom;
 
 use super::bands::Bands;
 use super::covered::Outside;
@@ -7,7 +8,6 @@ use super::simulated::Simulated;
 use super::spread::Spread;
 use super::standing::{ComparedModel, Difference, Standing};
 use super::validity::Validity;
-use identification::pooled::{lies_above, listed};
 
 /// With fewer recordings than this their windows are compared: no interval of a median has both ends then.
 const FEW: usize = 6;

@@ -1,5 +1,5 @@
+use refusal::Invalid;
 use thiserror::Error;
-use vessel::Invalid;
 
 /// Why nothing can be left out.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

@@ -1,4 +1,4 @@
-use vessel::nearest;
+use refusal::nearest;
 
 use super::error::CrossError;
 

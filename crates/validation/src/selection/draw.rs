@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use vessel::Streams;
+use engine::Streams;
 
 /// What is drawn for a realization.
 pub(super) struct Draw {

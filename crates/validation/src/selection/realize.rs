@@ -1,10 +1,10 @@
-use vessel::RunView;
-use vessel::lanes::interleave;
+use engine::RunView;
+use identification::pooled::{Options, Pool, Score, Solution, fit, joined};
+use identification::{Estimator, ScoreStatus, Sums, free_runs};
+use numerics::lanes::interleave;
 
 use super::draw::Draw;
 use super::prepared::Prepared;
-use identification::pooled::{Options, Pool, Score, Solution, fit, joined};
-use identification::{Estimator, ScoreStatus, Sums, free_runs};
 
 /// One realization: what was picked, and what its model is worth.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +42,7 @@ pub(super) struct Realizer<'a> {
 }
 
 impl Realizer<'_> {
-    /// Up to [`vessel::LANES`] realizations, from `first` on.
+    /// Up to [`numerics::LANES`] realizations, from `first` on.
     pub(super) fn chunk(&self, draw: &Draw, first: u32, count: usize) -> Vec<Realization> {
         let picked: Vec<Vec<usize>> = (0..count as u32).map(|i| draw.realization(first + i)).collect();
         let models: Vec<Option<Vec<f64>>> = picked.iter().map(|own| self.model(own)).collect();

@@ -1,14 +1,15 @@
 use std::collections::BTreeMap;
 
-use vessel::{LANES, RunView};
+use engine::RunView;
+use identification::Estimator;
+use identification::pooled::{LostInstruments, Part, Pool, PooledRuns, deviations};
+use numerics::LANES;
 
 use super::counts::available;
 use super::draw::Draw;
 use super::prepared::Prepared;
 use super::realize::{Realization, Realizer};
 use super::scores::{PublishedLimits, SelectionScores};
-use identification::Estimator;
-use identification::pooled::{LostInstruments, Part, Pool, PooledRuns, deviations};
 
 /// What is picked, how often, and by whom.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use engine::Run;
 use identification::pooled::PooledRuns;
+use model::{Vessel, VesselFile};
 use serde_json::{Value, json};
 use validation::comparison::{CompareOptions, Compared, Contestant, Known, Ship, Standing, compare};
-use vessel::{Run, Vessel, VesselFile};
 
 fn oracle() -> Value {
     serde_json::from_str(include_str!("../../../../fixtures/oracle/average.json")).unwrap()

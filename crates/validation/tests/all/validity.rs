@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use engine::Run;
 use identification::pooled::PooledRuns;
+use model::{Model, Vessel};
 use validation::comparison::{Magnitudes, STRETCH_S, Validity};
-use vessel::{Model, Run, Vessel};
 
 /// Samples of a stretch at one sample per second.
 const STRETCH: usize = STRETCH_S as usize;

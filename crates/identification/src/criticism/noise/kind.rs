@@ -1,7 +1,7 @@
+use numerics::lanes::lane;
+use numerics::{LANES, Lane};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use vessel::lanes::lane;
-use vessel::{LANES, Lane};
 
 use crate::sensitivity::{Drift, Flow, Gusts, Levels};
 

@@ -1,5 +1,6 @@
-use vessel::lanes::SideBySide;
-use vessel::{Compiled, DIVERGED, LANES, Lane, Model, RunView};
+use engine::{Compiled, DIVERGED, RunView, SideBySide};
+use model::Model;
+use numerics::{LANES, Lane};
 
 use super::kind::{Guess, side_by_side};
 use crate::sensitivity::{Recordings, current_of, filter_along, vessel_state, with_states};

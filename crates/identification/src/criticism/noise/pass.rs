@@ -1,5 +1,5 @@
-use numerics::times;
-use vessel::{Lane, ParameterLayout};
+use model::ParameterLayout;
+use numerics::{Lane, times};
 
 use super::line::{Line, Point};
 use crate::predictor::scaled_inverse;
@@ -35,7 +35,7 @@ impl Sums {
         known_start: bool,
         own: Option<(&[f64], &mut Samples)>,
     ) {
-        vessel::vectorized!(narrow: go_along::<N>(self, layout, line, samples, levels, known_start, own));
+        numerics::vectorized!(narrow: go_along::<N>(self, layout, line, samples, levels, known_start, own));
     }
 
     /// Twice the restricted log-likelihood but for a constant: −Σ log s − w⊥ᵀw⊥ − log|WᵀW|; and WᵀW, Wᵀw.
@@ -90,7 +90,7 @@ const LEFT: f64 = 1e-13;
 /// The root of what is left; no number where that is nothing.
 fn pivot(left: Lane, whole: Lane) -> Lane {
     let mut root = left.sqrt();
-    for lane in 0..vessel::LANES {
+    for lane in 0..numerics::LANES {
         if left[lane].is_nan() || left[lane] <= LEFT * whole[lane] {
             root[lane] = f64::NAN;
         }

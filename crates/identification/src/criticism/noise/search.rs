@@ -1,5 +1,5 @@
-use numerics::{dot, solve};
-use vessel::{LANES, Lane, ParameterLayout};
+use model::ParameterLayout;
+use numerics::{LANES, Lane, dot, solve};
 
 use super::kind::{Guess, MOST, NoiseKind, side_by_side};
 use super::line::Line;
@@ -181,7 +181,8 @@ impl Slopes {
 
 #[cfg(test)]
 mod tests {
-    use vessel::{Model, RunView, Source, Vessel};
+    use engine::RunView;
+    use model::{Model, Source, Vessel};
 
     use super::*;
 
@@ -193,7 +194,7 @@ mod tests {
         let wave = |k: usize, by: f64| (by * k as f64).sin();
         let inputs = |k: usize| [2000.0, 900.0, 400.0].map(|size: f64| size * wave(k + 1, 0.2 + 1e-4 * size));
         let exogenous: Vec<f64> = (0..SAMPLES).flat_map(inputs).collect();
-        let states = vessel::simulate_one(model, theta, [0.6, 0.05, 0.1], &exogenous);
+        let states = engine::simulate_one(model, theta, [0.6, 0.05, 0.1], &exogenous);
         let off = |(i, x): (usize, f64)| x + 0.05 * wave(i * i + 3, 1.7);
         (states.into_iter().enumerate().map(off).collect(), exogenous)
     }

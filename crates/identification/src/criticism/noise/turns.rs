@@ -1,5 +1,7 @@
+use engine::RunView;
+use model::Model;
+use numerics::LANES;
 use rayon::prelude::*;
-use vessel::{LANES, Model, RunView};
 
 use super::begin::{Seen, after};
 use super::kind::{Guess, NoiseKind};

@@ -5,11 +5,14 @@
 pub mod explicit;
 pub mod noise;
 
+use engine::simulate_one;
 use identification::pooled::{NominalModel, Pool};
 use identification::runs::Beside;
 use identification::{Batch, Instruments, MeanRemoval, Outcome};
+use maneuver::{DictionaryFile, Generator};
+use model::{Model, Source, Vessel};
 use noise::Normals;
-use vessel::{DictionaryFile, Generator, LANES, Lane, Model, Number, Source, Vessel, simulate_one};
+use numerics::{LANES, Lane, Number};
 
 const VESSEL: &str = include_str!("../../../../../pipelines/paper/vessel.toml");
 const DICTIONARY: &str = include_str!("../../../../../pipelines/scenarios/dictionary.toml");

@@ -1,0 +1,29 @@
+//! A ship that steps: the compiled model, what water, wind and sensors add, and runs as they are recorded.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod compiled;
+mod disturbance;
+mod noise;
+mod normals;
+mod pose;
+mod products;
+mod refusals;
+mod run;
+mod side_by_side;
+mod simulate;
+
+pub use compiled::{Ambient, Compiled};
+pub use disturbance::{
+    Axes, Current, Disturbances, Disturbing, MOST_CURRENT_M_S, Measurement, Weather, Wind, check_currents,
+};
+pub use noise::Streams;
+pub use pose::{Pose, track};
+pub use refusals::{MOST_SAMPLES, refuse_endless};
+pub use run::{Run, RunView, Segment};
+pub use side_by_side::SideBySide;
+pub use simulate::{
+    DIVERGED, Diverged, Driven, Recording, check_diverged, diverged_lanes, mark_beyond, simulate,
+    simulate_disturbed, simulate_groups, simulate_one,
+};

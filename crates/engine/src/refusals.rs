@@ -1,0 +1,32 @@
+use model::DegreeOfFreedom;
+use refusal::Invalid;
+
+use crate::Diverged;
+
+impl Diverged {
+    /// What a vessel is refused for whose motion in `what` diverges.
+    pub fn invalid(self, what: impl Into<String>) -> Invalid {
+        let state = DegreeOfFreedom::ALL[self.state.min(2)].state();
+        Invalid::new(
+            what,
+            format!("a simulation that diverges: {state} leaves every bound at sample {}", self.sample),
+            "bounded motion",
+            "make the damping terms stronger (per sample between -1 and 0 for a linear one), or the inputs or the sampling interval smaller",
+        )
+    }
+}
+
+/// The longest run that is simulated \[samples\].
+pub const MOST_SAMPLES: usize = 1 << 22;
+
+/// Refuses runs of more than [`MOST_SAMPLES`] samples, which `thing` asks for.
+///
+/// # Errors
+/// States both numbers.
+pub fn refuse_endless(thing: impl Into<String>, samples: usize) -> Result<(), Invalid> {
+    if samples <= MOST_SAMPLES {
+        return Ok(());
+    }
+    let (found, expected) = (format!("{samples} samples"), format!("at most {MOST_SAMPLES} samples"));
+    Err(Invalid::new(thing, found, expected, "shorten it"))
+}

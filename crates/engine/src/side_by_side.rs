@@ -1,0 +1,40 @@
+use numerics::lanes::{by_lane, interleave_into, lane};
+use numerics::{LANES, Lane};
+
+use crate::RunView;
+
+/// Up to [`LANES`] runs side by side, all row-major, as long as the longest of them.
+#[derive(Clone, Debug, Default)]
+pub struct SideBySide {
+    /// How many runs there are.
+    pub runs: usize,
+    /// Measured states: (N+1) × 3.
+    pub measured: Vec<Lane>,
+    /// Inputs and measured disturbances: N × exogenous.
+    pub exogenous: Vec<Lane>,
+    /// State that simulations start from.
+    pub initial: [Lane; 3],
+    /// Samples of each run.
+    pub samples: [usize; LANES],
+}
+
+impl SideBySide {
+    /// Of `runs`; lanes that are left repeat the last one.
+    pub fn of(runs: &[RunView]) -> Self {
+        let mut of = Self::default();
+        of.fill(runs);
+        of
+    }
+
+    /// Takes `runs` in the place of those before.
+    pub fn fill(&mut self, runs: &[RunView]) {
+        let rows = |of: for<'a> fn(&RunView<'a>) -> &'a [f64], out: &mut Vec<Lane>| {
+            interleave_into(&runs.iter().map(of).collect::<Vec<_>>(), out);
+        };
+        self.runs = runs.len();
+        rows(|run| run.measured, &mut self.measured);
+        rows(|run| run.exogenous, &mut self.exogenous);
+        self.initial = [0, 1, 2].map(|d: usize| lane(runs.len(), |run| runs[run].initial[d]));
+        self.samples = by_lane(runs.len(), |run| runs[run].samples());
+    }
+}

@@ -1,0 +1,64 @@
+use std::collections::BTreeSet;
+
+use model::Source;
+use refusal::{Invalid, check_name};
+use serde::Deserialize;
+
+use super::generate_spec::GenerateSpec;
+use super::spec::ManeuverSpec;
+
+/// `dictionary.toml` as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DictionaryFile {
+    /// Duration of every maneuver that gives none of its own \[s\].
+    pub duration_s: Option<f64>,
+    /// Which parameters turn maneuvers into inputs.
+    #[serde(default)]
+    pub inputs_from: Source,
+    /// The maneuvers, in order.
+    #[serde(default, rename = "maneuver")]
+    pub maneuvers: Vec<ManeuverSpec>,
+    /// More maneuvers, by generation.
+    pub generate: Option<GenerateSpec>,
+}
+
+impl DictionaryFile {
+    /// The maneuvers with the generated ones after those written, each of a name of its own.
+    ///
+    /// # Errors
+    /// An empty dictionary, a name used twice and numbers without meaning: names the maneuver and the key.
+    pub fn expanded(&self) -> Result<Vec<ManeuverSpec>, Invalid> {
+        let generated = self.generate.as_ref().map(GenerateSpec::candidates).transpose()?;
+        let all: Vec<ManeuverSpec> =
+            self.maneuvers.iter().cloned().chain(generated.into_iter().flatten()).collect();
+        check_all(&all, self.duration_s)?;
+        Ok(all)
+    }
+
+    /// Refuses swings that are too fast for `rate_hz`.
+    pub(super) fn check_sampling(&self, rate_hz: f64) -> Result<(), Invalid> {
+        self.maneuvers.iter().try_for_each(|maneuver| maneuver.check_sampling(rate_hz))?;
+        self.generate.as_ref().map_or(Ok(()), |generate| generate.check_sampling(rate_hz))
+    }
+}
+
+pub(crate) fn check_all(maneuvers: &[ManeuverSpec], default_s: Option<f64>) -> Result<(), Invalid> {
+    if maneuvers.is_empty() {
+        return Err(Invalid::new("[[maneuver]]", "none", "at least one maneuver", "add one, or [generate]"));
+    }
+    let mut names = BTreeSet::new();
+    for maneuver in maneuvers {
+        check_name("`name` of a [[maneuver]]", &maneuver.name)?;
+        if !names.insert(maneuver.name.as_str()) {
+            return Err(Invalid::new(
+                format!("maneuver `{}`", maneuver.name),
+                "a name that is used twice",
+                "a name of its own for every maneuver",
+                "rename one of them",
+            ));
+        }
+        maneuver.check(default_s)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,304 @@
+use std::collections::BTreeMap;
+
+use engine::{Streams, refuse_endless};
+use model::{Source, Vessel};
+use refusal::Invalid;
+
+use super::generate_spec::Limits;
+use super::played::PlayedTable;
+use super::settings::check_range;
+use super::signal::Wave;
+use super::spec::{Kind, ManeuverSpec};
+use crate::DictionaryFile;
+use crate::steady::{Motion, Steady};
+
+/// A maneuver turned into inputs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Realized {
+    /// State at the start: u, v \[m/s\], r \[rad/s\].
+    pub initial: [f64; 3],
+    /// N × inputs, row-major.
+    pub inputs: Vec<f64>,
+}
+
+/// Turns the maneuvers of a dictionary into inputs for one vessel.
+#[derive(Clone, Debug)]
+pub struct Generator {
+    vessel: Vessel,
+    parameters: Vec<f64>,
+    maneuvers: Vec<ManeuverSpec>,
+    /// How many of them are written by hand.
+    written: usize,
+    limits: Option<Limits>,
+    default_s: Option<f64>,
+    tables: BTreeMap<usize, PlayedTable>,
+}
+
+impl Generator {
+    /// Checks the dictionary and takes its tables of inputs from `read` (name → CSV).
+    ///
+    /// # Errors
+    /// See [`DictionaryFile::expanded`] and [`model::Model::check_simulated`]; swings that the sampling rate cannot follow; a table of inputs that is refused; true
+    /// values that are needed and missing.
+    pub fn new(
+        vessel: &Vessel,
+        dictionary: &DictionaryFile,
+        read: impl Fn(&str) -> Result<String, Invalid>,
+    ) -> Result<Self, Invalid> {
+        let mut maneuvers = dictionary.expanded()?;
+        let written = dictionary.maneuvers.len();
+        if !vessel.commands_sway() {
+            maneuvers[written..].iter_mut().for_each(|drawn| drawn.kind.let_sway_come());
+        }
+        vessel.model.check_simulated()?;
+        dictionary.check_sampling(vessel.sample_rate_hz)?;
+        let limits = dictionary.generate.as_ref().map(|generate| generate.limits.clone());
+        limits.as_ref().map_or(Ok(()), |limits| limits.check(&vessel.model))?;
+        let source = match vessel.best_known() {
+            Source::Value => dictionary.inputs_from,
+            Source::Nominal => Source::Nominal,
+        };
+        let mut tables = BTreeMap::new();
+        for (index, maneuver) in dictionary.maneuvers.iter().enumerate() {
+            if let Some(table) = PlayedTable::of(maneuver, vessel, &read)? {
+                tables.insert(index, table);
+            }
+        }
+        Ok(Self {
+            vessel: vessel.clone(),
+            parameters: vessel.parameters(source)?,
+            maneuvers,
+            written,
+            limits,
+            default_s: dictionary.duration_s,
+            tables,
+        })
+    }
+
+    /// The same for a dictionary without tables of inputs.
+    ///
+    /// # Errors
+    /// See [`Generator::new`]; a maneuver whose inputs stand in a table.
+    pub fn without_tables(vessel: &Vessel, dictionary: &DictionaryFile) -> Result<Self, Invalid> {
+        let none = |name: &str| {
+            Err(Invalid::new(
+                format!("inputs `{name}`"),
+                "a table",
+                "none",
+                "use maneuvers that are generated",
+            ))
+        };
+        Self::new(vessel, dictionary, none)
+    }
+
+    /// The maneuvers, in order.
+    pub fn maneuvers(&self) -> &[ManeuverSpec] {
+        &self.maneuvers
+    }
+
+    /// The limits that maneuver `index` has to keep, if it is generated.
+    pub fn limits(&self, index: usize) -> Option<&Limits> {
+        self.limits.as_ref().filter(|_| index >= self.written)
+    }
+
+    /// The parameters that turn maneuvers into inputs.
+    pub fn parameters(&self) -> &[f64] {
+        &self.parameters
+    }
+
+    /// Number of samples of maneuver `index` in the dictionary.
+    ///
+    /// # Errors
+    /// A duration shorter than half a sample, or without end.
+    pub fn samples(&self, index: usize) -> Result<usize, Invalid> {
+        let maneuver = &self.maneuvers[index];
+        let endless = || format!("maneuver `{}`, `duration_s`", maneuver.name);
+        let own = maneuver.duration(self.default_s).map(|s| self.vessel.samples(s));
+        match self.tables.get(&index).map(|table| table.samples).or(own) {
+            Some(samples) if samples > 0 => refuse_endless(endless(), samples).map(|()| samples),
+            _ => Err(Invalid::new(
+                format!("maneuver `{}`", maneuver.name),
+                "zero samples",
+                format!("at least one sample ({} s)", 1.0 / self.vessel.sample_rate_hz),
+                "lengthen it with `duration_s`",
+            )),
+        }
+    }
+
+    /// The maneuvers whose inputs stand in tables, by their places.
+    pub fn tables(&self) -> &BTreeMap<usize, PlayedTable> {
+        &self.tables
+    }
+
+    /// Whether maneuver `index` in few samples is the beginning of the same in more: nothing of it is stretched.
+    pub fn goes_on(&self, index: usize) -> bool {
+        self.maneuvers[index].kind.goes_on()
+    }
+
+    /// Maneuver `index` carried out in `samples` samples. Swings keep their period, sweeps are stretched to the length. Tables
+    /// begin as they are written.
+    ///
+    /// # Errors
+    /// A motion that the model cannot hold; a table of fewer samples.
+    pub fn realize(&self, index: usize, samples: usize) -> Result<Realized, Invalid> {
+        let maneuver = &self.maneuvers[index];
+        if let Some(table) = self.tables.get(&index) {
+            let inputs = table.first(samples)?.to_vec();
+            let plan = Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, 0);
+            return Ok(Realized { initial: plan.start(), inputs });
+        }
+        let plan = Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, samples);
+        let named = |e: Invalid| Invalid { thing: format!("maneuver `{}`, {}", maneuver.name, e.thing), ..e };
+        let inputs = self.inputs(&plan, samples).map_err(named)?;
+        Ok(Realized { initial: plan.start(), inputs })
+    }
+
+    fn inputs(&self, plan: &Plan, samples: usize) -> Result<Vec<f64>, Invalid> {
+        let width = self.vessel.model.inputs;
+        let mut inputs = Vec::with_capacity(samples * width);
+        let mut unknowns = vec![0.0; width + 1];
+        let mut steady = Steady::new(&self.vessel, &self.parameters);
+        let mut held: Option<(Motion, [f64; 3])> = None;
+        for k in 0..samples {
+            let motion = plan.motion(k);
+            let gain = plan.gain(k);
+            if held != Some((motion, gain)) {
+                unknowns.fill(0.0);
+                steady.follow(motion, gain, &mut unknowns)?;
+                let wanted = || format!("wanted motion: u = {} m/s, r = {} rad/s", motion.u, motion.r);
+                check_range(&self.vessel, &unknowns[..width], wanted)?;
+                held = Some((motion, gain));
+            }
+            inputs.extend_from_slice(&unknowns[..width]);
+        }
+        Ok(inputs)
+    }
+}
+
+/// The wanted motion, sample by sample.
+struct Plan<'a> {
+    kind: &'a Kind,
+    rate_hz: f64,
+    samples: usize,
+    signs: [Vec<f64>; 3],
+    /// Speed, yaw rate and sway speed of a combined maneuver.
+    waves: [Option<Wave>; 3],
+}
+
+impl<'a> Plan<'a> {
+    fn new(kind: &'a Kind, rate_hz: f64, samples: usize) -> Self {
+        let signs = match kind {
+            Kind::PseudoRandomBinary { dwell_s, seed, .. } => {
+                let dwells = ((samples as f64 / (dwell_s * rate_hz)).floor() as usize).min(samples) + 1;
+                let streams = Streams::new(*seed, "pseudo-random-binary");
+                [0, 1, 2].map(|c| {
+                    streams.choices(0, c, 2, dwells).iter().map(|b| 2.0 * f64::from(*b) - 1.0).collect()
+                })
+            }
+            _ => [const { Vec::new() }; 3],
+        };
+        let duration_s = samples as f64 / rate_hz;
+        let waves = match *kind {
+            Kind::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } => {
+                let mut channel = 0;
+                [Some(speed_m_s), yaw_rate_rad_s, sway_m_s].map(|signal| {
+                    channel += 1;
+                    signal.map(|signal| Wave::new(signal, channel, duration_s))
+                })
+            }
+            _ => [const { None }; 3],
+        };
+        Self { kind, rate_hz, samples, signs, waves }
+    }
+
+    fn start_speed(&self) -> f64 {
+        match *self.kind {
+            Kind::Accelerate { from_m_s, .. } | Kind::Decelerate { from_m_s, .. } => from_m_s,
+            Kind::ZigZag { speed_m_s, .. }
+            | Kind::SwayZigZag { speed_m_s, .. }
+            | Kind::Spiral { speed_m_s, .. }
+            | Kind::SteadyTurn { speed_m_s, .. }
+            | Kind::PseudoRandomBinary { speed_m_s, .. }
+            | Kind::Inputs { speed_m_s, .. } => speed_m_s,
+            Kind::Combined { start_m_s, .. } => start_m_s.unwrap_or_else(|| self.motion(0).u),
+        }
+    }
+
+    /// State at the start: u, v \[m/s\], r \[rad/s\].
+    fn start(&self) -> [f64; 3] {
+        if !self.exact() {
+            return [self.start_speed(), 0.0, 0.0];
+        }
+        let Motion { u, v, r } = self.motion(0);
+        [u, v.unwrap_or(0.0), r]
+    }
+
+    /// Whether each motion leads to the next.
+    fn exact(&self) -> bool {
+        matches!(self.kind, Kind::Combined { exact: true, .. })
+    }
+
+    /// What the state gains until the next sample: nothing where its motion is to be held.
+    fn gain(&self, k: usize) -> [f64; 3] {
+        if !self.exact() {
+            return [0.0; 3];
+        }
+        let (now, next) = (self.motion(k), self.motion(k + 1));
+        [next.u - now.u, next.v.unwrap_or(0.0) - now.v.unwrap_or(0.0), next.r - now.r]
+    }
+
+    fn motion(&self, k: usize) -> Motion {
+        let t = k as f64 / self.rate_hz;
+        match *self.kind {
+            Kind::Accelerate { from_m_s: from, to_m_s: to, hold_s }
+            | Kind::Decelerate { from_m_s: from, to_m_s: to, hold_s } => {
+                Motion { u: if t < hold_s { from } else { to }, v: None, r: 0.0 }
+            }
+            Kind::ZigZag {
+                shape,
+                speed_m_s: u,
+                yaw_rate_amplitude_rad_s: rate,
+                heading_amplitude_rad: heading,
+                sway_amplitude_m_s: sway,
+                period_s,
+            } => {
+                let swing = shape.at(t / period_s);
+                let amplitude = Kind::yaw_rate_amplitude(shape, rate, heading, period_s);
+                Motion { u, v: sway.map(|v| -v * swing), r: amplitude * swing }
+            }
+            Kind::SwayZigZag { shape, speed_m_s: u, sway_amplitude_m_s, period_s } => {
+                Motion { u, v: Some(sway_amplitude_m_s * shape.at(t / period_s)), r: 0.0 }
+            }
+            Kind::Spiral {
+                speed_m_s: u,
+                yaw_rate_from_rad_s: from,
+                yaw_rate_to_rad_s: to,
+                sway_speed_m_s: v,
+            } => Motion { u, v, r: from + (to - from) * (k as f64 + 0.5) / self.samples as f64 },
+            Kind::SteadyTurn { speed_m_s: u, yaw_rate_rad_s: r, sway_speed_m_s: v } => Motion { u, v, r },
+            Kind::PseudoRandomBinary {
+                speed_m_s,
+                speed_amplitude_m_s,
+                yaw_rate_amplitude_rad_s,
+                sway_amplitude_m_s,
+                dwell_s,
+                ..
+            } => {
+                let dwell = (t / dwell_s).floor() as usize;
+                let sign = |c: usize| self.signs[c][dwell.min(self.signs[c].len() - 1)];
+                Motion {
+                    u: speed_m_s + speed_amplitude_m_s * sign(0),
+                    v: sway_amplitude_m_s.map(|v| v * sign(1)),
+                    r: yaw_rate_amplitude_rad_s * sign(2),
+                }
+            }
+            Kind::Combined { exact, .. } => {
+                // Inputs hold the motion in the middle between two samples; an exact one is that of the sample.
+                let done = (k as f64 + if exact { 0.0 } else { 0.5 }) / self.samples as f64;
+                let [u, r, v] = self.waves.each_ref().map(|wave| wave.as_ref().map(|wave| wave.at(t, done)));
+                Motion { u: u.unwrap_or(0.0), v, r: r.unwrap_or(0.0) }
+            }
+            Kind::Inputs { speed_m_s: u, .. } => Motion { u, v: None, r: 0.0 },
+        }
+    }
+}

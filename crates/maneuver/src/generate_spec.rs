@@ -1,0 +1,224 @@
+//! `[generate]` in `dictionary.toml`: what candidates are drawn, and the limits that they keep.
+
+use std::collections::BTreeMap;
+
+use model::Model;
+use refusal::{Invalid, check_numbers, check_ranges};
+use serde::Deserialize;
+
+use super::signal::{MULTISINE_SAMPLES, SWING_SAMPLES, check_period};
+
+/// `[generate]` as written.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GenerateSpec {
+    /// How many are drawn. Fewer are left within the limits.
+    pub candidates: u32,
+    /// Seed: candidate i of a seed is the same whatever their number and the limits.
+    #[serde(default = "one")]
+    pub seed: u64,
+    /// Duration of every candidate \[s\]; without it the dictionary's.
+    pub duration_s: Option<f64>,
+    /// Kinds, in turn; all where there are none.
+    #[serde(default)]
+    pub kinds: Vec<CandidateKind>,
+    /// Speeds to draw from \[m/s\]: lowest and highest; without it from standstill to the limit.
+    pub speed_m_s: Option<[f64; 2]>,
+    /// Speeds that candidates start at \[m/s\], as a plan's modes have them; without any, each starts at one of its own.
+    #[serde(default)]
+    pub start_m_s: Vec<f64>,
+    /// Periods to draw from \[s\]: shortest and longest.
+    #[serde(default = "periods")]
+    pub period_s: [f64; 2],
+    /// What no candidate may exceed.
+    pub limits: Limits,
+}
+
+fn one() -> u64 {
+    1
+}
+
+fn periods() -> [f64; 2] {
+    [4.0, 40.0]
+}
+
+/// Largest moduli that a candidate may reach.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Of the surge speed \[m/s\].
+    pub u_m_s: f64,
+    /// Of the sway speed \[m/s\].
+    pub v_m_s: f64,
+    /// Of the yaw rate \[rad/s\].
+    pub r_rad_s: f64,
+    /// Of inputs by name, in their units; an input that is not named has no limit.
+    #[serde(default)]
+    pub inputs: BTreeMap<String, f64>,
+}
+
+refusal::choices! {
+    /// The kinds that candidates are drawn of, in turn.
+    pub enum CandidateKind {
+        /// Speed, sway and yaw rate each in a shape of its own.
+        Combined = "combined",
+        /// The yaw rate swings.
+        ZigZag = "zig-zag",
+        /// All speeds switch at random.
+        PseudoRandomBinary = "pseudo-random-binary",
+        /// All speeds are sums of sines.
+        Multisine = "multisine",
+        /// The yaw rate is swept.
+        Spiral = "spiral",
+        /// From rest or slow to faster.
+        Accelerate = "accelerate",
+        /// The sway speed swings.
+        SwayZigZag = "sway-zig-zag",
+        /// To a lower speed.
+        Decelerate = "decelerate",
+        /// A turning circle.
+        SteadyTurn = "steady-turn",
+    }
+}
+
+/// Which limit a motion exceeds most.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exceeded {
+    /// Key of the limit.
+    pub limit: String,
+    /// Its value.
+    pub allowed: f64,
+    /// What the motion reaches.
+    pub found: f64,
+}
+
+impl GenerateSpec {
+    pub(super) fn check(&self) -> Result<(), Invalid> {
+        let refuse = |key: &str, found: f64, expected: &str| {
+            Err(Invalid::new(format!("`generate.{key}`"), found.to_string(), expected, "correct it"))
+        };
+        if self.candidates == 0 || self.candidates > MOST {
+            return refuse("candidates", f64::from(self.candidates), &format!("1 to {MOST}"));
+        }
+        let limits = &self.limits;
+        let named = [("u_m_s", limits.u_m_s), ("v_m_s", limits.v_m_s), ("r_rad_s", limits.r_rad_s)];
+        let inputs = limits.inputs.iter().map(|(name, limit)| (name.as_str(), *limit));
+        let all = named.into_iter().chain(inputs);
+        let all = all.map(|(key, value)| (format!("generate.limits.{key}"), value));
+        check_numbers(all, "more than zero", |value| value > 0.0)?;
+        let duration = self.duration_s.map(|duration| ("generate.duration_s", duration));
+        check_numbers(duration, "more than 0 s", |value| value > 0.0)?;
+        check_ranges(duration.map(|(key, duration)| (key, duration, 0.0..=1e9, "s")))?;
+        check_ranges(self.period_s.map(|period| ("generate.period_s", period, 0.0..=1e9, "s")))?;
+        let speeds = self.speed_m_s.into_iter().flatten();
+        check_ranges(speeds.map(|speed| ("generate.speed_m_s", speed, -100.0..=100.0, "m/s")))?;
+        let moduli = [
+            ("u_m_s", limits.u_m_s, 100.0),
+            ("v_m_s", limits.v_m_s, 100.0),
+            ("r_rad_s", limits.r_rad_s, 10.0),
+        ];
+        check_ranges(
+            moduli.map(|(key, limit, most)| (format!("generate.limits.{key}"), limit, 0.0..=most, "")),
+        )?;
+        let [shortest, longest] = self.period_s;
+        if !(shortest > 0.0 && longest >= shortest && longest.is_finite()) {
+            return refuse(
+                "period_s",
+                shortest,
+                "a shortest period above 0 s and a longest one not below it",
+            );
+        }
+        match self.speed_m_s {
+            Some([low, high]) if !(low.is_finite() && high.is_finite() && low <= high) => {
+                refuse("speed_m_s", low, "a lowest speed and a highest one not below it")
+            }
+            _ => self.check_starts(),
+        }
+    }
+
+    /// Refuses starts outside the range of speeds, and kinds that none of them leaves room for.
+    fn check_starts(&self) -> Result<(), Invalid> {
+        let [low, high] = self.speeds();
+        let refuse = |found: String, expected: String| {
+            let remedy = "correct it, or widen `generate.speed_m_s`";
+            Err(Invalid::new("`generate.start_m_s`", found, expected, remedy))
+        };
+        if let Some(outside) = self.start_m_s.iter().find(|start| !(low..=high).contains(*start)) {
+            return refuse(format!("{outside} m/s"), format!("speeds from {low} to {high} m/s"));
+        }
+        for kind in self.kinds().iter().filter(|_| !self.start_m_s.is_empty()) {
+            let Some([least, most]) = self.starts_of(*kind) else { continue };
+            if !self.start_m_s.iter().any(|start| (least..=most).contains(start)) {
+                let expected = format!("one from {least:.3} to {most:.3} m/s for `{kind}`");
+                return refuse(format!("{:?} m/s", self.start_m_s), expected);
+            }
+        }
+        Ok(())
+    }
+
+    /// The kinds to draw of, in turn.
+    pub(super) fn kinds(&self) -> &[CandidateKind] {
+        if self.kinds.is_empty() { &CandidateKind::ALL } else { &self.kinds }
+    }
+
+    /// Lowest and highest speed to draw \[m/s\].
+    pub(super) fn speeds(&self) -> [f64; 2] {
+        let limit = self.limits.u_m_s;
+        let [low, high] = self.speed_m_s.unwrap_or([0.0, limit]);
+        [low.max(-limit), high.min(limit)]
+    }
+
+    /// Lowest and highest speed that a change of speed may start at \[m/s\], a quarter of the range from where it ends; `None` for
+    /// kinds that start at any.
+    pub(super) fn starts_of(&self, kind: CandidateKind) -> Option<[f64; 2]> {
+        let [low, high] = self.speeds();
+        let far = 0.25 * (high - low);
+        match kind {
+            CandidateKind::Accelerate => Some([low, high - far]),
+            CandidateKind::Decelerate => Some([low + far, high]),
+            _ => None,
+        }
+    }
+
+    /// Refuses periods that are too short for `rate_hz`.
+    pub(super) fn check_sampling(&self, rate_hz: f64) -> Result<(), Invalid> {
+        let multisine = self.kinds.is_empty() || self.kinds.contains(&CandidateKind::Multisine);
+        let least = if multisine { MULTISINE_SAMPLES } else { SWING_SAMPLES };
+        check_period("`generate.period_s`".to_owned(), self.period_s[0], least, rate_hz)
+    }
+}
+
+/// Most candidates of a dictionary.
+const MOST: u32 = 1_000_000;
+
+impl Limits {
+    /// Refuses limits of inputs that `model` does not have.
+    pub(crate) fn check(&self, model: &Model) -> Result<(), Invalid> {
+        let names = model.input_names();
+        match self.inputs.keys().find(|key| !names.contains(&key.as_str())) {
+            None => Ok(()),
+            Some(unknown) => Err(Invalid::unknown("`generate.limits.inputs`", unknown, names)),
+        }
+    }
+
+    /// The limit that `states` (rows × 3) or `inputs` (rows × inputs) exceed most, if any. A state that is no number
+    /// exceeds every limit.
+    pub fn exceeded(&self, model: &Model, states: &[f64], inputs: &[f64]) -> Option<Exceeded> {
+        let largest = |values: &[f64], column: usize, width: usize| {
+            let moduli = values.iter().skip(column).step_by(width.max(1)).map(|x| x.abs());
+            moduli.fold(0.0, |most: f64, x| if x.is_nan() { f64::INFINITY } else { most.max(x) })
+        };
+        let states = [("u_m_s", self.u_m_s), ("v_m_s", self.v_m_s), ("r_rad_s", self.r_rad_s)]
+            .into_iter()
+            .enumerate()
+            .map(|(d, (key, allowed))| (key.to_owned(), allowed, largest(states, d, 3)));
+        let inputs = model.input_variables().iter().enumerate().filter_map(|(i, v)| {
+            let allowed = *self.inputs.get(&v.name)?;
+            Some((format!("inputs.{}", v.name), allowed, largest(inputs, i, model.inputs)))
+        });
+        let most = states.chain(inputs).max_by(|a, b| (a.2 / a.1).total_cmp(&(b.2 / b.1)))?;
+        let (limit, allowed, found) = most;
+        // What is asked to reach a limit may pass it by rounding.
+        (found > allowed * (1.0 + 1e-9)).then_some(Exceeded { limit, allowed, found })
+    }
+}

@@ -1,0 +1,31 @@
+//! Maneuvers in the terms of a trial, turned into inputs by the model.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod candidates;
+mod dictionary;
+mod draw;
+mod generate;
+mod generate_spec;
+mod input_table;
+mod kept;
+mod newton;
+mod played;
+mod settings;
+mod shape;
+mod signal;
+mod spec;
+mod stamps;
+mod steady;
+
+pub use dictionary::DictionaryFile;
+pub use generate::{Generator, Realized};
+pub use generate_spec::{CandidateKind, Exceeded, GenerateSpec, Limits};
+pub use input_table::{InputTable, Pace};
+pub use kept::Kept;
+pub use played::PlayedTable;
+pub use shape::Shape;
+pub use signal::{Signal, SignalShape};
+pub use spec::{Kind, ManeuverSpec};
+pub use steady::{Motion, Steady};

@@ -1,0 +1,18 @@
+use model::Vessel;
+use refusal::Invalid;
+
+/// Refuses inputs beyond what the vessel's can be set to, which `what` asks for.
+pub(super) fn check_range(vessel: &Vessel, inputs: &[f64], what: impl Fn() -> String) -> Result<(), Invalid> {
+    let Some((i, [low, high])) = vessel.beyond_range(inputs) else { return Ok(()) };
+    let variable = &vessel.model.input_variables()[i];
+    let (from, remedy) = match vessel.motion {
+        None => ("its `range` in the vessel's file", "correct the range"),
+        Some(_) => ("about what the logs of the model cover", "allow more with --beyond-range"),
+    };
+    Err(Invalid::new(
+        what(),
+        format!("{} = {} {}", variable.name, inputs[i], variable.unit),
+        format!("a setting from {low} to {high}, {from}"),
+        format!("lower speeds and yaw rates, or {remedy}"),
+    ))
+}

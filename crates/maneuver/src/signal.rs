@@ -1,0 +1,283 @@
+//! Signals that a combined maneuver asks of speed, sway speed and yaw rate.
+
+use engine::Streams;
+use rand::Rng;
+use refusal::Invalid;
+use serde::Deserialize;
+
+use super::shape::Shape;
+
+/// What one speed does over a combined maneuver, in the unit of the key that it stands under.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Signal {
+    /// How it moves.
+    #[serde(default)]
+    pub shape: SignalShape,
+    /// Middle of its range.
+    #[serde(default)]
+    pub mean: f64,
+    /// Half of its range; a negative one starts downwards.
+    #[serde(default)]
+    pub amplitude: f64,
+    /// Period; of a pseudo-random signal the shortest time at a level, of a multisine the longest period \[s\].
+    #[serde(default)]
+    pub period_s: f64,
+    /// Where a square, sine, flat sine or triangle starts, in periods.
+    #[serde(default)]
+    pub phase: f64,
+    /// Seed of a pseudo-random signal's levels and of a multisine's phases.
+    #[serde(default)]
+    pub seed: u64,
+    /// How many times as steep as the sine a flat sine passes its middle.
+    pub steepness: Option<f64>,
+    /// Power of the time that a ramp follows; without it 1, a straight line.
+    pub exponent: Option<f64>,
+    /// How long a ramp takes; it stays at its end afterwards. Without it, it takes as long as the maneuver \[s\].
+    pub over_s: Option<f64>,
+}
+
+/// How a signal moves within its range.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SignalShape {
+    /// It stays at the mean.
+    #[default]
+    Constant,
+    /// Between two levels.
+    Square,
+    /// As a sine.
+    Sine,
+    /// As a sine of `steepness` times the amplitude, cut off where it leaves the range.
+    FlatSine,
+    /// In straight ramps up and down.
+    Triangle,
+    /// Once through the range: evenly, or by a power of the time.
+    Ramp,
+    /// Between two levels at random.
+    PseudoRandom,
+    /// A sum of [`LINES`] harmonics with random phases.
+    Multisine,
+}
+
+/// Harmonics of a multisine.
+pub const LINES: usize = 5;
+
+impl Signal {
+    /// Whether `period_s` counts.
+    pub(crate) fn has_period(&self) -> bool {
+        self.least_samples().is_some()
+    }
+
+    /// Samples that `period_s` has to last at least, where it counts.
+    pub(super) fn least_samples(&self) -> Option<usize> {
+        match self.shape {
+            SignalShape::Constant | SignalShape::Ramp => None,
+            SignalShape::Square | SignalShape::Sine | SignalShape::FlatSine | SignalShape::Triangle => {
+                Some(SWING_SAMPLES)
+            }
+            SignalShape::PseudoRandom => Some(1),
+            SignalShape::Multisine => Some(MULTISINE_SAMPLES),
+        }
+    }
+
+    /// Whether it is stretched to the length of its maneuver.
+    pub(super) fn is_stretched(&self) -> bool {
+        self.shape == SignalShape::Ramp && self.over_s.is_none()
+    }
+
+    /// Refuses a key of one shape that is out of range, missing, or stands beside another shape: key, found, expected.
+    pub(super) fn check_shape(&self) -> Result<(), (&'static str, Option<f64>, &'static str)> {
+        self.check_ramp()?;
+        let flat = self.shape == SignalShape::FlatSine;
+        match self.steepness {
+            None if flat => Err(("steepness", None, "how many times as steep as a sine it is, 1 or more")),
+            Some(s) if !flat => Err(("steepness", Some(s), "none, but with shape = \"flat-sine\"")),
+            Some(s) if !(1.0..=STEEPEST).contains(&s) => {
+                Err(("steepness", Some(s), "a number from 1, the sine itself, to 1e6"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn check_ramp(&self) -> Result<(), (&'static str, Option<f64>, &'static str)> {
+        let keys = [
+            ("exponent", self.exponent, LARGEST_EXPONENT, "a number above 0, and 100 at most"),
+            ("over_s", self.over_s, LONGEST_S, "more than 0 s, and 1e9 s at most"),
+        ];
+        for (key, found, most, expected) in keys {
+            let Some(x) = found else { continue };
+            if self.shape != SignalShape::Ramp {
+                return Err((key, found, "none, but with shape = \"ramp\""));
+            }
+            if !(x > 0.0 && x <= most) {
+                return Err((key, found, expected));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The longest duration and period of a maneuver \[s\].
+pub(super) const LONGEST_S: f64 = 1e9;
+
+/// A flat sine this steep is a square wave at any sampling rate.
+const STEEPEST: f64 = 1e6;
+
+/// A ramp of this power stays where it begins until the maneuver is over.
+const LARGEST_EXPONENT: f64 = 100.0;
+
+/// Fewest samples of a period: two to either side. With the two of Nyquist's bound a square may be sampled where it jumps and a
+/// sine at its zeros, and nothing is left of them.
+pub(super) const SWING_SAMPLES: usize = 4;
+
+/// Fewest samples of a multisine's longest period: its fastest harmonic then stays below Nyquist's bound.
+pub(super) const MULTISINE_SAMPLES: usize = 2 * LINES + 1;
+
+/// Refuses a period of fewer samples than `least`.
+pub(super) fn check_period(thing: String, period_s: f64, least: usize, rate_hz: f64) -> Result<(), Invalid> {
+    // Whole samples are often not quite so many in binary fractions.
+    if period_s * rate_hz >= least as f64 * (1.0 - 1e-9) {
+        return Ok(());
+    }
+    let samples = if least == 1 { "sample" } else { "samples" };
+    let expected = format!("at least {} s: {least} {samples} at {rate_hz} Hz", least as f64 / rate_hz);
+    Err(Invalid::new(thing, format!("{period_s} s"), expected, "lengthen it"))
+}
+
+/// A signal ready to be read sample by sample.
+#[derive(Clone, Debug)]
+pub(crate) struct Wave {
+    signal: Signal,
+    /// Levels (±1) of a pseudo-random signal, phases (in periods) of a multisine.
+    draws: Vec<f64>,
+    /// Largest modulus of the sum of a multisine's harmonics.
+    peak: f64,
+}
+
+impl Wave {
+    /// `channel` keeps the random numbers of a maneuver's signals apart.
+    pub(crate) fn new(signal: Signal, channel: u32, duration_s: f64) -> Self {
+        let streams = Streams::new(signal.seed, "combined");
+        let draws = match signal.shape {
+            SignalShape::PseudoRandom => {
+                let dwells = (duration_s / signal.period_s).floor() as usize + 1;
+                streams.choices(0, channel, 2, dwells).iter().map(|b| 2.0 * f64::from(*b) - 1.0).collect()
+            }
+            SignalShape::Multisine => {
+                let mut rng = streams.channel(0, channel);
+                (0..LINES).map(|_| (rng.next_u64() >> 11) as f64 * 2.0_f64.powi(-53)).collect()
+            }
+            _ => Vec::new(),
+        };
+        let mut wave = Self { signal, draws, peak: 1.0 };
+        if signal.shape == SignalShape::Multisine {
+            wave.peak = (0..512).map(|i| wave.harmonics(f64::from(i) / 512.0).abs()).fold(0.0, f64::max);
+        }
+        wave
+    }
+
+    /// At `t` seconds, of a maneuver of which `done` (0 to 1) is over.
+    pub(crate) fn at(&self, t: f64, done: f64) -> f64 {
+        let Signal { mean, amplitude, period_s, phase, .. } = self.signal;
+        let swing = match self.signal.shape {
+            SignalShape::Constant => 0.0,
+            SignalShape::Square => Shape::Square.at(t / period_s + phase),
+            SignalShape::Sine => Shape::Sine.at(t / period_s + phase),
+            SignalShape::Triangle => Shape::Triangle.at(t / period_s + phase),
+            SignalShape::FlatSine => {
+                let steep = self.signal.steepness.unwrap_or(1.0) * Shape::Sine.at(t / period_s + phase);
+                steep.clamp(-1.0, 1.0)
+            }
+            SignalShape::Ramp => {
+                let done = self.signal.over_s.map_or(done, |over_s| (t / over_s).min(1.0));
+                let passed = self.signal.exponent.map_or(done, |exponent| libm::pow(done, exponent));
+                2.0 * passed - 1.0
+            }
+            SignalShape::PseudoRandom => {
+                self.draws[((t / period_s).floor() as usize).min(self.draws.len() - 1)]
+            }
+            SignalShape::Multisine => self.harmonics(t / period_s) / self.peak,
+        };
+        mean + amplitude * swing
+    }
+
+    fn harmonics(&self, periods: f64) -> f64 {
+        let line = |(h, phase): (usize, &f64)| Shape::Sine.at((h + 1) as f64 * periods + phase);
+        self.draws.iter().enumerate().map(line).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_every_signal_stays_in_its_range_and_all_but_a_constant_use_it() {
+        use SignalShape::*;
+        for shape in [Constant, Square, Sine, FlatSine, Triangle, Ramp, PseudoRandom, Multisine] {
+            let steepness = (shape == FlatSine).then_some(5.0);
+            let (exponent, over_s) = ((shape == Ramp).then_some(0.4), (shape == Ramp).then_some(30.0));
+            let (mean, amplitude, period_s, phase, seed) = (0.3, 0.2, 4.0, 0.1, 3);
+            let signal =
+                Signal { shape, mean, amplitude, period_s, phase, seed, steepness, exponent, over_s };
+            let wave = Wave::new(signal, 1, 40.0);
+            let values: Vec<f64> =
+                (0..400).map(|k| wave.at(f64::from(k) / 10.0, f64::from(k) / 400.0)).collect();
+            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            assert!(low >= 0.1 - 1e-3 && high <= 0.5 + 1e-3, "{shape:?}: {low} {high}");
+            let used = if shape == Constant { 0.0 } else { 0.26 };
+            assert!(high - low >= used, "{shape:?}: {low} {high}");
+        }
+    }
+
+    /// Fourier's coefficient of the fundamental of sin cut off at height h = 1 / s: (2/π) (s asin h + √(1 − h²)).
+    #[test]
+    fn law_a_flat_sine_has_the_fundamental_of_a_sine_that_is_cut_off() {
+        for s in [1.0, 1.7, 4.9, 50.0] {
+            let (shape, steepness) = (SignalShape::FlatSine, Some(s));
+            let (mean, amplitude, period_s, phase, seed) = (0.0, 1.0, 1.0, 0.0, 0);
+            let signal = Signal {
+                shape,
+                mean,
+                amplitude,
+                period_s,
+                phase,
+                seed,
+                steepness,
+                exponent: None,
+                over_s: None,
+            };
+            let wave = Wave::new(signal, 1, 1.0);
+            let n = 200_000;
+            let at = |k: i32| f64::from(k) / f64::from(n);
+            let found: f64 =
+                (0..n).map(|k| wave.at(at(k), 0.0) * (std::f64::consts::TAU * at(k)).sin()).sum();
+            let h = 1.0 / s;
+            let expected = std::f64::consts::FRAC_2_PI * (s * h.asin() + (1.0 - h * h).sqrt());
+            assert!((2.0 * found / f64::from(n) - expected).abs() < 1e-6, "{s}: {found} {expected}");
+        }
+    }
+
+    #[test]
+    fn signals_of_one_seed_move_apart_in_different_channels() {
+        let signal = Signal {
+            shape: SignalShape::PseudoRandom,
+            mean: 0.0,
+            amplitude: 1.0,
+            period_s: 1.0,
+            phase: 0.0,
+            seed: 3,
+            steepness: None,
+            exponent: None,
+            over_s: None,
+        };
+        let levels = |channel: u32| -> Vec<f64> {
+            let wave = Wave::new(signal, channel, 30.0);
+            (0..30).map(|k| wave.at(f64::from(k), 0.0)).collect()
+        };
+        assert_eq!(levels(0), levels(0));
+        assert_ne!(levels(0), levels(1));
+    }
+}

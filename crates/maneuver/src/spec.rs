@@ -1,0 +1,413 @@
+use refusal::{Invalid, strictly};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
+
+use super::kept::Kept;
+use super::shape::Shape;
+use super::signal::{LONGEST_S, SWING_SAMPLES, Signal, check_period};
+
+/// One maneuver.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ManeuverSpec {
+    /// Its name, unique in the dictionary.
+    pub name: String,
+    /// For the report.
+    pub description: String,
+    /// Its duration in the dictionary \[s\].
+    pub duration_s: Option<f64>,
+    /// Ranges that its motion has to keep.
+    pub keeps: Kept,
+    /// What is done.
+    pub kind: Kind,
+}
+
+/// Speeds and rates of turn beyond which no ship goes \[m/s, rad/s\].
+const FASTEST_M_S: f64 = 100.0;
+const FASTEST_RAD_S: f64 = 10.0;
+
+/// Keys of every maneuver, whatever its kind.
+const COMMON_KEYS: [&str; 5] = ["name", "kind", "description", "duration_s", "keeps"];
+
+impl<'de> Deserialize<'de> for ManeuverSpec {
+    /// The keys that all kinds share, then those of the kind: any other key is refused (which a flattened enum would
+    /// let pass).
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        struct Common {
+            name: String,
+            #[serde(default)]
+            description: String,
+            duration_s: Option<f64>,
+        }
+        let mut table = toml::Table::deserialize(deserializer)?;
+        let mut common = toml::Table::new();
+        for key in ["name", "description", "duration_s"] {
+            common.extend(table.remove(key).map(|value| (key.to_owned(), value)));
+        }
+        let refused = |e: toml::de::Error| D::Error::custom(with_common_keys(e.message()));
+        let keeps = table.remove("keeps");
+        let Common { name, description, duration_s } = common.try_into().map_err(refused)?;
+        let named = |e: toml::de::Error| {
+            D::Error::custom(format!("{} (maneuver `{name}`)", with_common_keys(e.message())))
+        };
+        let within =
+            |e: toml::de::Error| D::Error::custom(format!("{} (maneuver `{name}`, `keeps`)", e.message()));
+        let keeps = keeps.map(strictly).transpose().map_err(within)?.unwrap_or_default();
+        let kind = strictly(table).map_err(named)?;
+        Ok(Self { name, description, duration_s, keeps, kind })
+    }
+}
+
+/// Adds [`COMMON_KEYS`] to the known keys that serde's message on an unknown field lists.
+fn with_common_keys(message: &str) -> String {
+    match message.split_once(", expected ") {
+        Some((found, known)) if found.starts_with("unknown field") => {
+            let own = known.split('`').skip(1).step_by(2);
+            let all: Vec<String> = own.chain(COMMON_KEYS).map(|key| format!("`{key}`")).collect();
+            format!("{found}, expected one of {}", all.join(", "))
+        }
+        _ => message.to_owned(),
+    }
+}
+
+/// What is done in a maneuver. Speeds are surge speeds unless they say otherwise.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+#[allow(clippy::large_enum_variant)] // A dictionary has some dozens of them.
+pub enum Kind {
+    /// The thrust for `to_m_s`, set at the speed `from_m_s`.
+    Accelerate {
+        /// Speed at the start \[m/s\].
+        from_m_s: f64,
+        /// Steady speed of the thrust that is set \[m/s\].
+        to_m_s: f64,
+        /// For how long the speed at the start is held first \[s\].
+        #[serde(default)]
+        hold_s: f64,
+    },
+    /// The same towards a lower speed.
+    Decelerate {
+        /// Speed at the start \[m/s\].
+        from_m_s: f64,
+        /// Steady speed of the thrust that is set \[m/s\].
+        to_m_s: f64,
+        /// For how long the speed at the start is held first \[s\].
+        #[serde(default)]
+        hold_s: f64,
+    },
+    /// The yaw rate swings about zero.
+    ZigZag {
+        /// How it swings.
+        #[serde(default)]
+        shape: Shape,
+        /// Speed \[m/s\].
+        speed_m_s: f64,
+        /// Amplitude of the yaw rate \[rad/s\]; this or `heading_amplitude_rad`.
+        yaw_rate_amplitude_rad_s: Option<f64>,
+        /// Amplitude of the heading \[rad\].
+        heading_amplitude_rad: Option<f64>,
+        /// Amplitude of the sway speed, outwards of the turn \[m/s\]; without it, whatever comes with the turn.
+        sway_amplitude_m_s: Option<f64>,
+        /// Period \[s\].
+        period_s: f64,
+    },
+    /// The sway speed swings about zero, heading kept.
+    SwayZigZag {
+        /// How it swings.
+        #[serde(default)]
+        shape: Shape,
+        /// Surge speed \[m/s\].
+        #[serde(default)]
+        speed_m_s: f64,
+        /// Amplitude of the sway speed \[m/s\].
+        sway_amplitude_m_s: f64,
+        /// Period \[s\].
+        period_s: f64,
+    },
+    /// The yaw rate is swept evenly over the maneuver.
+    Spiral {
+        /// Speed \[m/s\].
+        speed_m_s: f64,
+        /// Yaw rate at the start \[rad/s\].
+        #[serde(default)]
+        yaw_rate_from_rad_s: f64,
+        /// Yaw rate at the end \[rad/s\].
+        yaw_rate_to_rad_s: f64,
+        /// Sway speed \[m/s\]; without it, whatever comes with the turn.
+        sway_speed_m_s: Option<f64>,
+    },
+    /// A turning circle, approached straight ahead.
+    SteadyTurn {
+        /// Speed \[m/s\].
+        speed_m_s: f64,
+        /// Yaw rate \[rad/s\].
+        yaw_rate_rad_s: f64,
+        /// Sway speed \[m/s\]; without it, whatever comes with the turn.
+        sway_speed_m_s: Option<f64>,
+    },
+    /// Speed, yaw rate and sway speed each switch at random between two levels.
+    PseudoRandomBinary {
+        /// Mean speed \[m/s\].
+        speed_m_s: f64,
+        /// The speed is above or below its mean by this much \[m/s\].
+        #[serde(default)]
+        speed_amplitude_m_s: f64,
+        /// The yaw rate is plus or minus this \[rad/s\].
+        #[serde(default)]
+        yaw_rate_amplitude_rad_s: f64,
+        /// The sway speed is plus or minus this \[m/s\]; without it, whatever comes with the turn.
+        sway_amplitude_m_s: Option<f64>,
+        /// Shortest time at a level \[s\].
+        dwell_s: f64,
+        /// Seed of the sequence.
+        #[serde(default)]
+        seed: u64,
+    },
+    /// Speed, yaw rate and sway speed each follow a signal of their own.
+    Combined {
+        /// Whether the ship follows the signals from sample to sample, by the inputs that make the model do so, from the start
+        /// on. Otherwise inputs hold the motion of each sample steady, and the ship lags behind.
+        #[serde(default)]
+        exact: bool,
+        /// Surge speed at the start \[m/s\]; without it that of the signal.
+        start_m_s: Option<f64>,
+        /// Surge speed \[m/s\].
+        #[serde(deserialize_with = "strictly")]
+        speed_m_s: Signal,
+        /// Yaw rate \[rad/s\]; without it zero.
+        #[serde(default, deserialize_with = "strictly")]
+        yaw_rate_rad_s: Option<Signal>,
+        /// Sway speed \[m/s\]; without it, whatever comes with the turn.
+        #[serde(default, deserialize_with = "strictly")]
+        sway_m_s: Option<Signal>,
+    },
+    /// Inputs from a file.
+    Inputs {
+        /// Name of the table with a column per input, and a row per sample or with its time in a column `t` \[s\].
+        file: String,
+        /// Whether the table's rows are other times than the samples: inputs go on straight lines between them.
+        #[serde(default)]
+        resample: bool,
+        /// Speed at the start \[m/s\].
+        #[serde(default)]
+        speed_m_s: f64,
+    },
+}
+
+impl ManeuverSpec {
+    /// Its duration \[s\], or the default.
+    pub fn duration(&self, default_s: Option<f64>) -> Option<f64> {
+        self.duration_s.or(default_s)
+    }
+
+    pub(super) fn check(&self, default_s: Option<f64>) -> Result<(), Invalid> {
+        if !matches!(self.kind, Kind::Inputs { .. }) {
+            let missing = || {
+                let thing = format!("maneuver `{}`, `duration_s`", self.name);
+                Invalid::new(thing, "none", "a duration here or for the whole dictionary", "add it")
+            };
+            self.above_zero("duration_s", self.duration(default_s).ok_or_else(missing)?)?;
+        }
+        self.keeps.check(&self.name)?;
+        for (key, value) in self.kind.numbers() {
+            if !value.is_finite() {
+                return Err(self.invalid(key, value, "a finite number"));
+            }
+            let (most, unit) = match key {
+                _ if key.ends_with("_m_s") => (FASTEST_M_S, "m/s"),
+                _ if key.ends_with("_rad_s") => (FASTEST_RAD_S, "rad/s"),
+                "heading_amplitude_rad" => (FASTEST_RAD_S, "rad"),
+                _ => continue,
+            };
+            if value.abs() > most {
+                return Err(self.invalid(key, value, &format!("a number from -{most} to {most} {unit}")));
+            }
+        }
+        match self.kind {
+            Kind::Accelerate { from_m_s, to_m_s, .. } if to_m_s <= from_m_s => {
+                Err(self.invalid("to_m_s", to_m_s, "more than from_m_s"))
+            }
+            Kind::Decelerate { from_m_s, to_m_s, .. } if to_m_s >= from_m_s => {
+                Err(self.invalid("to_m_s", to_m_s, "less than from_m_s"))
+            }
+            Kind::Accelerate { hold_s, .. } | Kind::Decelerate { hold_s, .. }
+                if !(0.0..=LONGEST_S).contains(&hold_s) =>
+            {
+                Err(self.invalid("hold_s", hold_s, &format!("from 0 to {LONGEST_S:e} s")))
+            }
+            Kind::ZigZag {
+                period_s, yaw_rate_amplitude_rad_s: rate, heading_amplitude_rad: heading, ..
+            } => {
+                if rate.is_some() == heading.is_some() {
+                    return Err(Invalid::new(
+                        format!("maneuver `{}`", self.name),
+                        "both or none of `yaw_rate_amplitude_rad_s` and `heading_amplitude_rad`",
+                        "one of them",
+                        "keep one",
+                    ));
+                }
+                self.above_zero("period_s", period_s)
+            }
+            Kind::SwayZigZag { period_s, .. } => self.above_zero("period_s", period_s),
+            Kind::PseudoRandomBinary { dwell_s, .. } => self.above_zero("dwell_s", dwell_s),
+            Kind::Combined { exact, start_m_s, sway_m_s, .. } => {
+                let mut signals = self.kind.signals().into_iter();
+                signals.try_for_each(|(key, signal)| self.check_signal(key, &signal))?;
+                if exact { self.check_exact(start_m_s, sway_m_s) } else { Ok(()) }
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn check_signal(&self, key: &str, signal: &Signal) -> Result<(), Invalid> {
+        if signal.has_period() {
+            self.above_zero(&format!("{key}.period_s"), signal.period_s)?;
+        }
+        signal.check_shape().map_err(|(own, found, expected)| {
+            let found = found.map_or("none".into(), |found| found.to_string());
+            let thing = format!("maneuver `{}`, `{key}.{own}`", self.name);
+            Invalid::new(thing, found, expected, "correct it")
+        })
+    }
+
+    /// Refuses an exact motion that does not say what all of the ship's speeds do from the start on.
+    fn check_exact(&self, start_m_s: Option<f64>, sway_m_s: Option<Signal>) -> Result<(), Invalid> {
+        let refuse = |key: &str, found: &str, expected: &str, remedy: &str| {
+            let thing = format!("maneuver `{}`, `{key}`", self.name);
+            Err(Invalid::new(thing, found, expected, remedy))
+        };
+        match (start_m_s, sway_m_s) {
+            (Some(start), _) => refuse(
+                "start_m_s",
+                &start.to_string(),
+                "none with `exact`: the ship starts as its signals do",
+                "remove it",
+            ),
+            (None, None) => refuse(
+                "sway_m_s",
+                "none",
+                "a signal, since an exact motion leaves no sway speed to the turn",
+                "add it, or remove `exact`",
+            ),
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses swings that `rate_hz` does not show as what they are.
+    pub(super) fn check_sampling(&self, rate_hz: f64) -> Result<(), Invalid> {
+        let check = |key: &str, period_s, least| {
+            check_period(format!("maneuver `{}`, `{key}`", self.name), period_s, least, rate_hz)
+        };
+        match self.kind {
+            Kind::ZigZag { period_s, .. } | Kind::SwayZigZag { period_s, .. } => {
+                check("period_s", period_s, SWING_SAMPLES)
+            }
+            Kind::PseudoRandomBinary { dwell_s, .. } => check("dwell_s", dwell_s, 1),
+            Kind::Combined { .. } => self.kind.signals().into_iter().try_for_each(|(key, signal)| {
+                signal
+                    .least_samples()
+                    .map_or(Ok(()), |n| check(&format!("{key}.period_s"), signal.period_s, n))
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    fn above_zero(&self, key: &str, value: f64) -> Result<(), Invalid> {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(self.invalid(key, value, "more than 0 s"));
+        }
+        if value > LONGEST_S {
+            return Err(self.invalid(key, value, &format!("at most {LONGEST_S:e} s")));
+        }
+        Ok(())
+    }
+
+    fn invalid(&self, key: &str, value: f64, expected: &str) -> Invalid {
+        Invalid::new(format!("maneuver `{}`, `{key}`", self.name), value.to_string(), expected, "correct it")
+    }
+}
+
+impl Kind {
+    /// Whether it begins in the same way however long it lasts.
+    pub(super) fn goes_on(&self) -> bool {
+        match *self {
+            Self::Spiral { .. } => false,
+            Self::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } => {
+                let signals = [Some(speed_m_s), yaw_rate_rad_s, sway_m_s];
+                !signals.iter().flatten().any(Signal::is_stretched)
+            }
+            _ => true,
+        }
+    }
+
+    /// What is a number where it is given, with its key.
+    fn numbers(&self) -> Vec<(&'static str, f64)> {
+        // An optional number that is absent counts as 0.
+        macro_rules! keyed {
+            ($($key:ident),+) => { vec![$((stringify!($key), Option::from($key).unwrap_or(0.0))),+] };
+        }
+        match *self {
+            Self::Accelerate { from_m_s, to_m_s, .. } | Self::Decelerate { from_m_s, to_m_s, .. } => {
+                keyed![from_m_s, to_m_s]
+            }
+            Self::ZigZag {
+                speed_m_s,
+                yaw_rate_amplitude_rad_s,
+                heading_amplitude_rad,
+                sway_amplitude_m_s,
+                ..
+            } => keyed![speed_m_s, yaw_rate_amplitude_rad_s, heading_amplitude_rad, sway_amplitude_m_s],
+            Self::SwayZigZag { speed_m_s, sway_amplitude_m_s, .. } => keyed![speed_m_s, sway_amplitude_m_s],
+            Self::Spiral { speed_m_s, yaw_rate_from_rad_s, yaw_rate_to_rad_s, sway_speed_m_s } => {
+                keyed![speed_m_s, yaw_rate_from_rad_s, yaw_rate_to_rad_s, sway_speed_m_s]
+            }
+            Self::SteadyTurn { speed_m_s, yaw_rate_rad_s, sway_speed_m_s } => {
+                keyed![speed_m_s, yaw_rate_rad_s, sway_speed_m_s]
+            }
+            Self::PseudoRandomBinary {
+                speed_m_s,
+                speed_amplitude_m_s,
+                yaw_rate_amplitude_rad_s,
+                sway_amplitude_m_s,
+                ..
+            } => keyed![speed_m_s, speed_amplitude_m_s, yaw_rate_amplitude_rad_s, sway_amplitude_m_s],
+            Self::Combined { start_m_s, .. } => {
+                let numbers =
+                    |(key, s): (&'static str, Signal)| [s.mean, s.amplitude, s.phase].map(|x| (key, x));
+                let signals = self.signals().into_iter().flat_map(numbers);
+                signals.chain(start_m_s.map(|start| ("start_m_s", start))).collect()
+            }
+            Self::Inputs { speed_m_s, .. } => keyed![speed_m_s],
+        }
+    }
+
+    /// The signals of a combined maneuver with their keys.
+    fn signals(&self) -> Vec<(&'static str, Signal)> {
+        let Self::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } = *self else { return Vec::new() };
+        let others = [("yaw_rate_rad_s", yaw_rate_rad_s), ("sway_m_s", sway_m_s)];
+        let others = others.into_iter().filter_map(|(key, signal)| signal.map(|signal| (key, signal)));
+        [("speed_m_s", speed_m_s)].into_iter().chain(others).collect()
+    }
+
+    /// Asks for no sway but what comes with the turn. A swing of the sway speed alone stays what it is.
+    pub(super) fn let_sway_come(&mut self) {
+        match self {
+            Self::ZigZag { sway_amplitude_m_s: sway, .. }
+            | Self::Spiral { sway_speed_m_s: sway, .. }
+            | Self::SteadyTurn { sway_speed_m_s: sway, .. }
+            | Self::PseudoRandomBinary { sway_amplitude_m_s: sway, .. } => *sway = None,
+            Self::Combined { sway_m_s, .. } => *sway_m_s = None,
+            _ => {}
+        }
+    }
+
+    /// Amplitude of the yaw rate of a zig-zag \[rad/s\].
+    pub(crate) fn yaw_rate_amplitude(
+        shape: Shape,
+        rate: Option<f64>,
+        heading: Option<f64>,
+        period_s: f64,
+    ) -> f64 {
+        rate.or(heading.map(|h| h / (shape.integral() * period_s))).unwrap_or(0.0)
+    }
+}

@@ -1,0 +1,246 @@
+//! Which inputs hold a wanted motion steady, or lead from one to the next: the inverse of the model.
+
+use engine::Compiled;
+use model::{Actuator, Vessel};
+use refusal::Invalid;
+
+use crate::newton::{Room, Rows, damped, plain};
+
+/// A motion through the water to hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Surge speed \[m/s\].
+    pub u: f64,
+    /// Sway speed \[m/s\]; `None`: whatever comes with the turn.
+    pub v: Option<f64>,
+    /// Yaw rate \[rad/s\].
+    pub r: f64,
+}
+
+/// A vessel's steady inputs for wanted motions.
+#[derive(Clone, Debug)]
+pub struct Steady<'a> {
+    vessel: &'a Vessel,
+    model: Compiled<'a, f64>,
+    /// Inputs, then measured disturbances and derived channels as in simulated trials.
+    exogenous: Vec<f64>,
+    gradients: Vec<[f64; 3]>,
+    /// What a search found last: motions that follow each other are held alike.
+    found: Vec<f64>,
+    room: Room,
+    /// Where a search is.
+    at: Vec<f64>,
+}
+
+impl<'a> Steady<'a> {
+    /// Of `vessel` with `parameters`.
+    pub fn new(vessel: &'a Vessel, parameters: &[f64]) -> Self {
+        let gradients = vec![[0.0; 3]; vessel.model.variables.len()];
+        let exogenous = vec![0.0; vessel.model.exogenous()];
+        let model = Compiled::new(&vessel.model, parameters);
+        Self { vessel, model, exogenous, gradients, found: Vec::new(), room: Room::default(), at: Vec::new() }
+    }
+
+    /// The inputs that hold `motion`, by Newton's method from `unknowns` (inputs, then sway speed), which become the solution.
+    /// Where that leads nowhere, or beyond what the inputs can do, it is tried from zero and then, damped, from all over the
+    /// inputs' ranges: forces such as `n |n|` have no slope at zero.
+    ///
+    /// The unknowns are the inputs and, where the vessel has too few independent inputs to command it, the sway speed.
+    /// The equations are zero increments and the couplings between inputs; a commanded sway speed releases the couplings.
+    ///
+    /// # Errors
+    /// A vessel without the inputs to command the motion; a motion that no inputs were found to hold.
+    pub fn solve(&mut self, motion: Motion, unknowns: &mut [f64]) -> Result<(), Invalid> {
+        self.follow(motion, [0.0; 3], unknowns)
+    }
+
+    /// The same for inputs by which u, v and r gain `gain` until the next sample \[m/s, m/s, rad/s\].
+    ///
+    /// # Errors
+    /// As [`Steady::solve`].
+    pub fn follow(&mut self, motion: Motion, gain: [f64; 3], unknowns: &mut [f64]) -> Result<(), Invalid> {
+        let wanted = Wanted { gain, ..Wanted::of(motion, self.vessel)? };
+        let used = self.vessel.model.inputs + usize::from(wanted.sway_free);
+        let mut beyond = None;
+        for from_zero in [false, true] {
+            if from_zero {
+                unknowns[..used].fill(0.0);
+            }
+            let (mut at, mut room) = (std::mem::take(&mut self.at), std::mem::take(&mut self.room));
+            at.clear();
+            at.extend_from_slice(&unknowns[..used]);
+            let found = plain(&mut at, &mut room, |unknowns, rows| self.linearised(&wanted, unknowns, rows));
+            (self.at, self.room) = (at, room);
+            if found {
+                if self.within(&self.at) {
+                    unknowns[..used].copy_from_slice(&self.at);
+                    return Ok(());
+                }
+                beyond.get_or_insert_with(|| self.at.clone());
+            }
+        }
+        let found = self.search(&wanted, beyond).ok_or_else(|| unreachable_motion(&wanted))?;
+        unknowns[..used].copy_from_slice(&found);
+        self.found = found;
+        Ok(())
+    }
+
+    /// The first solution from any start that is within what the inputs can do, else any; `beyond` is one that is known.
+    fn search(&mut self, wanted: &Wanted, mut beyond: Option<Vec<f64>>) -> Option<Vec<f64>> {
+        let used = self.vessel.model.inputs + usize::from(wanted.sway_free);
+        let last = (self.found.len() == used).then(|| self.found.clone());
+        let around = Around::new(self.vessel, wanted);
+        let rest = (vec![0.0; used], around.scales(0));
+        let starts = last.map(|last| (last, around.scales(0))).into_iter().chain([rest]);
+        for (mut at, scales) in starts.chain(around.starts()) {
+            if damped(&mut at, &scales, |unknowns, rows| self.linearised(wanted, unknowns, rows)) {
+                if self.within(&at) {
+                    return Some(at);
+                }
+                beyond.get_or_insert(at);
+            }
+        }
+        beyond
+    }
+
+    /// Whether the vessel's inputs can do what `unknowns` ask of them.
+    fn within(&self, unknowns: &[f64]) -> bool {
+        self.vessel.beyond_range(unknowns).is_none()
+    }
+
+    /// Fills in rows \[Jacobian | −residual\] at `unknowns`.
+    fn linearised(&mut self, wanted: &Wanted, unknowns: &[f64], rows: &mut Rows) {
+        let inputs = self.vessel.model.inputs;
+        let n = inputs + usize::from(wanted.sway_free);
+        let Motion { u, v, r } = wanted.motion;
+        self.exogenous[..inputs].copy_from_slice(&unknowns[..inputs]);
+        self.vessel.model.complete(&mut self.exogenous);
+        self.model.look([u, v.unwrap_or_else(|| unknowns[inputs]), r], &self.exogenous, None);
+        if wanted.sway_free {
+            self.model.gradients(&mut self.gradients);
+        } else {
+            self.model.exogenous_gradients(&mut self.gradients);
+        }
+        self.vessel.model.by_sources(&self.exogenous, &mut self.gradients);
+        rows.clear(n);
+        for (d, increment) in self.model.increments().into_iter().enumerate() {
+            let row = rows.push();
+            row[..n].iter_mut().enumerate().for_each(|(j, entry)| {
+                *entry = self.gradients[if j < inputs { 3 + j } else { 1 }][d];
+            });
+            row[n] = -(increment - wanted.gain[d]);
+        }
+        if wanted.coupled {
+            for (i, coupling) in self.vessel.couplings.iter().enumerate() {
+                if let Some((leader, factor)) = coupling {
+                    let row = rows.push();
+                    row[i] = 1.0;
+                    row[*leader] = -factor;
+                    row[n] = factor * unknowns[*leader] - unknowns[i];
+                }
+            }
+        }
+    }
+}
+
+/// A motion, and which unknowns and equations it leaves.
+struct Wanted {
+    motion: Motion,
+    /// What u, v and r gain until the next sample.
+    gain: [f64; 3],
+    sway_free: bool,
+    coupled: bool,
+}
+
+impl Wanted {
+    fn of(motion: Motion, vessel: &Vessel) -> Result<Self, Invalid> {
+        let couplings = vessel.couplings.iter().flatten().count();
+        let coupled = motion.v.is_none();
+        let free = vessel.model.inputs - if coupled { couplings } else { 0 };
+        let sway_free = motion.v.is_none() && free == 2;
+        if free + usize::from(sway_free) != 3 {
+            return Err(Invalid::new(
+                "inputs",
+                format!("{free} independent ones"),
+                "3 to command surge, sway and yaw, or 2 for surge and yaw",
+                "couple inputs with `follows`, leave the sway speed out, or give the inputs in a file (kind = \"inputs\")",
+            ));
+        }
+        let motion = Motion { v: if sway_free { None } else { Some(motion.v.unwrap_or(0.0)) }, ..motion };
+        Ok(Self { motion, gain: [0.0; 3], sway_free, coupled })
+    }
+}
+
+/// Where solutions of a wanted motion are looked for.
+struct Around<'a> {
+    vessel: &'a Vessel,
+    wanted: &'a Wanted,
+}
+
+/// How far from the middle of its range an input starts, in halves of the range …
+const SHARES: [f64; 6] = [0.5, 0.9, 0.1, 0.7, 0.3, 1.0];
+
+/// … and from zero, where no range is known.
+const MAGNITUDES: [f64; 6] = [1.0, 1e2, 1e-2, 1e4, 1e6, 1e-4];
+
+/// Inputs that start at either side; any more start in the middle.
+const MOST_SIDES: usize = 4;
+
+impl<'a> Around<'a> {
+    fn new(vessel: &'a Vessel, wanted: &'a Wanted) -> Self {
+        Self { vessel, wanted }
+    }
+
+    /// Starts with the scales of their unknowns: all inputs in the middle or to either side, together with any sway.
+    fn starts(&self) -> impl Iterator<Item = (Vec<f64>, Vec<f64>)> {
+        let sides = 3_usize.pow(self.vessel.model.inputs.min(MOST_SIDES) as u32);
+        let ways = if self.wanted.sway_free { 3 } else { 1 };
+        (0..SHARES.len()).flat_map(move |level| {
+            (0..sides).flat_map(move |side| {
+                (0..ways).map(move |way| (self.start(level, side, way), self.scales(level)))
+            })
+        })
+    }
+
+    /// Digits of `side` to base 3 say where the inputs start.
+    fn start(&self, level: usize, side: usize, way: usize) -> Vec<f64> {
+        let Motion { u, r, .. } = self.wanted.motion;
+        let sign = |place: usize| [0.0, 1.0, -1.0][side / 3_usize.pow(place.min(19) as u32) % 3];
+        let inputs = self.vessel.actuators.iter().enumerate();
+        let mut start: Vec<f64> = inputs
+            .map(|(i, actuator)| match actuator.range {
+                Some([low, high]) => 0.5 * (low + high) + sign(i) * SHARES[level] * 0.5 * (high - low),
+                None => sign(i) * MAGNITUDES[level],
+            })
+            .collect();
+        for (i, coupling) in self.vessel.couplings.iter().enumerate() {
+            if let Some((leader, factor)) = coupling.filter(|_| self.wanted.coupled) {
+                start[i] = factor * start[leader];
+            }
+        }
+        if self.wanted.sway_free {
+            // A turn to starboard drifts to port.
+            let outwards = -0.1 * u.abs().max(0.1) * if r < 0.0 { -1.0 } else { 1.0 };
+            start.push([0.0, outwards, -outwards][way]);
+        }
+        start
+    }
+
+    fn scales(&self, level: usize) -> Vec<f64> {
+        let input = |own: &Actuator| own.range.map_or(MAGNITUDES[level], |[low, high]| 0.5 * (high - low));
+        let sway = self.wanted.sway_free.then(|| self.wanted.motion.u.abs().max(0.1));
+        self.vessel.actuators.iter().map(input).chain(sway).collect()
+    }
+}
+
+fn unreachable_motion(wanted: &Wanted) -> Invalid {
+    let Wanted { motion, gain, .. } = wanted;
+    let (how, what) = if *gain == [0.0; 3] { ("hold steady", "hold") } else { ("follow", "follow") };
+    let sway = motion.v.map_or(String::new(), |v| format!(", v = {v} m/s"));
+    Invalid::new(
+        "wanted motion",
+        format!("u = {} m/s{sway}, r = {} rad/s, which no inputs were found to {how}", motion.u, motion.r),
+        format!("a motion that the model can {what}"),
+        "lower the speeds, or turn the maneuver into inputs with the other parameters (`inputs_from`)",
+    )
+}

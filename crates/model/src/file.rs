@@ -1,0 +1,447 @@
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+
+use refusal::{Invalid, check_name, check_numbers, check_ranges};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::derived::derive;
+use crate::equation::{Equation, Reduced, TermSpec};
+use crate::{Actuator, Constrained, DegreeOfFreedom, DerivedSpec, Model, Term, Variable, Written};
+
+/// `vessel.toml` as written.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VesselFile {
+    /// A built-in vessel to start from, instead of everything below but `name`, `value` and `nominal`.
+    pub preset: Option<String>,
+    /// Name of the vessel.
+    pub name: Option<String>,
+    /// The sampling rate that the parameters hold for \[Hz\].
+    pub sample_rate_hz: Option<f64>,
+    /// Inputs, in order.
+    #[serde(default)]
+    pub input: Vec<InputSpec>,
+    /// Measured disturbances, in order.
+    #[serde(default)]
+    pub measured: Vec<MeasuredSpec>,
+    /// Channels that are computed from inputs, measured disturbances and each other.
+    #[serde(default)]
+    pub derived: Vec<DerivedSpec>,
+    /// Terms of the surge equation.
+    #[serde(default)]
+    pub surge: Vec<TermSpec>,
+    /// Terms of the sway equation.
+    #[serde(default)]
+    pub sway: Vec<TermSpec>,
+    /// Terms of the yaw equation.
+    #[serde(default)]
+    pub yaw: Vec<TermSpec>,
+    /// True values that replace those of the terms, by parameter.
+    #[serde(default)]
+    pub value: BTreeMap<String, f64>,
+    /// Nominal values that replace those of the terms, by parameter.
+    #[serde(default)]
+    pub nominal: BTreeMap<String, f64>,
+    /// What u, v \[m/s\] and r \[rad/s\] gain in a sample whatever the vessel does.
+    #[serde(default)]
+    pub constant: [f64; 3],
+}
+
+/// An input.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "ModelInput")]
+pub struct InputSpec {
+    /// Name as used in terms and as a column.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Another input that this one is coupled to …
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub follows: Option<String>,
+    /// … by this factor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor: Option<f64>,
+    /// Between which the actuator can be set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
+    /// Time constant with which the actuator follows a command \[s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lag_s: Option<f64>,
+    /// How much it changes in a second at most.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_per_s: Option<f64>,
+}
+
+/// A measured disturbance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "ModelChannel")]
+pub struct MeasuredSpec {
+    /// Name as used in terms and as a column.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// What it is wherever a trial is simulated, in its unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulated: Option<f64>,
+}
+
+/// Which of the two parameter sets is meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Source {
+    /// The true values.
+    #[default]
+    Value,
+    /// The nominal values.
+    Nominal,
+}
+
+impl Source {
+    /// Both of them.
+    pub const ALL: [Self; 2] = [Self::Value, Self::Nominal];
+
+    /// As in files and on the command line.
+    pub fn name(self) -> &'static str {
+        ["value", "nominal"][self as usize]
+    }
+}
+
+/// A vessel: structure, true and nominal parameters. Valid by construction. The model's parameters are those that are
+/// estimated; what is fixed acts as known terms, what is tied is part of the term of another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vessel {
+    /// Its name.
+    pub name: String,
+    /// Sampling rate \[Hz\].
+    pub sample_rate_hz: f64,
+    /// The model structure.
+    pub model: Model,
+    /// True parameters, where known.
+    pub value: Vec<Option<f64>>,
+    /// Nominal parameters.
+    pub nominal: Vec<f64>,
+    /// Per input, the input that it follows and the factor.
+    pub couplings: Vec<Option<(usize, f64)>>,
+    /// Per input, what sets it.
+    pub actuators: Vec<Actuator>,
+    /// Parameters that are fixed or tied, in the order that they are written in.
+    pub constrained: Vec<Constrained>,
+    /// Ranges of u, v \[m/s\] and r \[rad/s\] that maneuvers keep to, those of the logs that a model was fitted to; none
+    /// where maneuvers may do anything.
+    pub motion: Option<[[f64; 2]; 3]>,
+}
+
+/// The built-in vessels: name and `vessel.toml`.
+const PRESETS: [(&str, &str); 1] =
+    [("ljungberg-model-ship", include_str!("../presets/ljungberg-model-ship.toml"))];
+
+impl Vessel {
+    /// Checks a file's content.
+    ///
+    /// # Errors
+    /// The first thing that is missing, unknown, named twice or no finite number.
+    pub fn from_file(file: VesselFile) -> Result<Self, Invalid> {
+        let file = match file.preset {
+            Some(_) => preset(file)?,
+            None => file,
+        };
+        let rate = file.sample_rate_hz.ok_or_else(|| missing("sample_rate_hz"))?;
+        check_numbers([("sample_rate_hz", rate)], "a rate above 0 Hz", |rate| rate > 0.0)?;
+        check_ranges([("sample_rate_hz", rate, 1e-6..=1e6, "Hz")])?;
+        check_ranges(counts(&file))?;
+        let constant = file.constant.map(|gained| ("constant", gained));
+        check_numbers(constant, "at most 10 m/s or rad/s in a sample", |gained| gained.abs() <= 10.0)?;
+        let variables = variables(&file)?;
+        let terms = terms(&file, &variables)?;
+        let couplings = couplings(&file.input)?;
+        let actuator = |own: &InputSpec| Actuator::new(&own.name, own.range, own.lag_s, own.rate_per_s);
+        let actuators = file.input.iter().map(actuator).collect::<Result<_, _>>()?;
+        let written = replaced(&file)?;
+        check_parameters(&written)?;
+        let (mut value, mut nominal, mut constrained) = (Vec::new(), Vec::new(), Vec::new());
+        let (all, mut terms) = (written.iter().flatten().collect::<Vec<_>>(), terms.into_iter());
+        let mut degree = |d: DegreeOfFreedom| {
+            let own = written[d as usize].iter().zip(terms.next().unwrap_or_default()).collect();
+            let reduced = Equation::new(d, own, &all).reduced(nominal.len())?;
+            let Reduced { degree, value: values, nominal: nominals, constrained: others } = reduced;
+            value.extend(values);
+            nominal.extend(nominals);
+            constrained.extend(others);
+            Ok::<_, Invalid>(degree)
+        };
+        let [surge, sway, yaw] = DegreeOfFreedom::ALL;
+        let degrees = [degree(surge)?, degree(sway)?, degree(yaw)?];
+        let name = file.name.clone().ok_or_else(|| missing("name"))?;
+        check_name("`name` of the vessel", &name)?;
+        let names: Vec<&str> = variables.iter().map(|v| v.name.as_str()).collect();
+        let derived = derive(&file.derived, &names, first_derived(&file))?;
+        let simulated = simulated(&file)?;
+        let inputs = file.input.len();
+        let model = Model { variables, inputs, simulated, derived, degrees, constant: file.constant };
+        Ok(Self {
+            name,
+            sample_rate_hz: rate,
+            model,
+            value,
+            nominal,
+            couplings,
+            actuators,
+            constrained,
+            motion: None,
+        })
+    }
+
+    /// One of the built-in vessels, by name.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn preset(name: &str) -> Result<Self, Invalid> {
+        Self::from_file(VesselFile { preset: Some(name.to_owned()), ..VesselFile::default() })
+    }
+
+    /// The true values where every parameter has one, else the nominal ones.
+    pub fn best_known(&self) -> Source {
+        if self.value.iter().all(Option::is_some) { Source::Value } else { Source::Nominal }
+    }
+
+    /// The parameters of `source`.
+    ///
+    /// # Errors
+    /// A parameter without a true value.
+    pub fn parameters(&self, source: Source) -> Result<Vec<f64>, Invalid> {
+        if source == Source::Nominal {
+            return Ok(self.nominal.clone());
+        }
+        let known = |(value, name): (&Option<f64>, &str)| {
+            value.ok_or_else(|| {
+                Invalid::new(
+                    format!("parameter `{name}`"),
+                    "no `value`",
+                    "a true value, which a simulated trial follows",
+                    "add `value`, or simulate the nominal model",
+                )
+            })
+        };
+        self.value.iter().zip(self.model.parameter_names()).map(known).collect()
+    }
+
+    /// The parameters of degree of freedom `d` in the order that they are written in.
+    pub fn written(&self, d: DegreeOfFreedom) -> Vec<Written<'_>> {
+        let mut all: Vec<Written> = self.model.layout().degree(d as usize).map(Written::Estimated).collect();
+        for own in self.constrained.iter().filter(|own| own.degree == d) {
+            all.insert(own.place, Written::Constrained(own));
+        }
+        all
+    }
+
+    /// Whether there are inputs enough to command surge, sway and yaw, each by itself.
+    pub fn commands_sway(&self) -> bool {
+        self.model.inputs >= 3
+    }
+
+    /// The first of `inputs` that is set beyond its range but for rounding: its place and the range.
+    pub fn beyond_range(&self, inputs: &[f64]) -> Option<(usize, [f64; 2])> {
+        let beyond = |(i, (input, actuator)): (usize, (&f64, &Actuator))| {
+            let [low, high] = actuator.range?;
+            let rounding = 1e-9 * (high - low);
+            (!(low - rounding..=high + rounding).contains(input)).then_some((i, [low, high]))
+        };
+        inputs.iter().zip(&self.actuators).enumerate().find_map(beyond)
+    }
+
+    /// Which of u, v, r leaves its range in `states`, rows of three, by most of its width: its place, and what it reaches.
+    pub fn beyond_motion(&self, states: &[f64]) -> Option<(usize, f64)> {
+        let ranges = self.motion?;
+        let beyond = |(d, state): (usize, &f64)| {
+            let [low, high] = ranges[d];
+            let share = (low - state).max(state - high) / (high - low).max(f64::MIN_POSITIVE);
+            (share > 0.0).then_some((d, *state, share))
+        };
+        let all =
+            states.as_chunks::<3>().0.iter().flat_map(|state| state.iter().enumerate().filter_map(beyond));
+        let most = all.max_by(|a, b| a.2.total_cmp(&b.2));
+        most.map(|(d, state, _)| (d, state))
+    }
+
+    /// Number of samples in `duration_s`, to the nearest.
+    pub fn samples(&self, duration_s: f64) -> usize {
+        (duration_s * self.sample_rate_hz).round() as usize
+    }
+}
+
+/// How many channels and terms there are, with how many there may be.
+fn counts(file: &VesselFile) -> [(&'static str, f64, RangeInclusive<f64>, &'static str); 6] {
+    let channels =
+        [("input", file.input.len()), ("measured", file.measured.len()), ("derived", file.derived.len())];
+    let terms = [("surge", file.surge.len()), ("sway", file.sway.len()), ("yaw", file.yaw.len())];
+    let [a, b, c] = channels.map(|(key, count)| (key, count as f64, 0.0..=200.0, "channels"));
+    let [d, e, f] = terms.map(|(key, count)| (key, count as f64, 0.0..=2000.0, "terms"));
+    [a, b, c, d, e, f]
+}
+
+/// The terms of surge, sway and yaw as written, with the values of [value] and [nominal].
+fn replaced(file: &VesselFile) -> Result<[Vec<TermSpec>; 3], Invalid> {
+    let mut written = [&file.surge, &file.sway, &file.yaw].map(Vec::clone);
+    let values = file.value.iter().map(|(name, value)| (name, *value, true));
+    for (name, value, truth) in values.chain(file.nominal.iter().map(|(name, value)| (name, *value, false))) {
+        match written.iter_mut().flatten().find(|spec| spec.parameter == *name) {
+            Some(spec) if truth => spec.value = Some(value),
+            Some(spec) => spec.nominal = Some(value),
+            None => {
+                let found = "a name that no term has".to_owned();
+                let known = written.iter().flatten().map(|spec| spec.parameter.as_str());
+                return Err(Invalid {
+                    found,
+                    ..Invalid::unknown(format!("parameter `{name}`"), name, known)
+                });
+            }
+        }
+    }
+    Ok(written)
+}
+
+fn check_parameters(written: &[Vec<TermSpec>; 3]) -> Result<(), Invalid> {
+    for spec in written.iter().flatten() {
+        check_name("`parameter` of a term", &spec.parameter)?;
+        if let Some(number) = spec.value.iter().chain(&spec.nominal).find(|number| !number.is_finite()) {
+            let thing = format!("parameter `{}`", spec.parameter);
+            return Err(Invalid::new(thing, number.to_string(), "a finite number", "correct it"));
+        }
+    }
+    Ok(())
+}
+
+fn missing(key: &str) -> Invalid {
+    Invalid::new(format!("key `{key}`"), "none", format!("`{key}`"), "add it, or name a `preset`")
+}
+
+fn preset(file: VesselFile) -> Result<VesselFile, Invalid> {
+    let name = file.preset.as_deref().unwrap_or_default();
+    let Some((_, text)) = PRESETS.iter().find(|(preset, _)| *preset == name) else {
+        return Err(Invalid::unknown("`preset`", name, PRESETS.iter().map(|(name, _)| *name)));
+    };
+    let own = [&file.surge, &file.sway, &file.yaw].iter().any(|terms| !terms.is_empty());
+    let channels = !(file.input.is_empty() && file.measured.is_empty() && file.derived.is_empty());
+    if own || channels || file.sample_rate_hz.is_some() {
+        return Err(Invalid::new(
+            "`preset`",
+            "a structure of the file's own beside it",
+            "a preset with `name`, [value] and [nominal] only",
+            "remove `preset`, or the terms, inputs and `sample_rate_hz`",
+        ));
+    }
+    let mut base: VesselFile = toml::from_str(text).map_err(|e| {
+        Invalid::new("`preset`", e.message().to_owned(), "a vessel", "report this as a defect")
+    })?;
+    base.name = file.name.or(base.name);
+    base.value.extend(file.value);
+    base.nominal.extend(file.nominal);
+    base.constant = file.constant;
+    Ok(base)
+}
+
+fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
+    let variable = |name: &str, unit: &str| Variable { name: name.to_owned(), unit: unit.to_owned() };
+    let states = DegreeOfFreedom::ALL.into_iter().map(|d| variable(d.state(), d.unit()));
+    let inputs = file.input.iter().map(|i| variable(&i.name, &i.unit));
+    let measured = file.measured.iter().map(|m| variable(&m.name, &m.unit));
+    let derived = file.derived.iter().map(|d| variable(&d.name, &d.unit));
+    let all: Vec<Variable> = states.chain(inputs).chain(measured).chain(derived).collect();
+    for (i, v) in all.iter().enumerate() {
+        check_name(format!("`name` of channel {}", i.saturating_sub(2)), &v.name)?;
+        if !v.unit.is_empty() {
+            check_name(format!("`unit` of channel `{}`", v.name), &v.unit)?;
+        }
+        let reserved = i >= 3 && RESERVED.contains(&v.name.as_str());
+        let plain = v.name.chars().all(|c| c.is_alphanumeric() || c == '_') && !v.name.is_empty();
+        if all[..i].iter().any(|w| w.name == v.name) || reserved || !plain {
+            let what =
+                if i < first_derived(file) { "input or measured disturbance" } else { "derived channel" };
+            return Err(Invalid::new(
+                format!("{what} `{}`", v.name),
+                "a name that is taken or no plain name",
+                "letters, digits and _, each name once, no column of the trajectories",
+                "rename it",
+            ));
+        }
+    }
+    Ok(all)
+}
+
+/// The place of the first derived channel among the variables.
+fn first_derived(file: &VesselFile) -> usize {
+    3 + file.input.len() + file.measured.len()
+}
+
+/// Values of measured disturbances in simulated trials, by place among the variables.
+fn simulated(file: &VesselFile) -> Result<BTreeMap<usize, f64>, Invalid> {
+    let known =
+        file.measured.iter().filter_map(|m| Some((format!("simulated` of `{}", m.name), m.simulated?)));
+    check_numbers(known, "a finite number", f64::is_finite)?;
+    let places = (3 + file.input.len()..).zip(&file.measured);
+    Ok(places.filter_map(|(place, measured)| Some((place, measured.simulated?))).collect())
+}
+
+/// Columns that the trajectories have already.
+const RESERVED: [&str; 12] =
+    ["design", "run", "segment", "maneuver", "sample", "t", "y_u", "y_v", "y_r", "x", "y", "psi"];
+
+/// The terms of surge, sway and yaw, each with a parameter of its own.
+fn terms(file: &VesselFile, variables: &[Variable]) -> Result<[Vec<Term>; 3], Invalid> {
+    let names: Vec<&str> = variables.iter().map(|v| v.name.as_str()).collect();
+    let mut taken: Vec<&str> = Vec::new();
+    let degree = |d: DegreeOfFreedom, specs: &[TermSpec]| -> Result<Vec<Term>, Invalid> {
+        if specs.is_empty() {
+            return Err(Invalid::new(
+                format!("[[{}]]", d.name()),
+                "no term",
+                "at least one term per degree of freedom",
+                "add one",
+            ));
+        }
+        specs.iter().map(|s| Term::parse(&s.term, &names)).collect()
+    };
+    let all = [
+        degree(DegreeOfFreedom::Surge, &file.surge)?,
+        degree(DegreeOfFreedom::Sway, &file.sway)?,
+        degree(DegreeOfFreedom::Yaw, &file.yaw)?,
+    ];
+    for name in [&file.surge, &file.sway, &file.yaw].into_iter().flatten().map(|t| t.parameter.as_str()) {
+        if taken.contains(&name) || name.is_empty() {
+            return Err(Invalid::new(
+                format!("parameter `{name}`"),
+                "twice or empty",
+                "a name of its own",
+                "rename it",
+            ));
+        }
+        taken.push(name);
+    }
+    Ok(all)
+}
+
+fn couplings(inputs: &[InputSpec]) -> Result<Vec<Option<(usize, f64)>>, Invalid> {
+    let coupling = |input: &InputSpec| match (&input.follows, input.factor) {
+        (None, None) => Ok(None),
+        (Some(name), Some(factor)) if factor.is_finite() => {
+            match inputs.iter().position(|i| i.name == *name && i.name != input.name) {
+                Some(index) => Ok(Some((index, factor))),
+                None => Err(bad_coupling(input, &format!("`follows = \"{name}\"`"))),
+            }
+        }
+        _ => Err(bad_coupling(input, "only one of `follows` and `factor`, or no finite factor")),
+    };
+    inputs.iter().map(coupling).collect()
+}
+
+fn bad_coupling(input: &InputSpec, found: &str) -> Invalid {
+    Invalid::new(
+        format!("input `{}`", input.name),
+        found,
+        "`follows` naming another input and a finite `factor`, or neither",
+        "correct it",
+    )
+}

@@ -1,0 +1,32 @@
+//! A surface vessel as data: the structure of its model, parameters and what binds them, channels, actuators.
+//!
+//! States are surge `u`, sway `v` \[m/s\] and yaw rate `r` \[rad/s\] in body axes (x forward, y starboard, z down).
+//! A model structure lists per degree of freedom terms that are products of powers and moduli of states, inputs and
+//! measured disturbances; the parameter of a term multiplies it, and the sum is the state's increment per sample:
+//! `x_d(k+1) = x_d(k) + φ_d(k)ᵀ θ_d`. See `docs/notation.md`.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod actuator;
+mod constraint;
+mod derived;
+mod equation;
+mod file;
+mod formula;
+mod held;
+mod layout;
+mod model;
+mod more_channels;
+mod rows;
+mod term;
+
+pub use actuator::Actuator;
+pub use constraint::{Constrained, Constraint, Written};
+pub use derived::{DerivedChannel, DerivedSpec};
+pub use equation::TermSpec;
+pub use file::{InputSpec, MeasuredSpec, Source, Vessel, VesselFile};
+pub use formula::{Formula, Function, Malformed};
+pub use layout::ParameterLayout;
+pub use model::{Degree, DegreeOfFreedom, Model, Variable};
+pub use term::{Factor, Product, Term};

@@ -1,0 +1,40 @@
+//! vessel.toml.
+
+use model::{Source, Vessel};
+use refusal::Invalid;
+
+fn vessel(text: &str) -> Result<Vessel, Invalid> {
+    Vessel::from_file(toml::from_str(text).unwrap())
+}
+
+#[test]
+fn the_preset_is_the_papers_model() {
+    let vessel = vessel("preset = \"ljungberg-model-ship\"").unwrap();
+    assert_eq!(vessel.model.parameters(), 10);
+    assert_eq!(vessel.parameters(Source::Value).unwrap()[2], 0.08);
+    assert_eq!(vessel.nominal[9], 3.5e-4);
+    assert_eq!(vessel.couplings[1], Some((2, -2.5)));
+    assert_eq!(vessel.model.parameter_units()[1], "m/s per (m/s × m/s)");
+}
+
+#[test]
+fn a_preset_takes_other_numbers_but_no_other_structure() {
+    let changed = vessel("preset = \"ljungberg-model-ship\"\n[nominal]\nX_u = -0.07").unwrap();
+    assert_eq!(changed.nominal[0], -0.07);
+    let error = vessel("preset = \"ljungberg-model-ship\"\n[nominal]\nX_uuu = -0.07").unwrap_err();
+    assert!(error.remedy.contains("`X_uu`"), "{error}");
+    assert!(vessel("preset = \"ljungberg-model-ship\"\nsample_rate_hz = 4.0").is_err());
+    assert!(vessel("preset = \"ljungberg\"").unwrap_err().remedy.contains("ljungberg-model-ship"));
+}
+
+#[test]
+fn a_vessel_without_truth_has_a_nominal_model_only() {
+    let text = "name = \"x\"\nsample_rate_hz = 1.0\n[[input]]\nname = \"n\"\nunit = \"1/s\"\n\
+         [[surge]]\nparameter = \"a\"\nterm = \"n |n|\"\nnominal = 1.0\n[[sway]]\nparameter = \"b\"\nterm = \"v\"\n\
+         nominal = 1.0\n[[yaw]]\nparameter = \"c\"\nterm = \"r\"\nnominal = 1.0\n";
+    let vessel = vessel(text).unwrap();
+    assert!(vessel.parameters(Source::Value).unwrap_err().thing.contains("`a`"));
+    assert_eq!(vessel.parameters(Source::Nominal).unwrap(), vec![1.0; 3]);
+    assert!(self::vessel(&text.replace("\"c\"", "\"a\"")).is_err());
+    assert!(self::vessel(&text.replace("\"n\"\nunit", "\"psi\"\nunit")).is_err());
+}

@@ -1,0 +1,91 @@
+//! Runs side by side: between one run's rows and [`Lane`]s.
+
+use std::cell::RefCell;
+
+use crate::{LANES, Lane, vectorized};
+
+/// What belongs to each lane where `count` runs, up to [`LANES`], stand side by side; lanes that are left repeat the last run.
+pub fn by_lane<T>(count: usize, mut of: impl FnMut(usize) -> T) -> [T; LANES] {
+    std::array::from_fn(|lane| of(lane.min(count - 1)))
+}
+
+/// Rooms that were given back, and how many are kept.
+const KEPT: usize = 12;
+thread_local! {
+    static ROOMS: RefCell<Vec<Vec<Lane>>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Room for so many lanes, with anything in it: one that was given back on this thread, whose memory is at hand, or a new one.
+pub fn room(lanes: usize) -> Vec<Lane> {
+    let mut room = ROOMS.with_borrow_mut(Vec::pop).unwrap_or_default();
+    room.resize(lanes, Lane::ZERO);
+    room
+}
+
+/// Gives rooms back for others on this thread.
+pub fn give_back<const N: usize>(rooms: [Vec<Lane>; N]) {
+    ROOMS.with_borrow_mut(|kept| {
+        kept.extend(rooms);
+        kept.truncate(KEPT);
+    });
+}
+
+/// A number of each of `count` runs.
+pub fn lane(count: usize, of: impl FnMut(usize) -> f64) -> Lane {
+    Lane(by_lane(count, of))
+}
+
+/// Puts rows of up to [`LANES`] runs side by side. Shorter ones are filled up with zeros.
+pub fn interleave(runs: &[&[f64]]) -> Vec<Lane> {
+    let mut out = room(0);
+    interleave_into(runs, &mut out);
+    out
+}
+
+/// The same in the place of what was in `out`.
+pub fn interleave_into(runs: &[&[f64]], out: &mut Vec<Lane>) {
+    let length = runs.iter().map(|run| run.len()).max().unwrap_or(0);
+    out.clear();
+    out.reserve(length);
+    if length == 0 {
+        return;
+    }
+    let rows: [&[f64]; LANES] = by_lane(runs.len(), |run| runs[run]);
+    // As long as all runs have numbers: whole blocks of them.
+    let blocks = rows.map(|run| run.as_chunks::<LANES>().0);
+    let whole = blocks.iter().map(|own| own.len()).min().unwrap_or(0);
+    vectorized!(transpose(blocks.map(|own| &own[..whole]), out));
+    let entry = |run: &[f64], i: usize| run.get(i).copied().unwrap_or(0.0);
+    out.extend((out.len()..length).map(|i| Lane(rows.map(|run| entry(run, i)))));
+}
+
+/// Appends blocks of numbers of every lane, as many of each.
+#[inline(always)]
+fn transpose(blocks: [&[[f64; LANES]]; LANES], out: &mut Vec<Lane>) {
+    for block in 0..blocks[0].len() {
+        let mut own = [Lane::ZERO; LANES];
+        for (lane, blocks) in blocks.iter().enumerate() {
+            for i in 0..LANES {
+                own[i].0[lane] = blocks[block][i];
+            }
+        }
+        out.extend_from_slice(&own);
+    }
+}
+
+/// The rows of one lane.
+pub fn lane_of(values: &[Lane], lane: usize) -> Vec<f64> {
+    values.iter().map(|v| v[lane]).collect()
+}
+
+/// Indices of neighbours with the same key, in groups of at most [`LANES`].
+pub fn groups<K: PartialEq>(keys: &[K]) -> Vec<std::ops::Range<usize>> {
+    let mut groups: Vec<std::ops::Range<usize>> = Vec::new();
+    for (i, key) in keys.iter().enumerate() {
+        match groups.last_mut() {
+            Some(group) if group.len() < LANES && keys[group.start] == *key => group.end = i + 1,
+            _ => groups.push(i..i + 1),
+        }
+    }
+    groups
+}
