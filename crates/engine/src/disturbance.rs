@@ -236,6 +236,15 @@ pub struct Weather<'a> {
 impl Weather<'_> {
     /// Still water, no force.
     pub const CALM: Self = Self { current: &[], turning: 0.0, force: &[] };
+
+    /// The same from sample `k` on.
+    pub(crate) fn from(self, k: usize) -> Self {
+        Self {
+            current: self.current.get(2 * k..).unwrap_or(&[]),
+            force: self.force.get(3 * k..).unwrap_or(&[]),
+            ..self
+        }
+    }
 }
 
 /// What disturbs [`LANES`] runs, drawn as they go.

@@ -3,6 +3,8 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod command;
+mod commanded;
 mod compiled;
 mod disturbance;
 mod noise;
@@ -14,6 +16,8 @@ mod run;
 mod side_by_side;
 mod simulate;
 
+pub use command::{Command, Helm, Program, Seen};
+pub use commanded::{simulate_command, simulate_commanded};
 pub use compiled::{Ambient, Compiled};
 pub use disturbance::{
     Axes, Current, Disturbances, Disturbing, MOST_CURRENT_M_S, Measurement, Weather, Wind, check_currents,

@@ -83,7 +83,7 @@ pub struct Recording<'a> {
 }
 
 /// Samples that are drawn, simulated and measured before the next ones are, so that they stay in the nearest cache. An even number.
-const AT_ONCE: usize = 32;
+pub(crate) const AT_ONCE: usize = 32;
 
 /// Simulates and measures `G` times as many runs as [`simulate`], as they are disturbed. In which lanes a state is beyond
 /// [`DIVERGED`] or not finite: a number above zero.
@@ -119,16 +119,16 @@ pub fn simulate_disturbed<const G: usize>(
 }
 
 /// Runs on their way.
-struct Follow<'m, const G: usize> {
+pub(crate) struct Follow<'m, const G: usize> {
     model: Compiled<'m, Wide<G>>,
     width: usize,
-    state: [Wide<G>; 3],
+    pub state: [Wide<G>; 3],
     heading: Wide<G>,
 }
 
 impl<'m, const G: usize> Follow<'m, G> {
     /// With the same parameters in every group.
-    fn new(model: &'m Model, parameters: &[Lane], initial: [Wide<G>; 3]) -> Self {
+    pub fn new(model: &'m Model, parameters: &[Lane], initial: [Wide<G>; 3]) -> Self {
         let parameters: Vec<Wide<G>> = parameters.iter().copied().map(Wide::from).collect();
         let (width, model) = (model.exogenous().max(1), Compiled::new(model, &parameters));
         Self { model, width, state: initial, heading: Wide::ZERO }
@@ -166,7 +166,7 @@ impl<'m, const G: usize> Follow<'m, G> {
 
     /// Goes through `samples` and puts the state before each of them; weather and states begin at the first of them.
     #[inline(always)]
-    fn go(
+    pub fn go(
         &mut self,
         exogenous: &impl Rows<G>,
         samples: Range<usize>,
@@ -239,7 +239,7 @@ impl<'m, const G: usize> Follow<'m, G> {
 }
 
 /// What drives runs, sample by sample.
-trait Rows<const G: usize> {
+pub(crate) trait Rows<const G: usize> {
     /// What drives them during one.
     type Row: Row<Wide<G>>;
     /// How many samples there are.

@@ -283,7 +283,9 @@ impl Ship {
             .par_iter()
             .filter_map(|run| {
                 let views = [run.view()];
-                criticise_each(&self.subject(&model, &views, stated), std::slice::from_ref(&start)).pop().flatten()
+                criticise_each(&self.subject(&model, &views, stated), std::slice::from_ref(&start))
+                    .pop()
+                    .flatten()
             })
             .collect();
         summary(&found)

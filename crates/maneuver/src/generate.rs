@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use engine::{Streams, refuse_endless};
+use engine::{Helm, Streams, refuse_endless, simulate_command};
 use model::{Source, Vessel};
 use refusal::Invalid;
 
@@ -17,8 +17,10 @@ use crate::steady::{Motion, Steady};
 pub struct Realized {
     /// State at the start: u, v \[m/s\], r \[rad/s\].
     pub initial: [f64; 3],
-    /// N × inputs, row-major.
+    /// N × inputs, row-major; of a maneuver that reacts, those of the undisturbed ship that the dictionary reckons with.
     pub inputs: Vec<f64>,
+    /// What commands it, where that depends on what the ship does.
+    pub helm: Option<Helm>,
 }
 
 /// Turns the maneuvers of a dictionary into inputs for one vessel.
@@ -32,6 +34,7 @@ pub struct Generator {
     limits: Option<Limits>,
     default_s: Option<f64>,
     tables: BTreeMap<usize, PlayedTable>,
+    helms: BTreeMap<usize, Helm>,
 }
 
 impl Generator {
@@ -72,7 +75,15 @@ impl Generator {
             limits,
             default_s: dictionary.duration_s,
             tables,
+            helms: BTreeMap::new(),
         })
+    }
+
+    /// The same, with maneuver `index` commanded by `helm`: its motion is only where it starts.
+    #[must_use]
+    pub fn commanded(mut self, index: usize, helm: Helm) -> Self {
+        self.helms.insert(index, helm);
+        self
     }
 
     /// The same for a dictionary without tables of inputs.
@@ -132,7 +143,7 @@ impl Generator {
 
     /// Whether maneuver `index` in few samples is the beginning of the same in more: nothing of it is stretched.
     pub fn goes_on(&self, index: usize) -> bool {
-        self.maneuvers[index].kind.goes_on()
+        self.helms.contains_key(&index) || self.maneuvers[index].kind.goes_on()
     }
 
     /// Maneuver `index` carried out in `samples` samples. Swings keep their period, sweeps are stretched to the length. Tables
@@ -145,12 +156,24 @@ impl Generator {
         if let Some(table) = self.tables.get(&index) {
             let inputs = table.first(samples)?.to_vec();
             let plan = Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, 0);
-            return Ok(Realized { initial: plan.start(), inputs });
+            return Ok(Realized { initial: plan.start(), inputs, helm: None });
         }
         let plan = Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, samples);
+        if let Some(helm) = self.helms.get(&index) {
+            return Ok(self.react(plan.start(), samples, helm));
+        }
         let named = |e: Invalid| Invalid { thing: format!("maneuver `{}`, {}", maneuver.name, e.thing), ..e };
         let inputs = self.inputs(&plan, samples).map_err(named)?;
-        Ok(Realized { initial: plan.start(), inputs })
+        Ok(Realized { initial: plan.start(), inputs, helm: None })
+    }
+
+    /// What `helm` commands the undisturbed ship.
+    fn react(&self, initial: [f64; 3], samples: usize, helm: &Helm) -> Realized {
+        let (model, rate_hz) = (&self.vessel.model, self.vessel.sample_rate_hz);
+        let (rows, _) = simulate_command(model, &self.parameters, initial, samples, rate_hz, helm);
+        let rows = rows.chunks_exact(model.exogenous().max(1));
+        let inputs = rows.flat_map(|row| row[..model.inputs].iter().copied()).collect();
+        Realized { initial, inputs, helm: Some(helm.clone()) }
     }
 
     fn inputs(&self, plan: &Plan, samples: usize) -> Result<Vec<f64>, Invalid> {

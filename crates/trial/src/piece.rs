@@ -1,16 +1,18 @@
-use engine::Run;
+use engine::{Command, Helm, Run};
 use model::Vessel;
 use refusal::Invalid;
 
-/// A piece of a dictionary maneuver: what is run open loop as one use of it.
+/// A piece of a dictionary maneuver: what is run as one use of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
     /// Name of the maneuver.
     pub maneuver: String,
     /// Surge speed at the start \[m/s\].
     pub speed_m_s: f64,
-    /// N′ × inputs, row-major.
+    /// N′ × inputs, row-major; of a maneuver that reacts, those of the dictionary.
     pub inputs: Vec<f64>,
+    /// What commands it, where what the ship does decides.
+    pub helm: Option<Helm>,
     /// N′.
     pub samples: usize,
 }
@@ -25,7 +27,13 @@ impl Piece {
             speed_m_s: run.initial[0],
             inputs: rows.flat_map(|row| row[..width].iter().copied()).collect(),
             samples: run.samples(),
+            helm: None,
         }
+    }
+
+    /// Its commands from the beginning.
+    pub(crate) fn begin(&self) -> Box<dyn Command> {
+        self.helm.as_ref().map_or_else(|| Helm::table(&self.inputs).begin(), Helm::begin)
     }
 
     /// Its first `target` samples, or as many whole periods as come nearest where the inputs repeat themselves; all of it
@@ -34,7 +42,7 @@ impl Piece {
     /// # Errors
     /// A target longer than the maneuver, or no sample at all.
     pub fn cut(self, target: Option<usize>) -> Result<Self, Invalid> {
-        let Self { maneuver, speed_m_s, mut inputs, samples: all } = self;
+        let Self { maneuver, speed_m_s, mut inputs, samples: all, helm } = self;
         let width = inputs.len() / all.max(1);
         let wanted = target.unwrap_or(all);
         if wanted == 0 || wanted > all {
@@ -53,7 +61,7 @@ impl Piece {
             None => wanted,
         };
         inputs.truncate(samples * width);
-        Ok(Self { maneuver, speed_m_s, inputs, samples })
+        Ok(Self { maneuver, speed_m_s, inputs, samples, helm })
     }
 }
 

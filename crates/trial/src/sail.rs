@@ -1,3 +1,4 @@
+use engine::{Pose, Seen};
 use refusal::Invalid;
 
 use crate::{Autopilot, Leg, Phase, Piece, Purpose, Ship, Side};
@@ -10,7 +11,7 @@ pub struct Sample {
     /// Whether an informative maneuver is being run.
     pub informative: bool,
     /// Where the vessel is.
-    pub pose: engine::Pose,
+    pub pose: Pose,
     /// u, v \[m/s\], r \[rad/s\].
     pub state: [f64; 3],
     /// Inputs held until the next sample.
@@ -23,7 +24,7 @@ pub struct Fix {
     /// Index of the leg.
     pub leg: usize,
     /// Where the vessel is.
-    pub pose: engine::Pose,
+    pub pose: Pose,
 }
 
 /// What was sailed.
@@ -32,7 +33,7 @@ pub struct Sailed {
     /// Every sample, in order.
     pub samples: Vec<Sample>,
     /// Where the vessel was, and how fast, at the end of each leg.
-    pub ends: Vec<(engine::Pose, [f64; 3])>,
+    pub ends: Vec<(Pose, [f64; 3])>,
 }
 
 /// One sample as it passes.
@@ -43,7 +44,7 @@ pub struct Passing<'s> {
     /// Whether an informative maneuver is being run.
     pub informative: bool,
     /// Where the vessel is.
-    pub pose: engine::Pose,
+    pub pose: Pose,
     /// u, v \[m/s\], r \[rad/s\].
     pub state: [f64; 3],
     /// Inputs held until the next sample.
@@ -80,7 +81,7 @@ impl From<Passing<'_>> for Sample {
 }
 
 /// Where a vessel was, and how fast, at the end of a leg.
-pub type End = (engine::Pose, [f64; 3]);
+pub type End = (Pose, [f64; 3]);
 
 /// Carries out `legs`, each from its own node (north, east), starting wherever `ship` is. Pieces' inputs are multiplied by
 /// `mirror` where they are run to the other side. `record` is told of every sample; the ends of legs are given.
@@ -124,12 +125,19 @@ struct Way<'w, 's, 'a> {
 }
 
 impl<'s> Way<'_, 's, '_> {
-    /// Runs a piece open loop, its inputs multiplied by `signs` if there are any.
+    /// Runs a piece, to the other side where there are `signs` of its inputs.
     fn run(&mut self, leg: usize, piece: &Piece, signs: &[f64]) -> Result<(), Invalid> {
-        let width = piece.inputs.len() / piece.samples;
-        for row in piece.inputs.chunks_exact(width) {
-            self.inputs.clear();
-            self.inputs.extend(row.iter().enumerate().map(|(i, u)| signs.get(i).unwrap_or(&1.0) * u));
+        let (mut command, origin) = (piece.begin(), self.ship.pose);
+        let side = if signs.is_empty() { 1.0 } else { -1.0 };
+        for _ in 0..piece.samples {
+            let ([u, v, r], pose) = (self.ship.state, self.ship.pose.seen_from(&origin));
+            let seen = Seen {
+                state: [u, side * v, side * r],
+                pose: Pose { x: pose.x, y: side * pose.y, psi: side * pose.psi },
+            };
+            self.inputs.resize(piece.inputs.len() / piece.samples, 0.0);
+            command.command(&seen, &mut self.inputs);
+            self.inputs.iter_mut().zip(signs).for_each(|(input, sign)| *input *= sign);
             self.advance(leg, true, Ship::command)?;
         }
         Ok(())

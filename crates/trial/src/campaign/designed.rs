@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
+use engine::Helm;
 use maneuver::{Generator, Realized};
 use refusal::Invalid;
 
@@ -52,16 +53,28 @@ impl Parts {
 
     /// Initial state and inputs of a plan that was made.
     pub(crate) fn joined(&self, plan: &[(usize, usize)]) -> ([f64; 3], Vec<f64>) {
-        let initial = plan.first().map_or([0.0; 3], |part| self.part(part).0);
+        let initial = plan.first().map_or([0.0; 3], |part| self.part(part).0.initial);
         (initial, plan.iter().map(|part| self.part(part).1).collect::<Vec<_>>().concat())
     }
 
-    fn part(&self, part: &(usize, usize)) -> ([f64; 3], &[f64]) {
+    /// What commands a plan that was made, where what the ship does decides over any part that was.
+    pub(crate) fn helm(&self, plan: &[(usize, usize)]) -> Option<Helm> {
+        let own = |part: &(usize, usize)| {
+            let (made, inputs) = self.part(part);
+            (made.helm.clone().unwrap_or_else(|| Helm::table(inputs)), part.1)
+        };
+        let mut all = self.stretched.values().chain(self.longest.values().map(|(_, own)| &**own));
+        let reacts = all.any(|own| own.helm.is_some());
+        reacts.then(|| Helm::sequence(plan.iter().map(own).collect()))
+    }
+
+    /// A part as it was made, and its inputs.
+    fn part(&self, part: &(usize, usize)) -> (&Realized, &[f64]) {
         match self.stretched.get(part) {
-            Some(own) => (own.initial, &own.inputs),
+            Some(own) => (own, &own.inputs),
             None => {
                 let (samples, own) = &self.longest[&part.0];
-                (own.initial, &own.inputs[..own.inputs.len() / samples * part.1])
+                (own, &own.inputs[..own.inputs.len() / samples * part.1])
             }
         }
     }

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use engine::{Run, Segment, check_diverged, simulate_one};
+use engine::{Helm, Run, Segment, check_diverged, simulate_command, simulate_one};
 use maneuver::{Exceeded, Generator, Kept, Realized};
 use model::{DegreeOfFreedom, Source, Vessel};
 use refusal::Invalid;
@@ -76,8 +76,18 @@ impl<'a> Maneuvers<'a> {
     /// A maneuver, unless it is generated and exceeds its limits.
     fn one(&self, index: usize, tally: &mut Tally) -> Result<Option<SimulatedRun>, Refusal> {
         match judge(self.vessel, self.generator, index).map_err(Refusal::Dictionary)? {
-            Judged::Within { initial, exogenous } => {
-                let states = simulate_one(&self.vessel.model, &self.parameters, initial, &exogenous);
+            Judged::Within { initial, mut exogenous, helm } => {
+                let (model, rate_hz) = (&self.vessel.model, self.vessel.sample_rate_hz);
+                let states = match helm {
+                    None => simulate_one(model, &self.parameters, initial, &exogenous),
+                    Some(helm) => {
+                        let samples = exogenous.len() / model.exogenous().max(1);
+                        let sailed =
+                            simulate_command(model, &self.parameters, initial, samples, rate_hz, &helm);
+                        exogenous = sailed.0;
+                        sailed.1
+                    }
+                };
                 match check_diverged(states.iter().copied()) {
                     None => return Ok(Some(self.run(index, exogenous, states))),
                     Some(_) if self.generator.limits(index).is_some() => tally.unsteady(),
@@ -115,6 +125,8 @@ pub enum Judged {
         initial: [f64; 3],
         /// N × exogenous, row-major.
         exogenous: Vec<f64>,
+        /// What commands it, where what the ship does decides.
+        helm: Option<Helm>,
     },
     /// It does not.
     Exceeds(Exceeded),
@@ -130,7 +142,7 @@ pub enum Judged {
 pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Judged, Invalid> {
     let samples = generator.samples(index)?;
     let limits = generator.limits(index);
-    let Realized { initial, inputs } = match generator.realize(index, samples) {
+    let Realized { initial, inputs, helm } = match generator.realize(index, samples) {
         Err(_) if limits.is_some() => return Ok(Judged::Unsteady),
         realized => realized?,
     };
@@ -138,7 +150,7 @@ pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Jud
     let maneuver = &generator.maneuvers()[index];
     let is_kept = maneuver.keeps != Kept::default();
     if limits.is_none() && vessel.motion.is_none() && !is_kept {
-        return Ok(Judged::Within { initial, exogenous });
+        return Ok(Judged::Within { initial, exogenous, helm });
     }
     let states = simulate_one(&vessel.model, generator.parameters(), initial, &exogenous);
     maneuver.keeps.check_states(&maneuver.name, &states)?;
@@ -147,7 +159,7 @@ pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Jud
         return Ok(Judged::Exceeds(exceeded));
     }
     match vessel.beyond_motion(&states) {
-        None => Ok(Judged::Within { initial, exogenous }),
+        None => Ok(Judged::Within { initial, exogenous, helm }),
         Some(beyond) if limits.is_some() => Ok(Judged::Exceeds(left_out(vessel, beyond))),
         Some(beyond) => Err(refused(vessel, &maneuver.name, beyond)),
     }

@@ -91,6 +91,7 @@ impl Doing {
             runs: &self.numbers,
             initial: self.experiments.iter().map(|own| own.initial).collect(),
             exogenous: self.experiments.iter().map(|own| own.exogenous.as_slice()).collect(),
+            helms: self.experiments.iter().filter_map(|own| own.helm.clone()).collect(),
         }
     }
 }
@@ -184,7 +185,7 @@ impl<'a> Campaign<'a> {
         let plan: Plan = parts.map(|(i, (segment, end))| (i, end - segment.start)).collect();
         let realize = |(part, segment): (&(usize, usize), &Segment)| {
             let own = &inputs[segment.start * width..(segment.start + part.1) * width];
-            (*part, Realized { initial, inputs: own.to_vec() })
+            (*part, Realized { initial, inputs: own.to_vec(), helm: None })
         };
         let parts = plan.iter().zip(segments).map(realize).collect();
         let names = segments.iter().map(|segment| segment.maneuver.clone()).collect();
@@ -208,7 +209,7 @@ impl<'a> Campaign<'a> {
         let (initial, inputs) = self.parts.joined(plan);
         let model = &self.sea.vessel().model;
         let exogenous = if model.exogenous() == model.inputs { inputs } else { model.undisturbed(&inputs) };
-        Experiment { segments: self.segments(plan), initial, exogenous }
+        Experiment { segments: self.segments(plan), initial, exogenous, helm: self.parts.helm(plan) }
     }
 
     /// The vessel.
@@ -277,9 +278,9 @@ impl<'a> Campaign<'a> {
         Ok(all)
     }
 
-    /// What all runs of a design do, where it is the same.
+    /// What all runs of a design do, where it is the same whatever disturbs them.
     pub fn experiment_of_all(&self, design: usize) -> Option<&Arc<Experiment>> {
-        self.designs[design].all.as_ref()
+        self.designs[design].all.as_ref().filter(|all| all.helm.is_none())
     }
 
     /// Simulates up to [`GROUPS`] times [`LANES`] runs of one design, side by side; their true states only where they are

@@ -1,6 +1,6 @@
 use engine::{
-    Current, Disturbances, Diverged, Driven, Recording, Run, Streams, Wind, diverged_lanes,
-    simulate_disturbed,
+    Current, Disturbances, Disturbing, Diverged, Driven, Helm, Recording, Run, Streams, Wind, diverged_lanes,
+    simulate_commanded, simulate_disturbed,
 };
 use model::{Source, Vessel};
 use numerics::lanes::{by_lane, interleave, lane, lane_of, room};
@@ -29,6 +29,8 @@ pub struct Group<'a> {
     pub initial: Vec<[f64; 3]>,
     /// Of each, N × exogenous, row-major; N is the same for all.
     pub exogenous: Vec<&'a [f64]>,
+    /// What commands each, where what the ship does decides. Then the above are those of an undisturbed one.
+    pub helms: Vec<Helm>,
 }
 
 /// States of a group's runs, (N+1) × 3, row-major.
@@ -103,9 +105,41 @@ impl<'a> Sea<'a> {
         Ok(states)
     }
 
+    /// Room for the states of a group, and what disturbs it.
+    fn prepared(&self, group: &Group, wanted: bool) -> (States, Disturbing) {
+        let own = || room(3 * (self.samples(group) + 1));
+        let truth = if wanted { own() } else { Vec::new() };
+        let (wind, rate_hz) = (self.wind.as_ref(), self.vessel.sample_rate_hz);
+        let disturbing = self.disturbances.of_runs(wind, group.streams, group.numbers(), rate_hz);
+        (States { truth, measured: own(), exogenous: Vec::new() }, disturbing)
+    }
+
+    /// The states of a group whose runs are commanded, as [`Self::followed`].
+    fn commanded(&self, group: &Group, wanted: bool) -> (States, Lane) {
+        let model = &self.vessel.model;
+        let (mut states, disturbing) = self.prepared(group, wanted);
+        states.exogenous = vec![Lane::ZERO; self.samples(group) * model.exogenous().max(1)];
+        let States { truth, measured, exogenous } = &mut states;
+        let recording = Recording { disturbing, truth, measured };
+        let rate_hz = self.vessel.sample_rate_hz;
+        let (truth, helms) = (&self.truth, &group.helms);
+        let beyond = simulate_commanded(model, truth, group.start(), helms, rate_hz, recording, exogenous);
+        (states, beyond)
+    }
+
     /// The states, and in which lanes one is beyond every bound: a number above zero.
     fn followed<const G: usize>(&self, groups: [&Group; G], wanted: bool) -> ([States; G], [Lane; G]) {
-        let (model, rate_hz) = (&self.vessel.model, self.vessel.sample_rate_hz);
+        if groups.iter().any(|group| !group.helms.is_empty()) {
+            let mut beyond = [Lane::ZERO; G];
+            let mut marks = beyond.iter_mut();
+            let states = groups.map(|group| {
+                let (states, mark) = self.commanded(group, wanted);
+                marks.next().into_iter().for_each(|own| *own = mark);
+                states
+            });
+            return (states, beyond);
+        }
+        let model = &self.vessel.model;
         let alike = groups[0].shared().filter(|first| {
             groups.iter().all(|group| group.shared().is_some_and(|own| std::ptr::eq(own, *first)))
         });
@@ -115,22 +149,18 @@ impl<'a> Sea<'a> {
             Some(shared) => Driven::Alike(shared),
             None => Driven::Own(exogenous.each_ref().map(Vec::as_slice)),
         };
-        let mut states = groups.map(|group| {
-            let own = || room(3 * (self.samples(group) + 1));
-            let truth = if wanted { own() } else { Vec::new() };
-            (group, States { truth, measured: own(), exogenous: Vec::new() })
-        });
-        let recordings = states.each_mut().map(|(group, States { truth, measured, .. })| {
-            let (wind, numbers) = (self.wind.as_ref(), group.numbers());
-            let disturbing = self.disturbances.of_runs(wind, group.streams, numbers, rate_hz);
-            Recording { disturbing, truth, measured }
+        let mut states = groups.map(|group| self.prepared(group, wanted));
+        let recordings = states.each_mut().map(|(States { truth, measured, .. }, disturbing)| Recording {
+            disturbing: disturbing.clone(),
+            truth,
+            measured,
         });
         let start = groups.map(Group::start);
         let initial = [0, 1, 2].map(|d: usize| Wide(start.map(|own| own[d])));
         let beyond = simulate_disturbed(model, &self.truth, initial, driven, recordings);
         let mut exogenous = exogenous.into_iter();
         let states =
-            states.map(|(_, states)| States { exogenous: exogenous.next().unwrap_or_default(), ..states });
+            states.map(|(states, _)| States { exogenous: exogenous.next().unwrap_or_default(), ..states });
         (states, beyond)
     }
 

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
-use engine::{Run, Segment, SideBySide};
-use numerics::lanes::{give_back, interleave, lane};
+use engine::{Helm, Run, Segment, SideBySide};
+use numerics::lanes::{give_back, interleave, lane, lane_of};
 use numerics::{LANES, Lane};
 
 use super::sea::{SimulatedRun, States};
@@ -15,6 +15,8 @@ pub struct Experiment {
     pub initial: [f64; 3],
     /// Inputs, and measured disturbances of zero: N × exogenous, row-major.
     pub exogenous: Vec<f64>,
+    /// What commands it, where that depends on what the ship does. Then the above are those of an undisturbed one.
+    pub helm: Option<Helm>,
 }
 
 /// Up to [`LANES`] runs of one design as they were simulated, side by side.
@@ -72,12 +74,14 @@ impl Together {
     /// A run by itself.
     pub fn run(&self, lane: usize) -> SimulatedRun {
         let [states, measured] = self.states.of(lane);
-        let Experiment { segments, initial, exogenous } = &*self.experiments[lane];
+        let Experiment { segments, initial, exogenous, helm } = &*self.experiments[lane];
         let run = Run {
             design: self.design.to_owned(),
             run: self.number(lane),
             segments: segments.clone(),
-            exogenous: exogenous.clone(),
+            exogenous: helm
+                .as_ref()
+                .map_or_else(|| exogenous.clone(), |_| lane_of(&self.states.exogenous, lane)),
             measured,
             initial: *initial,
         };

@@ -39,7 +39,7 @@ impl<'a> Planner<'a> {
     pub fn new(vessel: &'a Vessel, generator: &Generator, noise: Noise) -> Result<Self, Invalid> {
         let mut maneuvers = Vec::new();
         for index in 0..generator.maneuvers().len() {
-            if let Judged::Within { initial, exogenous } = judge(vessel, generator, index)? {
+            if let Judged::Within { initial, exogenous, .. } = judge(vessel, generator, index)? {
                 maneuvers.push(Maneuver { index, initial, exogenous });
             }
         }

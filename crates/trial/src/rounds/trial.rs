@@ -334,6 +334,7 @@ impl<'a> Trial<'a> {
             runs: &numbers,
             initial: group.iter().map(|realization| realization.run.initial).collect(),
             exogenous: group.iter().map(|realization| realization.run.exogenous.as_slice()).collect(),
+            helms: Vec::new(),
         })?;
         Ok(group.iter().enumerate().map(move |(lane, realization)| {
             let [_, measured] = states.of(lane);

@@ -14,7 +14,15 @@ fn law_a_run_that_goes_on_keeps_its_past() {
     let simulate = |samples: usize| {
         let exogenous = vec![&exogenous[..3 * samples]; 2];
         let initial = vec![[1.0, 0.0, 0.0]; 2];
-        sea.simulate(&Group { design: "d", streams: &streams, runs: &[3, 4], initial, exogenous }).unwrap()
+        sea.simulate(&Group {
+            design: "d",
+            streams: &streams,
+            runs: &[3, 4],
+            initial,
+            exogenous,
+            helms: Vec::new(),
+        })
+        .unwrap()
     };
     let (short, long) = (simulate(20), simulate(41));
     assert_eq!(short.truth[..], long.truth[..3 * 21]);
@@ -31,7 +39,8 @@ fn what_lets_a_run_diverge_is_named() {
         let sea = Sea::new(vessel, Disturbances { current, measurement }, wind).unwrap();
         let streams = Streams::new(1, "trial");
         let (initial, exogenous) = (vec![[1.0, 0.0, 0.0]], vec![exogenous.as_slice()]);
-        let group = Group { design: "d", streams: &streams, runs: &[3], initial, exogenous };
+        let group =
+            Group { design: "d", streams: &streams, runs: &[3], initial, exogenous, helms: Vec::new() };
         sea.simulate(&group).err().map(|refusal| refusal.to_string())
     };
     let strong = Current::White { std_m_s: 1e4 };

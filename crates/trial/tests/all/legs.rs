@@ -22,7 +22,7 @@ const TOLERANCE: Tolerance =
     Tolerance { distance_m: 12.0, heading_rad: 0.1, surge_m_s: 0.1, sway_m_s: 0.25, yaw_rate_rad_s: 0.0075 };
 const APPROACH: Approach = Approach { run_in_s: 30.0, tolerance: TOLERANCE };
 
-fn study() -> (Vessel, Vec<Piece>) {
+pub(crate) fn study() -> (Vessel, Vec<Piece>) {
     ship("pipelines/helsinki")
 }
 
@@ -36,20 +36,20 @@ fn ship(folder: &str) -> (Vessel, Vec<Piece>) {
         let samples = generator.samples(q).unwrap();
         let realized = generator.realize(q, samples).unwrap();
         let (maneuver, speed_m_s) = (generator.maneuvers()[q].name.clone(), realized.initial[0]);
-        Piece { maneuver, speed_m_s, inputs: realized.inputs, samples }.cut(None).unwrap()
+        Piece { maneuver, speed_m_s, inputs: realized.inputs, samples, helm: None }.cut(None).unwrap()
     };
     let pieces = (0..generator.maneuvers().len()).map(piece).collect();
     (vessel, pieces)
 }
 
-fn grid(headings: usize) -> Grid {
+pub(crate) fn grid(headings: usize) -> Grid {
     let mode = |name: &str, speed_m_s| Mode { name: name.to_owned(), speed_m_s };
     let modes = vec![mode("stop", 0.0), mode("half", 1.5), mode("ahead", 3.0)];
     Grid { nx: 44, ny: 35, headings, cell_m: 100.0, origin_m: [0.0, 0.0], modes }
 }
 
 /// Legs in a current.
-fn repertoire<'a>(
+pub(crate) fn repertoire<'a>(
     vessel: &'a Vessel,
     grid: &'a Grid,
     pieces: &'a [Piece],
@@ -60,7 +60,7 @@ fn repertoire<'a>(
 }
 
 /// Vessels whose parameters are off by 30 % either way, in a current from abeam and from astern, off their node.
-fn others(vessel: &Vessel) -> Vec<Rehearser> {
+pub(crate) fn others(vessel: &Vessel) -> Vec<Rehearser> {
     let other = |index: i32| {
         let side = if index % 2 == 0 { 1.0 } else { -1.0 };
         let wave = |i: usize| 1.0 + 0.3 * (f64::from(index) + 2.4 * i as f64).sin();
@@ -162,7 +162,7 @@ fn law_no_input_of_a_leg_changes_faster_than_its_actuator_and_legs_still_end_set
     let mirror = mirror(&vessel);
     // The rudder goes over at once, as commands do.
     let inputs: Vec<f64> = (0..240).flat_map(|k| [250.0, if k / 60 % 2 == 0 { 0.3 } else { -0.3 }]).collect();
-    let piece = Piece { maneuver: "zig-zag".to_owned(), speed_m_s: 4.0, samples: 240, inputs };
+    let piece = Piece { maneuver: "zig-zag".to_owned(), speed_m_s: 4.0, samples: 240, inputs, helm: None };
     let repertoire = Repertoire {
         handling: &handling,
         approach: &approach,

@@ -7,5 +7,6 @@ mod handling;
 mod legs;
 mod moments;
 mod pieces;
+mod reacting;
 mod rounds;
 mod tide;

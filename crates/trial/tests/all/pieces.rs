@@ -8,7 +8,13 @@ fn swing(samples: usize, period: f64) -> Vec<f64> {
 }
 
 fn piece(inputs: &[f64]) -> Piece {
-    Piece { maneuver: "turn".into(), speed_m_s: 1.0, inputs: inputs.to_vec(), samples: inputs.len() }
+    Piece {
+        maneuver: "turn".into(),
+        speed_m_s: 1.0,
+        inputs: inputs.to_vec(),
+        samples: inputs.len(),
+        helm: None,
+    }
 }
 
 #[test]

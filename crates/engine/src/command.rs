@@ -1,0 +1,115 @@
+//! What is commanded to a ship, sample by sample.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use crate::Pose;
+
+/// What a helmsman sees where a sample begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// u, v \[m/s\], r \[rad/s\], as the sensors show them.
+    pub state: [f64; 3],
+    /// Where the ship is and heads for, from where the commands began.
+    pub pose: Pose,
+}
+
+/// Commands on their way: the one way into a ship.
+pub trait Command: Send {
+    /// Sets the inputs of the sample that begins with what is `seen`.
+    fn command(&mut self, seen: &Seen, inputs: &mut [f64]);
+}
+
+/// A course of commands, which is begun as often as there are runs.
+pub trait Program: Debug + Send + Sync {
+    /// Its commands from the beginning.
+    fn begin(&self) -> Box<dyn Command>;
+}
+
+/// A program in the hands of many.
+#[derive(Clone, Debug)]
+pub struct Helm(Arc<dyn Program>);
+
+impl Helm {
+    /// Of a program.
+    pub fn new(program: impl Program + 'static) -> Self {
+        Self(Arc::new(program))
+    }
+
+    /// Of inputs, N × inputs, row-major, whatever the ship does. The last of them stay.
+    pub fn table(inputs: &[f64]) -> Self {
+        Self::new(Table(inputs.into()))
+    }
+
+    /// Of several for so many samples each, one after the other.
+    pub fn sequence(parts: Vec<(Self, usize)>) -> Self {
+        Self::new(Sequence(parts.into()))
+    }
+
+    /// Its commands from the beginning.
+    pub fn begin(&self) -> Box<dyn Command> {
+        self.0.begin()
+    }
+}
+
+impl PartialEq for Helm {
+    /// Whether both are the same, not whether they command the same.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+#[derive(Debug)]
+struct Table(Arc<[f64]>);
+
+impl Program for Table {
+    fn begin(&self) -> Box<dyn Command> {
+        Box::new(Played { rows: Arc::clone(&self.0), next: 0 })
+    }
+}
+
+/// A table on its way.
+struct Played {
+    rows: Arc<[f64]>,
+    next: usize,
+}
+
+impl Command for Played {
+    fn command(&mut self, _: &Seen, inputs: &mut [f64]) {
+        if let Some(row) = self.rows.chunks_exact(inputs.len().max(1)).nth(self.next) {
+            inputs.copy_from_slice(row);
+        }
+        self.next += 1;
+    }
+}
+
+#[derive(Debug)]
+struct Sequence(Arc<[(Helm, usize)]>);
+
+impl Program for Sequence {
+    fn begin(&self) -> Box<dyn Command> {
+        Box::new(InTurn { parts: Arc::clone(&self.0), next: 0, now: None, left: 0 })
+    }
+}
+
+/// Parts one after the other, each seen from where it began.
+struct InTurn {
+    parts: Arc<[(Helm, usize)]>,
+    next: usize,
+    now: Option<(Box<dyn Command>, Pose)>,
+    left: usize,
+}
+
+impl Command for InTurn {
+    fn command(&mut self, seen: &Seen, inputs: &mut [f64]) {
+        while self.left == 0 {
+            let Some((helm, samples)) = self.parts.get(self.next) else { break };
+            (self.now, self.left) = (Some((helm.begin(), seen.pose)), *samples);
+            self.next += 1;
+        }
+        self.left = self.left.saturating_sub(1);
+        if let Some((command, from)) = &mut self.now {
+            command.command(&Seen { pose: seen.pose.seen_from(from), ..*seen }, inputs);
+        }
+    }
+}

@@ -1,0 +1,104 @@
+use std::array::from_fn;
+
+use model::Model;
+use numerics::{Lane, Wide, vectorized};
+
+use crate::simulate::{AT_ONCE, Follow, mark_beyond};
+use crate::{Ambient, Command, Compiled, Helm, Pose, Recording, Seen};
+
+/// Simulates one run in still water, as it is commanded: N × exogenous, and (N+1) × 3 states. The helmsman sees the states themselves.
+pub fn simulate_command(
+    model: &Model,
+    parameters: &[f64],
+    initial: [f64; 3],
+    samples: usize,
+    rate_hz: f64,
+    helm: &Helm,
+) -> (Vec<f64>, Vec<f64>) {
+    let width = model.exogenous().max(1);
+    let mut compiled = Compiled::new(model, parameters);
+    let mut helmsman = Helmsman::new(helm, width);
+    let (mut exogenous, mut states) = (Vec::with_capacity(width * samples), initial.to_vec());
+    let mut state = initial;
+    for _ in 0..samples {
+        let row = helmsman.commands(model, state, state, rate_hz);
+        exogenous.extend_from_slice(row);
+        state = compiled.step(state, row, Ambient::default());
+        states.extend(state);
+    }
+    (exogenous, states)
+}
+
+/// Simulates and measures up to [`numerics::LANES`] runs as they are disturbed and commanded, each by its own of `helms`. Helmsmen see what is measured.
+/// `exogenous`: filled with what drove them, N × exogenous. In which lanes a state is beyond [`crate::DIVERGED`] or not finite: a
+/// number above zero.
+pub fn simulate_commanded(
+    model: &Model,
+    parameters: &[Lane],
+    initial: [Lane; 3],
+    helms: &[Helm],
+    rate_hz: f64,
+    recording: Recording,
+    exogenous: &mut [Lane],
+) -> Lane {
+    let Recording { mut disturbing, truth, measured } = recording;
+    let width = model.exogenous().max(1);
+    let mut helmsmen: Vec<Helmsman> = helms.iter().map(|helm| Helmsman::new(helm, width)).collect();
+    let mut follow = Follow::<1>::new(model, parameters, initial.map(Wide::from));
+    let mut beyond = Lane::ZERO;
+    let (samples, mut noise) = (measured.len() / 3 - 1, [Lane::ZERO; 3 * AT_ONCE + 3]);
+    for first in (0..samples.max(1)).step_by(AT_ONCE) {
+        let count = samples.min(first + AT_ONCE) - first;
+        let rows = count + usize::from(first + count == samples);
+        let noise = &mut noise[..3 * rows];
+        noise.fill(Lane::ZERO);
+        disturbing.clone().measure(noise);
+        let weather = disturbing.next(count);
+        for i in 0..rows {
+            let state = follow.state.map(|own| own.0[0]);
+            let seen: [Lane; 3] = from_fn(|d| state[d] + noise[3 * i + d]);
+            let k = first + i;
+            for d in 0..3 {
+                measured[3 * k + d] = state[d];
+                mark_beyond(&mut beyond, state[d]);
+                if let Some(own) = truth.get_mut(3 * k + d) {
+                    *own = state[d];
+                }
+            }
+            if i == count {
+                break;
+            }
+            let row = &mut exogenous[width * k..width * (k + 1)];
+            for (lane, helmsman) in helmsmen.iter_mut().enumerate() {
+                let of = |states: [Lane; 3]| states.map(|own| own[lane]);
+                let own = helmsman.commands(model, of(seen), of(state), rate_hz);
+                row.iter_mut().zip(own).for_each(|(to, from)| to[lane] = *from);
+            }
+            let here = [weather.from(i)];
+            vectorized!(follow.go(&&*row, 0..1, &here, &mut [&mut []]));
+        }
+        disturbing.measure(&mut measured[3 * first..3 * (first + rows)]);
+    }
+    beyond
+}
+
+/// A command, and where the ship is that obeys it.
+struct Helmsman {
+    command: Box<dyn Command>,
+    pose: Pose,
+    row: Vec<f64>,
+}
+
+impl Helmsman {
+    fn new(helm: &Helm, width: usize) -> Self {
+        Self { command: helm.begin(), pose: Pose::default(), row: vec![0.0; width] }
+    }
+
+    /// What drives the ship during a sample: what is commanded where `seen` is seen, and what stands beside it.
+    fn commands(&mut self, model: &Model, seen: [f64; 3], state: [f64; 3], rate_hz: f64) -> &[f64] {
+        self.command.command(&Seen { state: seen, pose: self.pose }, &mut self.row[..model.inputs]);
+        model.complete(&mut self.row);
+        self.pose.advance(state, 1.0 / rate_hz);
+        &self.row
+    }
+}
