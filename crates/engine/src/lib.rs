@@ -13,6 +13,7 @@ mod pose;
 mod products;
 mod refusals;
 mod run;
+mod ship;
 mod side_by_side;
 mod simulate;
 
@@ -26,6 +27,7 @@ pub use noise::Streams;
 pub use pose::{Pose, track};
 pub use refusals::{MOST_SAMPLES, refuse_endless};
 pub use run::{Run, RunView, Segment};
+pub use ship::Ship;
 pub use side_by_side::SideBySide;
 pub use simulate::{
     DIVERGED, Diverged, Driven, Recording, check_diverged, diverged_lanes, mark_beyond, simulate,

@@ -1,11 +1,11 @@
-use engine::Pose;
+use engine::{Pose, Ship};
 use model::Vessel;
 use refusal::Invalid;
 
 use crate::grid::wrap;
 use crate::handling::{COURSE, MEMORY, MOST_AT_ONCE, SPEED, YAW_RATE};
 use crate::inversion::{Gains, Inversion};
-use crate::{Handling, Phase, Ship};
+use crate::{Handling, Phase};
 
 /// Steers a vessel along the phases of legs: line-of-sight guidance of the course over the ground under way, position keeping
 /// at rest. What is commanded becomes accelerations, and these become inputs by [`Inversion`].

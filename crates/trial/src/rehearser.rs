@@ -1,6 +1,7 @@
+use engine::Ship;
 use refusal::Invalid;
 
-use crate::{Autopilot, Phase, Ship, Used};
+use crate::{Autopilot, Phase, Used};
 
 /// Who rehearses a leg: a vessel, the current that nobody knows of, and how far off its node it begins.
 #[derive(Clone, Debug)]

@@ -1,4 +1,4 @@
-use engine::Pose;
+use engine::{Pose, Ship};
 use model::Vessel;
 use refusal::Invalid;
 
@@ -6,8 +6,8 @@ use crate::leg::turned;
 use crate::rehearser::{Crew, Underway};
 use crate::sail::End;
 use crate::{
-    Astray, Autopilot, Grid, Handling, Leg, Piece, Purpose, Rehearser, Sailed, Ship, Tolerance, Used,
-    basic_moves, sail,
+    Astray, Autopilot, Grid, Handling, Leg, Piece, Purpose, Rehearser, Sailed, Tolerance, Used, basic_moves,
+    sail,
 };
 
 /// What comes before and after an informative maneuver.

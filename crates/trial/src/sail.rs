@@ -1,7 +1,7 @@
-use engine::{Pose, Seen};
+use engine::{Pose, Seen, Ship};
 use refusal::Invalid;
 
-use crate::{Autopilot, Leg, Phase, Piece, Purpose, Ship, Side};
+use crate::{Autopilot, Leg, Phase, Piece, Purpose, Side};
 
 /// One sample under way.
 #[derive(Clone, Debug, PartialEq)]

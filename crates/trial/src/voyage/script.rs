@@ -1,10 +1,10 @@
 //! A plan as a script that any vessel can carry out, in any current.
 
-use engine::Pose;
+use engine::{Pose, Ship};
 use refusal::Invalid;
 
 use super::prepared::Prepared;
-use crate::{Autopilot, End, Leg, Passing, Sailed, Ship, sail};
+use crate::{Autopilot, End, Leg, Passing, Sailed, sail};
 
 /// What is sailed: legs from their nodes (north, east), in order.
 pub(super) struct Script<'a> {

@@ -1,8 +1,8 @@
 //! How a vessel is handled, from what it can do.
 
-use engine::Pose;
+use engine::{Pose, Ship};
 use model::Vessel;
-use trial::{Ability, DerivedHandling, Mode, Ship, StatedHandling};
+use trial::{Ability, DerivedHandling, Mode, StatedHandling};
 
 const MODES: [f64; 2] = [2.5, 4.0];
 

@@ -1,4 +1,4 @@
-use engine::{Ambient, Compiled, Pose};
+use crate::{Ambient, Compiled, Pose};
 use model::{Actuator, Vessel};
 
 /// A vessel under way: pose and state, moved sample by sample in a current.
