@@ -145,7 +145,7 @@ fn twin(share: usize) -> Result<Ship, Box<dyn std::error::Error>> {
     }
     Ok(Ship {
         name: "twin",
-        richer: richer(&vessel, -0.25, -0.8)?,
+        richer: richer(&vessel, -0.35, -1.1)?,
         vessel,
         initial: [2.0, 0.0, 0.0],
         inputs,

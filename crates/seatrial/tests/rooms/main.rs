@@ -145,6 +145,24 @@ fn arrows_between_crates_go_down() {
     broken.check();
 }
 
+/// Libraries that the project was asked to be built on.
+const ASKED_FOR: [&str; 8] = ["faer", "serde", "serde_json", "arrow2", "parquet", "clap", "rayon", "argmin"];
+
+#[test]
+fn libraries_that_were_asked_for_are_at_work() {
+    let all = source::crates();
+    for name in ASKED_FOR {
+        let at_work = |one: &&Crate| {
+            let known = one.name != "bench" && one.dependencies.iter().any(|own| own == name);
+            known && one.lines().any(|(_, line)| source::words(line).any(|word| word == name))
+        };
+        assert!(
+            all.iter().find(at_work).is_some(),
+            "{name} is in no source but that of tests and measurements"
+        );
+    }
+}
+
 #[test]
 fn science_knows_no_files_and_no_command_line() {
     let mut broken = Broken::default();
