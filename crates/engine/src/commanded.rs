@@ -6,7 +6,8 @@ use numerics::{Lane, Wide, vectorized};
 use crate::simulate::{AT_ONCE, Follow, mark_beyond};
 use crate::{Ambient, Command, Compiled, Helm, Pose, Recording, Seen};
 
-/// Simulates one run in still water, as it is commanded: N × exogenous, and (N+1) × 3 states. The helmsman sees the states themselves.
+/// Simulates one run in still water, as it is commanded: N × exogenous, and (N+1) × 3 states. The helmsman sees the states
+/// themselves.
 pub fn simulate_command(
     model: &Model,
     parameters: &[f64],
@@ -29,9 +30,9 @@ pub fn simulate_command(
     (exogenous, states)
 }
 
-/// Simulates and measures up to [`numerics::LANES`] runs as they are disturbed and commanded, each by its own of `helms`. Helmsmen see what is measured.
-/// `exogenous`: filled with what drove them, N × exogenous. In which lanes a state is beyond [`crate::DIVERGED`] or not finite: a
-/// number above zero.
+/// Simulates and measures up to [`numerics::LANES`] runs as they are disturbed and commanded, each by its own of `helms`. Helmsmen
+/// see what is measured. `exogenous`: filled with what drove them, N × exogenous. In which lanes a state is beyond
+/// [`crate::DIVERGED`] or not finite: a number above zero.
 pub fn simulate_commanded(
     model: &Model,
     parameters: &[Lane],
