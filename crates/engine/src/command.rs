@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use crate::Pose;
+use crate::{Origin, Pose};
 
 /// What a helmsman sees where a sample begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,7 +96,7 @@ impl Program for Sequence {
 struct InTurn {
     parts: Arc<[(Helm, usize)]>,
     next: usize,
-    now: Option<(Box<dyn Command>, Pose)>,
+    now: Option<(Box<dyn Command>, Origin)>,
     left: usize,
 }
 
@@ -104,12 +104,12 @@ impl Command for InTurn {
     fn command(&mut self, seen: &Seen, inputs: &mut [f64]) {
         while self.left == 0 {
             let Some((helm, samples)) = self.parts.get(self.next) else { break };
-            (self.now, self.left) = (Some((helm.begin(), seen.pose)), *samples);
+            (self.now, self.left) = (Some((helm.begin(), seen.pose.into())), *samples);
             self.next += 1;
         }
         self.left = self.left.saturating_sub(1);
         if let Some((command, from)) = &mut self.now {
-            command.command(&Seen { pose: seen.pose.seen_from(from), ..*seen }, inputs);
+            command.command(&Seen { pose: from.sees(seen.pose), ..*seen }, inputs);
         }
     }
 }

@@ -52,8 +52,7 @@ pub fn simulate_commanded(
         let count = samples.min(first + AT_ONCE) - first;
         let rows = count + usize::from(first + count == samples);
         let noise = &mut noise[..3 * rows];
-        noise.fill(Lane::ZERO);
-        disturbing.clone().measure(noise);
+        disturbing.noise(noise);
         let weather = disturbing.next(count);
         for i in 0..rows {
             let state = follow.state.map(|own| own.0[0]);

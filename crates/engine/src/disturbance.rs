@@ -273,6 +273,11 @@ impl Disturbing {
         Weather { current: own, turning: self.turning, force: forces }
     }
 
+    /// What [`Self::measure`] will add to the next samples but for rounding, samples × 3.
+    pub(crate) fn noise(&self, out: &mut [Lane]) {
+        self.measurement.clone().put(out);
+    }
+
     /// Adds measurement noise to the states of the next samples, samples × 3. Their number is even, but for the last ones.
     pub(crate) fn measure(&mut self, states: &mut [Lane]) {
         self.measurement.add(states);

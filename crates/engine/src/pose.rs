@@ -10,20 +10,40 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The same, ahead and to starboard of `origin`.
-    #[must_use]
-    pub fn seen_from(&self, origin: &Self) -> Self {
-        let (sin, cos) = libm::sincos(origin.psi);
-        let [north, east] = [self.x - origin.x, self.y - origin.y];
-        Self { x: north * cos + east * sin, y: east * cos - north * sin, psi: self.psi - origin.psi }
+    /// Moves on by `seconds` with body velocities over the ground \[m/s, m/s, rad/s\], by an explicit Euler step.
+    pub(crate) fn advance(&mut self, state: [f64; 3], seconds: f64) {
+        self.move_on(state, seconds, libm::sincos(self.psi));
     }
 
-    /// Moves on by `seconds` with body velocities over the ground \[m/s, m/s, rad/s\], by an explicit Euler step.
-    pub fn advance(&mut self, state: [f64; 3], seconds: f64) {
-        let (sin, cos) = libm::sincos(self.psi);
+    /// The same with the sine and the cosine of the heading.
+    pub(crate) fn move_on(&mut self, state: [f64; 3], seconds: f64, (sin, cos): (f64, f64)) {
         self.x += seconds * (state[0] * cos - state[1] * sin);
         self.y += seconds * (state[0] * sin + state[1] * cos);
         self.psi += seconds * state[2];
+    }
+}
+
+/// A pose that others are seen from.
+#[derive(Clone, Copy, Debug)]
+pub struct Origin {
+    pose: Pose,
+    sin: f64,
+    cos: f64,
+}
+
+impl From<Pose> for Origin {
+    fn from(pose: Pose) -> Self {
+        let (sin, cos) = libm::sincos(pose.psi);
+        Self { pose, sin, cos }
+    }
+}
+
+impl Origin {
+    /// How far ahead of it and to starboard `pose` is, and how far turned.
+    pub fn sees(&self, pose: Pose) -> Pose {
+        let Self { pose: own, sin, cos } = self;
+        let [north, east] = [pose.x - own.x, pose.y - own.y];
+        Pose { x: north * cos + east * sin, y: east * cos - north * sin, psi: pose.psi - own.psi }
     }
 }
 

@@ -70,10 +70,7 @@ impl<'a> Ship<'a> {
         let [north, east] = self.current_m_s;
         let current = Some([north * cos + east * sin, east * cos - north * sin]);
         self.vessel.model.complete(&mut self.exogenous);
-        let dt = self.sample_s;
-        self.pose.x += dt * (self.state[0] * cos - self.state[1] * sin);
-        self.pose.y += dt * (self.state[0] * sin + self.state[1] * cos);
-        self.pose.psi += dt * self.state[2];
+        self.pose.move_on(self.state, self.sample_s, (sin, cos));
         let ambient = Ambient { current, ..Ambient::default() };
         self.state = self.model.step(self.state, &self.exogenous, ambient);
     }

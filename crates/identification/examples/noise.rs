@@ -78,7 +78,7 @@ struct Sea {
 impl Sea {
     /// What disturbs, as one states it to the filter. What stays is left to the intercepts.
     fn levels(&self, rate: f64) -> Levels {
-        let factor = |time: f64| (-1.0 / (rate * time)).exp();
+        let factor = |time: f64| correlation(rate, time);
         let flow = |(std, time): (f64, f64)| match time > 0.0 {
             true => Flow::Markov { std, factor: factor(time), turning: 1.0 / rate },
             false => Flow::White { std },
@@ -93,6 +93,11 @@ impl Sea {
             drift: self.sensors.map(|(std, time)| Drift { std, factor: factor(time) }),
         }
     }
+}
+
+/// Of neighbouring samples of what drifts over `time` \[s\].
+fn correlation(rate: f64, time: f64) -> f64 {
+    (-1.0 / (rate * time)).exp()
 }
 
 struct Ship {
@@ -203,7 +208,7 @@ impl Ship {
             all
         };
         let process = |channel: u32, std: f64, time: f64| {
-            let keep = if time > 0.0 { (-1.0 / (rate * time)).exp() } else { 0.0 };
+            let keep = correlation(rate, time);
             let mut all = draws(channel);
             for k in 0..all.len() {
                 let fresh = (1.0 - keep * keep).sqrt() * all[k];

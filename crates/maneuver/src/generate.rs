@@ -171,9 +171,7 @@ impl Generator {
     fn react(&self, initial: [f64; 3], samples: usize, helm: &Helm) -> Realized {
         let (model, rate_hz) = (&self.vessel.model, self.vessel.sample_rate_hz);
         let (rows, _) = simulate_command(model, &self.parameters, initial, samples, rate_hz, helm);
-        let rows = rows.chunks_exact(model.exogenous().max(1));
-        let inputs = rows.flat_map(|row| row[..model.inputs].iter().copied()).collect();
-        Realized { initial, inputs, helm: Some(helm.clone()) }
+        Realized { initial, inputs: model.inputs_of(&rows), helm: Some(helm.clone()) }
     }
 
     fn inputs(&self, plan: &Plan, samples: usize) -> Result<Vec<f64>, Invalid> {

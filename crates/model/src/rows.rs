@@ -47,6 +47,12 @@ impl Model {
         rows
     }
 
+    /// The inputs alone of N × exogenous, row-major: N × inputs.
+    pub fn inputs_of(&self, rows: &[f64]) -> Vec<f64> {
+        let rows = rows.chunks_exact(self.exogenous().max(1));
+        rows.flat_map(|row| row[..self.inputs].iter().copied()).collect()
+    }
+
     /// Refuses a measured disturbance that no one said what it is in a simulated trial: to take it for zero would change the
     /// motion without a word.
     ///

@@ -20,12 +20,10 @@ pub struct Piece {
 impl Piece {
     /// All of a maneuver: `run` of a dictionary.
     pub fn whole(vessel: &Vessel, run: &Run) -> Self {
-        let (width, all) = (vessel.model.inputs, vessel.model.exogenous());
-        let rows = run.exogenous.chunks_exact(all);
         Self {
             maneuver: run.segments[0].maneuver.clone(),
             speed_m_s: run.initial[0],
-            inputs: rows.flat_map(|row| row[..width].iter().copied()).collect(),
+            inputs: vessel.model.inputs_of(&run.exogenous),
             samples: run.samples(),
             helm: None,
         }

@@ -1,4 +1,4 @@
-use engine::{Pose, Seen, Ship};
+use engine::{Origin, Pose, Seen, Ship};
 use refusal::Invalid;
 
 use crate::{Autopilot, Leg, Phase, Piece, Purpose, Side};
@@ -127,15 +127,15 @@ struct Way<'w, 's, 'a> {
 impl<'s> Way<'_, 's, '_> {
     /// Runs a piece, to the other side where there are `signs` of its inputs.
     fn run(&mut self, leg: usize, piece: &Piece, signs: &[f64]) -> Result<(), Invalid> {
-        let (mut command, origin) = (piece.begin(), self.ship.pose);
+        let (mut command, origin) = (piece.begin(), Origin::from(self.ship.pose));
         let side = if signs.is_empty() { 1.0 } else { -1.0 };
+        self.inputs.resize(piece.inputs.len() / piece.samples, 0.0);
         for _ in 0..piece.samples {
-            let ([u, v, r], pose) = (self.ship.state, self.ship.pose.seen_from(&origin));
+            let ([u, v, r], pose) = (self.ship.state, origin.sees(self.ship.pose));
             let seen = Seen {
                 state: [u, side * v, side * r],
                 pose: Pose { x: pose.x, y: side * pose.y, psi: side * pose.psi },
             };
-            self.inputs.resize(piece.inputs.len() / piece.samples, 0.0);
             command.command(&seen, &mut self.inputs);
             self.inputs.iter_mut().zip(signs).for_each(|(input, sign)| *input *= sign);
             self.advance(leg, true, Ship::command)?;

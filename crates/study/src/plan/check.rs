@@ -4,8 +4,7 @@ use std::ops::Bound::{self, Excluded, Included};
 use std::ops::RangeBounds;
 
 use engine::MOST_CURRENT_M_S;
-use refusal::Invalid;
-use refusal::check_name;
+use refusal::{Invalid, check_name};
 use trial::voyage::AT_REST;
 use trial::{Mode, Tolerance};
 

@@ -1,5 +1,5 @@
 use engine::{
-    Current, Disturbances, Disturbing, Diverged, Driven, Helm, Recording, Run, Streams, Wind, diverged_lanes,
+    Current, Disturbances, Diverged, Driven, Helm, Recording, Run, Streams, Wind, diverged_lanes,
     simulate_commanded, simulate_disturbed,
 };
 use model::{Source, Vessel};
@@ -105,22 +105,27 @@ impl<'a> Sea<'a> {
         Ok(states)
     }
 
-    /// Room for the states of a group, and what disturbs it.
-    fn prepared(&self, group: &Group, wanted: bool) -> (States, Disturbing) {
+    /// Room for the states of a group.
+    fn room(&self, group: &Group, wanted: bool) -> States {
         let own = || room(3 * (self.samples(group) + 1));
         let truth = if wanted { own() } else { Vec::new() };
+        States { truth, measured: own(), exogenous: Vec::new() }
+    }
+
+    /// A group's recording, in the room for its states.
+    fn recording<'s>(&self, group: &Group, truth: &'s mut [Lane], measured: &'s mut [Lane]) -> Recording<'s> {
         let (wind, rate_hz) = (self.wind.as_ref(), self.vessel.sample_rate_hz);
         let disturbing = self.disturbances.of_runs(wind, group.streams, group.numbers(), rate_hz);
-        (States { truth, measured: own(), exogenous: Vec::new() }, disturbing)
+        Recording { disturbing, truth, measured }
     }
 
     /// The states of a group whose runs are commanded, as [`Self::followed`].
     fn commanded(&self, group: &Group, wanted: bool) -> (States, Lane) {
         let model = &self.vessel.model;
-        let (mut states, disturbing) = self.prepared(group, wanted);
+        let mut states = self.room(group, wanted);
         states.exogenous = vec![Lane::ZERO; self.samples(group) * model.exogenous().max(1)];
         let States { truth, measured, exogenous } = &mut states;
-        let recording = Recording { disturbing, truth, measured };
+        let recording = self.recording(group, truth, measured);
         let rate_hz = self.vessel.sample_rate_hz;
         let (truth, helms) = (&self.truth, &group.helms);
         let beyond = simulate_commanded(model, truth, group.start(), helms, rate_hz, recording, exogenous);
@@ -130,14 +135,9 @@ impl<'a> Sea<'a> {
     /// The states, and in which lanes one is beyond every bound: a number above zero.
     fn followed<const G: usize>(&self, groups: [&Group; G], wanted: bool) -> ([States; G], [Lane; G]) {
         if groups.iter().any(|group| !group.helms.is_empty()) {
-            let mut beyond = [Lane::ZERO; G];
-            let mut marks = beyond.iter_mut();
-            let states = groups.map(|group| {
-                let (states, mark) = self.commanded(group, wanted);
-                marks.next().into_iter().for_each(|own| *own = mark);
-                states
-            });
-            return (states, beyond);
+            let all = groups.map(|group| self.commanded(group, wanted));
+            let beyond = all.each_ref().map(|(_, beyond)| *beyond);
+            return (all.map(|(states, _)| states), beyond);
         }
         let model = &self.vessel.model;
         let alike = groups[0].shared().filter(|first| {
@@ -149,18 +149,16 @@ impl<'a> Sea<'a> {
             Some(shared) => Driven::Alike(shared),
             None => Driven::Own(exogenous.each_ref().map(Vec::as_slice)),
         };
-        let mut states = groups.map(|group| self.prepared(group, wanted));
-        let recordings = states.each_mut().map(|(States { truth, measured, .. }, disturbing)| Recording {
-            disturbing: disturbing.clone(),
-            truth,
-            measured,
-        });
+        let mut states = groups.map(|group| (group, self.room(group, wanted)));
+        let recordings = states
+            .each_mut()
+            .map(|(group, States { truth, measured, .. })| self.recording(group, truth, measured));
         let start = groups.map(Group::start);
         let initial = [0, 1, 2].map(|d: usize| Wide(start.map(|own| own[d])));
         let beyond = simulate_disturbed(model, &self.truth, initial, driven, recordings);
         let mut exogenous = exogenous.into_iter();
         let states =
-            states.map(|(states, _)| States { exogenous: exogenous.next().unwrap_or_default(), ..states });
+            states.map(|(_, states)| States { exogenous: exogenous.next().unwrap_or_default(), ..states });
         (states, beyond)
     }
 

@@ -15,6 +15,8 @@ use crate::legs::{grid, others, repertoire, study};
 /// Heading at which the helm goes over \[rad\].
 const TRIGGER: f64 = 0.35;
 
+const SENSORS: Measurement = Measurement { std_u_m_s: 0.02, std_v_m_s: 0.02, std_r_rad_s: 0.02 };
+
 /// A zig-zag as crews sail it: the helm goes over where the heading is reached.
 #[derive(Clone, Debug)]
 struct ZigZag {
@@ -81,11 +83,10 @@ fn reacting() -> (Vessel, Generator, [Vec<f64>; 2]) {
 
 /// A sea with all that disturbs.
 fn sea(vessel: &Vessel) -> Sea<'_> {
-    let measurement = Measurement { std_u_m_s: 0.02, std_v_m_s: 0.02, std_r_rad_s: 0.02 };
     let current = Current::GaussMarkov { std_m_s: 0.1, time_constant_s: 20.0, axes: Axes::Earth };
     let wind =
         Wind { std_surge_m_s2: 0.02, std_sway_m_s2: 0.02, std_yaw_rad_s2: 0.02, time_constant_s: Some(8.0) };
-    Sea::new(vessel, Disturbances { current, measurement }, Some(wind)).unwrap()
+    Sea::new(vessel, Disturbances { current, measurement: SENSORS }, Some(wind)).unwrap()
 }
 
 fn rows_of(run: &SimulatedRun, samples: std::ops::Range<usize>) -> Vec<Vec<f64>> {
@@ -133,8 +134,8 @@ fn law_what_was_commanded_moves_the_model_as_it_moved_the_ship() {
     let (vessel, generator, _) = reacting();
     let settings = Settings { duration_s: 60.0, realizations: 9, random_segments: None, seed: 3 };
     let design = Designed { shares: BTreeMap::from([("zig-zag".to_owned(), 1.0)]), order: None };
-    let measurement = Measurement { std_u_m_s: 0.02, std_v_m_s: 0.02, std_r_rad_s: 0.02 };
-    let still = Sea::new(&vessel, Disturbances { current: Current::None, measurement }, None).unwrap();
+    let still =
+        Sea::new(&vessel, Disturbances { current: Current::None, measurement: SENSORS }, None).unwrap();
     let truth = vessel.parameters(Source::Value).unwrap();
     for SimulatedRun { run, states } in
         Campaign::new(still, &generator, &design, &settings).unwrap().simulate_all().unwrap()
