@@ -79,7 +79,7 @@ build: $(BINARIES)
 
 SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Cargo.toml' -o -name '*.css' -o -path '*/presets/*.toml' -o -path '*/templates/*')
 
-BUILD := $(if $(filter target/debug,$(BIN)),$(CARGO) test --workspace --locked --no-run,$(CARGO) build --release --locked -p seatrial -p programs)
+BUILD := $(if $(filter target/debug,$(BIN)),$(CARGO) test --workspace --locked --no-run,$(CARGO) build --release --locked -p cli -p programs)
 
 $(BIN)/.built: $(SOURCES)
 	$(BUILD)
@@ -350,7 +350,7 @@ schemas:
 
 .PHONY: golden
 golden:
-	$(CARGO) test --locked -p seatrial --test study --test pooled -- --ignored
+	$(CARGO) test --locked -p cli --test study --test pooled -- --ignored
 
 .PHONY: clean
 clean:

@@ -8,7 +8,7 @@
 - survey/:    NMEA 0183 of a receiver, a gyro, a rudder and a propeller; some sentences are damaged
 - robot/:     an MCAP of ROS 2: odometry in CDR, actuators on their own clocks, one of them as JSON; and a bag of LZ4 chunks
 
-The motion is known in closed form (`motion`), crates/seatrial/tests/ingest/field.rs has the same formulas. Messages are written by
+The motion is known in closed form (`motion`), crates/cli/tests/ingest/field.rs has the same formulas. Messages are written by
 mcap and mcap-ros2-support, so that reading them is checked against another implementation.
 """
 

@@ -18,7 +18,7 @@ fn every_program_is_its_stage() {
         ("export", env!("CARGO_BIN_EXE_export")),
         ("report", env!("CARGO_BIN_EXE_report")),
     ];
-    let stages = seatrial::commands::STAGES.map(|stage| stage.command());
+    let stages = cli::commands::STAGES.map(|stage| stage.command());
     assert_eq!(programs.map(|(name, _)| name), stages.each_ref().map(|stage| stage.get_name()));
     for (name, path) in programs {
         let output = Command::new(path).arg("-V").output().unwrap();

@@ -1,7 +1,3 @@
 //! `design`: how long to run each maneuver.
 
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    seatrial::commands::DESIGN.main()
-}
+cli::program!(cli::commands::DESIGN.main());

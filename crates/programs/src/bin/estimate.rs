@@ -1,7 +1,3 @@
 //! `estimate`: parameters of every run.
 
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    seatrial::commands::ESTIMATE.main()
-}
+cli::program!(cli::commands::ESTIMATE.main());

@@ -1,7 +1,3 @@
 //! `export`: a model for other tools.
 
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    seatrial::commands::EXPORT.main()
-}
+cli::program!(cli::commands::EXPORT.main());

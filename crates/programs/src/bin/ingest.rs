@@ -1,7 +1,3 @@
 //! `ingest`: measured logs to trajectories.
 
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    seatrial::commands::INGEST.main()
-}
+cli::program!(cli::commands::INGEST.main());

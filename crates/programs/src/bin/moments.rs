@@ -1,7 +1,3 @@
 //! `moments`: what each maneuver tells about the parameters.
 
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    seatrial::commands::MOMENTS.main()
-}
+cli::program!(cli::commands::MOMENTS.main());

@@ -1,7 +1,3 @@
 //! `plan`: one trajectory that uses every maneuver as often as the design wants.
 
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    seatrial::commands::PLAN.main()
-}
+cli::program!(cli::commands::PLAN.main());

@@ -1,7 +1,3 @@
 //! `report`: a study on one page.
 
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    seatrial::commands::REPORT.main()
-}
+cli::program!(cli::commands::REPORT.main());

@@ -1,7 +1,3 @@
 //! `sequential`: trials designed in rounds.
 
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    seatrial::commands::SEQUENTIAL.main()
-}
+cli::program!(cli::commands::SEQUENTIAL.main());

@@ -1,7 +1,3 @@
 //! `sweep`: a study over a grid of its values.
 
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    seatrial::commands::SWEEP.main()
-}
+cli::program!(cli::commands::SWEEP.main());

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::beside::BesideFlags;
 use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::Parser;
 use engine::Run;
-use frame::beside::BesideFlags;
 use identification::predictor::{InitialState, Levels};
 use identification::runs::{Asked, RunEstimators};
 use identification::{EstimateStatus, Estimator, MeanRemoval};

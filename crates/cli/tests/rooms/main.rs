@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use source::Crate;
 
 /// Crates from the ground up: one may use those of the rows above its own.
-const FLOORS: [&[&str]; 13] = [
+const FLOORS: [&[&str]; 12] = [
     &["refusal", "numerics"],
     &["artifact", "enc", "model"],
     &["engine", "design", "lattice", "chart"],
@@ -19,8 +19,7 @@ const FLOORS: [&[&str]; 13] = [
     &["trial", "validation"],
     &["study"],
     &["report", "in_memory"],
-    &["frame"],
-    &["seatrial"],
+    &["cli"],
     &["programs"],
     &["bench"],
 ];
@@ -88,7 +87,7 @@ const DEPENDENCIES: [(&[&str], &[&str], &str); 3] = [
 ];
 
 /// Most lines below `src/` that a crate may have.
-const LINES: [(&str, usize); 1] = [("seatrial", 5_400)];
+const LINES: [(&str, usize); 1] = [("cli", 6_900)];
 
 /// The largest share of all lines below `src/` that a crate may have.
 const SHARE: f64 = 0.2;

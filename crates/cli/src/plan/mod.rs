@@ -5,7 +5,7 @@ mod problem;
 mod refusals;
 mod voyage;
 
+pub use crate::limits::Limits;
 pub use files::{MAIN, Resumed, VoyageFiles};
-pub use frame::limits::Limits;
 pub use problem::plan_problem;
 pub use voyage::{Wanted, plan_voyage};

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::{Common, given};
 use crate::failure::Failure;
+use crate::limits::LimitFlags;
 use crate::plan::{MAIN, VoyageFiles, Wanted, plan_problem, plan_voyage};
 use crate::stage::{Summary, Task};
 use clap::Parser;
-use frame::limits::LimitFlags;
 
 /// Plans a trial as one trajectory on a chart, provably the cheapest, with routes for the bridge; or solves a lattice problem
 #[derive(Parser)]

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
+use crate::compiler::compiled;
 use artifact::{Staged, commit};
 use clap::Parser;
 use export::{COMPILED_WITH, PLATFORM, Target};
-use frame::compiler::compiled;
 use model::Source;
 use serde_json::json;
 use study::exported::read_portable;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use crate::beside::BesideFlags;
 use artifact::{Provenance, Shard, TableReader};
 use clap::Parser;
-use frame::beside::BesideFlags;
 use identification::Estimator;
 use identification::pooled::{
     Judgement, Pool, PooledRuns, Recorded, Resample, Resampling, grown, resampled, unstated,

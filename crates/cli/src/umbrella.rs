@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use crate::manual::{completions, manual};
+use crate::verify::Verify;
 use clap::{Arg, Command, CommandFactory, FromArgMatches, value_parser};
 use clap_complete::Shell;
-use frame::manual::{completions, manual};
-use frame::verify::Verify;
 
 use crate::cli::set_budget;
 use crate::commands::STAGES;

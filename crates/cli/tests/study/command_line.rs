@@ -17,7 +17,7 @@ fn all(command: &Command, before: &str) -> Vec<(String, Command)> {
 #[test]
 fn every_help_has_an_example_that_parses_and_the_exit_codes() {
     let folder = tempfile::tempdir().unwrap();
-    let commands = all(&seatrial::umbrella::command(), "");
+    let commands = all(&cli::umbrella::command(), "");
     assert!(commands.iter().any(|(line, _)| line == "design refine"));
     assert!(commands.iter().any(|(line, _)| line == "estimate pool"));
     for (line, _) in &commands {
@@ -32,7 +32,7 @@ fn every_help_has_an_example_that_parses_and_the_exit_codes() {
         let help = command.get_after_help().unwrap().to_string();
         for example in help.lines().filter(|line| line.trim_start().starts_with("seatrial ")) {
             let words = example.split_whitespace().take_while(|word| *word != ">");
-            let parsed = seatrial::umbrella::command().try_get_matches_from(words);
+            let parsed = cli::umbrella::command().try_get_matches_from(words);
             assert!(parsed.is_ok(), "{example}: {}", parsed.unwrap_err());
         }
     }
@@ -41,7 +41,7 @@ fn every_help_has_an_example_that_parses_and_the_exit_codes() {
 #[test]
 fn every_command_tells_its_version() {
     let folder = tempfile::tempdir().unwrap();
-    for (line, _) in all(&seatrial::umbrella::command(), "") {
+    for (line, _) in all(&cli::umbrella::command(), "") {
         for flag in ["-V", "--version"] {
             let ran = run(&folder, &format!("{line} {flag}")).succeeds();
             let name = format!("seatrial-{}", line.replace(' ', "-"));
@@ -89,7 +89,7 @@ fn shells_and_manuals_know_every_command() {
     }
     run(&folder, "completions cshell").refuses(2, &["cshell", "bash"]);
     run(&folder, "manual man/").succeeds();
-    for (line, _) in all(&seatrial::umbrella::command(), "") {
+    for (line, _) in all(&cli::umbrella::command(), "") {
         let page =
             std::fs::read_to_string(folder.path().join(format!("man/seatrial-{}.1", line.replace(' ', "-"))));
         assert!(page.unwrap_or_else(|e| panic!("{line}: {e}")).contains("Exit codes"), "{line}");

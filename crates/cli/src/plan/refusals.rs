@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::path::Path;
 
-use frame::limits::mib_with_program;
+use crate::limits::mib_with_program;
 use lattice::{Demand, NoPlan};
 use refusal::{Invalid, nearest};
 use trial::voyage::{Check, VoyageError};

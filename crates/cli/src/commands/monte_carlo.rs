@@ -3,9 +3,9 @@
 use std::ops::Range;
 use std::path::Path;
 
+use crate::beside::BesideFlags;
 use artifact::{Provenance, Staged, Work, commit, stage_set_document};
 use clap::Parser;
-use frame::beside::BesideFlags;
 use identification::predictor::InitialState;
 use identification::runs::RunEstimators;
 use identification::{Estimator, MeanRemoval, ValidationRuns};

@@ -1,0 +1,52 @@
+//! The stages as programs: each parses, reads, calls the science and writes.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod beside;
+mod changed;
+pub mod choice;
+pub mod cli;
+pub mod commands;
+pub mod compiler;
+pub mod design;
+pub mod failure;
+pub mod ingest;
+pub mod inputs;
+mod interrupted;
+pub mod limits;
+pub mod manual;
+pub mod monte_carlo;
+pub mod ordered;
+pub mod plan;
+pub mod pool;
+pub mod progress;
+pub mod said;
+pub mod sharded;
+pub mod simulate;
+pub mod stage;
+pub mod umbrella;
+pub mod verify;
+
+#[doc(hidden)]
+pub use mimalloc::MiMalloc;
+
+/// A program that does `$main`. Its allocator returns freed blocks of tables to the system: with the C library's memory grows with
+/// the number of runs.
+#[macro_export]
+macro_rules! program {
+    ($main:expr) => {
+        #[global_allocator]
+        static ALLOCATOR: $crate::MiMalloc = $crate::MiMalloc;
+
+        fn main() -> std::process::ExitCode {
+            $main
+        }
+    };
+}
+
+pub use identification::{Estimator, RunEstimate, RunScore};
+pub use in_memory::{Optimum, Study, StudyError};
+pub use maneuver::DictionaryFile;
+pub use model::Vessel;
+pub use study::campaign_file::CampaignFile;

@@ -1,0 +1,3 @@
+//! `seatrial`: every stage in one program.
+
+cli::program!(cli::umbrella::main());

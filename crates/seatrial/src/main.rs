@@ -1,7 +1,0 @@
-//! `seatrial`: every stage in one program.
-
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    seatrial::umbrella::main()
-}
