@@ -44,9 +44,3 @@ macro_rules! program {
         }
     };
 }
-
-pub use identification::{Estimator, RunEstimate, RunScore};
-pub use in_memory::{Optimum, Study, StudyError};
-pub use maneuver::DictionaryFile;
-pub use model::Vessel;
-pub use study::campaign_file::CampaignFile;

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use identification::Estimator;
-use in_memory::{MonteCarlo, Realized, StudyError};
 use numerics::LANES;
+use seatrial::{MonteCarlo, Realized, StudyError};
 use study::kept::Kept;
 use validation::tally::{Bounds, Tally};
 

@@ -18,7 +18,7 @@ const FLOORS: [&[&str]; 12] = [
     &["search"],
     &["trial", "validation"],
     &["study"],
-    &["report", "in_memory"],
+    &["report", "seatrial"],
     &["cli"],
     &["programs"],
     &["bench"],

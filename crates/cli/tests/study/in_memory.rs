@@ -1,7 +1,7 @@
 //! The study in memory beside the programs' files.
 
 use artifact::TableReader;
-use cli::{CampaignFile, DictionaryFile, Estimator, Study as InMemory, Vessel};
+use seatrial::{CampaignFile, DictionaryFile, Estimator, Study as InMemory, Vessel};
 use study::{estimates, scores};
 
 use crate::support::*;

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use cli::{CampaignFile, DictionaryFile, Estimator, Study, Vessel};
+use seatrial::{CampaignFile, DictionaryFile, Estimator, Study, Vessel};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let vessel = Vessel::preset("ljungberg-model-ship")?;

@@ -9,7 +9,6 @@
 use std::collections::BTreeMap;
 use std::error::Error;
 
-use cli::{CampaignFile, DictionaryFile, Estimator, Study, Vessel};
 use engine::{Run, RunView};
 use identification::MeanRemoval;
 use identification::criticism::{Criticism, Subject, criticise, criticise_each};
@@ -19,6 +18,7 @@ use identification::pooled::{
 use identification::runs::Beside;
 use numerics::statistics::wilson;
 use rayon::prelude::*;
+use seatrial::{CampaignFile, DictionaryFile, Estimator, Study, Vessel};
 use trial::campaign::SimulatedRun;
 
 /// What the paper's ship then has and the model lacks.

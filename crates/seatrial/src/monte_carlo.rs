@@ -11,7 +11,7 @@ use numerics::{GROUPS, LANES};
 use rayon::prelude::*;
 use trial::campaign::{Campaign, SimulatedRun};
 
-use crate::StudyError;
+use crate::simulation::StudyError;
 
 /// Runs that are simulated, estimated and scored together.
 const TOGETHER: usize = 8 * LANES;

@@ -1,12 +1,5 @@
 //! A whole simulation study in memory, from a vessel and its maneuvers to what the estimates are worth.
 
-#![forbid(unsafe_code)]
-#![warn(missing_docs)]
-
-mod monte_carlo;
-
-pub use monte_carlo::{MonteCarlo, Realized};
-
 use design::{Bounds, Criterion, Design, NoDesign, Options};
 use engine::Run;
 use identification::predictor::InitialState;
