@@ -10,12 +10,10 @@ use std::collections::BTreeMap;
 use std::error::Error;
 
 use engine::{Run, RunView};
-use identification::MeanRemoval;
 use identification::criticism::{Criticism, Subject, criticise, criticise_each};
 use identification::pooled::{
-    Judgement, NominalModel, Pool, PooledRuns, Resampling, StandardErrors, enriched, standard_errors,
+    Judgement, Pool, PooledRuns, Resampling, StandardErrors, enriched, standard_errors,
 };
-use identification::runs::Beside;
 use numerics::statistics::wilson;
 use rayon::prelude::*;
 use seatrial::{CampaignFile, DictionaryFile, Estimator, Study, Vessel};
@@ -125,7 +123,7 @@ fn rejections(
     };
     let together = |some: &[SimulatedRun]| {
         let runs = pooled(some);
-        let found = pool(vessel).estimate(&runs.cut(None), Estimator::Iv).ok()?;
+        let found = Pool::new(vessel).estimate(&runs.cut(None), Estimator::Iv).ok()?;
         let views: Vec<RunView> = some.iter().map(|run| run.run.view()).collect();
         let subject = Subject { model: &model, runs: &views, rate_hz, known_start: true, levels, names: &[] };
         criticise(&subject, &found.parameters(&model)?)
@@ -158,9 +156,15 @@ fn added(study: &Study, right: &[SimulatedRun], lacking: &[SimulatedRun]) -> Vec
     let judgement = Judgement { replicates: 0, seed: 1 };
     let terms = |run: &SimulatedRun| {
         let runs = pooled(std::slice::from_ref(run));
-        let found =
-            enriched(&pool(study.vessel()), &runs, Estimator::Iv, &judgement, 4, Resampling::Drawn(&|_| ()))
-                .ok()?;
+        let found = enriched(
+            &Pool::new(study.vessel()),
+            &runs,
+            Estimator::Iv,
+            &judgement,
+            4,
+            Resampling::Drawn(&|_| ()),
+        )
+        .ok()?;
         let mut terms: Vec<String> = found.added.into_iter().map(|a| a.term).collect();
         terms.sort_unstable();
         Some(terms)
@@ -181,7 +185,8 @@ fn errors(study: &Study, runs: &[SimulatedRun]) -> Vec<String> {
     let truth: Vec<f64> = study.vessel().value.iter().copied().flatten().collect();
     let of = |estimator: Estimator| {
         let held = |some: &[SimulatedRun]| {
-            let found = standard_errors(&pool(study.vessel()), &pooled(some), estimator, &judgement).ok()?;
+            let found =
+                standard_errors(&Pool::new(study.vessel()), &pooled(some), estimator, &judgement).ok()?;
             let held = |StandardErrors { theta, standard_errors }: StandardErrors| {
                 let all = theta.into_iter().zip(standard_errors).zip(&truth);
                 all.map(|((value, error), truth)| (value - truth).abs() <= 1.96 * error)
@@ -202,19 +207,6 @@ fn errors(study: &Study, runs: &[SimulatedRun]) -> Vec<String> {
         )
     };
     [Estimator::Iv, Estimator::RefinedIv, Estimator::OutputError, Estimator::Auto].map(of).to_vec()
-}
-
-fn pool(vessel: &Vessel) -> Pool<'_> {
-    Pool {
-        vessel,
-        model: vessel.model.with_intercepts(),
-        removal: MeanRemoval::Complete,
-        strength: 0.0,
-        nominal: NominalModel::Known(vessel.nominal.clone()),
-        part_samples: None,
-        beside: Beside::default(),
-        constant: Vec::new(),
-    }
 }
 
 fn pooled(runs: &[SimulatedRun]) -> PooledRuns {

@@ -11,7 +11,6 @@ pub mod commands;
 pub mod compiler;
 pub mod design;
 pub mod failure;
-pub mod ingest;
 pub mod inputs;
 mod interrupted;
 pub mod limits;

@@ -8,7 +8,6 @@ use artifact::Provenance;
 use clap::Args;
 use identification::MeanRemoval;
 use identification::pooled::{NominalModel, NominalSource, Pool, PooledRuns, Recorded};
-use identification::runs::Beside;
 use model::Vessel;
 use serde_json::{Value, json};
 use study::Doubtful;
@@ -155,9 +154,8 @@ impl PoolFlags {
         let (runs, constant) = self.of.read(vessel, provenance, recorded)?;
         let rate_hz = vessel.sample_rate_hz;
         let part_samples = self.part_s.map(|s| samples("--part-s", s, rate_hz)).transpose()?;
-        let (model, removal) = (vessel.model.with_intercepts(), self.mean_removal);
-        let beside = Beside::default();
-        let pool = Pool { vessel, model, removal, strength, nominal, part_samples, beside, constant };
+        let removal = self.mean_removal;
+        let pool = Pool { removal, strength, nominal, part_samples, constant, ..Pool::new(vessel) };
         pool.check().map_err(|e| Failure::invalid(&self.vessel, &e))?;
         Ok((runs, pool))
     }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use engine::Segment;
+use engine::{Run, Segment};
 use model::DerivedChannel;
 use rayon::prelude::*;
 use refusal::{Invalid, check_name};
@@ -81,6 +81,23 @@ impl RecordedRun {
     /// Surge, sway \[m/s\] or yaw rate \[rad/s\], N + 1 values.
     pub fn measured(&self, d: usize) -> impl Iterator<Item = f64> {
         self.made.measured[d].range(self.rows.clone())
+    }
+
+    /// The run of `design` in memory, with the first `width` of its inputs, measured disturbances and derived channels.
+    pub fn run(&self, design: &str, width: usize) -> Run {
+        let rows = |columns: Vec<Vec<f64>>, rows: usize| -> Vec<f64> {
+            (0..rows).flat_map(|k| columns.iter().map(move |column| column[k])).collect()
+        };
+        let exogenous = (0..width).map(|i| self.exogenous(i).collect()).collect();
+        let measured = rows((0..3).map(|d| self.measured(d).collect()).collect(), self.rows.len());
+        Run {
+            design: design.to_owned(),
+            run: self.number,
+            segments: self.segments.clone(),
+            exogenous: rows(exogenous, self.samples()),
+            initial: [0, 1, 2].map(|d| measured[d]),
+            measured,
+        }
     }
 
     /// Channel `i` of [`Plan::further`], N + 1 values; NaN where absent.

@@ -1,4 +1,4 @@
-//! Figures as SVG, and one self-contained HTML page about a study.
+//! Figures as SVG, a plan for QGIS, and one self-contained HTML page about a study.
 //!
 //! A [`Study`] holds whatever exists; [`render`] shows that and says what is missing and which stage makes it. The page
 //! has no script and no outside resource. The same study gives the same bytes.
@@ -21,6 +21,7 @@ mod errors;
 mod estimators;
 mod excitation;
 pub mod figures;
+pub mod geopackage;
 mod headline;
 mod histograms;
 mod lacking;

@@ -37,6 +37,13 @@ pub struct SearchOptions {
 }
 
 impl SearchOptions {
+    /// Fits of a search, at most.
+    pub fn fits(&self) -> usize {
+        let each = 1 + self.average.map_or(0, |own| own.models as usize);
+        let resamples = self.bootstrap.map_or(0, |own| own.resamples as usize);
+        resamples + self.folds * (self.folds + 1) / 2 * self.ridges.len() + each * (self.folds + 1)
+    }
+
     /// Ridges from 0.3 to 1e-6 in half decades.
     pub fn half_decades() -> Vec<f64> {
         (0..=11).map(|i| libm::pow(10.0, -0.5 - 0.5 * f64::from(i))).collect()

@@ -1,14 +1,64 @@
 //! seatrial in memory: plan a trial, simulate it, identify a ship's model.
+//!
+//! - [`Study`] is a simulation study: what the maneuvers of a dictionary tell about a vessel's parameters, the best trial of them,
+//!   disturbed realizations of it, their estimates and what these are worth. [`MonteCarlo`] repeats the last three.
+//! - [`Logs`] become runs, [`Pooling`] makes one model of them, [`StructureSearch`] finds its structure, and [`Comparison`] tries
+//!   it on other recordings.
+//! - [`ChartedTrial`] is planned as one walk over a chart, proved to be the cheapest and checked at sea.
+//!
+//! The programs do the same by the same functions, from file to file. Nothing here reads a command line, prints or starts
+//! threads of its own: what is done in parallel runs on rayon's global pool. `examples/` has a program of each kind.
+//!
+//! Types of the crates below stand under their own names; whatever their fields are made of is found in these crates.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod charted;
+mod comparison;
+mod measured;
 mod monte_carlo;
+mod pooling;
 mod simulation;
+mod structure;
 
-pub use identification::{Estimator, RunEstimate, RunScore};
-pub use maneuver::DictionaryFile;
-pub use model::Vessel;
+pub use charted::{ChartedTrial, PlanError, Planned};
+pub use comparison::Comparison;
+pub use measured::{Ingested, Logs};
 pub use monte_carlo::{MonteCarlo, Realized};
+pub use pooling::Pooling;
 pub use simulation::{Optimum, Study, StudyError, undisturbed};
+pub use structure::{FoundStructure, StructureSearch};
+
+pub use {
+    artifact, chart, design, engine, identification, lattice, logs, maneuver, model, refusal, search, study,
+    trial, validation,
+};
+
+pub use artifact::{Budget, Error, Provenance};
+pub use design::{Design, NoDesign};
+pub use engine::Run;
+pub use identification::pooled::{
+    Grown, Judgement, NominalSource, Pool, PoolError, PooledRuns, Recorded, Resampling,
+};
+pub use identification::runs::{NominalDiverged, RunError, RunEstimators};
+pub use identification::{Estimator, RunEstimate, RunScore, ValidationRuns};
+pub use maneuver::{DictionaryFile, Generator};
+pub use model::{Model, Source, Vessel};
+pub use refusal::Invalid;
+pub use search::{NamedRoles, SearchError, SearchOptions};
 pub use study::campaign_file::CampaignFile;
+pub use study::documents::{
+    AverageDocument, CompareDocument, DesignScores, IngestDocument, ModelDocument, PlanChart, PlanDocument,
+    RecordingSummary, SearchDocument,
+};
+pub use study::ingest_file::IngestFile;
+pub use study::plan::{PlanFile, Routes};
+pub use study::pooled_set::PooledSet;
+pub use study::trajectories::DataLabel;
+pub use study::{TermLists, Tried};
+pub use trial::campaign::{Campaign, Designed, Refusal, SimulatedRun};
+pub use trial::moments::Moments;
+pub use trial::voyage::{Brief, Check, Prepared, Sailing, Search, Solved, VoyageError};
+pub use validation::comparison::Traced;
+pub use validation::crossval::CrossError;

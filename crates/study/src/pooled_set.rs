@@ -16,6 +16,8 @@ pub const MAIN: &str = "estimates.parquet";
 
 /// A row of estimates.parquet, estimate.json, trust.json and model.json.
 pub struct PooledSet {
+    /// The vessel, with the terms that were added.
+    pub vessel: Vessel,
     /// The estimate as that of one run.
     pub row: RunEstimate,
     /// Its summary.
@@ -35,6 +37,7 @@ impl PooledSet {
         (found, added): (&Pooled, &[Added]),
     ) -> Self {
         Self {
+            vessel: pool.vessel.clone(),
             row: found.as_run(estimator),
             estimate: EstimateDocument::pooled(pool.vessel, estimator, pool.removal, found),
             trust: TrustDocument::new(pool, nominal, estimator, replicates, found, added),
@@ -46,13 +49,8 @@ impl PooledSet {
     ///
     /// # Errors
     /// Output that fails.
-    pub fn write(
-        &self,
-        vessel: &Vessel,
-        [out, path]: [&Path; 2],
-        provenance: &Provenance,
-    ) -> Result<(), Error> {
-        let columns = estimates::columns(vessel);
+    pub fn write(&self, [out, path]: [&Path; 2], provenance: &Provenance) -> Result<(), Error> {
+        let columns = estimates::columns(&self.vessel);
         let name = |name| beside(out, MAIN, name);
         let summary = name("estimate.json");
         let mut writer = TableWriter::create(out, columns.schema(), provenance)?.with_document(&summary);

@@ -5,6 +5,7 @@ use std::path::Path;
 use artifact::{Document, Error, Provenance, inspect, read_document};
 use identification::pooled::Covered;
 use model::Vessel;
+use refusal::Invalid;
 use validation::comparison::{Known, Magnitudes, Ship, Standing};
 
 use crate::documents::{AverageDocument, ModelDocument};
@@ -40,10 +41,22 @@ impl Tried {
             let output_rmse = model.data.output_rmse();
             (vec![model.data], output_rmse)
         };
-        let vessels = models.iter().map(ModelDocument::vessel).collect::<Result<Vec<_>, _>>();
-        let vessels = vessels.map_err(|e| crate::invalid(path, &e))?;
+        Self::all(models, output_rmse).map_err(|e| crate::invalid(path, &e))
+    }
+
+    /// A model that was just delivered.
+    ///
+    /// # Errors
+    /// A model that is of no vessel.
+    pub fn of(model: ModelDocument) -> Result<Self, Invalid> {
+        let output_rmse = model.output_rmse();
+        Self::all(vec![model], output_rmse)
+    }
+
+    fn all(models: Vec<ModelDocument>, output_rmse: Option<[f64; 3]>) -> Result<Self, Invalid> {
+        let vessels = models.iter().map(ModelDocument::vessel).collect::<Result<Vec<_>, _>>()?;
         let by_least_squares = match models.as_slice() {
-            [model] => model.by_least_squares().map_err(|e| crate::invalid(path, &e))?,
+            [model] => model.by_least_squares()?,
             _ => None,
         };
         Ok(Self { models, vessels, output_rmse, by_least_squares })

@@ -12,6 +12,15 @@ pub struct Feature {
     pub properties: JsonObject,
 }
 
+impl Feature {
+    /// A feature with the entries of `properties`; without any where that is no object.
+    pub fn new(geometry: Geometry, properties: serde_json::Value) -> Self {
+        let properties =
+            if let serde_json::Value::Object(own) = properties { own } else { JsonObject::new() };
+        Self { geometry, properties }
+    }
+}
+
 /// A geometry of (longitude, latitude) \[deg\].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Geometry {

@@ -1,8 +1,7 @@
-//! Routes and tracks as files: RTZ 1.0 (IEC 61174), GPX 1.1, KML 2.2, QGroundControl's plans, GeoJSON (RFC 7946) and
-//! GeoPackage 1.3. Pure functions from values to text, or to the bytes of a GeoPackage.
+//! Routes and tracks as files: RTZ 1.0 (IEC 61174), GPX 1.1, KML 2.2, QGroundControl's plans and GeoJSON (RFC 7946). Pure
+//! functions from values to text.
 
 mod geojson;
-mod geopackage;
 mod gpx;
 mod kml;
 mod points;
@@ -11,10 +10,9 @@ mod rtz;
 mod xml;
 
 pub use geojson::{Feature, Geometry, geojson};
-pub use geopackage::{Column, Shape, StyledLayer, geopackage};
 pub use gpx::gpx;
 pub use jiff::Timestamp;
 pub use kml::kml;
-pub use points::{Route, Track, Waypoint};
+pub use points::{Route, Track, Waypoint, later, rounded};
 pub use qgroundcontrol::qgroundcontrol;
 pub use rtz::rtz;

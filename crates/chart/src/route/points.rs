@@ -175,7 +175,7 @@ pub(crate) fn instant(departure: Timestamp, after_s: f64) -> Option<String> {
 }
 
 /// `after_s` after `departure`.
-pub(crate) fn later(departure: Timestamp, after_s: f64) -> Option<Timestamp> {
+pub fn later(departure: Timestamp, after_s: f64) -> Option<Timestamp> {
     departure.checked_add(SignedDuration::try_from_secs_f64(after_s).ok()?).ok()
 }
 
@@ -202,7 +202,10 @@ pub(crate) fn place(thing: &str, [lon, lat]: [f64; 2]) -> Result<(), Invalid> {
 }
 
 /// `least` places or more, to 10⁻⁹ degrees (0.1 mm).
-pub(crate) fn rounded(places: &[[f64; 2]], least: usize, thing: &str) -> Result<Vec<[f64; 2]>, Invalid> {
+///
+/// # Errors
+/// Fewer, or what is no longitude and latitude, of `thing`.
+pub fn rounded(places: &[[f64; 2]], least: usize, thing: &str) -> Result<Vec<[f64; 2]>, Invalid> {
     places.iter().try_for_each(|p| place(thing, *p))?;
     if places.len() < least {
         let (found, expected) = (format!("{} points", places.len()), format!("at least {least}"));

@@ -3,7 +3,6 @@
 mod dangers;
 mod footprints;
 mod geodesy;
-mod geopackages;
 mod grid_files;
 mod grid_formats;
 mod marks;

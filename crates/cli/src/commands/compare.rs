@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use artifact::{Provenance, TableWriter, commit, encode_block, stage_set_document};
 use clap::Parser;
 use model::Vessel;
+use seatrial::Comparison;
 use serde_json::json;
 use study::Tried;
-use study::documents::{CompareDocument, traces};
+use study::documents::traces;
 use study::files::read_vessel;
-use validation::comparison::{CompareOptions, Contestant, Ship, Standing, compare};
 
 use crate::cli::{Common, member, samples};
 use crate::failure::Failure;
@@ -50,35 +50,25 @@ impl Task for Arguments {
         provenance.forget(&["dictionary", "campaign", "moments", "design", "validation", "estimates"]);
         let vessel = model.vessel();
         let other = self.against(vessel, &mut provenance)?;
-        let rate_hz = vessel.sample_rate_hz;
-        let window = self.window_s.map(|s| samples("--window-s", s, rate_hz)).transpose()?;
+        let window = self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
         let read = || [&self.model].into_iter().chain(&self.against).chain(self.of.inputs());
         let out = common.main_output(MAIN, read())?;
         let table = member(&out, MAIN, "compare.parquet", read())?;
         let (runs, _) = self.of.read(vessel, &mut provenance, inputs::runs)?;
-        let others = [(Standing::Other, other.as_ref()), (Standing::LeastSquares, model.by_least_squares())];
-        let mut contestants = vec![Contestant { standing: model.standing(), ships: model.ships() }];
-        contestants.extend(others.into_iter().filter_map(|(standing, vessel)| {
-            let Vessel { model, nominal, .. } = vessel?;
-            Some(Contestant { standing, ships: vec![Ship { model, theta: nominal }] })
-        }));
-        let (covered, magnitudes) = (model.covered(), model.magnitudes());
-        let options = CompareOptions { window, known: model.known(), covered, magnitudes, rate_hz };
-        let found = compare(&contestants, &runs, &options);
-        let found = found.map_err(|e| Failure::invalid(self.of.file(), &e.invalid()))?;
+        let found = Comparison { model: &model, other: other.as_ref(), window }.over(&runs);
+        let (document, trace) = found.map_err(|e| Failure::invalid(self.of.file(), &e.invalid()))?;
         let settings = [("window_samples", json!(window)), ("runs", json!(self.of.runs))];
         let given = settings.into_iter().chain([("leave_out", json!(self.of.leave_out))]);
         provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
-        let window_s = window.map(|samples| samples as f64 / rate_hz);
-        let document = CompareDocument::new(&vessel.name, window_s, &found);
         let columns = traces();
         let mut writer = TableWriter::create(&table, columns.schema(), &provenance)?.with_document(&out);
-        writer.push(encode_block(columns.schema(), &columns.table(&found.trace))?)?;
+        writer.push(encode_block(columns.schema(), &columns.table(&trace))?)?;
         let members = vec![writer.finish()?];
         let main = stage_set_document(&out, &provenance, &document, &members)?;
         commit([main].into_iter().chain(members).collect())?;
-        let told = json!({"windows": found.windows, "statements": found.statements});
-        Ok(Summary::of(&out, format!("{} windows; {}", found.windows, found.statements.join("; ")), told))
+        let (windows, statements) = (document.windows, &document.statements);
+        let told = json!({"windows": windows, "statements": statements});
+        Ok(Summary::of(&out, format!("{windows} windows; {}", statements.join("; ")), told))
     }
 }
 

@@ -9,14 +9,13 @@ use identification::Estimator;
 use identification::pooled::{
     Judgement, Pool, PooledRuns, Recorded, Resample, Resampling, grown, resampled, unstated,
 };
-use identification::runs::Beside;
 use model::Vessel;
+use seatrial::Pooling;
 use serde_json::json;
 use study::files::read_vessel;
-use study::pooled_set::{MAIN, PooledSet};
+use study::pooled_set::MAIN;
 use study::resamples;
 use study::trajectories::{Layout, TrajectoryReader};
-use validation::comparison::Magnitudes;
 
 use crate::choice::choice;
 use crate::cli::{Common, Sharding, member};
@@ -58,10 +57,6 @@ pub struct Arguments {
     sharding: Sharding,
 }
 
-/// Where nobody asked for an estimator.
-const NO_NOISE: &str = "estimated by `output-error`: no noise known here describes the errors, and filters for another one predict worse; \
-     --estimator takes others";
-
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
@@ -96,28 +91,18 @@ impl Task for Arguments {
         let progress = Progress::new("resamples", replicates as usize, common.quiet);
         let resampled = |count: usize| progress.advance(count);
         let resampling = drawn.as_deref().map_or(Resampling::Drawn(&resampled), Resampling::Given);
-        let found = grown.judged(&pool, &runs, estimator, &judgement, resampling);
-        let mut found = found.map_err(|e| Failure::of_pool(e, self.flags.of.file()))?;
-        if self.estimator.is_none()
-            && estimator == Estimator::OutputError
-            && self.beside.unknown() == Beside::default()
-        {
-            found.found.statements.insert(0, NO_NOISE.to_owned());
-        }
-        let pool = pool.of(&found.vessel, pool.nominal.clone());
-        let magnitudes = Magnitudes::of(&vessel.model, &runs, vessel.sample_rate_hz)?;
-        let estimated = (estimator, replicates);
-        let mut set =
-            PooledSet::new(&pool, self.flags.nominal().source(), estimated, (&found.found, &found.added));
-        set.model.iter_mut().for_each(|own| own.magnitudes.clone_from(&magnitudes));
-        set.write(pool.vessel, [&out, &model], &provenance)?;
+        let nominal = self.flags.nominal().source();
+        let pooling = Pooling { pool, nominal, judgement, most_added: most };
+        let set = pooling.judged(grown, &runs, (estimator, self.estimator.is_none()), resampling);
+        let set = set.map_err(|e| Failure::of_pool(e, self.flags.of.file()))?;
+        set.write([&out, &model], &provenance)?;
         let (said, told) = set.told();
         Ok(Summary::of(&out, said, told))
     }
 }
 
 impl Arguments {
-    /// The one that is asked for, or the usual one. A prior pulls at regressions alone, and unknown water and wind at simulations.
+    /// The one that is asked for, or the usual one.
     fn estimator<R: Recorded<Error = artifact::Error>>(
         &self,
         pool: &Pool,
@@ -128,11 +113,8 @@ impl Arguments {
         }
         let (layout, file) = (Layout::new(&pool.vessel.model), self.flags.of.file());
         let reader = TrajectoryReader::open(file, &layout, pool.vessel.sample_rate_hz)?;
-        if reader.true_states() || self.flags.prior.is_some() {
-            return Ok(Estimator::Iv);
-        }
-        if pool.beside != Beside::default() {
-            return Ok(Estimator::OutputError);
+        if let Some(usual) = pool.usual(reader.true_states() || self.flags.prior.is_some()) {
+            return Ok(usual);
         }
         let bytes = pool.bytes(runs, Estimator::PredictionError, 0, rayon::current_num_threads());
         inputs::fits(file, &runs.amount(), bytes)?;

@@ -6,20 +6,18 @@ use std::sync::Arc;
 
 use crate::cli::{Common, beside, budget, folder_of};
 use crate::failure::Failure;
-use crate::ingest::simulated_label;
 use crate::ordered::ordered;
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 use artifact::{Digest, Scratch, TableWriter, commit_with_document, room};
 use clap::Parser;
-use logs::{PIECE, Plan, Recorded, RowSummary, Source, Totals, check_intervals};
+use logs::{PIECE, Plan, Recorded, RowSummary, Source, Totals};
+use seatrial::Logs;
 use serde_json::json;
 use study::Doubtful;
 use study::documents::{IngestDocument, RecordingSummary};
 use study::files::{read_ingest, read_vessel};
-use study::ingest_file::IngestFile;
 use study::ingest_file::read::recorded;
-use study::ingest_file::recordings::find;
 use study::trajectories::{Layout, MeasuredBlock};
 
 /// Turns log files into trajectories: one clock, SI units, body velocities, sub-experiments; says how good the data are
@@ -44,49 +42,27 @@ pub struct Arguments {
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("ingest");
-        let refuse = |invalid| Failure::invalid(&self.config, &invalid);
-        let mut config = read_ingest(&self.config, &mut provenance)?;
+        let config = read_ingest(&self.config, &mut provenance)?;
         let vessel = self.vessel.as_deref().map(|path| read_vessel(path, &mut provenance)).transpose()?;
         let vessel_file = self.vessel.as_deref().unwrap_or(Path::new("")).display().to_string();
         let named = vessel.as_ref().map(|vessel| (vessel, vessel_file.as_str()));
-        let plan = Plan::new(config.setup().map_err(refuse)?, named).map_err(refuse)?;
-        let folder =
-            self.logs.clone().unwrap_or_else(|| self.config.parent().unwrap_or(Path::new("")).to_owned());
-        let naming = config.naming().map_err(refuse)?;
-        let sources = find(&config, &naming, &self.config, &folder)?;
-        check_intervals(&config.segment, &sources).map_err(refuse)?;
-        let logs =
-            sources.iter().flat_map(|source| source.files.iter().flatten()).map(|file| folder.join(file));
-        let read = logs.chain([self.config.clone()]).chain(self.vessel.clone());
-        let out = common.main_output("trajectories.parquet", read)?;
-        let label = simulated_label(&folder, &sources, &mut provenance)?;
-        if let Some(label) = label {
-            config.design = label.to_string();
-            label.label(&mut provenance);
-        }
+        let logs = Logs::of(&self.config, config, named, self.logs.as_deref(), &mut provenance)?;
+        let files = logs.sources.iter().flat_map(|source| source.files.iter().flatten());
+        let read = files.map(|file| logs.folder.join(file)).chain([self.config.clone()]);
+        let out = common.main_output("trajectories.parquet", read.chain(self.vessel.clone()))?;
         // Logs are what they are, whatever model is fitted to them: the vessel only names the channels that are wanted.
         if let Some(vessel) = provenance.inputs.remove("vessel") {
             provenance.inputs.insert("channels".to_owned(), vessel);
         }
         provenance.origins.clear();
         let summary_file = self.summary_file(&out)?;
-        let schema = layout(&plan).measured(&plan.further);
+        let schema = layout(&logs.plan).measured(&logs.plan.further);
         let mut writer = TableWriter::create(&out, &schema, &provenance)?.with_document(&summary_file);
-        let made = all((self, common), &config, &plan, (&folder, &out), sources, &mut writer)?;
+        let made = all(&logs, &out, common.quiet, &mut writer)?;
         provenance.inputs.extend(made.logs);
         Doubtful::among(&made.recordings).note(&mut provenance);
         writer.set_inputs(&provenance);
-        let document = IngestDocument {
-            vessel: vessel.map(|vessel| vessel.name),
-            design: config.design,
-            data: label,
-            reference_point: config.reference_point,
-            sample_rate_hz: config.sample_rate_hz,
-            runs: u64::from(made.totals.runs),
-            samples: made.totals.samples,
-            maneuvers: made.totals.maneuvers,
-            recordings: made.recordings,
-        };
+        let document = logs.document(made.totals, made.recordings)?;
         commit_with_document(writer.finish()?, &summary_file, &provenance, &document)?;
         Ok(summary(&out, &document))
     }
@@ -157,24 +133,18 @@ fn groups(folder: &Path, sources: &[Source]) -> Vec<Range<usize>> {
 }
 
 /// Reads all recordings, many at a time, and writes their runs in order.
-fn all(
-    (a, common): (&Arguments, &Common),
-    config: &IngestFile,
-    plan: &Plan,
-    (folder, out): (&Path, &Path),
-    sources: Vec<Source>,
-    writer: &mut TableWriter,
-) -> Result<Ingested, Failure> {
+fn all(logs: &Logs, out: &Path, quiet: bool, writer: &mut TableWriter) -> Result<Ingested, Failure> {
+    let Logs { config, plan, sources, folder, .. } = logs;
     let (layout, segmentation) = (layout(plan), config.segmentation());
     let schema = layout.measured(&plan.further);
     let rate_hz = plan.setup.conventions.rate_hz;
     let held = HELD.min(budget().bytes() / 8.0);
     let scratch = Arc::new(Scratch::new(out, PIECE, held));
     let room = room(folder_of(out)).unwrap_or(f64::INFINITY);
-    let (mut totals, mut recordings, mut logs) = (Totals::default(), Vec::new(), Vec::new());
+    let (mut totals, mut recordings, mut files) = (Totals::default(), Vec::new(), Vec::new());
     let mut block = MeasuredBlock::new(&config.design, rate_hz);
     let bytes: u64 = sources.iter().map(|source| size(folder, source)).sum();
-    let progress = Progress::new("recordings", sources.len(), common.quiet);
+    let progress = Progress::new("recordings", sources.len(), quiet);
     // A long recording is read by one thread, many short ones by all.
     let alone = bytes / sources.len().max(1) as u64 > SIDE_BY_SIDE;
     let threads = if alone { rayon::current_num_threads() } else { 1 };
@@ -192,11 +162,11 @@ fn all(
                 block.write(&layout, &schema, writer)?;
             }
         }
-        logs.extend(recorded.summary.files.iter().map(|file| format!("log:{file}")).zip(digests));
+        files.extend(recorded.summary.files.iter().map(|file| format!("log:{file}")).zip(digests));
         recordings.push(recorded.summary);
         Ok::<(), Failure>(())
     };
-    for group in groups(folder, &sources) {
+    for group in groups(folder, sources) {
         // Recordings that are read side by side share the memory.
         let side_by_side = group.len().min(rayon::current_num_threads());
         let share = 1.0 / side_by_side as f64;
@@ -205,13 +175,7 @@ fn all(
     }
     block.write(&layout, &schema, writer)?;
     scratch.check()?;
-    if totals.runs == 0 {
-        let found = format!("none of {} recordings", sources.len());
-        let expected = "at least one that is long enough";
-        let remedy = "lower `min_s` or `window_s`, or correct the segments";
-        return Err(Failure::refuse(&a.config, "sub-experiments", &found, expected, remedy));
-    }
-    Ok(Ingested { totals, recordings, logs })
+    Ok(Ingested { totals, recordings, logs: files })
 }
 
 fn summary(out: &Path, document: &IngestDocument) -> Summary {

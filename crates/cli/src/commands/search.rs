@@ -4,17 +4,13 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::{Args, Parser};
-use identification::terms::listed;
-use model::{Model, Vessel};
-use search::{
-    AverageOptions, BootstrapOptions, Cut, NamedRoles, Roles, SearchError, SearchOptions, library, search,
-    with_channels,
-};
+use model::Vessel;
+use search::{AverageOptions, BootstrapOptions, Cut, NamedRoles, SearchError, SearchOptions};
+use seatrial::{FoundStructure, StructureSearch};
 use serde_json::json;
 use study::TermLists;
-use study::documents::{AverageDocument, ModelDocument, SearchDocument};
+use study::documents::SearchDocument;
 use study::files::read_vessel;
-use validation::comparison::Magnitudes;
 
 use super::earlier::is_of;
 use crate::cli::{Common, member, samples};
@@ -126,9 +122,8 @@ impl Task for Arguments {
             every: every.unwrap_or(window.div_ceil(4)),
             scored: self.window_s.map(|s| in_samples("--window-s", s)).transpose()?,
         };
-        let (model, library) = self.library(&given.model, &mut provenance)?;
-        let vessel = Vessel { model, ..given };
-        let (runs, _) = self.of.read(&vessel, &mut provenance, inputs::runs)?;
+        let begun = self.begun(given, &mut provenance)?;
+        let (runs, _) = self.of.read(&begun.vessel, &mut provenance, inputs::runs)?;
         let options = SearchOptions {
             cut,
             folds: usize::from(self.folds),
@@ -136,17 +131,12 @@ impl Task for Arguments {
             compact: self.compact,
             bootstrap: self.bootstrap(common),
             average: self.average.map(|models| AverageOptions { models, seed: common.seed.unwrap_or(1) }),
-            rate_hz: vessel.sample_rate_hz,
+            rate_hz: begun.vessel.sample_rate_hz,
         };
-        let each = 1 + self.average.unwrap_or(0) as usize;
-        let resamples = options.bootstrap.map_or(0, |own| own.resamples as usize);
-        let fits = resamples
-            + options.folds * (options.folds + 1) / 2 * options.ridges.len()
-            + each * (options.folds + 1);
-        let progress = Progress::new("fits, at most", fits, common.quiet);
-        let done = |count: usize| progress.advance(count);
-        let found = search(&vessel.model, &library, &runs, &options, &done);
-        let found = found.map_err(|e| refused(self.of.file(), &e))?;
+        let progress = Progress::new("fits, at most", options.fits(), common.quiet);
+        let found = begun.find(&runs, &options, &|count| progress.advance(count));
+        let FoundStructure { search, model, average: averaged } =
+            found.map_err(|e| refused(self.of.file(), &e))?;
         let settings = [
             ("fitted_window_samples", json!(cut.window)),
             ("every_samples", json!(cut.every)),
@@ -161,16 +151,12 @@ impl Task for Arguments {
         let average = options.average.map(|own| [("average", json!(own.models)), ("seed", json!(own.seed))]);
         let settings = settings.into_iter().chain(bootstrap.into_iter().chain(average).flatten());
         provenance.settings.extend(settings.map(|(key, value)| (key.to_owned(), value)));
-        let document = SearchDocument::new(&vessel, &options, &found);
-        let Ok(magnitudes) = Magnitudes::of(&vessel.model, &runs, vessel.sample_rate_hz);
-        let model = ModelDocument { magnitudes, ..ModelDocument::searched(&vessel, &found) };
         let mut members = vec![stage_document(single, &provenance, &model)?];
-        if let Some(found_all) = &found.average {
-            let average = AverageDocument::new(&vessel, found_all, found.samples, model.magnitudes.as_ref());
-            members.push(stage_document(&several, &provenance, &average)?);
+        if let Some(average) = &averaged {
+            members.push(stage_document(&several, &provenance, average)?);
         }
-        let left = found.average.is_none() && is_of::<SearchDocument>(&out, &several);
-        let main = stage_set_document(&out, &provenance, &document, &members)?;
+        let left = averaged.is_none() && is_of::<SearchDocument>(&out, &several);
+        let main = stage_set_document(&out, &provenance, &search, &members)?;
         commit([main].into_iter().chain(members).collect())?;
         if left {
             // The average of an earlier search is not this one's.
@@ -178,8 +164,8 @@ impl Task for Arguments {
         }
         Ok(Summary::of(
             &out,
-            format!("{} terms; {}", document.terms.len(), found.statements.join("; ")),
-            json!({"terms": document.terms.len(), "ridge": document.ridge, "statements": found.statements}),
+            format!("{} terms; {}", search.terms.len(), search.statements.join("; ")),
+            json!({"terms": search.terms.len(), "ridge": search.ridge, "statements": search.statements}),
         ))
     }
 }
@@ -191,17 +177,14 @@ impl Arguments {
         (self.compact && self.bootstrap > 0).then_some(wanted)
     }
 
-    /// The vessel's structure with the channels that the library makes, and the same with all terms that are searched through.
-    fn library(&self, base: &Model, provenance: &mut Provenance) -> Result<(Model, Model), Failure> {
-        if let Some(path) = &self.terms {
-            let TermLists { surge, sway, yaw } = inputs::toml(path, "terms", provenance)?;
-            let all = listed(base, [&surge, &sway, &yaw]).map_err(|e| Failure::invalid(path, &e))?;
-            return Ok((base.clone(), all));
-        }
-        let own = Roles::new(base, &self.roles.named()).and_then(|roles| with_channels(base, &roles));
-        let (base, roles) = own.map_err(|e| Failure::invalid(&self.vessel, &e))?;
-        let all = library(&base, &roles);
-        Ok((base, all))
+    /// Where the search begins, and the terms that it goes through.
+    fn begun(&self, vessel: Vessel, provenance: &mut Provenance) -> Result<StructureSearch, Failure> {
+        let Some(path) = &self.terms else {
+            let begun = StructureSearch::by_roles(vessel, &self.roles.named());
+            return begun.map_err(|e| Failure::invalid(&self.vessel, &e));
+        };
+        let terms: TermLists = inputs::toml(path, "terms", provenance)?;
+        StructureSearch::by_terms(vessel, &terms).map_err(|e| Failure::invalid(path, &e))
     }
 }
 

@@ -6,13 +6,23 @@ use std::path::Path;
 use crate::limits::mib_with_program;
 use lattice::{Demand, NoPlan};
 use refusal::{Invalid, nearest};
+use seatrial::PlanError;
 use trial::voyage::{Check, VoyageError};
 
 use super::files::VoyageFiles;
 use crate::failure::Failure;
 
+/// Why there is no plan on a chart.
+pub(super) fn plan(files: &VoyageFiles, error: PlanError) -> Failure {
+    match error {
+        PlanError::File(error) => error.into(),
+        PlanError::Voyage(error) => voyage(files, error),
+        PlanError::Unsafe(check) => unsafe_plan(files.config, &check),
+    }
+}
+
 /// Why a trial on a chart cannot be planned.
-pub(super) fn voyage(files: &VoyageFiles, error: VoyageError) -> Failure {
+fn voyage(files: &VoyageFiles, error: VoyageError) -> Failure {
     let config = files.config;
     match error {
         VoyageError::Invalid(invalid) => Failure::invalid(config, &invalid),
@@ -43,7 +53,7 @@ pub(super) fn voyage(files: &VoyageFiles, error: VoyageError) -> Failure {
 }
 
 /// What the check of a plan found broken.
-pub(super) fn unsafe_plan(config: &Path, check: &Check) -> Failure {
+fn unsafe_plan(config: &Path, check: &Check) -> Failure {
     let (least, margin) = (check.clearance_m.min(check.clearance_quantiles_m[0]), check.margin_m);
     Failure::NoAnswer(format!(
         "{}: plan at sea: found {}, least clearance {least:.0} m, expected at least {margin} m and ends \

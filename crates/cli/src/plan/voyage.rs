@@ -5,11 +5,12 @@ use std::path::Path;
 use artifact::{Provenance, Staged, commit, stage_set_document};
 use lattice::ProblemFile;
 use report::PlanMap;
+use report::geopackage::geopackage;
+use seatrial::{ChartedTrial, Planned};
 use serde_json::{Value, json};
-use study::documents::{PlanChart, PlanDocument, Voyage};
-use study::plan::{ChartsError, Means, PlanFile, Routes, of_voyage, read_charts};
+use study::documents::{PlanDocument, Voyage};
 use study::track::stage_track;
-use trial::voyage::{Brief, Prepared, Sailing, Search, Solved};
+use trial::voyage::Search;
 
 use super::Limits;
 use super::files::{MAIN, VoyageFiles};
@@ -43,102 +44,62 @@ pub fn plan_voyage(
 ) -> Result<Summary, Failure> {
     let out = wanted.out;
     provenance.settings.insert("seed".into(), json!(seed));
-    let refuse = |error| refusals::voyage(files, error);
-    let (mut brief, config) = files.read(out, &mut provenance, seed)?;
-    let charts = charts(files, (&mut brief, &config), limits, &mut provenance)?;
+    let refuse = |error| refusals::plan(files, error);
+    let (brief, config) = files.read(out, &mut provenance, seed)?;
+    let means = (budget(), &(|| limits.go_on()) as &(dyn Fn() -> bool + Sync));
+    let trial = ChartedTrial::on_charts(brief, (files.config, &config), means, &mut provenance);
+    let trial = trial.map_err(refuse)?;
     files.check_inputs(&config, out, wanted.problem)?;
     let searched = limits.before_check();
     let search = Search { options: limits.options(), watch: &|| searched.watch(), go_on: &|| limits.go_on() };
-    let mut prepared = Prepared::new(brief, &search).map_err(refuse)?;
-    let (solved, sailing) = prepared.plan(&search, wanted.unsafe_too).map_err(refuse)?;
-    if !(wanted.unsafe_too || sailing.check.safe) {
-        return Err(refusals::unsafe_plan(files.config, &sailing.check));
-    }
-    prepared.check_slot(&sailing.sailed).map_err(refuse)?;
-    let beyond = study::beyond(files.vessel, files.trajectories)?;
-    let document = PlanDocument { charts, beyond, ..of_voyage(&prepared, &solved, &sailing) };
-    let planned = Planned { prepared: &prepared, solved: &solved, sailing: &sailing, document: &document };
-    let mut staged = planned.stage(out, &provenance)?;
+    let mut planned = trial.plan(&search, wanted.unsafe_too).map_err(refuse)?;
+    planned.document.beyond = study::beyond(files.vessel, files.trajectories)?;
+    let mut staged = stage(&planned, out, &provenance)?;
     if let Some(path) = wanted.problem {
-        let cell_m = prepared.brief.task.cell_m;
-        let problem = ProblemFile::of(&solved.problem, "trial on a chart", cell_m);
+        let cell_m = planned.prepared.brief.task.cell_m;
+        let problem = ProblemFile::of(&planned.solved.problem, "trial on a chart", cell_m);
         let problem = problem.map_err(|e| Failure::invalid(files.config, &e))?;
         staged.push(Staged::bytes(path, &serde_json::to_vec(&problem).unwrap_or_default())?);
     }
     commit(staged)?;
+    let document = &planned.document;
     document.told().filter(|_| !limits.quiet).for_each(|chart| on_stderr(format_args!("plan: {chart}")));
-    Ok(summary(out, &document))
-}
-
-/// Reads the charts into `brief`, and says what is to be told of them.
-fn charts(
-    files: &VoyageFiles,
-    (brief, config): (&mut Brief, &PlanFile),
-    limits: &Limits,
-    provenance: &mut Provenance,
-) -> Result<Vec<PlanChart>, Failure> {
-    let (plane, bounds) = brief.sight().map_err(|error| refusals::voyage(files, error))?;
-    let means = Means { area: (&plane, &bounds), budget: budget(), go_on: &|| limits.go_on() };
-    let charts = read_charts(files.config, config, &means, provenance).map_err(|error| match error {
-        ChartsError::Refused(error) => error.into(),
-        ChartsError::OutOfTime => refusals::out_of_time(files.config, "the reading of its charts"),
-    })?;
-    (brief.layers, brief.chart_bytes) = (charts.layers, charts.bytes);
-    Ok(charts.told)
+    Ok(summary(out, document))
 }
 
 /// All that is written.
-struct Planned<'a> {
-    prepared: &'a Prepared,
-    solved: &'a Solved,
-    sailing: &'a Sailing,
-    document: &'a PlanDocument,
+fn stage(planned: &Planned, out: &Path, provenance: &Provenance) -> Result<Vec<Staged>, Failure> {
+    let (map, others) =
+        rayon::join(|| stage_map(planned, out), || stage_track_and_routes(planned, out, provenance));
+    let mut staged = others?;
+    staged.push(map?);
+    staged.insert(0, stage_set_document(out, provenance, &planned.document, &staged)?);
+    Ok(staged)
 }
 
-impl Planned<'_> {
-    fn stage(&self, out: &Path, provenance: &Provenance) -> Result<Vec<Staged>, Failure> {
-        let (map, others) =
-            rayon::join(|| self.stage_map(out), || self.stage_track_and_routes(out, provenance));
-        let mut staged = others?;
-        staged.push(map?);
-        staged.insert(0, stage_set_document(out, provenance, self.document, &staged)?);
-        Ok(staged)
-    }
+fn stage_track_and_routes(
+    planned: &Planned,
+    out: &Path,
+    provenance: &Provenance,
+) -> Result<Vec<Staged>, Failure> {
+    let Some(routes) = planned.routes() else { return Ok(Vec::new()) };
+    let names: Vec<String> = routes.voyage.legs.iter().map(|leg| leg.name.clone()).collect();
+    let (track, vessel) = (beside(out, MAIN, "track.parquet"), &planned.prepared.brief.vessel);
+    let track = stage_track([&track, out], provenance, vessel, routes.plane, &names, routes.sailed)?;
+    let refused = |(name, invalid)| {
+        Failure::Failed(artifact::Error::invalid(beside(out, MAIN, name), invalid).to_string())
+    };
+    let mut files = routes.files().map_err(refused)?;
+    files.push(("route.gpkg", geopackage(&routes).map_err(|e| refused(("route.gpkg", e)))?));
+    let stage = |(name, bytes): (&str, Vec<u8>)| Ok(Staged::bytes(beside(out, MAIN, name), &bytes)?);
+    std::iter::once(Ok(track)).chain(files.into_iter().map(stage)).collect()
+}
 
-    fn stage_track_and_routes(&self, out: &Path, provenance: &Provenance) -> Result<Vec<Staged>, Failure> {
-        let Self { prepared, sailing, document, .. } = self;
-        let (plane, vessel) = (prepared.chart.plane(), &prepared.brief.vessel);
-        let mut staged = Vec::new();
-        if let Some(voyage) = &document.voyage {
-            let names: Vec<String> = voyage.legs.iter().map(|leg| leg.name.clone()).collect();
-            let track = beside(out, MAIN, "track.parquet");
-            staged.push(stage_track([&track, out], provenance, vessel, plane, &names, &sailing.sailed)?);
-            staged.extend(self.stage_routes(out, voyage)?);
-        }
-        Ok(staged)
-    }
-
-    fn stage_routes(&self, out: &Path, voyage: &Voyage) -> Result<Vec<Staged>, Failure> {
-        let routes = Routes {
-            plane: self.prepared.chart.plane(),
-            document: self.document,
-            voyage,
-            sailed: &self.sailing.sailed,
-            sample_s: 1.0 / self.prepared.brief.vessel.sample_rate_hz,
-        };
-        let files = routes.files().map_err(|(name, invalid)| {
-            Failure::Failed(artifact::Error::invalid(beside(out, MAIN, name), invalid).to_string())
-        })?;
-        let stage = |(name, bytes): (&str, Vec<u8>)| Ok(Staged::bytes(beside(out, MAIN, name), &bytes)?);
-        files.into_iter().map(stage).collect()
-    }
-
-    fn stage_map(&self, out: &Path) -> Result<Staged, Failure> {
-        let Self { prepared, solved, sailing, document } = *self;
-        let map = PlanMap { prepared, solved, sailing, document };
-        let svg = map.svg().map_err(|e| Failure::Failed(format!("map: {e}")))?;
-        Ok(Staged::bytes(beside(out, MAIN, "map.svg"), svg.as_bytes())?)
-    }
+fn stage_map(planned: &Planned, out: &Path) -> Result<Staged, Failure> {
+    let Planned { prepared, solved, sailing, document } = planned;
+    let map = PlanMap { prepared, solved, sailing, document };
+    let svg = map.svg().map_err(|e| Failure::Failed(format!("map: {e}")))?;
+    Ok(Staged::bytes(beside(out, MAIN, "map.svg"), svg.as_bytes())?)
 }
 
 fn summary(out: &Path, document: &PlanDocument) -> Summary {

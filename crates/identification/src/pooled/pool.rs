@@ -116,7 +116,32 @@ fn whole(degrees: &[DegreeFit; 3]) -> Option<(Vec<f64>, [f64; 3])> {
     joined(degrees.each_ref().map(|degree| degree.solution.as_ref()))
 }
 
+impl<'a> Pool<'a> {
+    /// With an intercept everywhere and instruments by the nominal values of `vessel`; nothing else that is not usual.
+    pub fn new(vessel: &'a Vessel) -> Self {
+        Self {
+            vessel,
+            model: vessel.model.with_intercepts(),
+            removal: MeanRemoval::Complete,
+            strength: 0.0,
+            nominal: NominalModel::Known(vessel.nominal.clone()),
+            part_samples: None,
+            beside: Beside::default(),
+            constant: Vec::new(),
+        }
+    }
+}
+
 impl Pool<'_> {
+    /// The estimator where nobody asks for one; none where the noise decides, see [`super::unstated`]. A prior pulls at regressions
+    /// alone, and unknown water and wind at simulations. `simulated`: the runs are those of simulated trials.
+    pub fn usual(&self, simulated: bool) -> Option<Estimator> {
+        match simulated || self.strength > 0.0 {
+            true => Some(Estimator::Iv),
+            false => (self.beside != Beside::default()).then_some(Estimator::OutputError),
+        }
+    }
+
     /// Refuses what contradicts itself: see [`MeanRemoval::check`]; a prior beside bounds.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 mod archipelago;
 mod drawing;
 mod figures;
+mod geopackages;
 mod map;
 mod measured;
 mod mock;

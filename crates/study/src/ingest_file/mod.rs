@@ -4,9 +4,11 @@ mod check;
 pub mod read;
 pub mod recordings;
 mod reference;
+mod simulated;
 mod tables;
 
 pub use reference::{page, schema};
+pub use simulated::simulated_label;
 
 use logs::{
     Body, Conventions, Cut, Derived, FileSpec, ForceTable, Formula, Frame, Heading, Interval, Kind, Law,

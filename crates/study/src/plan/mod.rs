@@ -12,7 +12,6 @@ mod check;
 mod document;
 mod exchange_set;
 mod file;
-mod layers;
 mod legs;
 mod passage;
 mod resume;

@@ -1,14 +1,10 @@
-//! The plan as files for others: tracks, layers for maps, and routes for bridges and ground stations.
+//! The plan as files for others: tracks, and routes for bridges and ground stations.
 
-use chart::route::{
-    Feature, Geometry, Route, StyledLayer, Track, Waypoint, geojson, geopackage, gpx, kml, qgroundcontrol,
-    rtz,
-};
+use chart::route::{Feature, Geometry, Route, Track, Waypoint, geojson, gpx, kml, qgroundcontrol, rtz};
 use chart::{Invalid, Plane};
 use serde_json::json;
 use trial::{Sailed, Sample, Side};
 
-use super::layers::{Layers, object};
 use crate::documents::{Passage, PlanDocument, Voyage, VoyageLeg};
 
 /// A file's name and content.
@@ -34,33 +30,31 @@ impl Routes<'_> {
     /// # Errors
     /// A route that the format cannot hold, with the name of its file.
     pub fn files(&self) -> Result<Vec<NamedFile>, (&'static str, Invalid)> {
-        let departure = self.voyage.passage.departure.as_deref().and_then(|at| at.parse().ok());
-        let mut route = Route { name: self.labelled("route"), departure, waypoints: self.waypoints() };
-        route.fit_radii();
-        let features = self.features();
+        let route = self.route();
         let files = [
-            ("track.geojson", geojson(&features).map(String::into_bytes)),
-            ("route.rtz", rtz(&route).map(String::into_bytes)),
-            ("route.gpx", gpx(&route, &[self.track()]).map(String::into_bytes)),
-            ("route.kml", kml(&route, &self.tracks()).map(String::into_bytes)),
-            ("route.plan", qgroundcontrol(&route).map(String::into_bytes)),
-            ("route.gpkg", geopackage(&self.layers(&route, features), departure)),
+            ("track.geojson", geojson(&self.features())),
+            ("route.rtz", rtz(&route)),
+            ("route.gpx", gpx(&route, &[self.track()])),
+            ("route.kml", kml(&route, &self.tracks())),
+            ("route.plan", qgroundcontrol(&route)),
         ];
-        let named = |(name, bytes): (&'static str, Result<Vec<u8>, Invalid>)| match bytes {
-            Ok(bytes) => Ok((name, bytes)),
+        let named = |(name, text): (&'static str, Result<String, Invalid>)| match text {
+            Ok(text) => Ok((name, text.into_bytes())),
             Err(invalid) => Err((name, invalid)),
         };
         files.into_iter().map(named).collect()
     }
 
-    fn layers(&self, route: &Route, features: Vec<Feature>) -> Vec<StyledLayer> {
-        let (plane, passage, label) = (self.plane, &self.voyage.passage, self.label());
-        let is_line = |feature: &Feature| matches!(feature.geometry, Geometry::Line(_));
-        Layers { plane, route, passage, tracks: features.into_iter().filter(is_line).collect(), label }.all()
+    /// The route along the passage.
+    pub fn route(&self) -> Route {
+        let departure = self.voyage.passage.departure.as_deref().and_then(|at| at.parse().ok());
+        let mut route = Route { name: self.labelled("route"), departure, waypoints: self.waypoints() };
+        route.fit_radii();
+        route
     }
 
-    /// What is said before whatever is done by an unsafe plan.
-    fn label(&self) -> &'static str {
+    /// What is said before whatever is done by an unsafe plan: empty for a safe one.
+    pub fn label(&self) -> &'static str {
         if self.voyage.check.safe { "" } else { "unsafe plan: " }
     }
 
@@ -155,7 +149,8 @@ impl Routes<'_> {
         line
     }
 
-    fn features(&self) -> Vec<Feature> {
+    /// A line per step that moves the ship, then start and goal.
+    pub fn features(&self) -> Vec<Feature> {
         let mut features = Vec::new();
         let samples = &self.sailed.samples;
         for (k, (step, leg)) in self.document.steps.iter().zip(&self.voyage.legs).enumerate() {
@@ -163,27 +158,25 @@ impl Routes<'_> {
             if line.len() < 2 {
                 continue;
             }
-            features.push(Feature {
-                geometry: Geometry::Line(line),
-                properties: object(json!({
-                    "step": k + 1,
-                    "name": self.what(leg),
-                    "action": step.action,
-                    "variant": step.variant,
-                    "informative": leg.informative,
-                    "side": leg.side,
-                    "start_s": leg.start_s,
-                    "duration_s": leg.duration_s,
-                    "heading_deg": leg.heading_deg,
-                    "speed_m_s": leg.speed_m_s,
-                    "safe": self.voyage.check.safe,
-                })),
+            let properties = json!({
+                "step": k + 1,
+                "name": self.what(leg),
+                "action": step.action,
+                "variant": step.variant,
+                "informative": leg.informative,
+                "side": leg.side,
+                "start_s": leg.start_s,
+                "duration_s": leg.duration_s,
+                "heading_deg": leg.heading_deg,
+                "speed_m_s": leg.speed_m_s,
+                "safe": self.voyage.check.safe,
             });
+            features.push(Feature::new(Geometry::Line(line), properties));
         }
         let check = &self.voyage.check;
-        let point = |name: &str, place: [f64; 2]| Feature {
-            geometry: Geometry::Point(place),
-            properties: object(json!({ "name": name, "safe": check.safe, "faults": check.faults })),
+        let point = |name: &str, place: [f64; 2]| {
+            let properties = json!({ "name": name, "safe": check.safe, "faults": check.faults });
+            Feature::new(Geometry::Point(place), properties)
         };
         if let Some(first) = samples.first() {
             features.push(point("start", self.place(first)));

@@ -16,6 +16,13 @@ pub struct Search<'a> {
     pub go_on: &'a (dyn Fn() -> bool + Sync),
 }
 
+impl Search<'static> {
+    /// In the usual memory, for as long as it takes.
+    pub fn unlimited() -> Self {
+        Self { options: Options::default(), watch: &|| Box::new(|_| true), go_on: &|| true }
+    }
+}
+
 impl Search<'_> {
     /// The same, with so many bytes of memory less.
     pub(super) fn beside(&self, bytes: u128) -> Self {

@@ -2,15 +2,12 @@
 
 use std::iter::once;
 
-use jiff::Timestamp;
+use chart::route::{Feature, Geometry, Timestamp, later, rounded};
+use refusal::Invalid;
 use rusqlite::types::Value;
 use rusqlite::{Connection, params, params_from_iter};
 
-use super::geojson::{Feature, Geometry};
-use super::points::{later, rounded};
-use crate::Invalid;
-
-const SCHEMA: &str = include_str!("geopackage.sql");
+const SCHEMA: &str = include_str!("package.sql");
 
 /// A layer of a GeoPackage, in longitude and latitude of WGS84.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,7 +58,7 @@ pub enum Column {
 /// # Errors
 /// Coordinates that are not finite or out of range; a line of fewer than two points, a polygon of fewer than four; a shape that
 /// is not its layer's; two layers of one name.
-pub fn geopackage(layers: &[StyledLayer], departure: Option<Timestamp>) -> Result<Vec<u8>, Invalid> {
+pub fn package(layers: &[StyledLayer], departure: Option<Timestamp>) -> Result<Vec<u8>, Invalid> {
     let failed = |e: rusqlite::Error| {
         Invalid::new("GeoPackage", e.to_string(), "layers that SQLite can hold", "report this as a defect")
     };

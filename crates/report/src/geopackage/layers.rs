@@ -1,10 +1,11 @@
 //! The passage and the track of a plan as layers for maps.
 
 use chart::Plane;
-use chart::route::{Column, Feature, Geometry, Route, Shape, StyledLayer};
-use serde_json::{Map, Value, json};
+use chart::route::{Feature, Geometry, Route};
+use serde_json::{Value, json};
+use study::documents::{Passage, PassageLeg};
 
-use crate::documents::{Passage, PassageLeg};
+use super::package::{Column, Shape, StyledLayer};
 
 /// What is laid out in layers.
 pub(super) struct Layers<'a> {
@@ -62,9 +63,8 @@ impl Layers<'_> {
     }
 
     fn waypoints(&self) -> Vec<Feature> {
-        let waypoints = self.route.waypoints.iter().map(|own| Feature {
-            geometry: Geometry::Point([own.lon_deg, own.lat_deg]),
-            properties: object(json!({
+        let waypoints = self.route.waypoints.iter().map(|own| {
+            let properties = json!({
                 "number": own.id,
                 "name": own.name,
                 "eta": own.time_s,
@@ -72,16 +72,17 @@ impl Layers<'_> {
                 "speed_m_s": own.speed_m_s,
                 "turn_radius_m": own.turn_radius_m,
                 "purpose": own.note,
-            })),
+            });
+            Feature::new(Geometry::Point([own.lon_deg, own.lat_deg]), properties)
         });
         waypoints.collect()
     }
 
     fn legs(&self) -> Vec<Feature> {
         let ends = self.route.waypoints.windows(2);
-        let legs = ends.zip(self.passage.legs.iter().enumerate()).map(|(ends, (index, leg))| Feature {
-            geometry: Geometry::Line(ends.iter().map(|own| [own.lon_deg, own.lat_deg]).collect()),
-            properties: self.leg(index, leg),
+        let legs = ends.zip(self.passage.legs.iter().enumerate()).map(|(ends, (index, leg))| {
+            let line = ends.iter().map(|own| [own.lon_deg, own.lat_deg]).collect();
+            Feature::new(Geometry::Line(line), self.leg(index, leg))
         });
         legs.collect()
     }
@@ -92,18 +93,15 @@ impl Layers<'_> {
         let feature = |(ring, (index, leg)): (Option<[[f64; 2]; 4]>, (usize, &PassageLeg))| {
             let [a, b, c, d] = ring?.map(|corner| <[f64; 2]>::from(self.plane.to_geographic(corner)));
             // Counterclockwise, as the format asks.
-            Some(Feature {
-                geometry: Geometry::Polygon(vec![d, c, b, a, d]),
-                properties: self.leg(index, leg),
-            })
+            Some(Feature::new(Geometry::Polygon(vec![d, c, b, a, d]), self.leg(index, leg)))
         };
         legs.filter_map(feature).collect()
     }
 
     /// What a leg is told by.
-    fn leg(&self, index: usize, leg: &PassageLeg) -> Map<String, Value> {
+    fn leg(&self, index: usize, leg: &PassageLeg) -> Value {
         let nearest = leg.nearest.as_ref();
-        object(json!({
+        json!({
             "number": index + 1,
             "name": format!("{}{}", self.label, leg.what),
             "informative": leg.informative,
@@ -116,7 +114,7 @@ impl Layers<'_> {
             "under_keel_m": leg.under_keel_m,
             "nearest_danger": nearest.map(|danger| &danger.what),
             "nearest_danger_m": nearest.map(|danger| danger.distance_m),
-        }))
+        })
     }
 }
 
@@ -155,11 +153,3 @@ const TRACK: [(&str, Column); 8] = [
     ("speed_m_s", Column::Real),
     ("safe", Column::Boolean),
 ];
-
-/// An object of JSON as one.
-pub(super) fn object(value: Value) -> Map<String, Value> {
-    match value {
-        Value::Object(object) => object,
-        _ => Map::new(),
-    }
-}

@@ -2,13 +2,11 @@
 
 use std::path::Path;
 
-use artifact::{Digest, Provenance, is_written, read_document};
-
+use artifact::{Digest, Error, Provenance, is_written, read_document};
 use logs::Source;
-use study::documents::{SIMULATED_FILE, SimulatedLogsDocument};
-use study::trajectories::DataLabel;
 
-use crate::failure::Failure;
+use crate::documents::{SIMULATED_FILE, SimulatedLogsDocument};
+use crate::trajectories::DataLabel;
 
 /// What the logs in `folder` are labelled as, if they are labelled as simulated: then each of `sources` must be as it was
 /// written, and its digest is noted.
@@ -19,7 +17,7 @@ pub fn simulated_label(
     folder: &Path,
     sources: &[Source],
     provenance: &mut Provenance,
-) -> Result<Option<DataLabel>, Failure> {
+) -> Result<Option<DataLabel>, Error> {
     let path = folder.join(SIMULATED_FILE);
     if !is_written(&path) {
         return Ok(None);
@@ -36,7 +34,7 @@ pub fn simulated_label(
         let found = if listed.is_some() { "another digest" } else { "a log that is not listed" };
         let remedy = "simulate the logs again into an empty folder, or keep other logs elsewhere";
         let expected = format!("{expected}, as {} says", path.display());
-        return Err(Failure::refuse(&log, "simulated log", found, &expected, remedy));
+        return Err(crate::refuse(&log, "simulated log", found, &expected, remedy));
     }
     provenance.made("simulated", &path, loaded.digest, &loaded.provenance)?;
     Ok(Some(loaded.data.label))

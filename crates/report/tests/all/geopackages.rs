@@ -1,6 +1,7 @@
 //! GeoPackages, read back by SQLite and by the format's specification (OGC 12-128r17).
 
-use chart::route::{Column, Feature, Geometry, Shape, StyledLayer, Timestamp, geopackage};
+use chart::route::{Feature, Geometry, Timestamp};
+use report::geopackage::{Column, Shape, StyledLayer, package};
 use rusqlite::Connection;
 use rusqlite::types::Value;
 use serde_json::json;
@@ -74,7 +75,7 @@ fn decoded(blob: &[u8], kind: u32, before: usize) -> (Vec<f64>, Vec<[f64; 2]>) {
 
 #[test]
 fn law_a_geopackage_lists_all_that_it_holds() {
-    let bytes = geopackage(&layers(), Some(departure())).unwrap();
+    let bytes = package(&layers(), Some(departure())).unwrap();
     assert_eq!((&bytes[..16], &bytes[68..72]), (&b"SQLite format 3\0"[..], &b"GPKG"[..]));
     assert_eq!(bytes[60..64], 10_300_u32.to_be_bytes());
     let file = opened(&bytes);
@@ -118,7 +119,7 @@ fn law_a_geopackage_lists_all_that_it_holds() {
 #[test]
 fn law_geometries_and_properties_are_read_back() {
     let all = layers();
-    let file = opened(&geopackage(&all, Some(departure())).unwrap());
+    let file = opened(&package(&all, Some(departure())).unwrap());
     for (layer, (kind, before)) in all.iter().zip([(1, 5), (2, 9), (3, 13)]) {
         let read = rows(&file, &format!("SELECT * FROM {}", layer.name));
         let Value::Blob(blob) = &read[0][1] else { panic!("{read:?}") };
@@ -147,8 +148,8 @@ fn law_geometries_and_properties_are_read_back() {
 
 #[test]
 fn law_the_same_layers_are_the_same_bytes() {
-    let first = geopackage(&layers(), None).unwrap();
-    let others = (0..3).map(|_| std::thread::spawn(|| geopackage(&layers(), None).unwrap()));
+    let first = package(&layers(), None).unwrap();
+    let others = (0..3).map(|_| std::thread::spawn(|| package(&layers(), None).unwrap()));
     assert!(others.map(|other| other.join().unwrap()).all(|other| other == first));
     let file = opened(&first);
     let changed = rows(&file, "SELECT DISTINCT last_change FROM gpkg_contents");
@@ -161,7 +162,7 @@ fn a_shape_across_the_antimeridian_goes_on() {
     let mut layers = layers();
     let ring = vec![[179.5, 1.0], [-179.5, 1.0], [-179.5, 2.0], [179.5, 1.0]];
     layers[2].features[0].geometry = Geometry::Polygon(ring);
-    let file = opened(&geopackage(&layers, None).unwrap());
+    let file = opened(&package(&layers, None).unwrap());
     let extent = rows(&file, "SELECT min_x, max_x FROM gpkg_contents WHERE table_name = 'areas'");
     assert_eq!(extent, [[Value::Real(179.5), Value::Real(180.5)]]);
 }
@@ -177,9 +178,9 @@ fn layers_that_break_the_rules_are_refused() {
     for (geometry, found) in broken {
         let mut layers = layers();
         layers[2].features[0].geometry = geometry;
-        let said = geopackage(&layers, None).unwrap_err().to_string();
+        let said = package(&layers, None).unwrap_err().to_string();
         assert!(said.contains(found) && said.contains("layer `areas`, feature 0"), "{said}");
     }
-    let twice = geopackage(&[layers(), layers()].concat(), None).unwrap_err().to_string();
+    let twice = package(&[layers(), layers()].concat(), None).unwrap_err().to_string();
     assert!(twice.contains("GeoPackage"), "{twice}");
 }

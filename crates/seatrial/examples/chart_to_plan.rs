@@ -1,0 +1,35 @@
+//! A chart to a plan: three maneuvers off Helsinki as one walk, proved to be the cheapest, checked at sea, and as a route.
+
+use std::error::Error;
+use std::path::Path;
+
+use seatrial::{ChartedTrial, Generator, Search, Vessel, undisturbed};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let vessel = Vessel::from_file(toml::from_str(include_str!("../../../pipelines/helsinki/vessel.toml"))?)?;
+    let maneuvers = toml::from_str(include_str!("../../../pipelines/helsinki/dictionary.toml"))?;
+    let generator = Generator::without_tables(&vessel, &maneuvers)?;
+    let dictionary = undisturbed(&vessel, &generator, vessel.best_known(), "dictionary")?;
+
+    let config = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../pipelines/helsinki/plan.toml"));
+    let mut trial = ChartedTrial::read(config, vessel, dictionary)?;
+    // A quick look: each maneuver once, and a check in few currents.
+    trial.brief.task.maneuvers.iter_mut().for_each(|maneuver| maneuver.count = Some(1));
+    (trial.brief.task.safety.runs, trial.brief.task.safety.vessels) = (Some(48), Some(24));
+
+    let planned = trial.plan(&Search::unlimited(), false)?;
+    println!("{}", planned.document.statement);
+    let check = &planned.sailing.check;
+    println!(
+        "{:.0} s at sea, {:.0} m clear, {} of {} runs aground",
+        check.sailed_s, check.clearance_m, check.aground, check.runs
+    );
+    for leg in planned.document.voyage.iter().flat_map(|voyage| &voyage.legs) {
+        println!("{:6.0} s  {}", leg.start_s, leg.name);
+    }
+    let routes = planned.routes().ok_or("a plan without a part at sea")?;
+    for (name, content) in routes.files().map_err(|(name, invalid)| format!("{name}: {invalid}"))? {
+        println!("{name}: {} bytes", content.len());
+    }
+    Ok(())
+}

@@ -1,0 +1,114 @@
+//! A chart to a plan.
+
+use std::path::Path;
+
+use artifact::{Budget, Error, Provenance, budget};
+use engine::Run;
+use model::Vessel;
+use study::documents::{PlanChart, PlanDocument};
+use study::plan::{ChartsError, Means, PlanFile, Routes, in_tide, of_voyage, read_charts};
+use thiserror::Error;
+use trial::voyage::{Brief, Check, Prepared, Sailing, Search, Solved, VoyageError};
+
+/// Why there is no plan.
+#[derive(Debug, Error)]
+pub enum PlanError {
+    /// A file is refused, or cannot be read.
+    #[error(transparent)]
+    File(#[from] Error),
+    /// The trial cannot be planned.
+    #[error(transparent)]
+    Voyage(#[from] VoyageError),
+    /// The plan does not pass its check.
+    #[error("plan at sea: {}", .0.faults.join(", "))]
+    Unsafe(Box<Check>),
+}
+
+/// A trial to be planned on charts.
+#[derive(Clone, Debug)]
+pub struct ChartedTrial {
+    /// What is asked of which vessel, with the charts and a run of every maneuver.
+    pub brief: Brief,
+    /// What became of the charts' objects and depths.
+    pub charts: Vec<PlanChart>,
+}
+
+impl ChartedTrial {
+    /// The trial that `plan.toml` at `file` asks of `vessel`, on the charts and in the tide that it names. `dictionary` has a
+    /// run of every maneuver.
+    ///
+    /// # Errors
+    /// Files that are refused; a trial without place on its charts.
+    pub fn read(file: &Path, vessel: Vessel, dictionary: Vec<Run>) -> Result<Self, PlanError> {
+        let mut provenance = Provenance::default();
+        let config: PlanFile = provenance.read_toml("plan", "plan", file)?;
+        let vessel = vessel.with_disturbances_held();
+        let task = config.task(&vessel).map_err(|e| Error::invalid(file, e))?;
+        let task = in_tide(file, &config, task, &mut provenance)?;
+        let (layers, chart_bytes) = (Vec::new(), 0);
+        let brief = Brief { vessel, task, layers, chart_bytes, dictionary, design: None, seed: 1 };
+        Self::on_charts(brief, (file, &config), (budget(), &|| true), &mut provenance)
+    }
+
+    /// The trial of `brief` on the charts that `config`, which stands in `file`, names: read within the memory of `budget`, as
+    /// long as `go_on` says so. Their digests are noted in `provenance`.
+    ///
+    /// # Errors
+    /// See [`ChartedTrial::read`]; the end of the time.
+    pub fn on_charts(
+        mut brief: Brief,
+        (file, config): (&Path, &PlanFile),
+        (budget, go_on): (&Budget, &(dyn Fn() -> bool + Sync)),
+        provenance: &mut Provenance,
+    ) -> Result<Self, PlanError> {
+        let (plane, bounds) = brief.sight()?;
+        let means = Means { area: (&plane, &bounds), budget, go_on };
+        let charts = read_charts(file, config, &means, provenance).map_err(|error| match error {
+            ChartsError::Refused(error) => PlanError::File(error),
+            ChartsError::OutOfTime => VoyageError::OutOfTime("the reading of its charts").into(),
+        })?;
+        (brief.layers, brief.chart_bytes) = (charts.layers, charts.bytes);
+        Ok(Self { brief, charts: charts.told })
+    }
+
+    /// The cheapest plan that passes its check; with `unsafe_too` one that does not, where none does.
+    ///
+    /// # Errors
+    /// No plan, or none in time; one that lasts longer than its slot.
+    pub fn plan(self, search: &Search, unsafe_too: bool) -> Result<Planned, PlanError> {
+        let mut prepared = Prepared::new(self.brief, search)?;
+        let (solved, sailing) = prepared.plan(search, unsafe_too)?;
+        if !(unsafe_too || sailing.check.safe) {
+            return Err(PlanError::Unsafe(Box::new(sailing.check)));
+        }
+        prepared.check_slot(&sailing.sailed)?;
+        let document = PlanDocument { charts: self.charts, ..of_voyage(&prepared, &solved, &sailing) };
+        Ok(Planned { prepared, solved, sailing, document })
+    }
+}
+
+/// A plan on a chart.
+#[derive(Clone, Debug)]
+pub struct Planned {
+    /// Chart, lattice and rehearsed legs.
+    pub prepared: Prepared,
+    /// What was searched, and what was found.
+    pub solved: Solved,
+    /// The plan as simulated at sea, and its check.
+    pub sailing: Sailing,
+    /// `plan.json`.
+    pub document: PlanDocument,
+}
+
+impl Planned {
+    /// The plan as routes and tracks in formats of others; none without a part at sea.
+    pub fn routes(&self) -> Option<Routes<'_>> {
+        Some(Routes {
+            plane: self.prepared.chart.plane(),
+            document: &self.document,
+            voyage: self.document.voyage.as_ref()?,
+            sailed: &self.sailing.sailed,
+            sample_s: 1.0 / self.prepared.brief.vessel.sample_rate_hz,
+        })
+    }
+}

@@ -1,0 +1,73 @@
+//! The structure of a model, found from recordings.
+
+use identification::pooled::PooledRuns;
+use identification::terms::listed;
+use model::{Model, Vessel};
+use refusal::Invalid;
+use search::{NamedRoles, Roles, SearchError, SearchOptions, library, search, with_channels};
+use study::TermLists;
+use study::documents::{AverageDocument, ModelDocument, SearchDocument};
+use validation::comparison::Magnitudes;
+
+/// Where a search begins, and the terms that it goes through.
+#[derive(Clone, Debug)]
+pub struct StructureSearch {
+    /// The vessel, whose terms the search begins with, and the channels that the terms need: runs have all of them.
+    pub vessel: Vessel,
+    /// Its model with all terms that are searched through.
+    pub library: Model,
+}
+
+impl StructureSearch {
+    /// Through the library of terms that the channels of `vessel` suggest in these roles.
+    ///
+    /// # Errors
+    /// Roles of channels that there are not.
+    pub fn by_roles(vessel: Vessel, roles: &NamedRoles) -> Result<Self, Invalid> {
+        let roles = Roles::new(&vessel.model, roles)?;
+        let (model, roles) = with_channels(&vessel.model, &roles)?;
+        let library = library(&model, &roles);
+        Ok(Self { vessel: Vessel { model, ..vessel }, library })
+    }
+
+    /// Through these terms.
+    ///
+    /// # Errors
+    /// A term of channels that there are not.
+    pub fn by_terms(vessel: Vessel, TermLists { surge, sway, yaw }: &TermLists) -> Result<Self, Invalid> {
+        let library = listed(&vessel.model, [surge, sway, yaw])?;
+        Ok(Self { vessel, library })
+    }
+
+    /// Searches `runs`; `done` is called with the number of fits that are done, of [`SearchOptions::fits`] at most.
+    ///
+    /// # Errors
+    /// Too few recordings; no model that follows them.
+    pub fn find(
+        &self,
+        runs: &PooledRuns,
+        options: &SearchOptions,
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Result<FoundStructure, SearchError> {
+        let vessel = &self.vessel;
+        let found = search(&vessel.model, &self.library, runs, options, done)?;
+        let Ok(magnitudes) = Magnitudes::of(&vessel.model, runs, vessel.sample_rate_hz);
+        let averaged = |all| AverageDocument::new(vessel, all, found.samples, magnitudes.as_ref());
+        Ok(FoundStructure {
+            search: SearchDocument::new(vessel, options, &found),
+            average: found.average.as_ref().map(averaged),
+            model: ModelDocument { magnitudes, ..ModelDocument::searched(vessel, &found) },
+        })
+    }
+}
+
+/// What a search found.
+#[derive(Clone, Debug)]
+pub struct FoundStructure {
+    /// `search.json`: how it was found, and how far it can be trusted.
+    pub search: SearchDocument,
+    /// `model.json`.
+    pub model: ModelDocument,
+    /// `average.json`, where several models were asked for.
+    pub average: Option<AverageDocument>,
+}
