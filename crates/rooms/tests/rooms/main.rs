@@ -1,6 +1,7 @@
 //! The house of ARCHITECTURE.md as it is built: which crate may use which, what the science may know, how large a room is.
 
 mod circles;
+mod features;
 mod pages;
 mod source;
 
@@ -21,7 +22,7 @@ const FLOORS: [&[&str]; 12] = [
     &["report", "seatrial"],
     &["cli"],
     &["programs"],
-    &["bench"],
+    &["bench", "rooms", "workspace-hack"],
 ];
 
 /// The crates that compute, and the one that says in other languages what is computed.

@@ -1,0 +1,1 @@
+//! Nothing: its dependencies ask for the features that a build of the whole workspace unites.
