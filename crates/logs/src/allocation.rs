@@ -1,32 +1,33 @@
 use crate::{Setting, Thruster};
 
-/// Forces that the thrusters cannot make together, whatever their settings.
+/// Forces that no settings of the thrusters produce together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unreachable {
     /// Which of τ1, τ2, τ3, from 0.
     pub force: usize,
-    /// What is wanted of it \[N or N m\].
+    /// The demanded value \[N or N m\].
     pub wanted: f64,
-    /// What follows from those before it.
+    /// The value that follows from the forces before it.
     pub made: f64,
 }
 
 /// Least-norm thrust allocation: the inverse of [`Thruster::forces`] summed over azimuth thrusters.
 ///
-/// With the thrusters' force components f = (X₁, Y₁, X₂, Y₂, …) the forces are τ = B f, with the rows
-/// (1, 0, …), (0, 1, …), (−l_y, l_x, …). Of all f that make τ the one of least norm is f = Bᵀ(BBᵀ)⁻¹τ (Fossen, Handbook of
-/// Marine Craft Hydrodynamics and Motion Control, 12.3, with equal weights); here by B = L Q with orthonormal rows of Q,
-/// which also tells what cannot be made where B lacks rank.
+/// With the thrusters' force components f = (X₁, Y₁, X₂, Y₂, …) the forces are τ = B f, with the rows (1, 0,
+/// …), (0, 1, …), (−l_y, l_x, …). Of all f that produce τ the one of least norm is f = Bᵀ(BBᵀ)⁻¹τ (Fossen,
+/// Handbook of Marine Craft Hydrodynamics and Motion Control, 12.3, with equal weights). It is computed from
+/// B = L Q with orthonormal rows of Q, which also shows which forces a rank-deficient B cannot produce.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Allocation {
     thrusters: Vec<Thruster>,
     /// Orthonormal rows, 2 per thruster.
     q: Vec<Vec<f64>>,
-    /// Per force: its coefficients on the rows of `q`; the last belongs to a row of its own if `own`.
+    /// Per force, its coefficients on the rows of `q`; the last coefficient belongs to a row of its own if
+    /// the flag is set.
     l: Vec<(Vec<f64>, bool)>,
 }
 
-/// A row of B counts as dependent on those before it if less than this part of it is left.
+/// A row of B counts as dependent on the rows before it if less than this share of it remains.
 const DEPENDENT: f64 = 1e-9;
 
 impl Allocation {
@@ -56,7 +57,7 @@ impl Allocation {
         Self { thrusters, q, l }
     }
 
-    /// τ1, τ2 \[N\] and τ3 \[N m\] that all thrusters make together.
+    /// τ1, τ2 \[N\] and τ3 \[N m\] that all thrusters produce together.
     pub fn forces(&self, settings: &[Setting]) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for (thruster, setting) in self.thrusters.iter().zip(settings) {
@@ -69,7 +70,7 @@ impl Allocation {
     /// Forward and starboard force of each thruster \[N\] for `tau` = τ1, τ2 \[N\], τ3 \[N m\].
     ///
     /// # Errors
-    /// Forces that no settings make.
+    /// Forces that no settings produce.
     pub fn components(&self, tau: [f64; 3]) -> Result<Vec<[f64; 2]>, Unreachable> {
         let largest = tau.iter().fold(0.0_f64, |most, t| most.max(t.abs()));
         let mut y: Vec<f64> = Vec::new();
@@ -90,11 +91,11 @@ impl Allocation {
         Ok(f.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect())
     }
 
-    /// Settings that make `tau`, each turned as little as can be from `near`: a thruster is reversed rather than turned by
-    /// more than a quarter, and one without force stays as it points.
+    /// Settings that produce `tau`, each turned as little as possible from `near`: a thruster is reversed
+    /// rather than turned by more than a quarter turn, and one without force keeps its direction.
     ///
     /// # Errors
-    /// Forces that no settings make.
+    /// Forces that no settings produce.
     pub fn settings(&self, tau: [f64; 3], near: &[Setting]) -> Result<Vec<Setting>, Unreachable> {
         let components = self.components(tau)?;
         let of = |((thruster, force), near): ((&Thruster, [f64; 2]), &Setting)| {

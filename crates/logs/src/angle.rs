@@ -8,13 +8,13 @@ pub struct Unwrapping {
 }
 
 impl Unwrapping {
-    /// The next angle, without a jump from the one before it.
+    /// The next angle, without a jump from the previous one.
     pub fn next(&mut self, angle: f64) -> f64 {
         if let Some(last) = self.last {
             let step = angle + self.turns - last;
             self.turns -= TAU * (step / TAU).round();
         }
-        // The first stays as it is, to the last bit.
+        // The first angle is passed on bit for bit.
         let unwrapped = if self.last.is_some() { angle + self.turns } else { angle };
         self.last = Some(unwrapped);
         unwrapped

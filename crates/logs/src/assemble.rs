@@ -1,8 +1,8 @@
 use crate::grid::known_rows;
 use crate::unassembled::MOST_ROWS;
 use crate::{
-    Channels, Conventions, Grid, Method, Samples, Series, Stretch, Unassembled, body_velocity, euler,
-    prepare, stretches,
+    Channels, Conventions, Grid, Method, Samples, Section, Series, Unassembled, body_velocity, euler,
+    prepare, sections,
 };
 
 /// A recording on one clock. All channels have `grid.rows` values, NaN where unknown.
@@ -12,17 +12,17 @@ pub struct Assembled {
     pub grid: Grid,
     /// Surge, sway \[m/s\] and yaw rate \[rad/s\].
     pub measured: [Samples; 3],
-    /// The inputs and measured disturbances that were asked for.
+    /// The requested inputs and measured disturbances.
     pub exogenous: Vec<Samples>,
-    /// The further channels that were asked for.
+    /// The requested further channels.
     pub further: Vec<Samples>,
-    /// Where all but the further channels are known.
-    pub stretches: Vec<Stretch>,
+    /// The sections in which all but the further channels are known.
+    pub sections: Vec<Section>,
 }
 
-/// Puts measured channels on one clock: [`prepare`], velocities, averages, linear interpolation, stretches. The clock
-/// starts where the last of the needed channels does: `exogenous` are the inputs and measured disturbances, `further`
-/// channels may be absent at some samples.
+/// Puts measured channels on one clock: [`prepare`], velocities, averages, linear interpolation, sections.
+/// The clock starts where the last of the needed channels does: `exogenous` are the inputs and measured
+/// disturbances, `further` channels may be absent at some samples.
 ///
 /// # Errors
 /// See [`Unassembled`].
@@ -35,8 +35,8 @@ pub fn assemble(
     on_one_clock(prepare(channels, conventions)?, conventions, [exogenous, further], MOST_ROWS)
 }
 
-/// [`assemble`] of channels that are prepared, on at most `most_rows` rows. Each channel goes once it is on the common clock:
-/// of a long recording there is no room for all of them twice.
+/// [`assemble`] for prepared channels, on at most `most_rows` rows. Each channel is dropped once it is on the
+/// common clock: a long recording does not fit into memory twice.
 pub(crate) fn on_one_clock(
     channels: Channels,
     conventions: &Conventions,
@@ -53,21 +53,22 @@ pub(crate) fn on_one_clock(
     on_grid.keep(|name| exogenous.contains(&name) || further.contains(&name));
     let exogenous = on_grid.all(exogenous, further)?;
     let further = on_grid.all(further, &[])?;
-    let stretches = stretches(&measured, &exogenous);
-    if stretches.is_empty() {
+    let sections = sections(&measured, &exogenous);
+    if sections.is_empty() {
         return Err(Unassembled::NoOverlap);
     }
-    Ok(Assembled { grid, measured, exogenous, further, stretches }.trimmed())
+    Ok(Assembled { grid, measured, exogenous, further, sections }.trimmed())
 }
 
 impl Assembled {
-    /// How many gaps split it: between stretches, and between these and rows that stand alone before the first or after the last.
+    /// How many gaps split it: between sections, and between these and isolated rows before the first or
+    /// after the last.
     pub(crate) fn splits(&self) -> usize {
-        let (Some(first), Some(last)) = (self.stretches.first(), self.stretches.last()) else { return 0 };
+        let (Some(first), Some(last)) = (self.sections.first(), self.sections.last()) else { return 0 };
         let is_known = |channel: &Samples| channel.range(0..1).next().is_some_and(f64::is_finite);
         let before = first.start > 0 && self.measured.iter().chain(&self.exogenous).all(is_known);
         let after = last.start + last.samples + 1 < self.grid.rows;
-        self.stretches.len() - 1 + usize::from(before) + usize::from(after)
+        self.sections.len() - 1 + usize::from(before) + usize::from(after)
     }
 
     /// Without the last rows at which the states are not known.
@@ -106,7 +107,7 @@ fn common_clock<'a>(
         start = start.max(first);
         end = end.min(last);
     }
-    // One row more, whose inputs may be unknown.
+    // One row more, because the last state needs no inputs.
     Ok(Grid::new(start, end + 1.0 / rate_hz, rate_hz))
 }
 
@@ -137,7 +138,7 @@ impl OnGrid<'_> {
         self.channels.retain(|name, _| wanted(name));
     }
 
-    /// The channels called `names`; those that are not asked for `later` go.
+    /// The channels called `names`; those that are not in `later` are moved out.
     fn all(&mut self, names: &[&str], later: &[&str]) -> Result<Vec<Samples>, Unassembled> {
         let mut all = Vec::with_capacity(names.len());
         for name in names {
@@ -147,7 +148,7 @@ impl OnGrid<'_> {
         Ok(all)
     }
 
-    /// Surge, sway and yaw rate: measured, or else from positions.
+    /// Surge, sway and yaw rate: measured, or else derived from positions.
     fn velocities(&self) -> Result<[Samples; 3], Unassembled> {
         let names = ["y_u", "y_v", "y_r"];
         let absent = names.map(|name| !self.channels.contains_key(name));

@@ -5,11 +5,13 @@ use refusal::Invalid;
 use crate::columns::cell_of;
 use crate::{Cells, QuaternionSpec, Samples};
 
-/// Heading, roll and pitch \[rad\] of the quaternion in `cells` (w, x, y, z), those that `spec` asks for: turns about the
-/// vertical, the forward and the transverse axis, in this order. `line` tells where a row stands.
+/// Heading, roll and pitch \[rad\] of the quaternion in `cells` (w, x, y, z), as far as `spec` names channels
+/// for them: rotations about the vertical, the forward and the transverse axis, in this order. `line` says on
+/// which line a row stands.
 ///
 /// # Errors
-/// The first row whose quaternion is not of unit length, or puts the ship upside down: then its axes are others.
+/// The first row whose quaternion is not of unit length or puts the ship upside down, which means that its
+/// axes are different ones.
 pub(crate) fn angles(
     spec: &QuaternionSpec,
     cells: [Cells; 4],
@@ -39,7 +41,7 @@ fn numbers(cells: Cells) -> Samples {
     }
 }
 
-/// Refuses what is no rotation of a ship; a quaternion with a missing part is missing.
+/// Refuses quaternions that are not the rotation of a ship; one with a missing component is missing.
 fn check(spec: &QuaternionSpec, [w, x, y, z]: [f64; 4], line: impl Fn() -> String) -> Result<(), Invalid> {
     let length = libm::sqrt(w * w + x * x + y * y + z * z);
     let called = || cell_of(line(), &spec.columns().map(String::as_str).join("`, `"));
@@ -51,7 +53,7 @@ fn check(spec: &QuaternionSpec, [w, x, y, z]: [f64; 4], line: impl Fn() -> Strin
             "correct or empty the row, check the columns, or raise the quaternion's `tolerance`",
         ));
     }
-    // The vertical of the ship along that of the earth.
+    // Compares the ship's vertical with the earth's.
     if 1.0 - 2.0 * (x * x + y * y) < 0.0 {
         return Err(Invalid::new(
             called(),
@@ -67,7 +69,7 @@ fn check(spec: &QuaternionSpec, [w, x, y, z]: [f64; 4], line: impl Fn() -> Strin
 fn of_unit([w, x, y, z]: [f64; 4]) -> [f64; 3] {
     let yaw = libm::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
     let roll = libm::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y));
-    // Rounding may go a little beyond a right angle.
+    // Rounding may exceed a right angle slightly.
     let pitch = libm::asin((2.0 * (w * y - z * x)).clamp(-1.0, 1.0));
     [yaw, roll, pitch]
 }
@@ -76,7 +78,7 @@ fn of_unit([w, x, y, z]: [f64; 4]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// The product of turns about z, y and x by these angles.
+    /// The product of rotations about z, y and x by these angles.
     fn turned(yaw: f64, pitch: f64, roll: f64) -> [f64; 4] {
         let product = |[a, b, c, d]: [f64; 4], [e, f, g, h]: [f64; 4]| {
             [

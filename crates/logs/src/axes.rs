@@ -1,12 +1,12 @@
-//! Velocities that are said to be along the ship's axes and are along those of the earth.
+//! Velocities that are declared along the ship's axes but were logged along the earth's.
 
 use refusal::Invalid;
 
 use crate::quality::{Derivatives, at_most};
 use crate::{Channels, Conventions, Frame, body_velocity};
 
-/// Velocities are along the axes of the earth where they are less than this share as far off the derivative of position
-/// there as along the ship's …
+/// Velocities are taken to be along the earth's axes where their distance from the derivative of position
+/// there is less than this share of that along the ship's axes …
 const NEARER: f64 = 0.5;
 
 /// … and less than this share of the speed.
@@ -15,28 +15,29 @@ const NEAR: f64 = 0.3;
 /// Fewest moments to judge by.
 const MOMENTS: usize = 20;
 
-/// Sums of squares over the moments at which all is known \[(m/s)²\].
+/// Sums of squares over the moments at which all channels are known \[(m/s)²\].
 #[derive(Default)]
 struct Squares {
     moments: usize,
     speed: f64,
-    /// Off the derivative of position along the ship's axes; along north and east; along east and north.
+    /// Of the difference from the derivative of position along the ship's axes; along north and east; along
+    /// east and north.
     off: [f64; 3],
-    /// Of the measured velocities; products of these and of the derivatives along the ship's axes, inner and outer.
+    /// Of the measured velocities; their inner and outer products with the derivatives along the ship's axes.
     measured: f64,
     products: [f64; 2],
 }
 
-/// By how much measured velocities are turned against the derivative of position, which the heading turned \[rad\], and
-/// which share of the squares of what they are off it is left without that.
+/// The angle by which measured velocities are rotated against the derivative of position along the ship's
+/// axes \[rad\], and the share of the squared difference that remains without that rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Turned {
     pub(crate) angle: f64,
     pub(crate) left: f64,
 }
 
-/// Refuses measured `y_u` and `y_v` that follow the derivative of position in the axes of the earth and not in the ship's; else
-/// how these are turned against it.
+/// Refuses measured `y_u` and `y_v` that follow the derivative of position along the earth's axes and not
+/// along the ship's; else returns by how much they are rotated against it.
 pub(crate) fn check_axes(
     channels: &Channels,
     derivatives: &Derivatives,
@@ -73,7 +74,7 @@ pub(crate) fn check_axes(
 }
 
 impl Squares {
-    /// None where there are too few moments, or no motion.
+    /// `None` where there are too few moments, or no motion.
     fn turned(&self) -> Option<Turned> {
         let [inner, outer] = self.products;
         let (length, off) = (libm::hypot(inner, outer), self.off[0]);
@@ -94,11 +95,11 @@ impl Squares {
         Err(Invalid::new(
             "channels `y_u` and `y_v`",
             format!(
-                "velocities along the axes of the earth: {earth:.3} m/s off the derivative of position there, \
-                 {body:.3} m/s off it along the ship's axes"
+                "velocities along the axes of the earth: they differ from the derivative of position by {earth:.3} m/s \
+                 there and by {body:.3} m/s along the ship's axes"
             ),
             "velocities along the ship's axes, forward and sideways",
-            format!("call the channels {names}, which are turned by the heading, or leave them out"),
+            format!("call the channels {names}, which are rotated by the heading, or remove them"),
         ))
     }
 }

@@ -31,7 +31,7 @@ impl TimeUnit {
         }
     }
 
-    /// Whether a text in ISO 8601 has a time of day, and not a day alone.
+    /// Whether a text in ISO 8601 has a time of day, and not only a date.
     pub(crate) fn has_time(text: &str) -> bool {
         text.get(10..).is_some_and(|rest| rest.starts_with(['T', 't', ' ']))
     }
@@ -63,10 +63,10 @@ pub enum Repeated {
     Spread,
 }
 
-/// The rows of a file in the order of time, each time once.
+/// The rows of a file in order of time, each time once.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Order {
-    /// Rows that stay, in order.
+    /// The remaining rows, in order.
     pub rows: Vec<u32>,
     /// Rows left out because an earlier row has the same time.
     pub repeated: usize,
@@ -85,8 +85,8 @@ pub struct Backwards {
     pub latest: f64,
 }
 
-/// Orders rows by their `times` (\[s\]); rows without one (not finite) stay out. Where rows are to be sorted, all times are
-/// held in memory.
+/// Orders rows by their `times` (\[s\]) and leaves out rows without a time (not finite). Sorting holds all
+/// times in memory.
 ///
 /// # Errors
 /// The first row that is earlier than a row before it, where `policy` refuses that.

@@ -5,7 +5,7 @@ use refusal::{Invalid, foreign, nearest};
 
 use crate::{Fractions, Labels, Numbering, Omissions, Samples, Store, WarningSummary};
 
-/// A column that is asked for.
+/// A requested column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wanted {
     /// Its name.
@@ -28,14 +28,14 @@ pub enum Content {
 /// The values of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cells {
-    /// NaN where there is no value; of dates the seconds since 1970.
+    /// NaN where there is no value; for dates the seconds since 1970.
     Numbers(Samples),
     /// Empty where there is none.
     Labels(Labels),
 }
 
 impl Cells {
-    /// No cells yet of a column that holds `content`; numbers are put aside in `store` where there is one.
+    /// An empty column for `content`; `store`, if any, takes blocks of numbers.
     pub fn none(content: Content, store: Option<&Arc<dyn Store>>) -> Self {
         match content {
             Content::Labels => Self::Labels(Labels::default()),
@@ -46,10 +46,10 @@ impl Cells {
     }
 }
 
-/// The columns of a file as asked for.
+/// The requested columns of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Columns {
-    /// In the order asked for.
+    /// In the order requested.
     pub cells: Vec<Cells>,
     /// Line (CSV) or row (Parquet) of every row, from 1.
     pub lines: Numbering,
@@ -65,15 +65,15 @@ pub struct Columns {
     pub repeated: usize,
     /// Whether rows follow a stamp with their time.
     pub is_stamped: bool,
-    /// Whether rows may come late: they are put in the order of time.
+    /// Whether rows may be late, so that they have to be sorted by time.
     pub is_sorted: bool,
-    /// Sentences of the clock that came late and told no time.
+    /// Sentences of the clock that came late and set no time.
     pub late: usize,
-    /// What is odd about them.
+    /// Oddities of these columns.
     pub warnings: Vec<WarningSummary>,
-    /// Columns with clocks of their own, in place of those above.
+    /// Columns with clocks of their own, which replace those above.
     pub apart: Vec<Apart>,
-    /// What came up about the times.
+    /// Findings about the times.
     pub clock: ClockNotes,
 }
 
@@ -91,7 +91,7 @@ impl Columns {
         })
     }
 
-    /// The rows of a file called `name`, which come before those of others.
+    /// Names the file that the rows are from; its rows come before those of others.
     #[must_use]
     pub fn of_part(mut self, name: &str) -> Self {
         self.lines = self.lines.of_part(name);
@@ -101,7 +101,7 @@ impl Columns {
         self
     }
 
-    /// Appends the rows of `others`, the same columns of a file that goes on where this one ends.
+    /// Appends the rows of `others`, the same columns of the file that follows.
     pub fn append(&mut self, mut others: Self) {
         self.append_apart(&mut others);
         let Self { cells, lines, empty_rows, cut_rows, wrong_checksums, omitted, clock, .. } = others;
@@ -110,7 +110,7 @@ impl Columns {
         self.late += others.late;
         self.repeated += others.repeated;
         self.warnings.extend(others.warnings);
-        // Its clock has not been told of a second 60 in a file before.
+        // The clock continues into the next file, which knows of no leap second in an earlier one.
         let leap_s = self.clock.leap_s.filter(|_| clock.leap_s.is_none() && !self.clock.of_day);
         for (place, (own, other)) in self.cells.iter_mut().zip(cells).enumerate() {
             let late =
@@ -133,7 +133,8 @@ impl Columns {
         self.clock.fractions.append(clock.fractions);
     }
 
-    /// Appends the columns of the sensors of `others`; those that tell no date go on a day later where they begin anew.
+    /// Appends the columns of the sensors of `others`; dateless ones continue a day later where they begin
+    /// anew.
     fn append_apart(&mut self, others: &mut Self) {
         let begins_anew = match (self.span(), others.span()) {
             (Some([_, last]), Some([first, _])) => others.clock.of_day && first < last - 0.5 * DAY,
@@ -158,9 +159,10 @@ impl Columns {
 /// Columns of one sensor, the first of them its clock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Apart {
-    /// What messages call it.
+    /// Its name in messages.
     pub source: String,
-    /// Places of the channels that the others are, and which choice the sensor is for each, from 0; none where it is none.
+    /// Indices of the channels that the other columns hold, and the sensor's rank among the sources of each,
+    /// from 0; `None` where there is only one source.
     pub channels: Vec<(usize, Option<usize>)>,
     /// The columns.
     pub columns: Columns,
@@ -175,18 +177,18 @@ impl Apart {
 /// A day \[s\].
 const DAY: f64 = 86_400.0;
 
-/// What is known of a file's times once they are read.
+/// What is known about a file's times after reading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClockNotes {
-    /// Whether they are times of a day without a date.
+    /// Whether they are times of day without a date.
     pub of_day: bool,
-    /// The moment of a second 60, from which on they are a second later than clocks showed \[s\].
+    /// The moment of a leap second, from which on they are a second later than the clock showed \[s\].
     pub leap_s: Option<f64>,
-    /// How many decimals they have.
+    /// Their numbers of decimals.
     pub fractions: Fractions,
 }
 
-/// What stands for no value, whatever its case, sign and brackets.
+/// Texts that stand for no value, in any case and with any sign and brackets.
 const NOTHING: [&str; 29] = [
     "",
     "nan",
@@ -219,22 +221,22 @@ const NOTHING: [&str; 29] = [
     "missing",
 ];
 
-/// Whether a cell says that there is no value.
+/// Whether a cell holds no value.
 pub(crate) fn is_nothing(cell: &str) -> bool {
     let cell = cell.trim();
     let is = |text: &str| NOTHING.iter().any(|nothing| nothing.eq_ignore_ascii_case(text));
     is(cell) || cell.strip_prefix(['-', '+']).is_some_and(is)
 }
 
-/// What messages call a cell.
+/// How messages name a cell.
 pub(crate) fn cell_of(line: impl Display, column: &str) -> String {
     format!("line {line}, column `{column}`")
 }
 
-/// The place of each wanted column in `header`.
+/// The index of each wanted column in `header`.
 ///
 /// # Errors
-/// Names all columns that are missing at once, or one that is there several times.
+/// Names all missing columns at once, or one that occurs several times.
 pub fn places(header: &[String], wanted: &[Wanted]) -> Result<Vec<usize>, Invalid> {
     let place = |wanted: &Wanted| header.iter().position(|column| *column == wanted.column);
     let places: Vec<usize> = wanted.iter().filter_map(place).collect();
@@ -242,7 +244,7 @@ pub fn places(header: &[String], wanted: &[Wanted]) -> Result<Vec<usize>, Invali
     if let Some(twice) = wanted.iter().find(|wanted| count(wanted) > 1) {
         let thing = format!("column `{}`", foreign(&twice.column));
         let found = format!("{} of this name", count(twice));
-        let remedy = "rename all but one, so that it is known which is meant";
+        let remedy = "rename all but one, so that the column is unambiguous";
         return Err(Invalid::new(thing, found, "one", remedy));
     }
     if places.len() == wanted.len() {
@@ -269,7 +271,7 @@ pub fn places(header: &[String], wanted: &[Wanted]) -> Result<Vec<usize>, Invali
 /// Names that a message lists at most.
 const LISTED: usize = 12;
 
-/// `names` for a message: of many those that are most like `name`.
+/// `names` for a message; of a long list, those most like `name`.
 pub(crate) fn some_of(names: &[impl AsRef<str>], name: &str) -> String {
     let mut left: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
     let total = left.len();

@@ -1,8 +1,8 @@
-//! Logs as CSV: the columns that are asked for.
+//! Logs as CSV: the requested columns.
 //!
-//! A row is a line: a quote that nobody closes spoils its own row and not the rest of the file, lines have the numbers that
-//! an editor shows, and blank lines are counted. Hence no general reader of CSV, whose rows go on over lines and which
-//! passes over blank ones in silence.
+//! A row is a line: an unclosed quote spoils its own row and not the rest of the file, line numbers are those
+//! of an editor, and blank lines are counted. Hence no general CSV reader: its rows extend over lines and it
+//! silently skips blank ones.
 
 use std::io::BufRead;
 use std::sync::Arc;
@@ -14,18 +14,19 @@ use crate::lines::Lines;
 use crate::row::{Ends, Row};
 use crate::{FileSpec, LogError, Moments, Plan, Store};
 
-/// What separates cells in files that do not separate them as was said.
+/// Separators to suggest for a file that does not use the declared one.
 const SEPARATORS: [char; 4] = [';', '\t', ',', '|'];
 
-/// Rows after which it is known how long rows are.
+/// Rows after which the usual length of a row is known.
 const TYPICAL: usize = 1024;
 
-/// Reads the columns of CSV with a header that `plan` wants of files of group `group`; numbers are put aside in `store`. Where
-/// the text's `length` in bytes is known, too many rows are refused before they are all read.
+/// Reads the columns of CSV with a header that `plan` wants of files of group `group`; `store` takes blocks
+/// of numbers. Where the text's `length` in bytes is known, too many rows are refused before all of them are
+/// read.
 ///
 /// # Errors
-/// Bytes that cannot be read or are no text, missing columns (all at once), a cell that is no number, a row that is too
-/// long or too short. The last row may be too short: then it is left out and counted.
+/// Bytes that cannot be read or are not text, missing columns (all at once), a cell that is not a number, a
+/// row that is too long or too short. A last row that is too short is left out and counted.
 pub fn read_csv<'a>(
     bytes: impl BufRead + 'a,
     length: Option<u64>,
@@ -50,21 +51,21 @@ pub fn read_csv<'a>(
     Ok(reading.finish())
 }
 
-/// What is read so far.
+/// The state of reading.
 struct Reading<'a> {
     plan: &'a Plan,
     spec: &'a FileSpec,
     wanted: Vec<Wanted>,
     header: Vec<String>,
-    /// Columns without those at the end that have no name.
+    /// Number of columns, without unnamed ones at the end.
     named: usize,
-    /// Where the wanted columns stand.
+    /// Indices of the wanted columns.
     places: Vec<usize>,
     columns: Columns,
     moments: Moments<'a>,
-    /// Whether decimals of the time are looked at.
+    /// Whether decimals of the time are counted.
     has_fractions: bool,
-    /// What is said of a row that is too short, unless it is the last.
+    /// The refusal of a row that is too short, unless it turns out to be the last.
     short: Option<Invalid>,
     ends: Ends,
 }
@@ -97,14 +98,14 @@ impl<'a> Reading<'a> {
         })
     }
 
-    /// Takes the row that stands on `line`, which may have no end.
+    /// Takes the row on `line`, which is unfinished unless `is_ended`.
     fn take(&mut self, row: &Row, line: usize, is_ended: bool) -> Result<(), LogError> {
         if let Some(short) = self.short.take() {
             return Err(LogError::Invalid(short));
         }
         let (found, most) = (row.cells.len(), self.plan.most_rows);
         let is_blank = |cell: &str| cell.trim().is_empty();
-        // An empty cell after the last column is none.
+        // An empty cell after the last column does not count.
         let fits = found == self.header.len()
             || found >= self.named && row.cells().skip(self.header.len()).all(is_blank);
         if row.cells().all(is_blank) || self.is_header(row) {
@@ -125,7 +126,7 @@ impl<'a> Reading<'a> {
         Ok(())
     }
 
-    /// Whether a row is the header once more, as where a logger was started again.
+    /// Whether a row repeats the header, as where a logger was restarted.
     fn is_header(&self, row: &Row) -> bool {
         let is = |(cell, name): (&str, &String)| cell.trim() == name;
         self.spec.header && row.cells.len() == self.header.len() && row.cells().zip(&self.header).all(is)
@@ -208,7 +209,7 @@ fn no_number(line: usize, column: &str, found: &str, decimal: char, written_in: 
     Invalid::new(cell_of(line, &foreign(column)), format!("`{}`", foreign(found)), expected, remedy)
 }
 
-/// Appends a number or a label; nothing where it is not what its column holds.
+/// Appends a number or a label; `None` where the cell is not what its column holds.
 fn push(cells: &mut Cells, decimal: char, cell: &str) -> Option<()> {
     match cells {
         Cells::Labels(labels) => labels.push(cell),
@@ -220,14 +221,14 @@ fn push(cells: &mut Cells, decimal: char, cell: &str) -> Option<()> {
 fn number(cell: &str, decimal: char) -> Option<f64> {
     let parsed = match decimal {
         '.' => cell.parse().ok(),
-        // A point between thousands would be taken for that before the decimals.
+        // A point between thousands would be read as the decimal one.
         _ if cell.contains('.') => None,
         _ => cell.replacen(decimal, ".", 1).parse().ok(),
     };
     parsed.or_else(|| is_nothing(cell).then_some(f64::NAN))
 }
 
-/// What is said where columns are missing because the header, one cell as a whole, is separated by something else.
+/// The refusal where columns are missing because the header, a single cell, uses another separator.
 fn other_separator(header: &[String], expected: char, written_in: &str) -> Option<Invalid> {
     let [only] = header else { return None };
     let found = SEPARATORS.into_iter().find(|c| *c != expected && only.contains(*c))?;

@@ -1,29 +1,32 @@
-//! Text as it comes, in UTF-8 or UTF-16, with any ends of lines: read as UTF-8 whose lines end with `\n` or `\r\n`.
+//! Text in UTF-8 or UTF-16, with any line endings: read as UTF-8 whose lines end with `
+//! ` or `\r
+//! `.
 //!
-//! What is so already goes through as it is. The first bytes decide; they are held back for no longer than that.
+//! Text that already has this form passes through unchanged. The first bytes decide, and are held back only
+//! until then.
 
 use std::io::{self, BufRead, Cursor, Read};
 
-/// Bytes that are looked at to know what a text is.
+/// Bytes that are inspected to recognize an encoding.
 const PROBE: usize = 1 << 16;
 
-/// Bytes by which UTF-16 without a mark is known.
+/// Bytes by which UTF-16 without a byte order mark is recognized.
 const PATTERN: usize = 256;
 
-/// A text, and bytes of the file for each of its bytes, to the order.
+/// A text, and roughly how many bytes of the file each of its bytes takes.
 pub(crate) struct Plain<'a> {
     pub(crate) text: Box<dyn BufRead + 'a>,
     pub(crate) width: u64,
 }
 
-/// How characters are written.
+/// A character encoding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Encoding {
     Utf8,
     Utf16 { is_big: bool },
 }
 
-/// The text that `bytes` are.
+/// Decodes `bytes` as text.
 ///
 /// # Errors
 /// Bytes that cannot be read.
@@ -39,14 +42,14 @@ pub(crate) fn plain<'a>(bytes: impl BufRead + 'a) -> io::Result<Plain<'a>> {
     Ok(Plain { text: with_plain_ends(head, 0, text), width: 2 })
 }
 
-/// The first bytes, and what comes after them.
+/// The first bytes, and a reader of the rest.
 fn probed<R: BufRead>(mut bytes: R) -> io::Result<(Vec<u8>, R)> {
     let mut head = Vec::with_capacity(PROBE);
     bytes.by_ref().take(PROBE as u64).read_to_end(&mut head)?;
     Ok((head, bytes))
 }
 
-/// By a mark, whose length comes second, or by zeros at every second place.
+/// By a byte order mark, whose length comes second, or by zeros at every second byte.
 fn encoding(head: &[u8]) -> (Encoding, usize) {
     let marks: [(&[u8], Encoding); 3] = [
         (b"\xEF\xBB\xBF", Encoding::Utf8),
@@ -66,8 +69,8 @@ fn encoding(head: &[u8]) -> (Encoding, usize) {
     }
 }
 
-/// `head` from byte `start` on and then `rest`, with carriage returns that end lines on their own as `\n`. Bytes that are no
-/// text keep theirs.
+/// `head` from byte `start` on and then `rest`, with carriage returns that end lines on their own as `
+/// `. Undecodable bytes are kept as they are.
 fn with_plain_ends<'a>(head: Vec<u8>, start: usize, rest: impl BufRead + 'a) -> Box<dyn BufRead + 'a> {
     let is_odd = !head.contains(&0) && has_lone_returns(&head);
     let mut head = Cursor::new(head);
@@ -76,28 +79,28 @@ fn with_plain_ends<'a>(head: Vec<u8>, start: usize, rest: impl BufRead + 'a) -> 
     if is_odd { Box::new(Converted::new(text, Ends::default())) } else { Box::new(text) }
 }
 
-/// Whether a return is followed by something else than the end of its line.
+/// Whether a carriage return is followed by anything but the end of its line.
 fn has_lone_returns(head: &[u8]) -> bool {
     let after = head.iter().skip(1).chain([&b'\n']);
     head.iter().zip(after).any(|(byte, next)| *byte == b'\r' && !matches!(next, b'\r' | b'\n'))
         || head.len() < PROBE && head.ends_with(b"\r")
 }
 
-/// Makes text of text, some of it at a time.
+/// Converts text block by block.
 trait Convert {
-    /// Appends what `bytes` become to `made`.
+    /// Appends the conversion of `bytes` to `made`.
     fn take(&mut self, bytes: &[u8], made: &mut Vec<u8>);
 
-    /// Appends what is left at the end.
+    /// Appends what remains at the end.
     fn end(&mut self, made: &mut Vec<u8>);
 }
 
-/// What is made of the bytes of `inner`.
+/// A reader of the converted bytes of `inner`.
 struct Converted<R, C> {
     inner: R,
     convert: C,
     made: Vec<u8>,
-    /// How much of it was taken.
+    /// How much of the converted block was read.
     at: usize,
     is_over: bool,
 }
@@ -139,10 +142,11 @@ impl<R: BufRead, C: Convert> Read for Converted<R, C> {
     }
 }
 
-/// Any ends of lines to `\n`: returns before a line feed belong to it, each other one ends a line.
+/// Any line endings to `
+/// `: carriage returns before a line feed belong to it, every other one ends a line.
 #[derive(Default)]
 struct Ends {
-    /// Returns of which it is not known yet.
+    /// Carriage returns whose meaning depends on the next byte.
     returns: usize,
 }
 
@@ -179,7 +183,7 @@ struct Utf16 {
     is_big: bool,
     /// The first byte of a pair.
     byte: Option<u8>,
-    /// The first of two units that are one character.
+    /// A high surrogate, which waits for the low one.
     high: Option<u16>,
 }
 

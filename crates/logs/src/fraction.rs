@@ -1,4 +1,5 @@
-//! Times whose decimals are a whole number of nano- or microseconds, printed without leading zeros: `12.5` for 12 s and 5 µs.
+//! Times whose decimals are a whole number of nano- or microseconds, printed without leading zeros: `12.5`
+//! for 12 s and 5 µs.
 
 use numerics::statistics::median_again;
 
@@ -10,17 +11,17 @@ use crate::samples::steps;
 pub struct Fractions {
     /// One per row.
     digits: Vec<u8>,
-    /// A time was seen that no such number stands in.
+    /// A time was seen that cannot be such a number.
     is_plain: bool,
-    /// Some end in zero, which a number that is written as short as can be does not.
+    /// Some end in zero, as numbers in shortest form do not.
     has_zeros: bool,
 }
 
-/// How much more even steps must be before times are read another way.
+/// How much more even steps must become before times are read the other way.
 const MORE_EVEN: f64 = 4.0;
 
 impl Fractions {
-    /// Looks at the time of the next row, whose decimals stand after `decimal`.
+    /// Takes the time of the next row, whose decimals follow `decimal`.
     pub fn see(&mut self, text: &str, decimal: char) {
         if self.is_plain {
             return;
@@ -36,7 +37,7 @@ impl Fractions {
         }
     }
 
-    /// What `others` has of the rows after these.
+    /// Appends the decimals of the following rows.
     pub(crate) fn append(&mut self, others: Self) {
         self.is_plain |= others.is_plain;
         self.has_zeros |= others.has_zeros;
@@ -66,7 +67,7 @@ impl Fractions {
             let number = ((time - whole) * 10_f64.powi(i32::from(*digits))).round();
             whole + number * 10_f64.powi(-unit)
         }));
-        // As many digits in all rows may be what was printed, zeros at the end too.
+        // If all rows have equally many digits, they were printed so, with zeros at the end.
         match least < most && self.has_zeros || is_more_even(&meant, &times) {
             true => (meant, lengths().filter(|digits| i32::from(*digits) < unit).count()),
             false => (times, 0),
@@ -74,7 +75,7 @@ impl Fractions {
     }
 }
 
-/// Whether the steps of `times` go back less often than those of `others`, or else are far more even.
+/// Whether the steps of `times` go back less often than those of `others`, or are far more even.
 fn is_more_even(times: &Samples, others: &Samples) -> bool {
     let [own, other] = [times, others].map(|times| {
         let steps = || steps(times.iter().filter(|time| time.is_finite()));
@@ -131,7 +132,7 @@ mod tests {
 
     /// Four digits in every row: 2.0 to 8.6 ms after each second.
     #[test]
-    fn numbers_of_as_many_digits_are_told_by_how_even_their_steps_are() {
+    fn numbers_of_as_many_digits_are_recognized_by_how_even_their_steps_are() {
         let micros = |k: usize| 2000 + (k * 7 % 13) * 550;
         let texts: Vec<String> = (0..61).map(|k| format!("{}.{}", 50_000 + k, micros(k))).collect();
         let (found, moved) = padded(&texts);

@@ -38,18 +38,20 @@ impl Grid {
     }
 }
 
-/// Rows that can be one run: N samples with inputs, and the state after the last of them.
+/// A gap-free section of rows that can be one run: N samples with inputs, and the state after the last of
+/// them.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Stretch {
+pub struct Section {
     /// First row.
     pub start: usize,
     /// Number of samples N; rows `start..=start + samples`.
     pub samples: usize,
 }
 
-/// The longest stretches of at least one sample in which every state (`measured`) and every input (`exogenous`) is known;
-/// after the last sample the states alone. Channels have equally many rows, NaN where unknown.
-pub fn stretches(measured: &[Samples; 3], exogenous: &[Samples]) -> Vec<Stretch> {
+/// The longest sections of at least one sample in which every state (`measured`) and every input
+/// (`exogenous`) is known; after the last sample only the states. Channels have equally many rows, NaN where
+/// unknown.
+pub fn sections(measured: &[Samples; 3], exogenous: &[Samples]) -> Vec<Section> {
     let (mut states, mut inputs) = (all(measured), all(exogenous));
     let (mut out, mut start) = (Vec::new(), None);
     for row in 0..=measured[0].len() {
@@ -60,7 +62,7 @@ pub fn stretches(measured: &[Samples; 3], exogenous: &[Samples]) -> Vec<Stretch>
             Some(first) if !inside || known != [true; 2] => {
                 let last = if inside && known[0] { row } else { row - 1 };
                 if last > first {
-                    out.push(Stretch { start: first, samples: last - first });
+                    out.push(Section { start: first, samples: last - first });
                 }
                 start = None;
             }
@@ -80,7 +82,7 @@ fn all(channels: &[Samples]) -> Vec<Values<'_>> {
     channels.iter().map(Samples::iter).collect()
 }
 
-/// Whether the next values of all `channels` are known. Each is asked.
+/// Whether the next values of all `channels` are known. Every iterator advances.
 fn next_known(channels: &mut [Values]) -> bool {
     channels.iter_mut().fold(true, |known, values| known & values.next().is_some_and(f64::is_finite))
 }

@@ -1,4 +1,4 @@
-//! A log of the columns of a file: on one clock, or of several sensors, each with a clock of its own.
+//! A log from the columns of a file: on one clock, or of several sensors, each with a clock of its own.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use crate::{
     WarningSummary,
 };
 
-/// What one sensor has of a channel.
+/// A sensor's values of a channel.
 struct Choice {
     rank: usize,
     source: String,
@@ -21,7 +21,7 @@ struct Choice {
 }
 
 impl Log {
-    /// The log that stands in `columns`, those that [`Plan::wanted`] names for `group`.
+    /// The log made of `columns`, which are those that [`Plan::wanted`] names for `group`.
     ///
     /// # Errors
     /// Time going backwards, no rows, angles in another unit.
@@ -34,7 +34,7 @@ impl Log {
     }
 }
 
-/// The log that stands in `columns`, all of which are apart.
+/// The log made of `columns` whose sensors all have clocks of their own.
 fn joined(columns: Columns, group: usize, plan: &Plan) -> Result<Log, Invalid> {
     let spec = &plan.setup.files[group];
     let mut choices: Vec<Vec<Choice>> = spec.channel.iter().map(|_| Vec::new()).collect();
@@ -53,7 +53,7 @@ fn joined(columns: Columns, group: usize, plan: &Plan) -> Result<Log, Invalid> {
         let Some(log) = of_sensor(columns, &own, group, plan, &mut counts)? else { continue };
         omitted.append(&log.omitted, |channel| channel);
         let rows = log.times.len();
-        // The recording begins with the first of them.
+        // The recording begins with the sensor that begins first.
         if times.first().is_none_or(|first| log.times.first().is_some_and(|own| own < first)) {
             times = log.times;
         }
@@ -89,7 +89,7 @@ fn joined(columns: Columns, group: usize, plan: &Plan) -> Result<Log, Invalid> {
     Ok(Log { warnings, ..joined })
 }
 
-/// The log of one sensor; none where none of its rows has a time.
+/// The log of one sensor; `None` where none of its rows has a time.
 fn of_sensor(
     columns: Columns,
     channels: &[usize],
@@ -111,8 +111,8 @@ fn of_sensor(
     Ok(Some(log))
 }
 
-/// The channel from the best of its sources, its gaps filled from the others; what it looked like, and how many
-/// rows it has.
+/// The channel from the best of its sources, its gaps filled from the others; how it looked as logged, and
+/// how many rows it has.
 fn chosen(
     mut own: Vec<Choice>,
     spec: &ChannelSpec,
@@ -141,8 +141,8 @@ fn chosen(
     (series, first.seen, rows)
 }
 
-/// `first` with the values of `other` in its gaps, before it and after it; angles, which begin anew after a `turn`, go on without
-/// jumps.
+/// `first` with the values of `other` in its gaps, before it and after it; angles, which wrap after a `turn`,
+/// continue without jumps.
 fn filled(first: &Series, other: &Series, turn: Option<f64>) -> Series {
     let mut merged: Vec<(f64, f64)> = Vec::with_capacity(first.t.len());
     let mut others = other.t.iter().zip(other.values.iter()).peekable();

@@ -1,4 +1,4 @@
-/// Where the antenna is, seen from the reference point, in body axes (x forward, y starboard) \[m\].
+/// The antenna's position relative to the reference point, in body axes (x forward, y starboard) \[m\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lever(pub [f64; 2]);
 

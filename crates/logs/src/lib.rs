@@ -3,15 +3,17 @@
 //! Knows no files. Axes: earth x north, y east, heading `psi` clockwise from north; body x forward, y starboard, z down
 //! (NED and FRD). Numbers are in SI units and radians once [`unit()`] has converted them.
 //!
-//! A [`Setup`] says how the logs were made; a [`Plan`] decides which channels a vessel needs of them. [`sources`] finds the
-//! files of each recording by their names, [`read_csv`], [`read_nmea`] and [`read_bag`] their columns, [`Log`] puts these on a clock, and [`record`] makes
-//! runs of the logs of a recording and says how good their data are.
+//! A [`Setup`] says how the logs were made; a [`Plan`] decides which channels a vessel needs. [`sources`]
+//! finds the files of each recording by their names, [`read_csv`], [`read_nmea`] and [`read_bag`] read their
+//! columns, [`Log`] puts these on a clock, and [`record`] makes runs of the logs of a recording and assesses
+//! their data.
 //!
-//! A recording is a set of [`Series`], one per channel, each with a clock of its own. [`assemble`] turns it into channels
-//! on one clock; [`Segmentation`] cuts them into sub-experiments; [`consistency`] and [`noise_std`] say how good they are.
+//! A recording is a set of [`Series`], one per channel, each with a clock of its own. [`assemble`] turns it
+//! into channels on one clock; [`Segmentation`] cuts them into sub-experiments; [`consistency`] and
+//! [`noise_std`] measure their quality.
 //!
-//! The other way round, [`Allocation`] turns forces into thruster settings, and [`chain`] into what a ship's instruments
-//! would have logged.
+//! In the other direction, [`Allocation`] turns forces into thruster settings, and [`chain`] into what a
+//! ship's instruments would have logged.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -28,6 +30,7 @@ mod columns;
 mod contradiction;
 mod csv;
 mod encoding;
+mod foreign_format;
 mod fraction;
 mod frame;
 mod gate;
@@ -57,7 +60,6 @@ mod smoother;
 mod source;
 mod spread;
 mod stamp;
-mod stranger;
 mod suspicion;
 mod table;
 mod thruster;
@@ -72,9 +74,10 @@ pub use bag::{LOG_TIME, PUBLISH_TIME, read_bag};
 pub use clock::{Backwards, NonMonotonic, Order, Repeated, TimeUnit, order};
 pub use columns::{Apart, Cells, ClockNotes, Columns, Content, Wanted, places};
 pub use csv::read_csv;
+pub use foreign_format::{SNIFFED, foreign_format};
 pub use fraction::Fractions;
 pub use frame::{Body, Frame, Heading};
-pub use grid::{Grid, Stretch, stretches};
+pub use grid::{Grid, Section, sections};
 pub use kinematics::{Method, body_velocity, euler};
 pub use lever::Lever;
 pub use log::{Log, RowSummary};
@@ -84,7 +87,7 @@ pub use nmea::{Accepted, read_nmea};
 pub use numbering::{Labels, Numbering};
 pub use omission::{Omission, Omissions, Reason};
 pub use pattern::{Pattern, Template};
-pub use plan::{Exogenous, PIECE, Plan};
+pub use plan::{BLOCK, Exogenous, Plan};
 pub use prepare::{Channels, Conventions, Derived, KINEMATIC, Propulsor, prepare};
 pub use quality::{ChannelSummary, MotionSummary, State, consistency, lag, noise_std};
 pub use record::{Recorded, RecordedRun, RecordingSummary, record};
@@ -96,7 +99,6 @@ pub use setup::{ChannelSpec, Checksums, FileSpec, Format, QuaternionSpec, Setup,
 pub use smoother::{local_quadratic, window_samples};
 pub use source::{Kind, Naming, Source};
 pub use stamp::{Moments, NoStamp, Stamps};
-pub use stranger::{SNIFFED, stranger};
 pub use suspicion::{WarningKind, WarningSummary};
 pub use table::{Axis, ForceTable};
 pub use thruster::{Law, Setting, Thruster};

@@ -7,7 +7,7 @@ use refusal::Invalid;
 use crate::LogError;
 use crate::encoding::{Plain, plain};
 
-/// Bytes from which on a line is taken to be none.
+/// A line of more bytes is not taken for text.
 const LONGEST_LINE: u64 = 1 << 20;
 
 /// The lines of a text, one at a time.
@@ -16,9 +16,9 @@ pub(crate) struct Lines<'a> {
     line: Vec<u8>,
     /// Number of the line, from 1.
     pub(crate) number: usize,
-    /// Whether the line has an end: the last may be cut.
+    /// Whether the line is terminated: the last one may be cut.
     pub(crate) is_ended: bool,
-    /// Bytes of the file that all lines so far took, to the order.
+    /// Roughly how many bytes of the file all lines so far took.
     pub(crate) read: u64,
 }
 
@@ -53,7 +53,7 @@ impl<'a> Lines<'a> {
                 format!("line {}", self.number),
                 format!("{LONGEST_LINE} bytes without an end of the line"),
                 "a row of cells",
-                "correct or leave out the file: it is damaged, or no CSV",
+                "correct or leave out the file: it is damaged, or not CSV",
             )));
         }
         self.is_ended = self.line.ends_with(b"\n");

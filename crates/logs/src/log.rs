@@ -19,7 +19,7 @@ use crate::{
     Plan, Repeated, Samples, Series, TimeSpec, TimeUnit, Unit, Unwrapping, WarningSummary, order,
 };
 
-/// Share of rows that may have the time of an earlier row without a word of it in the configuration.
+/// Share of rows that may repeat the time of an earlier row without a setting in the configuration.
 const FEW: f64 = 0.2;
 
 /// A file's channels on its own clock.
@@ -29,7 +29,7 @@ pub struct Log {
     pub times: Arc<Samples>,
     /// One series per channel of the group, in order, in SI units.
     pub channels: Vec<Series>,
-    /// What each channel looked like as it was logged.
+    /// How each channel looked as logged.
     pub(crate) seen: Vec<Seen>,
     /// Labels of sub-experiments, one per time.
     pub labels: Option<Labels>,
@@ -37,11 +37,11 @@ pub struct Log {
     pub counts: RowSummary,
     /// Values that were left out, by channel and reason.
     pub omitted: Omissions,
-    /// Per channel, how many rows there are, with a value or without.
+    /// Per channel, the number of rows, with a value or without.
     pub(crate) rows: Vec<usize>,
-    /// What is odd about where they are from.
+    /// Oddities of its sources.
     pub(crate) warnings: Vec<WarningSummary>,
-    /// The moment of a second 60 that its clock showed \[s\].
+    /// The moment of a leap second that its clock showed \[s\].
     pub(crate) leap_s: Option<f64>,
 }
 
@@ -94,10 +94,10 @@ impl RowSummary {
         self.empty + self.cut + self.without_time + self.repeated + self.wrong_checksums + self.unset + late
     }
 
-    /// What was made of times that are not as the clock showed them, in words.
+    /// Corrections of the clock's times, in words.
     pub fn mended(&self) -> Option<String> {
         let counts = [
-            (self.rollovers, "times that a clock began anew"),
+            (self.rollovers, "clock rollovers"),
             (self.leap_seconds, "leap seconds"),
             (self.unpadded, "times without leading zeros in their decimals"),
         ];
@@ -211,7 +211,7 @@ impl Log {
     }
 }
 
-/// `times` as those of a clock that runs on, whatever it showed, with the offset that is stated; counts what was mended.
+/// `times` as those of a clock that runs on steadily, plus the declared offset; counts the corrections.
 fn running(
     times: Samples,
     notes: &ClockNotes,
@@ -249,18 +249,18 @@ fn offset(times: Samples, offset_s: f64) -> Samples {
     }
 }
 
-/// Which rows of a file stay, in the order of time.
+/// The rows of a file that are kept, in order of time.
 enum Kept {
     /// All of them.
     All,
-    /// These, as they follow each other in the file.
+    /// These, in the order of the file.
     These(Vec<u32>),
-    /// These, as time orders them.
+    /// These, sorted by time.
     Sorted(Vec<u32>),
 }
 
 impl Kept {
-    /// The row of the file that row `i` of those kept is.
+    /// The file's row that is kept row `i`.
     fn row(&self, i: usize) -> usize {
         match self {
             Self::All => i,
@@ -268,7 +268,7 @@ impl Kept {
         }
     }
 
-    /// What is kept of `values`, one per row of the file.
+    /// The kept ones of `values`, one per row of the file.
     fn gathered(&self, values: Samples) -> Samples {
         match self {
             Self::All => values,
@@ -276,7 +276,7 @@ impl Kept {
                 let mut view = View::new(&values);
                 values.made(rows.iter().map(|row| view.at(*row as usize)))
             }
-            // Rows may come from anywhere: they are all held in memory.
+            // Rows may come from anywhere: all of them are held in memory.
             Self::Sorted(rows) => {
                 let all = values.to_vec();
                 values.made(rows.iter().map(|row| all[*row as usize]))
@@ -285,7 +285,7 @@ impl Kept {
     }
 }
 
-/// The rows with a time in its order, as `non_monotonic` of `plan` says; counts those that are left out.
+/// The rows with a time in order, as `non_monotonic` of `plan` says; counts those that are left out.
 fn in_order(
     times: &Samples,
     lines: &Numbering,
@@ -329,7 +329,7 @@ fn in_order(
     Ok(if sorted { Kept::Sorted(ordered.rows) } else { Kept::These(ordered.rows) })
 }
 
-/// Refuses files of one recording that were logged side by side.
+/// Refuses files of one recording that were logged at the same time.
 fn check_seams(times: &Samples, lines: &Numbering, plan: &Plan) -> Result<(), Invalid> {
     let (mut latest, mut from) = (f64::NEG_INFINITY, 0);
     for (row, name) in lines.seams() {
@@ -351,12 +351,12 @@ fn check_seams(times: &Samples, lines: &Numbering, plan: &Plan) -> Result<(), In
 /// A channel whose numbers have been judged.
 struct Judged {
     series: Series,
-    /// What it looked like as it was logged.
+    /// How it looked as logged.
     seen: Seen,
     omitted: Omissions,
 }
 
-/// The rows that stay of a file, in the order of time.
+/// The kept rows of a file, in order of time.
 struct Rows {
     rows: Kept,
     lines: Numbering,
@@ -365,8 +365,8 @@ struct Rows {
 }
 
 impl Rows {
-    /// The channel that stands in `cells` in SI units, and what it looked like; what is not possible is left out, and angles are
-    /// unwrapped before they are scaled.
+    /// The channel in `cells` in SI units, and how it looked as logged; impossible values are left out, and
+    /// angles are unwrapped before they are scaled.
     fn channel(
         &self,
         cells: Cells,
@@ -382,7 +382,8 @@ impl Rows {
         let delayed = || Arc::new(numbers.made(self.times.iter().map(|time| time - spec.delay_s)));
         let times = if spec.delay_s == 0.0 { Arc::clone(&self.times) } else { delayed() };
         let mut unwrapping = (unit.si == "rad").then(Unwrapping::default);
-        // A scale beside numbers beyond a turn is one of its unit; else it is that of a gear, whose angle wraps before it.
+        // For angles beyond a turn the scale belongs to the unit; else it is a gear ratio, and the angle
+        // wraps before it.
         let of_unit = spec.scale != 1.0 && turns.go_beyond();
         let [inner, outer] =
             if of_unit { [unit.factor * spec.scale, 1.0] } else { [unit.factor, spec.scale] };
@@ -411,7 +412,7 @@ impl Rows {
     }
 }
 
-/// Times in seconds from what the column of times holds, and that of their nanoseconds if there is one.
+/// Times in seconds from the column of times, and from that of their nanoseconds if there is one.
 fn times(
     spec: &TimeSpec,
     cells: Option<Cells>,
@@ -419,7 +420,7 @@ fn times(
     lines: &Numbering,
 ) -> Result<Samples, Invalid> {
     let Some(Cells::Numbers(times)) = cells else { unreachable!("times are read as numbers") };
-    // What is no plain number is in seconds already.
+    // A column that does not hold plain numbers is in seconds already.
     let unit = spec.unit.and_then(TimeUnit::seconds).unwrap_or(1.0);
     let Some(Cells::Numbers(nanoseconds)) = nanoseconds else {
         return Ok(if unit == 1.0 { times } else { times.made(times.iter().map(|time| time * unit)) });
@@ -436,7 +437,8 @@ fn times(
     Ok(times.made(both.map(|(time, ns)| time * unit + 1e-9 * ns)))
 }
 
-/// The cells of all channels: those that have a column of their own, and the angles of the quaternions after them.
+/// The cells of all channels: those that have a column of their own, and after them the angles of the
+/// quaternions.
 fn with_angles(mut cells: Vec<Cells>, spec: &FileSpec, lines: &Numbering) -> Result<Vec<Cells>, Invalid> {
     let mut parts = cells.split_off(spec.plain().len().min(cells.len())).into_iter();
     for quaternion in &spec.quaternion {

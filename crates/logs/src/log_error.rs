@@ -2,12 +2,12 @@ use std::io;
 
 use refusal::Invalid;
 
-/// Why bytes are no log.
+/// Why bytes are not a log.
 #[derive(Debug)]
 pub enum LogError {
     /// They cannot be read.
     Unreadable(io::Error),
-    /// They can, and are no log.
+    /// They can be read, but are not a log.
     Invalid(Invalid),
 }
 

@@ -1,10 +1,10 @@
-//! What rows are called: their labels, and the lines that they stand on.
+//! Names of rows: their labels, and the lines that they stand on.
 
 use std::sync::Arc;
 
 use refusal::foreign;
 
-/// Labels of rows. Rows that follow each other share one.
+/// Labels of rows. Consecutive rows share one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Labels {
     /// Each label with the row after the last that has it.
@@ -41,10 +41,10 @@ impl Labels {
 /// Lines of a file that rows stand on, from 1.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Numbering {
-    /// The first rows of the files that the rows are of, and what these are called, where there are several.
+    /// The first rows of the source files, and their names, where there are several.
     parts: Vec<(usize, String)>,
     rows: usize,
-    /// Rows that do not stand on the line after that of the row before them, and their lines.
+    /// Rows that do not stand on the line after that of the previous row, and their lines.
     breaks: Vec<(usize, usize)>,
 }
 
@@ -67,14 +67,14 @@ impl Numbering {
         self.rows += 1;
     }
 
-    /// The rows of a file called `name`, which come before those of others.
+    /// Names the file that the rows are from; its rows come before those of others.
     #[must_use]
     pub fn of_part(mut self, name: &str) -> Self {
         self.parts = vec![(0, name.to_owned())];
         self
     }
 
-    /// The first rows of files after the first.
+    /// The first rows of all files but the first.
     pub(crate) fn seams(&self) -> impl Iterator<Item = (usize, &str)> {
         self.parts.iter().skip(1).map(|(row, name)| (*row, name.as_str()))
     }
@@ -86,7 +86,7 @@ impl Numbering {
         self.rows += others.rows;
     }
 
-    /// The line that `row` stands on, in words: of which file, where there are several.
+    /// The line of `row` in words, with its file where there are several.
     pub(crate) fn place(&self, row: usize) -> String {
         let line = self.line(row);
         match self.parts.iter().rfind(|(first, _)| *first <= row).filter(|_| self.parts.len() > 1) {

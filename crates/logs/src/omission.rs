@@ -37,7 +37,7 @@ pub struct Omission {
     pub count: u64,
 }
 
-/// What was left out, each channel and reason once, in the order in which they came up first.
+/// What was left out, each channel and reason once, in order of first appearance.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Omissions(Vec<Omission>);
 
@@ -53,12 +53,13 @@ impl Omissions {
         }
     }
 
-    /// Counts what `others` count, of channels as `named` calls their columns.
+    /// Adds the counts of `others`, whose columns belong to the channels that `named` returns.
     pub fn append<'a>(&mut self, others: &'a Self, named: impl Fn(&'a str) -> &'a str) {
         others.0.iter().for_each(|other| self.add(named(&other.channel), other.reason, other.count));
     }
 
-    /// `14 values left out: 12 of psi (missing), 2 of y_u (range)`, no more than some by name; `None` where there are none.
+    /// `14 values left out: 12 of psi (missing), 2 of y_u (range)`, naming only a few; `None` where there are
+    /// none.
     pub fn in_words(&self) -> Option<String> {
         const NAMED: usize = 6;
         let all: u64 = self.0.iter().map(|one| one.count).sum();

@@ -1,27 +1,27 @@
-//! Whether samples come about as often as they are asked for: where they do not by far, times are in another unit.
+//! Whether samples come about as often as requested: where they are off by far, times are in another unit.
 
 use refusal::Invalid;
 
 use crate::{ChannelSummary, Channels, Setup};
 
-/// Nobody wants samples so many times as often, or as seldom, as they were logged.
+/// No setup resamples to a rate that is so many times higher or lower than the logged one.
 const FAR: f64 = 900.0;
 
-/// Nor so many times as often in a recording of some seconds.
+/// Nor so many times higher in a recording of a few seconds.
 const OFTEN: f64 = 90.0;
 const SHORT_S: f64 = 5.0;
 
 /// A recording of fewer samples is a short one.
 const FEW: f64 = 100.0;
 
-/// Refuses channels whose steps are a thousandth, or thousands, of the step that is asked for.
+/// Refuses channels whose steps are a thousandth, or thousands, of the requested step.
 pub(crate) fn check_pace(
     setup: &Setup,
     channels: &Channels,
     found: &[ChannelSummary],
 ) -> Result<(), Invalid> {
     let common = setup.conventions.rate_hz;
-    // Some channels, such as depth, may be logged very seldom.
+    // Some channels, such as depth, may be logged very slowly.
     let all_slow = found.iter().filter_map(|channel| channel.rate_hz).all(|rate| rate / common <= 1.0 / FAR);
     for spec in setup.channels() {
         let rate =

@@ -1,25 +1,25 @@
-//! Patterns of file names: `*` for anything but `/`, and `{name}` for a part that is asked for.
+//! Patterns of file names: `*` for anything but `/`, and `{name}` for a part to be extracted.
 
-/// A piece of a pattern.
+/// A token of a pattern.
 #[derive(Clone, Debug, PartialEq)]
-enum Piece {
+enum Token {
     Text(String),
-    /// Anything, perhaps nothing.
+    /// Anything, also nothing.
     Any,
-    /// At least one character: the part that is asked for.
+    /// At least one character: the part to be extracted.
     Part,
     /// At least one character.
     Some,
 }
 
-/// A pattern in which `*` alone is special.
+/// A pattern in which only `*` is special.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pattern(Vec<Piece>);
+pub struct Pattern(Vec<Token>);
 
 impl Pattern {
     /// Parses a pattern.
     pub fn new(text: &str) -> Self {
-        Self(pieces(text))
+        Self(tokens(text))
     }
 
     /// Whether `text` fits.
@@ -28,30 +28,31 @@ impl Pattern {
     }
 }
 
-/// A pattern in which `*` and `{name}` are special, and one such part is asked for.
+/// A pattern in which `*` and `{name}` are special, with one such part to be extracted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Template {
     text: String,
-    pieces: Vec<Piece>,
+    tokens: Vec<Token>,
 }
 
 impl Template {
-    /// Parses a template with a part called `name`; none where there is no such part, a brace is unclosed or its name empty.
+    /// Parses a template with a part called `name`; `None` where there is no such part, a brace is unclosed
+    /// or its name empty.
     pub fn new(text: &str, name: &str) -> Option<Self> {
         let mut found = Vec::new();
         let mut rest = text;
         while let Some((before, after)) = rest.split_once('{') {
-            found.extend(pieces(before));
+            found.extend(tokens(before));
             let (named, after) = after.split_once('}')?;
             if named.is_empty() || named.contains('{') {
                 return None;
             }
-            let first = named == name && !found.contains(&Piece::Part);
-            found.push(if first { Piece::Part } else { Piece::Some });
+            let first = named == name && !found.contains(&Token::Part);
+            found.push(if first { Token::Part } else { Token::Some });
             rest = after;
         }
-        found.extend(pieces(rest));
-        found.contains(&Piece::Part).then(|| Self { text: text.to_owned(), pieces: found })
+        found.extend(tokens(rest));
+        found.contains(&Token::Part).then(|| Self { text: text.to_owned(), tokens: found })
     }
 
     /// As written.
@@ -59,33 +60,33 @@ impl Template {
         &self.text
     }
 
-    /// The part that is asked for where `text` fits; parts are as short as can be.
+    /// The extracted part where `text` fits; parts are as short as possible.
     pub fn part<'a>(&self, text: &'a str) -> Option<&'a str> {
-        fit(&self.pieces, text)?
+        fit(&self.tokens, text)?
     }
 }
 
-/// Texts, and [`Piece::Any`] where stars are between them.
-fn pieces(text: &str) -> Vec<Piece> {
-    let mut pieces = Vec::new();
+/// Texts, and [`Token::Any`] where stars are between them.
+fn tokens(text: &str) -> Vec<Token> {
+    let mut tokens = Vec::new();
     for (i, part) in text.split('*').enumerate() {
-        pieces.extend((i > 0).then_some(Piece::Any));
-        pieces.extend((!part.is_empty()).then(|| Piece::Text(part.to_owned())));
+        tokens.extend((i > 0).then_some(Token::Any));
+        tokens.extend((!part.is_empty()).then(|| Token::Text(part.to_owned())));
     }
-    pieces
+    tokens
 }
 
-/// Whether `text` fits `pieces`, and then the part that is asked for.
-fn fit<'a>(pieces: &[Piece], text: &'a str) -> Option<Option<&'a str>> {
-    let Some((piece, rest)) = pieces.split_first() else { return text.is_empty().then_some(None) };
-    if let Piece::Text(known) = piece {
+/// Whether `text` fits `tokens`, and then the extracted part.
+fn fit<'a>(tokens: &[Token], text: &'a str) -> Option<Option<&'a str>> {
+    let Some((token, rest)) = tokens.split_first() else { return text.is_empty().then_some(None) };
+    if let Token::Text(known) = token {
         return fit(rest, text.strip_prefix(known.as_str())?);
     }
     let ends = text.char_indices().map(|(i, _)| i).chain([text.len()]);
-    let ends = ends.skip(usize::from(*piece != Piece::Any)).take_while(|end| !text[..*end].contains('/'));
+    let ends = ends.skip(usize::from(*token != Token::Any)).take_while(|end| !text[..*end].contains('/'));
     let fitting = |end: usize| {
         let found = fit(rest, &text[end..])?;
-        Some(if *piece == Piece::Part { Some(&text[..end]) } else { found })
+        Some(if *token == Token::Part { Some(&text[..end]) } else { found })
     };
     ends.into_iter().find_map(fitting)
 }

@@ -12,22 +12,22 @@ use crate::{
     Wanted, factor, unit,
 };
 
-/// What is made of every recording.
+/// How every recording is processed.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// How the logs were made.
     pub setup: Setup,
     /// Inputs and measured disturbances, then what the vessel derives from them.
     pub exogenous: Vec<Exogenous>,
-    /// How the latter follow, sample by sample, once all others are on one clock.
+    /// How the latter are computed, sample by sample, once all others are on one clock.
     pub derived: Vec<DerivedChannel>,
     /// Channels that may be absent at some samples: name and unit.
     pub further: Vec<(String, String)>,
     /// Units of the channels of every group of files.
     pub(crate) units: Vec<Vec<Unit>>,
-    /// What the numbers of these may be.
+    /// The allowed ranges of these channels.
     pub(crate) limits: Vec<Vec<Limit>>,
-    /// How times that are text are read, per group of files.
+    /// How times in text are read, per group of files.
     stamps: Vec<Stamps>,
     provided: Vec<Provided>,
     /// Most rows of a file and of a recording.
@@ -39,13 +39,13 @@ pub struct Plan {
 pub struct Exogenous {
     /// Its name.
     pub name: String,
-    /// The unit that the trajectories have it in.
+    /// The unit of the trajectories.
     pub unit: String,
-    /// What a channel's value is multiplied by to be in that unit.
+    /// The factor from the channel's unit to that one.
     pub factor: f64,
 }
 
-/// A channel that something provides.
+/// A channel that the setup provides.
 #[derive(Clone, Debug)]
 struct Provided {
     name: String,
@@ -59,22 +59,23 @@ impl Provided {
     }
 }
 
-/// Values of a channel that are put aside at a time.
-pub const PIECE: usize = 1 << 16;
+/// Values of a channel that are moved to the store at a time.
+pub const BLOCK: usize = 1 << 16;
 
-/// How many times the memory may be put aside: what takes more is refused, for it would go on for hours, and a small
-/// compressed file may hold any number of rows.
+/// How many times the memory may go to the store: larger recordings would take hours and are refused, and a
+/// small compressed file may hold any number of rows.
 const MOST_ASIDE: f64 = 8.0;
 
-/// Names that columns of the trajectories have already.
+/// Names of the trajectories' own columns.
 const RESERVED: [&str; 9] = ["design", "run", "segment", "maneuver", "sample", "t", "u", "v", "r"];
 
 impl Plan {
-    /// Decides what becomes of the channels of `setup`; with a vessel (and what messages call it), its inputs and measured
-    /// disturbances are needed, without one all channels that are not optional.
+    /// Decides how the channels of `setup` are used. With a vessel (and its name in messages), its inputs and
+    /// measured disturbances are needed; without one, all channels that are not optional.
     ///
     /// # Errors
-    /// An unknown unit, a channel that is given twice or has no usable name or another unit than needed, a source that nothing provides, and all channels that the vessel needs and nothing provides at once.
+    /// An unknown unit, a channel that is given twice, has an unusable name or another unit than needed, a
+    /// source that nothing provides, and all channels at once that the vessel needs and nothing provides.
     pub fn new(mut setup: Setup, vessel: Option<(&Vessel, &str)>) -> Result<Self, Invalid> {
         let body = setup.conventions.body;
         setup.files = setup.files.into_iter().map(|file| file.with_angles(body)).collect();
@@ -116,42 +117,42 @@ impl Plan {
             .collect()
     }
 
-    /// How times that are text are read in files of group `group`.
+    /// How times in text are read in files of group `group`.
     pub fn stamps(&self, group: usize) -> &Stamps {
         &self.stamps[group]
     }
 
-    /// With recordings that take at most `memory` bytes each, and `room` bytes where pieces of long ones are put aside.
+    /// Limits recordings to `memory` bytes each, or where blocks of long ones can be stored, to `disk` bytes.
     #[must_use]
-    pub fn within(mut self, memory: f64, room: f64) -> Self {
+    pub fn within(mut self, memory: f64, disk: f64) -> Self {
         let fits = memory >= self.memory(usize::MAX);
-        let bytes = if fits { room.min(MOST_ASIDE * memory) } else { memory };
+        let bytes = if fits { disk.min(MOST_ASIDE * memory) } else { memory };
         let rows = bytes / self.row_bytes();
         self.most_rows = self.most_rows.min(rows as usize);
         self
     }
 
-    /// Bytes that a recording of `rows` rows takes in memory at most: of a long one no more than some pieces of every channel,
-    /// those that are read, changed and written (97 MB were measured for 30 channels).
+    /// Bytes of memory that a recording of `rows` rows takes at most: for a long one a few blocks of every
+    /// channel, those being read, changed and written (97 MB were measured for 30 channels).
     pub fn memory(&self, rows: usize) -> f64 {
-        const PIECES: f64 = 2.5;
-        self.row_bytes() * (rows as f64).min(PIECES * PIECE as f64)
+        const BLOCKS: f64 = 2.5;
+        self.row_bytes() * (rows as f64).min(BLOCKS * BLOCK as f64)
     }
 
-    /// Bytes that a row takes at most until it is in a table, in memory or put aside: every channel twice, as it was and as
-    /// it becomes, and what is computed of a few channels at a time.
+    /// Bytes that a row takes at most until it is in a table, in memory or in the store: every channel before
+    /// and after conversion, and intermediate results of a few channels at a time.
     pub fn row_bytes(&self) -> f64 {
         const AT_A_TIME: usize = 16;
         8.0 * (2 * self.provided.len() + AT_A_TIME) as f64
     }
 
-    /// What is said of a file with `rows` rows.
+    /// The refusal of a file with `rows` rows.
     pub fn too_many_rows(&self, rows: impl Display) -> Invalid {
         Invalid::new(
             "rows",
             rows.to_string(),
-            format!("at most {}, which memory and disk have room for", self.most_rows),
-            "cut the recording into shorter ones, raise --memory-mib, or write to a disk with more room",
+            format!("at most {}, as many as memory and disk hold", self.most_rows),
+            "cut the recording into shorter ones, raise --memory-mib, or write to a disk with more free space",
         )
     }
 
@@ -183,7 +184,7 @@ fn known_unit(spec: &ChannelSpec) -> Result<Unit, Invalid> {
     unit(&spec.unit).copied().ok_or_else(|| {
         Invalid::new(
             format!("unit `{}`", spec.unit),
-            "no unit that is known",
+            "not a known unit",
             names().collect::<Vec<_>>().join(", "),
             format!(
                 "did you mean `{}`? (or use \"1\" with a `scale`)",
@@ -193,7 +194,7 @@ fn known_unit(spec: &ChannelSpec) -> Result<Unit, Invalid> {
     })
 }
 
-/// What the numbers of all channels may be: those of the vessel's inputs as it says.
+/// The allowed ranges of all channels; for the vessel's inputs those that it declares.
 fn limits(
     setup: &Setup,
     units: &[Vec<Unit>],
@@ -247,7 +248,8 @@ fn computed(setup: &Setup, provided: &mut Vec<Provided>) -> Result<(), Invalid> 
     Ok(())
 }
 
-/// Refuses a thruster's channel `source` that is not in `unit`: its force is in N per unit of its speed.
+/// Refuses a thruster's channel `source` that is not in `unit`: the force is defined in N per unit of its
+/// speed.
 fn check_thruster_unit(source: &str, unit: &str, provided: &[Provided]) -> Result<(), Invalid> {
     match provided.iter().find(|channel| channel.name == source && factor(&channel.unit, unit).is_none()) {
         Some(other) => {
@@ -280,7 +282,7 @@ fn check_names(provided: &[Provided]) -> Result<(), Invalid> {
         let found = if provided[..i].iter().any(|other| other.name == name) {
             "given twice"
         } else if !plain || RESERVED.contains(&name) {
-            "a name that is taken or no plain name"
+            "a name that is taken or not a plain one"
         } else {
             continue;
         };
@@ -309,8 +311,8 @@ fn check_motion(setup: &Setup, provided: &[Provided]) -> Result<(), Invalid> {
     }
     let along = ["v_x", "v_y"].map(has);
     if along.contains(&true) && (along != [true; 2] || !has("psi") || has("y_u") || has("y_v")) {
-        let found = "`v_x` or `v_y` without the other, without `psi`, or beside `y_u` or `y_v`";
-        let expected = "both, and a heading to turn them by";
+        let found = "`v_x` or `v_y` without the other, without `psi`, or together with `y_u` or `y_v`";
+        let expected = "both, and a heading to rotate them by";
         return Err(Invalid::new("velocities", found, expected, "add what is missing, or remove them"));
     }
     let turned = along == [true; 2] || placed && has("psi");
@@ -323,7 +325,12 @@ fn check_motion(setup: &Setup, provided: &[Provided]) -> Result<(), Invalid> {
     }
     if placed && !has("psi") && !setup.conventions.lever.is_zero() {
         let remedy = "add psi or remove the positions";
-        return Err(Invalid::new("`antenna_m`", "positions without psi", "a heading to turn it by", remedy));
+        return Err(Invalid::new(
+            "`antenna_m`",
+            "positions without psi",
+            "a heading to rotate it by",
+            remedy,
+        ));
     }
     Ok(())
 }
@@ -332,7 +339,7 @@ fn nothing_provides(channels: &[&str]) -> String {
     format!("nothing that provides `{}`", channels.join("`, `"))
 }
 
-/// The inputs and measured disturbances of the vessel that messages call `called`.
+/// The inputs and measured disturbances of the vessel, whose name in messages is `called`.
 fn of_vessel(
     vessel: &Vessel,
     called: &str,
@@ -372,7 +379,8 @@ fn of_vessel(
         .collect()
 }
 
-/// Refuses a channel that the logs provide and the vessel derives, unless both mean the same: one of them would not count.
+/// Refuses a channel that both the logs provide and the vessel derives, unless they are the same: one of them
+/// would be ignored.
 fn check_derived(setup: &Setup, vessel: &Vessel, called: &str, provided: &[Provided]) -> Result<(), Invalid> {
     for own in &vessel.model.derived {
         let Variable { name, unit } = &vessel.model.variables[own.variable];
@@ -385,9 +393,8 @@ fn check_derived(setup: &Setup, vessel: &Vessel, called: &str, provided: &[Provi
             Some(_) => "another formula".to_owned(),
             None => format!("a logged channel in {}", channel.unit),
         };
-        let remedy = format!(
-            "remove it from the configuration, which need not repeat {called}, or rename one of them"
-        );
+        let remedy =
+            format!("remove it from the configuration: {called} already declares it; or rename one of them");
         return Err(Invalid::new(format!("channel `{name}`"), found, expected, remedy));
     }
     Ok(())
@@ -407,7 +414,7 @@ fn everything(provided: &[Provided]) -> Vec<Exogenous> {
     needed.map(|c| Exogenous { name: c.name.clone(), unit: c.unit.clone(), factor: 1.0 }).collect()
 }
 
-/// What else is known: position, heading, channels that are not needed.
+/// The other known channels: position, heading, channels that are not needed.
 fn further(provided: &[Provided], exogenous: &[Exogenous]) -> Vec<(String, String)> {
     let has = |name: &str| provided.iter().any(|channel| channel.name == name);
     let placed = has("x") || has("latitude_deg");

@@ -27,25 +27,25 @@ pub const KINEMATIC: [(&str, &str); 10] = [
     ("longitude_deg", "rad"),
 ];
 
-/// Names of the channels that thrusters add to.
+/// Names of the channels that the thrusters' forces are added to.
 const FORCES: [&str; 3] = ["tau1", "tau2", "tau3"];
 
-/// In which axes and about which point the channels were measured, what is computed from them, and how they are put on one
-/// clock.
+/// The axes and the point that the channels were measured in and about, what is computed from them, and how
+/// they are put on one clock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conventions {
     /// Axes of `x` and `y`.
     pub frame: Frame,
-    /// How `psi` counts.
+    /// The zero and the sense of `psi`.
     pub heading: Heading,
     /// Axes of `y_u`, `y_v`, `y_r`.
     pub body: Body,
     /// From the reference point to the antenna.
     pub lever: Lever,
-    /// Length of the parabolas that velocities are taken from: where [`Method::Smoother`] is asked for, and yaw rates where
-    /// the lever arm needs one and none is measured \[s\].
+    /// Length of the parabolas that velocities are taken from, with [`Method::Smoother`], and yaw rates,
+    /// where the lever arm needs one and none is measured \[s\].
     pub window_s: f64,
-    /// Computed channels; each may use those before it.
+    /// Computed channels; each may use the earlier ones.
     pub derived: Vec<Derived>,
     /// Thrusters, whose forces make up `tau1`, `tau2`, `tau3`.
     pub thrusters: Vec<Propulsor>,
@@ -53,31 +53,31 @@ pub struct Conventions {
     pub method: Method,
     /// The common rate \[Hz\].
     pub rate_hz: f64,
-    /// Every channel is averaged over this long before it is resampled \[s\].
+    /// Every channel is averaged over this time before it is resampled \[s\].
     pub average_s: Option<f64>,
 }
 
-/// A thruster and the channels that it goes by.
+/// A thruster and the channels that drive it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Propulsor {
-    /// Where it is; how much it pushes, or with a table by how much more than that says.
+    /// Its position and force; with a table, the force that is added to the table's.
     pub thruster: Thruster,
     /// Channel of its speed \[1/s\].
     pub speed: String,
     /// Channel of its angle, for azimuth thrusters: from forward to starboard \[rad\].
     pub angle: Option<String>,
-    /// Its force from speed, and from the pitch in a channel where it has one.
+    /// Its force from speed, and from the pitch in a channel if it has one.
     pub table: Option<(ForceTable, Option<String>)>,
 }
 
 impl Propulsor {
-    /// The channels of its speed, angle and pitch, where it has them.
+    /// The channels of its speed, angle and pitch, if it has them.
     fn channels(&self) -> [Option<&String>; 3] {
         let pitch = self.table.as_ref().and_then(|(_, pitch)| pitch.as_ref());
         [Some(&self.speed), self.angle.as_ref(), pitch]
     }
 
-    /// Its forces at these values of speed, angle and pitch, of those that it has.
+    /// Its forces at these values of speed, angle and pitch, as far as it has them.
     fn forces(&self, [speed, angle, pitch]: [f64; 3]) -> Result<[f64; 3], Unassembled> {
         let Some((table, channel)) = &self.table else { return Ok(self.thruster.forces(speed, angle)) };
         let outside = |(axis, value, range)| {
@@ -93,18 +93,18 @@ impl Propulsor {
 pub struct Derived {
     /// Its name.
     pub channel: String,
-    /// What it is.
+    /// How it is computed.
     pub formula: Formula,
     /// Its unit.
     pub unit: String,
 }
 
-/// Brings measured channels into x north, y east, psi clockwise from north, body x forward, y starboard, z down, moves
-/// them to the reference point, and adds the computed channels. A computed channel is on the clock of its first source,
-/// the others are interpolated.
+/// Converts measured channels to x north, y east, psi clockwise from north, body x forward, y starboard, z
+/// down, moves them to the reference point, and adds the computed channels. A computed channel is on the
+/// clock of its first source, the others are interpolated.
 ///
 /// # Errors
-/// A source that is missing; positions that start at no place on Earth, or at a pole.
+/// A missing source; positions that start nowhere on Earth, or at a pole.
 pub fn prepare(mut channels: Channels, conventions: &Conventions) -> Result<Channels, Unassembled> {
     let frame = if plane(&mut channels)? { Frame::Ned } else { conventions.frame };
     turn(&mut channels, frame, conventions);
@@ -117,7 +117,8 @@ pub fn prepare(mut channels: Channels, conventions: &Conventions) -> Result<Chan
     Ok(channels)
 }
 
-/// Latitude and longitude to x north and y east on the plane about the first point; whether there are any.
+/// Latitude and longitude to x north and y east on the plane about the first point; `false` if there are
+/// none.
 fn plane(channels: &mut Channels) -> Result<bool, Unassembled> {
     let (Some(latitude), Some(longitude)) =
         (channels.remove("latitude_deg"), channels.remove("longitude_deg"))
@@ -160,7 +161,7 @@ fn turn(channels: &mut Channels, frame: Frame, conventions: &Conventions) {
     turn_velocities(channels, conventions.frame);
 }
 
-/// Velocities along x and y to such along the ship's axes, by the heading at the times of the first.
+/// Rotates velocities along x and y into the ship's axes, with the heading at the times of the first.
 fn turn_velocities(channels: &mut Channels, frame: Frame) {
     let Some(psi) = channels.get("psi").cloned() else { return };
     if let (Some(x), Some(y)) = (channels.remove("v_x"), channels.remove("v_y")) {
@@ -184,7 +185,7 @@ fn move_to_reference(channels: &mut Channels, conventions: &Conventions) {
     }
 }
 
-/// Changes two channels, which must both be there, by `f` of both and of `third`, on the clock of the first.
+/// Applies `f` to both channels and `third`, on the clock of the first; both must be there.
 fn pairwise(
     channels: &mut Channels,
     names: [&str; 2],
@@ -235,7 +236,7 @@ fn add_forces(channels: &mut Channels, conventions: &Conventions) -> Result<(), 
     if thrusters.is_empty() {
         return Ok(());
     }
-    // A tunnel thruster pushes to starboard; what has no pitch has none in its table.
+    // A tunnel thruster pushes to starboard; without a pitch channel the table has no pitch.
     let absent = [0.0, FRAC_PI_2, 0.0];
     let mut outside = None;
     for (i, force) in FORCES.into_iter().enumerate() {

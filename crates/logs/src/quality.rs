@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::samples::{Samples, View};
 use crate::{Channels, Grid, Series, body_velocity, local_quadratic};
 
-/// Samples of the parabolas that noise is measured against.
+/// Samples of the parabolas that noise is measured from.
 const WINDOW: usize = 11;
 
 /// Share of a sample's own noise that the parabola through 11 samples follows at its centre: 89/429.
@@ -16,14 +16,15 @@ const FOLLOWED: f64 = 89.0 / 429.0;
 /// Standard deviation of normal noise from the median of its modulus.
 const FROM_MEDIAN: f64 = 1.482_602_218_505_602;
 
-/// Robust standard deviation of what a parabola through 11 neighbours leaves of a channel, in its unit: white noise as it
-/// is, whatever moves slower than some 11 samples not at all. None for pieces without gaps of fewer than 11 samples.
+/// Robust standard deviation of a channel's residuals from parabolas through 11 neighbours, in its unit: it
+/// contains white noise in full, and nothing that moves more slowly than some 11 samples. `None` if no
+/// section without gaps has 11 samples.
 pub fn noise_std(series: &Series) -> Option<f64> {
     let mut residuals = series.values.none();
-    for piece in series.pieces().into_iter().filter(|piece| piece.len() >= WINDOW) {
-        let centred = WINDOW / 2..piece.len() - WINDOW / 2;
-        let mut values = series.values.range(piece.clone()).enumerate();
-        local_quadratic(&series.t, &series.values, piece, WINDOW, |smooth, _| {
+    for section in series.sections().into_iter().filter(|section| section.len() >= WINDOW) {
+        let centred = WINDOW / 2..section.len() - WINDOW / 2;
+        let mut values = series.values.range(section.clone()).enumerate();
+        local_quadratic(&series.t, &series.values, section, WINDOW, |smooth, _| {
             if let Some((_, value)) = values.next().filter(|(i, _)| centred.contains(i)) {
                 residuals.push((value - smooth).abs());
             }
@@ -95,26 +96,26 @@ refusal::choices! {
 }
 
 /// Correlation from which a measured velocity and a derivative are taken to be the same motion.
-const TOLD: f64 = 0.95;
+const SAME_MOTION: f64 = 0.95;
 
 /// Highest rate at which velocities are compared \[Hz\].
 const COMPARED_HZ: f64 = 20.0;
 
-/// Longest lag that is looked for \[s\].
+/// Longest lag that is searched \[s\].
 const LONGEST_LAG_S: f64 = 5.0;
 
-/// What position and heading say about the motion, from parabolas over some time.
+/// The derivatives of position and heading, from parabolas over a window.
 pub(crate) struct Derivatives {
     /// The heading, smoothed \[rad\].
     pub(crate) psi: Series,
     /// Its derivative \[rad/s\].
     r: Series,
-    /// Those of north and east, where there are positions \[m/s\].
+    /// The velocities to north and east, where there are positions \[m/s\].
     pub(crate) over_ground: Option<[Series; 2]>,
 }
 
 impl Derivatives {
-    /// None without a heading.
+    /// `None` without a heading.
     pub(crate) fn of(channels: &Channels, window_s: f64) -> Option<Self> {
         let smoothed = |name: &str| channels.get(name).map(|series| series.smoothed(window_s));
         let slope = |name: &str| smoothed(name).map(|(_, slope)| slope);
@@ -123,7 +124,8 @@ impl Derivatives {
         Some(Self { psi, r, over_ground })
     }
 
-    /// Compares measured surge, sway and yaw rate with these. None where either is not known or they never meet.
+    /// Compares measured surge, sway and yaw rate with these. `None` where either is unknown or they never
+    /// overlap.
     pub(crate) fn compared(&self, channels: &Channels) -> [Option<MotionSummary>; 3] {
         let Self { psi, r, over_ground } = self;
         [("y_u", State::U), ("y_v", State::V), ("y_r", State::R)].map(|(name, state)| {
@@ -144,8 +146,8 @@ impl Derivatives {
     }
 }
 
-/// Compares measured surge, sway and yaw rate with the derivatives of position and heading, taken from parabolas over
-/// `window_s`. None where either is not measured or they never meet.
+/// Compares measured surge, sway and yaw rate with the derivatives of position and heading, taken from
+/// parabolas over `window_s`. `None` where either is not measured or they never overlap.
 pub fn consistency(channels: &Channels, window_s: f64) -> [Option<MotionSummary>; 3] {
     Derivatives::of(channels, window_s).map_or([None; 3], |derivatives| derivatives.compared(channels))
 }
@@ -155,11 +157,11 @@ pub(crate) fn at_most(series: &Series) -> Option<Samples> {
     Some(times_of(series, series.rate_hz()?.min(COMPARED_HZ)))
 }
 
-/// Times at `rate_hz` in the pieces without gaps, and one in the middle of each gap, where nothing is known.
+/// Times at `rate_hz` in the sections without gaps, and one halfway through each gap, where nothing is known.
 fn times_of(series: &Series, rate_hz: f64) -> Samples {
     let (mut times, mut before) = (series.t.none(), None);
-    for piece in series.pieces() {
-        let ends = [piece.start, piece.end - 1].map(|end| series.t.range(end..end + 1).next());
+    for section in series.sections() {
+        let ends = [section.start, section.end - 1].map(|end| series.t.range(end..end + 1).next());
         let [Some(first), Some(last)] = ends else { continue };
         if let Some(before) = before {
             times.push(0.5 * (before + first));
@@ -190,7 +192,7 @@ fn compare(state: State, measured: &Samples, derivative: &Samples, rate_hz: f64)
     })
 }
 
-/// The longest stretch in which both are known, the last of several.
+/// The longest run of samples at which both are known, the last one of several.
 fn longest(measured: &Samples, derivative: &Samples) -> Range<usize> {
     let known = measured.iter().zip(derivative.iter()).map(|(m, d)| m.is_finite() && d.is_finite());
     let (mut longest, mut start) = (0..0, 0);
@@ -210,13 +212,13 @@ fn gain(measured: &Samples, derivative: &Samples) -> Option<f64> {
     let squares: f64 = derivative.iter().map(|d| (d - mean) * (d - mean)).sum();
     let products: f64 = measured.iter().zip(derivative.iter()).map(|(m, d)| m * (d - mean)).sum();
     let correlation = correlations(measured, derivative, 0)[0];
-    (correlation.abs() > TOLD).then(|| products / squares)
+    (correlation.abs() > SAME_MOTION).then(|| products / squares)
 }
 
-/// By how much `measured` comes after `reference` \[s\]; both at `rate_hz`, equally long. The shift within ±`longest_s` (and
-/// a quarter of the length) with the highest correlation coefficient over what then overlaps, refined by the parabola
-/// through it and its neighbours. None where the coefficient stays below 0.5 or is highest at the longest shift: then there
-/// is no motion to tell it from.
+/// By how much `measured` comes after `reference` \[s\]; both at `rate_hz`, equally long. The shift within
+/// ±`longest_s` (and a quarter of the length) with the highest correlation coefficient over the overlap,
+/// refined by the parabola through it and its neighbours. `None` where the coefficient stays below 0.5 or is
+/// highest at the longest shift: then the motion does not determine the lag.
 pub fn lag(measured: &Samples, reference: &Samples, rate_hz: f64, longest_s: f64) -> Option<f64> {
     let longest = ((longest_s * rate_hz).round() as usize).min(measured.len() / 4);
     let coefficients = correlations(measured, reference, longest);
@@ -230,10 +232,10 @@ pub fn lag(measured: &Samples, reference: &Samples, rate_hz: f64, longest_s: f64
     Some((peak as f64 - longest as f64 + refined) / rate_hz)
 }
 
-/// Sums over what overlaps at one shift.
+/// Sums over the overlap at one shift.
 #[derive(Clone)]
 struct Overlap {
-    /// Where it begins in either.
+    /// Where it begins in either series.
     starts: [usize; 2],
     /// How long it is.
     len: usize,
@@ -248,7 +250,7 @@ fn correlations(a: &Samples, b: &Samples, longest: usize) -> Vec<f64> {
     let overlap = |shift: usize| Overlap {
         starts: [shift.saturating_sub(longest), longest.saturating_sub(shift)],
         len: a.len() - shift.abs_diff(longest),
-        // What the sum of nothing is.
+        // The sum of an empty iterator.
         means: [-0.0; 2],
         squares: [0.0; 2],
         products: 0.0,
@@ -274,7 +276,7 @@ fn correlations(a: &Samples, b: &Samples, longest: usize) -> Vec<f64> {
     overlaps.into_iter().map(coefficient).collect()
 }
 
-/// Adds to every overlap its values, part by part: all of a long channel are never in memory.
+/// Adds its values to every overlap block by block: a long channel is never in memory as a whole.
 fn each_overlap(overlaps: &mut [Overlap], both: [&Samples; 2], add: impl Fn(&mut Overlap, [&[f64]; 2])) {
     const AT_A_TIME: usize = 1 << 14;
     let mut views = both.map(View::new);

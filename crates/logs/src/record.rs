@@ -1,4 +1,4 @@
-//! One recording: logs to channels, channels to runs, and how good they are.
+//! One recording: logs to channels, channels to runs, and their quality.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -25,12 +25,12 @@ use crate::{
     noise_std, prepare,
 };
 
-/// What became of a recording.
+/// The result of one recording.
 #[derive(Clone, Debug)]
 pub struct Recorded {
-    /// Its runs; none where all sub-experiments were too short.
+    /// Its runs; empty where all sub-experiments were too short.
     pub runs: Vec<RecordedRun>,
-    /// What it became, and how good its data are; its runs have no numbers until [`crate::Totals::number`] gives them some.
+    /// Its summary and the quality of its data; its runs are numbered by [`crate::Totals::number`].
     pub summary: RecordingSummary,
 }
 
@@ -44,9 +44,9 @@ pub struct RecordedRun {
     /// N + 1 rows.
     rows: Range<usize>,
     made: Arc<Assembled>,
-    /// What inputs and measured disturbances are multiplied by.
+    /// Factors of inputs and measured disturbances.
     factors: Arc<[f64]>,
-    /// What is derived from them.
+    /// Channels derived from them.
     derived: Arc<[DerivedChannel]>,
 }
 
@@ -63,7 +63,7 @@ impl RecordedRun {
         Box::new(values.range(self.rows.start..self.rows.end - 1).map(move |value| factor * value))
     }
 
-    /// Derived channel `i`, N values, each of those that it comes from at the same sample.
+    /// Derived channel `i`, N values, each computed from its sources at the same sample.
     fn derived(&self, i: usize) -> Box<dyn Iterator<Item = f64> + '_> {
         let Some(own) = self.derived.iter().find(|own| own.variable == i + 3) else {
             return Box::new(std::iter::empty());
@@ -105,7 +105,7 @@ impl RecordedRun {
         self.made.further[i].range(self.rows.clone())
     }
 
-    /// The same run with copies of its own rows in memory, which lets the recording go.
+    /// The same run with its own rows copied into memory, so that the recording can be dropped.
     pub fn detached(&self) -> Self {
         let own = |channel: &Samples| Samples::from(channel.range(self.rows.clone()).collect::<Vec<_>>());
         let made = Assembled {
@@ -113,7 +113,7 @@ impl RecordedRun {
             measured: self.made.measured.each_ref().map(own),
             exogenous: self.made.exogenous.iter().map(own).collect(),
             further: self.made.further.iter().map(own).collect(),
-            stretches: Vec::new(),
+            sections: Vec::new(),
         };
         Self { rows: 0..self.rows.len(), made: Arc::new(made), ..self.clone() }
     }
@@ -163,7 +163,7 @@ fn is_zero(seconds: &f64) -> bool {
     *seconds == 0.0
 }
 
-/// Refuses slopes over more time than there is.
+/// Refuses a smoothing window that is longer than the recording.
 fn check_window(channels: &Channels, window_s: f64) -> Result<(), Invalid> {
     let span = |name: &str| {
         let t = &channels.get(name)?.t;
@@ -183,7 +183,7 @@ fn check_window(channels: &Channels, window_s: f64) -> Result<(), Invalid> {
 /// Makes runs of the `logs` of `source`, one per group of files.
 ///
 /// # Errors
-/// A recording without a stretch in which all channels are known; velocities in another unit than they should be.
+/// A recording without a section in which all channels are known; velocities in another unit than declared.
 pub fn record(
     source: &Source,
     logs: Vec<Log>,
@@ -222,7 +222,7 @@ pub fn record(
     check_pace(setup, &channels, &summaries)?;
     check_window(&channels, setup.conventions.window_s)?;
     let contradictions = Contradictions::of(&motion, turned, setup.conventions.rate_hz);
-    let warnings = warnings(setup, &channels, &summaries, &seen, &contradictions.told);
+    let warnings = warnings(setup, &channels, &summaries, &seen, &contradictions.warnings);
     let warnings = [warnings, of_logs].concat();
     let needed = [exogenous.as_slice(), &further];
     let made = on_one_clock(channels, &setup.conventions, needed, plan.most_rows)
@@ -232,7 +232,7 @@ pub fn record(
     let maneuver = || format!("{}, a maneuver", called(&source.name));
     parts.iter().flatten().try_for_each(|part| check_name(maneuver(), &part.maneuver))?;
     let (duration_s, splits) = (made.grid.rows.saturating_sub(1) as f64 / made.grid.rate_hz, made.splits());
-    let known: usize = made.stretches.iter().map(|stretch| stretch.samples).sum();
+    let known: usize = made.sections.iter().map(|section| section.samples).sum();
     let runs = cut(plan, made, &parts);
     let samples: usize = runs.iter().map(RecordedRun::samples).sum();
     let summary = RecordingSummary {
@@ -255,7 +255,7 @@ pub fn record(
     Ok(Recorded { runs, summary })
 }
 
-/// Refuses clocks of which one has a second 60 and another, which goes on after it, has not.
+/// Refuses clocks of which one had a leap second and another, which continues past it, had not.
 fn check_leaps(source: &Source, logs: &[Log]) -> Result<(), Invalid> {
     let Some(leap_s) = logs.iter().find_map(|log| log.leap_s) else { return Ok(()) };
     let has_none = |log: &&Log| log.leap_s.is_none() && log.times.last().is_some_and(|last| last >= leap_s);
@@ -264,16 +264,16 @@ fn check_leaps(source: &Source, logs: &[Log]) -> Result<(), Invalid> {
         Some(_) => Err(Invalid::new(
             called(&source.name),
             "a second 60 in files of one group and none in those of another",
-            "clocks that count alike",
+            "clocks that treat leap seconds alike",
             "cut the recording there",
         )),
     }
 }
 
-/// Why `source` becomes no runs; `slowest` is the channel with the longest step, and that step \[s\].
+/// Why `source` yields no runs; `slowest` is the channel with the longest step, and that step \[s\].
 fn refused(source: &Source, why: &Unassembled, slowest: Option<(String, f64)>) -> Invalid {
     if let Unassembled::TooLong { most, .. } = why {
-        let expected = format!("at most {most} rows, which memory and disk have room for");
+        let expected = format!("at most {most} rows, as many as memory and disk hold");
         let remedy = "check the clocks for jumps, lower `sample_rate_hz`, or raise --memory-mib";
         return Invalid::new(called(&source.name), why.to_string(), expected, remedy);
     }
@@ -290,7 +290,7 @@ fn refused(source: &Source, why: &Unassembled, slowest: Option<(String, f64)>) -
         }
         _ => "check the file's columns and clocks".to_owned(),
     };
-    let expected = "a stretch without gaps in which all needed channels are known";
+    let expected = "a section without gaps in which all needed channels are known";
     Invalid::new(called(&source.name), why.to_string(), expected, remedy)
 }
 
@@ -298,13 +298,13 @@ fn labels(log: &Log, start_s: f64) -> Option<Labelled> {
     Some(Labelled { times: Arc::clone(&log.times), start_s, labels: log.labels.clone()? })
 }
 
-/// Per channel of the files, how many rows there are.
+/// Per channel of the files, the number of rows.
 fn rows_of(plan: &Plan, logs: &[Log]) -> Vec<(String, usize)> {
     let rows = logs.iter().flat_map(|log| log.rows.iter().copied());
     plan.setup.channels().map(|spec| spec.channel.clone()).zip(rows).collect()
 }
 
-/// The same, how many of these have no value.
+/// Of these, the number without a value.
 fn missing(rows_of: Vec<(String, usize)>, channels: &Channels) -> Vec<(String, usize)> {
     let known = |name: &String| channels.get(name).map_or(0, |series| series.t.len());
     let lacking = |(name, rows): (String, usize)| {
@@ -314,10 +314,11 @@ fn missing(rows_of: Vec<(String, usize)>, channels: &Channels) -> Vec<(String, u
     rows_of.into_iter().map(lacking).collect()
 }
 
-/// Share of a channel's values from which on it is doubtful what is left of it.
+/// Share of a channel's values from which on leaving them out makes the rest doubtful.
 const DOUBTFUL: f64 = 0.05;
 
-/// The channels of which much was left out, in words: neither as the configuration says, nor by the quality of a fix.
+/// The channels that lost many values, in words; losses that the configuration or the quality of a fix
+/// explains do not count.
 fn doubts(setup: &Setup, channels: &Channels, omitted: &[Omission]) -> Vec<String> {
     let of = |spec: &ChannelSpec| {
         let stated = |reason: Reason| match reason {
@@ -338,7 +339,7 @@ fn doubts(setup: &Setup, channels: &Channels, omitted: &[Omission]) -> Vec<Strin
     setup.channels().filter_map(of).collect()
 }
 
-/// What of `channels` is possible for a ship; the rest is left out and counted.
+/// The values of `channels` that are possible for a ship; the rest is left out and counted.
 fn possible(mut channels: Channels, setup: &Setup, omitted: &mut Omissions) -> Result<Channels, Invalid> {
     let before: Vec<(&ChannelSpec, usize)> =
         setup.channels().filter_map(|spec| Some((spec, channels.get(&spec.channel)?.t.len()))).collect();
@@ -355,7 +356,7 @@ fn possible(mut channels: Channels, setup: &Setup, omitted: &mut Omissions) -> R
 /// All channels by name, on the recording's clock.
 fn channels(plan: &Plan, logs: Vec<Log>, start_s: f64) -> Channels {
     let names = plan.setup.channels().map(|spec| spec.channel.clone());
-    // The times of a file that its channels share, and the same on the recording's clock.
+    // The times that the channels of a file share, and the same on the recording's clock.
     let mut moved: Option<[Arc<Samples>; 2]> = None;
     let mut on_clock = |mut series: Series| {
         let same = moved.take().filter(|[file, _]| Arc::ptr_eq(file, &series.t));
@@ -370,7 +371,7 @@ fn channels(plan: &Plan, logs: Vec<Log>, start_s: f64) -> Channels {
     names.zip(logs.into_iter().flat_map(|log| log.channels).map(&mut on_clock)).collect()
 }
 
-/// The channel of those that are logged with the longest step, and that step \[s\].
+/// The logged channel with the longest step, and that step \[s\].
 fn slowest(plan: &Plan, found: &[ChannelSummary]) -> Option<(String, f64)> {
     let logged =
         |name: &str| plan.setup.channels().any(|spec| spec.channel == name) || ["x", "y"].contains(&name);
@@ -379,7 +380,7 @@ fn slowest(plan: &Plan, found: &[ChannelSummary]) -> Option<(String, f64)> {
     steps.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The runs that consist of `parts` each, which follow each other.
+/// The runs that consist of `parts` each, which follow each other without a break.
 fn cut(plan: &Plan, made: Assembled, parts: &[Vec<Part>]) -> Vec<RecordedRun> {
     let (made, factors) = (Arc::new(made), plan.exogenous.iter().map(|input| input.factor).collect());
     let derived = plan.derived.as_slice().into();
@@ -398,7 +399,7 @@ fn run_of(
     RecordedRun {
         number: 0,
         segments: parts.iter().map(segment).collect(),
-        // One row more than it has samples.
+        // A run has one row more than samples.
         rows: start..parts[parts.len() - 1].samples.end + 1,
         made: Arc::clone(made),
         factors: Arc::clone(factors),
@@ -406,13 +407,13 @@ fn run_of(
     }
 }
 
-/// What is said of a clock, which many channels share.
+/// Properties of a clock, which many channels share.
 struct Clock {
     t: Arc<Samples>,
     rate_hz: Option<f64>,
 }
 
-/// Channels that are looked at side by side: each holds a few pieces in memory.
+/// Channels that are summarized in parallel: each holds a few blocks in memory.
 const SIDE_BY_SIDE: usize = 16;
 
 fn summaries(plan: &Plan, channels: &Channels, missing: &[(String, usize)]) -> Vec<ChannelSummary> {

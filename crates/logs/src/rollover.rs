@@ -1,5 +1,5 @@
-//! Clocks that begin anew: at midnight where they tell no date, after a week, when a counter has no more digits. And clocks that
-//! were set while the log ran.
+//! Clocks that begin anew: at midnight if they have no date, after a week, when a counter overflows. And
+//! clocks that were set while the log ran.
 
 use numerics::statistics::median_again;
 
@@ -9,10 +9,10 @@ use crate::samples::steps;
 /// A day \[s\].
 pub(crate) const DAY: f64 = 86_400.0;
 
-/// How much earlier than the row before one may be that comes late across midnight \[s\].
+/// How much earlier than the previous row a row may be that is late across midnight \[s\].
 const LATE: f64 = 3600.0;
 
-/// After which counters begin anew \[s\]: days and weeks in seconds; 16, 24, 31 and 32 bits of ticks.
+/// Periods of counters \[s\]: days and weeks in seconds; 16, 24, 31 and 32 bits of ticks.
 const PERIODS: [f64; 12] = [
     DAY,
     7.0 * DAY,
@@ -30,25 +30,27 @@ const PERIODS: [f64; 12] = [
 
 const TWO_32: f64 = 4_294_967_296.0;
 
-/// A period is not told from a usual step unless it is this many of those.
+/// A period must be this many usual steps long to be distinguished from one.
 const STEPS: f64 = 20.0;
 
-/// How many usual steps there may be from the last row before a counter begins anew to the first after it.
+/// Most usual steps between the last row before a rollover and the first after it.
 const NEXT: f64 = 5.0;
 
-/// A step that no recording has \[s\]: clocks were set there.
+/// A step that no recording has \[s\]: the clock was set there.
 const YEAR: f64 = 365.0 * DAY;
 
-/// Clocks that were set are not before 2001 \[s\].
+/// Clocks that were set do not show times before 2001 \[s\].
 const SET: f64 = 978_307_200.0;
 
-/// Whether a clock that went on by `step_s` \[s\], which is below 0, began anew and the next row came within `near_s`.
+/// Whether a clock that advanced by `step_s` \[s\], which is below 0, began anew with the next row within
+/// `near_s`.
 pub fn begins_anew(step_s: f64, near_s: f64) -> bool {
     PERIODS.iter().any(|period| (0.0..=near_s).contains(&(step_s + period)))
 }
 
-/// `times` \[s\] with what a clock lost where it began anew, and how often it did. Clocks `of_day` tell no date. Others count
-/// from anything; what they lose is known by how much it is, and by a next row within a few usual steps or `max_gap_s`.
+/// `times` \[s\] with what a clock lost at its rollovers, and their number. Clocks `of_day` have no date.
+/// Others count from any origin; their period is recognized by the size of the loss, and by a next row within
+/// a few usual steps or `max_gap_s`.
 pub(crate) fn unrolled(times: Samples, of_day: bool, max_gap_s: f64) -> (Samples, usize) {
     let known = || times.iter().filter(|time| time.is_finite());
     let is_late = |step: f64| of_day && step > DAY - LATE;
@@ -71,15 +73,15 @@ pub(crate) fn unrolled(times: Samples, of_day: bool, max_gap_s: f64) -> (Samples
 
 struct Unrolling {
     of_day: bool,
-    /// The median of the steps \[s\].
+    /// The median step \[s\].
     usual: f64,
-    /// How far off the next row may be \[s\].
+    /// How far away the next row may be \[s\].
     near: f64,
-    /// The latest time that the clock told since it last began anew.
+    /// The latest time since the last rollover.
     before: f64,
-    /// What it lost last.
+    /// The last loss.
     period: f64,
-    /// What it lost in all.
+    /// The total loss.
     lost: f64,
     count: usize,
 }
@@ -91,7 +93,7 @@ impl Unrolling {
             let Some(period) = self.period(time) else { return self.lost + time };
             (self.period, self.lost, self.count) = (period, self.lost + period, self.count + 1);
         } else if self.period - step < if self.of_day { LATE } else { self.near } {
-            // It comes late, from before the clock began anew.
+            // A late row, from before the rollover.
             return self.lost - self.period + time;
         }
         if time.is_finite() {
@@ -100,15 +102,15 @@ impl Unrolling {
         self.lost + time
     }
 
-    /// What the clock lost if it began anew before `time`, which is earlier than the one before.
+    /// The period if the clock began anew before `time`, which is earlier than the previous one.
     fn period(&self, time: f64) -> Option<f64> {
         if self.of_day {
-            // A second that was put in at midnight is lost, too.
+            // A leap second at midnight is lost, too.
             let day = if self.before >= DAY { DAY + 1.0 } else { DAY };
             return (self.before - time > 0.5 * DAY).then_some(day);
         }
         let fits = |period: f64| {
-            // Counters that have a sign begin anew at half below zero.
+            // Signed counters begin anew at minus half their period.
             let top = if time < 0.0 { 0.5 * period } else { period };
             let near = self.near.min(0.125 * period);
             self.before <= top && period >= STEPS * self.usual && period - self.before + time <= near
@@ -121,7 +123,7 @@ impl Unrolling {
 /// `times` \[s\] without those of the rows before the clock was set, by decades, and how many these are.
 ///
 /// # Errors
-/// A jump of more than a year that is none of that kind: the row after it, the time before and its own.
+/// A jump of more than a year that is not of this kind: the row after it, the previous time and its own.
 pub(crate) fn set(times: Samples) -> Result<(Samples, usize), (usize, [f64; 2])> {
     let (mut before, mut jump) = (f64::NAN, None);
     for (row, time) in times.iter().enumerate().filter(|(_, time)| time.is_finite()) {
@@ -131,7 +133,7 @@ pub(crate) fn set(times: Samples) -> Result<(Samples, usize), (usize, [f64; 2])>
         before = time;
     }
     let Some((row, [before, after])) = jump else { return Ok((times, 0)) };
-    // Where time goes back again it is the one row that is wrong.
+    // Where time goes back again, only this row is wrong.
     if times.range(row..times.len()).any(|time| time < after - DAY) {
         return Ok((times, 0));
     }

@@ -1,16 +1,16 @@
 //! The cells of a line of a table.
 
-/// The cells of a line. Used again for every line, so that no line is allocated.
+/// The cells of a line. Reused for every line, so that none is allocated.
 #[derive(Default)]
 pub(crate) struct Row {
-    /// The line; of one with quotes, the cells' texts.
+    /// The line; for a line with quotes, the texts of its cells.
     text: String,
     /// Where each cell begins and ends.
     pub(crate) cells: Vec<[usize; 2]>,
 }
 
 impl Row {
-    /// The separator is an ASCII character; a blank stands for any number of them.
+    /// The separator is an ASCII character; a blank stands for any number of blanks.
     pub(crate) fn split(&mut self, line: &str, separator: char) {
         self.text.clear();
         self.cells.clear();
@@ -30,7 +30,7 @@ impl Row {
         self.text.push_str(line);
     }
 
-    /// A cell in quotes may contain the separator, and quotes written twice.
+    /// A quoted cell may contain the separator, and doubled quotes.
     fn split_quoted(&mut self, line: &str, separator: char) {
         let (mut quoted, mut start) = (false, 0);
         let mut characters = line.chars().peekable();
@@ -58,7 +58,7 @@ impl Row {
     }
 }
 
-/// What the last cells of rows look like: one that is cut has fewer decimals, or is shorter, than all before.
+/// What the last cells of rows look like: a cut one has fewer decimals, or is shorter, than all before it.
 pub(crate) struct Ends {
     decimals: usize,
     length: usize,

@@ -1,65 +1,66 @@
-//! Values of a channel or a clock in pieces, most of which may be put aside: a long recording has no room in memory.
+//! Values of a channel or a clock in blocks, most of which may be in a store: a long recording does not fit
+//! into memory.
 
 use std::borrow::Cow;
 use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Keeps pieces of long channels. It never fails: what it could not keep it gives back as zeros, and whoever made it asks
-/// it in the end whether that happened.
+/// Holds blocks of long channels. It never fails: a block that it could not store is returned as zeros, and
+/// its creator asks in the end whether that happened.
 pub trait Store: Debug + Send + Sync {
-    /// Values of a piece; channels of fewer stay in memory.
-    fn piece(&self) -> usize;
+    /// Values of a block; shorter channels stay in memory.
+    fn block(&self) -> usize;
 
-    /// Takes a piece; where it is.
+    /// Stores a block and returns its place.
     fn put(&self, values: &[f64]) -> u64;
 
-    /// Appends the values of the piece at `place` to `values`.
+    /// Appends the values of the block at `place` to `values`.
     fn get(&self, place: u64, values: &mut Vec<f64>);
 
-    /// Forgets the piece at `place`, which nobody asks for any more.
+    /// Frees the block at `place`, which is not read any more.
     fn forget(&self, place: u64);
 }
 
-/// A piece in a store.
+/// A block in a store.
 #[derive(Debug)]
-struct Piece {
+struct Block {
     store: Arc<dyn Store>,
     place: u64,
 }
 
-impl Drop for Piece {
+impl Drop for Block {
     fn drop(&mut self) {
         self.store.forget(self.place);
     }
 }
 
-/// Numbers, one after the other. Clones share what was put aside.
+/// A sequence of numbers. Clones share stored blocks.
 #[derive(Clone, Debug)]
 pub struct Samples {
-    /// None where all stay in memory.
+    /// `None` where all values stay in memory.
     store: Option<Arc<dyn Store>>,
-    /// Values of a piece.
-    piece: usize,
-    /// Whole pieces.
-    aside: Vec<Arc<Piece>>,
-    /// What comes after them.
+    /// Values of a block.
+    block: usize,
+    /// Full blocks.
+    aside: Vec<Arc<Block>>,
+    /// The values after them.
     rest: Vec<f64>,
 }
 
 impl Default for Samples {
     fn default() -> Self {
-        Self { store: None, piece: usize::MAX, aside: Vec::new(), rest: Vec::new() }
+        Self { store: None, block: usize::MAX, aside: Vec::new(), rest: Vec::new() }
     }
 }
 
 impl Samples {
-    /// No values yet; those to come are put aside in `store`.
+    /// No values yet; `store` takes the blocks to come.
     pub fn new(store: &Arc<dyn Store>) -> Self {
-        Self { store: Some(Arc::clone(store)), piece: store.piece().max(1), ..Self::default() }
+        Self { store: Some(Arc::clone(store)), block: store.block().max(1), ..Self::default() }
     }
 
-    /// `values`, kept where these are.
+    /// `values`, stored where these are.
     pub fn made(&self, values: impl IntoIterator<Item = f64>) -> Self {
         let mut made = self.none();
         values.into_iter().for_each(|value| made.push(value));
@@ -67,9 +68,9 @@ impl Samples {
         made
     }
 
-    /// No values yet; those to come are kept where these are.
+    /// No values yet; those to come are stored where these are.
     pub fn none(&self) -> Self {
-        Self { store: self.store.clone(), piece: self.piece, ..Self::default() }
+        Self { store: self.store.clone(), block: self.block, ..Self::default() }
     }
 
     /// Number of values.
@@ -85,7 +86,7 @@ impl Samples {
     /// Appends a value.
     pub fn push(&mut self, value: f64) {
         self.rest.push(value);
-        if self.rest.len() >= self.piece {
+        if self.rest.len() >= self.block {
             self.put_aside();
         }
     }
@@ -117,8 +118,8 @@ impl Samples {
         if len >= self.len() {
             return;
         }
-        let (whole, rest) = (len / self.piece, len % self.piece);
-        if let Some(Piece { store, place }) = self.aside.get(whole).map(|piece| &**piece) {
+        let (whole, rest) = (len / self.block, len % self.block);
+        if let Some(Block { store, place }) = self.aside.get(whole).map(|block| &**block) {
             self.rest.clear();
             store.get(*place, &mut self.rest);
             self.aside.truncate(whole);
@@ -133,20 +134,20 @@ impl Samples {
 
     fn put_aside(&mut self) {
         if let Some(store) = &self.store {
-            let piece = Piece { place: store.put(&self.rest), store: Arc::clone(store) };
-            self.aside.push(Arc::new(piece));
+            let block = Block { place: store.put(&self.rest), store: Arc::clone(store) };
+            self.aside.push(Arc::new(block));
             self.rest.clear();
         }
     }
 
-    /// The place of the first value that is in memory.
+    /// The index of the first value that is in memory.
     fn rest_from(&self) -> usize {
-        self.aside.len() * self.piece
+        self.aside.len() * self.block
     }
 
     fn load(&self, i: usize, values: &mut Vec<f64>) {
         match self.aside.get(i) {
-            Some(piece) => piece.store.get(piece.place, values),
+            Some(block) => block.store.get(block.place, values),
             None => values.extend_from_slice(&self.rest),
         }
     }
@@ -170,16 +171,16 @@ impl PartialEq for Samples {
     }
 }
 
-/// Goes through values, a piece of which is in memory.
+/// Iterates over values with one block in memory.
 #[derive(Clone, Debug)]
 pub struct Values<'a> {
     samples: &'a Samples,
     next: usize,
     end: usize,
-    /// The piece that was asked for last, and the place of its first value.
+    /// The block that was read last, and the index of its first value.
     loaded: Vec<f64>,
     from: usize,
-    /// The place of the first value that is in memory anyway.
+    /// The index of the first value that is always in memory.
     rest_from: usize,
 }
 
@@ -195,10 +196,10 @@ impl Iterator for Values<'_> {
             self.samples.rest[self.next - self.rest_from]
         } else {
             if self.next >= self.from + self.loaded.len() {
-                let piece = self.samples.piece;
+                let block = self.samples.block;
                 self.loaded.clear();
-                self.samples.load(self.next / piece, &mut self.loaded);
-                self.from = self.next / piece * piece;
+                self.samples.load(self.next / block, &mut self.loaded);
+                self.from = self.next / block * block;
             }
             self.loaded[self.next - self.from]
         };
@@ -214,10 +215,10 @@ impl Iterator for Values<'_> {
 
 impl ExactSizeIterator for Values<'_> {}
 
-/// Values near each other, at places that move on.
+/// Access to neighbouring values at advancing indices.
 pub(crate) struct View<'a> {
     samples: &'a Samples,
-    /// What is in memory, and the place of its first value.
+    /// The values in memory, and the index of the first.
     loaded: Cow<'a, [f64]>,
     from: usize,
 }
@@ -228,7 +229,7 @@ impl<'a> View<'a> {
         Self { samples, loaded: Cow::Borrowed(loaded), from: 0 }
     }
 
-    /// The values at these places.
+    /// The values at these indices.
     pub(crate) fn slice(&mut self, places: Range<usize>) -> &[f64] {
         if places.start < self.from || places.end > self.from + self.loaded.len() {
             self.load(&places);
@@ -245,17 +246,17 @@ impl<'a> View<'a> {
         }
     }
 
-    /// A piece more than is asked for, so that places which move on ask seldom.
+    /// Loads one block more than needed, so that advancing indices load rarely.
     fn load(&mut self, places: &Range<usize>) {
-        let piece = self.samples.piece;
-        let first = places.start / piece;
-        let end = places.end.saturating_add(piece).min(self.samples.len());
+        let block = self.samples.block;
+        let first = places.start / block;
+        let end = places.end.saturating_add(block).min(self.samples.len());
         let mut values = std::mem::take(&mut self.loaded).into_owned();
         values.clear();
-        for i in first..end.div_ceil(piece) {
+        for i in first..end.div_ceil(block) {
             self.samples.load(i, &mut values);
         }
-        (self.loaded, self.from) = (Cow::Owned(values), first * piece);
+        (self.loaded, self.from) = (Cow::Owned(values), first * block);
     }
 }
 

@@ -7,9 +7,9 @@ use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::{Assembled, Grid, Labels, Samples, Source, Stretch};
+use crate::{Assembled, Grid, Labels, Samples, Section, Source};
 
-/// A stretch of samples that is to be one sub-experiment.
+/// A range of samples that is to be one sub-experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// Its samples; the row at `samples.end` holds the state after the last.
@@ -38,7 +38,7 @@ pub enum Cut {
     Windows {
         /// Samples per window.
         samples: usize,
-        /// Samples from which on what is left at the end of a stretch is a last, shorter window.
+        /// Samples from which on what is left at the end of a section is a last, shorter window.
         tail: usize,
         /// Speed classes that the names end with.
         classes: Option<SpeedClasses>,
@@ -63,9 +63,9 @@ pub struct Interval {
     pub maneuver: String,
 }
 
-/// Labels of a recording, from their times on.
+/// Labels of a recording, each valid from its time on.
 pub(crate) struct Labelled {
-    /// Times of the file that they stand in \[s\].
+    /// Times of the file that holds them \[s\].
     pub times: Arc<Samples>,
     /// Where the recording's clock begins \[s\].
     pub start_s: f64,
@@ -92,7 +92,7 @@ impl SpeedClasses {
 }
 
 impl Segmentation {
-    /// The runs of a recording, each a sequence of sub-experiments that follow each other without a break, and how many
+    /// The runs of a recording, each a sequence of sub-experiments without a break between them, and how many
     /// sub-experiments were too short.
     pub(crate) fn runs(
         &self,
@@ -102,9 +102,9 @@ impl Segmentation {
     ) -> (Vec<Vec<Part>>, usize) {
         let marked = self.cut.marked(source, &made.grid, labels);
         let (mut runs, mut short) = (Vec::new(), 0);
-        for stretch in &made.stretches {
+        for section in &made.sections {
             let speeds = [&made.measured[0], &made.measured[1]];
-            let parts = self.cut.parts(&source.kind, &marked, stretch, speeds);
+            let parts = self.cut.parts(&source.kind, &marked, section, speeds);
             let found = parts.len();
             let kept = self.long_enough(parts);
             short += found - kept.len();
@@ -124,7 +124,7 @@ impl Segmentation {
 }
 
 impl Cut {
-    /// The sub-experiments of a recording that are marked in it, in order, whatever is known of the channels there.
+    /// The sub-experiments of a recording that are marked in it, in order, regardless of what is known there.
     fn marked(&self, source: &Source, grid: &Grid, labels: Option<&Labelled>) -> Vec<Part> {
         match (self, labels) {
             (Self::Labels, Some(labels)) => labelled(grid, labels),
@@ -138,9 +138,9 @@ impl Cut {
         }
     }
 
-    /// The sub-experiments of one stretch, in order. `u` and `v` are surge and sway on the grid \[m/s\].
-    fn parts(&self, kind: &str, marked: &[Part], stretch: &Stretch, [u, v]: [&Samples; 2]) -> Vec<Part> {
-        let all = stretch.start..stretch.start + stretch.samples;
+    /// The sub-experiments of one section, in order. `u` and `v` are surge and sway on the grid \[m/s\].
+    fn parts(&self, kind: &str, marked: &[Part], section: &Section, [u, v]: [&Samples; 2]) -> Vec<Part> {
+        let all = section.start..section.start + section.samples;
         match self {
             Self::Whole => vec![Part { samples: all, maneuver: kind.to_owned() }],
             Self::Windows { samples, classes, .. } => {
@@ -163,7 +163,7 @@ impl Cut {
     }
 }
 
-/// Refuses intervals of recordings that there are not, and such that overlap.
+/// Refuses intervals of recordings that do not exist, and overlapping ones.
 ///
 /// # Errors
 /// Names the first.
@@ -197,15 +197,15 @@ fn overlap(part: &Part, all: &Range<usize>) -> Option<Part> {
     (!samples.is_empty()).then(|| Part { samples, maneuver: part.maneuver.clone() })
 }
 
-/// The samples of `interval`, both its rows included, as one sub-experiment.
+/// The samples of `interval`, both its ends included, as one sub-experiment.
 fn within(grid: &Grid, interval: &Interval) -> Part {
     let rows = grid.rows_within(interval.from_s, interval.to_s);
     let samples = rows.start..rows.end.saturating_sub(1).max(rows.start);
     Part { samples, maneuver: interval.maneuver.clone() }
 }
 
-/// One sub-experiment per stretch of equal labels, which hold from their times on. Rows under an empty label, or before the
-/// first label, belong to none.
+/// One sub-experiment per range of equal labels, each valid from its time on. Rows under an empty label, or
+/// before the first label, belong to none.
 fn labelled(grid: &Grid, Labelled { times, start_s, labels }: &Labelled) -> Vec<Part> {
     let mut parts: Vec<Part> = Vec::new();
     let mut begun = times.iter().map(|time| time - start_s).peekable();
@@ -236,7 +236,7 @@ mod tests {
         Source { name: "a".into(), files: Vec::new(), kind: "zigzag".into() }
     }
 
-    fn made(u: Vec<f64>, rate_hz: f64, stretches: Vec<Stretch>) -> Assembled {
+    fn made(u: Vec<f64>, rate_hz: f64, sections: Vec<Section>) -> Assembled {
         let rows = u.len();
         let still = || Samples::from(vec![0.0; rows]);
         Assembled {
@@ -244,7 +244,7 @@ mod tests {
             measured: [u.into(), still(), still()],
             exogenous: Vec::new(),
             further: Vec::new(),
-            stretches,
+            sections,
         }
     }
 
@@ -254,7 +254,7 @@ mod tests {
         let names = ["slow", "medium", "fast"].map(String::from).into();
         let classes = Some(SpeedClasses { bounds_m_s: vec![0.15, 0.3], names });
         let cut = Cut::Windows { samples: 10, tail: 10, classes };
-        let made = made(u, 1.0, vec![Stretch { start: 1, samples: 24 }]);
+        let made = made(u, 1.0, vec![Section { start: 1, samples: 24 }]);
         let windows = Segmentation { cut, least: 1, each_is_a_run: false };
         let (runs, short) = windows.runs(&source(), &made, None);
         assert_eq!(ranges(&runs[0]), [(1, 11, "zigzag/slow"), (11, 21, "zigzag/fast")]);
@@ -275,7 +275,7 @@ mod tests {
         ["a", "a", "", "b"].into_iter().for_each(|label| labels.push(label));
         let times = Arc::new(vec![101.0, 102.0, 104.0, 105.5].into());
         let labels = Labelled { times, start_s: 100.0, labels };
-        let made = made(vec![0.0; 9], 1.0, vec![Stretch { start: 2, samples: 5 }]);
+        let made = made(vec![0.0; 9], 1.0, vec![Section { start: 2, samples: 5 }]);
         assert_eq!(ranges(&labelled(&made.grid, &labels)), [(1, 4, "a"), (6, 9, "b")]);
         let segmentation = Segmentation { cut: Cut::Labels, least: 2, each_is_a_run: false };
         let (runs, short) = segmentation.runs(&source(), &made, Some(&labels));
@@ -306,9 +306,9 @@ mod tests {
             interval(12.0, 14.0),
         ]);
         // The recording is split within the last row of the third interval.
-        let stretches = vec![Stretch { start: 0, samples: 12 }, Stretch { start: 12, samples: 4 }];
+        let sections = vec![Section { start: 0, samples: 12 }, Section { start: 12, samples: 4 }];
         let joined = Segmentation { cut, least: 1, each_is_a_run: false };
-        let (runs, short) = joined.runs(&source(), &made(vec![0.0; 17], 1.0, stretches), None);
+        let (runs, short) = joined.runs(&source(), &made(vec![0.0; 17], 1.0, sections), None);
         let found: Vec<_> = runs.iter().map(|run| ranges(run)).collect();
         assert_eq!(found[0], [(0, 5, "from 0"), (5, 8, "from 5")]);
         assert_eq!(found[1..], [[(9, 12, "from 9")], [(12, 14, "from 12")]]);

@@ -6,7 +6,7 @@ use numerics::statistics::median_again;
 use crate::Unwrapping;
 use crate::samples::{Samples, View, steps};
 
-/// Times that differ by less are the same \[s\]: what remains of a time since 1970 in 64 bits.
+/// Times that differ by less are the same \[s\]: the resolution of a time since 1970 in 64 bits.
 const SAME_TIME_S: f64 = 1e-6;
 
 /// One channel on its own clock. Times increase; values are finite.
@@ -16,7 +16,7 @@ pub struct Series {
     pub t: Arc<Samples>,
     /// Values, one per time.
     pub values: Samples,
-    /// Between samples further apart than this the channel is unknown \[s\].
+    /// Between samples that are further apart the channel is unknown \[s\].
     pub max_gap_s: f64,
 }
 
@@ -42,7 +42,7 @@ impl Series {
         Self::shared(&self.t, values, self.max_gap_s)
     }
 
-    /// Every value through `f`.
+    /// Applies `f` to every value.
     pub fn map(mut self, f: impl FnMut(f64) -> f64) -> Self {
         self.values = self.values.made(self.values.iter().map(f));
         self
@@ -59,18 +59,18 @@ impl Series {
         median_again(|| steps(self.t.iter())).map(|step| 1.0 / step)
     }
 
-    /// The stretches of samples without a gap between neighbours.
-    pub fn pieces(&self) -> Vec<Range<usize>> {
-        let mut pieces: Vec<Range<usize>> = Vec::new();
+    /// The sections of samples without a gap between neighbours.
+    pub fn sections(&self) -> Vec<Range<usize>> {
+        let mut sections: Vec<Range<usize>> = Vec::new();
         let mut before = f64::NAN;
         for (i, time) in self.t.iter().enumerate() {
-            match pieces.last_mut() {
-                Some(piece) if !self.is_gap(before, time) => piece.end = i + 1,
-                _ => pieces.push(i..i + 1),
+            match sections.last_mut() {
+                Some(section) if !self.is_gap(before, time) => section.end = i + 1,
+                _ => sections.push(i..i + 1),
             }
             before = time;
         }
-        pieces
+        sections
     }
 
     /// Number of gaps.
@@ -93,22 +93,22 @@ impl Series {
         times.into_iter().map(move |time| sampler.at(time))
     }
 
-    /// Centred moving average over `width_s`: the mean of the samples no further away than half of it. Towards the ends of
-    /// a piece the width shrinks to what is there on both sides, so that nothing is delayed.
+    /// Centred moving average over `width_s`: the mean of the samples no further away than half of it.
+    /// Towards the ends of a section the width shrinks to what both sides have, so that nothing is delayed.
     pub fn averaged(&self, width_s: f64) -> Self {
         let mut averages = self.values.none();
         let (mut t, mut values) = (View::new(&self.t), View::new(&self.values));
-        for piece in self.pieces() {
-            let ends = [piece.start, piece.end - 1].map(|end| self.t.range(end..end + 1).next());
+        for section in self.sections() {
+            let ends = [section.start, section.end - 1].map(|end| self.t.range(end..end + 1).next());
             let [Some(first), Some(last)] = ends else { continue };
-            let (mut low, mut high) = (piece.start, piece.start);
-            for time in self.t.range(piece.clone()) {
+            let (mut low, mut high) = (section.start, section.start);
+            for time in self.t.range(section.clone()) {
                 let half = (0.5 * width_s).min(time - first).min(last - time) + SAME_TIME_S;
-                // Half widths shrink again towards the end, so the lower edge may only be searched onwards from here.
+                // Half widths shrink again towards the end, so the lower edge only moves forward from here.
                 while t.at(low) < time - half {
                     low += 1;
                 }
-                while high < piece.end && t.at(high) <= time + half {
+                while high < section.end && t.at(high) <= time + half {
                     high += 1;
                 }
                 averages.push(values.slice(low..high).iter().sum::<f64>() / (high - low) as f64);

@@ -7,7 +7,7 @@ use crate::{Body, Conventions, NonMonotonic, Repeated, TimeUnit};
 /// How the logs of a ship were made.
 #[derive(Clone, Debug)]
 pub struct Setup {
-    /// What messages call the file whose keys say so.
+    /// The file that holds these settings, as messages name it.
     pub written_in: &'static str,
     /// Kinds of files; a recording has files of each.
     pub files: Vec<FileSpec>,
@@ -104,7 +104,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// By the end of a file's name.
+    /// By a file's extension.
     fn of(name: &str) -> Self {
         let name = name.strip_suffix(".gz").unwrap_or(name);
         match name.rsplit_once('.').map(|(_, end)| end) {
@@ -271,7 +271,7 @@ impl QuaternionSpec {
             max_omitted: fifth(),
             optional,
         };
-        // A turn about the axis to port puts the bow down.
+        // A rotation about the axis to port puts the bow down.
         let pitch = self.pitch.iter().map(move |pitch| own(pitch, body.starboard(), true));
         let roll = self.roll.iter().map(move |roll| own(roll, 1.0, true));
         [own(&self.heading, 1.0, false)].into_iter().chain(roll).chain(pitch)

@@ -9,49 +9,50 @@ pub fn window_samples(window_s: f64, rate_hz: f64) -> usize {
     2 * ((0.5 * window_s * rate_hz).round() as usize).max(1) + 1
 }
 
-/// Fits a parabola by least squares to the `window` samples around each sample of a piece; gives `each` the fit's value and
-/// slope there, in order (in the unit of `values` and per second). At the ends the first and the last whole window is used,
-/// and evaluated off its centre. With equal steps this is the filter of Savitzky & Golay (Analytical Chemistry 36, 1964).
+/// Fits a parabola by least squares to the `window` samples around each sample of a section; passes the fit's
+/// value and slope there to `each`, in order (in the unit of `values` and per second). At the ends the first
+/// and the last whole window is evaluated off its centre. With equal steps this is the filter of Savitzky &
+/// Golay (Analytical Chemistry 36, 1964).
 ///
-/// `t` increases \[s\]. Fewer than three samples, or a window of fewer, give nothing.
+/// `t` increases \[s\]. Nothing is passed for fewer than three samples, or a shorter window.
 pub fn local_quadratic(
     t: &Samples,
     values: &Samples,
-    piece: Range<usize>,
+    section: Range<usize>,
     window: usize,
     mut each: impl FnMut(f64, f64),
 ) {
-    let window = window.min(piece.len());
+    let window = window.min(section.len());
     if window < 3 {
         return;
     }
     let (mut times, mut seen) = (View::new(t), View::new(values));
     let mut at = |i: usize, each: &mut dyn FnMut(f64, f64)| {
-        let first = (piece.start + i.saturating_sub(window / 2)).min(piece.end - window);
+        let first = (section.start + i.saturating_sub(window / 2)).min(section.end - window);
         let places = first..first + window;
-        let time = times.at(piece.start + i);
+        let time = times.at(section.start + i);
         let (value, slope) = fit_at(times.slice(places.clone()), seen.slice(places), time);
         each(value, slope);
     };
-    let Some(step) = equal_step(t, &piece) else {
-        return (0..piece.len()).for_each(|i| at(i, &mut each));
+    let Some(step) = equal_step(t, &section) else {
+        return (0..section.len()).for_each(|i| at(i, &mut each));
     };
     (0..window / 2).for_each(|i| at(i, &mut each));
-    filter(values, &piece, &weights(window, step), &mut each);
-    (piece.len() - (window - 1) / 2..piece.len()).for_each(|i| at(i, &mut each));
+    filter(values, &section, &weights(window, step), &mut each);
+    (section.len() - (window - 1) / 2..section.len()).for_each(|i| at(i, &mut each));
 }
 
 /// Steps that differ by less than this share of a step are equal.
 const EQUAL: f64 = 1e-4;
 
-/// The step of a piece of a clock that has but one.
-fn equal_step(t: &Samples, piece: &Range<usize>) -> Option<f64> {
-    let [first, last] = [piece.start, piece.end - 1].map(|end| t.range(end..end + 1).next());
-    let step = (last? - first?) / (piece.len() - 1) as f64;
-    steps(t.range(piece.clone())).all(|own| (own - step).abs() < EQUAL * step).then_some(step)
+/// The step of a section whose steps are all equal.
+fn equal_step(t: &Samples, section: &Range<usize>) -> Option<f64> {
+    let [first, last] = [section.start, section.end - 1].map(|end| t.range(end..end + 1).next());
+    let step = (last? - first?) / (section.len() - 1) as f64;
+    steps(t.range(section.clone())).all(|own| (own - step).abs() < EQUAL * step).then_some(step)
 }
 
-/// Weights of the values in a window whose sums are value and slope at its middle: the fits of single ones.
+/// Weights that give value and slope at the centre of a window, from fits to its unit vectors.
 fn weights(window: usize, step: f64) -> (Vec<f64>, Vec<f64>) {
     let place = |j: usize| (j as f64 - (window / 2) as f64) * step;
     let places: Vec<f64> = (0..window).map(place).collect();
@@ -64,21 +65,21 @@ fn weights(window: usize, step: f64) -> (Vec<f64>, Vec<f64>) {
     (0..window).map(weight).unzip()
 }
 
-/// Gives `each` value and slope at the middle of every whole window of a piece: with equal steps the same weights
-/// everywhere.
+/// Passes value and slope at the centre of every whole window of a section to `each`: with equal steps the
+/// weights are the same everywhere.
 fn filter(
     values: &Samples,
-    piece: &Range<usize>,
+    section: &Range<usize>,
     weights: &(Vec<f64>, Vec<f64>),
     each: &mut dyn FnMut(f64, f64),
 ) {
     const AT_A_TIME: usize = 1 << 14;
     let (mut seen, more) = (View::new(values), weights.0.len() - 1);
-    // Large offsets would cost digits: the first value is taken off and, of the values, given back.
-    let offset = seen.at(piece.start);
+    // Large offsets would cost digits: the first value is subtracted and, for the values, added back.
+    let offset = seen.at(section.start);
     let (mut moved, mut smooth, mut slope) = (Vec::new(), Vec::new(), Vec::new());
-    for first in (piece.start..piece.end - more).step_by(AT_A_TIME) {
-        let end = (first + AT_A_TIME).min(piece.end - more);
+    for first in (section.start..section.end - more).step_by(AT_A_TIME) {
+        let end = (first + AT_A_TIME).min(section.end - more);
         moved.clear();
         moved.extend(seen.slice(first..end + more).iter().map(|value| value - offset));
         smooth.clear();
@@ -106,8 +107,8 @@ fn append_weighted(values: &[f64], weights: &[f64], out: &mut Vec<f64>, offset: 
 fn fit_at(t: &[f64], values: &[f64], time: f64) -> (f64, f64) {
     let n = t.len() as f64;
     let scale = 0.5 * (t[t.len() - 1] - t[0]);
-    let middle = t.iter().sum::<f64>() / n;
-    let z = |t: f64| (t - middle) / scale;
+    let centre = t.iter().sum::<f64>() / n;
+    let z = |t: f64| (t - centre) / scale;
     let (mut s2, mut s3, mut mean) = (0.0, 0.0, 0.0);
     for (t, y) in t.iter().zip(values) {
         let z = z(*t);
@@ -131,19 +132,19 @@ fn fit_at(t: &[f64], values: &[f64], time: f64) -> (f64, f64) {
 }
 
 impl Series {
-    /// [`local_quadratic`] over `window_s` in every piece without gaps: values and slopes. Pieces of fewer than three
-    /// samples are left out.
+    /// [`local_quadratic`] over `window_s` in every section without gaps: values and slopes. Sections of
+    /// fewer than three samples are left out.
     pub fn smoothed(&self, window_s: f64) -> (Self, Self) {
         let window = window_samples(window_s, self.rate_hz().unwrap_or(0.0));
-        let mut pieces = self.pieces();
-        pieces.retain(|piece| piece.len() >= 3);
-        // A channel without gaps is one piece and keeps its clock.
-        let whole = pieces.iter().map(Range::len).sum::<usize>() == self.t.len();
-        let of_pieces = || self.t.made(pieces.iter().flat_map(|piece| self.t.range(piece.clone())));
-        let times = if whole { Arc::clone(&self.t) } else { Arc::new(of_pieces()) };
+        let mut sections = self.sections();
+        sections.retain(|section| section.len() >= 3);
+        // A channel without gaps is one section and keeps its clock.
+        let whole = sections.iter().map(Range::len).sum::<usize>() == self.t.len();
+        let of_sections = || self.t.made(sections.iter().flat_map(|section| self.t.range(section.clone())));
+        let times = if whole { Arc::clone(&self.t) } else { Arc::new(of_sections()) };
         let [mut smooth, mut slope] = [self.values.none(), self.values.none()];
-        for piece in pieces {
-            local_quadratic(&self.t, &self.values, piece, window, |value, rate| {
+        for section in sections {
+            local_quadratic(&self.t, &self.values, section, window, |value, rate| {
                 smooth.push(value);
                 slope.push(rate);
             });

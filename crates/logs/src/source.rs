@@ -11,36 +11,37 @@ use crate::{FileSpec, Template};
 pub struct Source {
     /// Name of the recording.
     pub name: String,
-    /// Per group of files, its parts as their names count, relative to the folder of the logs, with `/` between folders.
+    /// Per group of files, its parts in the order of their names, relative to the folder of the logs, with
+    /// `/` between folders.
     pub files: Vec<Vec<String>>,
     /// Its kind of maneuver.
     pub kind: String,
 }
 
-/// How recordings are known by the names of their files.
+/// How recordings are recognized by the names of their files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Naming {
-    /// Per group of files, where the recording's name stands; without a template each file is a recording, named as the
-    /// file.
+    /// Per group of files, where the recording's name stands; without a template each file is a recording,
+    /// named like the file.
     pub recordings: Vec<Option<Template>>,
     /// Their maneuvers.
     pub kind: Kind,
 }
 
-/// What maneuver is run in a recording.
+/// The kind of maneuver of a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
     /// The same in all.
     Given(String),
     /// As the name of the file of the first group says.
     Named(Template),
-    /// It is called as the recording.
+    /// The recording's name.
     Recording,
 }
 
 impl Naming {
-    /// The recordings that the `files` of `specs`, group by group, are of, in the order of their names. Files of one group that
-    /// are of one recording are its parts.
+    /// The recordings that the `files` of `specs`, group by group, belong to, in the order of their names.
+    /// Files of one group and one recording are its parts.
     ///
     /// # Errors
     /// A template that does not fit a file, a recording that lacks files of one of the groups, or that has two files where
@@ -93,27 +94,27 @@ impl Naming {
     }
 }
 
-/// A name as people count: `a_10` after `a_9`.
+/// A sort key of a name in natural order: `a_10` after `a_9`.
 fn counted(name: &str) -> Vec<(bool, String, String)> {
-    let mut pieces: Vec<(bool, String, String)> = Vec::new();
+    let mut chunks: Vec<(bool, String, String)> = Vec::new();
     for c in name.chars() {
         let is_digit = c.is_ascii_digit();
-        match pieces.last_mut().filter(|(last, ..)| *last == is_digit) {
-            Some((_, piece, _)) => piece.push(c),
-            None => pieces.push((is_digit, c.to_string(), String::new())),
+        match chunks.last_mut().filter(|(last, ..)| *last == is_digit) {
+            Some((_, chunk, _)) => chunk.push(c),
+            None => chunks.push((is_digit, c.to_string(), String::new())),
         }
     }
-    for (is_number, piece, tail) in &mut pieces {
+    for (is_number, chunk, tail) in &mut chunks {
         if *is_number {
-            // Longer numbers are larger; zeros before them count last.
-            let digits = piece.trim_start_matches('0').to_owned();
-            *tail = std::mem::replace(piece, format!("{:06}{digits}", digits.len()));
+            // Longer numbers are larger; leading zeros count last.
+            let digits = chunk.trim_start_matches('0').to_owned();
+            *tail = std::mem::replace(chunk, format!("{:06}{digits}", digits.len()));
         }
     }
-    pieces
+    chunks
 }
 
-/// The part of a file's name, or of its path where the template has a `/`.
+/// The template's part of a file's name, or of its path where the template has a `/`.
 fn named(template: &Template, file: &str) -> Result<String, Invalid> {
     let subject = if template.text().contains('/') { file } else { base(file) };
     template.part(subject).map(str::to_owned).ok_or_else(|| {
@@ -123,7 +124,7 @@ fn named(template: &Template, file: &str) -> Result<String, Invalid> {
     })
 }
 
-/// What messages call a recording.
+/// How messages name a recording.
 pub(crate) fn called(name: &str) -> String {
     format!("run `{name}`")
 }

@@ -1,10 +1,10 @@
-//! Rows that share a time, spread until the next: clocks that were logged more coarsely than the rows.
+//! Rows that share a time, spread until the next one: clocks that were logged more coarsely than the rows.
 
 use numerics::statistics::median_again;
 
 use crate::Samples;
 
-/// Rows that follow each other and have one time.
+/// Consecutive rows with one time.
 struct Shared {
     time: f64,
     rows: usize,
@@ -13,9 +13,10 @@ struct Shared {
 /// Steps that are longer than this many usual ones are gaps.
 const GAP: f64 = 1.5;
 
-/// `times` \[s\] with the rows of each spread evenly until the next, and how many were moved. Where a second is not whole, at
-/// the ends of a recording and at gaps, its rows keep the usual distance: at an end they follow their time, at a beginning
-/// they lead to the next, unless all rows follow a stamp with their time (`is_stamped`).
+/// `times` \[s\] with the rows of each spread evenly until the next, and how many were moved. In an
+/// incomplete second, at the ends of a recording and at gaps, rows keep the usual distance: at an end they
+/// follow their time, at a beginning they lead up to the next one, unless all rows follow a stamp with their
+/// time (`is_stamped`).
 pub(crate) fn spread(times: Samples, is_stamped: bool) -> (Samples, usize) {
     let shared = shared(&times);
     let known = times.iter().filter(|time| time.is_finite()).count();
@@ -30,9 +31,9 @@ pub(crate) fn spread(times: Samples, is_stamped: bool) -> (Samples, usize) {
         let count = own.rows as f64;
         let (first, between) = match after {
             after if gap(after) => {
-                // Of several seconds, where the times between were lost.
-                let room = after.filter(|after| *after > 0.0).map_or(f64::INFINITY, |after| after / count);
-                (own.time, (step / usual).min(room))
+                // Several seconds, where the times between were lost.
+                let space = after.filter(|after| *after > 0.0).map_or(f64::INFINITY, |after| after / count);
+                (own.time, (step / usual).min(space))
             }
             Some(after) if !is_stamped && gap(before) && count < usual => {
                 (own.time + after * (1.0 - count / usual), after / usual)

@@ -1,4 +1,4 @@
-//! Dates and times as text: in ISO 8601 or as a format says, in a time zone or with an offset.
+//! Dates and times as text: in ISO 8601 or in a given format, in a time zone or with an offset.
 
 use jiff::civil::DateTime;
 use jiff::fmt::strtime::BrokenDownTime;
@@ -9,14 +9,14 @@ use refusal::{Invalid, foreign, nearest};
 use crate::columns::{cell_of, is_nothing};
 use crate::{TimeSpec, TimeUnit};
 
-/// How the times of a kind of files are read where they are text.
+/// How times in text are read in one kind of files.
 #[derive(Clone, Debug)]
 pub struct Stamps {
-    /// ISO 8601 without one.
+    /// `None` for ISO 8601.
     format: Option<String>,
-    /// Whether the format has a day, or the hours of one alone.
+    /// Whether the format has a day, and not only a time of day.
     dated: bool,
-    /// Where clocks showed these times, and what messages call it; UTC where nothing is said.
+    /// The clock's time zone and its name in messages; UTC by default.
     zone: TimeZone,
     called: String,
 }
@@ -24,19 +24,19 @@ pub struct Stamps {
 /// Why a text is no time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoStamp {
-    /// It does not fit.
+    /// It does not parse.
     Unread,
-    /// Clocks were set back: they showed it twice.
+    /// Clocks were set back and showed it twice.
     Twice,
-    /// Clocks were set forward: they never showed it.
+    /// Clocks were set forward and never showed it.
     Never,
 }
 
 impl Stamps {
-    /// How times are read as `spec` says.
+    /// Reads times as `spec` says.
     ///
     /// # Errors
-    /// A format that has no time of day or cannot be read back, a zone that is not known.
+    /// A format that has no time of day or cannot be read back, an unknown zone.
     pub fn new(spec: &TimeSpec) -> Result<Self, Invalid> {
         let (zone, called) = match &spec.zone {
             Some(name) => (zone(name)?, name.clone()),
@@ -77,7 +77,7 @@ impl Stamps {
         }
     }
 
-    /// What clocks in the zone showed.
+    /// A local time in the zone.
     fn local(&self, shown: DateTime) -> Result<f64, NoStamp> {
         let moment = self.zone.to_ambiguous_zoned(shown);
         match moment.offset() {
@@ -89,7 +89,7 @@ impl Stamps {
         }
     }
 
-    /// Whether a text, which was read as `time`, tells a second 60: that is read as 59.
+    /// Whether a text, which was read as `time`, has a second 60, which is read as 59.
     fn is_leap(&self, text: &str, time: f64) -> bool {
         let is_last = time.rem_euclid(60.0) >= 59.0;
         if !is_last {
@@ -103,7 +103,8 @@ impl Stamps {
         text.match_indices("60").any(|(at, _)| is_second(at))
     }
 
-    /// Seconds since 1970-01-01 UTC of a moment `shown` by clocks in the zone, in seconds as if that were UTC.
+    /// Seconds since 1970-01-01 UTC of the local time `shown` in the zone, which is in seconds as if it were
+    /// UTC.
     ///
     /// # Errors
     /// See [`NoStamp`].
@@ -121,7 +122,7 @@ impl Stamps {
         self.format.is_some() && !self.dated
     }
 
-    /// What is said of a cell that is no time.
+    /// The refusal of a cell that is not a time.
     pub fn refused(&self, line: usize, column: &str, text: &str, why: NoStamp, written_in: &str) -> Invalid {
         let found = match why {
             NoStamp::Unread => format!("`{}`", foreign(text)),
@@ -143,7 +144,7 @@ impl Stamps {
         let expected = match (why, &self.format) {
             (NoStamp::Unread, Some(format)) => format!("a time that fits `{format}` as a whole"),
             (NoStamp::Unread, None) => "a date and time such as 2020-07-31T13:04:24.5Z".to_owned(),
-            _ => "a time that tells one moment".to_owned(),
+            _ => "an unambiguous time".to_owned(),
         };
         let remedy = match (why, &self.format) {
             (NoStamp::Unread, Some(_)) => format!("correct the cell, or the time's `format` in {written_in}"),
@@ -157,7 +158,8 @@ impl Stamps {
     }
 }
 
-/// Reads the times of rows one after the other. A second 60 is a second of its own: what comes after it is a second later.
+/// Reads the times of consecutive rows. A leap second is a second of its own: all later times are a second
+/// later.
 pub struct Moments<'a> {
     pub(crate) stamps: &'a Stamps,
     /// When it began \[s\].
@@ -165,7 +167,7 @@ pub struct Moments<'a> {
 }
 
 impl<'a> Moments<'a> {
-    /// Reads as `stamps` do.
+    /// Reads times with `stamps`.
     pub fn new(stamps: &'a Stamps) -> Self {
         Self { stamps, leap_s: None }
     }
@@ -183,7 +185,7 @@ impl<'a> Moments<'a> {
         Ok(if self.leap_s.is_some_and(|leap_s| time >= leap_s) { time + 1.0 } else { time })
     }
 
-    /// The moment of a second 60, if there was one.
+    /// The moment of the leap second, if there was one.
     pub fn leap_s(&self) -> Option<f64> {
         self.leap_s
     }
@@ -193,7 +195,7 @@ fn since_1970(time: Timestamp) -> f64 {
     time.as_duration().as_secs_f64()
 }
 
-/// A zone by its name among those of the tz database that comes along, or by its offset.
+/// A zone by its name in the bundled tz database, or by its offset.
 fn zone(name: &str) -> Result<TimeZone, Invalid> {
     if name.starts_with(['+', '-']) {
         let offset = BrokenDownTime::parse("%:z", name).ok().and_then(|parsed| parsed.offset());
@@ -212,7 +214,7 @@ fn unknown(name: &str, near: Option<&str>) -> Invalid {
     Invalid::new("`zone`", format!("`{name}`"), expected, remedy)
 }
 
-/// Whether a `format` has a day, found by writing a moment and reading it.
+/// Whether a `format` has a day, found by writing a time and reading it back.
 fn has_day(format: &str) -> Result<bool, Invalid> {
     let refused = |found: String| {
         let expected = "a format such as `%Y/%m/%d %H:%M:%S%.f`, with hours at least";

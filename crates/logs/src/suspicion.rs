@@ -1,4 +1,5 @@
-//! Data that can be read but may not be what they are said to be: wrong units are refused, the rest is counted and told.
+//! Data that can be read but may not be what they are declared to be: wrong units are refused, the rest
+//! becomes counted warnings.
 
 use std::f64::consts::TAU;
 
@@ -10,57 +11,57 @@ use serde::{Deserialize, Serialize};
 use crate::samples::steps;
 use crate::{ChannelSpec, ChannelSummary, Channels, MotionSummary, Setup, Unit};
 
-/// Units of angles and how many of them a turn has.
+/// Units of angles and their number per turn.
 const TURNS: [(&str, f64); 2] = [("deg", 360.0), ("rad", TAU)];
 
-/// What a velocity is multiplied by where it is in this unit instead of m/s.
+/// The factor from m/s to another unit of speed.
 const SPEEDS: [(&str, f64); 5] =
     [("knot", 3600.0 / 1852.0), ("km/h", 3.6), ("mm/s", 1e3), ("cm/s", 1e2), ("ft/s", 1.0 / 0.3048)];
 
-/// What a rate of turn is multiplied by where it is in this unit instead of rad/s.
+/// The factor from rad/s to another unit of turn rate.
 const RATES: [(&str, f64); 2] = [("deg/s", 360.0 / TAU), ("deg/min", 60.0 * 360.0 / TAU)];
 
-/// How far a ratio may be off that of two units.
+/// Tolerance for a ratio to match that of two units.
 const SAME_RATIO: f64 = 0.02;
 
-/// Finds angles that wrap by a turn of another unit than their own, as they stand in a column.
+/// Finds angles in a column that wrap at a turn of another unit than their own.
 pub(crate) struct Turns<'a> {
     unit: &'a Unit,
     largest: f64,
     before: f64,
     count: usize,
     wraps: Vec<Wraps>,
-    /// A moment at least a second ago, and the number then.
+    /// A time at least a second ago, and the number then.
     anchor: (f64, f64),
     fast: usize,
 }
 
-/// What a channel looked like as it was logged.
+/// How a channel looked as logged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Seen {
     /// Its largest modulus, in SI units.
     largest: f64,
-    /// How often it moved faster than any direction does that a ship turns with.
+    /// How often it moved faster than any direction of a turning ship.
     fast: usize,
 }
 
-/// No direction turns faster for a second, were it that of a small model \[rad/s\].
+/// No direction turns faster for a second, even on a small model \[rad/s\].
 const FAST: f64 = 1.5;
 
-/// How often it must do so: a jump may be a fault.
+/// How often it must do so: a single jump may be a fault.
 const OFTEN: usize = 3;
 
-/// Numbers that are a turn of another unit off the one before.
+/// Numbers that differ from the previous one by a turn of another unit.
 struct Wraps {
     /// The unit, and a turn in it.
     unit: &'static str,
     turn: f64,
-    /// The first: which it is, the one before, itself.
+    /// The first such number: its index, the previous number, itself.
     first: Option<(usize, [f64; 2])>,
 }
 
 impl<'a> Turns<'a> {
-    /// Nothing seen yet of a column in `unit`.
+    /// Before the first number of a column in `unit`.
     pub(crate) fn new(unit: &'a Unit) -> Self {
         let own = TAU / unit.factor;
         let others = TURNS.into_iter().filter(|(_, turn)| unit.si == "rad" && (turn / own - 1.0).abs() > 0.1);
@@ -69,7 +70,7 @@ impl<'a> Turns<'a> {
         Self { unit, largest: 0.0, before: f64::NAN, count: 0, wraps, anchor, fast: 0 }
     }
 
-    /// Looks at the next number, at `time` \[s\].
+    /// Takes the next number, at `time` \[s\].
     pub(crate) fn see(&mut self, number: f64, time: f64) {
         for Wraps { turn, first, .. } in &mut self.wraps {
             if first.is_none() && ((number - self.before).abs() / *turn - 1.0).abs() < 0.08 {
@@ -94,12 +95,12 @@ impl<'a> Turns<'a> {
         self.unit.si == "rad" && self.largest * self.unit.factor > 1.02 * TAU
     }
 
-    /// What the numbers looked like.
+    /// How the numbers looked.
     pub(crate) fn seen(&self) -> Seen {
         Seen { largest: self.unit.factor * self.largest, fast: self.fast }
     }
 
-    /// Refuses `column`, whose number `i` stands on `line(i)`, where it wraps.
+    /// Refuses `column`, whose number `i` stands on `line(i)`, if it wraps at another unit's turn.
     pub(crate) fn check(&self, column: &str, line: impl Fn(usize) -> String) -> Result<(), Invalid> {
         for Wraps { unit: name, turn, first } in &self.wraps {
             if let Some((i, [before, number])) = first.filter(|_| self.largest <= 1.02 * turn) {
@@ -115,7 +116,7 @@ impl<'a> Turns<'a> {
     }
 }
 
-/// Refuses velocities that are a unit's ratio off the derivative of position or heading.
+/// Refuses velocities that differ from the derivative of position or heading by the ratio of two units.
 pub(crate) fn check_ratios(motion: &[Option<MotionSummary>; 3]) -> Result<(), Invalid> {
     let units = [("y_u", &SPEEDS[..]), ("y_v", &SPEEDS), ("y_r", &RATES)];
     for ((channel, units), found) in units.into_iter().zip(motion) {
@@ -128,8 +129,8 @@ pub(crate) fn check_ratios(motion: &[Option<MotionSummary>; 3]) -> Result<(), In
     Ok(())
 }
 
-/// `channel` is `gain` times the derivative of position or heading: it may be in `unit`, or else what it is compared with
-/// in another.
+/// `channel` is `gain` times the derivative of position or heading: it may be in `unit`, or the channel it is
+/// compared with in another.
 fn other_unit(channel: &str, gain: f64, unit: Option<&str>) -> Invalid {
     let of = if channel == "y_r" { "`psi`" } else { "`x` and `y`" };
     let remedy = match (unit, channel) {
@@ -179,10 +180,10 @@ pub enum WarningKind {
     Bias,
 }
 
-/// What is odd about a channel: the kind, how often, in words.
+/// An oddity of a channel: the kind, how often, in words.
 pub(crate) type Oddity = (WarningKind, u64, String);
 
-/// What is odd about the channels of a recording; `seen` is what those that are logged looked like there.
+/// Oddities of the channels of a recording; `seen` is how the logged ones looked.
 pub(crate) fn warnings(
     setup: &Setup,
     channels: &Channels,
@@ -215,8 +216,8 @@ fn constant(channel: &ChannelSummary) -> Option<Oddity> {
     Some((WarningKind::Constant, 1, format!("is {value} throughout")))
 }
 
-/// An angle that is logged beyond a turn and stands still there, or moves faster than what goes round with a ship does; or
-/// one in degrees that stays within a turn in radians. An angle without wraps may go round as often as it likes.
+/// An angle that stands still beyond a turn, or moves faster there than anything that rotates with a ship; or
+/// one in degrees that stays within a turn in radians. An angle without wraps may make any number of turns.
 fn angle(spec: &ChannelSpec, Seen { largest, fast }: Seen, still: bool) -> Option<Oddity> {
     let degrees = largest.to_degrees();
     let text = match spec.unit.as_str() {
@@ -248,8 +249,8 @@ fn jumps(channels: &Channels) -> Option<Oddity> {
     (count > 0).then_some((WarningKind::Jump, count as u64, text))
 }
 
-/// Changes of the speed from place to place above 1 m/s and twelve times the median change, which no ship makes. Places that
-/// are repeated, as between fixes, count once.
+/// Changes of the speed between positions above 1 m/s and twelve times the median change, which no ship
+/// makes. Repeated positions, as between fixes, count once.
 fn place_jumps(channels: &Channels) -> Option<Oddity> {
     let (x, y) = (channels.get("x")?, channels.get("y")?);
     let changes = || {

@@ -1,12 +1,12 @@
-//! Forces of a thruster as a table over its speed, and its pitch where that is set.
+//! A thruster's forces as a table over its speed, and its pitch where it is controllable.
 
 use refusal::Invalid;
 
-/// Forces \[N\] at speeds, and at pitches where there are any; between them they are interpolated linearly.
+/// Forces \[N\] at speeds, and at pitches if there are any, interpolated linearly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForceTable {
     speeds: Vec<f64>,
-    /// One without a meaning where the table has no pitch.
+    /// A single unused one where the table has no pitch.
     pitches: Vec<f64>,
     /// Row by row: all speeds at the first pitch, and so on.
     forces: Vec<f64>,
@@ -16,7 +16,7 @@ impl ForceTable {
     /// A table over `speeds` alone, or over `pitches` too: then with a row of `forces` for each.
     ///
     /// # Errors
-    /// Speeds or pitches that do not increase, or forces that are no numbers or not one for each place.
+    /// Speeds or pitches that do not increase, or forces that are not numbers or not one for each point.
     pub fn new(speeds: Vec<f64>, pitches: Option<Vec<f64>>, forces: Vec<Vec<f64>>) -> Result<Self, Invalid> {
         let axes = [("speed", Some(&speeds)), ("pitch", pitches.as_ref())];
         for (name, places) in axes.into_iter().filter_map(|(name, places)| Some((name, places?))) {
@@ -42,10 +42,10 @@ impl ForceTable {
         Ok(Self { speeds, pitches, forces: forces.concat() })
     }
 
-    /// The force at a speed and a pitch, which counts for nothing in a table without pitches; NaN where either is.
+    /// The force at a speed and a pitch, which a table without pitches ignores; NaN where either is NaN.
     ///
     /// # Errors
-    /// What lies outside of the table, and its range there.
+    /// The value outside of the table, and the table's range.
     pub fn force(&self, speed: f64, pitch: f64) -> Result<f64, (Axis, f64, [f64; 2])> {
         let pitched = self.pitches.len() > 1;
         if speed.is_nan() || pitched && pitch.is_nan() {
@@ -65,7 +65,7 @@ impl ForceTable {
     }
 }
 
-/// What a table is over.
+/// An axis of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// The speed.
@@ -74,7 +74,8 @@ pub enum Axis {
     Pitch,
 }
 
-/// The interval of `places` that `at` lies in, and how far along it; the range of all where it lies outside.
+/// The interval of `places` that contains `at`, and the fraction along it; the whole range where `at` lies
+/// outside.
 fn place(places: &[f64], at: f64) -> Result<(usize, f64), [f64; 2]> {
     let (first, last) = (places[0], places[places.len() - 1]);
     if !(first..=last).contains(&at) {

@@ -3,11 +3,11 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What an azimuth thruster is set to: speed n \[1/s\] and direction of its push, from forward to starboard \[rad\], not
-/// wrapped.
+/// The setting of an azimuth thruster: speed n \[1/s\] and direction of its push, from forward to starboard
+/// \[rad\], not wrapped.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setting {
-    /// Speed; negative where it is reversed.
+    /// Speed; negative when reversed.
     pub n: f64,
     /// Direction.
     pub alpha: f64,
@@ -31,7 +31,7 @@ pub struct Thruster {
     pub law: Law,
     /// c: force per speed, or per speed squared.
     pub coefficient: f64,
-    /// Where it is, from the reference point: forward and to starboard \[m\].
+    /// Its position relative to the reference point: forward and to starboard \[m\].
     pub position_m: [f64; 2],
 }
 
@@ -54,8 +54,9 @@ impl Thruster {
         [forward, starboard, x * starboard - y * forward]
     }
 
-    /// The setting that pushes with `force` (forward, to starboard) \[N\]: of the two, ahead and reversed, the one whose
-    /// direction is nearer to `alpha` \[rad\], and within a quarter turn of it. Without force `alpha` stays.
+    /// The setting that pushes with `force` (forward, to starboard) \[N\]: of the two, ahead and reversed,
+    /// the one whose direction is nearer to `alpha` \[rad\], within a quarter turn of it. Without force
+    /// `alpha` stays.
     pub fn setting(&self, [forward, starboard]: [f64; 2], alpha: f64) -> Setting {
         let force = libm::hypot(forward, starboard);
         if force == 0.0 {

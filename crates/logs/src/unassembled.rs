@@ -3,7 +3,7 @@ use thiserror::Error;
 /// Rows beyond which a clock is taken to have jumped: three years at 1 Hz.
 pub(crate) const MOST_ROWS: usize = 100_000_000;
 
-/// Why there is nothing on one clock.
+/// Why channels could not be put on one clock.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Unassembled {
     /// A channel is missing.
@@ -15,25 +15,26 @@ pub enum Unassembled {
     /// Geographic positions that start beyond 89° of latitude, where a plane has no north.
     #[error("positions that start beyond 89 deg of latitude")]
     NoPlane,
-    /// There is no moment at which all channels are known: they start after others end, or there is a gap everywhere.
+    /// There is no time at which all channels are known: they start after others end, or there is a gap
+    /// everywhere.
     #[error("no two neighbouring samples at which all channels are known")]
     NoOverlap,
-    /// A thruster goes beyond its table.
+    /// A thruster leaves its table.
     #[error("{value} in channel `{channel}`")]
     OutsideTable {
         /// The channel of its speed or pitch.
         channel: String,
         /// The value there.
         value: f64,
-        /// What the table spans.
+        /// The table's range.
         range: [f64; 2],
     },
-    /// The clocks span more rows than may be: one of them jumped, or there is no memory for them.
+    /// The clocks span more rows than allowed: one of them jumped, or memory does not suffice.
     #[error("clocks that span {rows} rows")]
     TooLong {
         /// Rows that they span.
         rows: usize,
-        /// Rows that may be.
+        /// The most rows allowed.
         most: usize,
     },
 }

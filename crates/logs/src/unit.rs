@@ -1,11 +1,11 @@
-/// A unit that a log may be in.
+/// A unit that a log may use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
     /// As written.
     pub name: &'static str,
     /// The unit that it is converted to: SI, radians, revolutions per second.
     pub si: &'static str,
-    /// How many of those it is.
+    /// Its size in that unit.
     pub factor: f64,
 }
 
@@ -15,7 +15,7 @@ const fn of(name: &'static str, si: &'static str, factor: f64) -> Unit {
     Unit { name, si, factor }
 }
 
-/// All units that are known. Letters' case matters: `kn` is a knot, `kN` a kilonewton.
+/// All known units. Case matters: `kn` is a knot, `kN` a kilonewton.
 pub const UNITS: &[Unit] = &[
     of("1", "1", 1.0),
     of("%", "1", 0.01),
@@ -70,8 +70,8 @@ pub fn unit(name: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.name == name)
 }
 
-/// What a number in `from` is multiplied by to be in `to`; none if they measure different things. Units that are not in
-/// the table fit only themselves.
+/// The factor from `from` to `to`; `None` if they measure different things. Units that are not in the table
+/// match only themselves.
 pub fn factor(from: &str, to: &str) -> Option<f64> {
     if from == to {
         return Some(1.0);

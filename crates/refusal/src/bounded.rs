@@ -1,14 +1,14 @@
-//! Messages stay short and in one line, whatever a foreign file put into them.
+//! Keeps messages short and in one line, even if they quote foreign files.
 
-/// Most characters of a text that stands in somebody else's file, in a message.
+/// Most characters that a message quotes from a foreign file.
 const FOREIGN: usize = 80;
 
-/// What stands in a file that we did not write, as a message may quote it: in one line, at most 80 characters.
+/// Text from a foreign file, as a message may quote it: in one line, at most 80 characters.
 pub fn foreign(text: &str) -> String {
     shortened(&one_line(text), FOREIGN)
 }
 
-/// `text` without its end where it has more than `most` characters: `…` stands for that.
+/// `text`, with `…` in place of its end where it has more than `most` characters.
 pub fn shortened(text: &str, most: usize) -> String {
     match text.char_indices().nth(most) {
         None => text.to_owned(),
@@ -16,7 +16,7 @@ pub fn shortened(text: &str, most: usize) -> String {
     }
 }
 
-/// `parts`, of which the longest are shortened so that all of them have at most `most` characters.
+/// `parts`, of which the longest are shortened so that all of them have at most `most` characters together.
 pub(crate) fn fitted<const N: usize>(parts: [&str; N], most: usize) -> [String; N] {
     let lengths = parts.map(|part| part.chars().count());
     if lengths.iter().sum::<usize>() <= most {
@@ -27,13 +27,13 @@ pub(crate) fn fitted<const N: usize>(parts: [&str; N], most: usize) -> [String; 
     parts.map(|part| shortened(part, cut))
 }
 
-/// `text` with every run of line breaks, other control characters and marks that nobody sees replaced by one space.
+/// `text` with every run of line breaks, other control characters and invisible marks replaced by one space.
 pub fn one_line(text: &str) -> String {
     let parts = text.split(|c: char| c.is_control() || is_unseen(c));
     parts.filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
-/// Separators of lines, marks that turn the direction of writing, and what has no width.
+/// Line separators, marks that change the direction of writing, and zero-width characters.
 fn is_unseen(c: char) -> bool {
     matches!(
         c,

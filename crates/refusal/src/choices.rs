@@ -1,7 +1,8 @@
-/// An enum of choices that are called the same in files, on the command line and on pages. Each name is said once, and so is
-/// what it means: its doc comment without the full stop is its line in `--help`.
+/// An enum of choices with the same names in files, on the command line and on pages. Each name is stated
+/// once, and so is its meaning: a variant's doc comment without the full stop is its line in `--help`.
 ///
-/// Gives `ALL`, `name`, `description`, `Display` and the names of `serde` and `schemars`, on which the caller depends.
+/// Defines `ALL`, `name`, `description`, `Display` and the names for `serde` and `schemars`, which the caller
+/// must depend on.
 #[macro_export]
 macro_rules! choices {
     (
@@ -22,12 +23,12 @@ macro_rules! choices {
             /// All of them.
             pub const ALL: [Self; [$($name),+].len()] = [$(Self::$Choice),+];
 
-            /// As in files and on the command line.
+            /// Its name in files and on the command line.
             pub fn name(self) -> &'static str {
                 [$($name),+][self as usize]
             }
 
-            /// What it is, in a line.
+            /// Its description in one line.
             pub fn description(self) -> &'static str {
                 [$(concat!($($line),+)),+][self as usize].trim_start().trim_end_matches('.')
             }

@@ -6,7 +6,7 @@ use crate::{nearest, one_line};
 /// Most characters of the four parts of a message together: with a file's name they stay below 500.
 const MOST: usize = 360;
 
-/// A value that is refused. It knows no file: whoever read one adds its name.
+/// A refused value. It knows no file: the reader of a file adds its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Invalid {
     /// What the value is: a key, a column, a row.
@@ -15,7 +15,7 @@ pub struct Invalid {
     pub found: String,
     /// What would be valid.
     pub expected: String,
-    /// What to do about it.
+    /// How to correct it.
     pub remedy: String,
 }
 
@@ -30,7 +30,7 @@ impl Invalid {
         Self { thing: thing.into(), found: found.into(), expected: expected.into(), remedy: remedy.into() }
     }
 
-    /// A name that is none of the `known` ones, the nearest of which may be meant.
+    /// A name that is not among the `known` ones, the nearest of which is suggested.
     pub fn unknown<'a>(
         thing: impl Into<String>,
         name: &str,
@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_message_is_one_line_whatever_its_parts_hold() {
+    fn a_message_is_always_one_line() {
         let invalid = Invalid::new("`a`", "x\r\n\u{2028}y", "z", "correct it");
         assert_eq!(invalid.to_string(), "`a`: found x y, expected z; correct it");
         let invalid = Invalid::new("`a`", "x".repeat(300_000), "z", "correct it").to_string();

@@ -1,5 +1,5 @@
-//! The one form of a refusal: what is wrong, what was found, what was expected, and the remedy, in one line; and choices that
-//! are expected by their names. Files are read [`strictly`]: what they say twice or without its name is refused.
+//! The one form of a refusal: what is wrong, what was found, what was expected, and the remedy, in one line;
+//! and choices by name. Files are read [`strictly`]: duplicate keys and unnamed values are refused.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

@@ -3,15 +3,15 @@ use crate::{Invalid, foreign, one_line};
 /// Most characters of a name: it stands in figures and routes.
 const LONGEST: usize = 200;
 
-/// Refuses a name that figures, routes and pages cannot hold: none, one of more than 200 characters, or one with ends of lines,
-/// marks that nobody sees, or what XML has no place for.
+/// Refuses a name that figures, routes and pages cannot hold: an empty one, one of more than 200 characters,
+/// or one with line breaks, invisible marks, or characters that XML does not allow.
 ///
 /// # Errors
-/// Names `thing`, whose name it is.
+/// Names `thing`, the owner of the name.
 pub fn check_name(thing: impl Into<String>, name: &str) -> Result<(), Invalid> {
     let count = name.chars().count();
     let refuse = |found: String| {
-        let expected = format!("1 to {LONGEST} characters that can be seen, in one line");
+        let expected = format!("1 to {LONGEST} visible characters in one line");
         Err(Invalid::new(thing, found, expected, "rename it"))
     };
     let unheld = |c: &char| matches!(c, '\u{fffe}' | '\u{ffff}') || one_line(&c.to_string()) != c.to_string();
@@ -28,7 +28,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_that_nothing_can_hold_are_refused() {
+    fn names_that_files_cannot_hold_are_refused() {
         for held in ["zig-zag 20/20", "Kehrwende (süd)", "操舵", "a&<b>\"'"] {
             check_name("maneuver", held).unwrap();
         }

@@ -1,10 +1,10 @@
 use crate::shortened;
 
-/// Longer words are like no name.
+/// Longer words are not compared.
 const MOST: usize = 200;
 
-/// The name of `known` most like `word`, whatever their case: by Jaro–Winkler, then by the fewest edits (the first of
-/// equals).
+/// The name of `known` most like `word`, regardless of case: by Jaro–Winkler, then by the fewest edits (the
+/// first of equals).
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = shortened(word, MOST).to_lowercase();
     let mut best: Option<((f64, usize), &str)> = None;
@@ -23,7 +23,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_of_the_likest_names_is_suggested_whatever_the_case() {
+    fn the_first_of_the_likest_names_is_suggested_in_any_case() {
         assert_eq!(nearest("SURGE", ["yaw", "surge", "sway"]), Some("surge"));
         assert_eq!(nearest("x", ["a", "b"]), Some("a"));
         assert_eq!(nearest("x", []), None);

@@ -3,7 +3,8 @@ use std::ops::RangeInclusive;
 
 use crate::Invalid;
 
-/// Refuses the first of `numbers`, each with its key, that is not finite or does not fit: it should be `expected`.
+/// Refuses the first of `numbers`, each with its key, that is not finite or not valid: it should be
+/// `expected`.
 ///
 /// # Errors
 /// Names the key.
@@ -18,8 +19,8 @@ pub fn check_numbers<K: Display>(
     }
 }
 
-/// Refuses the first of `numbers`, each with its key, where it may be and its unit, that is beyond: what follows from it, such as a
-/// number of samples, would have no bound.
+/// Refuses the first of `numbers`, each with its key, range and unit, that is out of range: derived sizes,
+/// such as a number of samples, would be unbounded.
 ///
 /// # Errors
 /// Names the key and the range.
@@ -39,7 +40,7 @@ fn invalid(key: impl Display, value: f64, expected: &str) -> Invalid {
     Invalid::new(format!("`{key}`"), short(value), expected, "correct it")
 }
 
-/// A number as people write it, without its many zeros.
+/// A number without long runs of zeros.
 fn short(number: f64) -> String {
     let plain = number == 0.0 || !number.is_finite() || (1e-3..1e7).contains(&number.abs());
     if plain { number.to_string() } else { format!("{number:e}") }
@@ -50,11 +51,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_beyond_their_range_are_told_with_it() {
+    fn numbers_beyond_their_range_are_refused_with_it() {
         let check = |value| check_ranges([("window_s", value, 1e-6..=1e7, "s")]).map_err(|e| e.to_string());
         assert_eq!(check(3.0), Ok(()));
-        let told = check(1.8446744073709552e19).unwrap_err();
-        assert_eq!(told, "`window_s`: found 1.8446744073709552e19, expected 1e-6 to 1e7 s; correct it");
+        let message = check(1.8446744073709552e19).unwrap_err();
+        assert_eq!(message, "`window_s`: found 1.8446744073709552e19, expected 1e-6 to 1e7 s; correct it");
         assert!(check(f64::NAN).unwrap_err().contains("found NaN"));
         assert!(check(-1.0).unwrap_err().contains("found -1,"));
     }

@@ -1,4 +1,4 @@
-//! Reading as files are written: what serde lets pass, for data that no person reads or writes, is refused.
+//! Strict reading of files that people write: refuses what serde accepts in data between programs.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -8,10 +8,10 @@ use serde::de::{
     Unexpected, VariantAccess, Visitor,
 };
 
-/// A deserializer, or what one is handed on to, that is [`strictly`] read.
+/// A deserializer, or one nested in it, that is read [`strictly`].
 struct Strict<'a, D> {
     inner: D,
-    /// The keys before this one, where a key is read.
+    /// The keys so far, where a key is read.
     keys: Option<&'a mut BTreeSet<String>>,
 }
 
@@ -19,16 +19,17 @@ fn strict<'a, D>(inner: D) -> Strict<'a, D> {
     Strict { inner, keys: None }
 }
 
-/// `T` from `deserializer`. A list is refused where keys belong, for its values would be told apart by their places alone, and
-/// so is a key that occurs twice in a map, for the first would be lost, and a value beyond those that a list takes.
+/// Reads `T` from `deserializer`. A list in place of a table is refused, because its values would be
+/// identified by position alone; so are a key that occurs twice, because the first value would be lost, and
+/// surplus values of a list.
 ///
 /// # Errors
-/// These; those of `T`.
+/// These, and those of `T`.
 pub fn strictly<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
     T::deserialize(strict(deserializer))
 }
 
-/// What takes the values: `keyed` where only keys may come.
+/// A visitor; `keyed` where only a table is accepted.
 struct Taking<'a, V> {
     visitor: V,
     keyed: bool,
@@ -43,7 +44,7 @@ fn keyed<'a, V>(visitor: V) -> Taking<'a, V> {
     Taking { visitor, keyed: true, keys: None }
 }
 
-/// Refuses `key` where it is one that is known already.
+/// Refuses a `key` that occurred before.
 fn once<E: Error>(keys: Option<&mut BTreeSet<String>>, key: &str) -> Result<(), E> {
     match keys.is_none_or(|known| known.insert(key.to_owned())) {
         true => Ok(()),
@@ -69,7 +70,7 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<'_, D> {
         deserialize_enum(name: &'static str, variants: &'static [&'static str]);
     }
 
-    // TOML and JSON say themselves what a value is.
+    // TOML and JSON are self-describing.
     serde::forward_to_deserialize_any! {
         bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf
         unit unit_struct seq tuple tuple_struct map identifier ignored_any
@@ -149,7 +150,7 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Taking<'_, V> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<V::Value, A::Error> {
-        // An enum whose kind is one of its keys comes through `deserialize_any`; serde says so in what it expects.
+        // An internally tagged enum is read by `deserialize_any`; serde mentions it in the expectation.
         let expecting = (&self.visitor as &dyn serde::de::Expected).to_string();
         if self.keyed || expecting.starts_with("internally tagged enum") {
             return Err(A::Error::invalid_type(Unexpected::Other("a list"), &"keys with values"));

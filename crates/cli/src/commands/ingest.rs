@@ -11,7 +11,7 @@ use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 use artifact::{Digest, Scratch, TableWriter, commit_with_document, room};
 use clap::Parser;
-use logs::{PIECE, Plan, Recorded, RowSummary, Source, Totals};
+use logs::{BLOCK, Plan, Recorded, RowSummary, Source, Totals};
 use seatrial::Logs;
 use serde_json::json;
 use study::Doubtful;
@@ -139,7 +139,7 @@ fn all(logs: &Logs, out: &Path, quiet: bool, writer: &mut TableWriter) -> Result
     let schema = layout.measured(&plan.further);
     let rate_hz = plan.setup.conventions.rate_hz;
     let held = HELD.min(budget().bytes() / 8.0);
-    let scratch = Arc::new(Scratch::new(out, PIECE, held));
+    let scratch = Arc::new(Scratch::new(out, BLOCK, held));
     let room = room(folder_of(out)).unwrap_or(f64::INFINITY);
     let (mut totals, mut recordings, mut files) = (Totals::default(), Vec::new(), Vec::new());
     let mut block = MeasuredBlock::new(&config.design, rate_hz);

@@ -1,13 +1,13 @@
-//! Common Data Representation, version 1, as ROS 2 writes it (OMG, Data Distribution Service Interoperability Wire Protocol):
-//! values one after the other, each aligned to its size from after the four bytes that tell the order of bytes.
+//! Common Data Representation, version 1, as ROS 2 writes it (OMG, Data Distribution Service Interoperability
+//! Wire Protocol): consecutive values, each aligned to its size, after four bytes that state the byte order.
 
 use std::collections::BTreeMap;
 
 use super::fields::{Primitive, Shape, Step, Wrong};
 
-/// Bytes of a message, and how far they were read.
+/// Bytes of a message, and the read position.
 pub(super) struct Cursor<'a> {
-    /// What follows the first four.
+    /// The bytes after the first four.
     data: &'a [u8],
     at: usize,
     is_little: bool,
@@ -26,7 +26,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The next `N` bytes, aligned to their number, the first being the lowest.
+    /// The next `N` bytes, aligned to `N`, least significant first.
     fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
         self.at = self.at.next_multiple_of(N);
         let mut bytes: [u8; N] = self.data.get(self.at..self.at + N)?.try_into().ok()?;
@@ -62,10 +62,10 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// A shape, and where the numbers go that are asked for.
+/// A shape, and where its wanted numbers go.
 pub(super) struct Node {
     kind: Kind,
-    /// Places in the row.
+    /// Indices in the row.
     slots: Vec<usize>,
 }
 
@@ -76,16 +76,16 @@ enum Kind {
     List {
         of: Box<Node>,
         len: Option<usize>,
-        /// Elements that something is asked of.
+        /// Elements with wanted numbers.
         wanted: BTreeMap<usize, Node>,
     },
 }
 
 impl Node {
-    /// Numbers of `shape` at the `wanted` paths, each with its place in the row.
+    /// Numbers of `shape` at the `wanted` paths, each with its index in the row.
     ///
     /// # Errors
-    /// The place whose path leads to no number.
+    /// The index of a path that leads to no number.
     pub(super) fn new(shape: &Shape, wanted: &[(usize, &[Step])]) -> Result<Self, usize> {
         let ends: Vec<usize> =
             wanted.iter().filter(|(_, path)| path.is_empty()).map(|(slot, _)| *slot).collect();
@@ -121,7 +121,7 @@ impl Node {
         Ok(Self { kind, slots: ends })
     }
 
-    /// Reads the next value and puts into `row` what is asked for; none where the message ends before.
+    /// Reads the next value and puts the wanted numbers into `row`; `None` where the message ends early.
     pub(super) fn read(&self, cursor: &mut Cursor, row: &mut [f64]) -> Option<()> {
         match &self.kind {
             Kind::Number(kind) => {
@@ -133,7 +133,7 @@ impl Node {
                 let length = cursor.length()?;
                 cursor.skip(length)
             }
-            // A message without fields has a byte all the same.
+            // A message without fields still has one byte.
             Kind::Fields(fields) if fields.is_empty() => cursor.skip(1),
             Kind::Fields(fields) => fields.iter().try_for_each(|field| field.read(cursor, row)),
             Kind::List { of, len, wanted } => {
@@ -144,7 +144,7 @@ impl Node {
     }
 }
 
-/// The paths that begin with a step, without it.
+/// The paths that begin with a matching step, without it.
 fn below<'a>(wanted: &[(usize, &'a [Step])], is: impl Fn(&Step) -> bool) -> Vec<(usize, &'a [Step])> {
     let own = wanted.iter().filter(|(_, path)| path.first().is_some_and(&is));
     own.map(|(slot, path)| (*slot, &path[1..])).collect()

@@ -1,4 +1,4 @@
-//! The channels of a topic: who publishes it, and how messages are made up.
+//! The channels of a topic: who publishes it, and how messages are laid out.
 
 use std::collections::BTreeMap;
 
@@ -7,10 +7,10 @@ use refusal::{Invalid, foreign};
 use super::decoder::Decoder;
 use super::definition::LONGEST;
 
-/// Bytes of all definitions that are kept.
+/// Total bytes of the definitions that are kept.
 const MOST_BYTES: usize = 1 << 26;
 
-/// Definitions by their numbers.
+/// Definitions by their ids.
 #[derive(Default)]
 pub(super) struct Schemas {
     known: BTreeMap<u16, Schema>,
@@ -26,7 +26,7 @@ pub(super) struct Schema {
 }
 
 impl Schemas {
-    /// Keeps a definition; of one that is too long as much as shows that.
+    /// Keeps a definition; of one that is too long, only enough to show that.
     pub(super) fn add(&mut self, id: u16, name: &str, encoding: &str, text: &[u8]) -> Result<(), Invalid> {
         if self.known.contains_key(&id) {
             return Ok(());
@@ -57,30 +57,30 @@ struct Channel {
 }
 
 impl Channel {
-    /// Whether it goes on where another ended, for all that is said of both.
+    /// Whether it continues another channel that ended: both have the same properties.
     fn is_same(&self, other: &Self) -> bool {
         (&self.schema, &self.encoding, &self.metadata) == (&other.schema, &other.encoding, &other.metadata)
     }
 }
 
-/// The channels of the topic that are read.
+/// The channels of the topic that is read.
 pub(super) struct Channels<'a> {
-    /// Whose messages are meant.
+    /// The wanted publisher.
     publisher: Option<&'a str>,
     known: BTreeMap<u16, Channel>,
-    /// What all publishers of the topic are called, those that are not meant too.
+    /// Names of all publishers of the topic, also of those that are not wanted.
     called: BTreeMap<u16, String>,
-    /// Those of which messages came, in their order.
+    /// Those whose messages came, in order.
     heard: Vec<u16>,
 }
 
 impl<'a> Channels<'a> {
-    /// None yet; all of the topic count, or those of a publisher.
+    /// No channels yet; all of the topic count, or those of one publisher.
     pub(super) fn new(publisher: Option<&'a str>) -> Self {
         Self { publisher, known: BTreeMap::new(), called: BTreeMap::new(), heard: Vec::new() }
     }
 
-    /// Adds a channel of the topic, of whose messages the fields at `paths` are wanted.
+    /// Adds a channel of the topic, whose messages are to yield the fields at `paths`.
     ///
     /// # Errors
     /// See [`Decoder::new`].
@@ -95,7 +95,7 @@ impl<'a> Channels<'a> {
         if self.called.contains_key(&id) {
             return Ok(());
         }
-        // Qualities of service are long, and no name.
+        // Qualities of service are long, and not a name.
         let names = metadata.iter().filter(|(key, _)| !key.contains("qos") && *key != "topic_type_hash");
         let names: Vec<String> = names.map(|(key, value)| format!("{key} {value}")).collect();
         let called =
@@ -116,10 +116,10 @@ impl<'a> Channels<'a> {
         Ok(())
     }
 
-    /// The decoder of a message of channel `id`; none where that is not read.
+    /// The decoder of a message of channel `id`; `None` where that is not read.
     ///
     /// # Errors
-    /// Messages of several channels that do not go on where the one before ended.
+    /// Messages of several channels of which none continues another.
     pub(super) fn heard(&mut self, id: u16, topic: &str) -> Result<Option<&mut Decoder>, Invalid> {
         let is_known = self.known.contains_key(&id);
         if let (true, Some(last)) = (is_known && self.heard.last() != Some(&id), self.heard.last()) {
@@ -152,7 +152,7 @@ impl<'a> Channels<'a> {
         self.known.is_empty()
     }
 
-    /// Refuses a publisher who is none of the topic's.
+    /// Refuses a publisher that the topic does not have.
     pub(super) fn check_named(&self, topic: &str) -> Result<(), Invalid> {
         match self.publisher {
             Some(publisher) if self.known.is_empty() && !self.called.is_empty() => {

@@ -1,4 +1,4 @@
-//! From a message's bytes to the values of the fields that are asked for.
+//! From a message's bytes to the values of the wanted fields.
 
 use refusal::{Invalid, foreign, nearest};
 
@@ -12,7 +12,7 @@ use crate::columns::some_of;
 pub(super) enum Decoder {
     /// CDR, the encoding of ROS 2, by the definition of the message.
     Cdr(Node),
-    /// JSON: the paths to the fields, and which of them were found in any message.
+    /// JSON: the paths to the fields, and whether each was found in any message.
     Json(Vec<(Vec<Step>, bool)>),
 }
 
@@ -20,7 +20,7 @@ impl Decoder {
     /// A decoder for the fields at `paths` of messages of `topic`; `schema` is name, encoding and text.
     ///
     /// # Errors
-    /// An encoding that is not known, a definition that cannot be read, a field that there is not.
+    /// An unknown encoding, an unreadable definition, a missing field.
     pub(super) fn new(
         topic: &str,
         encoding: &str,
@@ -61,7 +61,7 @@ impl Decoder {
         }
     }
 
-    /// Puts the fields of the message `data` into `row`; what is absent stays as it is.
+    /// Puts the fields of the message `data` into `row`; absent ones leave it unchanged.
     pub(super) fn decode(&mut self, data: &[u8], row: &mut [f64]) -> Result<(), Wrong> {
         match self {
             Self::Cdr(node) => {

@@ -1,5 +1,6 @@
-//! Definitions of messages as bags hold them: the message's own fields, then those of each type that it uses, with a line of
-//! `=` and `MSG: package/Type` before each. <https://docs.ros.org/en/rolling/Concepts/Basic/About-Interfaces.html>
+//! Message definitions as bags hold them: the message's own fields, then those of each type that it uses,
+//! with a line of `=` and `MSG: package/Type` before each.
+//! <https://docs.ros.org/en/rolling/Concepts/Basic/About-Interfaces.html>
 
 use std::cell::Cell;
 
@@ -7,22 +8,22 @@ use refusal::foreign;
 
 use super::fields::{Primitive, Shape};
 
-/// Types within types beyond which a definition is taken to go round in a circle.
+/// Depth of nested types beyond which a definition is taken to be recursive.
 const DEEPEST: usize = 32;
 
-/// Fields of a message, those of all types within it counted wherever they are used.
+/// Most fields of a message, including those of nested types wherever they are used.
 const MOST_FIELDS: usize = 20_000;
 
-/// Types that a definition has.
+/// Most types of a definition.
 const MOST_TYPES: usize = 2000;
 
-/// Bytes of a definition.
+/// Most bytes of a definition.
 pub(super) const LONGEST: usize = 1 << 20;
 
-/// Elements of a list whose length the definition says.
+/// Most elements of a list whose length the definition states.
 const MOST_ELEMENTS: usize = 1 << 27;
 
-/// Names of numbers.
+/// Names of the numeric types.
 const NUMBERS: [(&str, Primitive); 13] = [
     ("bool", Primitive::U8),
     ("byte", Primitive::U8),
@@ -43,14 +44,14 @@ const NUMBERS: [(&str, Primitive); 13] = [
 struct Types<'a> {
     /// `package/Type`, and its lines.
     lines: Vec<(String, Vec<&'a str>)>,
-    /// How many more fields there may be.
+    /// How many more fields are allowed.
     left: Cell<usize>,
 }
 
 /// The shape of messages of type `name` by the definition in `text`.
 ///
 /// # Errors
-/// Says what cannot be read.
+/// Why it cannot be read.
 pub(super) fn definition(name: &str, text: &str) -> Result<Shape, String> {
     if text.len() > LONGEST {
         return Err(format!("{} bytes, which are more than {LONGEST}", text.len()));
@@ -86,7 +87,7 @@ impl Types<'_> {
         Ok(Shape::Fields(fields.collect::<Result<_, _>>()?))
     }
 
-    /// The field on a line: none where there is nothing, a comment, or a constant, which messages do not have.
+    /// The field on a line: `None` for blank lines, comments, and constants, which messages do not contain.
     fn field(&self, line: &str, package: &str, deep: usize) -> Result<Option<(String, Shape)>, String> {
         let line = line.split('#').next().unwrap_or_default();
         let mut words = line.split_whitespace();
@@ -117,7 +118,7 @@ impl Types<'_> {
         }
         match kind {
             "string" => Ok(Shape::Text),
-            // Its length in bytes is another for every implementation.
+            // Its length in bytes depends on the implementation.
             "wstring" => Err("a field of type `wstring`".to_owned()),
             kind if kind.contains('/') => self.shape(&short(kind), deep - 1),
             "Header" => self.shape("std_msgs/Header", deep - 1),

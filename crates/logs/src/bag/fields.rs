@@ -1,4 +1,4 @@
-//! Paths to the fields of a message, and what a message consists of.
+//! Paths to the fields of a message, and the shape of its values.
 
 /// What is wrong with a message: found, expected.
 pub(super) type Wrong = (String, String);
@@ -12,7 +12,7 @@ pub(super) enum Step {
     Index(usize),
 }
 
-/// The steps of a path such as `position[2].x`; none where it is no path.
+/// The steps of a path such as `position[2].x`; `None` where it is not a path.
 pub(super) fn steps(path: &str) -> Option<Vec<Step>> {
     let mut steps = Vec::new();
     for part in path.split('.') {
@@ -30,13 +30,13 @@ pub(super) fn steps(path: &str) -> Option<Vec<Step>> {
     Some(steps)
 }
 
-/// What a value of a message is.
+/// The shape of a value of a message.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Shape {
     Number(Primitive),
     Text,
     Fields(Vec<(String, Shape)>),
-    /// Elements of one shape: so many, or as many as it says before them.
+    /// Elements of one shape: a fixed number, or as many as a count before them states.
     List(Box<Shape>, Option<usize>),
 }
 
@@ -55,10 +55,10 @@ pub(super) enum Primitive {
     F64,
 }
 
-/// Names among which the one that was meant is looked for.
-const TOLD: usize = 1000;
+/// Most names to search for the one that was meant.
+const MOST_NAMES: usize = 1000;
 
-/// The paths to the numbers of `shape`, of lists their first element.
+/// The paths to the numbers of `shape`; of a list, only its first element.
 pub(super) fn leaves(shape: &Shape) -> Vec<String> {
     let mut found = Vec::new();
     collect(shape, "", &mut found);
@@ -67,7 +67,7 @@ pub(super) fn leaves(shape: &Shape) -> Vec<String> {
 
 fn collect(shape: &Shape, path: &str, found: &mut Vec<String>) {
     match shape {
-        _ if found.len() >= TOLD => {}
+        _ if found.len() >= MOST_NAMES => {}
         Shape::Number(_) => found.push(path.to_owned()),
         Shape::Text => {}
         Shape::Fields(fields) => {

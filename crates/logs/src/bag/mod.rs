@@ -1,7 +1,7 @@
-//! Logs of ROS 2 in bags of MCAP: the messages of one topic, fields of which are columns (`twist.twist.linear.x`).
+//! Logs of ROS 2 in MCAP bags: the messages of one topic, whose fields are columns (`twist.twist.linear.x`).
 //!
-//! The crate `mcap` finds the records; they are taken apart and chunks decompressed here, where their lengths are not trusted.
-//! Messages are decoded by the definition that the bag has of them (`ros2msg`), or they are JSON.
+//! The crate `mcap` finds the records; they are parsed and chunks decompressed here, where their lengths are
+//! not trusted. Messages are decoded by the definition in the bag (`ros2msg`), or they are JSON.
 
 mod cdr;
 mod channels;
@@ -24,17 +24,17 @@ use channels::{Channels, Schemas};
 use parts::Part;
 use records::each_record;
 
-/// The times that every message has beside its fields.
+/// The times that every message has besides its fields.
 pub const LOG_TIME: &str = "log_time";
 /// See [`LOG_TIME`].
 pub const PUBLISH_TIME: &str = "publish_time";
 
-/// Reads the fields of messages that `plan` wants of the topic of group `group`; numbers are put aside in `store`. Rows are
-/// numbered as the topic's messages.
+/// Reads the fields of messages that `plan` wants of the topic of group `group`; `store` takes blocks of
+/// numbers. Rows are numbered like the topic's messages.
 ///
 /// # Errors
-/// Bytes that cannot be read or are no bag, a topic that there is not, an encoding that is not known, a field that there is
-/// not, messages shorter than their definition, several publishers of which none is named.
+/// Bytes that cannot be read or are not a bag, an unknown topic, encoding or field, messages shorter than
+/// their definition, several publishers of which none is named.
 pub fn read_bag(
     bytes: impl Read,
     plan: &Plan,
@@ -77,14 +77,14 @@ pub fn read_bag(
     reading.finish()
 }
 
-/// Where a message's time comes from.
+/// The source of a message's time.
 #[derive(Clone, Copy, PartialEq)]
 enum Time {
     Logged,
     Published,
     /// Two fields, seconds and nanoseconds.
     Stamp,
-    /// A field like others.
+    /// An ordinary field.
     Field,
 }
 
@@ -101,7 +101,7 @@ struct Reading<'a> {
     topics: BTreeSet<String>,
 }
 
-/// Topics of a bag that are known by name; there are no more channels.
+/// Most topics of a bag whose names are kept; also the most channels.
 const MOST_TOPICS: usize = 1 << 16;
 
 impl Reading<'_> {
@@ -171,7 +171,7 @@ impl Reading<'_> {
     }
 }
 
-/// Seconds of whole nanoseconds since 1970, which have more digits than a number has in all.
+/// Whole nanoseconds since 1970 in seconds: a number cannot hold all of their digits at once.
 fn seconds(nanoseconds: u64) -> f64 {
     const SECOND: u64 = 1_000_000_000;
     (nanoseconds / SECOND) as f64 + 1e-9 * (nanoseconds % SECOND) as f64

@@ -1,10 +1,10 @@
-//! The records of a bag that are read, in bytes as the format has them. Lengths are not trusted.
+//! The records of a bag that are read, as bytes of the format. Lengths are not trusted.
 //! <https://mcap.dev/spec#records>
 
 /// A record.
 #[derive(Debug, PartialEq)]
 pub(super) enum Part<'a> {
-    /// How messages are made up.
+    /// A message definition.
     Schema { id: u16, name: &'a str, encoding: &'a str, data: &'a [u8] },
     /// Messages of a topic from one publisher.
     Channel { id: u16, schema: u16, topic: &'a str, encoding: &'a str, metadata: Vec<(&'a str, &'a str)> },
@@ -12,11 +12,11 @@ pub(super) enum Part<'a> {
     Message { channel: u16, log_time: u64, publish_time: u64, data: &'a [u8] },
     /// Other records, compressed.
     Chunk { size: u64, crc: u32, compression: &'a str, data: &'a [u8] },
-    /// What is not needed.
+    /// Anything that is not needed.
     Other,
 }
 
-/// The record with the bytes `data`; none where it ends too early.
+/// The record in the bytes `data`; `None` where it ends too early.
 pub(super) fn part(opcode: u8, data: &[u8]) -> Option<Part<'_>> {
     let mut rest = Rest(data);
     Some(match opcode {
@@ -45,7 +45,7 @@ pub(super) fn part(opcode: u8, data: &[u8]) -> Option<Part<'_>> {
     })
 }
 
-/// Bytes that are not read yet.
+/// Unread bytes.
 struct Rest<'a>(&'a [u8]);
 
 impl<'a> Rest<'a> {

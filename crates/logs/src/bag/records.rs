@@ -1,4 +1,4 @@
-//! The records of a bag, one at a time, those within chunks among them.
+//! The records of a bag, one at a time, including those within chunks.
 
 use std::io::Read;
 
@@ -9,17 +9,17 @@ use refusal::{Invalid, foreign};
 use super::parts::{Part, part};
 use crate::LogError;
 
-/// Bytes beyond which no record and no chunk is held in memory.
+/// Most bytes of a record or chunk in memory.
 const LARGEST: usize = 1 << 27;
 
-/// How many times the bytes of a file its chunks may become, beyond some in any case: messages do not shrink more.
+/// Most times that the chunks of a file may expand, beyond a fixed minimum: messages do not compress further.
 const EXPANSION: u64 = 200;
 const IN_ANY_CASE: u64 = 1 << 28;
 
-/// Gives `each` record of `bytes` that is read.
+/// Passes every record of `bytes` that is read to `each`.
 ///
 /// # Errors
-/// Bytes that cannot be read or are no bag; what `each` refuses.
+/// Bytes that cannot be read or are not a bag; refusals of `each`.
 pub(super) fn each_record(
     mut bytes: impl Read,
     each: &mut dyn FnMut(Part) -> Result<(), LogError>,
@@ -27,16 +27,16 @@ pub(super) fn each_record(
     Walk { each, packed: 0, unpacked: 0 }.through(&mut bytes, false)
 }
 
-/// Goes through records.
+/// The state of a pass over records.
 struct Walk<'a> {
     each: &'a mut dyn FnMut(Part) -> Result<(), LogError>,
-    /// Bytes of chunks so far, in the file and as they are.
+    /// Bytes of chunks so far, compressed and decompressed.
     packed: u64,
     unpacked: u64,
 }
 
 impl Walk<'_> {
-    /// Through a file, or through the records `within` a chunk.
+    /// Goes through a file, or through the records `within` a chunk.
     fn through(&mut self, bytes: &mut dyn Read, within: bool) -> Result<(), LogError> {
         let options = LinearReaderOptions::default().with_emit_chunks(true).with_record_length_limit(LARGEST);
         let options = options.with_skip_start_magic(within).with_skip_end_magic(within);
@@ -60,7 +60,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// What a chunk holds, as large as it says and with its checksum.
+    /// The decompressed bytes of a chunk, checked for size and checksum.
     fn unpacked(
         &mut self,
         compression: &str,
@@ -91,7 +91,7 @@ impl Walk<'_> {
     }
 }
 
-/// The `size` bytes that a chunk holds.
+/// Decompresses a chunk into `size` bytes.
 fn whole(compression: &str, size: u64, data: &[u8]) -> Result<Vec<u8>, LogError> {
     let mut bytes = Vec::with_capacity(size as usize);
     let read = match compression {

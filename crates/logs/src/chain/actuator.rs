@@ -35,7 +35,7 @@ pub struct Actuator {
     pub angle_resolution_rad: f64,
 }
 
-/// Samples at which a thruster could not follow its command.
+/// Number of samples at which a thruster could not follow its command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Hits {
     /// The speed is beyond its limit.
@@ -74,7 +74,8 @@ impl Actuator {
         finite(self.position_m.map(|metres| ("thruster.position_m", metres)))
     }
 
-    /// Where it can be, `dt` seconds after `from` (none: at the start, where it has had time), when `wanted` is commanded.
+    /// The setting that it reaches `dt` seconds after `from` (`None` at the start, where it has had time)
+    /// when `wanted` is commanded.
     pub fn follow(&self, from: Option<Setting>, wanted: Setting, dt: f64, hits: &mut Hits) -> Setting {
         let n = within(0.0, wanted.n, self.speed_limit_rps, &mut hits.speed);
         let Some(from) = from else { return Setting { n, ..wanted } };
@@ -86,7 +87,7 @@ impl Actuator {
     }
 }
 
-/// `wanted`, or as near to it as `most` from `centre` allows: then counts a hit.
+/// `wanted`, or the nearest setting that `most` from `centre` allows: then a hit is counted.
 fn within(centre: f64, wanted: f64, most: Option<f64>, hits: &mut usize) -> f64 {
     match most.filter(|most| (wanted - centre).abs() > most * (1.0 + 1e-12)) {
         Some(most) => {

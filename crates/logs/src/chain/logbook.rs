@@ -9,7 +9,7 @@ use serde::Deserialize;
 use super::{Chain, Drift, Failed, Hits, Key, Weather, Wind};
 use crate::factor;
 
-/// What azimuth thrusters make, by the names that [`crate::Plan`] gives it.
+/// The forces of azimuth thrusters, by their names in [`crate::Plan`].
 const FORCES: [(&str, &str); 3] = [("tau1", "N"), ("tau2", "N"), ("tau3", "N m")];
 
 /// Which maneuvers are recorded, how often, and on which days.
@@ -21,9 +21,9 @@ pub struct Schedule {
     pub repeats: u32,
     /// Whether every other repeat is run to the other side.
     pub alternate_sides: bool,
-    /// Maneuver → how long it goes on before logging begins \[s\].
+    /// Maneuver → how long it runs before logging begins \[s\].
     pub settle_s: BTreeMap<String, f64>,
-    /// The days; a maneuver on several has its repeats dealt out in turn.
+    /// The days; the repeats of a maneuver on several days are dealt out in turn.
     pub days: Vec<Day>,
 }
 
@@ -38,12 +38,12 @@ pub struct Day {
     /// The current.
     #[serde(default)]
     pub current: Drift,
-    /// The wind, if any is felt.
+    /// The wind, if it acts on the ship.
     pub wind: Option<Wind>,
 }
 
 impl Day {
-    /// What moves water and air.
+    /// The disturbances of the day.
     pub fn weather(&self) -> Weather {
         Weather { current: self.current, wind: self.wind }
     }
@@ -58,7 +58,7 @@ pub struct Logbook<'a> {
     seed: u64,
 }
 
-/// One simulated log, and what there is to know of it.
+/// A simulated log and the truth about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
     /// The log as CSV.
@@ -79,7 +79,7 @@ pub struct Entry {
     pub hits: Vec<Hits>,
 }
 
-/// Why there are no logs.
+/// Why logs could not be made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoLogs {
     /// What is at fault.
@@ -88,7 +88,7 @@ pub struct NoLogs {
     pub what: Invalid,
 }
 
-/// What logs cannot be made of.
+/// The part of the configuration that is at fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// The vessel.
@@ -105,7 +105,7 @@ impl Fault {
     }
 }
 
-/// What N and N m are multiplied by to be the inputs of `vessel`.
+/// The factors from N and N m to the inputs of `vessel`.
 ///
 /// # Errors
 /// Other inputs than the forces of azimuth thrusters.
@@ -125,10 +125,10 @@ pub fn force_factors(vessel: &Vessel) -> Result<[f64; 3], NoLogs> {
 }
 
 impl<'a> Logbook<'a> {
-    /// The maneuvers of `generator`, carried out by `chain` as `schedule` says.
+    /// Runs the maneuvers of `generator` on `chain` as `schedule` says.
     ///
     /// # Errors
-    /// Maneuvers whose names are no names of files.
+    /// Maneuvers whose names cannot be file names.
     pub fn new(
         chain: Chain<'a>,
         generator: &'a Generator,
@@ -146,7 +146,7 @@ impl<'a> Logbook<'a> {
         }
     }
 
-    /// The maneuvers that are run on some day, in the dictionary's order.
+    /// The maneuvers that are run on some day, in the order of the dictionary.
     pub fn maneuvers(&self) -> Vec<usize> {
         let maneuvers = self.generator.maneuvers();
         (0..maneuvers.len()).filter(|i| self.days_of(&maneuvers[*i].name).next().is_some()).collect()
@@ -159,12 +159,13 @@ impl<'a> Logbook<'a> {
     /// Simulates all logs: maneuver by maneuver, repeat by repeat.
     ///
     /// # Errors
-    /// A maneuver that the model cannot hold, forces that the thrusters cannot make, a motion without bounds.
+    /// A maneuver that the model cannot hold, forces that the thrusters cannot produce, a motion without
+    /// bounds.
     pub fn entries(&self) -> Result<Vec<Entry>, NoLogs> {
         let repeats = 0..self.schedule.repeats;
         let each = self.maneuvers().into_iter().flat_map(|index| repeats.clone().map(move |r| (index, r)));
         let each: Vec<(usize, u32)> = each.collect();
-        // Collected before the first failure is looked for, so that it is the first in order.
+        // Collected before searching for a failure, so that the first in order is reported.
         let made: Vec<_> = each.into_par_iter().map(|(index, repeat)| self.entry(index, repeat)).collect();
         made.into_iter().collect()
     }
@@ -207,10 +208,10 @@ fn no_logs(failed: Failed, maneuver: &str, repeat: u32) -> NoLogs {
         Failed::Unreachable { sample, what } => {
             let (force, unit) = FORCES[what.force.min(2)];
             let found = format!(
-                "thrusters that make {force} = {:.4} {unit} where maneuver `{maneuver}` needs {:.4} at sample {sample}",
+                "thrusters that produce {force} = {:.4} {unit} where maneuver `{maneuver}` needs {:.4} at sample {sample}",
                 what.made, what.wanted
             );
-            let expected = "thrusters that can make surge, sway and yaw together";
+            let expected = "thrusters that can produce surge, sway and yaw together";
             let remedy = "add a thruster elsewhere, or couple the inputs with `follows`";
             Fault::Thrusters.is(Invalid::new("[[thruster]]", found, expected, remedy))
         }

@@ -1,9 +1,9 @@
-//! What a ship's instruments would have logged: forces to thruster commands, thrusters with limits, a ship in current and
-//! wind, sensors with noise and resolution.
+//! Simulates the logs of a ship's instruments: from forces to thruster commands, thrusters with limits, a
+//! ship in current and wind, sensors with noise and resolution.
 //!
-//! A [`Chain`] is the ship with its thrusters and sensors; [`Chain::record`] sails one sub-experiment, a [`Logbook`] all
-//! those of a [`Schedule`]. Every random number is keyed by (seed, maneuver, repeat, channel), so that a recording depends
-//! on no other.
+//! A [`Chain`] is the ship with its thrusters and sensors; [`Chain::record`] simulates one sub-experiment, a
+//! [`Logbook`] all those of a [`Schedule`]. Every random number is keyed by (seed, maneuver, repeat,
+//! channel), so that recordings do not depend on each other.
 
 mod actuator;
 mod logbook;

@@ -1,6 +1,6 @@
 use engine::Pose;
 
-/// How a ship moves over ground at two neighbouring samples: u, v \[m/s\], r \[rad/s\].
+/// A ship's motion over ground at two consecutive samples: u, v \[m/s\], r \[rad/s\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
     /// At the first.
@@ -9,15 +9,15 @@ pub struct Pace {
     pub to: [f64; 3],
 }
 
-/// Where a ship is `dt` seconds after `pose`, its body velocities changing evenly meanwhile: the heading exactly,
-/// ψ(s) = ψ + ∫r, the position ∫R(ψ)(u, v) by Simpson's rule.
+/// The pose `dt` seconds after `pose` with body velocities that change linearly: the heading exactly, ψ(s) =
+/// ψ + ∫r, the position ∫R(ψ)(u, v) by Simpson's rule.
 ///
-/// Velocities from Euler differences of what comes of this are means over a step, not the velocities at its start.
+/// Velocities from Euler differences of these poses are means over a step, not the velocities at its start.
 pub fn advance(pose: Pose, pace: Pace, dt: f64) -> Pose {
-    let middle = [0, 1].map(|d: usize| 0.5 * (pace.from[d] + pace.to[d]));
+    let mean = [0, 1].map(|d: usize| 0.5 * (pace.from[d] + pace.to[d]));
     let halfway = pose.psi + dt * (3.0 * pace.from[2] + pace.to[2]) / 8.0;
     let psi = pose.psi + 0.5 * dt * (pace.from[2] + pace.to[2]);
-    let ends = [(pose.psi, [pace.from[0], pace.from[1]]), (halfway, middle), (psi, [pace.to[0], pace.to[1]])];
+    let ends = [(pose.psi, [pace.from[0], pace.from[1]]), (halfway, mean), (psi, [pace.to[0], pace.to[1]])];
     let (mut north, mut east) = (0.0, 0.0);
     for ((psi, [u, v]), weight) in ends.into_iter().zip([1.0, 4.0, 1.0]) {
         let (sin, cos) = libm::sincos(psi);

@@ -11,27 +11,27 @@ use crate::{Allocation, Setting, Unreachable, body_velocity};
 pub struct Chain<'a> {
     /// The structure; its first three inputs are τ1, τ2, τ3.
     pub model: &'a Model,
-    /// What moves it.
+    /// The model's parameters.
     pub parameters: &'a [f64],
     /// Samples per second, of the model and of the logs.
     pub rate_hz: f64,
-    /// What newtons and newton metres are multiplied by to be the model's inputs.
+    /// The factors from newtons and newton metres to the model's inputs.
     pub units: [f64; 3],
     /// The thrusters.
     pub actuators: &'a [Actuator],
-    /// Position.
+    /// The position sensor.
     pub gnss: Gnss,
-    /// Heading.
+    /// The heading sensor.
     pub compass: Compass,
-    /// What wind acts on; without it there is none.
+    /// The hull that the wind acts on; without it there is no wind.
     pub hull: Option<Hull>,
-    /// Relative scatter of a repeat's forces: nobody repeats a maneuver exactly.
+    /// Relative scatter of the forces between repeats, because a maneuver is never repeated exactly.
     pub scatter_std: f64,
-    /// Heading at the start \[rad\]; drawn without.
+    /// Heading at the start \[rad\]; drawn if absent.
     pub course_rad: Option<f64>,
 }
 
-/// What a recording's random numbers are keyed by.
+/// The key of a recording's random numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key<'a> {
     /// The study's seed.
@@ -51,13 +51,13 @@ pub struct Recording {
     pub heading: Vec<f64>,
     /// Per row and thruster: speed \[1/s\] and angle, from −π to π \[rad\].
     pub settings: Vec<Vec<Setting>>,
-    /// Per thruster, how often it could not follow.
+    /// Per thruster, how often it could not follow its command.
     pub hits: Vec<Hits>,
-    /// What happened.
+    /// The true motion.
     pub truth: Truth,
 }
 
-/// What happened while recording, a row per sample.
+/// The true motion and forces, a row per sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Truth {
     /// u, v \[m/s\] over ground, r \[rad/s\].
@@ -70,21 +70,21 @@ pub struct Truth {
     pub settings: Vec<Vec<Setting>>,
 }
 
-/// Why there is no recording.
+/// Why a recording could not be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failed {
-    /// The thrusters cannot make the forces of sample `sample`.
+    /// The thrusters cannot produce the forces of sample `sample`.
     Unreachable {
         /// The sample.
         sample: usize,
-        /// What cannot be made, in N and N m.
+        /// The force that cannot be produced, in N and N m.
         what: Unreachable,
     },
-    /// The motion leaves every bound.
+    /// The motion diverges.
     Diverged(Diverged),
 }
 
-/// Channels of the random streams. A thruster has two from `THRUSTER` on.
+/// Channels of the random streams. Each thruster has two from `THRUSTER` on.
 mod channel {
     pub const HEADING_AT_START: u32 = 0;
     pub const SCATTER: u32 = 1;
@@ -97,10 +97,10 @@ mod channel {
     pub const THRUSTER: u32 = 11;
 }
 
-/// Steps of the heading at the start, which is any.
+/// Number of headings at the start, which is drawn uniformly.
 const HEADINGS: u32 = 3600;
 
-/// One keyed source of everything random in a recording.
+/// The keyed source of everything random in a recording.
 struct Draws<'a> {
     streams: Streams,
     key: Key<'a>,
@@ -123,7 +123,7 @@ impl Draws<'_> {
     }
 }
 
-/// Water and air at every row.
+/// Water and air at every sample.
 struct Sea {
     /// Velocity of the water, north and east.
     water: Vec<[f64; 2]>,
@@ -154,10 +154,10 @@ impl Sea {
 }
 
 impl Chain<'_> {
-    /// Sails `forces` (τ1, τ2, τ3 in the model's units, one row per sample) from `initial` (u, v over ground, r) in
-    /// `weather`, and logs what the instruments show from row `from` on.
+    /// Simulates `forces` (τ1, τ2, τ3 in the model's units, one row per sample) from `initial` (u, v over
+    /// ground, r) in `weather`, and logs the instruments from row `from` on.
     ///
-    /// # Errors
+    /// Forces that the thrusters cannot produce; a motion that diverges.
     /// Forces that the thrusters cannot make; motion without bounds.
     pub fn record(
         &self,
@@ -169,11 +169,11 @@ impl Chain<'_> {
     ) -> Result<Recording, Failed> {
         let streams = Streams::new(key.seed, &format!("logs {}", key.maneuver));
         let draws = Draws { streams, key, rows: forces.len(), dt: 1.0 / self.rate_hz };
-        let (truth, hits) = self.sail(&draws, forces, initial, weather)?;
+        let (truth, hits) = self.simulate(&draws, forces, initial, weather)?;
         Ok(self.logged(&draws, truth, hits, from))
     }
 
-    fn sail(
+    fn simulate(
         &self,
         draws: &Draws,
         forces: &[[f64; 3]],
@@ -226,8 +226,8 @@ impl Chain<'_> {
         hits.iter_mut().enumerate().map(|(i, hits)| of(i, hits)).collect()
     }
 
-    /// What acts on the model under forces of thrusters and wind \[N, N m\]. What is derived from inputs is derived from those
-    /// that the thrusters make.
+    /// The model's exogenous inputs under thruster and wind forces \[N, N m\]. Derived channels are computed
+    /// from the forces that the thrusters actually produce.
     fn exogenous(&self, thrusters: [f64; 3], wind: [f64; 3]) -> Vec<f64> {
         let mut exogenous = vec![0.0; self.model.exogenous()];
         let set = |exogenous: &mut [f64], forces: [f64; 3]| {
@@ -239,7 +239,7 @@ impl Chain<'_> {
         exogenous
     }
 
-    /// What the sensors show of `truth`.
+    /// The sensors' readings of `truth`.
     fn logged(&self, draws: &Draws, truth: Truth, hits: Vec<Hits>, from: usize) -> Recording {
         let (gnss, compass) = (&self.gnss, &self.compass);
         let error = |white: u32, wander: u32, stds: [f64; 2], time_s: Option<f64>| -> Vec<f64> {
@@ -269,7 +269,7 @@ impl Chain<'_> {
         }
     }
 
-    /// What the thrusters' sensors show.
+    /// The readings of the thrusters' sensors.
     fn shown(&self, draws: &Draws, truth: &Truth, rows: std::ops::Range<usize>) -> Vec<Vec<Setting>> {
         let noise: Vec<[Vec<f64>; 2]> = self
             .actuators

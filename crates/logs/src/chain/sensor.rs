@@ -55,7 +55,7 @@ impl Gnss {
         from_zero(numbers)
     }
 
-    /// Samples from fix to fix; none if that is no whole number.
+    /// Samples between fixes; `None` if that is not a whole number.
     pub fn every(&self, sample_rate_hz: f64) -> Option<usize> {
         let every = (sample_rate_hz / self.rate_hz).round();
         (every >= 1.0 && (every * self.rate_hz / sample_rate_hz - 1.0).abs() < 1e-9).then_some(every as usize)
@@ -78,7 +78,7 @@ impl Compass {
     }
 }
 
-/// `value` to the nearest multiple of `resolution`; itself without one.
+/// `value` rounded to a multiple of `resolution`; unchanged without one.
 pub fn quantised(value: f64, resolution: f64) -> f64 {
     if resolution > 0.0 { (value / resolution).round() * resolution } else { value }
 }

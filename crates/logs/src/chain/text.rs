@@ -3,11 +3,11 @@ use std::fmt::Write;
 use super::Recording;
 
 impl Recording {
-    /// As CSV: time, north, east, heading, and speed and angle of every thruster; rows without a fix have no position. The
-    /// header says that it is simulated.
+    /// As CSV: time, north, east, heading, and speed and angle of every thruster; rows without a fix have no
+    /// position. The header says that the log is simulated.
     pub fn csv(&self, rate_hz: f64) -> String {
         let mut out = String::new();
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = self.write(&mut out, rate_hz);
         out
     }

@@ -4,18 +4,18 @@ use serde::Deserialize;
 
 use super::{Wind, above_zero, from_zero};
 
-/// What moves the water and the air while recording.
+/// Current and wind while recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Weather {
     /// The current.
     #[serde(default)]
     pub current: Drift,
-    /// The wind, if any is felt.
+    /// The wind, if it acts on the ship.
     pub wind: Option<Wind>,
 }
 
-/// A current in earth axes: constant, and a part that changes in time, independent north and east.
+/// A current in earth axes: a constant and a time-varying part, independent north and east.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drift {
@@ -25,7 +25,7 @@ pub struct Drift {
     /// Towards east \[m/s\].
     #[serde(default)]
     pub east_m_s: f64,
-    /// Standard deviation of the changing part \[m/s\].
+    /// Standard deviation of the varying part \[m/s\].
     #[serde(default)]
     pub std_m_s: f64,
     /// Its correlation time \[s\].

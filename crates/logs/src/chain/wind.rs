@@ -8,22 +8,23 @@ use super::{above_zero, finite, from_zero};
 /// Density of air at 15 °C \[kg/m³\].
 const AIR: f64 = 1.225;
 
-/// What the wind sees of a ship that is symmetric fore and aft. Coefficients as in Fossen (Handbook of Marine Craft
-/// Hydrodynamics and Motion Control, 8.1.3): c_x 0.5 to 0.9, c_y 0.7 to 0.95, c_n 0.05 to 0.2.
+/// The aerodynamic areas and coefficients of a ship that is symmetric fore and aft. Coefficients as in Fossen
+/// (Handbook of Marine Craft Hydrodynamics and Motion Control, 8.1.3): c_x 0.5 to 0.9, c_y 0.7 to 0.95, c_n
+/// 0.05 to 0.2.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hull {
-    /// Area seen from ahead \[m²\].
+    /// Frontal projected area \[m²\].
     pub frontal_area_m2: f64,
-    /// Area seen from the side \[m²\].
+    /// Lateral projected area \[m²\].
     pub lateral_area_m2: f64,
     /// Length over all \[m\].
     pub length_m: f64,
-    /// Of the longitudinal force \[1\].
+    /// Coefficient of the longitudinal force \[1\].
     pub c_x: f64,
-    /// Of the lateral force \[1\].
+    /// Coefficient of the lateral force \[1\].
     pub c_y: f64,
-    /// Of the moment \[1\].
+    /// Coefficient of the moment \[1\].
     pub c_n: f64,
 }
 
@@ -33,7 +34,7 @@ pub struct Hull {
 pub struct Wind {
     /// Mean speed \[m/s\].
     pub speed_m_s: f64,
-    /// Where it comes from, clockwise from north \[rad\].
+    /// Direction it comes from, clockwise from north \[rad\].
     pub from_rad: f64,
     /// Standard deviation of the gusts \[m/s\].
     #[serde(default)]
@@ -78,8 +79,8 @@ impl Hull {
         ])
     }
 
-    /// Forward and starboard force \[N\] and moment \[N m\] when the ship moves through the air with `u`, `v` \[m/s\]
-    /// (body axes).
+    /// Forward and starboard force \[N\] and moment \[N m\] when the ship moves through the air with `u`, `v`
+    /// \[m/s\] (body axes).
     ///
     /// With V² = u² + v² and γ = −atan2(v, u): X = −½ρV² c_x cos γ A_F, Y = ½ρV² c_y sin γ A_L, N = ½ρV² c_n sin 2γ A_L L.
     pub fn forces(&self, [u, v]: [f64; 2]) -> [f64; 3] {

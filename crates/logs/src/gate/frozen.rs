@@ -4,17 +4,17 @@ use super::hold::{Hold, Holds};
 use super::places::pair;
 use crate::{Channels, Omissions, Reason, Series};
 
-/// Velocities; where one stands still, another tells whether the ship's motion did.
+/// Velocities; where one stands still, the others show whether the ship did.
 const VELOCITIES: [&str; 5] = ["y_u", "y_v", "y_r", "v_x", "v_y"];
 
-/// A turn from which on a heading was not still \[rad\].
+/// A turn beyond which the heading was not constant \[rad\].
 const TURNED: f64 = 0.035;
 
-/// A speed from which on a place was not still \[m/s\].
+/// A speed beyond which the position was not constant \[m/s\].
 const MOVED_M_S: f64 = 0.1;
 
-/// Leaves out of `channels` what a frozen sensor repeats, and counts it. What is constant because the ship is at rest, or moves
-/// steadily, stays.
+/// Leaves out of `channels` the values that a frozen sensor repeats, and counts them. Values that are
+/// constant because the ship is at rest, or moves steadily, stay.
 pub(crate) fn keep_alive(channels: &mut Channels, omitted: &mut Omissions) {
     let names = ["psi"].into_iter().chain(VELOCITIES);
     let mut frozen: Vec<(&str, Vec<Hold>)> = names
@@ -39,7 +39,8 @@ pub(crate) fn keep_alive(channels: &mut Channels, omitted: &mut Omissions) {
     }
 }
 
-/// Whether the place stood still while the ship moved: by its speed, or by how abruptly the place stopped or went on.
+/// Whether the position stood still while the ship moved: by its speed, or by how abruptly the position
+/// stopped or resumed.
 fn is_stuck(hold: &Hold, holds: &Holds, channels: &Channels) -> bool {
     let speed = ["y_u", "v_x"].iter().zip(["y_v", "v_y"]).find_map(|(first, second)| {
         let [first, second] = [channels.get(*first)?, channels.get(second)?];
@@ -71,13 +72,14 @@ fn is_frozen(name: &str, hold: &Hold, holds: &Holds, channels: &Channels) -> boo
         },
         _ => {
             let abrupt = match hold.value {
-                // Sway and yaw rate are exactly zero on a straight course that is simulated, or below what is resolved.
+                // Sway and yaw rate are exactly zero on a simulated straight course, or below the resolution.
                 0.0 => hold.step_in > 3.0 * step && (hold.step_out.is_nan() || hold.step_out > 3.0 * step),
                 _ if hold.is_cut() => hold.is_abrupt(0.05 * step),
                 _ => hold.is_abrupt(0.25 * step),
             };
             let turned = || name == "y_r" && channels.get("psi").is_some_and(|psi| turns_unevenly(hold, psi));
-            // Noise that stops all at once: what becomes steady, in a simulation say, gets there by ever smaller steps.
+            // Noise that stops all at once: a motion that becomes steady, in a simulation say, gets there by
+            // ever smaller steps.
             let stopped = || {
                 hold.value != 0.0
                     && holds.hardly_repeat()
@@ -89,7 +91,7 @@ fn is_frozen(name: &str, hold: &Hold, holds: &Holds, channels: &Channels) -> boo
     }
 }
 
-/// Whether the heading, which stood still, is taken up again where the yaw rate says that it must be.
+/// Whether the heading, which stood still, resumes where the yaw rate says that it must be.
 fn is_caught_up(hold: &Hold, step: f64, rate: &Series) -> bool {
     let moments = || hold.moments();
     let (mut turned, mut most, mut before) = (0.0_f64, 0.0_f64, hold.times[0]);
@@ -102,34 +104,34 @@ fn is_caught_up(hold: &Hold, step: f64, rate: &Series) -> bool {
     most >= TURNED.max(3.0 * step) && !is_missed
 }
 
-/// Whether the heading did not turn by the yaw rate that stood still.
+/// Whether the heading turned differently from the yaw rate that stood still.
 fn turns_unevenly(hold: &Hold, psi: &Series) -> bool {
     let moments = || hold.moments();
     let known = || moments().zip(psi.at(moments())).filter(|(_, psi)| psi.is_finite());
     let Some((start, first)) = known().next() else { return false };
-    // Which way either counts is not known here.
+    // The sense of either is unknown here.
     [1.0, -1.0].into_iter().all(|sign| {
         known().any(|(time, psi)| (psi - first - sign * hold.value * (time - start)).abs() >= TURNED)
     })
 }
 
-/// Whether another velocity varied meanwhile as it does elsewhere.
+/// Whether another velocity varied in the meantime as it does elsewhere.
 fn others_vary(name: &str, hold: &Hold, channels: &Channels) -> bool {
     others(name, hold, channels).any(|[(inside, rows), (all, all_rows)]| {
         rows > 0 && inside / f64::from(rows) > 0.25 * all / f64::from(all_rows)
     })
 }
 
-/// Rows over which all velocities may be the same by chance.
+/// Rows over which all velocities may be constant by chance.
 const TOGETHER: u32 = 20;
 
-/// Whether all other velocities, of which there are some, stood still meanwhile.
+/// Whether there are other velocities and all of them stood still in the meantime.
 fn all_stop(name: &str, hold: &Hold, channels: &Channels) -> bool {
     let mut others = others(name, hold, channels).peekable();
     others.peek().is_some() && others.all(|[(inside, rows), _]| inside == 0.0 && rows >= TOGETHER)
 }
 
-/// Of every other velocity the sum and number of its steps, during a hold and over all.
+/// For every other velocity, sum and number of its steps, during a hold and overall.
 fn others<'a>(
     name: &'a str,
     hold: &'a Hold,
@@ -152,7 +154,7 @@ fn others<'a>(
     })
 }
 
-/// `series` without what `holds` repeat, and how many values that are.
+/// `series` without the repetitions in `holds`, and how many values these are.
 fn without(series: &Series, holds: &[Hold]) -> (Series, u64) {
     let (mut count, mut next) = (0, 0);
     let values = series.values.made(series.t.iter().zip(series.values.iter()).map(|(time, value)| {

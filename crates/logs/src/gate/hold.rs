@@ -1,39 +1,39 @@
-//! Stretches in which a channel has exactly the same value.
+//! Holds: rows in which a channel has exactly the same value.
 
 use crate::Series;
 
-/// Values in a row that may be the same by chance, on a channel that hardly ever repeats one.
+/// Equal values in a row that may occur by chance, on a channel that hardly ever repeats one.
 const ROWS: usize = 5;
 
 /// Seconds that they may take.
 const SHORT_S: f64 = 3.0;
 
-/// Lengths that are counted one by one.
+/// Hold lengths that are counted individually.
 const LENGTHS: usize = 1024;
 
-/// A stretch with one value.
+/// Consecutive rows with one value.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Hold {
-    /// The value; of a place the first of its two.
+    /// The value; for a position the first of its two coordinates.
     pub(super) value: f64,
-    /// The first time and the last \[s\].
+    /// The first and the last time \[s\].
     pub(super) times: [f64; 2],
-    /// Modulus of the step to it and from it; NaN where there is none, or a gap.
+    /// Modulus of the steps to it and from it; NaN where there is none, or a gap.
     pub(super) step_in: f64,
     pub(super) step_out: f64,
     rows: usize,
 }
 
-/// All stretches of a channel that may be long.
+/// All potentially long holds of a channel.
 pub(super) struct Holds {
     candidates: Vec<Hold>,
-    /// Length that nine tenths of all stretches do not exceed, most of a single row.
+    /// Length that nine tenths of all holds do not exceed, most of them a single row.
     usual: usize,
-    /// Mean modulus of the steps between stretches.
+    /// Mean modulus of the steps between holds.
     pub(super) step: f64,
 }
 
-/// What is counted while a channel is gone through.
+/// Counts during a pass over a channel.
 struct Counting {
     candidates: Vec<Hold>,
     lengths: Vec<u64>,
@@ -50,12 +50,12 @@ impl Hold {
         self.step_in > step || self.step_out > step
     }
 
-    /// Whether it lasts from the start of what is known, or until its end.
+    /// Whether it lasts from the first known row, or until the last.
     pub(super) fn is_cut(&self) -> bool {
         self.step_in.is_nan() || self.step_out.is_nan()
     }
 
-    /// Moments within it, one per row but no more than some.
+    /// Times within it, one per row up to a limit.
     pub(super) fn moments(&self) -> impl Iterator<Item = f64> + use<> {
         const MOST: usize = 1000;
         let ([from, to], steps) = (self.times, self.rows.clamp(2, MOST) - 1);
@@ -64,7 +64,8 @@ impl Hold {
 }
 
 impl Holds {
-    /// Of `first`, or of a place whose other coordinate is `second`; `step` is how far two values are apart.
+    /// The holds of `first`, or of a position whose other coordinate is `second`; `step` is the distance
+    /// between two values.
     pub(super) fn of(
         first: &Series,
         second: Option<&Series>,
@@ -99,12 +100,12 @@ impl Holds {
         counting.done()
     }
 
-    /// Those that are far longer than what the channel repeats usually.
+    /// Those that are far longer than the channel's usual ones.
     pub(super) fn long(&self) -> impl Iterator<Item = Hold> {
         self.candidates.iter().filter(|hold| hold.rows >= ROWS * self.usual).cloned()
     }
 
-    /// Whether hardly any value is the one before, as under the noise of a sensor that is finely resolved.
+    /// Whether hardly any value repeats the previous one, as under the noise of a finely resolved sensor.
     pub(super) fn hardly_repeat(&self) -> bool {
         self.usual == 1
     }

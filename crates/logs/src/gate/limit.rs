@@ -3,12 +3,12 @@ use std::fmt::{self, Display};
 
 use crate::{ChannelSpec, Unit};
 
-/// What the numbers of a column may be, as they stand there.
+/// The allowed range of the numbers in a column, in its own unit.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Limit {
-    /// Least and greatest.
+    /// Least and greatest number.
     pub(crate) numbers: [f64; 2],
-    /// Who says so.
+    /// Where it comes from.
     pub(crate) of: LimitOf,
 }
 
@@ -17,7 +17,7 @@ pub(crate) struct Limit {
 pub(crate) enum LimitOf {
     /// `valid` in the configuration.
     Configuration,
-    /// The input's `range` in the vessel's file of this name, and half of its width more on either side.
+    /// The input's `range` in the vessel file of this name, extended by half of its width on either side.
     Vessel(String),
     /// What is possible for a channel of this kind.
     Kind(&'static str),
@@ -27,7 +27,7 @@ impl Display for LimitOf {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Configuration => write!(f, "`valid` of the channel"),
-            Self::Vessel(file) => write!(f, "the input's `range` in {file}, and half of its width beyond"),
+            Self::Vessel(file) => write!(f, "the input's `range` in {file}, extended by half of its width"),
             Self::Kind(kind) => write!(f, "what is possible for {kind}"),
         }
     }
@@ -36,7 +36,7 @@ impl Display for LimitOf {
 /// No quantity of a ship is larger in SI units.
 const LARGEST: f64 = 1e12;
 
-/// No direction of a ship turns faster, were it that of a small boat \[rad/s\].
+/// No direction of a ship turns faster, even of a small boat \[rad/s\].
 const FASTEST_TURN: f64 = PI;
 
 /// No shaft of a ship turns faster \[1/s\].
@@ -46,8 +46,8 @@ const FASTEST_SHAFT: f64 = 10_000.0 / 60.0;
 const FASTEST_WIND: f64 = 150.0;
 
 impl Limit {
-    /// Of the column of `spec`, in `unit`. `range` is that of the vessel's input, in SI units, and its file's name; `fastest` the
-    /// speed that the ship does not exceed \[m/s\].
+    /// The limit for the column of `spec`, in `unit`. `range` is that of the vessel's input, in SI units,
+    /// with its file's name; `fastest` is the ship's greatest speed \[m/s\].
     pub(crate) fn new(
         spec: &ChannelSpec,
         unit: &Unit,
@@ -72,7 +72,7 @@ impl Limit {
         Self { numbers: [a.min(b), a.max(b)], of }
     }
 
-    /// A turn, as it stands in the column of `spec`, where that is an angle that may go on beyond one.
+    /// A turn in the unit of the column of `spec`, if that is an angle that may continue beyond one.
     pub(super) fn turn(&self, spec: &ChannelSpec, unit: &Unit) -> Option<f64> {
         let goes_round =
             unit.si == "rad" && !["latitude_deg", "longitude_deg"].contains(&spec.channel.as_str());
@@ -81,9 +81,9 @@ impl Limit {
     }
 }
 
-/// The greatest modulus of a channel by its name and unit, in SI units, and what kind of channel that is.
+/// The greatest modulus of a channel by its name and unit, in SI units, and the kind of channel.
 fn of_kind(channel: &str, unit: &Unit, fastest: f64) -> (f64, &'static str) {
-    // Rounded in another unit.
+    // Allows for rounding in another unit.
     let just = 1.0 + 1e-6;
     match (channel, unit.si) {
         ("latitude_deg", _) => (just * FRAC_PI_2, "latitudes"),

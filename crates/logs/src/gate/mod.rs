@@ -1,4 +1,4 @@
-//! Which numbers of a column are no values: those that stand for none, and those that are not possible.
+//! Which numbers of a column are not values: those that stand for none, and impossible ones.
 
 mod beyond;
 mod frozen;
@@ -18,28 +18,28 @@ use sentinel::Sentinels;
 
 use crate::{ChannelSpec, Omissions, Reason, Unit};
 
-/// Judges the numbers of a column one after the other, as they stand there. Twice: some are known for what they are only when all
-/// have been seen.
+/// Judges the numbers of a column in order, in the column's own unit. There are two passes, because some
+/// numbers can be judged only when all have been seen.
 pub(crate) struct Gate<'a> {
     spec: &'a ChannelSpec,
     limit: &'a Limit,
-    /// None where the configuration says which numbers stand for no value.
+    /// `None` where the configuration says which numbers stand for no value.
     sentinels: Option<Sentinels>,
-    /// Of angles.
+    /// For angles.
     beyond: Option<Beyond>,
-    /// Numbers that were judged the second time.
+    /// Numbers judged in the second pass.
     numbers: u64,
     /// Of these, left out as missing and as out of range.
     left_out: [u64; 2],
 }
 
-/// Whether two numbers are the same where one of them had 32 bits.
+/// Whether two numbers are equal up to single precision.
 fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= 2e-7 * a.abs()
 }
 
 impl<'a> Gate<'a> {
-    /// No number seen yet of the column of `spec`, which is in `unit`.
+    /// Before the first number of the column of `spec`, which is in `unit`.
     pub(crate) fn new(spec: &'a ChannelSpec, unit: &Unit, limit: &'a Limit) -> Self {
         let (turn, is_heading) = (limit.turn(spec, unit), spec.channel == "psi");
         let sentinels = spec.missing.is_none().then(|| Sentinels::new(turn));
@@ -53,7 +53,7 @@ impl<'a> Gate<'a> {
         }
     }
 
-    /// Looks at a number for the first time; NaN if it counts for none by itself.
+    /// First pass over a number; NaN if it is rejected on its own.
     #[inline]
     pub(crate) fn see(&mut self, number: f64) -> f64 {
         if !number.is_finite() || self.by_itself(number).is_some() {
@@ -64,7 +64,7 @@ impl<'a> Gate<'a> {
         number
     }
 
-    /// The same number when all have been seen; NaN, and counted, if it is left out.
+    /// Second pass; NaN, and counted, if the number is left out.
     #[inline]
     pub(crate) fn keep(&mut self, number: f64) -> f64 {
         if !number.is_finite() {
@@ -86,7 +86,7 @@ impl<'a> Gate<'a> {
         }
     }
 
-    /// Why a number counts for none, whatever stands around it.
+    /// Why a number is rejected regardless of its neighbours.
     fn by_itself(&self, number: f64) -> Option<Reason> {
         let missing =
             self.spec.missing.as_ref().is_some_and(|missing| missing.iter().any(|none| same(*none, number)));
@@ -100,7 +100,7 @@ impl<'a> Gate<'a> {
         }
     }
 
-    /// How many numbers there were, and how many of them were left out.
+    /// The number of values, and how many of them were left out.
     pub(crate) fn counted(&self) -> (u64, Omissions) {
         let mut omitted = Omissions::default();
         let [missing, range] = self.left_out;

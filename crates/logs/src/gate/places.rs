@@ -1,32 +1,32 @@
-//! Places that no ship gets to from those before them.
+//! Positions that a ship cannot reach from the previous ones.
 
 use std::f64::consts::TAU;
 
 use crate::samples::Samples;
 use crate::{Channels, Omissions, Reason, Series};
 
-/// What a place may be off by, whatever the ship does \[m\].
+/// Distance that a position may always be off \[m\].
 const SLACK_M: f64 = 10.0;
 
 /// Radius of the earth \[m\].
 const EARTH_M: f64 = 6_371_000.0;
 
-/// Channels of a place on earth.
+/// Channels of a geographic position.
 const GEOGRAPHIC: [&str; 2] = ["latitude_deg", "longitude_deg"];
 
-/// Tracks that are followed side by side.
+/// Tracks that are followed in parallel.
 const MOST_TRACKS: usize = 16;
 
-/// Places each of which a ship gets to from the one before.
+/// Positions each of which a ship can reach from the previous one.
 struct Track {
     time: f64,
     place: [f64; 2],
     count: u64,
-    /// Whether all of it is 0 N 0 E.
+    /// Whether all of them are 0 N 0 E.
     null: bool,
 }
 
-/// Places that follow each other and are of one track.
+/// Consecutive positions of one track.
 struct Stay {
     times: [f64; 2],
     track: usize,
@@ -34,7 +34,7 @@ struct Stay {
     null: bool,
 }
 
-/// The places of a recording, track by track.
+/// The positions of a recording, track by track.
 struct Tracks {
     geographic: bool,
     metres: Metres,
@@ -43,10 +43,10 @@ struct Tracks {
     stays: Vec<Stay>,
 }
 
-/// How far two places are apart \[m\].
+/// The distance between two positions \[m\].
 type Metres = fn([f64; 2], [f64; 2]) -> f64;
 
-/// The channels of a place, where there are any, and how far two of these are apart.
+/// The channels of the position, if there are any, and their distance function.
 pub(super) fn pair(channels: &Channels) -> Option<([&'static str; 2], Metres)> {
     let pairs: [(_, Metres); 2] = [(GEOGRAPHIC, on_earth), (["x", "y"], on_plane)];
     pairs.into_iter().find(|(names, _)| names.iter().all(|name| channels.contains_key(*name)))
@@ -63,7 +63,8 @@ fn on_earth(from: [f64; 2], to: [f64; 2]) -> f64 {
     EARTH_M * (north * north + east * east).sqrt()
 }
 
-/// Leaves out of `channels` the places that a ship of at most `fastest` \[m/s\] does not get to, and counts them.
+/// Leaves out of `channels` the positions that a ship of at most `fastest` \[m/s\] cannot reach, and counts
+/// them.
 pub(crate) fn keep_possible(channels: &mut Channels, fastest: f64, omitted: &mut Omissions) {
     let Some((names, metres)) = pair(channels) else { return };
     let [Some(first), Some(second)] = names.map(|name| channels.get(name)) else { return };
@@ -98,7 +99,7 @@ impl Tracks {
                 self.tracks.push(Track { time, place, count: 0, null: true });
                 self.tracks.len() - 1
             }
-            // One of many that go on from nothing: the least of all tracks begins anew.
+            // One of many that continue no track: the shortest track begins anew.
             None => (0..MOST_TRACKS).min_by_key(|i| self.tracks[*i].count).unwrap_or(0),
         };
         let track = &mut self.tracks[own];
@@ -110,7 +111,8 @@ impl Tracks {
         }
     }
 
-    /// The stays that are not of the longest track, in order; all that are 0 N 0 E where the longest is nothing else.
+    /// The stays that are not on the longest track, in order; all that are 0 N 0 E where the longest track
+    /// is.
     fn wrong(self) -> Vec<Stay> {
         let longest = (0..self.tracks.len()).max_by_key(|i| (self.tracks[*i].count, std::cmp::Reverse(*i)));
         let Some(longest) = longest else { return Vec::new() };
@@ -119,7 +121,7 @@ impl Tracks {
     }
 }
 
-/// `series` without what lies in `wrong`, and how many values of those that are no 0 N 0 E, and of those that are, were there.
+/// `series` without the values in `wrong`, and how many of these are not 0 N 0 E, and how many are.
 fn without(series: &Series, wrong: &[Stay]) -> (Series, [u64; 2]) {
     let (mut counts, mut next) = ([0; 2], 0);
     let values: Samples =

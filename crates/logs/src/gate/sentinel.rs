@@ -1,8 +1,8 @@
-//! Numbers such as 65535 or -9999 that instruments write where they know nothing.
+//! Numbers such as 65535 or -9999 that instruments write for unknown values.
 
 use std::sync::LazyLock;
 
-/// What is all ones in two or four bytes, and one less or more.
+/// All ones in two or four bytes, and one less or more.
 const BYTES: [f64; 6] = [65_535.0, 32_767.0, 32_768.0, 4_294_967_295.0, 2_147_483_647.0, 2_147_483_648.0];
 
 /// Powers of ten that these may have been divided by.
@@ -11,10 +11,10 @@ const DECIMALS: i32 = 7;
 /// Nines, which may have been divided by up to a hundred.
 const NINES: [f64; 4] = [9_999.0, 99_999.0, 999_999.0, 9_999_999.0];
 
-/// What formats and programs fill tables with.
+/// Fill values of formats and programs.
 const FILLS: [f64; 5] = [1e20, 1e30, 1e36, 9.969_209_968_386_869e36, 3.402_823_466_385_288_6e38];
 
-/// Smaller ones are too usual.
+/// Smaller numbers are too common.
 const LEAST: f64 = 3.0;
 
 /// All moduli, in order.
@@ -28,7 +28,7 @@ static KNOWN: LazyLock<Vec<f64>> = LazyLock::new(|| {
     known
 });
 
-/// Whether a number is one of them, as 32 bits have it.
+/// Whether a number is one of them in single precision.
 fn is_known(number: f64) -> bool {
     let (size, rounding) = (number.abs(), 2e-7 * number.abs());
     if size < LEAST {
@@ -38,39 +38,39 @@ fn is_known(number: f64) -> bool {
     number == -999.0 || KNOWN.get(next).is_some_and(|known| *known <= size + rounding)
 }
 
-/// How many times the mean step a number must be off its neighbours to be looked at …
-const LOOKED_AT: f64 = 3.0;
+/// How many mean steps a number must be away from its neighbours to become a candidate …
+const CANDIDATE: f64 = 3.0;
 
-/// … and to be taken for none.
-const TAKEN: f64 = 5.0;
+/// … and to be taken for a sentinel.
+const SENTINEL: f64 = 5.0;
 
 /// Steps after which their mean is trusted.
 const FEW: u64 = 8;
 
-/// Numbers that are looked at in a column.
+/// Most candidates per column.
 const MOST: usize = 4;
 
-/// Finds such numbers: known ones that stand apart from what is before and after them.
+/// Finds sentinels: known numbers that stand apart from those before and after them.
 pub(super) struct Sentinels {
     /// A turn, of angles that wrap.
     turn: Option<f64>,
-    /// The last number that is none of them.
+    /// The last number that is not a candidate.
     before: f64,
     /// Sum of the moduli of all steps, and how many.
     steps: (f64, u64),
     found: Vec<Found>,
-    /// Which of these the last number is.
+    /// The candidate that the last number is.
     open: Option<usize>,
-    /// Whether all have been seen.
+    /// Whether the first pass is over.
     all_seen: bool,
 }
 
-/// A number that may stand for no value.
+/// A candidate.
 struct Found {
     number: f64,
-    /// The step to it, where it came last.
+    /// The step to its last occurrence.
     entry: f64,
-    /// The most that it stands apart from what is before and after it.
+    /// The greatest distance from both neighbours.
     apart: f64,
 }
 
@@ -79,7 +79,7 @@ impl Sentinels {
         Self { turn, before: f64::NAN, steps: (0.0, 0), found: Vec::new(), open: None, all_seen: false }
     }
 
-    /// The modulus of a step, of angles that within a turn.
+    /// The modulus of a step; for angles within a turn.
     fn step(&self, from: f64, to: f64) -> f64 {
         let step = (to - from).abs();
         match self.turn {
@@ -101,7 +101,7 @@ impl Sentinels {
             self.leave(open, self.step(self.found[open].number, number));
         }
         let step = self.step(self.before, number);
-        let near = self.steps.1 >= FEW && step <= LOOKED_AT * self.mean();
+        let near = self.steps.1 >= FEW && step <= CANDIDATE * self.mean();
         if !near && number != self.before && is_known(number) && self.enter(number, step) {
             return;
         }
@@ -111,7 +111,7 @@ impl Sentinels {
         self.before = number;
     }
 
-    /// Notes a number that is `step` off the one before; whether there is room for it.
+    /// Notes a candidate that is `step` away from the previous number; `false` if there are too many.
     fn enter(&mut self, number: f64, step: f64) -> bool {
         let place = self.found.iter().position(|found| found.number == number).unwrap_or(self.found.len());
         if place == MOST {
@@ -125,34 +125,36 @@ impl Sentinels {
         true
     }
 
-    /// Notes that what is after the number at `place` is `step` off it; NaN at the end, as the step from nothing at the start.
+    /// Notes that the number after candidate `place` is `step` away from it; NaN at the end, like the step to
+    /// the very first number.
     fn leave(&mut self, place: usize, step: f64) {
         let found = &mut self.found[place];
         found.apart = found.apart.max(found.entry.min(step));
         self.open = None;
     }
 
-    /// Whether a number is a value; all have been seen.
+    /// Second pass: whether a number is a value.
     #[inline]
     pub(super) fn keeps(&mut self, number: f64) -> bool {
         if self.found.is_empty() {
             return true;
         }
-        self.keeps_beside(number)
+        self.keeps_among_candidates(number)
     }
 
-    fn keeps_beside(&mut self, number: f64) -> bool {
+    fn keeps_among_candidates(&mut self, number: f64) -> bool {
         let mean = self.mean();
         if !self.all_seen {
             if let Some(open) = self.open {
                 self.leave(open, f64::NAN);
             }
-            // Those that do not stand apart are numbers like others; from here on `before` is that of this pass.
-            self.found.retain(|found| found.apart > TAKEN * mean);
+            // Candidates that do not stand apart are ordinary numbers; from here on `before` is that of this
+            // pass.
+            self.found.retain(|found| found.apart > SENTINEL * mean);
             (self.all_seen, self.before) = (true, f64::NAN);
         }
         let known = self.found.iter().any(|found| found.number == number);
-        let is_near = self.step(self.before, number) <= LOOKED_AT * mean;
+        let is_near = self.step(self.before, number) <= CANDIDATE * mean;
         if known && !is_near {
             return false;
         }

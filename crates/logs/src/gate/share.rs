@@ -3,7 +3,8 @@ use refusal::Invalid;
 use super::limit::Limit;
 use crate::Omission;
 
-/// Refuses a channel of whose `values` more than the share `most` are left out. `limit` is that of its numbers.
+/// Refuses a channel if more than the share `most` of its `values` are left out. `limit` is that of its
+/// numbers.
 pub(crate) fn check_share(
     channel: &str,
     values: u64,
@@ -26,11 +27,11 @@ pub(crate) fn check_share(
         format!("channel `{channel}`"),
         found,
         format!("at most {} % left out{}", five(100.0 * most), within.unwrap_or_default()),
-        "correct its `unit` or `scale`, say what is `valid` and what `missing`, or raise its `max_omitted`",
+        "correct its `unit` or `scale`, set `valid` and `missing`, or raise its `max_omitted`",
     ))
 }
 
-/// A number with five digits at most.
+/// A number with at most five digits.
 fn five(number: f64) -> String {
     let digits = format!("{number:.4e}").parse::<f64>().unwrap_or(number);
     if digits.abs() < 1e7 { digits.to_string() } else { format!("{digits:e}") }

@@ -1,19 +1,19 @@
-//! Two sensors under one address: values that go back and forth between two series.
+//! Two sensors under one address: values that alternate between two series.
 
-/// Looks for values that go away and come back.
+/// Detects values that jump and return.
 #[derive(Default)]
 pub(super) struct Alternation {
-    /// The last two values, the latest first, and how many there are.
+    /// The last two values, the latest first, and the number of values.
     last: [f64; 2],
     count: usize,
-    /// How far the value before was away from the mean of its neighbours.
+    /// Distance of the previous value from the mean of its neighbours.
     before: f64,
-    /// How often values went away and came back, and the mean of how far they had gone.
+    /// How often values jumped and returned, and the mean size of these jumps.
     returns: usize,
     away: f64,
 }
 
-/// How far apart two sensors are at least, by field \[deg\]: two antennas by a metre.
+/// Least distance of two sensors, by field \[deg\]: two antennas are a metre apart.
 const APART: [(&str, f64); 6] = [
     ("heading", 1.5),
     ("magnetic", 1.5),
@@ -23,35 +23,36 @@ const APART: [(&str, f64); 6] = [
     ("longitude", 1e-5),
 ];
 
-/// The value before one that goes away is beside the mean of its neighbours too, the other way, by this part of it.
-const BESIDE: f64 = 0.25;
+/// The value before a jump deviates from the mean of its neighbours too, the other way, by at least this
+/// fraction.
+const RETURN: f64 = 0.25;
 
-/// Share of the values that come back where there are two sensors.
+/// Share of values that return if there are two sensors.
 const SHARE: f64 = 0.15;
 
-/// How many must.
+/// Least number of returns.
 const SOME: usize = 6;
 
 impl Alternation {
     /// Takes the next value of a field called `name`.
     pub(super) fn see(&mut self, value: f64, name: &str) {
         let Some((_, apart)) = APART.into_iter().find(|(own, _)| *own == name) else { return };
-        let [middle, first] = self.last;
+        let [previous, first] = self.last;
         let turned = |difference: f64| difference - 360.0 * (difference / 360.0).round();
         // A steady turn keeps every value at the mean of its neighbours.
-        let away = 0.5 * (turned(middle - first) - turned(value - middle));
+        let away = 0.5 * (turned(previous - first) - turned(value - previous));
         if self.count >= 2 {
-            if away.abs() > apart && away * self.before < -BESIDE * away * away {
+            if away.abs() > apart && away * self.before < -RETURN * away * away {
                 self.returns += 1;
                 self.away += (away.abs() - self.away) / self.returns as f64;
             }
             self.before = away;
         }
-        self.last = [value, middle];
+        self.last = [value, previous];
         self.count += 1;
     }
 
-    /// How often values came back and how far they had gone, where there seem to be two sensors.
+    /// The number of returns and the mean jump, if there seem to be two sensors.
     pub(super) fn found(&self) -> Option<(usize, f64)> {
         let often = self.returns >= SOME && self.returns as f64 > SHARE * self.count as f64;
         often.then_some((self.returns, self.away))
@@ -82,7 +83,7 @@ mod tests {
                 .all(|every| found(mixed(every)).is_some_and(|away| (away - 3.0).abs() < 0.5))
         );
         assert!(found((0..300).map(turning)).is_none());
-        // White noise of a degree, and a spike now and then.
+        // White noise of a degree, and occasional spikes.
         let mut seed = 1_u64;
         let mut noise = move || {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);

@@ -1,10 +1,10 @@
-//! Which sentences came, and which of them are whole.
+//! Counts the sentences by address, and those that are not intact.
 
 use std::collections::BTreeMap;
 
 use refusal::Invalid;
 
-use super::clock::tells;
+use super::clock::has_time;
 use super::fields::Column;
 use super::sentence::{Checksum, Sentence};
 use crate::{Checksums, FileSpec};
@@ -13,17 +13,17 @@ use crate::{Checksums, FileSpec};
 pub(super) struct Census {
     /// Whether sentences may be without a checksum.
     is_optional: bool,
-    /// What the addresses of sentences that are asked for end with.
-    asked: Vec<String>,
+    /// Endings of the addresses of wanted sentences.
+    wanted: Vec<String>,
     by_address: BTreeMap<String, Known>,
-    /// Sentences that are asked for, as far as one can tell; those that are not whole, and the line of the first.
+    /// Wanted sentences, as far as can be seen; those that are not intact, and the line of the first.
     all: usize,
     broken: usize,
     without: usize,
     first_broken: Option<usize>,
-    /// All that are not whole.
+    /// All sentences that are not intact.
     left: usize,
-    /// Whether the last has no checksum at all: it may have been cut short.
+    /// Whether the last one has no checksum at all: it may have been cut short.
     last_is_cut: bool,
 }
 
@@ -38,10 +38,10 @@ struct Known {
 
 impl Census {
     pub(super) fn new(spec: &FileSpec, wanted: &[Column]) -> Self {
-        let clock = tells(&spec.time.column).then(|| spec.time.column.clone());
+        let clock = has_time(&spec.time.column).then(|| spec.time.column.clone());
         Self {
             is_optional: spec.checksums == Checksums::Optional || spec.max_wrong_checksums >= 1.0,
-            asked: wanted.iter().map(|column| column.address.clone()).chain(clock).collect(),
+            wanted: wanted.iter().map(|column| column.address.clone()).chain(clock).collect(),
             by_address: BTreeMap::new(),
             all: 0,
             broken: 0,
@@ -52,7 +52,7 @@ impl Census {
         }
     }
 
-    /// Counts a sentence on `line`, after which another may follow; whether it is whole.
+    /// Counts a sentence on `line`, which another may follow; returns whether it is intact.
     pub(super) fn take(
         &mut self,
         sentence: &Sentence,
@@ -65,26 +65,26 @@ impl Census {
             Checksum::Wrong => false,
             Checksum::None => self.is_optional && !is_followed && self.is_like_others(sentence),
         };
-        let is_asked = self.is_asked(sentence.address);
-        self.last_is_cut = is_asked && checksum == Checksum::None && !is_whole;
-        self.all += usize::from(is_asked);
+        let is_wanted = self.is_wanted(sentence.address);
+        self.last_is_cut = is_wanted && checksum == Checksum::None && !is_whole;
+        self.all += usize::from(is_wanted);
         if is_whole {
             self.know(sentence, checksum);
             return true;
         }
         self.left += 1;
-        self.without += usize::from(is_asked && checksum == Checksum::None);
-        if is_asked {
+        self.without += usize::from(is_wanted && checksum == Checksum::None);
+        if is_wanted {
             self.broken += 1;
             self.first_broken.get_or_insert(line);
         }
         false
     }
 
-    /// Whether somebody asks for such sentences, or the address is itself not whole.
-    fn is_asked(&self, address: &str) -> bool {
+    /// Whether such sentences are wanted, or the address itself is not intact.
+    fn is_wanted(&self, address: &str) -> bool {
         let clean = address.bytes().all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit());
-        !clean || address.is_empty() || self.asked.iter().any(|asked| address.ends_with(asked.as_str()))
+        !clean || address.is_empty() || self.wanted.iter().any(|wanted| address.ends_with(wanted.as_str()))
     }
 
     /// Whether a sentence without checksum has as many fields as others of its address, and none of these has one.
@@ -103,7 +103,7 @@ impl Census {
         }
     }
 
-    /// The addresses that came.
+    /// The addresses so far.
     pub(super) fn addresses(&self) -> impl Iterator<Item = &str> {
         self.by_address.keys().map(String::as_str)
     }
@@ -111,7 +111,7 @@ impl Census {
     /// How many sentences are left out for their checksums, and how many because the file ends within them.
     ///
     /// # Errors
-    /// More of the former among those that are asked for than `spec` allows.
+    /// More wrong checksums among wanted sentences than `spec` allows.
     pub(super) fn finish(&self, spec: &FileSpec) -> Result<(usize, usize), Invalid> {
         let cut = usize::from(self.last_is_cut);
         let (wrong, share) = (self.broken.saturating_sub(cut), spec.max_wrong_checksums);

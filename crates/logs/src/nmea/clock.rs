@@ -1,42 +1,44 @@
-//! What sentences tell of the time.
+//! Times in sentences.
 
 use jiff::civil::Date;
 use jiff::tz::TimeZone;
 
 use super::sentence::Sentence;
 
-/// The time that a sentence tells.
+/// A time that a sentence reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Told {
+pub(super) struct Reported {
     /// Since midnight \[s\]; from 86,400 in a leap second.
     pub(super) of_day: f64,
-    /// From 1970 to that midnight, where the date is told \[s\].
+    /// From 1970 to that midnight, if the date is reported \[s\].
     pub(super) midnight: Option<f64>,
-    /// Whether it is one of a second 60.
+    /// Whether it lies in a leap second.
     pub(super) is_sixty: bool,
-    /// Whether the receiver says that it knows.
+    /// Whether the receiver has a fix.
     pub(super) is_fix: bool,
 }
 
-/// Sentences that tell a time, and the field that it stands in.
-const TELLING: [(&str, usize); 5] = [("RMC", 0), ("ZDA", 0), ("GGA", 0), ("GNS", 0), ("GLL", 4)];
+/// Sentences with a time, and the field of the time.
+const TIMED: [(&str, usize); 5] = [("RMC", 0), ("ZDA", 0), ("GGA", 0), ("GNS", 0), ("GLL", 4)];
 
-/// Whether sentences whose addresses end with `kind` tell a time.
-pub(super) fn tells(kind: &str) -> bool {
-    TELLING.iter().any(|(known, _)| kind.ends_with(known)) && !kind.starts_with('P') && kind.len() <= 5
+/// Whether sentences whose addresses end with `kind` have a time.
+pub(super) fn has_time(kind: &str) -> bool {
+    TIMED.iter().any(|(known, _)| kind.ends_with(known)) && !kind.starts_with('P') && kind.len() <= 5
 }
 
-/// Whether they tell a date.
+/// Whether they have a date.
 pub(super) fn is_dated(kind: &str) -> bool {
     kind.ends_with("RMC") || kind.ends_with("ZDA")
 }
 
-/// The time that `sentence` tells: none where it is of another kind or tells none.
+/// The time in `sentence`: `None` where it is of another kind or has none.
 ///
 /// # Errors
-/// What it was expected to tell, and what it does.
-pub(super) fn told<'a>(sentence: &Sentence<'a>) -> Result<Option<Told>, (&'a str, &'static str)> {
-    let Some((kind, place)) = TELLING.iter().find(|(kind, _)| sentence.is_a(kind)) else { return Ok(None) };
+/// The field that is not a time, and what was expected.
+pub(super) fn reported_time<'a>(
+    sentence: &Sentence<'a>,
+) -> Result<Option<Reported>, (&'a str, &'static str)> {
+    let Some((kind, place)) = TIMED.iter().find(|(kind, _)| sentence.is_a(kind)) else { return Ok(None) };
     let text = sentence.field(*place);
     if text.is_empty() {
         return Ok(None);
@@ -47,15 +49,15 @@ pub(super) fn told<'a>(sentence: &Sentence<'a>) -> Result<Option<Told>, (&'a str
         "ZDA" => (sentence.field(3), apart([1, 2, 3].map(|place| sentence.field(place)))),
         _ => ("", None),
     };
-    // A receiver that has none yet writes nothing, or zeros.
+    // A receiver without a date writes nothing, or zeros.
     let dateless = date.bytes().all(|byte| byte == b'0');
     match of_day(text) {
         Some((of_day, is_sixty)) if midnight.is_some() || dateless || !is_fix => {
-            // A receiver that does not know the date either begins with the first day of the weeks that it counts.
+            // A receiver that does not know the date yet begins with the first day of its week count.
             let is_fix = is_fix && !(*kind == "ZDA" && midnight.is_some_and(is_first_day));
-            Ok(Some(Told { of_day, midnight, is_sixty, is_fix }))
+            Ok(Some(Reported { of_day, midnight, is_sixty, is_fix }))
         }
-        Some(_) => Err((date, "a date beside the time")),
+        Some(_) => Err((date, "a date besides the time")),
         None if is_fix => Err((text, "a time such as 123519.00")),
         None => Ok(None),
     }
@@ -71,15 +73,15 @@ fn is_fix(kind: &str, sentence: &Sentence) -> bool {
     }
 }
 
-/// Weeks after which receivers begin to count them anew \[s\].
+/// Period of the receivers' week count \[s\].
 pub(super) const WEEKS: f64 = 1024.0 * 7.0 * DAY;
 
 pub(super) const DAY: f64 = 86_400.0;
 
-/// From 1970 to the first week that they counted \[s\].
+/// From 1970 to their first week \[s\].
 const FIRST: f64 = 315_964_800.0;
 
-/// Whether a day is within two of the beginning of the weeks.
+/// Whether a day is within two days of the start of a week count.
 fn is_first_day(midnight: f64) -> bool {
     (midnight - FIRST).rem_euclid(WEEKS) < 2.0 * DAY
 }
@@ -94,7 +96,7 @@ fn of_day(text: &str) -> Option<(f64, bool)> {
     fits.then_some((3600.0 * hours + 60.0 * minutes + seconds, seconds >= 60.0))
 }
 
-/// Seconds from 1970 to the day `ddmmyy`: of the years from 1980 on.
+/// Seconds from 1970 to the day `ddmmyy`, in the years from 1980 on.
 fn joined(text: &str) -> Option<f64> {
     let year = text.get(4..6)?;
     let century = if year >= "80" { "19" } else { "20" };

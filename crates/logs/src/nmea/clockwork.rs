@@ -1,8 +1,9 @@
-//! The clock of a file of sentences: those of one kind of one receiver, or a stamp before each.
+//! The clock of a file of sentences: sentences of one kind from one receiver, or a stamp before each
+//! sentence.
 
 use refusal::{Invalid, foreign};
 
-use super::clock::{Told, is_dated, tells, told};
+use super::clock::{Reported, has_time, is_dated, reported_time};
 use super::fields::Column;
 use super::heard::{Between, Heard};
 use super::sentence::Sentence;
@@ -12,62 +13,62 @@ use super::trust::{Trust, lengths};
 use crate::columns::cell_of;
 use crate::{ClockNotes, FileSpec, LogError, Stamps, WarningSummary};
 
-/// Where times come from, and what they were so far.
+/// The source of times, and the times so far.
 pub(super) struct Clock<'a> {
     from: From<'a>,
     timeline: Timeline,
-    /// Talkers, best first, and how long the best may be silent \[s\].
+    /// Preferred talkers, best first, and how long the best may be silent \[s\].
     prefer: &'a [String],
     max_gap_s: f64,
-    /// The receiver that tells the time, and another that could.
+    /// The receiver whose time counts, and another that could be used.
     address: Option<String>,
     other: Option<String>,
-    /// The time of sentences that tell none \[s\]; NaN where it is not known.
+    /// The time of sentences without one \[s\]; NaN where it is unknown.
     time: f64,
     known: Option<Stamp>,
-    /// Times that other sentences of the receiver told since, and how many sentences had been heard then.
-    marks: Vec<(Told, usize)>,
+    /// Later times in other sentences of the receiver, each with the number of waiting sentences.
+    marks: Vec<(Reported, usize)>,
     trust: Trust,
     late: usize,
     is_back: bool,
 }
 
 enum From<'a> {
-    /// Sentences of this kind, perhaps of one talker.
+    /// Sentences of this kind, possibly of one talker.
     Sentence(String),
-    /// What stands before a sentence: a time as text or a number.
+    /// A prefix of each sentence: a time as text or a number.
     Prefix(Option<&'a Stamps>),
 }
 
-/// What a sentence tells of the time.
+/// What a sentence contributes to the clock.
 #[derive(Clone, Copy)]
-pub(super) enum Tells {
+pub(super) enum Timing {
     Nothing,
-    /// It stands after this time \[s\].
+    /// It follows a stamp with this time \[s\].
     Prefix(f64),
-    /// It is one of the clock's, and may have a time.
-    Clock(Option<Told>),
+    /// It is a sentence of the clock, which may have a time.
+    Clock(Option<Reported>),
     /// It has a time of its own.
-    Own(Told),
+    Own(Reported),
 }
 
-/// What sentences go into: those heard, the tables, the columns that are wanted.
+/// Where sentences go: the waiting ones, the tables, the wanted columns.
 pub(super) type Into<'a, 'b> = (&'a mut Heard, &'a mut Vec<Table>, &'b [Column]);
 
-/// So many sentences wait for the time to be known again.
+/// Most sentences that wait for the time to be known again.
 const WAITING: usize = 1 << 16;
 
-/// How much later a sentence may be that is taken to be of the clock's next time \[s\].
+/// How much later the time of a sentence may be that belongs to the clock's next time \[s\].
 const NEXT: f64 = 3.0;
 
 impl<'a> Clock<'a> {
-    /// The clock that `spec` names.
+    /// The clock that `spec` declares.
     pub(super) fn new(spec: &'a FileSpec, max_gap_s: f64, stamps: &'a Stamps) -> Result<Self, Invalid> {
         let from = match spec.time.column.as_str() {
             "prefix" => From::Prefix(spec.time.is_text().then_some(stamps)),
-            kind if tells(kind) => From::Sentence(kind.to_owned()),
+            kind if has_time(kind) => From::Sentence(kind.to_owned()),
             column => {
-                let expected = "RMC, ZDA, GGA, GNS or GLL, which tell a time, or `prefix`";
+                let expected = "RMC, ZDA, GGA, GNS or GLL, which have a time, or `prefix`";
                 let remedy = "correct the time's `column`";
                 return Err(Invalid::new("time of sentences", format!("`{column}`"), expected, remedy));
             }
@@ -88,50 +89,50 @@ impl<'a> Clock<'a> {
         })
     }
 
-    /// What `sentence` tells of the time; `is_wanted` is whether something else of it is wanted.
-    pub(super) fn tells(
+    /// What `sentence` contributes; `is_wanted` says whether it has wanted fields.
+    pub(super) fn timing(
         &self,
         prefix: &str,
         sentence: &Sentence,
         line: usize,
         (is_wanted, written_in): (bool, &str),
-    ) -> Result<Tells, LogError> {
+    ) -> Result<Timing, LogError> {
         let kind = match &self.from {
-            From::Prefix(stamps) => return Ok(Tells::Prefix(of_prefix(*stamps, prefix, line, written_in)?)),
+            From::Prefix(stamps) => return Ok(Timing::Prefix(of_prefix(*stamps, prefix, line, written_in)?)),
             From::Sentence(kind) => kind,
         };
         let is_clock = sentence.is_a(kind);
-        match told(sentence) {
-            Ok(told) if is_clock => Ok(Tells::Clock(told)),
-            Ok(told) => Ok(told.map_or(Tells::Nothing, Tells::Own)),
+        match reported_time(sentence) {
+            Ok(reported) if is_clock => Ok(Timing::Clock(reported)),
+            Ok(reported) => Ok(reported.map_or(Timing::Nothing, Timing::Own)),
             Err((found, expected)) if is_clock || is_wanted => {
                 let cell = cell_of(line, &format!("{}.time", sentence.address));
                 let found = format!("`{}`", foreign(found));
                 Err(Invalid::new(cell, found, expected, "correct or leave out the line").into())
             }
-            Err(_) => Ok(Tells::Nothing),
+            Err(_) => Ok(Timing::Nothing),
         }
     }
 
-    /// Goes on to what `sentence` tells; sentences before it get their times.
-    pub(super) fn step(&mut self, tells: Tells, sentence: &Sentence, into: Into) {
-        match tells {
-            Tells::Prefix(time) if time == self.time => {}
-            Tells::Prefix(time) => {
+    /// Advances to the time in `sentence`; the waiting sentences get their times.
+    pub(super) fn step(&mut self, timing: Timing, sentence: &Sentence, into: Into) {
+        match timing {
+            Timing::Prefix(time) if time == self.time => {}
+            Timing::Prefix(time) => {
                 let (heard, tables, wanted) = into;
                 let all = heard.len();
                 heard.put(all, &Between { time: self.time, before: None, after: None }, tables, wanted);
                 self.time = time;
             }
-            Tells::Clock(told) if self.heeds(sentence.address, told) => {
+            Timing::Clock(reported) if self.heeds(sentence.address, reported) => {
                 let From::Sentence(kind) = &self.from else { return };
-                let step = self.timeline.next(told, is_dated(kind));
+                let step = self.timeline.next(reported, is_dated(kind));
                 self.follow(step, into);
             }
-            Tells::Own(told) if self.is_of_clock(sentence.address) => {
-                self.marks.push((told, into.0.len()));
+            Timing::Own(reported) if self.is_of_clock(sentence.address) => {
+                self.marks.push((reported, into.0.len()));
             }
-            Tells::Clock(_) | Tells::Own(_) | Tells::Nothing => {}
+            Timing::Clock(_) | Timing::Own(_) | Timing::Nothing => {}
         }
     }
 
@@ -139,13 +140,13 @@ impl<'a> Clock<'a> {
         self.address.as_ref().is_none_or(|own| own[..2] == address[..2])
     }
 
-    /// Whether the clock is of sentences from `address`, which tell this time.
-    fn heeds(&mut self, address: &str, told: Option<Told>) -> bool {
+    /// Whether the clock follows sentences from `address` with this time.
+    fn heeds(&mut self, address: &str, reported: Option<Reported>) -> bool {
         let Some(own) = self.address.as_deref().filter(|own| *own != address) else {
             self.address.get_or_insert_with(|| address.to_owned());
             return true;
         };
-        let Some(told) = told.filter(|told| told.is_fix) else { return false };
+        let Some(reported) = reported.filter(|reported| reported.is_fix) else { return false };
         let rank = |address: &str| self.prefer.iter().position(|talker| address.starts_with(talker.as_str()));
         let knew = self.timeline.eras.iter().any(|era| era.fixes > 0);
         match (rank(address), rank(own)) {
@@ -165,7 +166,7 @@ impl<'a> Clock<'a> {
                 self.address = Some(address.to_owned());
                 true
             }
-            _ => self.timeline.last.is_some_and(|last| last.until(&told) > self.max_gap_s),
+            _ => self.timeline.last.is_some_and(|last| last.until(&reported) > self.max_gap_s),
         }
     }
 
@@ -203,9 +204,9 @@ impl<'a> Clock<'a> {
         }
     }
 
-    /// How many of the sentences that were heard came before `stamp` was told first, perhaps by another sentence.
+    /// How many of the waiting sentences came before `stamp` was first reported, perhaps by another sentence.
     fn before(&self, stamp: &Stamp, all: usize) -> usize {
-        let first = self.marks.iter().find(|(told, _)| stamp.is_reached(told, NEXT));
+        let first = self.marks.iter().find(|(reported, _)| stamp.is_reached(reported, NEXT));
         first.map_or(all, |(_, count)| *count)
     }
 
@@ -215,7 +216,7 @@ impl<'a> Clock<'a> {
         self.marks.clear();
     }
 
-    /// Puts the first `count` sentences into their tables, before the clock tells `after`.
+    /// Puts the first `count` sentences into their tables; the clock's next time is `after`.
     fn put(&mut self, count: usize, after: Option<Stamp>, (heard, tables, wanted): Into) {
         let last = lengths(tables);
         heard.put(count, &Between { time: self.time, before: self.known, after }, tables, wanted);
@@ -225,31 +226,31 @@ impl<'a> Clock<'a> {
         self.trust.last = last;
     }
 
-    /// Puts what is left into the tables.
+    /// Puts the remaining sentences into the tables.
     pub(super) fn finish(&mut self, into: Into) {
         self.put(into.0.len(), None, into);
     }
 
-    /// Whether sentences of its own tell the time of those after them.
+    /// Whether the clock's own sentences set the time of the following ones.
     pub(super) fn is_stamping(&self) -> bool {
         matches!(self.from, From::Sentence(_))
     }
 
-    /// What is known of its times.
+    /// Findings about its times.
     pub(super) fn notes(&self) -> ClockNotes {
         let of_day = matches!(&self.from, From::Sentence(kind) if !is_dated(kind));
         ClockNotes { of_day, leap_s: self.timeline.leap_s, ..ClockNotes::default() }
     }
 
-    /// Whether rows that tell their own time are in the order of time but for some that came late.
+    /// Whether rows with times of their own are in order but for a few late ones.
     pub(super) fn is_in_order(&self) -> bool {
         !self.is_back && self.is_stamping()
     }
 
-    /// Takes the times away that are not to be trusted; how many of the clock's sentences came late.
+    /// Removes untrusted times; returns how many of the clock's sentences came late.
     ///
     /// # Errors
-    /// Two receivers; what [`Trust::check`] refuses.
+    /// Two receivers; refusals of [`Trust::check`].
     pub(super) fn check(
         &self,
         tables: &mut [Table],
@@ -269,7 +270,7 @@ impl<'a> Clock<'a> {
         Ok(self.late)
     }
 
-    /// What lacks where none of `addresses` tells the time.
+    /// The missing clock where none of `addresses` has its time.
     pub(super) fn lacks<'b>(&self, mut addresses: impl Iterator<Item = &'b str>) -> Option<&str> {
         match &self.from {
             From::Sentence(kind) => {
@@ -280,18 +281,18 @@ impl<'a> Clock<'a> {
     }
 }
 
-impl Tells {
-    /// The time that a sentence has of its own.
-    pub(super) fn own(self) -> Option<Told> {
+impl Timing {
+    /// The sentence's own time.
+    pub(super) fn own(self) -> Option<Reported> {
         match self {
-            Self::Clock(told) => told,
-            Self::Own(told) => Some(told),
+            Self::Clock(reported) => reported,
+            Self::Own(reported) => Some(reported),
             Self::Nothing | Self::Prefix(_) => None,
         }
     }
 }
 
-/// The time that stands before a sentence \[s\]; NaN where there is none.
+/// The time before a sentence \[s\]; NaN where there is none.
 fn of_prefix(stamps: Option<&Stamps>, prefix: &str, line: usize, written_in: &str) -> Result<f64, Invalid> {
     let text = prefix.trim_matches([' ', '\t', ',', ';', '[', ']', '"']);
     match stamps {

@@ -1,4 +1,4 @@
-//! What sentences tell: their fields by name, in the units of the standard (NMEA 0183, IEC 61162-1).
+//! Fields of sentences by name, in the units of the standard (NMEA 0183, IEC 61162-1).
 
 use refusal::{Invalid, foreign};
 
@@ -10,12 +10,12 @@ use crate::columns::cell_of;
 /// A kind of sentence.
 pub(super) struct Kind {
     name: &'static str,
-    /// Fields that tell sentences of this kind apart, such as the number of the propeller.
+    /// Fields that distinguish sentences of this kind, such as the number of the propeller.
     qualifier: &'static [usize],
     fields: &'static [Field],
 }
 
-/// What a sentence tells.
+/// A quantity in a sentence.
 pub(super) struct Field {
     pub(super) name: &'static str,
     pub(super) unit: &'static str,
@@ -23,7 +23,7 @@ pub(super) struct Field {
     valid: Valid,
 }
 
-/// How a value stands in fields.
+/// How a value is written in fields.
 enum Read {
     /// A number.
     Number(usize),
@@ -31,20 +31,20 @@ enum Read {
     Place(usize),
     /// A speed, and a letter for its unit.
     Speed(usize),
-    /// What a compass shows, then its deviation and the variation, each with a letter: the sum.
+    /// A compass heading, then its deviation and the variation, each with a letter: the sum.
     True(usize),
 }
 use Read::{Number, Place, Speed, True};
 use Valid::{A, Always, AnyMode, Fix, Letter, Mode, OwnMode};
 
-/// What stands in a sentence.
+/// A value in a sentence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Value {
     Known(f64),
-    /// A heading whose deviation is not stated: 0 is taken.
+    /// A heading without a stated deviation, which is taken as 0.
     Undeviated(f64),
     Empty,
-    /// There is a number, which does not count.
+    /// There is a number, but it is left out.
     Left(Reason),
 }
 
@@ -135,7 +135,7 @@ const KINDS: [Kind; 16] = [
 /// A field of a kind of sentence, of one talker or of all: `HDT.heading`, `HEHDT.heading`, `RPM-S1.speed`.
 pub(super) struct Column {
     pub(super) name: String,
-    /// What the address ends with: `HDT`, or `HEHDT`.
+    /// The ending of the address: `HDT`, or `HEHDT`.
     pub(super) address: String,
     qualifier: String,
     kind: &'static Kind,
@@ -143,13 +143,13 @@ pub(super) struct Column {
 }
 
 impl Column {
-    /// None where there is no such field.
+    /// `None` where there is no such field.
     pub(super) fn parse(name: &str) -> Option<Self> {
         let (of, field) = name.split_once('.')?;
         let (address, qualifier) = of.split_once('-').unwrap_or((of, ""));
         let is_plain = address.is_ascii() && [3, 5].contains(&address.len());
         let kind = KINDS.iter().find(|kind| is_plain && address.ends_with(kind.name))?;
-        // Without it, the wind over ground would stand among that over the deck.
+        // Without this check, wind over ground would be mixed with that over the deck.
         if kind.qualifier.is_empty() != qualifier.is_empty() {
             return None;
         }
@@ -158,7 +158,7 @@ impl Column {
         Some(Self { name, address, qualifier, kind, field })
     }
 
-    /// Whether sentences of this address may have it.
+    /// Whether sentences with this address may have it.
     pub(super) fn fits(&self, address: &str) -> bool {
         address.len() == 5
             && address.is_ascii()
@@ -166,7 +166,7 @@ impl Column {
             && !address.starts_with('P')
     }
 
-    /// Whether it stands in `sentence`.
+    /// Whether `sentence` has it.
     pub(super) fn is_of(&self, sentence: &Sentence) -> bool {
         let own = || self.kind.qualifier.iter().flat_map(|place| sentence.field(*place).chars());
         self.fits(sentence.address) && own().eq(self.qualifier.chars())
@@ -182,7 +182,7 @@ impl Column {
         self.field.name == "course"
     }
 
-    /// Its value in `sentence`, which stands on `line`; qualities that count are `accepted`.
+    /// Its value in `sentence`, which stands on `line`, if its quality is `accepted`.
     pub(super) fn value(
         &self,
         sentence: &Sentence,
@@ -193,7 +193,7 @@ impl Column {
     }
 }
 
-/// The kind of sentence that `name` speaks of, if it is known: its columns; otherwise those of all kinds.
+/// The columns of the kind of sentence in `name`, if that is known; otherwise those of all kinds.
 pub(super) fn columns_like(name: &str) -> Vec<String> {
     let of = name.split(['.', '-']).next().unwrap_or_default();
     let same: Vec<String> = columns().filter(|column| of.ends_with(&column[..3])).collect();
@@ -245,7 +245,7 @@ impl Field {
         }
     }
 
-    /// The true heading where a compass shows `shown`: east counts on.
+    /// The true heading where a compass shows `shown`: east is positive.
     fn true_heading(
         &self,
         sentence: &Sentence,
@@ -255,7 +255,7 @@ impl Field {
     ) -> Result<Value, Invalid> {
         let correction = |place: usize| match [place, place + 1].map(|place| sentence.field(place)) {
             ["", _] => Ok(None),
-            // East or west, nobody knows.
+            // A number without its direction, east or west.
             [_, ""] => Ok(Some(f64::NAN)),
             _ => {
                 let value = self.number(sentence, place, line)?;
@@ -277,7 +277,7 @@ impl Field {
         number.ok_or_else(|| self.refused(sentence, text, line, "a number"))
     }
 
-    /// `value` times what the letter in field `place` stands for.
+    /// `value` times the factor of the letter in field `place`.
     fn lettered(
         &self,
         sentence: &Sentence,

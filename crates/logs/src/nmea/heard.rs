@@ -1,40 +1,40 @@
-//! Sentences that have been read and have no time yet: it depends on what the clock says next.
+//! Sentences that have been read and wait for a time, which depends on the clock's next one.
 
 use refusal::Invalid;
 
-use super::clock::Told;
+use super::clock::Reported;
 use super::fields::Column;
 use super::quality::Accepted;
 use super::sentence::Sentence;
 use super::table::Table;
 use super::timeline::{Stamp, own_time};
 
-/// Sentences since the clock's last.
+/// Sentences since the clock's last one.
 #[derive(Default)]
 pub(super) struct Heard {
     sentences: Vec<One>,
-    /// Their values, one after the other.
+    /// Their values, concatenated.
     values: Vec<f64>,
 }
 
 struct One {
     table: usize,
     line: usize,
-    /// The time that it tells itself.
-    own: Option<Told>,
-    /// Where its values begin.
+    /// The sentence's own time.
+    own: Option<Reported>,
+    /// The index of its first value.
     from: usize,
 }
 
 /// The clock's times before and after sentences.
 pub(super) struct Between {
-    /// Of sentences without a time of their own \[s\]; NaN where it is not known.
+    /// The time of sentences without one of their own \[s\]; NaN where it is unknown.
     pub(super) time: f64,
     pub(super) before: Option<Stamp>,
     pub(super) after: Option<Stamp>,
 }
 
-/// How far a sentence's own time may be off the clock's \[s\].
+/// How far a sentence's own time may differ from the clock's \[s\].
 const FAR: f64 = 3.0;
 
 impl Heard {
@@ -43,12 +43,12 @@ impl Heard {
         self.sentences.len()
     }
 
-    /// Reads a sentence of `table`, which stands on `line` and tells the time `own`.
+    /// Reads a sentence of `table`, which stands on `line` and has the time `own`.
     pub(super) fn hear(
         &mut self,
         (place, table): (usize, &mut Table),
         sentence: &Sentence,
-        (line, own): (usize, Option<Told>),
+        (line, own): (usize, Option<Reported>),
         how: (&[Column], &Accepted),
     ) -> Result<(), Invalid> {
         let from = self.values.len();
@@ -62,7 +62,7 @@ impl Heard {
         for one in &self.sentences[..count] {
             let table = &mut tables[one.table];
             let values = &self.values[one.from..one.from + table.places.len()];
-            let own = one.own.map(|told| own_time(&told, between.before, between.after));
+            let own = one.own.map(|reported| own_time(&reported, between.before, between.after));
             match own {
                 None => table.push(between.time, one.line, values),
                 Some(None) => table.push(f64::NAN, one.line, values),

@@ -1,10 +1,11 @@
 //! Logs of NMEA 0183: sentences such as `$GPRMC,…*5A`.
 //!
-//! Sentences that tell a time have that; all others have that of the last sentence of a stated kind, or of a stamp before them.
-//! Each address is a sensor with rows of its own; rows of one time are shared out evenly by `repeated = "spread"`.
+//! Sentences with a time have that one; all others have the time of the last sentence of a declared kind, or
+//! of a stamp before them. Each address is a sensor with rows of its own; `repeated = "spread"` spaces rows
+//! of one time evenly.
 //!
-//! Libraries for this standard read what tells a position and leave out rudders, rates of turn and propellers, which a model
-//! needs. What there is to a sentence is a checksum and commas. Hence no library.
+//! Libraries for this standard read positions and leave out rudders, rates of turn and propellers, which a
+//! model needs. A sentence is a checksum and commas. Hence no library.
 
 mod alternation;
 mod census;
@@ -31,15 +32,15 @@ use clockwork::Clock;
 use fields::{Column, columns_like};
 use heard::Heard;
 pub use quality::Accepted;
-use sentence::pieces;
+use sentence::raw_sentences;
 use sources::Sources;
 use table::Table;
 
-/// Reads the fields of sentences that `plan` wants of files of group `group` (`HDT.heading`); numbers are put aside in `store`.
-///
+/// Reads the fields of sentences that `plan` wants of files of group `group` (`HDT.heading`); `store` takes
+/// blocks of numbers.
 /// # Errors
-/// Bytes that cannot be read, fields that there are not, in another unit or never in the file, several sensors for a channel, a
-/// clock that is none, more wrong checksums than may be.
+/// Bytes that cannot be read, fields that are unknown, in another unit or never in the file, several sensors
+/// for a channel, an unknown clock, more wrong checksums than allowed.
 pub fn read_nmea(
     bytes: impl BufRead,
     plan: &Plan,
@@ -54,13 +55,14 @@ pub fn read_nmea(
         Reading { plan, spec, wanted, store, clock, census, tables: Vec::new(), heard: Heard::default() };
     let mut lines = Lines::new(bytes)?;
     while let Some((number, line)) = lines.bytes()? {
-        // What is no text fails its checksum.
+        // Undecodable bytes fail their checksum.
         reading.line(&String::from_utf8_lossy(line), number)?;
     }
     Ok(reading.finish()?)
 }
 
-/// The column of a channel; refuses another unit than the sentence has, and a magnetic heading as the true one.
+/// The column of a channel; refuses another unit than the sentence's, and a magnetic heading in place of a
+/// true one.
 fn column(spec: &ChannelSpec) -> Result<Column, Invalid> {
     let name = &spec.column;
     let Some(column) = Column::parse(name) else {
@@ -91,7 +93,7 @@ fn column(spec: &ChannelSpec) -> Result<Column, Invalid> {
     Ok(column)
 }
 
-/// What is read so far.
+/// The state of reading.
 struct Reading<'a> {
     plan: &'a Plan,
     spec: &'a FileSpec,
@@ -104,20 +106,20 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// Takes a line; one without a sentence is passed over.
+    /// Reads a line; one without a sentence is skipped.
     fn line(&mut self, line: &str, number: usize) -> Result<(), LogError> {
         let mut prefix = "";
-        for piece in pieces(line) {
-            // Sentences that share a line share its stamp.
-            prefix = if piece.prefix.trim().is_empty() { prefix } else { piece.prefix };
-            let (sentence, checksum) = piece.sentence();
-            if !self.census.take(&sentence, checksum, piece.is_followed, number) {
+        for raw in raw_sentences(line) {
+            // Sentences on one line share its stamp.
+            prefix = if raw.prefix.trim().is_empty() { prefix } else { raw.prefix };
+            let (sentence, checksum) = raw.sentence();
+            if !self.census.take(&sentence, checksum, raw.is_followed, number) {
                 continue;
             }
             let is_wanted = self.wanted.iter().any(|column| column.is_of(&sentence));
             let said = (is_wanted, self.plan.setup.written_in);
-            let tells = self.clock.tells(prefix, &sentence, number, said)?;
-            self.clock.step(tells, &sentence, (&mut self.heard, &mut self.tables, &self.wanted));
+            let timing = self.clock.timing(prefix, &sentence, number, said)?;
+            self.clock.step(timing, &sentence, (&mut self.heard, &mut self.tables, &self.wanted));
             if !is_wanted {
                 continue;
             }
@@ -137,7 +139,7 @@ impl Reading<'_> {
             }
             let how = (self.wanted.as_slice(), &self.spec.quality);
             let to = (table, &mut self.tables[table]);
-            self.heard.hear(to, &sentence, (number, tells.own()), how)?;
+            self.heard.hear(to, &sentence, (number, timing.own()), how)?;
         }
         Ok(())
     }
@@ -160,7 +162,7 @@ impl Reading<'_> {
         for (place, column) in self.wanted.iter().enumerate() {
             if column.is_course() && self.spec.plain()[place].channel == "psi" {
                 let text = format!(
-                    "is the course over ground of {}, which is no heading: drift is lost",
+                    "is the course over ground of {}, not a heading: the drift angle is lost",
                     column.name
                 );
                 warnings.push(sources.warning(place, 1, &text));
@@ -173,7 +175,7 @@ impl Reading<'_> {
         Ok(columns)
     }
 
-    /// What is said where a wanted sentence, or the one with the time, never came.
+    /// The refusal where a wanted sentence, or the one with the time, never came.
     fn missing(&self) -> Option<Invalid> {
         let came = |column: &&Column| self.census.addresses().any(|address| column.fits(address));
         let lacking = self.wanted.iter().find(|column| !came(column)).map(|column| column.name.as_str());

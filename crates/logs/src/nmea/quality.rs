@@ -1,4 +1,4 @@
-//! Which values count: those of a fix, in a mode, with a status that the sentence names.
+//! Which values count: those with a fix, in a mode, with a status that the sentence states.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
@@ -60,7 +60,7 @@ impl JsonSchema for Accepted {
     }
 }
 
-/// When the values of a sentence count; places are those of fields.
+/// The condition under which values of a sentence count; numbers are those of fields.
 #[derive(Clone, Copy)]
 pub(super) enum Valid {
     Always,
@@ -68,23 +68,23 @@ pub(super) enum Valid {
     A(usize),
     /// Where a field is a letter, or empty.
     Letter(usize, &'static str),
-    /// By the fix of GGA.
+    /// By the fix quality of GGA.
     Fix(usize),
     /// By one of several modes.
     AnyMode(usize),
-    /// By a mode, and a status beside it that is `A`; old sentences have no mode.
+    /// By a mode, and a status that is `A`; old sentences have no mode.
     Mode {
         status: Option<usize>,
         mode: usize,
     },
-    /// By a mode that must be there.
+    /// By a mode that must be present.
     OwnMode(usize),
 }
 
-/// Fixes that are none, or guesses: none, dead reckoning, by hand, simulated.
+/// Fix qualities that are not measured: none, dead reckoning, manual, simulated.
 const NO_FIX: &str = "0678";
 
-/// Modes that are none, or guesses: estimated, by hand, simulated, not valid.
+/// Modes that are not measured: estimated, manual, simulated, not valid.
 const NO_MODE: &str = "EMSNV";
 
 impl Accepted {
@@ -118,7 +118,8 @@ impl Accepted {
         self.0.iter().any(|own| kind(&own.0))
     }
 
-    /// Whether there is a quality and all of it is accepted: those of the `kind` that are named, or without any all but `none`.
+    /// Whether there is a quality and every character of it is accepted: those of the `kind` that are named,
+    /// or by default all but `none`.
     fn all(&self, quality: &str, kind: fn(&char) -> bool, none: &str) -> bool {
         let named = self.names(kind);
         let own = |c: char| if named { self.0.contains(&Quality(c)) } else { !none.contains(c) };
@@ -128,16 +129,16 @@ impl Accepted {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sentence::pieces;
+    use super::super::sentence::raw_sentences;
     use super::*;
 
     fn counts(accepted: &str, valid: Valid, line: &str) -> bool {
         let accepted = Accepted(accepted.chars().map(Quality).collect());
-        pieces(line).all(|piece| accepted.counts(valid, &piece.sentence().0))
+        raw_sentences(line).all(|raw| accepted.counts(valid, &raw.sentence().0))
     }
 
     #[test]
-    fn no_fix_and_guesses_count_where_they_are_asked_for() {
+    fn no_fix_and_guesses_count_where_they_are_accepted() {
         let fix = |accepted: &str, fix: &str| counts(accepted, Valid::Fix(0), &format!("$GPGGA,{fix}"));
         assert!(["1", "2", "3", "4", "5", "9"].into_iter().all(|own| fix("", own) && fix("E", own)));
         assert!(["", "0", "6", "7", "8"].into_iter().all(|own| !fix("", own)));

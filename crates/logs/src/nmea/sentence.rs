@@ -1,4 +1,4 @@
-//! Sentences: where they begin in a line, address, fields, checksum.
+//! Sentences: their start in a line, address, fields, checksum.
 
 /// A sentence: `$`, an address, fields.
 #[derive(Clone, Copy)]
@@ -29,17 +29,17 @@ impl<'a> Sentence<'a> {
     }
 }
 
-/// What stands between one `$` and the next.
-pub(super) struct Piece<'a> {
-    /// What stands before it on the line and belongs to no other sentence.
+/// The text from one `$` to the next.
+pub(super) struct RawSentence<'a> {
+    /// The text before it on the line that belongs to no other sentence.
     pub(super) prefix: &'a str,
-    /// From `$` on; the text after the checksum is not among it.
+    /// From `$` to the end of the checksum.
     text: &'a str,
     /// Whether the next sentence begins on the same line.
     pub(super) is_followed: bool,
 }
 
-/// How a sentence's checksum is.
+/// The state of a checksum.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Checksum {
     Right,
@@ -47,9 +47,9 @@ pub(super) enum Checksum {
     None,
 }
 
-/// The sentences of a line: each begins with a `$`. Those that begin with a `!`, which ships send about each other, are left
-/// out, but end the one before them.
-pub(super) fn pieces(line: &str) -> impl Iterator<Item = Piece<'_>> {
+/// The sentences of a line: each begins with a `$`. AIS sentences, which begin with a `!`, are left out but
+/// end the previous one.
+pub(super) fn raw_sentences(line: &str) -> impl Iterator<Item = RawSentence<'_>> {
     let mut rest = start(line);
     let mut before = &line[..line.len() - rest.len()];
     std::iter::from_fn(move || {
@@ -57,17 +57,17 @@ pub(super) fn pieces(line: &str) -> impl Iterator<Item = Piece<'_>> {
             let next = start(&rest[1..]);
             let own = &rest[..rest.len() - next.len()];
             let (text, after) = own.split_at(end(own));
-            let piece = Piece { prefix: before, text, is_followed: !next.is_empty() };
+            let raw = RawSentence { prefix: before, text, is_followed: !next.is_empty() };
             (rest, before) = (next, after);
             if text.starts_with('$') {
-                return Some(piece);
+                return Some(raw);
             }
         }
         None
     })
 }
 
-/// `text` from where a sentence begins.
+/// `text` from the start of a sentence on.
 fn start(text: &str) -> &str {
     let bytes = text.as_bytes();
     let begins = |i: &usize| match bytes[*i] {
@@ -78,14 +78,14 @@ fn start(text: &str) -> &str {
     (0..bytes.len()).find(begins).map_or("", |i| &text[i..])
 }
 
-/// Where a sentence ends: after its checksum, or with the text.
+/// The end of a sentence: after its checksum, or at the end of the text.
 fn end(text: &str) -> usize {
     let checksum = text.find('*').map(|star| star + 3);
     checksum.filter(|end| text.is_char_boundary(*end) && *end <= text.len()).unwrap_or(text.len())
 }
 
-impl<'a> Piece<'a> {
-    /// The sentence, and how its checksum is.
+impl<'a> RawSentence<'a> {
+    /// The sentence and the state of its checksum.
     pub(super) fn sentence(&self) -> (Sentence<'a>, Checksum) {
         let text = &self.text[1..];
         let (body, stated) = text.split_once('*').map_or((text, None), |(body, rest)| (body, Some(rest)));
@@ -111,11 +111,11 @@ mod tests {
     use super::*;
 
     fn checksums(line: &str) -> Vec<(String, bool)> {
-        let own = |piece: Piece| {
-            let (sentence, checksum) = piece.sentence();
+        let own = |raw: RawSentence| {
+            let (sentence, checksum) = raw.sentence();
             (sentence.address.to_owned(), checksum == Checksum::Right)
         };
-        pieces(line).map(own).collect()
+        raw_sentences(line).map(own).collect()
     }
 
     #[test]
@@ -144,13 +144,17 @@ mod tests {
     }
 
     #[test]
-    fn sentences_that_share_a_line_are_told_apart() {
+    fn sentences_that_share_a_line_are_separated() {
         let line = "12:00 $HEHDT,68.755,T*16$HEROT,275.0212:01 !AIVDM,1,1,,A,0,0*16[5] $HEHDT,69.672,T*13 ";
-        let found: Vec<(&str, String, bool)> = pieces(line)
-            .map(|piece| (piece.prefix, piece.sentence().0.address.to_owned(), piece.is_followed))
+        let found: Vec<(&str, String, bool)> = raw_sentences(line)
+            .map(|raw| (raw.prefix, raw.sentence().0.address.to_owned(), raw.is_followed))
             .collect();
         let expected = [("12:00 ", "HEHDT", true), ("", "HEROT", true), ("[5] ", "HEHDT", false)];
         assert_eq!(found, expected.map(|(prefix, address, followed)| (prefix, address.to_owned(), followed)));
-        assert!(pieces("nothing! $").count() == 1 && pieces("").count() == 0 && pieces("a*b").count() == 0);
+        assert!(
+            raw_sentences("nothing! $").count() == 1
+                && raw_sentences("").count() == 0
+                && raw_sentences("a*b").count() == 0
+        );
     }
 }

@@ -1,31 +1,31 @@
-//! Which sensor each channel is from, where several could be.
+//! The sensor of each channel, where there are several.
 
 use refusal::Invalid;
 
-use super::clock::tells;
+use super::clock::has_time;
 use super::clockwork::Clock;
 use super::fields::Column;
 use super::table::Table;
 use crate::{Apart, ChannelSpec, WarningKind, WarningSummary};
 
-/// Which tables the channels are from.
+/// The tables that the channels are taken from.
 pub(super) struct Sources<'a> {
     pub(super) wanted: &'a [Column],
     pub(super) specs: &'a [ChannelSpec],
     /// Talkers, best first.
     pub(super) prefer: &'a [String],
-    /// What messages call the clock.
+    /// The clock's name in messages.
     pub(super) clock: &'a str,
 }
 
-/// A share of a table's sentences may be so far from the clock.
+/// Share of a table's sentences whose time may be far from the clock's.
 const FEW: f64 = 0.1;
 
 impl Sources<'_> {
-    /// The tables as files of their own, with the channels that they have; warnings go to `warnings`.
+    /// The tables as files of their own, with their channels; warnings are appended to `warnings`.
     ///
     /// # Errors
-    /// Several sensors that could be the source of a channel; times that are not the clock's.
+    /// Several sensors for a channel; times that are not the clock's.
     pub(super) fn apart(
         &self,
         tables: Vec<Table>,
@@ -47,7 +47,7 @@ impl Sources<'_> {
                 .iter()
                 .map(|place| (*place, ranks.iter().find(|(own, _)| own == place).map(|(_, rank)| *rank)))
                 .collect();
-            let is_sorted = clock.is_in_order() && tells(&table.address);
+            let is_sorted = clock.is_in_order() && has_time(&table.address);
             Apart {
                 source: table.address.clone(),
                 channels,
@@ -57,7 +57,7 @@ impl Sources<'_> {
         Ok(all.collect())
     }
 
-    /// The tables that channel `place` is from, best first.
+    /// The tables that provide channel `place`, best first.
     fn of_channel(
         &self,
         place: usize,
@@ -117,7 +117,7 @@ impl Sources<'_> {
             }
             if let Some((count, away)) = seen.alternation.found() {
                 let text = format!(
-                    "goes to and fro by {away:.4} deg {count} times: two sensors may send {} under one name",
+                    "alternates by {away:.4} deg {count} times: two sensors may send {} under one name",
                     table.address
                 );
                 warnings.push(self.warning(*place, count, &text));
@@ -125,13 +125,13 @@ impl Sources<'_> {
             if seen.undeviated > 0 {
                 let count = seen.undeviated;
                 let text =
-                    format!("is without deviation in {count} sentences of {}: 0 is taken", table.address);
+                    format!("is without deviation in {count} sentences of {}: 0 is assumed", table.address);
                 warnings.push(self.warning(*place, count, &text));
             }
         }
     }
 
-    /// That channel `place` is odd, `count` times.
+    /// A warning about channel `place` that occurred `count` times.
     pub(super) fn warning(&self, place: usize, count: usize, text: &str) -> WarningSummary {
         let channel = self.specs[place].channel.clone();
         let text = format!("`{channel}` {text}");
@@ -139,14 +139,14 @@ impl Sources<'_> {
     }
 }
 
-/// Refuses a table whose times are often not the clock's.
+/// Refuses a table whose times often differ from the clock's.
 fn check_times(table: &Table, clock: &str) -> Result<(), Invalid> {
     let all = table.far + table.rows();
     match table.first_far.filter(|_| table.far as f64 > FEW * all as f64) {
         Some((line, away)) => Err(Invalid::new(
             format!("times of {}", table.address),
             format!(
-                "{} of {all} that are not those of {clock}, the first in line {line}, {away:.0} s away",
+                "{} of {all} that differ from those of {clock}, the first in line {line}, {away:.0} s away",
                 table.far
             ),
             "both on one clock",

@@ -1,4 +1,4 @@
-//! What one sensor says: the sentences of one address with something that is wanted, a row each.
+//! The rows of one sensor: the sentences of one address with wanted fields.
 
 use std::sync::Arc;
 
@@ -14,34 +14,34 @@ use crate::{Cells, Columns, Numbering, Omissions, Reason, Samples, Store};
 pub(super) struct Table {
     /// Talker and kind.
     pub(super) address: String,
-    /// Places of its columns among those that are wanted.
+    /// Indices of its columns among the wanted ones.
     pub(super) places: Vec<usize>,
     times: Samples,
     lines: Numbering,
     cells: Vec<Samples>,
     pub(super) seen: Vec<Seen>,
     omitted: Omissions,
-    /// The last row, and how many came again as they were.
+    /// The last row, and how many exact repetitions came.
     last: (f64, Vec<f64>),
     repeated: usize,
-    /// Rows whose own time is far from the clock's, and the first of them: its line and how far \[s\].
+    /// Rows whose own time is far from the clock's, and the first of them: its line and the distance \[s\].
     pub(super) far: usize,
     pub(super) first_far: Option<(usize, f64)>,
 }
 
-/// What a column of a table looked like.
+/// How a column of a table looks.
 #[derive(Default)]
 pub(super) struct Seen {
-    /// How many values there are, and how many of them are headings without a deviation.
+    /// The number of values, and how many of them are headings without a deviation.
     pub(super) values: usize,
     pub(super) undeviated: usize,
-    /// Whether one had a deviation.
+    /// Whether any value had a deviation.
     is_deviated: bool,
     pub(super) alternation: Alternation,
 }
 
 impl Table {
-    /// No rows yet of the columns of `wanted` that stand in `sentence`; none where there are none.
+    /// An empty table for the columns of `wanted` that occur in `sentence`; `None` where none do.
     pub(super) fn of(sentence: &Sentence, wanted: &[Column], store: Option<&Arc<dyn Store>>) -> Option<Self> {
         let places: Vec<usize> = (0..wanted.len()).filter(|i| wanted[*i].is_of(sentence)).collect();
         let none = || store.map_or_else(Samples::default, Samples::new);
@@ -70,7 +70,7 @@ impl Table {
         self.lines.rows()
     }
 
-    /// Appends its values in `sentence` to `values`, NaN where there is none.
+    /// Appends its values in `sentence` to `values`, NaN where one is missing.
     pub(super) fn read(
         &mut self,
         sentence: &Sentence,
@@ -81,7 +81,7 @@ impl Table {
         for (place, seen) in self.places.iter().zip(&mut self.seen) {
             let column = &wanted[*place];
             let value = match column.value(sentence, line, accepted)? {
-                // It has been corrected before, so it is not corrected now.
+                // Earlier headings were corrected for deviation, this one is not.
                 Value::Undeviated(_) if seen.is_deviated => Value::Left(Reason::Incomplete),
                 value => value,
             };
@@ -110,7 +110,8 @@ impl Table {
         self.cells.iter_mut().zip(values).for_each(|(cells, value)| cells.push(*value));
     }
 
-    /// Appends a row that tells its own time; one that came before, as a line that sends it twice has it, is left out.
+    /// Appends a row with a time of its own; an exact repetition, as on a line that sends it twice, is left
+    /// out.
     pub(super) fn push_timed(&mut self, time: f64, line: usize, values: &[f64]) {
         let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
         if time == self.last.0 && values.iter().zip(&self.last.1).all(same) {
@@ -132,7 +133,7 @@ impl Table {
         }
     }
 
-    /// Takes the times away from the rows in `ranges`, and moves all others by `weeks_s`.
+    /// Removes the times of the rows in `ranges`, and moves all others by `weeks_s`.
     pub(super) fn correct(&mut self, ranges: &[[usize; 2]], weeks_s: f64, wanted: &[Column]) {
         if weeks_s != 0.0 {
             self.times = self.times.made(self.times.iter().map(|time| time + weeks_s));
@@ -147,7 +148,8 @@ impl Table {
         }
     }
 
-    /// As the columns of a file; whether they follow stamps, and are put in the order of time.
+    /// As the columns of a file; the flags say whether they follow stamps, and whether they must be sorted by
+    /// time.
     pub(super) fn into_columns(self, is_stamped: bool, is_sorted: bool) -> Columns {
         let cells = [self.times].into_iter().chain(self.cells).map(Cells::Numbers).collect();
         Columns {

@@ -1,40 +1,41 @@
-//! How the times that the clock's sentences tell follow each other: midnights, late sentences, leap seconds, receivers that do
-//! not know the date yet.
+//! The sequence of the clock's times: midnights, late sentences, leap seconds, receivers that do not know the
+//! date yet.
 
-use super::clock::{DAY, Told, WEEKS};
+use super::clock::{DAY, Reported, WEEKS};
 
-/// A time that was told.
+/// A reported time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stamp {
     /// What it is \[s\].
     pub(super) time: f64,
-    /// As it was told, less what is in `added`.
+    /// As reported, without `added`.
     raw: f64,
     /// Leap seconds and weeks added to it \[s\].
     added: f64,
     is_sixty: bool,
 }
 
-/// What follows from a time that was told.
+/// The effect of a reported time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Step {
     /// No time is known.
     Unknown,
-    /// Time goes on.
+    /// Time advances.
     To(Stamp),
-    /// The sentence was late: time stays. If it is in doubt which one was late, the times since the one before last are.
+    /// The sentence was late: time stays. If it is unclear which sentence was late, the times since the last
+    /// but one are in doubt.
     Late { in_doubt: bool },
-    /// Time goes back, and on from there.
+    /// Time goes back, and continues from there.
     Back(Stamp),
     /// The clock was set.
     Set(Stamp),
 }
 
-/// Times between which the clock was not set.
+/// A period in which the clock was not set.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Era {
     pub(super) first: Stamp,
-    /// How many times were told, and how many of them by a receiver that knew.
+    /// The number of times, and how many of them a receiver with a fix reported.
     pub(super) stamps: usize,
     pub(super) fixes: usize,
 }
@@ -46,91 +47,94 @@ pub(super) struct Timeline {
     /// The last two steps \[s\].
     steps: [f64; 2],
     pub(super) eras: Vec<Era>,
-    /// Late sentences since the last that was not, and the latest of them \[s\].
+    /// Late sentences in a row, and the latest of them \[s\].
     late: (usize, f64),
     leap: f64,
     weeks: f64,
-    /// How many times were told with so many weeks added.
+    /// How many times had so many weeks added.
     by_weeks: Vec<(f64, usize)>,
     pub(super) leaps: usize,
-    /// From where on times are a second later than they were told \[s\].
+    /// From where on times are a second later than reported.
     pub(super) leap_s: Option<f64>,
 }
 
-/// A receiver that does not know the time yet is no further off than this, or the clock was set \[s\].
+/// A receiver that does not know the time yet differs by less than this, or the clock was set \[s\].
 const NEAR: f64 = 3600.0;
 
 /// Sentences are not later than this \[s\].
 const LATEST: f64 = 600.0;
 
-/// So many late sentences in a row are none: the clock was set back.
+/// So many late sentences in a row are not late: the clock was set back.
 const MANY: usize = 3;
 
 /// Clocks that jump further have another date \[s\].
 const YEAR: f64 = 365.0 * DAY;
 
-/// A step that is this many times as long as the one before has lost a time, or one was wrong.
+/// A step that is this many times as long as the previous one follows a lost time, or a wrong one.
 const LONG: f64 = 1.5;
 
-/// `difference` of two times of day, the short way round \[s\].
+/// `difference` of two times of day, wrapped to half a day \[s\].
 fn wrapped(difference: f64) -> f64 {
     difference - DAY * (difference / DAY).round()
 }
 
 impl Timeline {
-    /// Takes the next time that was told; `is_dated` is whether such sentences tell a date.
-    pub(super) fn next(&mut self, told: Option<Told>, is_dated: bool) -> Step {
-        let Some(told) = told.filter(|told| told.midnight.is_some() || !is_dated) else {
+    /// Takes the next reported time; `is_dated` says whether such sentences have a date.
+    pub(super) fn next(&mut self, reported: Option<Reported>, is_dated: bool) -> Step {
+        let Some(reported) = reported.filter(|reported| reported.midnight.is_some() || !is_dated) else {
             return Step::Unknown;
         };
         let Some(last) = self.last else {
-            let raw = told.midnight.unwrap_or(0.0) + told.of_day;
-            return Step::To(self.set(self.stamp(raw, &told), &told));
+            let raw = reported.midnight.unwrap_or(0.0) + reported.of_day;
+            return Step::To(self.set(self.stamp(raw, &reported), &reported));
         };
-        self.count_leap(&last, &told);
-        let raw = told.midnight.map_or_else(|| undated(&last, &told), |midnight| midnight + told.of_day);
-        let mut stamp = self.stamp(raw, &told);
+        self.count_leap(&last, &reported);
+        let raw = reported
+            .midnight
+            .map_or_else(|| undated(&last, &reported), |midnight| midnight + reported.of_day);
+        let mut stamp = self.stamp(raw, &reported);
         let mut step = stamp.time - last.time;
         if let Some(weeks) =
             [-WEEKS, WEEKS].into_iter().find(|weeks| (-LATEST..NEAR).contains(&(step + weeks)))
         {
             self.weeks += weeks;
-            stamp = self.stamp(raw, &told);
+            stamp = self.stamp(raw, &reported);
             step += weeks;
         }
         let far = !(0.0..=NEAR).contains(&step);
         let knew = self.eras.last().is_some_and(|era| era.fixes > 0);
-        match told.is_fix {
+        match reported.is_fix {
             false if knew && far => Step::Unknown,
-            true if !knew && far => Step::Set(self.set(stamp, &told)),
-            _ if step.abs() > YEAR => Step::Set(self.set(stamp, &told)),
-            _ if step < 0.0 => self.late(stamp, &last, &told),
-            _ => Step::To(self.go_on(stamp, step, &told)),
+            true if !knew && far => Step::Set(self.set(stamp, &reported)),
+            _ if step.abs() > YEAR => Step::Set(self.set(stamp, &reported)),
+            _ if step < 0.0 => self.late(stamp, &last, &reported),
+            _ => Step::To(self.advance(stamp, step, &reported)),
         }
     }
 
-    /// A second after a second 60 that has its time again: from there on all times are a second later.
-    fn count_leap(&mut self, last: &Stamp, told: &Told) {
-        let since = wrapped(last.raw - told.of_day);
-        if last.is_sixty && !told.is_sixty && (0.0..1.0).contains(&since) {
+    /// Detects the second after a leap second that repeats its time: from there on all times are a second
+    /// later.
+    fn count_leap(&mut self, last: &Stamp, reported: &Reported) {
+        let since = wrapped(last.raw - reported.of_day);
+        if last.is_sixty && !reported.is_sixty && (0.0..1.0).contains(&since) {
             self.leap += 1.0;
             self.leaps += 1;
             self.leap_s.get_or_insert(last.time.floor() + 1.0);
         }
     }
 
-    fn stamp(&self, raw: f64, told: &Told) -> Stamp {
+    fn stamp(&self, raw: f64, reported: &Reported) -> Stamp {
         let added = self.leap + self.weeks;
-        Stamp { time: raw + added, raw, added, is_sixty: told.is_sixty }
+        Stamp { time: raw + added, raw, added, is_sixty: reported.is_sixty }
     }
 
-    fn set(&mut self, first: Stamp, told: &Told) -> Stamp {
+    fn set(&mut self, first: Stamp, reported: &Reported) -> Stamp {
         self.eras.push(Era { first, stamps: 0, fixes: 0 });
         self.steps = [f64::NAN; 2];
-        self.go_on(first, f64::NAN, told)
+        self.advance(first, f64::NAN, reported)
     }
 
-    fn go_on(&mut self, stamp: Stamp, step: f64, told: &Told) -> Stamp {
+    fn advance(&mut self, stamp: Stamp, step: f64, reported: &Reported) -> Stamp {
         if step != 0.0 {
             self.steps = [self.steps[1], step];
         }
@@ -138,7 +142,7 @@ impl Timeline {
         self.last = Some(stamp);
         if let Some(era) = self.eras.last_mut() {
             era.stamps += 1;
-            era.fixes += usize::from(told.is_fix);
+            era.fixes += usize::from(reported.is_fix);
         }
         match self.by_weeks.iter_mut().find(|(weeks, _)| *weeks == self.weeks) {
             Some((_, count)) => *count += 1,
@@ -148,11 +152,11 @@ impl Timeline {
     }
 
     /// A time before the last.
-    fn late(&mut self, stamp: Stamp, last: &Stamp, told: &Told) -> Step {
+    fn late(&mut self, stamp: Stamp, last: &Stamp, reported: &Reported) -> Step {
         let (count, latest) = self.late;
         let in_row = if stamp.time > latest { count + 1 } else { 1 };
         if in_row >= MANY || last.time - stamp.time > LATEST {
-            return Step::Back(self.go_on(stamp, f64::NAN, told));
+            return Step::Back(self.advance(stamp, f64::NAN, reported));
         }
         self.late = (in_row, stamp.time);
         let [before, step] = self.steps;
@@ -160,7 +164,8 @@ impl Timeline {
         Step::Late { in_doubt: is_long && last.time - stamp.time < step }
     }
 
-    /// How many weeks are to be added to all times so that most of them are as they were told \[s\], and how many are not then.
+    /// The weeks to be added to all times so that most of them are as reported \[s\], and how many are not
+    /// then.
     pub(super) fn weeks(&self) -> (f64, usize) {
         let most = self.by_weeks.iter().max_by_key(|(_, count)| *count).map_or(0.0, |(weeks, _)| *weeks);
         let others = self.by_weeks.iter().filter(|(weeks, _)| *weeks != most).map(|(_, count)| count).sum();
@@ -168,42 +173,47 @@ impl Timeline {
     }
 }
 
-/// A time of day after `last`, of the day that it is nearest to: a day passes from evening to morning.
-fn undated(last: &Stamp, told: &Told) -> f64 {
+/// A time of day after `last`, on the nearest day: a day passes from evening to morning.
+fn undated(last: &Stamp, reported: &Reported) -> f64 {
     let day = DAY * (last.raw / DAY).floor();
     let of_day = last.raw - day;
-    let late = of_day < NEAR && told.of_day > DAY - NEAR && !told.is_sixty;
-    let passed = told.of_day - of_day < -0.5 * DAY;
-    day + told.of_day + if late { -DAY } else { f64::from(u8::from(passed)) * DAY }
+    let late = of_day < NEAR && reported.of_day > DAY - NEAR && !reported.is_sixty;
+    let passed = reported.of_day - of_day < -0.5 * DAY;
+    day + reported.of_day + if late { -DAY } else { f64::from(u8::from(passed)) * DAY }
 }
 
 impl Stamp {
-    /// The moment next to this one at which it is the time of day that was told.
-    fn nearest(&self, told: &Told) -> f64 {
-        self.raw + wrapped(told.of_day - self.raw) + self.added
+    /// The time next to this one with the reported time of day.
+    fn nearest(&self, reported: &Reported) -> f64 {
+        self.raw + wrapped(reported.of_day - self.raw) + self.added
     }
 
-    /// How much later than this the time of day is that was told \[s\].
-    pub(super) fn until(&self, told: &Told) -> f64 {
-        wrapped(told.of_day - self.raw)
+    /// How much later than this the reported time of day is \[s\].
+    pub(super) fn until(&self, reported: &Reported) -> f64 {
+        wrapped(reported.of_day - self.raw)
     }
 
-    /// Whether `told` is this time of day, or up to `after` later \[s\].
-    pub(super) fn is_reached(&self, told: &Told, after: f64) -> bool {
-        told.is_sixty == self.is_sixty && (-1e-6..after).contains(&self.until(told))
+    /// Whether `reported` is this time of day, or up to `after` later \[s\].
+    pub(super) fn is_reached(&self, reported: &Reported, after: f64) -> bool {
+        reported.is_sixty == self.is_sixty && (-1e-6..after).contains(&self.until(reported))
     }
 }
 
-/// What a sentence of its own time tells, beside those of the clock before and after it \[s\]; and how far beyond these that is.
-/// None where the clock never told a time.
-pub(super) fn own_time(told: &Told, before: Option<Stamp>, after: Option<Stamp>) -> Option<(f64, f64)> {
-    let away = |stamp: &Stamp| (stamp.is_sixty != told.is_sixty, (stamp.nearest(told) - stamp.time).abs());
+/// A sentence's own time, between those of the clock before and after it \[s\], and its distance outside of
+/// these. `None` where the clock never had a time.
+pub(super) fn own_time(
+    reported: &Reported,
+    before: Option<Stamp>,
+    after: Option<Stamp>,
+) -> Option<(f64, f64)> {
+    let away =
+        |stamp: &Stamp| (stamp.is_sixty != reported.is_sixty, (stamp.nearest(reported) - stamp.time).abs());
     let ends = || [before, after].into_iter().flatten();
     let anchor = ends().min_by(|a, b| away(a).partial_cmp(&away(b)).unwrap_or(std::cmp::Ordering::Equal))?;
-    let mut time = anchor.nearest(told);
-    // Of a date that is another.
-    if let Some(midnight) = told.midnight.filter(|_| anchor.raw > YEAR) {
-        let dated = midnight + told.of_day + anchor.added;
+    let mut time = anchor.nearest(reported);
+    // The reported date differs.
+    if let Some(midnight) = reported.midnight.filter(|_| anchor.raw > YEAR) {
+        let dated = midnight + reported.of_day + anchor.added;
         if (dated - time).abs() > 0.5 * DAY && wrapped_weeks(dated - time) > 0.5 * DAY {
             time = dated;
         }
@@ -221,32 +231,32 @@ fn wrapped_weeks(difference: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn told(of_day: f64, midnight: Option<f64>, is_fix: bool) -> Option<Told> {
+    fn reported(of_day: f64, midnight: Option<f64>, is_fix: bool) -> Option<Reported> {
         let is_sixty = false;
-        Some(Told { of_day, midnight, is_sixty, is_fix })
+        Some(Reported { of_day, midnight, is_sixty, is_fix })
     }
 
-    /// What the times of day become, as far as time goes on.
-    fn gone_on(times: &[f64]) -> Vec<f64> {
+    /// The times that result from times of day, as far as time advances.
+    fn advanced(times: &[f64]) -> Vec<f64> {
         let mut timeline = Timeline::default();
-        let step = |time: &f64| timeline.next(told(*time, None, true), false);
+        let step = |time: &f64| timeline.next(reported(*time, None, true), false);
         let time = |step| if let Step::To(stamp) = step { Some(stamp.time) } else { None };
         times.iter().map(step).filter_map(time).collect()
     }
 
     #[test]
     fn a_day_passes_from_evening_to_morning_alone() {
-        assert_eq!(gone_on(&[86_399.0, 0.0, 1.0]), [86_399.0, 86_400.0, 86_401.0]);
-        assert_eq!(gone_on(&[86_399.0, 0.0, 86_399.0, 1.0]), [86_399.0, 86_400.0, 86_401.0]);
-        assert_eq!(gone_on(&[0.0, 86_399.0, 1.0]), [0.0, 1.0]);
-        assert_eq!(gone_on(&[3600.0, 50_000.0, 80_000.0, 100.0]), [3600.0, 50_000.0, 80_000.0, 86_500.0]);
-        assert_eq!(gone_on(&[40_000.0, 39_990.0, 40_001.0]), [40_000.0, 40_001.0]);
+        assert_eq!(advanced(&[86_399.0, 0.0, 1.0]), [86_399.0, 86_400.0, 86_401.0]);
+        assert_eq!(advanced(&[86_399.0, 0.0, 86_399.0, 1.0]), [86_399.0, 86_400.0, 86_401.0]);
+        assert_eq!(advanced(&[0.0, 86_399.0, 1.0]), [0.0, 1.0]);
+        assert_eq!(advanced(&[3600.0, 50_000.0, 80_000.0, 100.0]), [3600.0, 50_000.0, 80_000.0, 86_500.0]);
+        assert_eq!(advanced(&[40_000.0, 39_990.0, 40_001.0]), [40_000.0, 40_001.0]);
     }
 
     #[test]
     fn a_clock_that_is_set_back_goes_on_from_there() {
         let mut timeline = Timeline::default();
-        let mut step = |time: f64| timeline.next(told(time, Some(1.7e9), true), true);
+        let mut step = |time: f64| timeline.next(reported(time, Some(1.7e9), true), true);
         step(100.0);
         assert_eq!([step(83.0), step(84.0)], [Step::Late { in_doubt: false }; 2]);
         assert!(matches!(step(85.0), Step::Back(stamp) if stamp.time == 1.7e9 + 85.0));
@@ -257,12 +267,14 @@ mod tests {
     fn a_leap_second_and_weeks_that_begin_anew_move_what_follows() {
         let mut timeline = Timeline::default();
         let day = 1_483_142_400.0;
-        timeline.next(told(86_399.0, Some(day), true), true);
-        timeline
-            .next(Some(Told { of_day: 86_400.0, midnight: Some(day), is_sixty: true, is_fix: true }), true);
-        let after = timeline.next(told(0.0, Some(day + DAY), true), true);
+        timeline.next(reported(86_399.0, Some(day), true), true);
+        timeline.next(
+            Some(Reported { of_day: 86_400.0, midnight: Some(day), is_sixty: true, is_fix: true }),
+            true,
+        );
+        let after = timeline.next(reported(0.0, Some(day + DAY), true), true);
         assert!(matches!(after, Step::To(stamp) if stamp.time == day + DAY + 1.0), "{after:?}");
-        let earlier = timeline.next(told(1.0, Some(day + DAY - WEEKS), true), true);
+        let earlier = timeline.next(reported(1.0, Some(day + DAY - WEEKS), true), true);
         assert!(matches!(earlier, Step::To(stamp) if stamp.time == day + DAY + 2.0), "{earlier:?}");
         assert_eq!((timeline.leaps, timeline.weeks()), (1, (0.0, 1)));
     }
@@ -270,17 +282,17 @@ mod tests {
     #[test]
     fn a_receiver_that_knows_no_time_yet_sets_the_clock_when_it_does() {
         let mut timeline = Timeline::default();
-        timeline.next(told(12.0, Some(315_964_800.0), false), true);
-        let set = timeline.next(told(33_000.0, Some(1.7e9), true), true);
+        timeline.next(reported(12.0, Some(315_964_800.0), false), true);
+        let set = timeline.next(reported(33_000.0, Some(1.7e9), true), true);
         assert!(matches!(set, Step::Set(_)), "{set:?}");
-        assert_eq!(timeline.next(told(13.0, Some(315_964_800.0), false), true), Step::Unknown);
+        assert_eq!(timeline.next(reported(13.0, Some(315_964_800.0), false), true), Step::Unknown);
         assert_eq!(timeline.eras.iter().map(|era| era.fixes).collect::<Vec<_>>(), [0, 1]);
     }
 
     #[test]
     fn the_time_of_a_sentence_is_that_next_to_the_clocks() {
         let stamp = |time| Stamp { time, raw: time, added: 0.0, is_sixty: false };
-        let own = |of_day, before, after| own_time(&told(of_day, None, true).unwrap(), before, after);
+        let own = |of_day, before, after| own_time(&reported(of_day, None, true).unwrap(), before, after);
         let day = 1_700_006_400.0;
         assert_eq!(own(10.0, None, None), None);
         assert_eq!(own(0.5, Some(stamp(day)), Some(stamp(day + 1.0))), Some((day + 0.5, 0.0)));

@@ -1,9 +1,9 @@
-//! Which of the times that the clock told are to be trusted, once all of them are known.
+//! Which of the clock's times are trusted, once all of them are known.
 
 use jiff::Timestamp;
 use refusal::Invalid;
 
-use super::clock::{is_dated, tells};
+use super::clock::{has_time, is_dated};
 use super::fields::Column;
 use super::table::Table;
 use super::timeline::Timeline;
@@ -12,20 +12,20 @@ use crate::{WarningKind, WarningSummary};
 /// How many rows the tables had.
 pub(super) type Lengths = Vec<usize>;
 
-/// Where in the tables times are not to be trusted.
+/// The rows whose times are not trusted.
 #[derive(Default)]
 pub(super) struct Trust {
-    /// Before the rows of the last time were put there.
+    /// Before the rows of the last time.
     pub(super) last: Lengths,
-    /// From where on they are in doubt.
+    /// Where they became doubtful.
     pub(super) doubt: Option<Lengths>,
-    /// Where they were.
+    /// Where they were doubtful.
     pub(super) doubted: Vec<[Lengths; 2]>,
     /// Where the clock was set.
     pub(super) set: Vec<Lengths>,
 }
 
-/// A share of the clock's sentences may be late, or of another date.
+/// Share of the clock's sentences that may be late, or of another date.
 const FEW: f64 = 0.1;
 
 pub(super) fn lengths(tables: &[Table]) -> Lengths {
@@ -33,7 +33,7 @@ pub(super) fn lengths(tables: &[Table]) -> Lengths {
 }
 
 impl Trust {
-    /// Takes the times away that are not to be trusted. The clock's sentences are of `kind`, and so many of them came late.
+    /// Removes untrusted times. The clock's sentences are of `kind`, and `late` of them came late.
     ///
     /// # Errors
     /// No time, too many late ones, several dates.
@@ -49,12 +49,11 @@ impl Trust {
         if late as f64 > FEW * stamps as f64 && late > 3 {
             let found = format!("{late} of {stamps} that are earlier than one before them");
             let remedy = "name one receiver as the time's `column`, or correct the file";
-            return Err(Invalid::new("time of sentences", found, "times that go on", remedy));
+            return Err(Invalid::new("time of sentences", found, "times that increase", remedy));
         }
         let (weeks_s, moved) = timeline.weeks();
-        let weeks =
-            "has dates 1024 weeks away, as of receivers whose weeks begin anew: taken to be of the others";
-        let leaps = "has a second 60: all times after it are taken a second later";
+        let weeks = "has dates 1024 weeks off, as after a rollover of the GPS week: moved to the other dates";
+        let leaps = "has a leap second: all times after it are taken as a second later";
         for (count, text) in [(moved, weeks), (timeline.leaps, leaps)] {
             let (count, text) = (count as u64, format!("`{kind}` {text}"));
             if count > 0 {
@@ -68,20 +67,20 @@ impl Trust {
         Ok(())
     }
 
-    /// The rows of table `i` whose times are not to be trusted.
+    /// The rows of table `i` whose times are not trusted.
     fn distrusted(&self, i: usize, table: &Table, main: usize) -> Vec<[usize; 2]> {
         let at = |lengths: &Lengths| lengths.get(i).copied().unwrap_or(0);
         let starts = [0].into_iter().chain(self.set.iter().map(at));
         let ends = self.set.iter().map(at).chain([table.rows()]);
         let eras = starts.zip(ends).enumerate().filter(|(era, _)| *era != main);
         let eras = eras.map(|(_, (from, to))| [from, to]);
-        // Sentences that tell their own time do not depend on it.
-        let doubted = self.doubted.iter().filter(|_| !tells(&table.address));
+        // Sentences with times of their own do not depend on it.
+        let doubted = self.doubted.iter().filter(|_| !has_time(&table.address));
         eras.chain(doubted.map(|[from, to]| [at(from), at(to)])).collect()
     }
 }
 
-/// The times between which the clock was set that are those of the log.
+/// The period of the clock that is the log's.
 fn main_era(kind: &str, timeline: &Timeline) -> Result<usize, Invalid> {
     const YEAR_2000: f64 = 946_684_800.0;
     let eras = &timeline.eras;
@@ -90,8 +89,8 @@ fn main_era(kind: &str, timeline: &Timeline) -> Result<usize, Invalid> {
     let Some(main) = main else {
         return Err(Invalid::new(
             format!("column `{kind}`"),
-            "sentences without a time, or without a date, in all of the file",
-            "the time that a receiver knew",
+            "sentences without a time, or without a date, throughout the file",
+            "a time from a receiver with a fix",
             "name other sentences as the time's `column`, such as GGA or ZDA",
         ));
     };

@@ -44,7 +44,7 @@ fn law_no_other_components_with_the_same_forces_are_smaller() {
 }
 
 #[test]
-fn what_a_single_thruster_cannot_make_is_told() {
+fn forces_that_a_single_thruster_cannot_produce_are_reported() {
     let allocation = Allocation::new(vec![thruster(Law::Quadratic, [-2.0, 0.0])]);
     assert!(allocation.components([5.0, 3.0, -6.0]).is_ok());
     let refused = allocation.components([5.0, 3.0, 1.0]).unwrap_err();

@@ -1,4 +1,4 @@
-//! Long channels, pieces of which are put aside.
+//! Long channels, blocks of which are put aside.
 
 use std::fmt::Write;
 use std::sync::{Arc, Mutex};
@@ -10,16 +10,16 @@ use logs::{
 
 use crate::declared;
 
-/// Keeps pieces of a few values, so that every seam between two of them is met.
+/// Keeps blocks of a few values, so that every seam between two of them is met.
 #[derive(Debug)]
 struct Few {
-    piece: usize,
+    block: usize,
     kept: Mutex<Vec<Option<Vec<f64>>>>,
 }
 
 impl Few {
-    fn new(piece: usize) -> Arc<Self> {
-        Arc::new(Self { piece, kept: Mutex::default() })
+    fn new(block: usize) -> Arc<Self> {
+        Arc::new(Self { block, kept: Mutex::default() })
     }
 
     fn left(&self) -> [usize; 2] {
@@ -29,8 +29,8 @@ impl Few {
 }
 
 impl Store for Few {
-    fn piece(&self) -> usize {
-        self.piece
+    fn block(&self) -> usize {
+        self.block
     }
 
     fn put(&self, values: &[f64]) -> u64 {
@@ -49,7 +49,7 @@ impl Store for Few {
 }
 
 #[test]
-fn values_are_the_same_in_pieces_and_in_one() {
+fn values_are_the_same_in_blocks_and_in_one() {
     let few = Few::new(3);
     let store: Arc<dyn Store> = few.clone();
     let all: Vec<f64> = (0..11).map(f64::from).collect();
@@ -165,15 +165,15 @@ fn law_what_is_put_aside_changes_no_bit() {
     for (labels, method, average_s, cut) in cases {
         let expected = recorded(setup(labels, method, average_s), cut.clone(), None);
         assert!(expected.runs.len() > 1, "{cut:?}");
-        for piece in [1, 7, 64] {
-            let few = Few::new(piece);
+        for block in [1, 7, 64] {
+            let few = Few::new(block);
             let store: Arc<dyn Store> = few.clone();
             let found = recorded(setup(labels, method, average_s), cut.clone(), Some(&store));
             assert_eq!(found.summary, expected.summary, "{cut:?}");
-            assert!(bits(&found) == bits(&expected), "{cut:?} in pieces of {piece}");
+            assert!(bits(&found) == bits(&expected), "{cut:?} in blocks of {block}");
             drop(found);
             let [put, left] = few.left();
-            assert!(put > 100 / piece && left == 0, "{put} {left}");
+            assert!(put > 100 / block && left == 0, "{put} {left}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Channels on one clock.
 
 use logs::{
-    Assembled, Channels, Conventions, Lever, Method, Samples, Series, Stretch, Unassembled, assemble,
+    Assembled, Channels, Conventions, Lever, Method, Samples, Section, Series, Unassembled, assemble,
 };
 
 use crate::declared;
@@ -46,8 +46,8 @@ fn law_a_steady_turn_gives_the_same_velocities_by_both_methods() {
         }
     }
     assert_eq!((euler.grid.rows, smooth.grid.rows), (599, 600));
-    assert_eq!(euler.stretches, [Stretch { start: 0, samples: 598 }]);
-    assert_eq!(smooth.stretches, [Stretch { start: 0, samples: 599 }]);
+    assert_eq!(euler.sections, [Section { start: 0, samples: 598 }]);
+    assert_eq!(smooth.sections, [Section { start: 0, samples: 599 }]);
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn a_measured_velocity_goes_before_one_made_from_positions() {
 }
 
 #[test]
-fn channels_that_never_meet_are_told() {
+fn channels_that_never_overlap_are_refused() {
     let mut channels = turn();
     let late = channels["n"].t.iter().map(|t| t + 1000.0).collect::<Vec<f64>>();
     channels.insert("n".into(), Series::new(&late, &vec![1.0; late.len()], 0.5));

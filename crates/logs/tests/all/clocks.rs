@@ -62,7 +62,7 @@ fn times_are_read_as_their_format_says_or_not_at_all() {
 }
 
 #[test]
-fn times_that_clocks_showed_twice_or_never_tell_no_moment() {
+fn times_that_clocks_showed_twice_or_never_are_ambiguous() {
     let helsinki = stamps("unit = \"iso8601\"\nzone = \"Europe/Helsinki\"");
     for (text, expected) in [
         ("2025-03-30T02:59:59", Ok(1_743_296_399.0)),

@@ -1,6 +1,6 @@
-//! A common clock and its stretches.
+//! A common clock and its sections.
 
-use logs::{Grid, Samples, Stretch, stretches};
+use logs::{Grid, Samples, Section, sections};
 
 #[test]
 fn rounding_costs_no_row() {
@@ -18,6 +18,6 @@ fn the_last_state_needs_no_input() {
     let states =
         [vec![1.0; 8], vec![1.0, 1.0, 1.0, 1.0, nan, 1.0, 1.0, 1.0], vec![1.0; 8]].map(Samples::from);
     let input = [vec![1.0, 1.0, nan, 1.0, 1.0, 1.0, 1.0, nan].into()];
-    let expected = [Stretch { start: 0, samples: 2 }, Stretch { start: 5, samples: 2 }];
-    assert_eq!(stretches(&states, &input), expected);
+    let expected = [Section { start: 0, samples: 2 }, Section { start: 5, samples: 2 }];
+    assert_eq!(sections(&states, &input), expected);
 }

@@ -38,7 +38,7 @@ fn east_north_up_becomes_north_east_down() {
 }
 
 #[test]
-fn geographic_positions_are_north_and_east_whatever_the_frame() {
+fn geographic_positions_are_north_and_east_in_any_frame() {
     let enu = Conventions { frame: Frame::Enu, ..conventions() };
     let measured = channels(&[("latitude_deg", &[1.0, 1.0 + 1e-5]), ("longitude_deg", &[0.3, 0.3])]);
     let found = prepare(measured, &enu).unwrap();

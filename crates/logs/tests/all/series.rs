@@ -10,7 +10,7 @@ fn nothing_is_extrapolated_and_gaps_stay_open() {
     for (found, expected) in found.zip(expected) {
         assert!(found == expected || found.is_nan() && expected.is_nan(), "{found} {expected}");
     }
-    assert_eq!(series.pieces(), [0..2, 2..4]);
+    assert_eq!(series.sections(), [0..2, 2..4]);
     assert_eq!(series.gaps(), 1);
 }
 

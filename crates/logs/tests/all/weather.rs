@@ -4,7 +4,7 @@ use engine::Streams;
 use logs::chain::GaussMarkov;
 
 #[test]
-fn law_variance_and_correlation_are_those_asked_for() {
+fn law_variance_and_correlation_are_those_requested() {
     let process = GaussMarkov { std: 0.4, time_s: 2.0 };
     let x = process.samples(&Streams::new(3, "here"), 1, 5, 400_000, 0.25);
     let mean = |f: &dyn Fn(usize) -> f64| (0..390_000).map(f).sum::<f64>() / 390_000.0;

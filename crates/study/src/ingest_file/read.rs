@@ -10,18 +10,18 @@ use artifact::{Digest, Digesting, Error, Scratch, open};
 use flate2::read::MultiGzDecoder;
 use logs::{
     Columns, FileSpec, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source, Store, TimeUnit,
-    begins_anew, read_bag, read_csv, read_nmea, record, stranger,
+    begins_anew, foreign_format, read_bag, read_csv, read_nmea, record,
 };
 use refusal::Invalid;
 
 use super::tables::parquet;
 
-/// Where pieces of long channels are put aside.
+/// Stores blocks of long channels.
 #[derive(Debug)]
 struct Aside(Arc<Scratch>);
 
 impl Store for Aside {
-    fn piece(&self) -> usize {
+    fn block(&self) -> usize {
         self.0.length()
     }
 
@@ -121,14 +121,15 @@ fn known(path: &Path, name: &str, spec: &FileSpec) -> Result<Format, Error> {
         if !head.starts_with(&[0x1F, 0x8B]) {
             let found = "bytes that gzip did not write, in a file called .gz";
             let plain = Invalid::new("format", found, "a file compressed with gzip", "rename it without .gz");
-            return Err(crate::invalid(path, &stranger(&head, format, is_from_top).unwrap_or(plain)));
+            return Err(crate::invalid(path, &foreign_format(&head, format, is_from_top).unwrap_or(plain)));
         }
         let mut text = Vec::new();
         // What is damaged is said when it is read.
         let _ = MultiGzDecoder::new(head.as_slice()).take(most).read_to_end(&mut text);
         head = text;
     }
-    stranger(&head, format, is_from_top).map_or(Ok(format), |invalid| Err(crate::invalid(path, &invalid)))
+    foreign_format(&head, format, is_from_top)
+        .map_or(Ok(format), |invalid| Err(crate::invalid(path, &invalid)))
 }
 
 fn columns(

@@ -1,14 +1,14 @@
-//! Formats that are not read, known by their first bytes: what each is called and what converts it.
+//! Formats that are not read, recognized by their first bytes: their names and what converts them.
 
 use refusal::Invalid;
 
 use crate::Format;
 
-/// Bytes by which all of them are known.
+/// Bytes that suffice to recognize all of them.
 pub const SNIFFED: usize = 4096;
 
-/// A format: where its mark stands, the mark, what it is called, what converts it.
-struct Stranger(usize, &'static [u8], &'static str, &'static str);
+/// A format: the offset of its signature, the signature, its name, what converts it.
+struct Signature(usize, &'static [u8], &'static str, &'static str);
 
 const SHEET: &str = "save its sheet as CSV";
 const UNPACK: &str = "unpack it, or compress the text with gzip instead";
@@ -19,73 +19,73 @@ const FRAME: &str = "convert it to Parquet: pandas or pyarrow read it and have `
 const DECODE: &str = "decode its messages to CSV, a column per signal";
 const UBX: &str = "convert its messages to CSV, or log NMEA 0183";
 
-/// Containers and logs in bytes, whatever they are called.
-const BYTES: &[Stranger] = &[
-    Stranger(0, b"#ROSBAG V", "a ROS 1 bag", BAG),
-    Stranger(0, b"SQLite format 3\0", "an SQLite database, such as bags of ROS 2 in .db3", BAG),
-    Stranger(0, b"ULog\x01\x12\x35", "a ULog of PX4", "convert it: `ulog2csv FILE` of pyulog"),
-    Stranger(
+/// Containers and binary logs, whatever their file names.
+const BYTES: &[Signature] = &[
+    Signature(0, b"#ROSBAG V", "a ROS 1 bag", BAG),
+    Signature(0, b"SQLite format 3\0", "an SQLite database, such as bags of ROS 2 in .db3", BAG),
+    Signature(0, b"ULog\x01\x12\x35", "a ULog of PX4", "convert it: `ulog2csv FILE` of pyulog"),
+    Signature(
         0,
         b"\xA3\x95",
         "a log of ArduPilot",
         "convert it: `mavlogdump.py --format csv --types TYPE FILE` of pymavlink",
     ),
-    Stranger(0, b"MATLAB 7.3 MAT-file", "a MATLAB file of version 7.3", H5),
-    Stranger(0, b"MATLAB 5.0 MAT-file", "a MATLAB file", MAT),
-    Stranger(0, b"\x89HDF\r\n\x1A\n", "an HDF5 file, such as NetCDF 4 or MATLAB 7.3", H5),
-    Stranger(0, b"CDF\x01", "a NetCDF file", H5),
-    Stranger(0, b"CDF\x02", "a NetCDF file", H5),
-    Stranger(0, b"CDF\x05", "a NetCDF file", H5),
-    Stranger(0, b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "an Excel workbook (.xls)", SHEET),
-    Stranger(0, b"\x1F\x8B", "a file compressed with gzip", "let its name end with .gz, as in `a.csv.gz`"),
-    Stranger(0, b"\x28\xB5\x2F\xFD", "a file compressed with zstd", "unpack it with `zstd -d`"),
-    Stranger(0, b"BZh", "a file compressed with bzip2", "unpack it with `bunzip2`"),
-    Stranger(0, b"\xFD7zXZ\0", "a file compressed with xz", "unpack it with `unxz`"),
-    Stranger(0, b"\x04\x22\x4D\x18", "a file compressed with LZ4", "unpack it with `unlz4`"),
-    Stranger(0, b"7z\xBC\xAF\x27\x1C", "an archive of 7-Zip", UNPACK),
-    Stranger(0, b"Rar!\x1A\x07", "an archive of RAR", UNPACK),
-    Stranger(257, b"ustar", "an archive of tar", UNPACK),
-    Stranger(0, b"\xD4\xC3\xB2\xA1", "captured packets (pcap)", DECODE),
-    Stranger(0, b"\xA1\xB2\xC3\xD4", "captured packets (pcap)", DECODE),
-    Stranger(0, b"\x4D\x3C\xB2\xA1", "captured packets (pcap)", DECODE),
-    Stranger(0, b"\xA1\xB2\x3C\x4D", "captured packets (pcap)", DECODE),
-    Stranger(0, b"\x0A\x0D\x0D\x0A", "captured packets (pcapng)", DECODE),
-    Stranger(
+    Signature(0, b"MATLAB 7.3 MAT-file", "a MATLAB file of version 7.3", H5),
+    Signature(0, b"MATLAB 5.0 MAT-file", "a MATLAB file", MAT),
+    Signature(0, b"\x89HDF\r\n\x1A\n", "an HDF5 file, such as NetCDF 4 or MATLAB 7.3", H5),
+    Signature(0, b"CDF\x01", "a NetCDF file", H5),
+    Signature(0, b"CDF\x02", "a NetCDF file", H5),
+    Signature(0, b"CDF\x05", "a NetCDF file", H5),
+    Signature(0, b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "an Excel workbook (.xls)", SHEET),
+    Signature(0, b"\x1F\x8B", "a file compressed with gzip", "let its name end with .gz, as in `a.csv.gz`"),
+    Signature(0, b"\x28\xB5\x2F\xFD", "a file compressed with zstd", "unpack it with `zstd -d`"),
+    Signature(0, b"BZh", "a file compressed with bzip2", "unpack it with `bunzip2`"),
+    Signature(0, b"\xFD7zXZ\0", "a file compressed with xz", "unpack it with `unxz`"),
+    Signature(0, b"\x04\x22\x4D\x18", "a file compressed with LZ4", "unpack it with `unlz4`"),
+    Signature(0, b"7z\xBC\xAF\x27\x1C", "an archive of 7-Zip", UNPACK),
+    Signature(0, b"Rar!\x1A\x07", "an archive of RAR", UNPACK),
+    Signature(257, b"ustar", "an archive of tar", UNPACK),
+    Signature(0, b"\xD4\xC3\xB2\xA1", "captured packets (pcap)", DECODE),
+    Signature(0, b"\xA1\xB2\xC3\xD4", "captured packets (pcap)", DECODE),
+    Signature(0, b"\x4D\x3C\xB2\xA1", "captured packets (pcap)", DECODE),
+    Signature(0, b"\xA1\xB2\x3C\x4D", "captured packets (pcap)", DECODE),
+    Signature(0, b"\x0A\x0D\x0D\x0A", "captured packets (pcapng)", DECODE),
+    Signature(
         0,
         b"MDF     ",
         "a measurement file of ASAM (MDF)",
         "convert it: `asammdf`, or export it as CSV",
     ),
-    Stranger(0, b"LOGG", "a log of Vector (BLF)", DECODE),
-    Stranger(0, b"TDSm", "a TDMS file of LabVIEW", "convert it: nptdms in Python, or export it as CSV"),
-    Stranger(0, b"Obj\x01", "an Avro file", FRAME),
-    Stranger(0, b"ARROW1\0\0", "an Arrow file (Feather)", FRAME),
-    Stranger(0, b"FEA1", "a Feather file", FRAME),
-    Stranger(0, b"ORC", "an ORC file", FRAME),
-    Stranger(0, b"\x93NUMPY", "an array of NumPy", "write it as CSV with `numpy.savetxt`"),
-    Stranger(0, b"%PDF-", "a PDF", "export the table as CSV"),
-    Stranger(0, b"\xFF\xFE\0\0", "text in UTF-32", "save it as UTF-8"),
-    Stranger(0, b"\0\0\xFE\xFF", "text in UTF-32", "save it as UTF-8"),
-    Stranger(0, b"{\\rtf", "a document in rich text", "save it as plain text"),
+    Signature(0, b"LOGG", "a log of Vector (BLF)", DECODE),
+    Signature(0, b"TDSm", "a TDMS file of LabVIEW", "convert it: nptdms in Python, or export it as CSV"),
+    Signature(0, b"Obj\x01", "an Avro file", FRAME),
+    Signature(0, b"ARROW1\0\0", "an Arrow file (Feather)", FRAME),
+    Signature(0, b"FEA1", "a Feather file", FRAME),
+    Signature(0, b"ORC", "an ORC file", FRAME),
+    Signature(0, b"\x93NUMPY", "an array of NumPy", "write it as CSV with `numpy.savetxt`"),
+    Signature(0, b"%PDF-", "a PDF", "export the table as CSV"),
+    Signature(0, b"\xFF\xFE\0\0", "text in UTF-32", "save it as UTF-8"),
+    Signature(0, b"\0\0\xFE\xFF", "text in UTF-32", "save it as UTF-8"),
+    Signature(0, b"{\\rtf", "a document in rich text", "save it as plain text"),
 ];
 
-/// Receivers' own messages, which may stand between sentences.
-const MESSAGES: &[Stranger] = &[
-    Stranger(0, b"\xB5\x62", "messages of u-blox (UBX)", UBX),
-    Stranger(0, b"\xD3\0", "messages of RTCM 3", UBX),
-    Stranger(0, b"\xAA\x44", "messages of NovAtel", UBX),
-    Stranger(0, b"$@", "messages of Septentrio (SBF)", UBX),
+/// Binary messages of receivers, which may stand between sentences.
+const MESSAGES: &[Signature] = &[
+    Signature(0, b"\xB5\x62", "messages of u-blox (UBX)", UBX),
+    Signature(0, b"\xD3\0", "messages of RTCM 3", UBX),
+    Signature(0, b"\xAA\x44", "messages of NovAtel", UBX),
+    Signature(0, b"$@", "messages of Septentrio (SBF)", UBX),
 ];
 
 const OTHER_FORMAT: &str = "set `format` of its [[file]], or name the file so";
 
-/// Files that are read as something else.
-const FRIENDS: &[(Format, Stranger)] = &[
-    (Format::Parquet, Stranger(0, b"PAR1", "a Parquet file", OTHER_FORMAT)),
-    (Format::Mcap, Stranger(0, b"\x89MCAP0\r\n", "a bag of MCAP", OTHER_FORMAT)),
+/// Formats that are read, in a file that is declared or named as another.
+const READ_FORMATS: &[(Format, Signature)] = &[
+    (Format::Parquet, Signature(0, b"PAR1", "a Parquet file", OTHER_FORMAT)),
+    (Format::Mcap, Signature(0, b"\x89MCAP0\r\n", "a bag of MCAP", OTHER_FORMAT)),
 ];
 
-impl Stranger {
+impl Signature {
     fn is(&self, head: &[u8]) -> bool {
         head.get(self.0..).is_some_and(|rest| rest.starts_with(self.1))
     }
@@ -95,12 +95,12 @@ impl Stranger {
     }
 }
 
-/// What is said of a file that begins with `head` and is of another format than `format`, by the name of what it is. Text that
-/// is not read is known as such where `is_from_top`: no lines of it are skipped.
-pub fn stranger(head: &[u8], format: Format, is_from_top: bool) -> Option<Invalid> {
-    let friend = FRIENDS.iter().find(|(_, friend)| friend.is(head));
-    if let Some((own, friend)) = friend {
-        return (*own != format).then(|| friend.refused(format));
+/// The refusal of a file that begins with `head` if that shows another format than `format`. Unreadable text
+/// is recognized only where `is_from_top`: no lines are skipped.
+pub fn foreign_format(head: &[u8], format: Format, is_from_top: bool) -> Option<Invalid> {
+    let own_format = READ_FORMATS.iter().find(|(_, own_format)| own_format.is(head));
+    if let Some((own, own_format)) = own_format {
+        return (*own != format).then(|| own_format.refused(format));
     }
     let messages = if format == Format::Nmea { &[] } else { MESSAGES };
     if let Some(known) = BYTES.iter().chain(messages).find(|known| known.is(head)) {
@@ -130,7 +130,7 @@ fn refused(found: &str, format: Format, remedy: &str) -> Invalid {
     Invalid::new("format", found, expected, remedy)
 }
 
-/// What is in an archive of zip, by the names at its beginning.
+/// What a zip archive contains, by the names at its beginning.
 fn archive(head: &[u8]) -> Option<(&'static str, &'static str)> {
     let has = |name: &[u8]| head.windows(name.len()).any(|part| part == name);
     match head.starts_with(b"PK\x03\x04") {
@@ -142,7 +142,7 @@ fn archive(head: &[u8]) -> Option<(&'static str, &'static str)> {
     }
 }
 
-/// Formats without a mark of their own.
+/// Formats without a signature.
 fn unmarked(head: &[u8]) -> Option<(&'static str, &'static str)> {
     let (fours, _) = head[..head.len().min(256)].as_chunks::<4>();
     let zeros = |places: [usize; 3]| {
@@ -162,14 +162,14 @@ fn unmarked(head: &[u8]) -> Option<(&'static str, &'static str)> {
     is_pickle.then_some(("a pickle of Python", "write the data as CSV or Parquet"))
 }
 
-/// The beginning of a text, in UTF-16 too.
+/// The beginning of a text, also in UTF-16.
 fn readable(head: &[u8]) -> String {
     let head: Vec<u8> = head.iter().copied().filter(|byte| *byte != 0).collect();
     let text = String::from_utf8_lossy(&head);
     text.trim_start_matches(|c: char| c.is_whitespace() || c == '\u{feff}' || c == '\u{fffd}').to_owned()
 }
 
-/// Text that is no table.
+/// Text that is not a table.
 fn text(head: &str) -> Option<(&'static str, &'static str)> {
     let small = head.get(..15).unwrap_or(head).to_ascii_lowercase();
     if small.starts_with("<!doctype html") || small.starts_with("<html") {
@@ -204,7 +204,7 @@ fn is_candump(head: &str) -> bool {
     is_bus && (frame.contains('#') || length.starts_with('[') && length.ends_with(']'))
 }
 
-/// Whether there is nothing in it that only other files have.
+/// Whether nothing in it occurs only in other files.
 fn is_text(head: &[u8]) -> bool {
     let is_odd = |byte: &u8| *byte < 0x20 && !b"\t\r\n\x0c\x1b".contains(byte) || *byte == 0x7F;
     let odd = head.iter().filter(|byte| is_odd(byte)).count();
@@ -221,7 +221,7 @@ mod tests {
     use super::*;
 
     fn found(head: &[u8], format: Format) -> String {
-        stranger(head, format, true).map_or_else(String::new, |invalid| invalid.to_string())
+        foreign_format(head, format, true).map_or_else(String::new, |invalid| invalid.to_string())
     }
 
     #[test]
