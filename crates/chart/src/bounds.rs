@@ -1,6 +1,6 @@
 use crate::Invalid;
 
-/// An upright box in the plane, x east and y north \[m\].
+/// An axis-aligned box in the plane, x east and y north \[m\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// The south-western corner.
@@ -42,8 +42,8 @@ impl Bounds {
         (0..2).all(|k| self.min[k] <= point[k] && point[k] <= self.max[k])
     }
 
-    /// The smallest box around points; `None` without points.
-    pub fn around<'a>(points: impl IntoIterator<Item = &'a [f64; 2]>) -> Option<Self> {
+    /// The smallest box that contains points; `None` without points.
+    pub fn enclosing<'a>(points: impl IntoIterator<Item = &'a [f64; 2]>) -> Option<Self> {
         let grow = |b: Option<Self>, p: &[f64; 2]| match b {
             None => Some(Self { min: *p, max: *p }),
             Some(b) => Some(Self {

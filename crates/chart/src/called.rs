@@ -1,4 +1,4 @@
-//! What people call the things of a chart.
+//! The names of charted things.
 
 use std::fmt;
 use std::sync::Arc;
@@ -7,17 +7,17 @@ use enc::attribute::OBJNAM;
 use enc::{Feature, class_name};
 use geojson::JsonObject;
 
-/// Properties that tell a feature's name.
+/// Properties that hold a feature's name.
 const NAMES: [&str; 3] = ["OBJNAM", "name", "NAME"];
 
 /// Class, name and depth of a charted thing, printed as `WRECKS Träholm 4.2 m`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Called {
-    /// What it is: the acronym of its class, or a word.
+    /// Its kind: the acronym of its class, or a word.
     pub what: &'static str,
     /// Its own name.
     pub name: Option<Arc<str>>,
-    /// The depth over it \[m\].
+    /// The charted depth of it or over it \[m\].
     pub depth_m: Option<f64>,
 }
 
@@ -33,7 +33,7 @@ impl Called {
         Self { what: class_name(object.class).unwrap_or("object"), name, depth_m }
     }
 
-    /// What a feature of GeoJSON is called that is `what`.
+    /// The name of a GeoJSON feature of kind `what`.
     pub(crate) fn feature(what: &'static str, properties: Option<&JsonObject>, depth_m: Option<f64>) -> Self {
         let name = |key: &&str| Some(properties?.get(*key)?.as_str()?.trim()).filter(|name| !name.is_empty());
         Self { what, name: NAMES.iter().find_map(name).map(Arc::from), depth_m }

@@ -7,7 +7,7 @@ impl Causes {
     pub const NONE: Self = Self(0);
     /// Part of it is land.
     pub const LAND: Self = Self(1);
-    /// Part of it is kept out of.
+    /// Part of it is no-go.
     pub const NO_GO: Self = Self(2);
     /// Part of it is shoaler than the least depth, or of unknown depth.
     pub const SHOAL: Self = Self(4);
@@ -24,7 +24,7 @@ impl Causes {
         self.0 & cause.0 != 0
     }
 
-    /// Without any other.
+    /// The cause, if no other is set.
     pub(crate) fn only(self, cause: Self) -> Self {
         Self(self.0 & cause.0)
     }

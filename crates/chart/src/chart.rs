@@ -7,16 +7,16 @@ use crate::{
     Area, Bounds, Called, Class, Contour, Grid, Invalid, PlacedGrid, Plane, Polygon, PolygonLayer, Spot,
 };
 
-/// Points and lines between two looks at the clock.
+/// Points and lines between two checks of the time limit.
 const AT_ONCE: usize = 1000;
 
-/// What places that no layer charts are.
+/// How places that no layer charts are treated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Uncharted {
-    /// Unknown water is not safe: the default of charts with a depth layer.
+    /// Unknown water is not safe: the default for charts with a depth layer.
     Obstacle,
-    /// Water is whatever is not land or no-go: the default of charts without depths.
+    /// Everything but land and no-go is water: the default for charts without depths.
     Water,
 }
 
@@ -29,10 +29,10 @@ pub enum Layer {
     Grid(Grid),
 }
 
-/// What is known of an area: polygons and grids on one plane.
+/// The knowledge of an area: polygons and grids on one plane.
 ///
-/// Nothing is known outside the area: obstacles are everywhere there. Choose it larger than where the ship
-/// sails by the largest margin, so that land just outside is seen.
+/// Nothing is known outside the area: it is all obstacles. Choose an area that exceeds the ship's by the
+/// largest margin, so that land just outside is included.
 #[derive(Clone, Debug)]
 pub struct Chart {
     plane: Plane,
@@ -46,18 +46,18 @@ pub struct Chart {
     known_by: KnownBy,
 }
 
-/// What says of a place what is there.
+/// The layers that decide what a place is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum KnownBy {
-    /// Depths: what neither they nor land cover is not known.
+    /// Depths: what neither they nor land cover is unknown.
     Depths,
     /// A chart of land in polygons: the rest is water.
     Land,
-    /// Neither: grids of land and water, as far as they reach.
+    /// Neither: grids of land and water, within their extent.
     Grids,
 }
 
-/// Where there is a depth: what the charted polygons cover, and the edges with nothing charted beyond.
+/// Where depths are charted: the area covered by polygons, and its outer edges.
 #[derive(Clone, Debug)]
 pub(crate) struct Charted {
     pub polygons: Vec<Polygon>,
@@ -67,14 +67,13 @@ pub(crate) struct Charted {
 impl Chart {
     /// Places the layers on the plane and keeps what meets the area.
     ///
-    /// `uncharted`: what places without any layer are. By default they are obstacles as soon as there is a
-    /// layer of depths, and water otherwise. With depths, a place is charted where a depth or land polygon
-    /// or a depth grid covers it; cells without data of a grid are obstacles whatever another layer says.
-    ///
+    /// `uncharted` says what places without any layer are. By default they are obstacles as soon as there is
+    /// a layer of depths, and water otherwise. With depths, a place is charted where a depth or land polygon
+    /// or a depth grid covers it; cells without data are obstacles regardless of other layers.
     /// # Errors
-    /// No layer; polygons off the earth or a grid of another size than it says (neither comes from a file);
-    /// a grid whose coordinates are outside its CRS; uncharted obstacles without a layer of depths (nothing
-    /// would be water).
+    /// No layer; polygons off the earth or a grid of another size than declared (neither comes from a file);
+    /// a grid whose coordinates are outside its CRS; uncharted obstacles without a layer of depths (no water
+    /// would remain).
     pub fn new(
         plane: Plane,
         area: Bounds,
@@ -82,11 +81,11 @@ impl Chart {
         uncharted: Option<Uncharted>,
     ) -> Result<Self, Invalid> {
         let whole = Self::new_while(plane, area, layers, uncharted, &|| true)?;
-        let Some(whole) = whole else { unreachable!("nobody says no") };
+        let Some(whole) = whole else { unreachable!("there is no time limit") };
         Ok(whole)
     }
 
-    /// The same, while `go_on` says so; `None` where it did not.
+    /// [`Chart::new`] under a time limit; `None` once `go_on` returns false.
     ///
     /// # Errors
     /// As [`Chart::new`].
@@ -123,8 +122,8 @@ impl Chart {
                 }
                 let own = marks.iter().filter_map(|mark| Spot::place(mark, &plane));
                 spots.extend(own.filter(|spot| area.contains(spot.place)));
-                let around = |mark| Polygon::around(mark, &plane);
-                polygons.extend(marks.iter().flat_map(around).filter(|p| p.bounds.meets(&area)));
+                let buffer = |mark| Polygon::buffer(mark, &plane);
+                polygons.extend(marks.iter().flat_map(buffer).filter(|p| p.bounds.meets(&area)));
             }
         }
         let charted = match uncharted {
@@ -146,12 +145,12 @@ impl Chart {
         self.area
     }
 
-    /// What places without any layer are.
+    /// How places without any layer are treated.
     pub fn uncharted(&self) -> Uncharted {
         self.uncharted
     }
 
-    /// Bytes that it takes beside its grids, about.
+    /// Approximate bytes of memory, without its grids.
     pub fn bytes(&self) -> u64 {
         let polygon = |own: &Polygon| {
             let rings = own.rings.iter().map(|ring| size_of_val(&ring[..]) + size_of_val(ring));
@@ -163,12 +162,13 @@ impl Chart {
         (polygons.chain(contours).sum::<usize>() + places) as u64
     }
 
-    /// Bytes of its grids, which stand in memory once: as they were read.
+    /// Bytes of its grids, which are in memory once, as they were read.
     pub fn grid_bytes(&self) -> u64 {
         self.grids.iter().map(PlacedGrid::bytes).sum::<usize>() as u64
     }
 
-    /// Polygons that meet the area, whole, in the order of the layers; those around points and lines after a layer's own.
+    /// Whole polygons that meet the area, in the order of the layers; those around points and lines follow a
+    /// layer's own.
     pub fn polygons(&self) -> &[Polygon] {
         &self.polygons
     }
@@ -188,19 +188,19 @@ impl Chart {
         &self.grids
     }
 
-    /// Whether any depth is known; otherwise land is all that is avoided, and its shoals need a margin.
+    /// Whether any depth is known; otherwise only land is avoided, and shoals off it need a margin.
     pub fn has_depth(&self) -> bool {
         let depth = |p: &Polygon| matches!(p.class, Class::Depth { .. });
         self.polygons.iter().any(depth) || self.grids.iter().any(|g| g.has_depth)
     }
 
-    /// Whether some of it is for getting about only, free of informative maneuvers.
+    /// Whether parts of it are for transit only, closed to informative maneuvers.
     pub fn has_transit_only(&self) -> bool {
         self.polygons.iter().any(|p| p.class == Class::TransitOnly)
     }
 
-    /// Polygons cut to `bounds`, for drawing: rings to fill by the even-odd rule. Where a cut polygon falls
-    /// into parts, thin bridges run along the cut.
+    /// Polygons clipped to `bounds`, for drawing: rings to fill by the even-odd rule. Where a clipped polygon
+    /// falls apart, thin bridges run along the clip edge.
     pub fn drawn(&self, bounds: &Bounds) -> Vec<Polygon> {
         let cut = |p: &Polygon| {
             let rings = p.rings.iter().map(|r| crate::clip::clip_ring(r, bounds)).filter(|r| r.len() > 2);
@@ -214,7 +214,8 @@ impl Chart {
         &self.charted
     }
 
-    /// What is charted, whatever places without any layer are; `None` where that is all.
+    /// The charted area, regardless of how places without any layer are treated; `None` where everything is
+    /// charted.
     pub(crate) fn covered(&self) -> Option<Cow<'_, Charted>> {
         match (self.known_by, self.uncharted) {
             (KnownBy::Land, _) => None,
@@ -253,7 +254,7 @@ impl Charted {
     }
 }
 
-/// What a grid covers.
+/// The outline of a grid.
 fn frame(grid: &PlacedGrid) -> Option<Polygon> {
     Polygon::of_rings(Class::Depth { least_m: None }, &Called::plain("water"), vec![grid.frame()?])
 }
@@ -267,18 +268,18 @@ fn off_earth(area: &Area) -> Invalid {
     )
 }
 
-fn uncharted_of(layers: &[Layer], asked: Option<Uncharted>) -> Result<Uncharted, Invalid> {
+fn uncharted_of(layers: &[Layer], declared: Option<Uncharted>) -> Result<Uncharted, Invalid> {
     if layers.is_empty() {
         return Err(Invalid::new("chart", "no layer", "at least one layer", "name a file of land or depths"));
     }
-    match (asked, KnownBy::of(layers) == KnownBy::Depths) {
+    match (declared, KnownBy::of(layers) == KnownBy::Depths) {
         (Some(Uncharted::Obstacle), false) => Err(Invalid::new(
             "`uncharted`",
             "`obstacle` without a layer of depths",
             "a layer of depths, or `water`",
-            "add depths, or let water be whatever is not land",
+            "add depths, or set it to `water`",
         )),
-        (Some(asked), _) => Ok(asked),
+        (Some(declared), _) => Ok(declared),
         (None, true) => Ok(Uncharted::Obstacle),
         (None, false) => Ok(Uncharted::Water),
     }

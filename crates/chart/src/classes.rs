@@ -1,77 +1,79 @@
-//! What objects of an electronic chart mean to a trial, class by class: one table.
+//! What the object classes of an electronic chart mean for a trial: one table.
 
 use enc::class_name;
 use serde::{Deserialize, Serialize};
 
-/// What objects of a class do to a trial.
+/// The effect of a class of objects on a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Treatment {
     /// Nothing.
     Ignore,
-    /// Informative maneuvers keep out; getting about does not.
+    /// Informative maneuvers keep out; transit does not.
     ManeuversAvoid,
     /// The ship keeps out.
     Avoid,
 }
 
-/// By what an object is judged.
+/// How an object is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Judged {
     /// It charts water of a least depth (DRVAL1).
     Depth,
-    /// It is an obstacle unless the depth over it (VALSOU) is known and enough, and water stands over it (WATLEV).
+    /// It is an obstacle unless the depth over it (VALSOU) is known and sufficient, and it is under water
+    /// (WATLEV).
     Danger,
     /// So is every sounding.
     Sounding,
-    /// It is an obstacle where its depth (VALDCO) is too little.
+    /// It is an obstacle where its depth (VALDCO) is insufficient.
     Contour,
     /// It is land.
     Land,
     /// It is solid or afloat: an obstacle unless it stands on land.
     Body,
-    /// It is an obstacle unless it stands on land, or the clearance under it is known and the ship's air draught less.
+    /// It is an obstacle unless it stands on land, or its clearance is known and exceeds the ship's air
+    /// draught.
     Clearance,
-    /// By where it is, and what is restricted there (RESTRN).
+    /// By its area and the restrictions there (RESTRN).
     Place,
-    /// It may be anything: kept out of unless it stands on land.
+    /// It may be anything: the ship keeps out unless it stands on land.
     Unknown,
-    /// It says where there are data (CATCOV).
+    /// It shows where there are data (CATCOV).
     Coverage,
 }
 
 impl Judged {
-    /// Whether it matters if the object stands on land.
+    /// Whether standing on land makes a difference.
     pub(crate) fn stands(self) -> bool {
         matches!(self, Self::Body | Self::Clearance | Self::Unknown)
     }
 
-    /// Whether its points reach as far as dangers do.
+    /// Whether its points have the radius of dangers.
     pub(crate) fn reaches(self) -> bool {
         matches!(self, Self::Danger | Self::Sounding | Self::Body | Self::Clearance | Self::Unknown)
     }
 }
 
-/// Why an object is without effect.
+/// Why an object has no effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Ignored {
     /// It stands on land.
     OnLand,
-    /// Nothing solid: names, rules, or what is carried by something else that is charted.
+    /// Nothing solid: names, rules, or objects that are carried by another charted one.
     NoBody,
-    /// It lies on the ground, or matters to anchors, nets and others than passing ships.
+    /// It lies on the seabed, or concerns anchors, nets and the like, but not passing ships.
     ForOthers,
-    /// Areas beside it say as much.
+    /// Areas beside it contain the same information.
     SaidElsewhere,
-    /// It tells of data, or of other objects.
+    /// It is about data, or other objects.
     AboutData,
-    /// Its restrictions are none for passing ships.
+    /// Its restrictions do not concern passing ships.
     Restriction,
     /// The ship passes under it.
     PassedUnder,
-    /// It is a mark of which nothing is to be seen.
+    /// A mark that is not physically there.
     Unmarked,
-    /// `rules` say so.
+    /// `rules` in plan.toml.
     Rule,
 }
 
@@ -92,16 +94,16 @@ impl Ignored {
     }
 }
 
-/// What a class means where nothing else is said.
+/// The default meaning of classes.
 #[derive(Clone, Copy, Debug)]
 pub struct Rule {
     /// Acronyms of the classes.
     pub classes: &'static [&'static str],
-    /// By what their objects are judged.
+    /// How their objects are judged.
     pub judged: Judged,
-    /// What they do.
+    /// Their effect.
     pub treatment: Treatment,
-    /// Why they do nothing, where they do nothing.
+    /// Why they have no effect, if they have none.
     pub ignored: Ignored,
 }
 
@@ -161,7 +163,7 @@ pub const RULES: [Rule; 20] = [
         Judged::Place,
         Ignored::ForOthers,
     ),
-    // Carried by something solid that is charted as what it is.
+    // Carried by something solid that is charted itself.
     ignore(
         &[
             "LIGHTS", "TOPMAR", "FOGSIG", "RADRFL", "RETRFL", "RTPBCN", "RADSTA", "RDOSTA", "SISTAT",
@@ -194,12 +196,12 @@ pub const RULES: [Rule; 20] = [
     ignore(&["M_COVR"], Judged::Coverage, Ignored::AboutData),
 ];
 
-/// By what a class is judged; one that the standard lacks may be anything.
+/// How a class is judged; one that is not in the standard may be anything.
 pub(crate) fn judged(code: u16) -> Judged {
     of_class(code).map_or(Judged::Unknown, |rule| rule.judged)
 }
 
-/// The rule of a class; `None` for one that the standard lacks.
+/// The rule of a class; `None` if the standard lacks it.
 pub(crate) fn of_class(code: u16) -> Option<&'static Rule> {
     let name = class_name(code)?;
     RULES.iter().find(|rule| rule.classes.contains(&name))

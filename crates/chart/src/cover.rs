@@ -14,14 +14,14 @@ impl Size {
         if high < 0.0 || low >= count as f64 {
             return None;
         }
-        // As whole numbers they are rounded down.
+        // The conversion to an integer rounds down.
         let (first, last) = (low.max(0.0) as usize, (high as usize).min(count - 1));
         (first <= last).then_some((first, last))
     }
 }
 
 /// All cells within `slack` of a segment: those that it passes or touches, and no cell farther than `slack`
-/// beside it.
+/// from it.
 pub(crate) fn along(
     a: [f64; 2],
     b: [f64; 2],

@@ -9,8 +9,8 @@ const KNOWN: &str = "WGS84, `EPSG:` with the code of a system (such as EPSG:3263
 
 /// The coordinate reference system of a grid.
 ///
-/// ETRS89, NAD83 and WGS84 are taken as one (they differ by a metre or two); other datums are turned by the parameters of their
-/// definition, to a few metres. Datum grids (`+nadgrids`) are not read.
+/// ETRS89, NAD83 and WGS84 are treated as equal (they differ by a metre or two); other datums are transformed
+/// with the parameters of their definition, to a few metres. Datum grids (`+nadgrids`) are not read.
 #[derive(Clone)]
 pub struct Crs {
     name: String,
@@ -26,11 +26,11 @@ impl fmt::Debug for Crs {
 }
 
 impl Crs {
-    /// `WGS84` (longitude, latitude in degrees), `EPSG:` and a code of the EPSG's table, or a PROJ string. Eastings and
-    /// longitudes come first, whatever order the EPSG lays down.
+    /// `WGS84` (longitude, latitude in degrees), `EPSG:` and a code, or a PROJ string. Eastings and
+    /// longitudes come first, regardless of the order in EPSG.
     ///
     /// # Errors
-    /// Any other name; a code that the table lacks, or of a projection that is not known.
+    /// Any other name; an unknown code, or one of an unknown projection.
     pub fn new(name: &str) -> Result<Self, Invalid> {
         let refuse = |why: &str| {
             Invalid::new(
@@ -41,7 +41,7 @@ impl Crs {
             )
         };
         let text = definition(name.trim()).ok_or_else(|| refuse("an unknown name"))?;
-        // `@null` stands for no grid, as in EPSG:3857.
+        // `@null` means no grid, as in EPSG:3857.
         let grids = text.replace("+nadgrids=@null", "");
         if grids.contains("nadgrids") || text.contains("geocent") {
             return Err(refuse("datum grids or geocentric coordinates"));
@@ -56,7 +56,8 @@ impl Crs {
         Ok(Self { name, definition: text, own: Box::new(own), wgs84: Box::new(wgs84) })
     }
 
-    /// Whether coordinates are longitudes and latitudes that lie within a metre or two of those of WGS84, by its definition.
+    /// Whether coordinates are longitudes and latitudes, by definition within a metre or two of those of
+    /// WGS84.
     pub fn is_near_wgs84(&self) -> bool {
         let value = |key: &str| self.value(key);
         let datum = value("datum");
@@ -120,7 +121,7 @@ impl Crs {
         }
     }
 
-    /// A file whose coordinates are in nobody knows which system.
+    /// The refusal of a file whose coordinate system is unknown.
     pub(crate) fn undeclared() -> Invalid {
         let remedy = "add `crs = \"EPSG:…\"` to its [[chart]]";
         Invalid::new("`crs`", "none", "the system of the grid's coordinates", remedy)
@@ -154,7 +155,7 @@ fn definition(name: &str) -> Option<String> {
 }
 
 /// Authority, in capitals, and code of a name such as `EPSG:4326`, `urn:ogc:def:crs:EPSG::4326` or
-/// `http://www.opengis.net/def/crs/EPSG/0/4326`; the codes of OGC's own longitudes and latitudes stand alone.
+/// `http://www.opengis.net/def/crs/EPSG/0/4326`; OGC's own codes of longitude and latitude have no authority.
 fn parts(name: &str) -> (String, &str) {
     let words: Vec<&str> =
         name.split([':', '/', '#']).map(str::trim).filter(|word| !word.is_empty()).collect();

@@ -1,13 +1,13 @@
-//! What a track passes: the nearest danger, and the least depth.
+//! The dangers along a track: the nearest one, and the least depth.
 
 use crate::cover::each_edge;
-use crate::occupancy::{Sailing, cause_of, each_strip};
+use crate::occupancy::{Activity, cause_of, each_strip};
 use crate::{Bounds, Called, Chart, Class, GridCell, PlacedGrid, Polygon};
 
-/// Beside an edge, so far off it is not on it \[m\].
-const BESIDE_M: f64 = 0.5;
+/// Distance from an edge at which a point is beside it and not on it \[m\].
+const OFFSET_M: f64 = 0.5;
 
-/// All that a ship in transit keeps clear of.
+/// Everything that a ship in transit keeps clear of.
 pub struct Dangers<'a> {
     chart: &'a Chart,
     polygons: Vec<Polygon>,
@@ -16,16 +16,16 @@ pub struct Dangers<'a> {
 /// The nearest danger.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nearest {
-    /// What people call it.
+    /// Its name.
     pub called: Called,
-    /// How far it is, with the doubt about its place taken off \[m\].
+    /// Its distance, less the uncertainty of its position \[m\].
     pub distance_m: f64,
 }
 
 impl Chart {
-    /// What is land, kept out of, or shoaler than `least_depth_m` \[m\].
+    /// Land, no-go areas, and water shoaler than `least_depth_m` \[m\].
     pub fn dangers(&self, least_depth_m: f64) -> Dangers<'_> {
-        let is_danger = |p: &&Polygon| cause_of(p.class, least_depth_m, Sailing::Transit).is_some();
+        let is_danger = |p: &&Polygon| cause_of(p.class, least_depth_m, Activity::Transit).is_some();
         let mut polygons: Vec<Polygon> = self.polygons().iter().filter(is_danger).cloned().collect();
         for grid in self.grids() {
             each_strip(grid, least_depth_m, |strip, _| polygons.push(strip.clone()));
@@ -35,10 +35,10 @@ impl Chart {
 
     /// The least depth \[m\] charted at any of `places` (east and north \[m\]); `None` where no depth is charted.
     pub fn least_depth_m(&self, places: &[[f64; 2]]) -> Option<f64> {
-        let around = Bounds::around(places)?;
+        let area = Bounds::enclosing(places)?;
         let own = |p: &Polygon| {
             let Class::Depth { least_m: Some(depth) } = p.class else { return None };
-            let inside = p.bounds.meets(&around) && places.iter().any(|place| is_inside(p, *place));
+            let inside = p.bounds.meets(&area) && places.iter().any(|place| is_inside(p, *place));
             inside.then_some(depth)
         };
         let gridded = |grid: &PlacedGrid| {
@@ -55,11 +55,11 @@ impl Chart {
 impl Dangers<'_> {
     /// The danger nearest to any of `places` (east and north \[m\]); `None` where there is none, or no place.
     pub fn nearest(&self, places: &[[f64; 2]]) -> Option<Nearest> {
-        let around = Bounds::around(places)?;
+        let area = Bounds::enclosing(places)?;
         let mut best: Option<(f64, &Called)> = None;
         for polygon in &self.polygons {
             let farthest = best.map_or(f64::INFINITY, |(gap, _)| gap);
-            if apart(&polygon.bounds, &around) >= farthest {
+            if apart(&polygon.bounds, &area) >= farthest {
                 continue;
             }
             let gap = gap_to(polygon, places, farthest);
@@ -71,12 +71,12 @@ impl Dangers<'_> {
         let edge = places.iter().fold(farthest, |least, place| least.min(self.edge_m(*place, least)));
         let nearest = best.map(|(distance_m, called)| Nearest { called: called.clone(), distance_m });
         if edge < farthest {
-            return Some(Nearest { called: Called::plain("edge of what is charted"), distance_m: edge });
+            return Some(Nearest { called: Called::plain("edge of the charted area"), distance_m: edge });
         }
         nearest
     }
 
-    /// How far it is to where nothing is charted beyond; any greater number where that is `farthest` or more \[m\].
+    /// Distance to the edge of the charted area; any greater number where that is `farthest` or more \[m\].
     fn edge_m(&self, place: [f64; 2], farthest: f64) -> f64 {
         let charted = self.chart.charted();
         let mut least = farthest;
@@ -85,12 +85,12 @@ impl Dangers<'_> {
             if gap >= least {
                 continue;
             }
-            // A polygon may end within another.
+            // A polygon may end within another one.
             let length = libm::hypot(b[0] - a[0], b[1] - a[1]).max(f64::MIN_POSITIVE);
             let aside = [(b[1] - a[1]) / length, (a[0] - b[0]) / length];
             let is_charted = |side: f64| {
-                let beside = [0, 1].map(|k| at[k] + side * BESIDE_M * aside[k]);
-                charted.polygons.iter().any(|polygon| is_inside(polygon, beside))
+                let beyond = [0, 1].map(|k| at[k] + side * OFFSET_M * aside[k]);
+                charted.polygons.iter().any(|polygon| is_inside(polygon, beyond))
             };
             if !(is_charted(-1.0) && is_charted(1.0)) {
                 least = gap;
@@ -122,7 +122,7 @@ fn apart(a: &Bounds, b: &Bounds) -> f64 {
     libm::hypot(gap(0), gap(1))
 }
 
-/// Distance of the nearest of `places`; 0 inside; may be any greater number where it is `farthest` or more.
+/// Distance to the nearest of `places`; 0 inside; may be any greater number where it is `farthest` or more.
 fn gap_to(polygon: &Polygon, places: &[[f64; 2]], farthest: f64) -> f64 {
     let near = places.iter().filter(|p| apart(&polygon.bounds, &Bounds { min: **p, max: **p }) < farthest);
     let gap = |place: &[f64; 2]| {

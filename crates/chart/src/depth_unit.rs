@@ -1,4 +1,4 @@
-//! Units of depths and heights, as files and people write them.
+//! Units of depths and heights, as files and users write them.
 
 use serde::Deserialize;
 
@@ -33,8 +33,8 @@ pub enum DepthUnit {
     Fathom,
 }
 
-/// A unit: its name in `plan.toml`, its metres, its code in the EPSG's table (0 for none that is known), and how files write it
-/// besides, in small letters without spaces.
+/// A unit: its name in `plan.toml`, its length in metres, its EPSG code (0 if unknown), and other spellings
+/// in files, in lower case without spaces.
 type About = (DepthUnit, &'static str, f64, u16, &'static [&'static str]);
 
 const ALL: [About; 8] = [
@@ -64,14 +64,14 @@ const ALL: [About; 8] = [
     (DepthUnit::Fathom, "fathom", 1.8288, 9014, &["fathoms", "fath", "fth", "ftm"]),
 ];
 
-/// Where a unit comes from.
+/// The origin of a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UnitFrom {
-    /// The file says so.
+    /// The file states it.
     File,
-    /// `depth_unit` says so.
+    /// `depth_unit` states it.
     Declared,
-    /// Nobody says so: metres.
+    /// Not stated: metres are assumed.
     Assumed,
 }
 
@@ -90,7 +90,7 @@ impl DepthUnit {
         self.about().2
     }
 
-    /// The unit that a file calls `text`, whatever its case and number.
+    /// The unit that a file spells `text`, regardless of case and plural.
     pub fn of_text(text: &str) -> Option<Self> {
         let parts = text.trim().split([' ', '_', '-', '.']);
         let word = parts.collect::<String>().to_ascii_lowercase();
@@ -98,25 +98,25 @@ impl DepthUnit {
         ALL.iter().find(is_it).map(|own| own.0)
     }
 
-    /// The unit of a code of the EPSG's table.
+    /// The unit of an EPSG code.
     pub(crate) fn of_epsg(code: u16) -> Option<Self> {
         ALL.iter().find(|own| code > 0 && own.3 == code).map(|own| own.0)
     }
 
-    /// The unit that a file calls `text`, where it says anything. `thing` is what says so.
+    /// The unit that a file states as `text`, if it does. `thing` names the statement in messages.
     pub(crate) fn stated(thing: &str, text: Option<&str>) -> Result<Option<Self>, Invalid> {
         let Some(text) = text.map(str::trim).filter(|text| !text.is_empty()) else { return Ok(None) };
         Self::of_text(text).map(Some).ok_or_else(|| unknown(thing, text))
     }
 
-    /// The unit of a chart, and where it comes from: what the file and `depth_unit` say has to agree.
+    /// The unit of a chart, and its origin: the file and `depth_unit` must agree.
     pub(crate) fn agreed(stated: Option<Self>, declared: Option<Self>) -> Result<(Self, UnitFrom), Invalid> {
         match (stated, declared) {
             (Some(stated), Some(declared)) if stated != declared => Err(Invalid::new(
                 "`depth_unit`",
                 format!("`{}`", declared.name()),
                 format!("`{}`, as the file says", stated.name()),
-                "leave `depth_unit` out, or correct what the file says of its unit",
+                "remove `depth_unit`, or correct the unit in the file",
             )),
             (Some(stated), _) => Ok((stated, UnitFrom::File)),
             (None, Some(declared)) => Ok((declared, UnitFrom::Declared)),
@@ -125,7 +125,7 @@ impl DepthUnit {
     }
 }
 
-/// A unit of a file that is not known.
+/// The refusal of an unknown unit in a file.
 pub(crate) fn unknown(thing: &str, text: &str) -> Invalid {
     let names: Vec<&str> = ALL.iter().map(|own| own.1).collect();
     Invalid::new(

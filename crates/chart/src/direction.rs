@@ -1,4 +1,4 @@
-//! Whether numbers run up or down, as a file says.
+//! Whether a file declares its numbers as positive up or down.
 
 use crate::{GridKind, Invalid};
 
@@ -12,7 +12,7 @@ pub(crate) enum Direction {
 }
 
 impl Direction {
-    /// Refuses numbers whose attributes `positive` and `standard_name` say that they are not of `kind`.
+    /// Refuses numbers whose attributes `positive` and `standard_name` contradict `kind`.
     pub fn check(kind: GridKind, positive: Option<&str>, name: Option<&str>) -> Result<(), Invalid> {
         let (own, declared, other) = match kind {
             GridKind::LandMask => return Ok(()),
@@ -39,7 +39,7 @@ impl Direction {
         }
     }
 
-    /// Of the names of CF that say so.
+    /// By the standard names of CF.
     fn named(name: &str) -> Option<Self> {
         let name = name.trim().to_ascii_lowercase();
         if name == "depth" || name.starts_with("depth_below") || name.starts_with("sea_floor_depth_below") {
@@ -66,9 +66,9 @@ mod tests {
             (None, Some("sea_floor_depth_below_geoid"), [true, false]),
             (None, Some("height_above_mean_sea_level"), [false, true]),
         ] {
-            let told = [GridKind::Depth, GridKind::Elevation]
+            let accepted = [GridKind::Depth, GridKind::Elevation]
                 .map(|kind| Direction::check(kind, positive, name).is_ok());
-            assert_eq!(told, fits, "{positive:?} {name:?}");
+            assert_eq!(accepted, fits, "{positive:?} {name:?}");
             assert_eq!(Direction::check(GridKind::LandMask, positive, name), Ok(()));
         }
     }

@@ -2,7 +2,7 @@
 
 /// Squared gap, in units of cells, from every cell to the nearest set cell: the least distance of any of
 /// their points, max(|Δcol| − 1, 0)² + max(|Δrow| − 1, 0)². Infinite where no cell is set. `each` is called
-/// with every row of `nx` columns in turn. `None` once `go_on`, which is asked at every row, says no.
+/// with every row of `nx` columns in turn. `None` once `go_on`, which is checked at every row, returns false.
 ///
 /// The gap between squares is the distance between centres after the set cells have grown by their eight
 /// neighbours, so the transform of centres stays exact.
@@ -31,7 +31,7 @@ pub(crate) fn squared_gaps(
 /// No set cell in a column.
 const NONE: u32 = u32::MAX;
 
-/// Squared gap of cells that are so many rows apart.
+/// Squared gap of cells whose rows differ by `rows`.
 fn between(rows: u32) -> f64 {
     if rows == NONE { f64::INFINITY } else { f64::from(rows.saturating_sub(1)).powi(2) }
 }
@@ -53,8 +53,8 @@ fn vertical_gaps(
         go_on().then_some(())
     };
     (0..ny).try_for_each(&mut sweep)?;
-    // What the first sweep leaves over is a distance of the last row from below: too long for any row
-    // above, so harmless.
+    // After the first sweep a distance in the last row counts from below: it is too long for any row above,
+    // so harmless.
     (0..ny).rev().try_for_each(sweep)?;
     Some(rows)
 }

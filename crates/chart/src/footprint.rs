@@ -28,18 +28,18 @@ impl Footprint {
     ///
     /// `hull`: corners of a simple polygon in body axes (x forward, y starboard \[m\]); `poses`: (x east, y
     /// north \[m\] of the node, compass heading \[rad\]); between poses the ship moves straight and turns
-    /// evenly, the shorter way. The motion is cut so that no corner moves more than half a cell at a time,
-    /// and what the edges sweep between two cuts is covered as well, so nothing that is swept is left out.
+    /// evenly, the shorter way. The motion is divided so that no corner moves more than half a cell at a
+    /// time, and the area that the edges sweep between two poses is covered as well, so nothing is missed.
     ///
     /// # Errors
     /// A hull of fewer than three corners, no pose, numbers that are not finite, a cell size that is not
-    /// positive, or a way too long for a raster.
+    /// positive, or a motion too long for a raster.
     pub fn swept(hull: &[[f64; 2]], poses: &[Pose], cell_m: f64) -> Result<Self, Invalid> {
         check(hull, poses, cell_m)?;
         let radius = hull.iter().map(|p| libm::hypot(p[0], p[1])).fold(0.0, f64::max) / cell_m;
         let poses: Vec<Pose> = poses.iter().map(|p| (p.0 / cell_m, p.1 / cell_m, p.2)).collect();
         let hull: Vec<[f64; 2]> = hull.iter().map(|p| p.map(|v| v / cell_m)).collect();
-        let mut canvas = Canvas::around(&poses, radius, cell_m)?;
+        let mut canvas = Canvas::covering(&poses, radius, cell_m)?;
         canvas.fill(&placed(&hull, poses[0]));
         for pair in poses.windows(2) {
             canvas.sweep(&hull, radius, pair[0], pair[1]);
@@ -47,14 +47,14 @@ impl Footprint {
         Ok(Self { cell_m, runs: canvas.runs() })
     }
 
-    /// The cells of both; of this one alone where the other has another cell size.
+    /// The union of both; unchanged if the cell sizes differ.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         let others = if other.cell_m == self.cell_m { &other.runs[..] } else { &[] };
         Self::merged(self.cell_m, self.runs.iter().chain(others).copied().collect())
     }
 
-    /// The cells turned to port by quarter turns about the node.
+    /// The footprint rotated to port by quarter turns about the node.
     #[must_use]
     pub fn turned(&self, quarters: usize) -> Self {
         let Some(more) = quarters.checked_sub(1) else { return self.clone() };
@@ -108,7 +108,7 @@ fn placed(hull: &[[f64; 2]], (x, y, heading): Pose) -> Vec<[f64; 2]> {
     hull.iter().map(|[ahead, right]| [x + ahead * sin + right * cos, y + ahead * cos - right * sin]).collect()
 }
 
-/// Cells around the node, as far as the hull can reach.
+/// Cells around the node, as far as the hull reaches.
 struct Canvas {
     first: [i32; 2],
     size: Size,
@@ -117,9 +117,9 @@ struct Canvas {
 }
 
 impl Canvas {
-    fn around(poses: &[Pose], radius: f64, cell_m: f64) -> Result<Self, Invalid> {
+    fn covering(poses: &[Pose], radius: f64, cell_m: f64) -> Result<Self, Invalid> {
         let points: Vec<[f64; 2]> = poses.iter().map(|p| [p.0, p.1]).collect();
-        let reach = Bounds::around(&points).map(|b| b.grown(radius + 1.0));
+        let reach = Bounds::enclosing(&points).map(|b| b.grown(radius + 1.0));
         let Bounds { min, max } = reach.unwrap_or(Bounds { min: [0.0; 2], max: [0.0; 2] });
         let count = [0, 1].map(|k: usize| max[k].floor() - min[k].floor() + 1.0);
         let far = min.iter().chain(&max).any(|v| v.abs() > f64::from(i32::MAX / 2));
@@ -158,9 +158,10 @@ impl Canvas {
         });
     }
 
-    /// Covers what the hull's edges pass between two poses; the hull at the first is covered already.
+    /// Covers the area that the hull's edges sweep between two poses; the hull at the first one is covered
+    /// already.
     ///
-    /// In one cut, a point of an edge leaves the straight line between its ends by up to r Δψ²/8: that is
+    /// In one step, a point of an edge leaves the straight line between its ends by up to r Δψ²/8: that is
     /// the slack. The quadrangle that the edge sweeps is then less than a cell wide, so its sides and
     /// diagonals touch every cell it touches.
     fn sweep(&mut self, hull: &[[f64; 2]], radius: f64, from: Pose, to: Pose) {

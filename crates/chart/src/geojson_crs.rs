@@ -1,14 +1,14 @@
-//! The system that a GeoJSON file names: RFC 7946 has none but WGS84, and older files name others that are as good.
+//! The CRS of a GeoJSON file: RFC 7946 has none but WGS84, and older files name equivalent ones.
 
 use geojson::{JsonObject, JsonValue};
 
 use crate::{Crs, Invalid};
 
-/// Refuses a member `crs` of coordinates that are no longitudes and latitudes within a metre or two of those of WGS84.
+/// Refuses a member `crs` unless its coordinates are longitudes and latitudes within a metre or two of WGS84.
 pub(crate) fn check_member(members: Option<&JsonObject>) -> Result<(), Invalid> {
     let Some(crs) = members.and_then(|m| m.get("crs")).filter(|c| !c.is_null()) else { return Ok(()) };
     let name = crs.pointer("/properties/name").and_then(JsonValue::as_str).map(str::to_owned);
-    // The form of the draft of 2008: a code of the EPSG's table.
+    // The draft of 2008 has an EPSG code.
     let code =
         || crs.pointer("/properties/code").map(|code| format!("EPSG:{}", code.to_string().replace('"', "")));
     let is_near = |name: String| Crs::new(&name).is_ok_and(|crs| crs.is_near_wgs84());
@@ -18,7 +18,7 @@ pub(crate) fn check_member(members: Option<&JsonObject>) -> Result<(), Invalid> 
     Err(mixed("`crs` member", format!("`{}`", refusal::foreign(&crs.to_string()))))
 }
 
-/// Coordinates in another system than that of the layer.
+/// The refusal of coordinates in another system than the layer's.
 pub(crate) fn mixed(thing: impl Into<String>, found: impl Into<String>) -> Invalid {
     Invalid::new(
         thing,

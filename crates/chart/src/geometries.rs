@@ -1,8 +1,8 @@
-//! The polygons, points and lines of a feature, whatever it wraps them in.
+//! The polygons, points and lines of a feature, however nested.
 
 use geojson::{Feature, GeometryValue, PolygonType, Position};
 
-/// What a feature is made of; a point is a line of one position.
+/// The parts of a feature; a point is a line of one position.
 #[derive(Default)]
 pub(crate) struct Geometries<'a> {
     pub polygons: Vec<&'a PolygonType>,

@@ -4,15 +4,15 @@ pub(crate) use crate::grid_kind::FARTHEST;
 use crate::grid_window::{Block, bytes_of};
 use crate::{Crs, Measured};
 
-/// Stands for land in cells of a mask.
+/// The value of land in the cells of a mask.
 pub(crate) const LAND: f32 = 1.0;
 
-/// A grid of depths or land, as far as it was read. A value holds for its whole cell.
+/// A grid of depths or land, as far as it was read. A value is valid for its whole cell.
 #[derive(Clone, Debug)]
 pub struct Grid {
     /// The system of its coordinates.
     pub crs: Crs,
-    /// Whether it tells depths (not only land).
+    /// Whether it has depths (and not only land).
     pub has_depth: bool,
     /// Coordinates of the south-western corner, in the CRS.
     pub corner: [f64; 2],
@@ -22,15 +22,16 @@ pub struct Grid {
     pub columns: usize,
     /// Rows, from south to north (the file has them from north to south).
     pub rows: usize,
-    /// What its depths are measured in; a land mask has none.
+    /// Unit and datum of its depths; a land mask has none.
     pub measured: Option<Measured>,
-    /// The columns and rows that were kept.
+    /// The columns and rows that are kept.
     pub(crate) window: Block,
-    /// Per cell of the window, row by row from the south: depth \[m\], or 1 of land and 0 of water, or NaN without data.
+    /// Per cell of the window, row by row from the south: depth \[m\], or 1 for land and 0 for water, or NaN
+    /// without data.
     pub(crate) cells: Arc<[f32]>,
 }
 
-/// What a grid says about one cell.
+/// The content of one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GridCell {
     /// No data: not charted, an obstacle.
@@ -44,19 +45,19 @@ pub enum GridCell {
 }
 
 impl Grid {
-    /// Bytes of its cells, with what is kept of where they are.
+    /// Bytes of its cells and of their kept corners.
     pub fn bytes(&self) -> u64 {
         bytes_of(self.cells.len() as f64) as u64
     }
 
-    /// The cells that were kept, row by row from the south.
+    /// The kept cells, row by row from the south.
     pub fn cells(&self) -> impl Iterator<Item = GridCell> {
         self.cells.iter().map(|value| GridCell::of(*value, self.has_depth))
     }
 }
 
 impl GridCell {
-    /// What a kept value says.
+    /// The content of a kept value.
     pub(crate) fn of(value: f32, has_depth: bool) -> Self {
         match value {
             value if value.is_nan() => Self::Missing,
@@ -67,7 +68,8 @@ impl GridCell {
     }
 }
 
-/// The number with the fewest digits that is kept as `value`: what the file says, where it says no more than seven.
+/// The shortest decimal number that is kept as `value`: the one in the file, if that has at most seven
+/// digits.
 fn decimal(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }

@@ -5,17 +5,17 @@ use crate::grid_header::{MissingWord, header};
 use crate::grid_packing::Packing;
 use crate::{Crs, Grid, GridDeclaration, Invalid, Reading, Unread};
 
-/// Rows between two looks at the clock.
+/// Rows between two checks of the time limit.
 const AT_ONCE: usize = 64;
 
 impl Grid {
     /// Reads an ESRI ASCII grid: one line per row, from north to south. Such files state neither unit nor datum.
     ///
-    /// # Errors
     /// A header without columns, rows, corner or cell size, or with a size that is not positive; rows or
-    /// columns other than the header says; values that are no finite numbers, unless they are what the header calls no data;
-    /// a land mask with values other than 0 and 1; depths that are all land, or all deep (unless declared open sea): the sign
-    /// looks wrong; depths that no sea has: they stand for no data; no data at all. What does not fit in memory or time.
+    /// columns that differ from the header; values that are not finite numbers, unless the header declares
+    /// them as no data; a land mask with values other than 0 and 1; depths that are all land, or all deep
+    /// (unless declared open sea): the sign looks wrong; depths that no sea has, which mean no data; no data
+    /// at all. Grids that exceed memory or time.
     pub fn from_ascii(text: &str, declared: &GridDeclaration, reading: &Reading) -> Result<Self, Unread> {
         let text = text.trim_start_matches('\u{feff}');
         let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()).peekable();

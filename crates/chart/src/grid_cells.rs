@@ -1,4 +1,4 @@
-//! Cells of a grid as they are read, and whether they are depths at all.
+//! Cells of a grid while it is read, and whether they are depths at all.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,14 +13,14 @@ use crate::{Crs, Grid, GridDeclaration, GridKind, Invalid, Reading, Unread};
 /// Most cells beyond the window that are read to find out whether a grid has depths.
 const MOST_BEYOND: usize = 1 << 24;
 
-/// Which way the rows of a file run.
+/// The order of the rows in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rows {
     FromNorth,
     FromSouth,
 }
 
-/// The cells of a grid that were read until now.
+/// The cells of a grid that were read so far.
 pub(crate) struct Cells<'a> {
     header: Header,
     crs: Crs,
@@ -28,14 +28,14 @@ pub(crate) struct Cells<'a> {
     packing: Packing,
     measured: Measured,
     reading: &'a Reading<'a>,
-    /// What is kept of the grid.
+    /// The part of the grid to keep.
     window: Block,
     kept: Vec<f32>,
     known: u64,
     missing: u64,
     /// Least and greatest value, in metres.
     range: [f64; 2],
-    /// The first value that no sea has, and how many there are.
+    /// The first value that no sea has, and the number of these.
     far: Option<f64>,
     many_far: u64,
     /// The first value of a mask that is neither land nor water.
@@ -43,7 +43,7 @@ pub(crate) struct Cells<'a> {
 }
 
 impl<'a> Cells<'a> {
-    /// None yet; refuses what cannot be kept.
+    /// No cells yet; refuses a window that exceeds the memory.
     pub fn new(
         header: Header,
         crs: Crs,
@@ -77,21 +77,21 @@ impl<'a> Cells<'a> {
         })
     }
 
-    /// What is kept.
+    /// The part of the grid to keep.
     pub fn window(&self) -> &Block {
         &self.window
     }
 
-    /// Refuses to read `bytes` of a file at once that there is no room for beside the cells.
-    pub fn check_room(&self, bytes: f64) -> Result<(), Unread> {
+    /// Refuses to read `bytes` of a file at once if these and the cells exceed the memory.
+    pub fn check_memory(&self, bytes: f64) -> Result<(), Unread> {
         let cells = bytes_of(self.kept.len() as f64);
         self.reading.check_memory(cells + bytes, || {
             format!("{} cells around the area, in blocks of {bytes} bytes", self.kept.len())
         })
     }
 
-    /// Reads blocks of the file: all that the window meets, and others until it is known that these are depths. Of more than
-    /// [`MOST_BEYOND`] cells that is found out by blocks all over the grid, not by all of them.
+    /// Reads blocks of the file: all that meet the window, and others until it is certain that these are
+    /// depths. If these are more than [`MOST_BEYOND`] cells, a sample of blocks all over the grid decides.
     pub fn read<N: Iterator<Item = f64>>(
         mut self,
         blocks: impl Iterator<Item = Block> + Clone,
@@ -116,7 +116,7 @@ impl<'a> Cells<'a> {
         Ok(self.finish()?)
     }
 
-    /// The numbers of a block, row by row as the file has them.
+    /// Takes the numbers of a block, row by row as in the file.
     pub fn take(&mut self, [columns, rows]: &Block, order: Rows, mut numbers: impl Iterator<Item = f64>) {
         let metres = self.measured.unit.metres();
         for k in 0..rows.len() {
@@ -133,7 +133,7 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// What is kept of a number.
+    /// The value to keep of a number.
     fn cell(&mut self, number: Number) -> f32 {
         let value = match number {
             Number::Value(value) => value,
@@ -161,7 +161,7 @@ impl<'a> Cells<'a> {
         if self.declared.kind == GridKind::Elevation { -value as f32 } else { value as f32 }
     }
 
-    /// Whether nothing more has to be read to tell depths from heights.
+    /// Whether the numbers read so far show that these are depths.
     fn is_plain(&self) -> bool {
         let [low, high] = self.range;
         let gap = self.missing > 0 || self.declared.open_sea;
@@ -238,7 +238,7 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// As many cells without data, if they fit in the memory.
+/// An array of cells without data, if it fits in the memory.
 fn nothing([columns, rows]: [usize; 2], reading: &Reading) -> Result<Vec<f32>, Unread> {
     let found = format!("{columns} × {rows} cells around the area");
     let bytes = bytes_of(columns as f64 * rows as f64);

@@ -2,7 +2,7 @@ use std::iter::Peekable;
 
 use crate::{Crs, Invalid};
 
-/// Refuses cells that are not as high as wide; their side.
+/// Refuses cells that are not square; returns their side.
 pub(crate) fn check_square(width: f64, height: f64) -> Result<f64, Invalid> {
     let side = (width * height).sqrt();
     if side.is_finite() && side > 0.0 && (width - height).abs() <= 1e-4 * side {
@@ -35,7 +35,7 @@ pub(crate) fn check_degrees(header: &Header, crs: &Crs) -> Result<(), Invalid> {
 /// Most columns, and most rows, of a grid.
 pub(crate) const MOST_ON_A_SIDE: usize = 1_000_000;
 
-/// Where the cells of a grid are.
+/// The position of the cells of a grid.
 #[derive(Clone, Debug)]
 pub(crate) struct Header {
     pub columns: usize,
@@ -45,7 +45,7 @@ pub(crate) struct Header {
     pub cell: f64,
 }
 
-/// What stands for no data in the rows of text: a number, or a word for none.
+/// The marker of no data in the rows of text: a number or a word.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum MissingWord {
     Number(f64),
@@ -53,7 +53,7 @@ pub(crate) enum MissingWord {
 }
 
 impl MissingWord {
-    /// Of an ESRI grid whose header does not say.
+    /// For an ESRI grid whose header does not declare one.
     const USUAL: Self = Self::Number(-9999.0);
 
     fn of(text: &str) -> Option<Self> {
@@ -66,13 +66,13 @@ impl MissingWord {
         if let Self::Number(number) = self { Some(number) } else { None }
     }
 
-    /// Whether `token`, which is no number, stands for no data.
+    /// Whether `token`, which is not a number, means no data.
     pub fn is(self, token: &str) -> bool {
         self == Self::Word && is_word(token)
     }
 }
 
-/// Whether a word stands for no number, as programs write it.
+/// Whether a word means no number, as programs write it.
 fn is_word(text: &str) -> bool {
     ["nan", "-nan", "+nan", "null", "none", "na", "n/a", "1.#qnan", "-1.#ind", "nan(ind)", "-nan(ind)"]
         .contains(&text.to_ascii_lowercase().as_str())
@@ -159,7 +159,7 @@ impl Keys {
     }
 }
 
-/// A text of the file, short and in quotes.
+/// A quoted excerpt of the file.
 fn quoted(text: &str) -> String {
     format!("`{}`", refusal::foreign(text.trim()))
 }

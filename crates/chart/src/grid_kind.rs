@@ -1,10 +1,10 @@
-//! What a grid is said to be.
+//! What a grid is declared to contain.
 
 use serde::Deserialize;
 
 use crate::{Crs, DepthUnit};
 
-/// What the numbers of a grid are.
+/// The quantity in a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GridKind {
@@ -16,7 +16,8 @@ pub enum GridKind {
     LandMask,
 }
 
-/// Farther from the sea's surface than any ground \[m\]: what stands for no data in files that do not say so.
+/// Farther from the sea's surface than any ground \[m\]: such numbers mean no data in files that do not
+/// declare it.
 pub(crate) const FARTHEST: f64 = 12_000.0;
 
 /// How a grid file is to be read.
@@ -24,13 +25,13 @@ pub(crate) const FARTHEST: f64 = 12_000.0;
 pub struct GridDeclaration {
     /// What its numbers are.
     pub kind: GridKind,
-    /// The system of its coordinates, where the file does not say.
+    /// The CRS of its coordinates, if the file does not state it.
     pub crs: Option<Crs>,
-    /// The unit of its depths or elevations, where the file does not say; metres where nobody does.
+    /// The unit of its depths or elevations, if the file does not state it; metres by default.
     pub unit: Option<DepthUnit>,
     /// The variable of a NetCDF file, where it has several.
     pub variable: Option<String>,
-    /// Set where the area really is open sea, without land, drying or missing cells: otherwise a grid of
-    /// only depths is refused as one of elevations of land.
+    /// Set where the area really is open sea, without land, drying or missing cells: otherwise a grid of only
+    /// depths is refused, because it may be elevations of land.
     pub open_sea: bool,
 }

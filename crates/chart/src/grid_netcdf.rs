@@ -1,4 +1,4 @@
-//! NetCDF: grids of the ocean's floor in the form of GEBCO and EMODnet.
+//! NetCDF: bathymetry in the form of GEBCO and EMODnet.
 
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
@@ -15,24 +15,24 @@ use crate::grid_netcdf_attributes::{named, packing};
 use crate::grid_window::Block;
 use crate::{Crs, Grid, GridDeclaration, Invalid, Reading, Unread};
 
-/// Part of a step that a coordinate may be off an even spacing.
+/// Share of a step by which a coordinate may deviate from an even spacing.
 const UNEVEN: f64 = 0.02;
 /// Cells that are read at once.
 const AT_ONCE: usize = 1 << 18;
-/// Bytes that it takes to read one of them, about: as in the file, and as a number, twice.
+/// Approximate bytes per cell while reading: as in the file, and twice as a number.
 const BYTES_AT_ONCE: f64 = 24.0;
-/// Most bytes of a chunk, and of all that are kept, decoded.
+/// Most bytes of a chunk, and of all cached ones, decoded.
 const MOST_BYTES: f64 = 64.0 * 1_048_576.0;
 
 impl Grid {
-    /// Reads one variable over latitude and longitude (or y and x) of a NetCDF file, classic or of version 4. Coordinates are
-    /// the middles of cells; those in degrees are in WGS84 unless declared otherwise. Scale, offset, unit, direction, and missing
-    /// and valid values are taken as the file's attributes say.
+    /// Reads one variable over latitude and longitude (or y and x) of a NetCDF file, classic or version 4.
+    /// Coordinates are the centres of cells; those in degrees are in WGS84 unless declared otherwise. Scale,
+    /// offset, unit, direction, and missing and valid values follow the file's attributes.
     ///
     /// # Errors
-    /// No NetCDF, or a damaged one; no such variable, or several where none is named; coordinates that are not evenly spaced,
-    /// or not alike both ways; a system in metres that is not declared; a unit or direction that is not known, or not as
-    /// declared; as [`Grid::from_ascii`].
+    /// A file that is not NetCDF, or damaged; no such variable, or several where none is named; coordinates
+    /// that are not evenly spaced, or differ in spacing; a system in metres that is not declared; an unknown
+    /// unit or direction, or one that contradicts the declaration; as [`Grid::from_ascii`].
     pub fn from_netcdf<R: Read + Seek + Send + 'static>(
         source: R,
         declared: &GridDeclaration,
@@ -69,7 +69,7 @@ impl Grid {
         let corner = [x.first - cell / 2.0, south - cell / 2.0];
         let header = Header { columns: x.count, rows: y.count, corner, cell };
         let cells = Cells::new(header, crs, packing, declared, reading)?;
-        cells.check_room(AT_ONCE as f64 * BYTES_AT_ONCE + bytes as f64)?;
+        cells.check_memory(AT_ONCE as f64 * BYTES_AT_ONCE + bytes as f64)?;
         let order = if y.step > 0.0 { Rows::FromSouth } else { Rows::FromNorth };
         let blocks = blocks(cells.window(), [x.count, y.count]);
         let sign = SignParams::from_variable(variable);
@@ -82,7 +82,7 @@ impl Grid {
     }
 }
 
-/// A file of which only what is asked for is read.
+/// A file of which only the requested ranges are read.
 fn ranges<R: Read + Seek + Send + 'static>(mut source: R) -> std::io::Result<RangeRequestStorage> {
     let length = source.seek(SeekFrom::End(0))?;
     let source = Mutex::new(source);
@@ -110,7 +110,7 @@ fn blocks([columns, rows]: &Block, [width, height]: [usize; 2]) -> Vec<Block> {
         .collect()
 }
 
-/// Where a block is in the file.
+/// The position of a block in the file.
 fn slice([columns, rows]: &Block, order: Rows, count: usize) -> NcSliceInfo {
     let rows = match order {
         Rows::FromSouth => rows.clone(),
@@ -124,7 +124,7 @@ fn slice([columns, rows]: &Block, order: Rows, count: usize) -> NcSliceInfo {
     NcSliceInfo { selections: vec![part(rows), part(columns.clone())] }
 }
 
-/// The variable that is meant, over two dimensions that have coordinates.
+/// The requested variable, over two dimensions that have coordinates.
 fn chosen<'f>(file: &'f NcFile, name: Option<&str>) -> Result<&'f NcVariable, Invalid> {
     let variables = file.variables().map_err(|e| refuse(&e))?;
     let has_coordinates = |own: &NcVariable| {

@@ -1,4 +1,4 @@
-//! What the attributes of a NetCDF variable say of its numbers, by the conventions of CF.
+//! The attributes of a NetCDF variable that describe its numbers, by the CF conventions.
 
 use netcdf_reader::unpack::SignParams;
 use netcdf_reader::{NcFile, NcType, NcVariable};
@@ -19,7 +19,7 @@ const DATUMS: [&str; 7] = [
     "geospatial_bounds_vertical_crs",
 ];
 
-/// What is said of the numbers of `variable`, whose signs are as `_Unsigned` says.
+/// The declared meaning of the numbers of `variable`, whose signedness follows `_Unsigned`.
 pub(crate) fn packing(file: &NcFile, variable: &NcVariable, kind: GridKind) -> Result<Packing, Invalid> {
     let own = Attributes(variable);
     Direction::check(kind, own.text("positive").as_deref(), own.text("standard_name").as_deref())?;
@@ -33,7 +33,7 @@ pub(crate) fn packing(file: &NcFile, variable: &NcVariable, kind: GridKind) -> R
     Ok(Packing { scale, offset, unit, datum: datum(file, variable), missing, valid })
 }
 
-/// The vertical datum, where it is named.
+/// The vertical datum, if it is named.
 fn datum(file: &NcFile, variable: &NcVariable) -> Option<String> {
     let own = Attributes(variable);
     let mapping = own.text("grid_mapping").and_then(|name| file.variable(name.trim()).ok());
@@ -47,7 +47,7 @@ fn datum(file: &NcFile, variable: &NcVariable) -> Option<String> {
     (!text.is_empty()).then_some(text)
 }
 
-/// A variable in a message.
+/// How messages name a variable.
 pub(crate) fn named(variable: &NcVariable) -> String {
     format!("variable `{}`", refusal::foreign(variable.name()))
 }
@@ -59,7 +59,7 @@ impl Attributes<'_> {
         self.0.attribute(name)?.value.as_string()
     }
 
-    /// A number, where there is such an attribute; refused where it is none.
+    /// The attribute as a number, if there is one; refused where it is not a number.
     fn number(&self, name: &str) -> Result<Option<f64>, Invalid> {
         Ok(self.numbers(name)?.and_then(|all| all.first().copied()))
     }
@@ -82,7 +82,7 @@ impl Attributes<'_> {
         }
     }
 
-    /// Numbers that stand for no data, and the range of those that do not, as they stand in the file.
+    /// Numbers that mean no data, and the range of valid ones, as stored in the file.
     fn missing(&self) -> Result<(Vec<f64>, [f64; 2]), Invalid> {
         let numbers = |name: &str| -> Result<Option<Vec<f64>>, Invalid> {
             Ok(self.numbers(name)?.map(|all| all.into_iter().map(|value| self.as_stored(value)).collect()))
@@ -104,13 +104,13 @@ impl Attributes<'_> {
         }
     }
 
-    /// A number of an attribute as the variable's own type and sign have it.
+    /// A number of an attribute in the variable's own type and signedness.
     fn as_stored(&self, value: f64) -> f64 {
         let value = if *self.0.dtype() == NcType::Float { f64::from(value as f32) } else { value };
         SignParams::from_variable(self.0).map_or(value, |sign| sign.reinterpret(value))
     }
 
-    /// What the library writes where nothing was written, of types that have room for it.
+    /// The library's default fill value, for types that have one.
     fn usual_fill(&self) -> Option<f64> {
         let value = match self.0.dtype() {
             NcType::Short => -32767.0,

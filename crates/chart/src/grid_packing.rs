@@ -1,42 +1,43 @@
-//! From the numbers of a grid's file to metres.
+//! From the numbers in a grid file to metres.
 
 use crate::depth_unit::{DepthUnit, UnitFrom};
 use crate::{GridDeclaration, GridKind, Invalid};
 
-/// What the depths or heights of a chart are measured in, and from.
+/// Unit and datum of the depths or heights of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
-    /// The unit of what scale and offset make of the file's numbers.
+    /// The unit after scale and offset.
     pub unit: DepthUnit,
-    /// Where that comes from.
+    /// The origin of the unit.
     pub unit_from: UnitFrom,
-    /// The file's numbers are multiplied by this.
+    /// Factor of the file's numbers.
     pub scale: f64,
-    /// This is added then.
+    /// Added after scaling.
     pub offset: f64,
-    /// The vertical datum, where the file states one.
+    /// The vertical datum, if the file states one.
     pub datum: Option<String>,
-    /// Cells outside of the range that the file calls valid, of those that were read: without data.
+    /// Number of cells outside of the range that the file calls valid, among those read: they are without
+    /// data.
     pub invalid: u64,
 }
 
 impl Measured {
-    /// Numbers as they stand in a file that says nothing of them.
+    /// For a file that says nothing about its numbers.
     pub fn plainly(unit: DepthUnit, unit_from: UnitFrom) -> Self {
         Self { unit, unit_from, scale: 1.0, offset: 0.0, datum: None, invalid: 0 }
     }
 }
 
-/// What a file says of its numbers.
+/// How a file encodes its numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Packing {
     pub scale: f64,
     pub offset: f64,
     pub unit: Option<DepthUnit>,
     pub datum: Option<String>,
-    /// Numbers of the file that stand for no data.
+    /// Numbers in the file that mean no data.
     pub missing: Vec<f64>,
-    /// Numbers of the file below or above these do so, too.
+    /// So do numbers below or above these.
     pub valid: [f64; 2],
 }
 
@@ -52,14 +53,14 @@ impl Default for Packing {
 pub(crate) enum Number {
     /// Without data.
     Missing,
-    /// Outside of what is valid.
+    /// Outside of the valid range.
     Invalid,
-    /// In metres; of a mask as it is.
+    /// In metres; of a mask, unchanged.
     Value(f64),
 }
 
 impl Packing {
-    /// What the numbers are measured in, as the file and its declaration say; a land mask has no unit.
+    /// The measurement that file and declaration agree on; a land mask has no unit.
     pub fn measured(&self, declared: &GridDeclaration) -> Result<Measured, Invalid> {
         if !(self.scale.is_finite() && self.scale != 0.0 && self.offset.is_finite()) {
             let found = format!("{} and {}", self.scale, self.offset);
@@ -88,7 +89,7 @@ impl Packing {
         Ok(Measured { unit, unit_from, scale, offset, datum, invalid: 0 })
     }
 
-    /// A number of the file, in units of `metres`.
+    /// Decodes a number of the file, in units of `metres`.
     pub fn number(&self, raw: f64, metres: f64) -> Number {
         if raw.is_nan() || self.missing.contains(&raw) {
             Number::Missing

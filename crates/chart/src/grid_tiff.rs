@@ -1,4 +1,4 @@
-//! GeoTIFF: grids as hydrographic agencies publish them.
+//! GeoTIFF: grids as hydrographic offices publish them.
 
 use std::io::{Read, Seek};
 
@@ -22,13 +22,13 @@ const MOST_BLOCKS: u64 = 1 << 24;
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
 
 impl Grid {
-    /// Reads a GeoTIFF of one band, its rows from north to south. Its EPSG code need not be declared. Scale, offset, unit and
-    /// vertical datum are taken as its metadata and keys say.
+    /// Reads a GeoTIFF of one band, its rows from north to south. Its EPSG code need not be declared. Scale,
+    /// offset, unit and vertical datum follow its metadata and keys.
     ///
     /// # Errors
-    /// No TIFF of one band, or one that is damaged; a grid that is turned, or not of squares; a system that is
-    /// neither told nor declared, or told otherwise than declared; a unit that is not known, or not the declared one; as
-    /// [`Grid::from_ascii`].
+    /// A file that is not a TIFF of one band, or damaged; a grid that is rotated, or whose cells are not
+    /// square; a CRS that is neither stated nor declared, or stated otherwise than declared; an unknown unit,
+    /// or not the declared one; as [`Grid::from_ascii`].
     pub fn from_tiff(
         source: impl Read + Seek,
         declared: &GridDeclaration,
@@ -46,9 +46,9 @@ impl Grid {
         let packing = packing(&mut decoder, &keys, declared, bits)?;
         let cells = Cells::new(header, crs, packing, declared, reading)?;
         let blocks = Blocks::of(&mut decoder, [columns, rows])?;
-        // Decoded, and about as much before that.
+        // Decoded, and about as much before decoding.
         let size = f64::from(blocks.size[0]) * f64::from(blocks.size[1]);
-        cells.check_room(size * f64::from(bits) / 8.0 * 2.0)?;
+        cells.check_memory(size * f64::from(bits) / 8.0 * 2.0)?;
         cells.read(blocks.all(), Rows::FromNorth, |block| {
             numbers(decoder.read_chunk(blocks.index(block)).map_err(refuse)?).map_err(Unread::from)
         })
@@ -66,7 +66,7 @@ fn bits<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<u8, Invalid> {
     }
 }
 
-/// What the metadata, the tags and the keys say of the numbers.
+/// The encoding of the numbers by metadata, tags and keys.
 fn packing<R: Read + Seek>(
     decoder: &mut Decoder<R>,
     keys: &Keys,
@@ -95,7 +95,7 @@ fn packing<R: Read + Seek>(
     })
 }
 
-/// The number that stands for no data, as it is in a file of single precision if it `is_single`.
+/// The number that means no data, rounded like a file of single precision if `is_single`.
 fn no_data_of(text: &str, is_single: bool) -> Result<f64, Invalid> {
     let text = text.trim_matches(['\0', ' ']);
     match text.parse::<f64>() {
@@ -109,7 +109,7 @@ fn no_data_of(text: &str, is_single: bool) -> Result<f64, Invalid> {
     }
 }
 
-/// The unit of two that may be told.
+/// The unit, if both sources that state one agree.
 fn same(metadata: Option<DepthUnit>, keys: Option<DepthUnit>) -> Result<Option<DepthUnit>, Invalid> {
     match (metadata, keys) {
         (Some(one), Some(other)) if one != other => Err(Invalid::new(
@@ -122,7 +122,7 @@ fn same(metadata: Option<DepthUnit>, keys: Option<DepthUnit>) -> Result<Option<D
     }
 }
 
-/// Where the cells are.
+/// The position of the cells.
 fn header<R: Read + Seek>(
     decoder: &mut Decoder<R>,
     keys: &Keys,
@@ -161,7 +161,7 @@ struct Blocks {
     /// Columns and rows of the image, and of a block.
     image: [u32; 2],
     size: [u32; 2],
-    /// Blocks beside each other, and below.
+    /// Number of blocks across and down.
     count: [u32; 2],
 }
 
@@ -190,7 +190,7 @@ impl Blocks {
         Ok(Self { image, size, count })
     }
 
-    /// All of them, from the north.
+    /// All of them, from north to south.
     fn all(self) -> impl Iterator<Item = Block> + Clone {
         let along = move |k: usize, index: u32| {
             let start = index * self.size[k];
@@ -204,7 +204,7 @@ impl Blocks {
         })
     }
 
-    /// The number of a block.
+    /// The index of a block.
     fn index(self, [columns, rows]: &Block) -> u32 {
         let row = self.image[1] as usize - rows.end;
         let [across, down] = [columns.start / self.size[0] as usize, row / self.size[1] as usize];

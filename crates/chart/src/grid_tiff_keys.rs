@@ -9,21 +9,21 @@ use tiff::tags::Tag;
 use crate::depth_unit::{DepthUnit, unknown};
 use crate::{Crs, Invalid};
 
-/// How a value relates to its pixel, the geographic and the projected system.
+/// How a value relates to its pixel, the geographic and the projected CRS.
 const RASTER_TYPE: u16 = 1025;
 const GEOGRAPHIC: u16 = 2048;
 const PROJECTED: u16 = 3072;
-/// The vertical system, what it is called, its datum and its unit.
+/// The vertical CRS, its name, its datum and its unit.
 const VERTICAL: u16 = 4096;
 const VERTICAL_CITATION: u16 = 4097;
 const VERTICAL_DATUM: u16 = 4098;
 const VERTICAL_UNIT: u16 = 4099;
-/// A value of `RASTER_TYPE`: it holds at the pixel's middle, which the coordinates are of.
+/// A value of `RASTER_TYPE`: coordinates and value belong to the pixel's centre.
 const PIXEL_IS_POINT: u16 = 2;
-/// A code of a system that has none.
+/// The code of a CRS without one.
 const USER_DEFINED: u16 = 32767;
 
-/// Vertical systems of the EPSG's table in international feet, and in feet of the surveys of the United States.
+/// Vertical EPSG systems in international feet, and in US survey feet.
 const IN_FEET: [u16; 7] = [5614, 6130, 6131, 6132, 8050, 8051, 8228];
 const IN_SURVEY_FEET: [u16; 6] = [5702, 6358, 6359, 6360, 8052, 8053];
 
@@ -47,12 +47,12 @@ impl Keys {
         entries.filter(|entry| entry[0] == key).map(|entry| [entry[1], entry[2], entry[3]]).next()
     }
 
-    /// The value of a key that stands in the directory itself.
+    /// The value of a key that is stored in the directory itself.
     fn value(&self, key: u16) -> Option<u16> {
         self.entry(key).filter(|[place, ..]| *place == 0).map(|[_, _, value]| value)
     }
 
-    /// The code of a key, where it is one.
+    /// The EPSG code of a key, if it has one.
     fn code(&self, key: u16) -> Option<u16> {
         self.value(key).filter(|code| *code != 0 && *code != USER_DEFINED)
     }
@@ -65,7 +65,7 @@ impl Keys {
         (!text.is_empty()).then(|| refusal::foreign(text))
     }
 
-    /// Whether coordinates are those of the middles of cells.
+    /// Whether coordinates are those of the centres of cells.
     pub fn is_point(&self) -> bool {
         self.value(RASTER_TYPE) == Some(PIXEL_IS_POINT)
     }
@@ -80,7 +80,7 @@ impl Keys {
         }
     }
 
-    /// The unit of heights that the vertical system has.
+    /// The unit of the vertical CRS.
     pub fn unit(&self) -> Result<Option<DepthUnit>, Invalid> {
         let own = match self.value(VERTICAL_UNIT).filter(|code| *code != 0) {
             None => None,
@@ -105,28 +105,28 @@ impl Keys {
         }
     }
 
-    /// The system that is told, or declared.
+    /// The CRS that the file states, or the declared one.
     pub fn crs(&self, declared: Option<&Crs>) -> Result<Crs, Invalid> {
-        let told = [PROJECTED, GEOGRAPHIC].into_iter().find_map(|key| self.code(key));
-        match (told, declared) {
+        let stated = [PROJECTED, GEOGRAPHIC].into_iter().find_map(|key| self.code(key));
+        match (stated, declared) {
             (None, None) => Err(Crs::undeclared()),
             (None, Some(declared)) => Ok(declared.clone()),
             (Some(code), None) => Crs::new(&format!("EPSG:{code}")),
             (Some(code), Some(declared)) => {
                 let (code, name) = (format!("EPSG:{code}"), declared.name());
                 let near =
-                    || Crs::new(&code).is_ok_and(|told| told.is_near_wgs84()) && declared.is_near_wgs84();
+                    || Crs::new(&code).is_ok_and(|stated| stated.is_near_wgs84()) && declared.is_near_wgs84();
                 if name.eq_ignore_ascii_case(&code) || name.starts_with('+') || near() {
                     return Ok(declared.clone());
                 }
                 let expected = format!("{code}, as the file says");
-                Err(Invalid::new("`crs`", name, expected, "leave `crs` out, or mend the file"))
+                Err(Invalid::new("`crs`", name, expected, "remove `crs`, or correct the file"))
             }
         }
     }
 }
 
-/// What the library says of a file.
+/// The refusal of a file for an error of the library.
 pub(crate) fn refuse(error: TiffError) -> Invalid {
     Invalid::new(
         "GeoTIFF",

@@ -9,7 +9,7 @@ use crate::depth_unit::DepthUnit;
 use crate::direction::Direction;
 use crate::{GridKind, Invalid};
 
-/// Items of the first band and of the whole file, by their roles, or their names where they have none.
+/// Items of the first band and of the whole file, by their roles, or by name if they have none.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Metadata {
     roles: BTreeMap<String, String>,
@@ -83,7 +83,7 @@ impl Metadata {
         (!text.is_empty()).then(|| refusal::foreign(text))
     }
 
-    /// Refuses numbers that say to be of the other kind.
+    /// Refuses numbers that are declared as the other kind.
     pub fn check_direction(&self, kind: GridKind) -> Result<(), Invalid> {
         let text = |name: &str| self.names.get(name).map(String::as_str);
         Direction::check(kind, text("positive"), text("standard_name"))

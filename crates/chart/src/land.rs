@@ -7,11 +7,11 @@ use enc::{Feature, Geometry, Polygon};
 use crate::classes::is;
 use crate::orientation::turn;
 
-/// Edges in a band, about, and how often an edge may stand in one on average.
+/// Approximate edges per band, and average number of bands per edge at most.
 const PER_BAND: f64 = 16.0;
 const MOST_COPIES: f64 = 4.0;
 
-/// An edge of a land area, from the number of its polygon.
+/// An edge of a land area, with the index of its polygon.
 #[derive(Clone, Copy)]
 struct Edge {
     polygon: usize,
@@ -26,7 +26,7 @@ pub(crate) struct Land {
 }
 
 impl Land {
-    /// The land areas among objects; a point or line of land holds nothing.
+    /// The land areas among objects; points and lines of land contain nothing.
     pub(crate) fn of(objects: &[Feature]) -> Self {
         let areas = objects.iter().filter(|object| is(object.class, "LNDARE"));
         let polygons = areas.filter_map(|own| match &own.geometry {
@@ -59,22 +59,22 @@ impl Land {
     }
 
     fn band(&self, latitude: f64) -> usize {
-        // A number below 0 or none becomes 0.
+        // The conversion maps negative numbers and NaN to 0.
         (((latitude - self.south) * self.bands_per_degree) as usize).min(self.bands.len() - 1)
     }
 
-    /// Whether an object stands on land with all that it is made of, not on its edge.
+    /// Whether all of an object stands on land, not on its edge.
     pub(crate) fn holds(&self, geometry: &Geometry) -> bool {
         match geometry {
             Geometry::None | Geometry::Soundings(_) => false,
-            Geometry::Points(points) => points.iter().all(|place| self.around(*place).is_some()),
+            Geometry::Points(points) => points.iter().all(|place| self.containing(*place).is_some()),
             Geometry::Lines(lines) => lines.iter().all(|line| self.holds_line(line).is_some()),
             Geometry::Area(polygons) => polygons.iter().all(|polygon| self.holds_area(polygon)),
         }
     }
 
-    /// The land around a place that is not on its edge.
-    fn around(&self, [x, y]: [f64; 2]) -> Option<usize> {
+    /// The land that contains a place in its interior.
+    fn containing(&self, [x, y]: [f64; 2]) -> Option<usize> {
         let band = &self.bands[self.band(y)];
         for own in band.chunk_by(|a, b| a.polygon == b.polygon) {
             let mut inside = false;
@@ -95,10 +95,10 @@ impl Land {
         None
     }
 
-    /// The land around a line that does not touch its edge.
+    /// The land that contains a line in its interior.
     fn holds_line(&self, line: &[[f64; 2]]) -> Option<usize> {
-        let land = self.around(*line.first()?)?;
-        let whole = line.iter().all(|place| self.around(*place) == Some(land));
+        let land = self.containing(*line.first()?)?;
+        let whole = line.iter().all(|place| self.containing(*place) == Some(land));
         let touched = |pair: &[[f64; 2]]| {
             let near = self.between(pair[0][1], pair[1][1]).filter(|edge| edge.polygon == land);
             near.into_iter().any(|edge| touch([pair[0], pair[1]], edge.ends))
@@ -106,7 +106,7 @@ impl Land {
         (whole && !line.windows(2).any(touched)).then_some(land)
     }
 
-    /// Whether land is all around an area and everywhere in it.
+    /// Whether an area is surrounded by land and all of it is land.
     fn holds_area(&self, polygon: &Polygon) -> bool {
         let Some(outer) = polygon.first() else { return false };
         let Some(land) = self.holds_line(outer) else { return false };
@@ -114,7 +114,9 @@ impl Land {
             [f64::min, f64::max].map(|pick| outer.iter().map(|p| p[1]).reduce(pick).unwrap_or(0.0));
         let own: Vec<Edge> = edges(0, std::slice::from_ref(outer)).collect();
         let area = Self::banded(&own);
-        !self.between(south, north).any(|edge| edge.polygon == land && area.around(edge.ends[0]).is_some())
+        !self
+            .between(south, north)
+            .any(|edge| edge.polygon == land && area.containing(edge.ends[0]).is_some())
     }
 
     /// Edges in the bands between two latitudes, some more than once.

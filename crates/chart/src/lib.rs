@@ -1,21 +1,20 @@
-//! Sea charts: polygons and grids on a local plane, obstacles and clearance for a ship's hull, routes and
-//! tracks out.
+//! Sea charts: polygons and grids on a local plane, obstacles and clearance for a ship's hull, output of
+//! routes and tracks.
 //!
 //! Not for navigation. Coordinates on the plane are x east and y north \[m\]; headings are compass headings
 //! (0 north, clockwise) \[rad\]; longitude comes before latitude, in degrees of WGS84; depths are positive
 //! down \[m\].
 //!
-//! Objects of electronic charts (S-57) come from the crate `enc`, each judged by the rule of its class ([`RULES`]). GDAL turns
-//! a cell into GeoJSON, one object class at a time:
+//! Objects of electronic charts (S-57) come from the crate `enc`, each judged by the rule of its class
+//! ([`RULES`]). GDAL converts a cell to GeoJSON, one object class at a time:
 //!
 //! ```text
 //! ogr2ogr -f GeoJSON depare.geojson US5WA22M.000 DEPARE
 //! ```
 //!
-//! Depths are in DEPARE and DRGARE (`DRVAL1`, `DRVAL2`), land in LNDARE, PONTON and HULKES, dangers in OBSTRN, WRECKS and
-//! UWTROC (`VALSOU`), most of them points. Lakes of GSHHG are
-//! polygons of their own (`level` 2): read as land, like the land around them, they are what they should be,
-//! closed to the ship.
+//! Depths are in DEPARE and DRGARE (`DRVAL1`, `DRVAL2`), land in LNDARE, PONTON and HULKES, dangers in
+//! OBSTRN, WRECKS and UWTROC (`VALSOU`), most of them points. Lakes of GSHHG are polygons of their own
+//! (`level` 2): read as land, like the land around them, they are correctly closed to the ship.
 //!
 //! ```
 //! use chart::{Bounds, Chart, Footprint, Layer, LayerKind, Obstacles, Plane, PolygonLayer, Raster};

@@ -1,4 +1,4 @@
-//! Cells of a raster that are closed to a hull, whatever closes them.
+//! Cells of a raster that are closed to a hull, for any reason.
 
 use crate::cover::{Size, along, centres, each_edge};
 use crate::occupancy::TOUCH_M;
@@ -34,7 +34,7 @@ impl Mask {
         Self::new(raster, edge.iter().zip(inside).map(|(edge, inside)| *edge || inside).collect())
     }
 
-    /// Closes every cell that is not inside of a polygon as a whole.
+    /// Closes every cell that is not entirely inside of a polygon.
     pub fn beyond(polygon: &Polygon, raster: Raster) -> Self {
         let (edge, inside) = cells(polygon, raster);
         Self::new(raster, edge.iter().zip(inside).map(|(edge, inside)| *edge || !inside).collect())
@@ -50,8 +50,8 @@ impl Mask {
         &self.closed
     }
 
-    /// Whether a footprint put on node (col, row) covers free cells only. Off the raster is closed, as is
-    /// a footprint of another cell size. Takes one look-up per run.
+    /// Whether a footprint at node (col, row) covers free cells only. Cells off the raster are closed, and a
+    /// footprint of another cell size never fits. Takes one look-up per run.
     pub fn is_free(&self, footprint: &Footprint, col: usize, row: usize) -> bool {
         let same = footprint.cell_m() == self.raster.cell_m;
         same && footprint.runs().iter().all(|run| {

@@ -13,31 +13,31 @@ use crate::polygons::of_mark;
 use crate::ring::ring_fault;
 use crate::{Area, Class, Contour, Ignored, Invalid, Judged, Mark, PolygonLayer, Rules, Treatment};
 
-/// What became of the objects of one class.
+/// The treatment of the objects of one class.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Objects of the class.
     pub objects: u64,
-    /// Kept out of, or judged by their depth.
+    /// Avoided, or judged by their depth.
     pub avoided: u64,
-    /// Kept out of by informative maneuvers only.
+    /// Avoided by informative maneuvers only.
     pub maneuvers_avoid: u64,
     /// Without effect.
     pub ignored: u64,
-    /// Why they are.
+    /// Why these have no effect.
     pub reasons: BTreeMap<Ignored, u64>,
 }
 
-/// What became of the objects of a chart, by the acronym (or code) of their class.
+/// The treatment of a chart's objects, by the acronym (or code) of their class.
 pub type Tallies = BTreeMap<String, Tally>;
 
 impl PolygonLayer {
-    /// The layer of a chart's objects, compiled at 1 to `scale` where that is known, and what became of them.
+    /// The layer of a chart's objects, compiled at 1 to `scale` if known, and their treatment.
     ///
     /// # Errors
-    /// Rules for what is no class; an object that matters without a place; depths and clearances that are no numbers, or that no
-    /// sea has; parts of the chart in other units than metres, or of another datum than WGS84; rings that cross themselves or
-    /// each other; no object that matters.
+    /// Rules for an unknown class; a relevant object without a geometry; depths and clearances that are not
+    /// numbers, or that no sea has; parts of the chart in other units than metres, or of another datum than
+    /// WGS84; rings that cross themselves or each other; no relevant object.
     pub fn from_objects(
         objects: &[Feature],
         scale: Option<u32>,
@@ -71,7 +71,7 @@ impl PolygonLayer {
         Ok((layer, tallies))
     }
 
-    /// Takes what an object blocks, and says what it does.
+    /// Adds the areas that an object blocks, and returns its treatment.
     fn take(
         &mut self,
         object: &Feature,
@@ -96,7 +96,7 @@ impl PolygonLayer {
                 return Err(Invalid::new(
                     object.named(),
                     "no geometry",
-                    "a place of every object that matters",
+                    "a geometry for every relevant object",
                     remedy,
                 ));
             }
@@ -128,7 +128,7 @@ impl PolygonLayer {
     }
 }
 
-/// What an object is on the chart; `None` for one without effect.
+/// The class of an object on the chart; `None` for one without effect.
 fn class(object: &Feature, treatment: Treatment) -> Result<Option<Class>, Invalid> {
     let depth = |attribute| {
         let value = object.number(attribute)?;
@@ -148,7 +148,8 @@ fn class(object: &Feature, treatment: Treatment) -> Result<Option<Class>, Invali
     })
 }
 
-/// Whether a depth over an object can say that there is water over it: not where it is dry or afloat.
+/// Whether a depth over an object means that there is water over it: it does not if the object is dry or
+/// afloat.
 fn is_under_water(object: &Feature) -> bool {
     let level = object.list(WATLEV);
     ![1, 2, 7].iter().any(|dry| level.contains(dry))
@@ -162,7 +163,7 @@ fn sea_depth(object: &Feature, depth_m: f64) -> Result<f64, Invalid> {
     Err(Invalid::new(object.named(), format!("{depth_m} m"), expected, "report it to the chart's producer"))
 }
 
-/// Parts of a chart that are told to be in other units or of another datum than the rest.
+/// Parts of a chart in other units or of another datum than the rest.
 const UNITS: [(&str, Attribute, f64, &str); 3] = [
     ("M_UNIT", DUNITS, 1.0, "1, depths in metres"),
     ("M_UNIT", HUNITS, 1.0, "1, heights in metres"),

@@ -1,4 +1,5 @@
-//! Objects of an electronic chart that `ogr2ogr` wrote as GeoJSON: their class in `OBJL`, attributes by their acronyms.
+//! Objects of an electronic chart that `ogr2ogr` wrote as GeoJSON: their class in `OBJL`, attributes by their
+//! acronyms.
 
 use enc::attribute::ALL;
 use enc::{Feature as Object, Geometry, class};
@@ -8,7 +9,7 @@ use crate::geometries::Geometries;
 use crate::polygons::{features, positions, rings};
 use crate::{Invalid, Reading, Unread};
 
-/// The objects of a GeoJSON file. What is said about the quality of positions is not in such files.
+/// The objects of a GeoJSON file. Such files do not contain the quality of positions.
 ///
 /// # Errors
 /// Corrupt JSON; coordinates other than WGS84; a feature without the code of its class; rings that are open or cross.
@@ -16,10 +17,10 @@ pub fn objects_of_geojson(text: &str) -> Result<Vec<Object>, Invalid> {
     read_objects(text, &Reading::whole()).map_err(Unread::into_invalid)
 }
 
-/// The same, while there is time.
+/// [`objects_of_geojson`] under a time limit.
 ///
 /// # Errors
-/// As [`objects_of_geojson`]; the end of the time.
+/// As [`objects_of_geojson`]; the end of the time limit.
 pub fn read_objects(text: &str, reading: &Reading) -> Result<Vec<Object>, Unread> {
     let features = features(text, reading)?;
     let objects = features.iter().enumerate().map(|(index, feature)| {

@@ -1,9 +1,10 @@
 use crate::distance::squared_gaps;
-use crate::occupancy::{Occupancy, Sailing};
+use crate::occupancy::{Activity, Occupancy};
 use crate::raster::MOST_CELLS;
 use crate::{Causes, Chart, Footprint, Invalid, Mask, Raster};
 
-/// How far every cell of a raster is from what is charted as an obstacle: all that a clearance takes of [`Obstacles`].
+/// The distance of every cell of a raster to the nearest charted obstacle: the part of [`Obstacles`] that a
+/// clearance needs.
 #[derive(Clone, Debug)]
 pub struct Distances {
     raster: Raster,
@@ -11,33 +12,34 @@ pub struct Distances {
 }
 
 impl Distances {
-    /// Bytes of a cell, those around the raster included, while distances are found, about.
+    /// Approximate bytes per cell, including those around the raster, while distances are computed.
     pub const FOUND_BYTES: u64 = 9;
 
-    /// Of [`Obstacles::new`] for a least depth \[m\], as far as `sight_m`; nothing once `go_on` says no.
+    /// [`Obstacles::new`] for a least depth \[m\], with distances up to `sight_m`; `None` once `go_on`
+    /// returns false.
     ///
     /// # Errors
-    /// As there.
+    /// As [`Obstacles::new`].
     pub fn new(
         chart: &Chart,
         raster: Raster,
         [least_depth_m, sight_m]: [f64; 2],
         go_on: &dyn Fn() -> bool,
     ) -> Result<Option<Self>, Invalid> {
-        Self::of(chart, raster, [least_depth_m, sight_m], Sailing::Maneuvers, go_on, |_, _| ())
+        Self::of(chart, raster, [least_depth_m, sight_m], Activity::Maneuvers, go_on, |_, _| ())
     }
 
-    /// Of [`Obstacles::in_transit`].
+    /// [`Obstacles::in_transit`], in the same way.
     ///
     /// # Errors
-    /// As there.
+    /// As [`Obstacles::new`].
     pub fn in_transit(
         chart: &Chart,
         raster: Raster,
         [least_depth_m, sight_m]: [f64; 2],
         go_on: &dyn Fn() -> bool,
     ) -> Result<Option<Self>, Invalid> {
-        Self::of(chart, raster, [least_depth_m, sight_m], Sailing::Transit, go_on, |_, _| ())
+        Self::of(chart, raster, [least_depth_m, sight_m], Activity::Transit, go_on, |_, _| ())
     }
 
     /// `each` is called with every cell's causes, and its squared gap to the nearest obstacle \[cells²\].
@@ -45,14 +47,14 @@ impl Distances {
         chart: &Chart,
         raster: Raster,
         [least_depth_m, margin_m]: [f64; 2],
-        sailing: Sailing,
+        activity: Activity,
         go_on: &dyn Fn() -> bool,
         mut each: impl FnMut(Causes, f64),
     ) -> Result<Option<Self>, Invalid> {
         raster.check()?;
         let pad = check(&raster, least_depth_m, margin_m)?;
         let wide = raster.padded(pad);
-        let causes = Occupancy::of(chart, wide, least_depth_m, sailing).causes;
+        let causes = Occupancy::of(chart, wide, least_depth_m, activity).causes;
         let mut gap_m = Vec::with_capacity(raster.nx * raster.ny);
         let whole = squared_gaps(
             |k| causes[k].any(),
@@ -77,8 +79,8 @@ impl Distances {
         self.raster
     }
 
-    /// Clearance \[m\]: the ship can go this far from the point's cell, in any direction, without meeting
-    /// an obstacle cell (margin left aside) or the edge of what was looked at, the margin outside the
+    /// Clearance \[m\]: the ship can go this far from the point's cell, in any direction, without meeting an
+    /// obstacle cell (regardless of the margin) or the edge of the charted area, the margin outside the
     /// raster. Never more than the true distance; 0 on obstacles and off the raster.
     pub fn distance_m(&self, x: f64, y: f64) -> f64 {
         let cell = self.raster.cell_at([x, y]);
@@ -90,13 +92,13 @@ impl Distances {
     }
 }
 
-/// Where the ship may not be: blocked cells of a raster, and the distance to what blocks them.
+/// The area that is closed to the ship: blocked cells of a raster, and the distance to what blocks them.
 ///
 /// A cell is an *obstacle* when any part of it is land, no-go, shoaler than the least depth, or not
 /// charted. It is *blocked* when the least distance between any of its points and any point of an obstacle
 /// cell is below the margin. So a free cell keeps all its points at least the margin away from everything
-/// charted; because whole cells are compared, up to one diagonal of the obstacle's cell and one of its own
-/// more than that may be kept (70 m in all at 25 m).
+/// charted; because whole cells are compared, the kept distance may be larger by up to one diagonal of the
+/// obstacle's cell and one of its own (70 m in all at 25 m).
 #[derive(Clone, Debug)]
 pub struct Obstacles {
     distances: Distances,
@@ -105,20 +107,21 @@ pub struct Obstacles {
 }
 
 impl Obstacles {
-    /// Obstacles of a chart for a least depth \[m\] and a margin \[m\], for informative maneuvers: what these keep out
-    /// of, too. A greater least depth and a greater margin only add blocked cells.
+    /// Obstacles of a chart for a least depth \[m\] and a margin \[m\], for informative maneuvers, including
+    /// areas that only these avoid. A greater least depth and a greater margin only add blocked cells.
     ///
-    /// Obstacles up to the margin outside the raster are seen. The least depth does not matter to charts of
+    /// Obstacles up to the margin outside the raster are included. The least depth has no effect on charts of
     /// land only.
     ///
     /// # Errors
     /// A raster without cells or with too many (its margin included); a least depth or margin that is not
     /// finite; a negative margin.
     pub fn new(chart: &Chart, raster: Raster, least_depth_m: f64, margin_m: f64) -> Result<Self, Invalid> {
-        Self::of(chart, raster, [least_depth_m, margin_m], Sailing::Maneuvers)
+        Self::of(chart, raster, [least_depth_m, margin_m], Activity::Maneuvers)
     }
 
-    /// The same for getting about, which areas that are kept free of maneuvers ([`crate::Class::TransitOnly`]) do not hinder.
+    /// The same for transit, which may cross areas that are kept free of maneuvers
+    /// ([`crate::Class::TransitOnly`]).
     ///
     /// # Errors
     /// As [`Obstacles::new`].
@@ -128,19 +131,19 @@ impl Obstacles {
         least_depth_m: f64,
         margin_m: f64,
     ) -> Result<Self, Invalid> {
-        Self::of(chart, raster, [least_depth_m, margin_m], Sailing::Transit)
+        Self::of(chart, raster, [least_depth_m, margin_m], Activity::Transit)
     }
 
-    fn of(chart: &Chart, raster: Raster, limits: [f64; 2], sailing: Sailing) -> Result<Self, Invalid> {
+    fn of(chart: &Chart, raster: Raster, limits: [f64; 2], activity: Activity) -> Result<Self, Invalid> {
         raster.check()?;
         let cells = raster.nx * raster.ny;
         let (mut causes, mut blocked) = (Vec::with_capacity(cells), Vec::with_capacity(cells));
         let reach = (limits[1] / raster.cell_m).powi(2);
-        let distances = Distances::of(chart, raster, limits, sailing, &|| true, |cause, gap| {
+        let distances = Distances::of(chart, raster, limits, activity, &|| true, |cause, gap| {
             causes.push(cause);
             blocked.push(cause.any() || gap < reach);
         })?;
-        let Some(distances) = distances else { unreachable!("nobody says no") };
+        let Some(distances) = distances else { unreachable!("there is no time limit") };
         Ok(Self { distances, causes, blocked: Mask::new(raster, blocked) })
     }
 
@@ -149,13 +152,13 @@ impl Obstacles {
         self.distances.raster
     }
 
-    /// Whether a cell is blocked, the margin included; cells off the raster are.
+    /// Whether a cell is blocked, including the margin; cells off the raster are.
     pub fn is_blocked(&self, col: usize, row: usize) -> bool {
         self.distances.index(col, row).is_none_or(|k| self.blocked.closed()[k])
     }
 
-    /// What makes a cell an obstacle, the margin left aside; `NONE` for cells that are free or blocked by
-    /// the margin only.
+    /// Why a cell is an obstacle, regardless of the margin; `NONE` for cells that are free or blocked by the
+    /// margin only.
     pub fn causes(&self, col: usize, row: usize) -> Causes {
         self.distances.index(col, row).map_or(Causes::UNCHARTED, |k| self.causes[k])
     }
@@ -170,14 +173,14 @@ impl Obstacles {
         self.distances.distance_m(x, y)
     }
 
-    /// Whether a footprint put on node (col, row) covers free cells only. Off the raster is blocked, as is
-    /// a footprint of another cell size. Takes one look-up per run.
+    /// Whether a footprint at node (col, row) covers free cells only. Cells off the raster are blocked, and a
+    /// footprint of another cell size never fits. Takes one look-up per run.
     pub fn is_free(&self, footprint: &Footprint, col: usize, row: usize) -> bool {
         self.blocked.is_free(footprint, col, row)
     }
 }
 
-/// Number of cells that the raster is widened by, so that obstacles up to the margin outside are seen.
+/// Number of cells that the raster is widened by to include obstacles up to the margin outside.
 fn check(raster: &Raster, least_depth_m: f64, margin_m: f64) -> Result<usize, Invalid> {
     let refuse = |thing: &str, found: String| {
         Invalid::new(

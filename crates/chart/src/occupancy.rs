@@ -8,10 +8,10 @@ use crate::{Bounds, Called, Causes, Chart, Class, PlacedGrid, Polygon, Raster, U
 /// Cells that touch within this distance count as touched, so that rounding does not decide \[m\].
 pub(crate) const TOUCH_M: f64 = 1e-6;
 
-/// What the ship does.
+/// What the ship is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Sailing {
-    /// Gets about.
+pub(crate) enum Activity {
+    /// Moving between maneuvers.
     Transit,
     /// Informative maneuvers.
     Maneuvers,
@@ -27,10 +27,10 @@ pub(crate) struct Occupancy {
 }
 
 impl Occupancy {
-    pub(crate) fn of(chart: &Chart, raster: Raster, least_depth_m: f64, sailing: Sailing) -> Self {
+    pub(crate) fn of(chart: &Chart, raster: Raster, least_depth_m: f64, activity: Activity) -> Self {
         let mut own = Self::open(raster);
         for polygon in chart.polygons() {
-            if let Some(cause) = cause_of(polygon.class, least_depth_m, sailing) {
+            if let Some(cause) = cause_of(polygon.class, least_depth_m, activity) {
                 own.block(polygon, cause);
             }
         }
@@ -44,7 +44,8 @@ impl Occupancy {
         own
     }
 
-    /// Blocked where nothing is charted, or a grid has no data: by water and land alike, whatever such places count as.
+    /// Blocks cells where nothing is charted, or a grid has no data, regardless of how uncharted places are
+    /// treated.
     pub(crate) fn of_uncharted(chart: &Chart, raster: Raster) -> Self {
         let mut own = Self::open(raster);
         chart.grids().iter().for_each(|grid| own.block_grid(grid, f64::NEG_INFINITY));
@@ -85,13 +86,13 @@ impl Occupancy {
         polygon.rings.iter().map(ring).collect()
     }
 
-    /// Blocks what touches bad cells of a grid, by runs of equal cause along its rows.
+    /// Blocks cells that touch unsafe cells of a grid, by runs of equal cause along its rows.
     fn block_grid(&mut self, grid: &PlacedGrid, least_depth_m: f64) {
         each_strip(grid, least_depth_m, |strip, cause| self.block(strip, cause));
     }
 
-    /// Blocks every cell that is not charted as a whole: by one polygon, or by several that share the
-    /// borders inside it.
+    /// Blocks every cell that is not entirely charted: by one polygon, or by several that share the borders
+    /// inside it.
     fn block_uncharted(&mut self, charted: &Charted) {
         let nx = self.raster.nx;
         let (size, slack) = (self.size, self.slack);
@@ -124,7 +125,7 @@ impl Occupancy {
         }
     }
 
-    /// Blocks every cell that is not inside the area as a whole.
+    /// Blocks every cell that is not entirely inside the area.
     fn block_outside(&mut self, area: &Bounds) {
         let raster = self.raster;
         let area = area.grown(TOUCH_M);
@@ -143,17 +144,18 @@ impl Occupancy {
 }
 
 impl Chart {
-    /// Per cell of a raster, row by row from the south, whether any part of it is not charted, whatever such places count as.
+    /// Per cell of a raster, row by row from the south, whether any part of it is uncharted, regardless of
+    /// how such places are treated.
     ///
-    /// Charts with depths show what a depth or land polygon or a depth grid covers, charts of land in polygons everything, and
-    /// grids of land what they cover; cells without data of a grid show nothing.
+    /// Charts with depths cover their depth and land polygons and depth grids, charts of land in polygons
+    /// cover everything, and grids of land cover their extent; cells without data cover nothing.
     pub fn uncharted_cells(&self, raster: Raster) -> Vec<bool> {
         let causes = Occupancy::of_uncharted(self, raster).causes;
         causes.into_iter().map(Causes::any).collect()
     }
 }
 
-/// The bad cells of a grid, by runs of equal cause along its rows.
+/// The unsafe cells of a grid, by runs of equal cause along its rows.
 pub(crate) fn each_strip(grid: &PlacedGrid, least_depth_m: f64, mut each: impl FnMut(&Polygon, Causes)) {
     let [land, shoal, missing] = ["land", "shoal", "no data"].map(Called::plain);
     let bad = |value: f32| bad(value, grid.has_depth, least_depth_m);
@@ -168,7 +170,7 @@ pub(crate) fn each_strip(grid: &PlacedGrid, least_depth_m: f64, mut each: impl F
                 Causes::LAND => &land,
                 _ => &shoal,
             };
-            // Where the projection fails within a grid, all of it is closed.
+            // Where the projection fails within a grid, the whole grid is closed.
             let outline = grid.strip(columns, row..row + 1).or_else(|| grid.frame());
             let strip = outline.and_then(|ring| Polygon::of_rings(Class::Land, called, vec![ring]));
             strip.iter().for_each(|s| each(s, cause));
@@ -176,9 +178,9 @@ pub(crate) fn each_strip(grid: &PlacedGrid, least_depth_m: f64, mut each: impl F
     }
 }
 
-pub(crate) fn cause_of(class: Class, least_depth_m: f64, sailing: Sailing) -> Option<Causes> {
+pub(crate) fn cause_of(class: Class, least_depth_m: f64, activity: Activity) -> Option<Causes> {
     match class {
-        Class::TransitOnly => (sailing == Sailing::Maneuvers).then_some(Causes::NO_GO),
+        Class::TransitOnly => (activity == Activity::Maneuvers).then_some(Causes::NO_GO),
         Class::Land => Some(Causes::LAND),
         Class::NoGo => Some(Causes::NO_GO),
         Class::Depth { least_m: Some(depth) } | Class::Danger { least_m: Some(depth) }
@@ -190,7 +192,7 @@ pub(crate) fn cause_of(class: Class, least_depth_m: f64, sailing: Sailing) -> Op
     }
 }
 
-/// What is bad about a value as a grid keeps it. Both depths are compared to the seven digits that it has.
+/// Why a kept value is unsafe. Both depths are compared to its seven digits.
 fn bad(value: f32, has_depth: bool, least_depth_m: f64) -> Option<Causes> {
     if value.is_nan() {
         Some(Causes::UNCHARTED)

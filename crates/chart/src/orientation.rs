@@ -21,7 +21,7 @@ pub(crate) fn cross_properly(p: [f64; 2], q: [f64; 2], r: [f64; 2], s: [f64; 2])
     opposite(turn(p, q, r), turn(p, q, s)) && opposite(turn(r, s, p), turn(r, s, q))
 }
 
-/// Sign of a sum of products, by an expansion of non-overlapping parts that grows without rounding.
+/// Sign of a sum of products, by an expansion of non-overlapping terms that grows without rounding.
 fn exact_sign(products: [(f64, f64); 6]) -> Ordering {
     let mut parts = [0.0; 12];
     let mut used = 0;

@@ -3,27 +3,27 @@
 use crate::ring::doubled_area;
 use crate::{Area, Bounds, Called, Class, Contour, Mark, Plane};
 
-/// Longest piece of an edge \[deg of latitude\]: about a kilometre, over which the straight line in
-/// longitude and latitude and the one on the plane part by less than 0.1 m up to 70° of latitude.
-const PIECE_DEG: f64 = 0.01;
+/// Longest segment of an edge \[deg of latitude\]: about a kilometre, over which the straight line in
+/// longitude and latitude and the one on the plane differ by less than 0.1 m up to 70° of latitude.
+const SEGMENT_DEG: f64 = 0.01;
 /// Corners of half a circle around the end of a line.
 const HALF_CIRCLE: usize = 8;
 
-/// A charted point on the plane: a danger, or a depth that was measured.
+/// A charted point on the plane: a danger, or a sounding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spot {
     /// What it is.
     pub class: Class,
-    /// What people call it.
+    /// Its name.
     pub called: Called,
-    /// Whether it is a depth that was measured, and no thing that lies there.
+    /// Whether it is a sounding, and not an object.
     pub sounding: bool,
     /// East and north \[m\].
     pub place: [f64; 2],
 }
 
 impl Spot {
-    /// Nothing for a line.
+    /// `None` for a line.
     pub(crate) fn place(mark: &Mark, plane: &Plane) -> Option<Self> {
         let [[longitude, latitude]] = mark.positions[..] else { return None };
         let place = plane.to_plane(longitude, latitude);
@@ -32,10 +32,10 @@ impl Spot {
 }
 
 impl Contour {
-    /// On the plane; `None` for one that does not meet `area`.
+    /// On the plane; `None` if it does not meet `area`.
     pub(crate) fn place(charted: &Self, plane: &Plane, area: &Bounds) -> Option<Self> {
         let line = place_line(&charted.line, plane);
-        let bounds = Bounds::around(&line)?;
+        let bounds = Bounds::enclosing(&line)?;
         bounds.meets(area).then_some(Self { depth_m: charted.depth_m, line })
     }
 }
@@ -45,14 +45,14 @@ impl Contour {
 pub struct Polygon {
     /// What it is.
     pub class: Class,
-    /// What people call it.
+    /// Its name.
     pub called: Called,
-    /// Whether it is what lies around a charted point.
+    /// Whether it is the area around a charted point.
     pub is_of_point: bool,
     /// Rings \[m\] without the repeated last position: the outer one counter-clockwise, then the holes
-    /// clockwise. Edges are cut to about a kilometre, so that they follow the straight lines of the file.
+    /// clockwise. Edges are divided to about a kilometre, so that they follow the straight lines of the file.
     pub rings: Vec<Vec<[f64; 2]>>,
-    /// The box around it.
+    /// Its bounding box.
     pub bounds: Bounds,
 }
 
@@ -69,8 +69,8 @@ impl Polygon {
         Self::of_rings(class, &Called::plain("area"), vec![oriented(place_ring(&closed, plane), true)])
     }
 
-    /// How far a place is inside of the nearest edge; below 0 outside \[m\].
-    pub fn room_m(&self, [x, y]: [f64; 2]) -> f64 {
+    /// Distance from a place inside to the nearest edge; below 0 outside \[m\].
+    pub fn inside_m(&self, [x, y]: [f64; 2]) -> f64 {
         let (mut inside, mut nearest) = (false, f64::INFINITY);
         for [a, b] in self.edges() {
             let [along, up] = [b[0] - a[0], b[1] - a[1]];
@@ -82,17 +82,19 @@ impl Polygon {
         if inside { nearest } else { -nearest }
     }
 
-    /// What lies within the radius of a point or line: one polygon for the point, or for each straight piece of the line.
-    pub(crate) fn around(mark: &Mark, plane: &Plane) -> Vec<Self> {
+    /// The area within the radius of a point or line: one polygon for the point, or for each straight segment
+    /// of the line.
+    pub(crate) fn buffer(mark: &Mark, plane: &Plane) -> Vec<Self> {
         let line = place_line(&mark.positions, plane);
-        let pieces = line.windows(line.len().clamp(1, 2));
-        let ring = |piece: &[[f64; 2]]| capsule(piece[0], piece[piece.len() - 1], mark.radius_m);
-        let own = pieces.filter_map(|piece| Self::of_rings(mark.class, &mark.called, vec![ring(piece)]));
+        let segments = line.windows(line.len().clamp(1, 2));
+        let ring = |segment: &[[f64; 2]]| capsule(segment[0], segment[segment.len() - 1], mark.radius_m);
+        let own =
+            segments.filter_map(|segment| Self::of_rings(mark.class, &mark.called, vec![ring(segment)]));
         own.map(|polygon| Self { is_of_point: mark.positions.len() == 1, ..polygon }).collect()
     }
 
     pub(crate) fn of_rings(class: Class, called: &Called, rings: Vec<Vec<[f64; 2]>>) -> Option<Self> {
-        let bounds = Bounds::around(rings.iter().flatten())?;
+        let bounds = Bounds::enclosing(rings.iter().flatten())?;
         let finite = rings.iter().flatten().flatten().all(|v| v.is_finite());
         finite.then(|| Self { class, called: called.clone(), is_of_point: false, rings, bounds })
     }
@@ -114,18 +116,17 @@ pub(crate) fn oriented(mut ring: Vec<[f64; 2]>, counter_clockwise: bool) -> Vec<
     ring
 }
 
-/// A ring, counter-clockwise, around everything within `radius_m` of the straight line between two points: its corners
-/// stand off a little, so that its edges do not cut into the half circles.
+/// A counter-clockwise ring around everything within `radius_m` of the straight line between two points: its
+/// corners are a little farther away, so that its edges do not cut into the half circles.
 fn capsule(a: [f64; 2], b: [f64; 2], radius_m: f64) -> Vec<[f64; 2]> {
     let step = std::f64::consts::PI / HALF_CIRCLE as f64;
     let reach = radius_m / libm::cos(step / 2.0);
     let ahead = libm::atan2(b[1] - a[1], b[0] - a[0]);
-    let corner = |middle: [f64; 2], angle: f64| {
-        [middle[0] + reach * libm::cos(angle), middle[1] + reach * libm::sin(angle)]
-    };
+    let corner =
+        |end: [f64; 2], angle: f64| [end[0] + reach * libm::cos(angle), end[1] + reach * libm::sin(angle)];
     // From abeam to abeam around each end, the half steps outside of the line's own width.
-    let half = |middle: [f64; 2], from: f64| {
-        (0..=HALF_CIRCLE).map(move |k| corner(middle, from + (k as f64 - 0.5) * step)).collect::<Vec<_>>()
+    let half = |end: [f64; 2], from: f64| {
+        (0..=HALF_CIRCLE).map(move |k| corner(end, from + (k as f64 - 0.5) * step)).collect::<Vec<_>>()
     };
     let quarter = std::f64::consts::FRAC_PI_2;
     [half(b, ahead - quarter), half(a, ahead + quarter)].concat()
@@ -147,19 +148,19 @@ fn place_ring(ring: &[[f64; 2]], plane: &Plane) -> Vec<[f64; 2]> {
     placed
 }
 
-/// Points that cut a long edge, which goes the short way round the earth. The same points whichever end comes first, so that neighbours keep a common
-/// border.
+/// Points that divide a long edge, which goes the short way round the earth. They do not depend on the
+/// direction of the edge, so that neighbours keep a common border.
 fn between(a: [f64; 2], b: [f64; 2]) -> Vec<[f64; 2]> {
     let forward = a <= b;
     let (p, q) = if forward { (a, b) } else { (b, a) };
     let turn = 360.0 * ((q[0] - p[0]) / 360.0).round();
     let q = [q[0] - turn, q[1]];
     let east = (q[0] - p[0]) * libm::cos(f64::to_radians((p[1] + q[1]) / 2.0));
-    let pieces = (libm::hypot(east, q[1] - p[1]) / PIECE_DEG).ceil().max(1.0) as usize;
+    let segments = (libm::hypot(east, q[1] - p[1]) / SEGMENT_DEG).ceil().max(1.0) as usize;
     let at = |i: usize| {
-        let t = i as f64 / pieces as f64;
+        let t = i as f64 / segments as f64;
         [p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]
     };
-    let points = (1..pieces).map(at);
+    let points = (1..segments).map(at);
     if forward { points.collect() } else { points.rev().collect() }
 }

@@ -7,32 +7,33 @@ use crate::grid_header::Header;
 use crate::grid_window::{Block, MOST_KEPT, window};
 use crate::{Bounds, Crs, Grid, GridCell, Invalid, Plane};
 
-/// Corners on a side of a block of cells whose corners are not kept: between them a side is as good as straight.
+/// Corners on a side of a block of cells whose corners are not kept: a side between two of them is nearly
+/// straight.
 const PER_BLOCK: usize = 64;
 
-/// A window of a grid: cells row by row from the south, and the places of their corners.
+/// A window of a grid: cells row by row from the south, and the positions of their corners.
 #[derive(Clone, Debug)]
 pub struct PlacedGrid {
     /// Columns of the window.
     pub columns: usize,
     /// Rows of the window.
     pub rows: usize,
-    /// Whether it tells depths (not only land).
+    /// Whether it has depths (and not only land).
     pub has_depth: bool,
     cells: Arc<[f32]>,
     corners: Corners,
 }
 
-/// The places of corners of cells \[m\].
+/// The positions of corners of cells \[m\].
 #[derive(Clone, Debug)]
 enum Corners {
     /// `columns + 1` to a row, row by row from the south.
     Kept(Vec<[f64; 2]>),
-    /// Of a window with too many cells.
+    /// Computed on demand, for a window with too many cells.
     Found(Box<Frame>),
 }
 
-/// Where the cells of a window are.
+/// The position of a window in its grid.
 #[derive(Clone, Debug)]
 struct Frame {
     crs: Crs,
@@ -85,7 +86,7 @@ impl PlacedGrid {
         Ok(Some(Self { columns: nx, rows: ny, cells: grid.part([columns, rows]), corners, has_depth }))
     }
 
-    /// Bytes that it takes, about.
+    /// Approximate bytes of memory.
     pub(crate) fn bytes(&self) -> usize {
         let kept = if let Corners::Kept(corners) = &self.corners { size_of_val(&corners[..]) } else { 0 };
         size_of_val(&self.cells[..]) + kept
@@ -96,12 +97,12 @@ impl PlacedGrid {
         &self.cells[row * self.columns..(row + 1) * self.columns]
     }
 
-    /// What is known of a cell.
+    /// The content of a cell.
     pub(crate) fn cell(&self, column: usize, row: usize) -> GridCell {
         GridCell::of(self.row(row)[column], self.has_depth)
     }
 
-    /// The place of a corner \[m\]; `None` outside of the projection's domain.
+    /// The position of a corner \[m\]; `None` outside of the projection's domain.
     pub(crate) fn corner(&self, column: usize, row: usize) -> Option<[f64; 2]> {
         match &self.corners {
             Corners::Kept(corners) => corners.get(row * (self.columns + 1) + column).copied(),
@@ -114,8 +115,8 @@ impl PlacedGrid {
         self.strip(0..self.columns, 0..self.rows)
     }
 
-    /// The outline of a block of cells, counter-clockwise, with all corners on it, or as many as show how it bends; `None` outside
-    /// of the projection's domain.
+    /// The outline of a block of cells, counter-clockwise, with all corners on it, or enough of them to
+    /// follow its curvature; `None` outside of the projection's domain.
     pub(crate) fn strip(&self, columns: Range<usize>, rows: Range<usize>) -> Option<Vec<[f64; 2]>> {
         let step = |range: &Range<usize>| match self.corners {
             Corners::Kept(_) => 1,
@@ -131,7 +132,7 @@ impl PlacedGrid {
 }
 
 impl Corners {
-    /// Those of all cells, or none where there are too many: then those of the outline are tried.
+    /// Keeps the corners of all cells, unless there are too many: then only the outline is checked.
     fn of(frame: Frame, columns: usize, rows: usize) -> Result<Self, Invalid> {
         if columns * rows > MOST_KEPT {
             let outline = (0..=columns).flat_map(|i| [(i, 0), (i, rows)]);

@@ -4,11 +4,11 @@ use crate::Invalid;
 
 /// A local plane about an origin, x east and y north \[m\]: the azimuthal equidistant projection of WGS84.
 ///
-/// Distances and directions from the origin are those of the geodesic. Across the radius, at a distance r
-/// of the origin, lengths are too long by r²/(6 R²): 4·10⁻⁷ at 10 km, 1·10⁻⁵ at 50 km, 4·10⁻⁵ at 100 km.
-/// Distances between any two points within r are wrong by no more than that share. North on the plane is
-/// true north at the origin only: elsewhere it turns by the convergence, about x tan(latitude)/R (0.16° at
-/// x = 10 km, 60° north), which [`Plane::north_rad`] tells.
+/// Distances and directions from the origin are those of the geodesic. Across the radius, at a distance r of
+/// the origin, lengths are too long by r²/(6 R²): 4·10⁻⁷ at 10 km, 1·10⁻⁵ at 50 km, 4·10⁻⁵ at 100 km.
+/// Distances between any two points within r are wrong by no more than that share. North on the plane is true
+/// north at the origin only: elsewhere it differs by the convergence [`Plane::north_rad`], about x
+/// tan(latitude)/R (0.16° at x = 10 km, 60° north).
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
     lon_deg: f64,
@@ -40,11 +40,11 @@ impl Plane {
         [distance * sin, distance * cos]
     }
 
-    /// Direction of true north at a place on the plane \[m\], clockwise from the plane's own north \[rad\]: a true heading is
-    /// the one on the plane less this.
+    /// Direction of true north at a place on the plane \[m\], clockwise from the plane's own north \[rad\]:
+    /// subtract it from a heading on the plane to get the true heading.
     pub fn north_rad(&self, place: [f64; 2]) -> f64 {
-        // Half a minute of latitude to either side: the chord has the direction of the meridian in the middle. At a pole
-        // the other side is missing.
+        // Half a minute of latitude to either side: the chord has the direction of the meridian halfway. At a
+        // pole the other side is missing.
         const STEP_DEG: f64 = 0.5 / 60.0;
         let (lon, lat) = self.to_geographic(place);
         let [south, north] =
@@ -57,7 +57,7 @@ impl Plane {
         let azimuth = libm::atan2(x, y).to_degrees();
         let (lat, lon): (f64, f64) =
             self.earth.direct(self.lat_deg, self.lon_deg, azimuth, libm::hypot(x, y));
-        // To a micrometre: the geodesic takes the system's sines, whose last bits differ between processors.
+        // To a micrometre: the geodesic uses the system's sines, whose last bits differ between processors.
         let rounded = |degrees: f64| (degrees * 1e11).round() / 1e11;
         (rounded(lon), rounded(lat))
     }

@@ -10,11 +10,11 @@ use crate::grid_kind::FARTHEST;
 use crate::ring::{RingFault, ring_fault_while};
 use crate::{DepthUnit, Invalid, Reading, Unread};
 
-/// How far around a charted point or line the danger reaches where nothing else is said \[m\]: as well as older surveys
-/// place it.
+/// Default radius of the danger around a charted point or line \[m\]: the positional accuracy of older
+/// surveys.
 pub const DANGER_M: f64 = 50.0;
 
-/// Features, and bytes, between two looks at the clock.
+/// Features, and bytes, between two checks of the time limit.
 const AT_ONCE: usize = 1000;
 const AT_ONCE_BYTES: usize = 1 << 16;
 
@@ -22,9 +22,9 @@ const AT_ONCE_BYTES: usize = 1 << 16;
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum LayerKind {
-    /// Land, piers, pontoons: whatever is never water.
+    /// Land, piers, pontoons: never water.
     Land,
-    /// Water that the plan keeps out of.
+    /// Water that the plan avoids.
     NoGo,
     /// Areas of a known least depth.
     Depth {
@@ -32,7 +32,7 @@ pub enum LayerKind {
         /// has an unknown depth and is an obstacle.
         least: String,
     },
-    /// Wrecks, rocks and obstructions: water that is no obstacle only where a depth over them is known and great enough.
+    /// Wrecks, rocks and obstructions: passable only where the depth over them is known and sufficient.
     Danger {
         /// Property with the depth over them \[m, positive down\], such as `VALSOU`.
         least: String,
@@ -60,12 +60,12 @@ pub enum Class {
     TransitOnly,
     /// Water of a least depth.
     Depth {
-        /// Least depth \[m, positive down\]; `None`: unknown, an obstacle at every least depth asked for.
+        /// Least depth \[m, positive down\]; `None`: unknown, an obstacle at any least depth.
         least_m: Option<f64>,
     },
-    /// A danger under water. Around it nothing is charted by it: its depth is none of the water.
+    /// An underwater danger. It does not chart the water around it: its depth is not the water's.
     Danger {
-        /// Depth over it \[m, positive down\]; `None`: unknown, an obstacle at every least depth asked for.
+        /// Depth over it \[m, positive down\]; `None`: unknown, an obstacle at any least depth.
         least_m: Option<f64>,
     },
 }
@@ -81,7 +81,7 @@ pub struct PolygonLayer {
     pub contours: Vec<Contour>,
     /// Features that the filter left out.
     pub filtered_out: usize,
-    /// Set where an area without any of it is open sea, and no other place.
+    /// Set where an area that contains none of it is open sea and not another place.
     pub open_sea: bool,
 }
 
@@ -96,7 +96,7 @@ impl Class {
         }
     }
 
-    /// The depth of it or over it, where that is known \[m\].
+    /// The depth of it or over it, if known \[m\].
     pub(crate) fn depth_m(self) -> Option<f64> {
         match self {
             Self::Depth { least_m } | Self::Danger { least_m } => least_m,
@@ -110,22 +110,22 @@ impl Class {
 pub struct Mark {
     /// What it is.
     pub class: Class,
-    /// What people call it.
+    /// Its name.
     pub called: Called,
-    /// Whether it is a depth that was measured, and no thing that lies there.
+    /// Whether it is a sounding, and not an object.
     pub sounding: bool,
     /// Longitude and latitude \[deg\] of the point, or of the line's corners.
     pub positions: Vec<[f64; 2]>,
-    /// How far around it reaches what it stands for \[m\].
+    /// The radius of its effect \[m\].
     pub radius_m: f64,
     /// Index of the feature in the file.
     pub feature: usize,
 }
 
-/// A charted line of one depth: it is drawn, and blocks nothing by itself.
+/// A depth contour: it is drawn, and blocks nothing by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contour {
-    /// Depth \[m\], where it is known.
+    /// Depth \[m\], if known.
     pub depth_m: Option<f64>,
     /// Its corners: longitude and latitude \[deg\] in a layer, east and north \[m\] on the plane of a chart.
     pub line: Vec<[f64; 2]>,
@@ -136,7 +136,7 @@ pub struct Contour {
 pub struct Area {
     /// What it is.
     pub class: Class,
-    /// What people call it.
+    /// Its name.
     pub called: Called,
     /// Rings of (longitude, latitude) \[deg\], closed: the last position repeats the first.
     pub rings: Vec<Vec<[f64; 2]>>,
@@ -153,14 +153,16 @@ impl PolygonLayer {
         Self::read(text, (kind, DepthUnit::Metre), filter, &Reading::whole()).map_err(Unread::into_invalid)
     }
 
-    /// Reads GeoJSON (RFC 7946) of any geometry, its depths in a unit. Points and lines are dangers as far as [`DANGER_M`] around them, unless
-    /// [`PolygonLayer::with_danger`] says otherwise; in a layer of depths they tell a depth, and chart no water.
+    /// Reads GeoJSON (RFC 7946) of any geometry, with depths in any unit. Points and lines are dangers within
+    /// [`DANGER_M`], unless [`PolygonLayer::with_danger`] sets another radius; in a layer of depths they have
+    /// a depth, and chart no water.
     ///
     /// # Errors
-    /// Corrupt JSON; a `crs` member other than WGS84 or coordinates outside ±180 and ±90; features without a place; nothing
-    /// left; an empty or open ring, one that crosses itself or another of its polygon (features that the filter leaves out
-    /// are not checked); a depth property that no feature has or that is no number, or a depth that no sea has; depths that
-    /// are all negative. What does not fit in time.
+    /// Corrupt JSON; a `crs` member other than WGS84 or coordinates outside ±180 and ±90; features without a
+    /// geometry; no features left; an empty or open ring, one that crosses itself or another of its polygon
+    /// (features that the filter leaves out are not checked); a depth property that no feature has or that is
+    /// not a number, or a depth that no sea has; depths that are all negative. Files that exceed the time
+    /// limit.
     pub fn read(
         text: &str,
         (kind, unit): (&LayerKind, DepthUnit),
@@ -198,7 +200,7 @@ impl PolygonLayer {
         Ok(layer)
     }
 
-    /// The layer with dangers as far as `radius_m` around its points and lines.
+    /// The layer with dangers of radius `radius_m` around its points and lines.
     #[must_use]
     pub fn with_danger(mut self, radius_m: f64) -> Self {
         self.marks.iter_mut().for_each(|mark| mark.radius_m = radius_m);
@@ -209,7 +211,7 @@ impl PolygonLayer {
         if placeless > 0 {
             let found = format!("{placeless} of {features} features without a geometry");
             let remedy = "leave them out with `only`, or export the file again";
-            return Err(Invalid::new("layer", found, "a place of every feature", remedy));
+            return Err(Invalid::new("layer", found, "a geometry for every feature", remedy));
         }
         if self.areas.is_empty() && self.marks.is_empty() {
             let found = format!(
@@ -250,7 +252,7 @@ impl PolygonLayer {
             format!("property `{least}`"),
             format!("{min}..{max} m, all above the water"),
             "depths positive down",
-            "turn the sign of the property",
+            "reverse the sign of the property",
         ))
     }
 }
@@ -279,7 +281,7 @@ pub(crate) fn features(text: &str, reading: &Reading) -> Result<Vec<Feature>, Un
     Ok(features)
 }
 
-/// A text that ends with an error when there is no time left.
+/// A text that ends with an error when the time limit is reached.
 struct Watched<'a> {
     rest: &'a [u8],
     reading: &'a Reading<'a>,
@@ -292,7 +294,7 @@ impl Read for Watched<'_> {
     }
 }
 
-/// A message about GeoJSON without what was expected instead, which it says in words of the programming language.
+/// A message about GeoJSON without its expected value, which is in terms of the programming language.
 fn plain(message: &str) -> String {
     let message = message.trim_start_matches("Error while deserializing GeoJSON: ");
     let (found, rest) = message.split_once(", expected ").unwrap_or((message, ""));
@@ -326,7 +328,7 @@ pub(crate) fn rings(
     }
 }
 
-/// Longitudes and latitudes of what is called `thing`.
+/// Longitudes and latitudes; messages name them `thing`.
 pub(crate) fn positions(all: &[Position], thing: impl Fn() -> String) -> Result<Vec<[f64; 2]>, Invalid> {
     let mut points = Vec::with_capacity(all.len());
     for position in all {
@@ -342,7 +344,7 @@ pub(crate) fn positions(all: &[Position], thing: impl Fn() -> String) -> Result<
     Ok(points)
 }
 
-/// Refuses the rings of what is called `named`.
+/// The refusal of rings, which messages name `named`.
 pub(crate) fn faulty(named: &str, fault: &RingFault) -> Invalid {
     let (ring, found, expected) = match fault {
         RingFault::Empty { ring } => {
@@ -385,7 +387,7 @@ fn class(
     Ok(Class::Depth { least_m: depth((value(least), unit), index, least)? })
 }
 
-/// A point or line tells a depth and charts no water around it.
+/// A point or line has a depth and charts no water around it.
 pub(crate) fn of_mark(class: Class) -> Class {
     match class {
         Class::Depth { least_m } => Class::Danger { least_m },

@@ -22,7 +22,7 @@ impl Raster {
     /// # Errors
     /// A cell size that is not positive, or more than 2·10⁸ cells.
     pub fn covering(bounds: &Bounds, cell_m: f64) -> Result<Self, Invalid> {
-        // A box of whole cells is not given one more by rounding.
+        // Rounding must not add a cell to a box of whole cells.
         let count = |k: usize| ((bounds.max[k] - bounds.min[k]) / cell_m - 1e-9).ceil().max(1.0) as usize;
         let raster = Self { origin: bounds.min, cell_m, nx: count(0), ny: count(1) };
         raster.check()?;
@@ -42,7 +42,7 @@ impl Raster {
     /// Column and row of the cell that holds a point; `None` off the raster.
     pub fn cell_at(&self, [x, y]: [f64; 2]) -> Option<(usize, usize)> {
         let index = |v: f64, k: usize, count: usize| {
-            // As a whole number it is rounded down.
+            // The conversion to an integer rounds down.
             let i = (v - self.origin[k]) / self.cell_m;
             (i >= 0.0 && i < count as f64).then_some(i as usize)
         };

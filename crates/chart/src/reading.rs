@@ -1,17 +1,17 @@
-//! What reading a chart may take, and how it may end.
+//! The limits of reading a chart, and how it may end.
 
 use std::fmt;
 
 use crate::{Bounds, Invalid, Plane};
 
-/// The part of a chart that is wanted, and what reading it may take.
+/// The requested part of a chart, and the limits of reading it.
 #[derive(Clone, Copy)]
 pub struct Reading<'a> {
-    /// The area on its plane; all of the chart without it.
+    /// The area on its plane; without it the whole chart.
     pub area: Option<(&'a Plane, &'a Bounds)>,
-    /// Most bytes that it may take.
+    /// Most bytes of memory.
     pub bytes: f64,
-    /// Asked every moment or so whether there is time left.
+    /// Polled regularly; reading stops once it returns false.
     pub go_on: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -20,42 +20,42 @@ pub struct Reading<'a> {
 pub enum Unread {
     /// Its file is refused.
     Invalid(Invalid),
-    /// It takes more memory than there is.
+    /// It exceeds the memory.
     TooLarge {
-        /// What takes it.
+        /// What needs it.
         found: String,
         /// How much \[bytes\].
         bytes: f64,
     },
-    /// There was no time left.
+    /// The time limit was reached.
     OutOfTime,
 }
 
 impl Reading<'static> {
-    /// All of a chart, in a gibibyte.
+    /// The whole chart, in a gibibyte.
     pub fn whole() -> Self {
         Self { area: None, bytes: f64::from(1 << 30), go_on: &|| true }
     }
 }
 
 impl Reading<'_> {
-    /// Ends the reading where there is no time left.
+    /// Stops reading at the time limit.
     pub(crate) fn check_time(&self) -> Result<(), Unread> {
         if (self.go_on)() { Ok(()) } else { Err(Unread::OutOfTime) }
     }
 
-    /// Refuses what takes more memory than there is, and is called `found`.
+    /// Refuses to use `bytes` for `found` if they exceed the limit.
     pub(crate) fn check_memory(&self, bytes: f64, found: impl FnOnce() -> String) -> Result<(), Unread> {
         if bytes <= self.bytes { Ok(()) } else { Err(Unread::TooLarge { found: found(), bytes }) }
     }
 }
 
 impl Unread {
-    /// The same where memory and time are enough as a rule.
+    /// As a refusal, where memory and time normally suffice.
     pub(crate) fn into_invalid(self) -> Invalid {
         match self {
             Self::Invalid(invalid) => invalid,
-            unread => Invalid::new("chart", unread.to_string(), "less of it", "cut it to the area"),
+            unread => Invalid::new("chart", unread.to_string(), "a smaller area", "cut it to the area"),
         }
     }
 }
@@ -71,9 +71,9 @@ impl fmt::Display for Unread {
         match self {
             Self::Invalid(invalid) => invalid.fmt(f),
             Self::TooLarge { found, bytes } => {
-                write!(f, "{found}: {bytes} bytes of memory, more than there are")
+                write!(f, "{found}: {bytes} bytes of memory, more than are available")
             }
-            Self::OutOfTime => f.write_str("no time left to read the chart"),
+            Self::OutOfTime => f.write_str("the time limit was reached while reading the chart"),
         }
     }
 }

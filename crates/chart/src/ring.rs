@@ -1,4 +1,4 @@
-//! What a ring of a polygon must be: closed, with area, without crossing itself or another ring of the same
+//! Conditions for a ring of a polygon: closed, with area, without crossing itself or another ring of the same
 //! polygon.
 
 use crate::orientation::cross_properly;
@@ -41,7 +41,7 @@ pub fn ring_fault(rings: &[Vec<[f64; 2]>]) -> Option<RingFault> {
     ring_fault_while(rings, &|| true).flatten()
 }
 
-/// The same, while `go_on` says so; `None` where it did not.
+/// [`ring_fault`] under a time limit; `None` once `go_on` returns false.
 pub(crate) fn ring_fault_while(
     rings: &[Vec<[f64; 2]>],
     go_on: &dyn Fn() -> bool,
@@ -52,7 +52,7 @@ pub(crate) fn ring_fault_while(
     if let Some(fault) = rings.iter().enumerate().find_map(|(k, r)| shape_fault(k, r)) {
         return Some(Some(fault));
     }
-    // A bow tie may have no area either, so crossings are looked for before that.
+    // A bow tie may have no area either, so crossings are checked before areas.
     let crossing = crossing(rings, go_on)?;
     let flat = || rings.iter().position(|r| doubled_area(r) == 0.0).map(|ring| RingFault::Empty { ring });
     Some(crossing.or_else(flat))
@@ -83,10 +83,10 @@ struct Edge {
     place: (usize, usize),
 }
 
-/// Pairs of edges between two looks at the clock.
+/// Pairs of edges between two checks of the time limit.
 const AT_ONCE: u64 = 1 << 16;
 
-/// The first crossing; `None` where there was no time to look.
+/// The first crossing; `None` if the time limit was reached.
 fn crossing(rings: &[Vec<[f64; 2]>], go_on: &dyn Fn() -> bool) -> Option<Option<RingFault>> {
     let mut edges = edges(rings);
     edges.sort_by(|a, b| a.low.total_cmp(&b.low));

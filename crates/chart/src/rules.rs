@@ -1,4 +1,4 @@
-//! The rules of classes, changed by what `plan.toml` says, and what they make of an object.
+//! The rules of classes with the changes of `plan.toml`, and their application to an object.
 
 use std::collections::BTreeMap;
 
@@ -9,36 +9,36 @@ use crate::classes::{Ignored, Judged, Treatment, is, judged, of_class};
 use crate::land::Land;
 use crate::{DANGER_M, Invalid};
 
-/// How far around a point or line the danger reaches whose position is doubtful, unreliable, reported or estimated \[m\]: the
-/// accuracy of zones of confidence C.
+/// Radius of the danger around a point or line whose position is doubtful, unreliable, reported or estimated
+/// \[m\]: the accuracy of zone of confidence C.
 pub const DOUBTFUL_M: f64 = 500.0;
-/// How well a chart shows a place: half a millimetre at its compilation scale \[m\].
+/// Positional accuracy of a chart: half a millimetre at its compilation scale \[m\].
 const DRAWN_M: f64 = 0.5e-3;
-/// Qualities of positions (QUAPOS) that are good enough for [`DANGER_M`]: surveyed, approximate (within 30 m), precisely
-/// known, calculated.
+/// Qualities of positions (QUAPOS) that are good enough for [`DANGER_M`]: surveyed, approximate (within 30
+/// m), precisely known, calculated.
 const GOOD: [u8; 4] = [1, 4, 10, 11];
 /// Restrictions (RESTRN) that close an area: entry prohibited, entry restricted, to be avoided.
 const CLOSED: [u16; 3] = [7, 8, 14];
-/// A distance mark of which nothing is to be seen (CATDIS).
+/// A distance mark that is not physically there (CATDIS).
 const UNMARKED: u16 = 1;
-/// Restrictions that leave it to ships that pass: no wake, stopping prohibited, speed restricted.
+/// Restrictions that do not concern passing ships: no wake, stopping prohibited, speed restricted.
 const PASSING: [u16; 3] = [13, 25, 27];
 
-/// What is asked of a chart besides the table.
+/// Settings that change or complete the table.
 #[derive(Clone, Debug, Default)]
 pub struct Rules {
-    /// Classes by their acronym (or code, where the standard has none) that are treated otherwise.
+    /// Classes by their acronym (or code, if the standard has none) with another treatment.
     pub changed: BTreeMap<String, Treatment>,
-    /// The ship's height above water, with what is to stay free over it \[m\]; unknown: no bridge is high enough.
+    /// The ship's air draught, including the required clearance \[m\]; if unknown, no bridge is high enough.
     pub air_draught_m: Option<f64>,
-    /// How far around its points and lines a danger reaches \[m\]; [`DANGER_M`] without it.
+    /// Radius of the danger around points and lines \[m\]; [`DANGER_M`] by default.
     pub radius_m: Option<f64>,
-    /// The same where a position is doubtful \[m\]; [`DOUBTFUL_M`] without it.
+    /// The same where a position is doubtful \[m\]; [`DOUBTFUL_M`] by default.
     pub doubtful_radius_m: Option<f64>,
 }
 
 impl Rules {
-    /// Refuses changes of what is no class, and of depths and coverage, which are judged by `safety` alone.
+    /// Refuses changes of unknown classes, and of depths and coverage, which are judged by `safety` alone.
     ///
     /// # Errors
     /// Names the class.
@@ -69,10 +69,10 @@ impl Rules {
         Ok(())
     }
 
-    /// What an object does that stands on `land` or not, and why it does nothing where it does nothing.
+    /// The treatment of an object in view of `land`, and why it has no effect if it has none.
     ///
     /// # Errors
-    /// A clearance that is no number.
+    /// A clearance that is not a number.
     pub(crate) fn treatment(&self, feature: &Feature, land: &Land) -> Result<(Treatment, Ignored), Invalid> {
         let named = class_name(feature.class).map_or_else(|| feature.class.to_string(), str::to_owned);
         if let Some(changed) = self.changed.get(&named) {
@@ -89,7 +89,7 @@ impl Rules {
         match () {
             () if self.is_passed_under(feature)? => ignore(Ignored::PassedUnder),
             () if any(&CLOSED) => Ok((Treatment::Avoid, ignored)),
-            // Of a restricted area nothing but its restrictions is known to matter.
+            // Of a restricted area only its restrictions are known to matter.
             () if named == "RESARE" && !restrictions.is_empty() => match any(&PASSING) {
                 true => Ok((Treatment::ManeuversAvoid, ignored)),
                 false => ignore(Ignored::Restriction),
@@ -103,8 +103,8 @@ impl Rules {
         }
     }
 
-    /// How far around its points and lines an object reaches, on a chart of 1 to `scale` \[m\]; as far as a danger
-    /// where that is not known.
+    /// The radius of an object's points and lines, on a chart of 1 to `scale` \[m\]; that of a danger if the
+    /// scale is unknown.
     pub fn radius_m(&self, feature: &Feature, scale: Option<u32>) -> f64 {
         let drawn_m = scale.map_or(DANGER_M, |scale| DRAWN_M * f64::from(scale));
         let by_itself = matches!(judged(feature.class), Judged::Danger | Judged::Sounding);
@@ -113,19 +113,19 @@ impl Rules {
             return drawn_m;
         }
         let good = feature.position_quality.iter().all(|quality| GOOD.contains(quality));
-        let asked = match good {
+        let radius_m = match good {
             true => self.radius_m.unwrap_or(DANGER_M),
             false => self.doubtful_radius_m.unwrap_or(DOUBTFUL_M),
         };
-        asked.max(drawn_m)
+        radius_m.max(drawn_m)
     }
 
-    /// Whether an object leaves a clearance, and the ship passes under it.
+    /// Whether an object has a clearance and the ship passes under it.
     fn is_passed_under(&self, feature: &Feature) -> Result<bool, Invalid> {
         if judged(feature.class) != Judged::Clearance {
             return Ok(false);
         }
-        // Bridges that open are taken as closed.
+        // Opening bridges count as closed.
         let mut least: Option<f64> = None;
         for attribute in [VERCLR, VERCCL, VERCSA] {
             let own = feature.number(attribute)?;

@@ -3,12 +3,12 @@ use geojson::{FeatureCollection, GeometryValue, JsonObject, Position};
 use super::points::rounded;
 use crate::Invalid;
 
-/// A feature: where and what.
+/// A feature: geometry and properties.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feature {
-    /// Where.
+    /// Its geometry.
     pub geometry: Geometry,
-    /// What: any JSON object, such as the step, the maneuver and the time.
+    /// Any JSON object, such as the step, the maneuver and the time.
     pub properties: JsonObject,
 }
 
@@ -24,7 +24,7 @@ impl Feature {
 /// A geometry of (longitude, latitude) \[deg\].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Geometry {
-    /// A place: start, goal.
+    /// A position: start, goal.
     Point([f64; 2]),
     /// A track of at least two points.
     Line(Vec<[f64; 2]>),
@@ -32,8 +32,8 @@ pub enum Geometry {
     Polygon(Vec<[f64; 2]>),
 }
 
-/// The features as a GeoJSON FeatureCollection (RFC 7946), in their order: longitude first, to 10⁻⁹
-/// degrees. Lines are cut at the antimeridian, as it asks.
+/// The features as a GeoJSON FeatureCollection (RFC 7946), in order: longitude first, to 10⁻⁹ degrees. Lines
+/// are cut at the antimeridian, as the RFC requires.
 ///
 /// # Errors
 /// Coordinates that are not finite or out of range; a line of fewer than two points, a polygon of fewer than four; a polygon
@@ -82,7 +82,7 @@ fn line(line: &[[f64; 2]], thing: &str) -> Result<GeometryValue, Invalid> {
     })
 }
 
-/// Where a step crosses the antimeridian, on its own side and on the other; nothing where it does not.
+/// Where a step crosses the antimeridian, on its own side and on the other; `None` if it does not.
 fn at_antimeridian(from: [f64; 2], to: [f64; 2]) -> Option<[[f64; 2]; 2]> {
     if (to[0] - from[0]).abs() <= 180.0 {
         return None;

@@ -62,7 +62,7 @@ fn route_point(xml: &mut Xml, route: &Route, index: usize) -> io::Result<()> {
     written.map(|_| ())
 }
 
-/// An element that stands at a place.
+/// An element with a position.
 fn point<'a>(xml: &'a mut Xml, name: &'a str, [lon_deg, lat_deg]: [f64; 2]) -> ElementWriter<'a, Vec<u8>> {
     let (lat, lon) = (latitude(lat_deg), longitude(lon_deg));
     xml.create_element(name).with_attributes([("lat", lat.as_str()), ("lon", lon.as_str())])

@@ -7,8 +7,8 @@ use crate::Invalid;
 
 const NAMESPACE: &str = "http://www.opengis.net/kml/2.2";
 
-/// The route's waypoints and tracks as KML 2.2, on the water's surface: a folder of each. With a departure tracks span their
-/// time.
+/// The route's waypoints and tracks as KML 2.2, clamped to the sea surface: a folder of each. With a
+/// departure tracks have a time span.
 ///
 /// # Errors
 /// As [`super::gpx`].
@@ -47,20 +47,21 @@ fn waypoint(xml: &mut Xml, route: &Route, index: usize) -> io::Result<()> {
     let own = &route.waypoints[index];
     let name = if own.name.is_empty() { own.id.to_string() } else { own.name.clone() };
     let time = route.instant(index);
-    let told = [own.note.as_str(), time.as_deref().unwrap_or("")].into_iter().filter(|text| !text.is_empty());
-    let told: Vec<&str> = told.collect();
-    placemark(xml, &name, Some(Told::Text(&told.join(", "))), "Point", &[[own.lon_deg, own.lat_deg]])
+    let detail =
+        [own.note.as_str(), time.as_deref().unwrap_or("")].into_iter().filter(|text| !text.is_empty());
+    let detail: Vec<&str> = detail.collect();
+    placemark(xml, &name, Some(Detail::Text(&detail.join(", "))), "Point", &[[own.lon_deg, own.lat_deg]])
 }
 
 fn track(xml: &mut Xml, route: &Route, track: &Track) -> io::Result<()> {
     let at = |index: usize| instant(route.departure?, track.time_s(index));
     let span = at(0).zip(at(track.points.len().saturating_sub(1)));
-    let told = span.as_ref().map(|(begin, end)| Told::Span(begin, end));
-    placemark(xml, &track.name, told, "LineString", &track.points)
+    let detail = span.as_ref().map(|(begin, end)| Detail::Span(begin, end));
+    placemark(xml, &track.name, detail, "LineString", &track.points)
 }
 
-/// What stands beside a name.
-enum Told<'a> {
+/// The description or time span of a placemark.
+enum Detail<'a> {
     Text(&'a str),
     Span(&'a str, &'a str),
 }
@@ -68,7 +69,7 @@ enum Told<'a> {
 fn placemark(
     xml: &mut Xml,
     name: &str,
-    told: Option<Told>,
+    detail: Option<Detail>,
     kind: &str,
     places: &[[f64; 2]],
 ) -> io::Result<()> {
@@ -76,9 +77,9 @@ fn placemark(
     let places: Vec<String> = places.iter().map(tuple).collect();
     xml.create_element("Placemark").write_inner_content(|xml| {
         element(xml, "name", name)?;
-        match told {
-            Some(Told::Text(text)) if !text.is_empty() => element(xml, "description", text)?,
-            Some(Told::Span(begin, end)) => {
+        match detail {
+            Some(Detail::Text(text)) if !text.is_empty() => element(xml, "description", text)?,
+            Some(Detail::Span(begin, end)) => {
                 xml.create_element("TimeSpan").write_inner_content(|xml| {
                     element(xml, "begin", begin)?;
                     element(xml, "end", end)

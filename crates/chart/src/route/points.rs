@@ -11,10 +11,10 @@ pub(crate) const NAUTICAL_MILE_M: f64 = 1852.0;
 const ECCENTRICITY: f64 = 0.081_819_190_842_621_49;
 
 /// Largest radius as a share of the shortest adjacent leg when radii are lowered: below the half that RTZ
-/// asks, so that readers with another formula for a leg's length agree.
+/// requires, so that readers with another formula for a leg's length agree.
 const FITTING: f64 = 0.49;
 
-/// A point that the route turns at.
+/// A point where the route turns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Waypoint {
     /// Identity, unique within the route.
@@ -31,31 +31,31 @@ pub struct Waypoint {
     pub speed_m_s: Option<f64>,
     /// How far to port and to starboard of the leg that ends here the ship may come \[m\]; not written for the first waypoint.
     pub xtd_m: Option<[f64; 2]>,
-    /// When the ship is here, after the departure \[s\].
+    /// Time here, after the departure \[s\].
     pub time_s: Option<f64>,
-    /// What is done on the leg that ends here; may be empty.
+    /// The activity on the leg that ends here; may be empty.
     pub note: String,
 }
 
 /// A route.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Route {
-    /// Name; ECDIS expect the file to be called like it.
+    /// Name; ECDIS expect the file to have the same name.
     pub name: String,
-    /// When it begins. Without it no times are written: no format tells times from the departure.
+    /// The departure. Without it no times are written: no format has relative times.
     pub departure: Option<Timestamp>,
     /// Waypoints in the order of sailing; at least two.
     pub waypoints: Vec<Waypoint>,
 }
 
-/// A track: where the ship goes, densely.
+/// A track: the ship's path, densely sampled.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Track {
     /// Name.
     pub name: String,
     /// Points in order: longitude and latitude, WGS84 \[deg\].
     pub points: Vec<[f64; 2]>,
-    /// When the ship is at the first point, after the departure, and the time from point to point \[s\].
+    /// Time at the first point, after the departure, and the time from point to point \[s\].
     pub clock_s: [f64; 2],
 }
 
@@ -72,7 +72,7 @@ impl Route {
         Some(course_deg([a.lon_deg, a.lat_deg], [b.lon_deg, b.lat_deg]))
     }
 
-    /// When the ship is at waypoint `index`, where departure and time are known; to whole seconds.
+    /// The time at waypoint `index`, if departure and time are known; to whole seconds.
     pub(crate) fn instant(&self, index: usize) -> Option<String> {
         let after_s = self.waypoints.get(index)?.time_s?;
         instant(self.departure?, after_s.round())
@@ -96,7 +96,7 @@ impl Route {
         legs.filter_map(|i| self.leg_m(i)).fold(f64::INFINITY, f64::min)
     }
 
-    /// What all formats ask of a route.
+    /// Requirements that all formats share.
     pub(crate) fn check(&self) -> Result<(), Invalid> {
         text("route name", &self.name)?;
         if self.waypoints.len() < 2 {
@@ -113,7 +113,7 @@ impl Route {
         self.waypoints.iter().enumerate().try_for_each(|(index, w)| self.check_waypoint(index, w))
     }
 
-    /// Refuses times that run backwards.
+    /// Refuses times that go backwards.
     fn check_times(&self) -> Result<(), Invalid> {
         let timed: Vec<(u32, f64)> = self.waypoints.iter().filter_map(|w| Some((w.id, w.time_s?))).collect();
         let Some(pair) = timed.windows(2).find(|w| w[1].1 < w[0].1) else { return Ok(()) };
@@ -157,7 +157,7 @@ impl Route {
 }
 
 impl Track {
-    /// When the ship is at point `index`, after the departure \[s\].
+    /// The time at point `index`, after the departure \[s\].
     pub(crate) fn time_s(&self, index: usize) -> f64 {
         self.clock_s[0] + index as f64 * self.clock_s[1]
     }
@@ -188,7 +188,7 @@ fn course_deg(from: [f64; 2], to: [f64; 2]) -> f64 {
     };
     let east = (to[0] - from[0] + 540.0).rem_euclid(360.0) - 180.0;
     let north = isometric(to[1]) - isometric(from[1]);
-    // Along a parallel both latitudes are one.
+    // Along a parallel both isometric latitudes are equal.
     libm::atan2(east.to_radians(), north).to_degrees().rem_euclid(360.0)
 }
 
@@ -201,20 +201,20 @@ pub(crate) fn place(thing: &str, [lon, lat]: [f64; 2]) -> Result<(), Invalid> {
     Err(Invalid::new(thing, found, "degrees within ±180 and ±90", "correct it"))
 }
 
-/// `least` places or more, to 10⁻⁹ degrees (0.1 mm).
+/// At least `least` positions, to 10⁻⁹ degrees (0.1 mm).
 ///
 /// # Errors
-/// Fewer, or what is no longitude and latitude, of `thing`.
+/// Fewer positions, or ones that are not longitude and latitude: names `thing`.
 pub fn rounded(places: &[[f64; 2]], least: usize, thing: &str) -> Result<Vec<[f64; 2]>, Invalid> {
     places.iter().try_for_each(|p| place(thing, *p))?;
     if places.len() < least {
         let (found, expected) = (format!("{} points", places.len()), format!("at least {least}"));
-        return Err(Invalid::new(thing, found, expected, "give more of them"));
+        return Err(Invalid::new(thing, found, expected, "add points"));
     }
     Ok(places.iter().map(|p| p.map(|v| (v * 1e9).round() / 1e9)).collect())
 }
 
-/// Names must be one line of text: XML cannot hold control characters.
+/// Requires names of one line of text: XML cannot hold control characters.
 pub(crate) fn text(thing: &str, text: &str) -> Result<(), Invalid> {
     let bad = |c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}');
     match text.chars().find(|c| bad(*c)) {

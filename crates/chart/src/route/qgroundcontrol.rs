@@ -3,17 +3,17 @@ use serde_json::{Value, json};
 use super::{Route, Waypoint};
 use crate::Invalid;
 
-/// MAVLink's number for going to a place.
+/// MAVLink's number for a waypoint.
 const WAYPOINT: u32 = 16;
 /// MAVLink's number for a change of speed.
 const CHANGE_SPEED: u32 = 178;
-/// The frame of places: heights above home.
+/// The frame of waypoints: heights above home.
 const ABOVE_HOME: u32 = 3;
-/// The frame of commands without a place.
+/// The frame of commands without a position.
 const NO_FRAME: u32 = 2;
 
-/// The route as a mission of a surface vessel for QGroundControl (plan file, version 1): every waypoint with the speed on the
-/// leg that ends there. Maneuvers are no part of it: it leads from one to the next.
+/// The route as a mission of a surface vessel for QGroundControl (plan file, version 1): every waypoint with
+/// the speed on the leg that ends there. Maneuvers are not included: the mission leads from one to the next.
 ///
 /// # Errors
 /// As [`super::rtz`], but for the limit of 10 NM.
@@ -35,7 +35,7 @@ pub fn qgroundcontrol(route: &Route) -> Result<String, Invalid> {
         "fileType": "Plan",
         "version": 1,
         "groundStation": "QGroundControl",
-        // No key of the format: ground stations pass over it, people read it.
+        // Not a key of the format: ground stations ignore it, users can read it.
         "description": route.name,
         "mission": {
             "version": 2,

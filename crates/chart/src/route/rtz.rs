@@ -9,7 +9,7 @@ use crate::Invalid;
 
 const NAMESPACE: &str = "http://www.cirm.org/RTZ/1/0";
 const KNOT_M_S: f64 = NAUTICAL_MILE_M / 3600.0;
-/// Radii must be below this, and so must cross-track distances.
+/// Upper limit of radii and cross-track distances.
 const LARGEST_NM: f64 = 10.0;
 
 /// The route as RTZ 1.0 (IEC 61174:2015, annex S): nautical miles and knots.
@@ -64,7 +64,7 @@ fn waypoints(xml: &mut Xml, route: &Route) -> io::Result<()> {
     Ok(())
 }
 
-/// The departure as what was decided, the times that follow as what was calculated.
+/// The departure as the decided time, the times that follow as calculated ones.
 fn schedule(xml: &mut Xml, route: &Route) -> io::Result<()> {
     xml.create_element("schedules").write_inner_content(|xml| {
         let own = xml.create_element("schedule").with_attributes([("id", "1"), ("name", "planned")]);
@@ -80,7 +80,8 @@ fn schedule(xml: &mut Xml, route: &Route) -> io::Result<()> {
     Ok(())
 }
 
-/// A waypoint's time: the departure from the first, the arrival at others. Version 1.0 of the schema spells the element so.
+/// A waypoint's time: the departure from the first, the arrival at others. Version 1.0 of the schema spells
+/// the element this way.
 fn scheduled(xml: &mut Xml, route: &Route, index: usize) -> io::Result<()> {
     let Some(time) = route.instant(index) else { return Ok(()) };
     let waypoint = &route.waypoints[index];
@@ -100,7 +101,7 @@ fn knots(speed_m_s: f64) -> String {
 /// The leg that ends at a waypoint.
 fn leg(xml: &mut Xml, waypoint: &Waypoint) -> io::Result<()> {
     let speed = waypoint.speed_m_s.map(knots);
-    // A corridor wider than the format can tell is left out, not narrowed.
+    // A corridor wider than the format allows is left out, not narrowed.
     let xtd = waypoint.xtd_m.filter(|xtd| xtd.iter().all(|m| m / NAUTICAL_MILE_M < LARGEST_NM - 1e-6));
     let xtd = xtd.map(|xtd| xtd.map(|m| decimal(m / NAUTICAL_MILE_M, 6)));
     let mut element = xml.create_element("leg");

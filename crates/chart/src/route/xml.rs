@@ -9,7 +9,7 @@ use crate::Invalid;
 
 pub(crate) type Xml = Writer<Vec<u8>>;
 
-/// A document with what `content` writes.
+/// A document whose elements `content` writes.
 pub(crate) fn document(content: impl FnOnce(&mut Xml) -> io::Result<()>) -> Result<String, Invalid> {
     let failed = |found: String| Invalid::new("XML", found, "text", "report this as a defect");
     let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
@@ -33,7 +33,7 @@ pub(crate) fn decimal(value: f64, digits: usize) -> String {
     if short == "-0" { "0".to_owned() } else { short.to_owned() }
 }
 
-/// Longitude in [−180, 180) as both formats ask, to 10⁻⁹ degrees.
+/// Longitude in [−180, 180) as both formats require, to 10⁻⁹ degrees.
 pub(crate) fn longitude(lon_deg: f64) -> String {
     let text = decimal(lon_deg, 9);
     if text == "180" { "-180".to_owned() } else { text }

@@ -76,7 +76,7 @@ fn the_edge_of_what_is_charted_is_a_danger() {
     let chart = Chart::new(plane, area, &[Layer::Polygons(layer)], None).unwrap();
     let north = plane.to_plane(25.0, 60.01)[1];
     let found = chart.dangers(5.0).nearest(&[[0.0, north - 100.0]]).unwrap();
-    assert_eq!(found.called.to_string(), "edge of what is charted");
+    assert_eq!(found.called.to_string(), "edge of the charted area");
     assert!((found.distance_m - 100.0).abs() < 0.5, "{found:?}");
     assert_eq!(chart.dangers(5.0).nearest(&[]), None);
 }

@@ -1,4 +1,4 @@
-//! Points and lines of charts: dangers with room around them, never left out.
+//! Points and lines of charts: dangers with their radius, never left out.
 
 use chart::{Bounds, Causes, Chart, Layer, LayerKind, Obstacles, Plane, PolygonLayer, Raster, Uncharted};
 
@@ -47,14 +47,14 @@ fn assert_around(text: &str, radius_m: f64, lines: &[&[[f64; 2]]]) {
     let mut counts = [0; 2];
     for k in 0..raster.nx * raster.ny {
         let (col, row) = (k % raster.nx, k / raster.nx);
-        let middle = raster.node(col, row).map(|o| o + CELL_M / 2.0);
-        let pieces = placed.iter().flat_map(|line| line.windows(line.len().min(2)));
-        let away = pieces.map(|w| from_segment(middle, w[0], w[w.len() - 1])).fold(f64::INFINITY, f64::min);
+        let centre = raster.node(col, row).map(|o| o + CELL_M / 2.0);
+        let segments = placed.iter().flat_map(|line| line.windows(line.len().min(2)));
+        let away = segments.map(|w| from_segment(centre, w[0], w[w.len() - 1])).fold(f64::INFINITY, f64::min);
         let is = obstacles.causes(col, row).any();
-        assert!(is || away > radius_m, "{middle:?} is {away} m away and free");
+        assert!(is || away > radius_m, "{centre:?} is {away} m away and free");
         assert!(
             !is || away <= 1.03 * radius_m + CELL_M * 0.75,
-            "{middle:?} is {away} m away and an obstacle"
+            "{centre:?} is {away} m away and an obstacle"
         );
         counts[usize::from(is)] += 1;
     }
@@ -112,12 +112,12 @@ fn a_sounding_or_a_danger_charts_no_water() {
     assert_eq!(
         cause_at(&obstacles, [250.0, 5.0]),
         Causes::UNCHARTED,
-        "over a deep wreck beside charted water"
+        "over a deep wreck next to charted water"
     );
     assert_eq!(
         cause_at(&obstacles, [558.0, 5.0]),
         Causes::UNCHARTED,
-        "at a deep sounding beside charted water"
+        "at a deep sounding next to charted water"
     );
 }
 

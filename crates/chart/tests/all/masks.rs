@@ -13,23 +13,23 @@ fn notched() -> (Polygon, Vec<Vec<[f64; 2]>>) {
     let plane = Plane::new(25.0, 60.0).unwrap();
     let polygon = Polygon::of_corners(Class::NoGo, &CORNERS, &plane).unwrap();
     for [lon, lat] in CORNERS {
-        assert!(polygon.room_m(plane.to_plane(lon, lat)).abs() < 1e-6);
+        assert!(polygon.inside_m(plane.to_plane(lon, lat)).abs() < 1e-6);
     }
     let ring = polygon.rings[0].iter().chain(polygon.rings[0].first()).copied().collect();
     (polygon, vec![ring])
 }
 
 #[test]
-fn law_room_is_the_distance_to_the_edge_and_below_0_outside() {
+fn law_inside_m_is_the_distance_to_the_edge_and_below_0_outside() {
     let (polygon, rings) = notched();
     let edge_m = |p| rings[0].windows(2).map(|w| from_segment(p, w[0], w[1])).fold(f64::INFINITY, f64::min);
     let mut held = 0;
     for k in 0..10_000_i32 {
         let p = [f64::from(k % 100 - 50) * 31.0 + 0.7, f64::from(k / 100 - 50) * 29.0 + 0.3];
-        let room = polygon.room_m(p);
+        let inside_m = polygon.inside_m(p);
         held += usize::from(inside(&rings, p));
-        assert_eq!(room > 0.0, inside(&rings, p), "{p:?}");
-        assert!((room.abs() - edge_m(p)).abs() < 1e-9, "{p:?}");
+        assert_eq!(inside_m > 0.0, inside(&rings, p), "{p:?}");
+        assert!((inside_m.abs() - edge_m(p)).abs() < 1e-9, "{p:?}");
     }
     assert!((1000..9000).contains(&held), "{held}");
 }
@@ -53,7 +53,7 @@ fn law_free_cells_lie_outside_of_a_polygon_or_inside_of_it_as_a_whole() {
             assert!(points.all(|p| inside(&rings, p)), "{col} {row}");
         } else {
             // An edge passes through the cell.
-            assert!(points.any(|p| polygon.room_m(p).abs() < raster.cell_m / 8.0), "{col} {row}");
+            assert!(points.any(|p| polygon.inside_m(p).abs() < raster.cell_m / 8.0), "{col} {row}");
         }
         free[if out { 0 } else { 1 + usize::from(own) }] += 1;
     }

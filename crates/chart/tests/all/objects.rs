@@ -1,4 +1,4 @@
-//! Electronic charts by the rules of their classes: what is kept out of, by how much, and what is told of the rest.
+//! Electronic charts by the rules of their classes: what is avoided, by how much, and how the rest is counted.
 
 use std::collections::BTreeMap;
 
@@ -114,7 +114,7 @@ fn radii_rules_and_the_air_draught_are_the_users_own() {
 #[test]
 fn what_becomes_of_every_object_is_counted() {
     let (_, tallies) = layer(&bay(), &Rules::default());
-    let told: BTreeMap<&str, [u64; 4]> = tallies
+    let found: BTreeMap<&str, [u64; 4]> = tallies
         .iter()
         .map(|(class, t)| (class.as_str(), [t.objects, t.avoided, t.maneuvers_avoid, t.ignored]))
         .collect();
@@ -132,7 +132,7 @@ fn what_becomes_of_every_object_is_counted() {
         ("UWTROC", [1, 1, 0, 0]),
         ("WRECKS", [2, 2, 0, 0]),
     ];
-    assert_eq!(told, expected.into());
+    assert_eq!(found, expected.into());
 }
 
 /// All positions of a place, sorted: GeoJSON turns rings round.
@@ -207,12 +207,12 @@ fn objects_that_matter_have_a_place() {
         position_quality: Vec::new(),
     };
     let layer = |object, rules: &Rules| PolygonLayer::from_objects(&[object], Some(20_000), rules);
-    let told = layer(wreck(Geometry::None), &Rules::default()).unwrap_err().to_string();
-    assert!(told.contains("WRECKS 1-2-3") && told.contains("no geometry"), "{told}");
+    let message = layer(wreck(Geometry::None), &Rules::default()).unwrap_err().to_string();
+    assert!(message.contains("WRECKS 1-2-3") && message.contains("no geometry"), "{message}");
     let mut deep = wreck(Geometry::Points(vec![[25.0, 60.0]]));
     deep.attributes.insert(enc::attribute::VALSOU.0, "5 m".into());
-    let told = layer(deep, &Rules::default()).unwrap_err().to_string();
-    assert!(told.contains("VALSOU") && told.contains("5 m"), "{told}");
+    let message = layer(deep, &Rules::default()).unwrap_err().to_string();
+    assert!(message.contains("VALSOU") && message.contains("5 m"), "{message}");
     // A class that no standard knows may be anything.
     let unknown = Feature { class: 17_003, ..wreck(Geometry::Points(vec![[25.0, 60.0]])) };
     let (layer, _) = layer(unknown, &Rules::default()).unwrap();
@@ -255,7 +255,7 @@ fn became(own: Feature) -> (u64, Vec<Ignored>) {
 /// Whether an object counts is decided by where it stands, not by its class: every class with a body, and every code that the
 /// standard lacks.
 #[test]
-fn law_whatever_has_a_body_is_an_obstacle_in_water_and_none_on_land() {
+fn law_solid_objects_are_obstacles_in_water_and_none_on_land() {
     let bodies =
         RULES.iter().filter(|rule| matches!(rule.judged, Judged::Body | Judged::Clearance | Judged::Unknown));
     let mut classes: Vec<u16> =
@@ -326,7 +326,7 @@ fn what_has_no_body_is_ignored_wherever_it_is_and_with_its_reason() {
 #[test]
 fn parts_in_other_units_or_of_another_datum_are_refused() {
     let area = || Geometry::Area(vec![vec![rectangle([24.0, 59.0], [26.0, 61.0])]]);
-    let told = |name: &str, (code, _): (u16, &str), value: &str| {
+    let message = |name: &str, (code, _): (u16, &str), value: &str| {
         let mut own = object(name, area());
         own.attributes.insert(code, value.into());
         let land = object("LNDARE", Geometry::Points(vec![[25.0, 60.0]]));
@@ -338,9 +338,9 @@ fn parts_in_other_units_or_of_another_datum_are_refused() {
     for (name, attribute, good, bad) in
         [("M_UNIT", DUNITS, "1", "3"), ("M_UNIT", HUNITS, "1", "2"), ("M_HDAT", HORDAT, "2", "1")]
     {
-        assert_eq!(told(name, attribute, good), Ok(()));
-        let told = told(name, attribute, bad).unwrap_err();
-        assert!(told.contains(name) && told.contains(attribute.1), "{told}");
+        assert_eq!(message(name, attribute, good), Ok(()));
+        let message = message(name, attribute, bad).unwrap_err();
+        assert!(message.contains(name) && message.contains(attribute.1), "{message}");
     }
 }
 
@@ -350,8 +350,8 @@ fn rules_of_what_is_no_class_or_has_none_are_refused() {
         let rules = Rules { changed: [(name.to_owned(), treatment)].into(), ..Rules::default() };
         rules.check().map_err(|e| e.to_string())
     };
-    let told = refused("WRECK", Treatment::Avoid).unwrap_err();
-    assert!(told.contains("rules.WRECK") && told.contains("did you mean `WRECKS`"), "{told}");
+    let message = refused("WRECK", Treatment::Avoid).unwrap_err();
+    assert!(message.contains("rules.WRECK") && message.contains("did you mean `WRECKS`"), "{message}");
     assert!(refused("DEPARE", Treatment::Ignore).unwrap_err().contains("safety.transit_depth_m"));
     assert!(refused("OBSTRN", Treatment::ManeuversAvoid).unwrap_err().contains("`avoid` or `ignore`"));
     assert_eq!(refused("CTNARE", Treatment::Avoid), Ok(()));
@@ -406,10 +406,10 @@ fn every_charted_obstruction_and_wreck_is_kept() {
         let reach = ((mark.radius_m + margin_m) / CELL_M) as usize + 2;
         for k in 0..(2 * reach + 1).pow(2) {
             let (c, r) = (col + k % (2 * reach + 1) - reach, row + k / (2 * reach + 1) - reach);
-            let middle = raster.node(c, r).map(|v| v + CELL_M / 2.0);
-            let pieces = line.windows(line.len().min(2));
+            let centre = raster.node(c, r).map(|v| v + CELL_M / 2.0);
+            let segments = line.windows(line.len().min(2));
             let away =
-                pieces.map(|w| from_segment(middle, w[0], w[w.len() - 1])).fold(f64::INFINITY, f64::min);
+                segments.map(|w| from_segment(centre, w[0], w[w.len() - 1])).fold(f64::INFINITY, f64::min);
             assert!(
                 obstacles.is_blocked(c, r) || away >= mark.radius_m + margin_m,
                 "{mark:?}: free at {away} m"

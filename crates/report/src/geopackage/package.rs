@@ -14,19 +14,19 @@ const SCHEMA: &str = include_str!("package.sql");
 pub struct StyledLayer {
     /// Name of its table: lower-case letters and `_`; unique.
     pub name: &'static str,
-    /// What it is called by people; unique.
+    /// Its title for users; unique.
     pub title: String,
-    /// What its features are.
+    /// The shape of its features.
     pub shape: Shape,
-    /// Columns beside the geometry: what they hold of the features' properties, by name. What a feature lacks is absent.
+    /// Columns besides the geometry: properties of the features, by name. Missing ones are null.
     pub columns: &'static [(&'static str, Column)],
-    /// In the order of drawing.
+    /// In drawing order.
     pub features: Vec<Feature>,
     /// How QGIS draws it (QML).
     pub style: &'static str,
 }
 
-/// What the features of a layer are.
+/// The shape of the features of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// Places.
@@ -37,7 +37,7 @@ pub enum Shape {
     Polygon,
 }
 
-/// What a column holds.
+/// The type of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
     /// Text.
@@ -48,12 +48,13 @@ pub enum Column {
     Real,
     /// True or false.
     Boolean,
-    /// A time of day in UTC; the property tells seconds after the departure.
+    /// A time of day in UTC; the property holds seconds after the departure.
     Time,
 }
 
-/// The layers as a GeoPackage, with a style of each that QGIS takes when it loads the layer. A shape across the antimeridian goes
-/// on beyond ±180°. The layers have last changed at the departure, or in 1970 without one: the same layers are the same bytes.
+/// The layers as a GeoPackage, each with a style that QGIS uses when it loads the layer. A shape across the
+/// antimeridian continues beyond ±180°. The layers' last change is the departure, or 1970 without one, so
+/// that equal layers give equal bytes.
 ///
 /// # Errors
 /// Coordinates that are not finite or out of range; a line of fewer than two points, a polygon of fewer than four; a shape that
@@ -66,7 +67,7 @@ pub fn package(layers: &[StyledLayer], departure: Option<Timestamp>) -> Result<V
     Package::new(departure).and_then(|mut package| package.written(layers, &shapes)).map_err(failed)
 }
 
-/// The places of a layer's features.
+/// The positions of a layer's features.
 fn shapes(layer: &StyledLayer) -> Result<Vec<Vec<[f64; 2]>>, Invalid> {
     let own = |(index, feature): (usize, &Feature)| {
         let thing = format!("layer `{}`, feature {index}", layer.name);
@@ -117,12 +118,12 @@ impl Package {
         Ok(self.connection.serialize("main")?.to_vec())
     }
 
-    /// When the layers changed.
+    /// The layers' last change.
     fn changed(&self) -> String {
         moment(self.departure.unwrap_or(Timestamp::UNIX_EPOCH))
     }
 
-    /// Lists a layer, and its style.
+    /// Registers a layer and its style.
     fn list(&self, layer: &StyledLayer, shapes: &[Vec<[f64; 2]>]) -> rusqlite::Result<()> {
         let StyledLayer { name, title, shape, style, .. } = layer;
         let extent = extent(shapes.iter().flatten()).map_or([None; 4], |extent| extent.map(Some));
@@ -143,7 +144,7 @@ impl Package {
         Ok(())
     }
 
-    /// Makes the table of a layer.
+    /// Creates the table of a layer.
     fn fill(&self, layer: &StyledLayer, shapes: &[Vec<[f64; 2]>]) -> rusqlite::Result<()> {
         let StyledLayer { name, shape, columns, features, .. } = layer;
         let declared: String =
@@ -209,7 +210,7 @@ impl Column {
     }
 }
 
-/// As the format asks: ISO 8601 in UTC, to the millisecond.
+/// ISO 8601 in UTC, to the millisecond, as the format requires.
 fn moment(at: Timestamp) -> String {
     format!("{at:.3}")
 }
@@ -223,10 +224,11 @@ fn extent<'a>(places: impl IntoIterator<Item = &'a [f64; 2]>) -> Option<[f64; 4]
     places.into_iter().fold(None, grown)
 }
 
-/// A geometry: the format's header, with the extent but of a point, then well-known binary, all little-endian.
+/// A geometry: the format's header, with the extent unless it is a point, then well-known binary, all
+/// little-endian.
 fn blob(shape: Shape, places: &[[f64; 2]]) -> Vec<u8> {
     let extent = extent(places).filter(|_| shape != Shape::Point);
-    // Version 0; flags: byte order, and which extent there is.
+    // Version 0; flags: byte order, and the kind of extent.
     let mut blob = vec![b'G', b'P', 0, if extent.is_some() { 0b11 } else { 0b01 }];
     blob.extend(4326_i32.to_le_bytes());
     blob.extend(extent.iter().flatten().flat_map(|v| v.to_le_bytes()));

@@ -24,10 +24,10 @@ fn layers() -> Vec<StyledLayer> {
     };
     let line = (0..900).map(|i| [24.9 + f64::from(i) * 1e-5, 60.1 - f64::from(i) * 2e-5]).collect();
     let ring = vec![[24.0, 60.0], [24.5, 60.0], [24.5, 60.5], [24.0, 60.0]];
-    let told =
+    let properties =
         json!({"what": "zig-zag 20°/20° 'A'", "count": 3, "depth_m": 12.5, "safe": true, "eta": 90.25});
     vec![
-        layer("places", Shape::Point, Geometry::Point([-24.25, -60.125]), told),
+        layer("places", Shape::Point, Geometry::Point([-24.25, -60.125]), properties),
         layer("lines", Shape::Line, Geometry::Line(line), json!({"depth_m": null, "other": 1})),
         layer("areas", Shape::Polygon, Geometry::Polygon(ring), json!({"safe": false, "depth_m": 7})),
     ]
@@ -137,13 +137,13 @@ fn law_geometries_and_properties_are_read_back() {
         let listed = "SELECT min_x, max_x, min_y, max_y FROM gpkg_contents WHERE table_name";
         assert_eq!(rows(&file, &format!("{listed} = '{}'", layer.name)), [own.map(Value::Real)]);
     }
-    let told =
+    let stored =
         |name: &str| rows(&file, &format!("SELECT what, count, depth_m, safe, eta FROM {name}")).remove(0);
     let eta = text("2026-06-01T08:01:30.250Z");
     let place = [text("zig-zag 20°/20° 'A'"), Value::Integer(3), Value::Real(12.5), Value::Integer(1), eta];
-    assert_eq!(told("places"), place);
-    assert!(told("lines").iter().all(|value| *value == Value::Null));
-    assert_eq!(told("areas")[2..4], [Value::Real(7.0), Value::Integer(0)]);
+    assert_eq!(stored("places"), place);
+    assert!(stored("lines").iter().all(|value| *value == Value::Null));
+    assert_eq!(stored("areas")[2..4], [Value::Real(7.0), Value::Integer(0)]);
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn law_the_same_layers_are_the_same_bytes() {
 }
 
 #[test]
-fn a_shape_across_the_antimeridian_goes_on() {
+fn a_shape_across_the_antimeridian_continues() {
     let mut layers = layers();
     let ring = vec![[179.5, 1.0], [-179.5, 1.0], [-179.5, 2.0], [179.5, 1.0]];
     layers[2].features[0].geometry = Geometry::Polygon(ring);
