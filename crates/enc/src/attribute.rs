@@ -1,4 +1,4 @@
-//! Attributes of objects that charts are judged by: code and acronym (IHO object catalogue, S-57 appendix A).
+//! Attributes that charts are judged by: code and acronym (IHO object catalogue, S-57 appendix A).
 
 /// An attribute: its code and its acronym.
 pub type Attribute = (u16, &'static str);
@@ -15,7 +15,7 @@ pub const DUNITS: Attribute = (89, "DUNITS");
 pub const HUNITS: Attribute = (96, "HUNITS");
 /// Name.
 pub const OBJNAM: Attribute = (116, "OBJNAM");
-/// What is not allowed: 7 entry prohibited, 8 entry restricted, 14 area to be avoided, and others.
+/// Restrictions: 7 entry prohibited, 8 entry restricted, 14 area to be avoided, and others.
 pub const RESTRN: Attribute = (131, "RESTRN");
 /// Depth of a contour \[m\].
 pub const VALDCO: Attribute = (174, "VALDCO");
@@ -27,7 +27,8 @@ pub const VERCLR: Attribute = (181, "VERCLR");
 pub const VERCCL: Attribute = (182, "VERCCL");
 /// See [`VERCLR`].
 pub const VERCSA: Attribute = (184, "VERCSA");
-/// How water stands over it: 1 partly and 2 always dry, 3 always under water, 4 covers and uncovers, 5 awash, 7 floating.
+/// Water level effect: 1 partly and 2 always dry, 3 always under water, 4 covers and uncovers, 5 awash, 7
+/// floating.
 pub const WATLEV: Attribute = (187, "WATLEV");
 /// Datum of heights or depths in an area, see [`crate::vertical_datum`].
 pub const VERDAT: Attribute = (185, "VERDAT");

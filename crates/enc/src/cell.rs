@@ -11,14 +11,14 @@ use crate::topology::{Topology, stored};
 use crate::update::{apply, moved};
 use crate::{Datums, Feature, Identity, Invalid, Purpose, layout};
 
-/// How often objects may use what the cell stores, on average: real cells stay below ten.
+/// How often objects may use the stored places, on average: real cells stay below ten.
 const MOST_USES: u64 = 64;
 /// Places that any cell may have.
 const ALWAYS: u64 = 1_000_000;
-/// Places and pointers that one update may move along their lists.
+/// Most places and pointers that one update may move within their lists.
 const MOST_MOVED: u64 = 1_000_000_000;
 
-/// A cell, as it stands after the updates that were applied.
+/// A cell with its updates applied.
 #[derive(Clone, Debug)]
 pub struct Cell {
     identity: Identity,
@@ -31,8 +31,8 @@ impl Cell {
     /// Reads the base file of a cell (`.000`).
     ///
     /// # Errors
-    /// What is no ISO 8211, cut off or encrypted; another product than a binary ENC of S-57; an update; records that
-    /// contradict each other.
+    /// Files that are not ISO 8211, cut off or encrypted; another product than a binary ENC of S-57; an
+    /// update; inconsistent records.
     pub fn read(file: &[u8]) -> Result<Self, Invalid> {
         let (identity, changes) = read(file)?;
         if identity.purpose == Purpose::Update {
@@ -53,11 +53,12 @@ impl Cell {
         Ok(cell)
     }
 
-    /// Applies the next update. One that the base file holds already, as a new issue does, changes nothing.
+    /// Applies the next update. One that the base file already contains, as a new issue does, changes
+    /// nothing.
     ///
     /// # Errors
-    /// As [`Cell::read`]; an update that is not the next one, or of another edition; changes of records that are not
-    /// there. The cell is of no use after them.
+    /// As [`Cell::read`]; an update that is not the next one, or of another edition; changes of missing
+    /// records. The cell must not be used afterwards.
     pub fn update(&mut self, file: &[u8]) -> Result<(), Invalid> {
         let (identity, changes) = read(file)?;
         let own = &self.identity;
@@ -90,7 +91,7 @@ impl Cell {
         self.take(changes.vectors, changes.objects)
     }
 
-    /// Which cell it is, with the number and date of its last update.
+    /// The identity of the cell, with the number and date of its last update.
     pub fn identity(&self) -> &Identity {
         &self.identity
     }
@@ -100,25 +101,25 @@ impl Cell {
         self.parameters.scale
     }
 
-    /// What its heights and depths are measured from.
+    /// The datums of its heights and depths.
     pub fn datums(&self) -> Datums {
         self.parameters.datums
     }
 
-    /// All objects, in the order of their records' numbers.
+    /// All objects, in the order of their record numbers.
     ///
     /// # Errors
-    /// Objects whose nodes or edges are not there, or whose rings do not close; more places than [`Cell::features_within`]
-    /// ever takes.
+    /// Objects with missing nodes or edges, or with rings that do not close; more places than
+    /// [`Cell::features_within`] ever allows.
     pub fn features(&self) -> Result<Vec<Feature>, Invalid> {
         self.features_within(u64::MAX)
     }
 
-    /// The same with at most so many places in all of them; objects that use what is stored more than 64 times on average
-    /// are never read.
+    /// All objects, with at most `most_places` places in total; objects that use the stored places more than
+    /// 64 times on average are never read.
     ///
     /// # Errors
-    /// As there; more places.
+    /// As [`Cell::features`]; more places.
     pub fn features_within(&self, most_places: u64) -> Result<Vec<Feature>, Invalid> {
         let most = (MOST_USES * stored(&self.vectors)).max(ALWAYS).min(most_places);
         let topology = Topology::new(&self.vectors, self.parameters, most);
@@ -141,7 +142,7 @@ impl Cell {
     }
 }
 
-/// What a file says that it is, be it a cell or an update; its other records are not looked at.
+/// The identity that a file states, whether cell or update; its other records are not read.
 ///
 /// # Errors
 /// As [`Cell::read`].
@@ -166,7 +167,7 @@ fn check_moved(all: u64) -> Result<(), Invalid> {
     Err(Invalid::new("update", found, "changes of a chart", "report it to the chart's producer"))
 }
 
-/// What a file holds besides its identity.
+/// The contents of a file besides its identity.
 #[derive(Default)]
 struct Changes {
     parameters: Option<Parameters>,
@@ -180,9 +181,9 @@ impl Changes {
         let nodes = |kind: u8| self.vectors.iter().filter(|vector| vector.name.0 == kind).count();
         let found = [self.objects.len(), nodes(ISOLATED), nodes(CONNECTED), nodes(EDGE)];
         let names = ["objects", "isolated nodes", "connected nodes", "edges"];
-        for ((name, found), told) in names.iter().zip(found).zip(structure.records) {
-            if found < told as usize {
-                let expected = format!("the {told} that it tells of");
+        for ((name, found), stated) in names.iter().zip(found).zip(structure.records) {
+            if found < stated as usize {
+                let expected = format!("the {stated} that it states");
                 let remedy = "download or copy the file again: it is cut off";
                 return Err(Invalid::new("cell", format!("{found} {name}"), expected, remedy));
             }

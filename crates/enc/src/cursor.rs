@@ -1,16 +1,16 @@
-//! Subfields one after the other, as S-57 writes them: little-endian numbers, and text up to its end mark.
+//! Consecutive subfields, as S-57 writes them: little-endian numbers, and text up to its terminator.
 
 use crate::Invalid;
 use crate::iso8211::{FIELD_END, Record, UNIT_END};
 
-/// How text is written (S-57, 2.4: lexical levels 0 and 1 are Latin letters of a byte, 2 is UCS-2).
+/// The encoding of text (S-57, 2.4: lexical levels 0 and 1 are single-byte Latin letters, 2 is UCS-2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lexical {
     Latin,
     Ucs2,
 }
 
-/// What is left of a field.
+/// The unread rest of a field.
 pub(crate) struct Cursor<'a> {
     rest: &'a [u8],
     tag: &'static str,
@@ -18,12 +18,12 @@ pub(crate) struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    /// The field of a tag, without its end mark; `None` where the record lacks it.
+    /// The field of a tag, without its terminator; `None` where the record lacks it.
     pub(crate) fn of(record: &Record<'a>, tag: &'static str) -> Option<Self> {
         Self::of_text(record, tag, Lexical::Latin)
     }
 
-    /// The same for a field whose text and end mark are written as `lexical` says.
+    /// The same for a field whose text and terminator are encoded as `lexical`.
     pub(crate) fn of_text(record: &Record<'a>, tag: &'static str, lexical: Lexical) -> Option<Self> {
         let bytes = record.field(tag)?;
         let end: &[u8] = if lexical == Lexical::Ucs2 { &[FIELD_END, 0] } else { &[FIELD_END] };
@@ -31,7 +31,7 @@ impl<'a> Cursor<'a> {
         Some(Self { rest, tag, record: record.number })
     }
 
-    /// The field of a tag that every such record has.
+    /// A mandatory field.
     pub(crate) fn needed(record: &Record<'a>, tag: &'static str) -> Result<Self, Invalid> {
         Self::of(record, tag).ok_or_else(|| {
             let thing = format!("record {}", record.number);
@@ -65,12 +65,12 @@ impl<'a> Cursor<'a> {
         Ok(i32::from_le_bytes(self.take()?))
     }
 
-    /// A text of as many letters as are fixed for it.
+    /// A text of fixed length.
     pub(crate) fn letters<const N: usize>(&mut self) -> Result<String, Invalid> {
         Ok(self.take::<N>()?.iter().map(|b| char::from(*b)).collect())
     }
 
-    /// A text of a fixed length, or up to its end mark; the last one of a field may lack that.
+    /// A text of a fixed length, or up to its terminator, which the last one of a field may lack.
     pub(crate) fn text_of(&mut self, length: Option<usize>) -> Result<String, Invalid> {
         let Some(length) = length else {
             let ends = self.rest.contains(&UNIT_END);
@@ -81,7 +81,7 @@ impl<'a> Cursor<'a> {
         Ok(latin(own))
     }
 
-    /// A text up to its end mark.
+    /// A text up to its terminator.
     pub(crate) fn text(&mut self, lexical: Lexical) -> Result<String, Invalid> {
         match lexical {
             Lexical::Latin => {
@@ -106,7 +106,7 @@ impl<'a> Cursor<'a> {
     fn early(&self) -> Invalid {
         Invalid::new(
             format!("record {}, field {}", self.record, self.tag),
-            "an end in the middle of a subfield",
+            "an end within a subfield",
             "whole subfields",
             "download or copy the file again",
         )

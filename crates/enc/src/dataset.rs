@@ -1,4 +1,4 @@
-//! What a file says about itself: which cell, edition and update it is, and in which units it is written.
+//! A file's description of itself: its cell, edition, update and units.
 
 use crate::Invalid;
 use crate::cursor::{Cursor, Lexical};
@@ -6,7 +6,7 @@ use crate::datum::Datums;
 use crate::iso8211::Record;
 use crate::layout::other_product;
 
-/// What a file is for.
+/// The purpose of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     /// A whole cell (`.000`).
@@ -15,7 +15,7 @@ pub enum Purpose {
     Update,
 }
 
-/// Which cell a file is of.
+/// The cell that a file belongs to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {
     /// What the file is for.
@@ -24,13 +24,13 @@ pub struct Identity {
     pub name: String,
     /// Edition; an update is for the cell of the same one.
     pub edition: String,
-    /// Number of the last update that is in it: 0 for a new edition.
+    /// Number of the last update that it includes: 0 for a new edition.
     pub update: u32,
     /// Date of issue, as YYYYMMDD.
     pub issued: String,
 }
 
-/// In which units a cell is written.
+/// The units of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Parameters {
     /// Units of coordinates per degree.
@@ -39,11 +39,11 @@ pub(crate) struct Parameters {
     pub per_metre: f64,
     /// Compilation scale: 1 to this.
     pub scale: u32,
-    /// What heights and depths are measured from.
+    /// The datums of heights and depths.
     pub datums: Datums,
 }
 
-/// What a file holds.
+/// The contents of a file.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Structure {
     /// How national text is written.
@@ -52,7 +52,7 @@ pub(crate) struct Structure {
     pub records: [u32; 4],
 }
 
-/// The record of a file that identifies it, and says what it holds.
+/// Reads the record that identifies a file and describes its contents.
 pub(crate) fn identity(record: &Record<'_>) -> Result<(Identity, Structure), Invalid> {
     let mut own = Cursor::needed(record, "DSID")?;
     own.u8()?;
@@ -98,7 +98,7 @@ fn structure(record: &Record<'_>) -> Result<Structure, Invalid> {
     Ok(Structure { national, records: [objects, own.u32()?, own.u32()?, own.u32()?] })
 }
 
-/// The record of a cell that tells its units.
+/// The record of a cell that states its units.
 pub(crate) fn parameters(record: &Record<'_>) -> Result<Parameters, Invalid> {
     let mut own = Cursor::needed(record, "DSPM")?;
     own.u8()?;

@@ -1,6 +1,6 @@
 //! Vertical datums of S-57 (attribute VERDAT; VDAT and SDAT of a cell).
 
-/// What the heights and depths of a cell are measured from, by the codes of VERDAT.
+/// The datums of a cell's heights and depths, by the codes of VERDAT.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Datums {
     /// Of heights and clearances (VDAT).
@@ -43,7 +43,7 @@ const NAMES: [&str; 30] = [
     "highest astronomical tide",
 ];
 
-/// What a code of VERDAT means; `None` for one that the standard lacks.
+/// The name of a code of VERDAT; `None` if the standard lacks it.
 pub fn vertical_datum(code: u8) -> Option<&'static str> {
     match code {
         44 => Some("Baltic Sea chart datum 2000"),

@@ -10,7 +10,7 @@ use crate::layout::{expanded, format_of};
 /// A file that a catalogue lists.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Listed {
-    /// Where it stands below the folder of the catalogue, in capitals, part by part.
+    /// Its path below the folder of the catalogue, in capitals, component by component.
     pub place: Vec<String>,
     /// Its CRC-32 (that of IEEE 802.3 and of zip archives; ENC product specification, 5.9); `None` where the catalogue has none.
     pub crc: Option<u32>,
@@ -22,13 +22,13 @@ impl Listed {
         self.place.last().map_or("", String::as_str)
     }
 
-    /// Whether its bytes are those that the catalogue was made of; true where that does not say.
+    /// Whether its bytes match the catalogue; true where that has no checksum.
     pub fn agrees(&self, bytes: &[u8]) -> bool {
         self.crc.is_none_or(|own| own == crc(bytes))
     }
 }
 
-/// The checksum of a file, as catalogues have it.
+/// The checksum of a file, as in catalogues.
 pub fn crc(file: &[u8]) -> u32 {
     crc32fast::hash(file)
 }
@@ -36,7 +36,8 @@ pub fn crc(file: &[u8]) -> u32 {
 /// The files that a catalogue lists, in its order.
 ///
 /// # Errors
-/// What is no ISO 8211 or cut off; another file than a catalogue; checksums that are no hexadecimal numbers.
+/// Files that are not ISO 8211, or cut off; another file than a catalogue; checksums that are not hexadecimal
+/// numbers.
 pub fn listed(catalogue: &[u8]) -> Result<Vec<Listed>, Invalid> {
     let records = records(catalogue)?;
     let Some((descriptive, data)) = records.split_first() else { return Ok(Vec::new()) };
@@ -47,7 +48,7 @@ pub fn listed(catalogue: &[u8]) -> Result<Vec<Listed>, Invalid> {
 
 const CATD: &str = "CATD";
 
-/// How the entries of a catalogue are laid out: the length of each subfield, where it is fixed.
+/// The layout of a catalogue's entries: the length of each subfield, if it is fixed.
 struct Subfields {
     lengths: Vec<Option<usize>>,
     file: usize,
@@ -92,7 +93,7 @@ impl Subfields {
     }
 }
 
-/// The parts of a path as catalogues write it: with backslashes, and at times beginning at `ENC_ROOT`.
+/// The components of a path as catalogues write it: with backslashes, and sometimes beginning at `ENC_ROOT`.
 fn place(file: &str) -> Vec<String> {
     let parts = file.split(['\\', '/']).map(|part| part.trim().to_ascii_uppercase());
     let mut place: Vec<String> = parts.filter(|part| !part.is_empty() && part != ".").collect();
@@ -102,7 +103,7 @@ fn place(file: &str) -> Vec<String> {
     place
 }
 
-/// The length of a text with a code such as `A(3)`; `None` for one up to its end mark.
+/// The length of a text with a code such as `A(3)`; `None` for one up to its terminator.
 fn fixed(code: &str) -> Option<usize> {
     code.split_once('(')?.1.strip_suffix(')')?.parse().ok()
 }

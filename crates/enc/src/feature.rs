@@ -1,28 +1,28 @@
-//! Objects of a cell, with their places.
+//! Objects of a cell, with their positions.
 
 use std::collections::BTreeMap;
 
 use crate::{Invalid, class_name};
 
-/// An object: what it is, where, and what is known of it.
+/// An object: its class, position and attributes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feature {
     /// Code of its class, see [`crate::class_name`].
     pub class: u16,
-    /// What tells it from all others, in all editions: producer, number, subdivision.
+    /// Its unique id in all editions: producer, number, subdivision.
     pub id: String,
-    /// What is known of it, by the attribute's code, see [`crate::attribute`]; as text, empty where it is unknown.
+    /// Its attributes, by code, see [`crate::attribute`]; as text, empty where unknown.
     pub attributes: BTreeMap<u16, String>,
-    /// Where it is.
+    /// Its position.
     pub geometry: Geometry,
-    /// What is said about the quality of its positions (QUAPOS); empty where nothing is.
+    /// The stated quality of its positions (QUAPOS), if any.
     pub position_quality: Vec<u8>,
 }
 
-/// Where an object is: longitude and latitude \[deg\].
+/// The position of an object: longitude and latitude \[deg\].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Geometry {
-    /// Nowhere: what says something of other objects.
+    /// None: a statement about other objects.
     None,
     /// At points.
     Points(Vec<[f64; 2]>),
@@ -35,7 +35,7 @@ pub enum Geometry {
 }
 
 impl Geometry {
-    /// Places that it is made of.
+    /// Number of places in it.
     pub fn places(&self) -> u64 {
         let all = match self {
             Self::None => 0,
@@ -52,7 +52,7 @@ impl Geometry {
 pub type Polygon = Vec<Vec<[f64; 2]>>;
 
 impl Feature {
-    /// Its class and what tells it from others, for messages.
+    /// Its class and id, for messages.
     pub fn named(&self) -> String {
         match class_name(self.class) {
             Some(name) => format!("{name} {}", self.id),
@@ -63,7 +63,7 @@ impl Feature {
     /// An attribute that is a number; `None` where it is unknown.
     ///
     /// # Errors
-    /// An attribute that is no finite number.
+    /// An attribute that is not a finite number.
     pub fn number(&self, (code, name): (u16, &str)) -> Result<Option<f64>, Invalid> {
         let Some(text) = self.attributes.get(&code).map(|text| text.trim()).filter(|text| !text.is_empty())
         else {
@@ -80,7 +80,7 @@ impl Feature {
         }
     }
 
-    /// The numbers of an attribute that is a list, such as `7,14`; those of none.
+    /// The numbers of an attribute that is a list, such as `7,14`; empty if it is unknown.
     pub fn list(&self, (code, _): (u16, &str)) -> Vec<u16> {
         let text = self.attributes.get(&code).map_or("", String::as_str);
         text.split(',').filter_map(|part| part.trim().parse().ok()).collect()

@@ -10,7 +10,7 @@ const LEADER: usize = 24;
 
 /// One record: tags of four characters and the bytes of their fields, terminators included.
 pub(crate) struct Record<'a> {
-    /// Place in the file, from 0: the data descriptive record.
+    /// Index in the file, from 0: the data descriptive record.
     pub number: usize,
     fields: Vec<(&'a [u8], &'a [u8])>,
 }
@@ -32,7 +32,7 @@ pub(crate) fn records(file: &[u8]) -> Result<Vec<Record<'_>>, Invalid> {
     first_records(file, usize::MAX)
 }
 
-/// The first records of a file, `most` of them where it has as many.
+/// The first `most` records of a file, or all if there are fewer.
 pub(crate) fn first_records(file: &[u8], most: usize) -> Result<Vec<Record<'_>>, Invalid> {
     let mut records = Vec::new();
     let mut at = 0;
@@ -71,13 +71,13 @@ fn record(rest: &[u8], number: usize, at: usize) -> Result<(Record<'_>, usize), 
         }
         fields.push((&entry[..4], &whole(to)?[from..]));
     }
-    // Records of 100,000 bytes and more have no length of their own.
+    // Records of 100,000 bytes and more do not state their length.
     let length = if leader.length > 0 { leader.length } else { end };
     whole(length)?;
     Ok((Record { number, fields }, length))
 }
 
-/// What stands at the beginning of a record.
+/// The leader at the beginning of a record.
 struct Leader {
     length: usize,
     /// Where the fields begin.
@@ -102,7 +102,7 @@ impl Leader {
         sound.then_some(own)
     }
 
-    /// Length and place of a field, as its entry in the directory says.
+    /// Length and offset of a field, from its entry in the directory.
     fn entry(&self, entry: &[u8]) -> Option<(usize, usize)> {
         let length = decimal(entry.get(4..4 + self.length_digits)?)?;
         let place = decimal(entry.get(4 + self.length_digits..4 + self.length_digits + self.place_digits)?)?;

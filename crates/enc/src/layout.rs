@@ -1,9 +1,9 @@
-//! What the data descriptive record says about fields, against what S-57 says (3.1, part 3, 7.3, binary).
+//! Checks the data descriptive record against the fields of S-57 (3.1, part 3, 7.3, binary).
 
 use crate::Invalid;
 use crate::iso8211::{FIELD_END, Record, UNIT_END};
 
-/// Fields that are read, and how they are laid out: `b12` an unsigned number of two bytes, `b24` a signed one of four,
+/// Fields that are read, and their layout: `b12` an unsigned number of two bytes, `b24` a signed one of four,
 /// `B(40)` forty bits, `A` text.
 const FIELDS: [(&str, &str); 16] = [
     ("DSID", "b11,b14,2b11,3A,2A(8),R(4),b11,2A,b11,b12,A"),
@@ -27,7 +27,7 @@ const FIELDS: [(&str, &str); 16] = [
 const OTHERS: [(&[u8], &str); 3] =
     [(b"CATD", "a catalogue of an exchange set"), (b"ATCS", "S-101"), (b"CSID", "S-101")];
 
-/// Refuses files of another product, and fields that are laid out otherwise.
+/// Refuses files of another product, and fields with another layout.
 pub(crate) fn check(descriptive: &Record<'_>) -> Result<(), Invalid> {
     for (tag, product) in OTHERS {
         if descriptive.fields().any(|(own, _)| own == tag) {
@@ -77,7 +77,7 @@ pub(crate) fn expanded(format: &str) -> Vec<String> {
 fn repeated(part: &str) -> impl Iterator<Item = String> {
     let digits = part.bytes().take_while(u8::is_ascii_digit).count();
     let (count, code) = part.split_at(digits);
-    // No field of the table has more subfields than this.
+    // No field of the table has more subfields.
     let count = count.parse().unwrap_or(1_usize).min(64);
     std::iter::repeat_n(code.to_owned(), count)
 }

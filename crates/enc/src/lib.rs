@@ -1,8 +1,9 @@
 //! Electronic navigational charts: a cell of IHO S-57 (edition 3.1) and its updates, from bytes to features.
 //!
-//! A cell is a file of ISO 8211 records (`US4MD81M.000`). Its vector records are nodes and edges, its feature records are
-//! objects of a class (`DEPARE`, `WRECKS`) that point to them. Updates (`.001`, `.002`, …) insert, delete and modify records,
-//! in their order. What is read are cells of the ENC product: binary, chain-node topology, WGS84, metres.
+//! A cell is a file of ISO 8211 records (`US4MD81M.000`). Its vector records are nodes and edges, its feature
+//! records are objects of a class (`DEPARE`, `WRECKS`) that point to them. Updates (`.001`, `.002`, …)
+//! insert, delete and modify records, in order. Only cells of the ENC product are read: binary, chain-node
+//! topology, WGS84, metres.
 //!
 //! Longitude comes before latitude, in degrees of WGS84; depths are positive down \[m\], below the sounding datum.
 //!

@@ -1,4 +1,4 @@
-//! Vector and feature records as they stand in a file.
+//! Vector and feature records of a file.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ pub(crate) const EDGE: u8 = 130;
 /// Feature records.
 const FEATURE: u8 = 100;
 
-/// What an update does with a record, or with a part of its list.
+/// An update's instruction for a record, or for a part of its list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Instruction {
     Insert,
@@ -23,11 +23,11 @@ pub(crate) enum Instruction {
     Modify,
 }
 
-/// Which part of a list an update changes.
+/// The part of a list that an update changes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Splice {
     pub instruction: Instruction,
-    /// First place, from 1.
+    /// The first place, from 1.
     pub index: usize,
     pub count: usize,
 }
@@ -44,14 +44,14 @@ pub(crate) struct Pointer {
     pub topology: u8,
 }
 
-/// A list, and which part of the list before it replaces; all of it without a splice.
+/// A list, and the part of the previous list that it replaces; all of it without a splice.
 #[derive(Clone, Debug)]
 pub(crate) struct Part<T> {
     pub splice: Option<Splice>,
     pub items: Vec<T>,
 }
 
-/// Attributes by their code; as text.
+/// Attributes by code, as text.
 pub(crate) type Attributes = BTreeMap<u16, String>;
 
 /// A node or an edge.
@@ -118,7 +118,7 @@ impl Object {
             return Err(refuse(record, format!("a feature record of kind {kind}"), "100"));
         }
         let instruction = instruction(record, code)?;
-        // Changes name the record by its number; what it is called is told once.
+        // Changes refer to the record by its number; its id is stated only once.
         let id = match Cursor::of(record, "FOID") {
             None if instruction != Instruction::Insert => (0, 0, 0),
             _ => identifier(Cursor::needed(record, "FOID")?)?,
@@ -145,7 +145,7 @@ fn identifier(mut cursor: Cursor<'_>) -> Result<(u16, u32, u16), Invalid> {
     Ok((cursor.u16()?, cursor.u32()?, cursor.u16()?))
 }
 
-/// All groups of subfields of a field; none where the record lacks it.
+/// All groups of subfields of a field; empty where the record lacks it.
 fn pairs<T>(
     record: &Record<'_>,
     tag: &'static str,

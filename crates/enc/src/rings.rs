@@ -1,4 +1,4 @@
-//! Edges put together: end to end as lines, and closed as rings.
+//! Joins edges: end to end as lines, and closed as rings.
 
 use std::collections::{HashMap, VecDeque};
 
@@ -8,14 +8,14 @@ pub(crate) type Place = [i32; 2];
 /// An edge in its direction.
 pub(crate) struct Run {
     pub places: Vec<Place>,
-    /// Whether it may be gone along backwards, too.
+    /// Whether it may also be traversed backwards.
     pub either_way: bool,
 }
 
 /// Outer and inner rings of a polygon, or lines.
 pub(crate) type Rings = Vec<Vec<Place>>;
 
-/// Edges as lines: those that follow each other become one.
+/// Edges as lines: consecutive ones are joined.
 pub(crate) fn runs(edges: Vec<Run>) -> Rings {
     let mut lines: Rings = Vec::new();
     for edge in edges {
@@ -27,8 +27,8 @@ pub(crate) fn runs(edges: Vec<Run>) -> Rings {
     lines
 }
 
-/// Polygons with these outer and inner rings. Almost all have one outer ring. `count` is called with the number of edges that
-/// are looked at next, and may refuse.
+/// Polygons with these outer and inner rings. Almost all have one outer ring. `count` is called with the
+/// number of edges to be tested next, and may refuse.
 pub(crate) fn polygons<E>(
     outside: Rings,
     inside: Rings,
@@ -36,23 +36,23 @@ pub(crate) fn polygons<E>(
 ) -> Result<Vec<Rings>, E> {
     let mut polygons: Vec<Rings> = outside.into_iter().map(|ring| vec![ring]).collect();
     for hole in inside {
-        let mut around = 0;
+        let mut outer = 0;
         if polygons.len() > 1 {
             for (k, polygon) in polygons.iter().enumerate() {
                 if holds(&polygon[0], &hole, &count)? {
-                    around = k;
+                    outer = k;
                     break;
                 }
             }
         }
-        if let Some(polygon) = polygons.get_mut(around) {
+        if let Some(polygon) = polygons.get_mut(outer) {
             polygon.push(hole);
         }
     }
     Ok(polygons)
 }
 
-/// Whether a ring holds another one that does not cross it: by the first place that is not on it.
+/// Whether a ring contains another one that does not cross it: by the first place that is not on it.
 fn holds<E>(ring: &[Place], hole: &[Place], count: impl Fn(usize) -> Result<(), E>) -> Result<bool, E> {
     for place in hole {
         count(ring.len())?;
@@ -64,7 +64,7 @@ fn holds<E>(ring: &[Place], hole: &[Place], count: impl Fn(usize) -> Result<(), 
     Ok(true)
 }
 
-/// Edges as rings: each goes on with the first of the edges left that follows.
+/// Edges as rings: each continues with the first remaining edge that follows.
 ///
 /// # Errors
 /// Where a ring ends without being closed.
@@ -88,7 +88,7 @@ pub(crate) fn rings(edges: Vec<Run>) -> Result<Rings, Place> {
     Ok(rings)
 }
 
-/// Which edges may be gone along from a place, in their order.
+/// The edges that may be traversed from a place, in order.
 struct Ends(HashMap<Place, VecDeque<usize>>);
 
 impl Ends {
@@ -105,7 +105,7 @@ impl Ends {
         Self(own)
     }
 
-    /// The first of the edges left that may be gone along from `end`.
+    /// The first remaining edge that may be traversed from `end`.
     fn next_at(&mut self, end: Place, left: &[Option<Run>]) -> Option<usize> {
         let own = self.0.get_mut(&end)?;
         while let Some(k) = own.pop_front() {
@@ -117,7 +117,7 @@ impl Ends {
     }
 }
 
-/// Where a place is.
+/// The position of a place relative to a ring.
 #[derive(Clone, Copy, PartialEq)]
 enum Side {
     Within,
@@ -125,7 +125,7 @@ enum Side {
     Beyond,
 }
 
-/// Where a place is, seen from a ring.
+/// On which side of a ring a place lies.
 fn side(ring: &[Place], [x, y]: Place) -> Side {
     let wide = |v: i32| i64::from(v);
     let mut inside = false;

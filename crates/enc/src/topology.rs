@@ -1,4 +1,4 @@
-//! From nodes and edges to places.
+//! From nodes and edges to geometries.
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -14,32 +14,32 @@ const NEITHER: u8 = 255;
 const INSIDE: u8 = 2;
 const BEGINNING: u8 = 1;
 const END: u8 = 2;
-/// Edges of rings that may be looked at for each place that may arise.
-const LOOKED_AT: usize = 64;
+/// Edges of rings that may be tested for each allowed place.
+const MOST_TESTED: usize = 64;
 
 /// Nodes and edges of a cell.
 pub(crate) struct Topology<'a> {
     vectors: &'a BTreeMap<Name, Vector>,
     parameters: Parameters,
     most_places: u64,
-    /// Of which not yet used.
+    /// The remaining places.
     left: Cell<u64>,
 }
 
-/// Places and ends of all nodes and edges, as they are stored.
+/// Places and ends of all nodes and edges, as stored.
 pub(crate) fn stored(vectors: &BTreeMap<Name, Vector>) -> u64 {
     vectors.values().map(|own| (1 + own.points.items.len() + own.ends.items.len()) as u64).sum()
 }
 
 impl<'a> Topology<'a> {
-    /// Of which objects may use `most_places` places, each as often as it is used.
+    /// For objects with at most `most_places` places, counted as often as they are used.
     pub(crate) fn new(vectors: &'a BTreeMap<Name, Vector>, parameters: Parameters, most_places: u64) -> Self {
         Self { vectors, parameters, most_places, left: Cell::new(most_places) }
     }
 }
 
 impl Topology<'_> {
-    /// Counts places before they arise.
+    /// Counts places before they are created.
     fn count(&self, places: usize, feature: &Feature) -> Result<(), Invalid> {
         let Some(left) = self.left.get().checked_sub(places as u64) else {
             let found = format!("objects of more than {} places up to it", self.most_places);
@@ -54,7 +54,7 @@ impl Topology<'_> {
         Ok(())
     }
 
-    /// An object with its place.
+    /// An object with its geometry.
     pub(crate) fn feature(&self, object: &Object) -> Result<Feature, Invalid> {
         let (producer, number, part) = object.id;
         let mut feature = Feature {
@@ -86,7 +86,7 @@ impl Topology<'_> {
         })
     }
 
-    /// What is said about the positions of the nodes and edges of an object.
+    /// The stated quality of the positions of an object's nodes and edges.
     fn quality(&self, pointers: &[Pointer], feature: &Feature) -> Result<Vec<u8>, Invalid> {
         let mut all = Vec::new();
         for pointer in pointers {
@@ -129,12 +129,12 @@ impl Topology<'_> {
                 Invalid::new(feature.named(), found, "closed rings", remedy)
             })
         };
-        let count = |looked_at: usize| self.count(looked_at / LOOKED_AT, feature);
+        let count = |looked_at: usize| self.count(looked_at / MOST_TESTED, feature);
         let polygons = polygons(closed(outside)?, closed(inside)?, count)?;
         Ok(Geometry::Area(polygons.into_iter().map(|rings| self.degrees(rings)).collect()))
     }
 
-    /// The edges that pointers lead to, in their direction.
+    /// The edges that pointers refer to, in their direction.
     fn edges(&self, pointers: &[Pointer], feature: &Feature) -> Result<Vec<Run>, Invalid> {
         pointers.iter().map(|pointer| self.edge(pointer, feature)).collect()
     }

@@ -1,24 +1,24 @@
-//! How records change a cell (S-57, 3.1, part 3, 8).
+//! The effect of update records on a cell (S-57, 3.1, part 3, 8).
 
 use std::collections::BTreeMap;
 
 use crate::Invalid;
 use crate::record::{Attributes, Instruction, Object, Part, Splice, Vector};
 
-/// An attribute with this value is taken away.
+/// The value of a deleted attribute.
 const DELETED: &str = "\u{7f}";
 
 /// A record that others change.
 pub(crate) trait Versioned: Clone {
-    /// What tells it from others of the cell.
+    /// Identifies the record within the cell.
     type Key: Ord + Clone;
     fn key(&self) -> Self::Key;
     fn named(&self) -> String;
     fn version(&self) -> u16;
     fn instruction(&self) -> Instruction;
-    /// Elements of this record's lists that `change` moves along.
+    /// Elements of this record's lists that `change` moves.
     fn moved(&self, change: &Self) -> u64;
-    /// Takes over what `change` says.
+    /// Applies `change`.
     fn modify(&mut self, change: Self) -> Result<(), Invalid>;
 }
 
@@ -29,11 +29,11 @@ pub(crate) fn apply<T: Versioned>(all: &mut BTreeMap<T::Key, T>, change: T) -> R
         let named = change.named();
         return match all.insert(key, change) {
             None => Ok(()),
-            Some(_) => Err(refuse(named, "an insertion of what is there", "a new record")),
+            Some(_) => Err(refuse(named, "the insertion of an existing record", "a new record")),
         };
     }
     let Some(own) = all.get_mut(&key) else {
-        return Err(refuse(change.named(), "a change of what is not there", "a record of the cell"));
+        return Err(refuse(change.named(), "a change of a missing record", "a record of the cell"));
     };
     let next = own.version().wrapping_add(1);
     if change.version() != next {
@@ -49,12 +49,12 @@ pub(crate) fn apply<T: Versioned>(all: &mut BTreeMap<T::Key, T>, change: T) -> R
     }
 }
 
-/// Elements of lists that a change moves along, before it is applied.
+/// Elements of lists that a change moves, before it is applied.
 pub(crate) fn moved<T: Versioned>(all: &BTreeMap<T::Key, T>, change: &T) -> u64 {
     all.get(&change.key()).map_or(0, |own| own.moved(change))
 }
 
-/// As [`moved`], of one list: what is inserted or taken away moves all behind it.
+/// As [`moved`], for one list: insertions and deletions move all elements behind them.
 fn moved_in<T>(own: &[T], change: &Part<T>) -> u64 {
     let moves = |splice: &Splice| splice.instruction != Instruction::Modify;
     change.splice.filter(moves).map_or(0, |splice| own.len().saturating_sub(splice.index) as u64)
@@ -123,7 +123,7 @@ impl Versioned for Object {
     }
 }
 
-/// Sets attributes, and takes those away that are deleted.
+/// Sets attributes, and removes deleted ones.
 fn merge(own: &mut Attributes, changes: Attributes) {
     for (code, value) in changes {
         match value == DELETED {
@@ -133,7 +133,7 @@ fn merge(own: &mut Attributes, changes: Attributes) {
     }
 }
 
-/// Changes a part of a list; without a splice the whole list, if there is any other.
+/// Changes a part of a list, or without a splice all of it, if there is a change.
 fn splice<T>(own: &mut Vec<T>, change: Part<T>, named: &str) -> Result<(), Invalid> {
     let Some(Splice { instruction, index, count }) = change.splice else {
         if !change.items.is_empty() {

@@ -1,4 +1,4 @@
-//! Small files of which much would become: counted where it arises, and refused.
+//! Small files that would expand to much: counted before they expand, and refused.
 
 use enc::Cell;
 

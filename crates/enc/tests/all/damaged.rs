@@ -1,4 +1,4 @@
-//! Files that are no cell, or not a whole one: refused in one line, never read as less than they are.
+//! Files that are not a cell, or not a whole one: refused in one line, never read in part.
 
 use std::path::Path;
 
@@ -16,17 +16,17 @@ pub fn base() -> Vec<u8> {
 
 /// The file with the first place of `from` changed into `to`, of the same length.
 fn changed(file: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
-    let at = file.windows(from.len()).position(|w| w == from).expect("what is to be changed");
+    let at = file.windows(from.len()).position(|w| w == from).expect("the text to change");
     let mut own = file.to_vec();
     own[at..at + to.len()].copy_from_slice(to);
     own
 }
 
 #[track_caller]
-pub fn refused<T: std::fmt::Debug>(result: Result<T, Invalid>, pieces: &[&str]) {
-    let told = result.expect_err("refused").to_string();
-    assert!(pieces.iter().all(|piece| told.contains(piece)), "{told}");
-    assert!(!told.contains('\n'), "{told}");
+pub fn refused<T: std::fmt::Debug>(result: Result<T, Invalid>, texts: &[&str]) {
+    let message = result.expect_err("refused").to_string();
+    assert!(texts.iter().all(|text| message.contains(text)), "{message}");
+    assert!(!message.contains('\n'), "{message}");
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn updates_come_one_after_the_other() {
     };
     assert_eq!(updated(&["001", "002"]), Ok(2));
     refused(updated(&["002"]), &["update 2 of edition 2", "update 1 of edition 2"]);
-    // What is there already, as in a new issue of the base cell, changes nothing.
+    // A repeated update, as in a new issue of the base cell, changes nothing.
     assert_eq!(updated(&["001", "001", "002", "001"]), Ok(2));
     refused(updated(&["000"]), &["a base cell of edition 2"]);
     refused(Cell::read(&file("001")), &["update 1 of edition 2", ".000"]);
@@ -94,7 +94,7 @@ fn updates_of_what_is_not_there_are_refused() {
     // Feature 11 is changed in its second version.
     let of = |number: u8, version: u8| [100, number, 0, 0, 0, 1, 2, 159, 0, version, 0, 3];
     let change = changed(&file("001"), &of(11, 2), &of(99, 2));
-    refused(cell.update(&change), &["feature record 99", "what is not there"]);
+    refused(cell.update(&change), &["feature record 99", "a missing record"]);
     let mut cell = Cell::read(&base()).unwrap();
     refused(cell.update(&changed(&file("001"), &of(11, 2), &of(11, 3))), &["version 3", "version 2"]);
 }

@@ -1,4 +1,4 @@
-//! Catalogues of exchange sets, and what they say of files.
+//! Catalogues of exchange sets, and their checksums of files.
 
 use enc::{Listed, Purpose, crc, identify, listed};
 

@@ -1,4 +1,4 @@
-//! Files of ISO 8211 that are made for a test: records of their own, and catalogues of exchange sets.
+//! Synthetic ISO 8211 files for tests: records, and catalogues of exchange sets.
 #![allow(dead_code)]
 
 /// Ends of a field and of a subfield.

@@ -11,7 +11,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// A cell with its updates; `None`, said aloud, where it is not there.
+/// A cell with its updates; `None`, with a message, if it is missing.
 fn cell(base: &str, updates: usize) -> Option<Cell> {
     let base = root().join(base);
     let Ok(bytes) = std::fs::read(&base) else {
@@ -28,9 +28,9 @@ fn cell(base: &str, updates: usize) -> Option<Cell> {
 const CHESAPEAKE: &str = "../shared/data/charts/enc/US4MD81M.000";
 const BAY: &str = "fixtures/charts/enc/ZZ5BAY01.000";
 
-/// What of a class is compared.
+/// The compared properties of a class.
 #[derive(Default)]
-struct Told {
+struct Summary {
     counts: BTreeMap<&'static str, u64>,
     sum: [f64; 3],
     length_deg: f64,
@@ -51,12 +51,12 @@ fn area(ring: &[[f64; 2]]) -> f64 {
     ring.windows(2).map(|w| about(w[0], w[1])).sum::<f64>().abs() / 2.0
 }
 
-impl Told {
+impl Summary {
     fn count(&mut self, what: &'static str, by: usize) {
         *self.counts.entry(what).or_default() += by as u64;
     }
 
-    fn stretch(&mut self, places: &[[f64; 2]]) {
+    fn extend(&mut self, places: &[[f64; 2]]) {
         for place in places {
             let own = self.corners.get_or_insert([*place, *place]);
             own[0] = [0, 1].map(|k: usize| own[0][k].min(place[k]));
@@ -83,25 +83,25 @@ impl Told {
                 self.count("points", 1);
                 self.count("places", points.len());
                 points.iter().for_each(|p| (0..2).for_each(|k| self.sum[k] += p[k]));
-                self.stretch(points);
+                self.extend(points);
             }
             Geometry::Soundings(points) => {
                 self.count("points", 1);
                 self.count("places", points.len());
                 points.iter().for_each(|p| (0..3).for_each(|k| self.sum[k] += p[k]));
-                points.iter().for_each(|p| self.stretch(&[[p[0], p[1]]]));
+                points.iter().for_each(|p| self.extend(&[[p[0], p[1]]]));
             }
             Geometry::Lines(lines) => {
                 self.count("lines", 1);
                 self.length_deg += lines.iter().map(|line| length(line)).sum::<f64>();
-                lines.iter().for_each(|line| self.stretch(line));
+                lines.iter().for_each(|line| self.extend(line));
             }
             Geometry::Area(polygons) => {
                 self.count("areas", 1);
                 for rings in polygons {
                     self.count("holes", rings.len() - 1);
                     self.area_deg2 += area(&rings[0]) - rings[1..].iter().map(|r| area(r)).sum::<f64>();
-                    rings.iter().for_each(|ring| self.stretch(ring));
+                    rings.iter().for_each(|ring| self.extend(ring));
                 }
             }
         }
@@ -123,13 +123,13 @@ impl Told {
         for (k, corner) in self.corners.iter().flatten().flatten().enumerate() {
             near("box", *corner, &expected["box"][k]);
         }
-        for (name, told) in expected["numbers"].as_object().into_iter().flatten() {
+        for (name, value) in expected["numbers"].as_object().into_iter().flatten() {
             let (count, sum) = self.numbers.get(&**name).copied().unwrap_or_default();
-            assert_eq!(Some(count), told["count"].as_u64(), "{class} {name}");
-            near(name, sum, &told["sum"]);
+            assert_eq!(Some(count), value["count"].as_u64(), "{class} {name}");
+            near(name, sum, &value["sum"]);
         }
-        for (name, told) in expected["codes"].as_object().into_iter().flatten() {
-            for (value, count) in told.as_object().into_iter().flatten() {
+        for (name, value) in expected["codes"].as_object().into_iter().flatten() {
+            for (value, count) in value.as_object().into_iter().flatten() {
                 let own = self.codes.iter().find(|((n, v), _)| n == name && v == value).map(|(_, c)| *c);
                 assert_eq!(own, count.as_u64(), "{class} {name} {value}");
             }
@@ -141,14 +141,14 @@ impl Told {
 fn agrees(cell: &Cell, oracle: &str) {
     let expected = std::fs::read(root().join("fixtures/oracle").join(oracle)).unwrap();
     let expected: Value = serde_json::from_slice(&expected).unwrap();
-    let mut classes: BTreeMap<&str, Told> = BTreeMap::new();
+    let mut classes: BTreeMap<&str, Summary> = BTreeMap::new();
     for feature in cell.features().unwrap() {
         classes.entry(class_name(feature.class).unwrap()).or_default().take(&feature);
     }
     let expected = expected["classes"].as_object().unwrap();
     let found: Vec<&str> = classes.keys().copied().collect();
     assert_eq!(found, expected.keys().map(String::as_str).collect::<Vec<_>>());
-    classes.iter().for_each(|(class, told)| told.agrees(class, &expected[*class]));
+    classes.iter().for_each(|(class, summary)| summary.agrees(class, &expected[*class]));
 }
 
 #[test]
