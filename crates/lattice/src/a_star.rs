@@ -7,7 +7,7 @@ use crate::radix_heap::RadixHeap;
 use crate::relaxation::Bound;
 use crate::watch::{Verdict, Walk, Watch};
 
-/// Looks at every state that a plan cheaper than `plan` could pass.
+/// Expands every state that a plan cheaper than `plan` could pass.
 pub(crate) fn search(
     graph: &Graph,
     bound: &Bound,
@@ -28,7 +28,7 @@ pub(crate) fn search(
         if !watch.go_on(1) {
             return Verdict::stopped(search.plan, watch.lower, Limit::Time);
         }
-        if search.nodes.bytes() + search.queue.bytes() > memory || !search.nodes.has_room() {
+        if search.nodes.bytes() + search.queue.bytes() > memory || !search.nodes.has_capacity() {
             return Verdict::stopped(search.plan, watch.lower, Limit::Memory);
         }
         search.follow(index, watch);
@@ -57,7 +57,7 @@ impl Search<'_> {
         }
     }
 
-    /// Queues a state, unless no better plan can pass it. A state that ends a plan gives one.
+    /// Queues a state, unless no better plan can pass it. A state that ends a plan yields one.
     fn enter(&mut self, index: u32) {
         let seen = *self.nodes.at(index);
         let Some(rest) = self.bound.key(seen.node, seen.left()) else { return };

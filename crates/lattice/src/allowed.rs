@@ -1,18 +1,18 @@
-//! Which moves may be made from which poses: a bit for each.
+//! Which moves are allowed from which poses: a bit for each.
 
 use crate::Lattice;
 
-/// The moves that are allowed from every pose: of what leads out of the lattice none is.
+/// The moves that are allowed from every pose; those that leave the lattice are not.
 #[derive(Clone, Debug)]
 pub(crate) struct Allowed {
     lattice: Lattice,
-    /// By layer: the moves from it in their order, and those into it in the order of the poses that they come from.
+    /// By layer: the moves from it in order, and those into it in the order of the poses that they come from.
     from: Vec<Vec<Way>>,
     into: Vec<Vec<Way>>,
     /// By layer: where its bits begin.
     first: Vec<usize>,
     bits: Vec<u64>,
-    /// By move: from how many poses it is allowed.
+    /// By move: the number of poses that it is allowed from.
     counts: Vec<usize>,
 }
 
@@ -23,7 +23,7 @@ pub(crate) struct Arc {
     pub step: u32,
 }
 
-/// A move, as the lattice sees it.
+/// A move in terms of pose numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Way {
     pub step: u32,
@@ -32,12 +32,12 @@ pub(crate) struct Way {
     rank: usize,
     di: isize,
     dj: isize,
-    /// What it adds to a pose's number.
+    /// Difference of the pose numbers.
     by: isize,
 }
 
 impl Allowed {
-    /// Nothing is allowed yet of these moves: `(from, di, dj, to)` of each.
+    /// Before any of these moves is allowed; each is `(from, di, dj, to)`.
     pub fn new(lattice: Lattice, moves: impl Iterator<Item = (usize, i32, i32, usize)>) -> Self {
         let cells = lattice.nx * lattice.ny;
         let (mut from, mut into) = (vec![Vec::new(); lattice.layers], vec![Vec::new(); lattice.layers]);
@@ -71,12 +71,12 @@ impl Allowed {
         self.counts[way.step as usize] += 1;
     }
 
-    /// By move: from how many poses it is allowed.
+    /// By move: the number of poses that it is allowed from.
     pub fn counts(&self) -> &[usize] {
         &self.counts
     }
 
-    /// The allowed moves from the pose of a number, each with the pose where it ends.
+    /// The allowed moves from the pose with this number, each with the pose where it ends.
     pub fn arcs(&self, number: usize) -> impl Iterator<Item = Arc> + '_ {
         let cells = self.lattice.nx * self.lattice.ny;
         let (layer, cell) = (number / cells, number % cells);
@@ -84,7 +84,8 @@ impl Allowed {
         allowed.map(move |way| Arc { node: number.wrapping_add_signed(way.by) as u32, step: way.step })
     }
 
-    /// The allowed moves into the pose of a number, each with the pose where it starts, in the order of these.
+    /// The allowed moves into the pose with this number, each with the pose where it starts, ordered by the
+    /// latter.
     pub fn arcs_into(&self, number: usize) -> impl Iterator<Item = Arc> + '_ {
         let Lattice { nx, ny, .. } = self.lattice;
         let pose = self.lattice.pose(number);

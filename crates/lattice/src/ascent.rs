@@ -1,4 +1,4 @@
-//! Prices that make the bound at the start large: subgradient ascent with Polyak's step.
+//! Prices that maximize the bound at the start: subgradient ascent with Polyak's step.
 
 use crate::graph::Graph;
 use crate::relaxation::{Bound, Prices, Table};
@@ -6,14 +6,14 @@ use crate::watch::{Walk, Watch};
 
 /// Most rounds.
 const ROUNDS: u64 = 60;
-/// Nodes looked at over all rounds, about.
+/// Approximate number of nodes visited in all rounds.
 const WORK: u64 = 60_000_000;
 /// Rounds without a better bound before the step is halved.
 const PATIENCE: u32 = 4;
 /// Smallest share of Polyak's step.
 const SMALLEST_SHARE: f64 = 0.02;
 
-/// What the ascent came to.
+/// The result of the ascent.
 pub(crate) enum Ascent {
     /// No walk has so many informative moves in total.
     Infeasible,
@@ -96,7 +96,7 @@ impl<'a> Climb<'a> {
         Round::On
     }
 
-    /// The bound at the start, from its walk: cost and priced difference of required and made uses.
+    /// The bound at the start, from its walk: cost plus the priced difference of required and actual uses.
     fn bound(&self, uses: &[u32], walk: &[u32]) -> i64 {
         let key: u64 = walk.iter().map(|&step| self.graph.price(step).0).sum();
         let difference = self.required.iter().zip(uses).map(|(&n, &u)| i64::from(n) - i64::from(u));

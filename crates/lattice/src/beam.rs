@@ -1,4 +1,4 @@
-//! Plans quickly, without proof: the most promising states for every number of uses left.
+//! Finds plans quickly, without proof: keeps the most promising states for every number of uses left.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -11,11 +11,11 @@ use crate::watch::{Walk, Watch};
 /// By bound of the plan, then larger key first, then state.
 type Queue = BinaryHeap<Reverse<(u64, Reverse<u64>, u32)>>;
 
-/// Bytes of a state in a queue, with room for it to grow.
+/// Bytes of a state in a queue, with spare capacity.
 const QUEUED_BYTES: u64 = 2 * size_of::<Reverse<(u64, Reverse<u64>, u32)>>() as u64;
 
-/// A plan cheaper than `upper`, following at most `width` states for every number of uses left (on the last stretch as
-/// many as it takes), as far as so many bytes hold them. Nothing if it finds none or is told to stop.
+/// A plan cheaper than `upper`. Follows at most `width` states for every number of uses left (as many as
+/// needed once none is left), as far as memory allows. `None` if it finds none or is cancelled.
 pub(crate) fn search(
     graph: &Graph,
     bound: &Bound,

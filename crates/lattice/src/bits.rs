@@ -12,7 +12,7 @@ pub(crate) fn or<const W: usize>(into: &mut Bits<W>, bits: &Bits<W>) {
     }
 }
 
-/// What `bits` has beyond `known`.
+/// The bits of `bits` that are not in `known`.
 pub(crate) fn beyond<const W: usize>(bits: &Bits<W>, known: &Bits<W>) -> Bits<W> {
     let mut new = [0; W];
     for w in 0..W {
@@ -31,7 +31,7 @@ pub(crate) fn ones<const W: usize>(bits: &Bits<W>) -> impl Iterator<Item = usize
     (0..64 * W).filter(move |&bit| has(&bits, bit))
 }
 
-/// One use of a slot kept in the bits: where it may be used, shifted.
+/// One use of a slot that is kept in the bits: where it may be used, shifted.
 #[derive(Clone, Copy)]
 pub(crate) struct Shift<const W: usize> {
     pub mask: Bits<W>,

@@ -1,4 +1,4 @@
-//! Entries by node, one node after the other.
+//! Entries by node, in one array.
 
 use crate::watch::Watch;
 
@@ -11,8 +11,8 @@ pub(crate) struct ByNode<T> {
 }
 
 impl<T> ByNode<T> {
-    /// Of no node yet, with room for `nodes` and `entries`.
-    pub fn with_room(nodes: usize, entries: usize) -> Self {
+    /// Without nodes yet, with capacity for `nodes` and `entries`.
+    pub fn with_capacity(nodes: usize, entries: usize) -> Self {
         let mut offsets = Vec::with_capacity(nodes + 1);
         offsets.push(0);
         Self { offsets, entries: Vec::with_capacity(entries) }
@@ -42,8 +42,8 @@ impl<T> ByNode<T> {
 }
 
 impl<T: Copy + Default> ByNode<T> {
-    /// Of `nodes` nodes, from entries in any order, each with its node; those of a node keep their order. Nothing if told to
-    /// stop.
+    /// For `nodes` nodes, from entries in any order, each with its node; the order within a node is kept.
+    /// `None` if cancelled.
     pub fn sorted<I: Iterator<Item = (u32, T)>>(
         nodes: usize,
         entries: impl Fn() -> I,

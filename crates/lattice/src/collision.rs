@@ -1,8 +1,8 @@
 //! Where the boxes that a move sweeps are free, for all cells at once.
 //!
-//! Boxes are `[xmin, ymin, xmax, ymax]` \[m\]. A swept box moves with the cell, so the cells at which it overlaps an
-//! obstacle form a rectangle of indices. The rectangles of a move are added up in a table of differences. The answer is
-//! that of testing every cell, bit by bit.
+//! Boxes are `[xmin, ymin, xmax, ymax]` \[m\]. A swept box moves with the cell, so the cells at which it
+//! overlaps an obstacle form a rectangle of indices. The rectangles of a move are summed in a table of
+//! differences. The result equals a test of every cell, bit for bit.
 
 use crate::LatticeFile;
 
@@ -66,7 +66,7 @@ impl FreeCells {
     /// The first index whose node passes a test that all later ones pass as well; it is near the place `near` \[m\].
     fn first(&self, axis: usize, near: f64, passes: impl Fn(f64) -> bool) -> usize {
         let nodes = if axis == 0 { &self.x } else { &self.y };
-        // A guess that may be off; the cast takes what lies below 0 as 0.
+        // The guess may be off; the cast maps negative numbers to 0.
         let mut index = ((near - self.grid.origin[axis]) * self.per_cell) as usize;
         index = index.min(nodes.len());
         while index > 0 && passes(nodes[index - 1]) {

@@ -1,23 +1,23 @@
-//! What a lattice takes before any state has been looked at.
+//! The memory that a lattice needs, before any state has been visited.
 
 use crate::{Action, Lattice};
 
-/// Bytes of a pose in the graph's and a search's tables together, about.
+/// Approximate bytes of a pose in the tables of graph and search together.
 const PER_POSE: u128 = 28;
-/// Bytes of an allowed move, about: a bit in the problem, and once in the tables of a search.
+/// Approximate bytes of an allowed move: a bit in the problem, and one entry in the tables of a search.
 const PER_MOVE: u128 = 10;
 
-/// What a lattice with its moves takes, told before anything is allocated.
+/// The demand of a lattice with its moves, known before anything is allocated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Demand {
     /// Poses.
     pub poses: u128,
-    /// Moves that stay in the lattice, over all poses: as many as are allowed where nothing is in the way.
+    /// Moves that stay in the lattice, over all poses: the number of allowed ones without obstacles.
     pub moves: u128,
 }
 
 impl Demand {
-    /// Of a lattice with these actions.
+    /// For a lattice with these actions.
     pub fn new(lattice: Lattice, actions: &[Action]) -> Self {
         let Lattice { nx, ny, layers } = lattice;
         let left = |count: usize, step: i32| count.saturating_sub(step.unsigned_abs() as usize) as u128;
@@ -27,13 +27,13 @@ impl Demand {
         Self { poses, moves: moves.fold(0, u128::saturating_add) }
     }
 
-    /// Bytes that problem, graph and the arcs of a search take at most, about; its states take more.
+    /// Approximate bytes of problem, graph and arcs of a search at most; its states need more.
     pub fn bytes(&self) -> u128 {
         let poses = self.poses.saturating_mul(PER_POSE);
         poses.saturating_add(self.moves.saturating_mul(PER_MOVE))
     }
 
-    /// Bytes of the problem that stay when its search is over, about: a bit for each move.
+    /// Approximate bytes of the problem that remain after the search: a bit for each move.
     pub fn kept_bytes(&self) -> u128 {
         self.moves / 8
     }

@@ -5,13 +5,13 @@ use crate::radix_heap::RadixHeap;
 use crate::watch::{self, Verdict, Walk, Watch, filled};
 use crate::{Limit, recover};
 
-/// How many states are taken out between two looks at the memory of the queue.
+/// States between two checks of the queue's memory.
 const LOOKS: u32 = 1 << 12;
 
-/// A distance as it is stored.
+/// A distance in storage.
 pub(crate) trait Stored: Copy + Default + Ord + Into<u64> {
     const UNREACHED: Self;
-    /// Nothing if it is too large.
+    /// `None` if it is too large.
     fn store(key: u64) -> Option<Self>;
 }
 
@@ -42,7 +42,8 @@ enum Ended {
     Full,
 }
 
-/// Bytes that the search usually takes: distances, and about half of a state's entries in a queue at its widest.
+/// Bytes that the search usually needs: distances, and about half of a state's entries in a queue at its
+/// widest.
 pub(crate) fn bytes(graph: &Graph) -> u128 {
     graph.states().saturating_mul(if narrow(graph) { 12 } else { 16 }) + u128::from(graph.arc_bytes(false))
 }
@@ -52,7 +53,7 @@ fn narrow(graph: &Graph) -> bool {
     graph.problem.moves.iter().all(|step| step.key < 1 << 20)
 }
 
-/// Number of states that the search can number.
+/// Whether the states can be numbered.
 pub(crate) fn fits(graph: &Graph) -> bool {
     graph.states() < u128::from(u32::MAX)
 }
@@ -78,7 +79,7 @@ pub(crate) fn search(graph: &Graph, memory: u64, watch: &mut Watch) -> Verdict {
     dense.verdict(&ended, watch.lower)
 }
 
-/// The least key of every count vector at any goal, by mixed-radix number; nothing if stopped.
+/// The least key of every count vector at any goal, by mixed-radix number; `None` if cancelled.
 pub(crate) fn front(graph: &Graph, memory: u64, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
     graph.lay_out(false, watch)?;
     let mut dense = Dense::<u64>::new(graph, memory, watch)?;
@@ -100,7 +101,7 @@ struct Dense<'a, D> {
 }
 
 impl<'a, D: Stored> Dense<'a, D> {
-    /// Nothing if told to stop.
+    /// `None` if cancelled.
     fn new(graph: &'a Graph, memory: u64, watch: &mut Watch) -> Option<Self> {
         let required = graph.problem.required();
         let (strides, vectors) = watch::strides(&required);
@@ -143,7 +144,7 @@ impl<'a, D: Stored> Dense<'a, D> {
         Ended::Exhausted
     }
 
-    /// Follows all arcs of a state; nothing if a distance does not fit.
+    /// Follows all arcs of a state; `None` if a distance does not fit.
     fn relax(&mut self, queue: &mut RadixHeap<D, u32>, key: u64, vector: u32, node: u32) -> Option<()> {
         let nodes = self.graph.len() as u64;
         for arc in self.graph.arcs(node) {
@@ -160,7 +161,7 @@ impl<'a, D: Stored> Dense<'a, D> {
             let end = vector * nodes + u64::from(arc.node);
             let distance = D::store(key + step)?;
             let known = &mut self.distances[end as usize];
-            // Unreached is the largest distance.
+            // The largest distance means unreached.
             if *known > distance {
                 *known = distance;
                 queue.push(distance, end as u32);

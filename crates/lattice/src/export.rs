@@ -1,12 +1,12 @@
-//! A problem whose moves were allowed by whatever rule, as a file with a map of boxes.
+//! Exports a problem whose moves were allowed by any rule as a file with a map of boxes.
 
 use crate::file::{BasicFile, InformativeFile, LatticeFile, MoveFile, ProblemFile, SCHEMA};
 use crate::{Action, Goal, Invalid, MoveId, Pose, Problem};
 
 impl ProblemFile {
-    /// `problem` on nodes `cell_m` apart, for others to solve: the same poses, moves, counts and (primary) costs. The map is
-    /// not that of the sea: every move has a strip of its own, where a box stands at each node that it may not start from, and
-    /// sweeps one small box there.
+    /// `problem` on nodes `cell_m` apart, for other solvers: the same poses, moves, counts and (primary)
+    /// costs. The map is not that of the sea: every move sweeps a small box in a strip of its own, with an
+    /// obstacle at each node where it is not allowed.
     ///
     /// # Errors
     /// A goal that is not one pose, which the format cannot hold.
@@ -66,7 +66,7 @@ impl ProblemFile {
     }
 }
 
-/// Where the strips of moves lie.
+/// The positions of the strips.
 struct Strips<'a> {
     problem: &'a Problem,
     cell_m: f64,

@@ -1,4 +1,4 @@
-//! The arcs of a graph, sorted by what they do to bits and blocks.
+//! The arcs of a graph, sorted by their effect on bits and blocks.
 
 use crate::bits::Shift;
 use crate::by_node::ByNode;
@@ -9,7 +9,7 @@ use crate::watch::Watch;
 /// Arcs by node: where they end, and an index.
 pub(crate) type Fan = ByNode<(u32, u32)>;
 
-/// One use of a slot kept in the block's number.
+/// One use of a slot that is kept in the block's number.
 #[derive(Clone, Copy)]
 pub(crate) struct Hop {
     stride: u64,
@@ -17,7 +17,7 @@ pub(crate) struct Hop {
 }
 
 impl Hop {
-    /// The block after one use more, if the count allows it.
+    /// The block after one more use, if the count allows it.
     pub fn from(&self, block: usize) -> Option<usize> {
         let block = block as u64;
         (block / self.stride % self.radix + 1 < self.radix).then_some((block + self.stride) as usize)
@@ -53,9 +53,9 @@ impl Class {
 }
 
 impl<const W: usize> Fans<W> {
-    /// Nothing if told to stop.
+    /// `None` if cancelled.
     pub fn new(graph: &Graph, layout: &Layout, watch: &mut Watch) -> Option<Self> {
-        // The first shift is that of a free basic move: none.
+        // The first shift belongs to free basic moves: none.
         let mut shifts = vec![Shift { mask: [u64::MAX; W], words: 0, bits: 0 }];
         let mut hops = Vec::new();
         let mut by_slot = Vec::new();
@@ -97,8 +97,8 @@ impl<const W: usize> Fans<W> {
     }
 }
 
-/// Of no node yet, with room for all moves of some classes.
+/// Without nodes yet, with capacity for all moves of some classes.
 fn fan<T>(graph: &Graph, classes: &[Class], wanted: fn(Class) -> bool) -> ByNode<T> {
     let entries = graph.problem.arc_count(|step| wanted(classes[step]));
-    ByNode::with_room(graph.len(), entries)
+    ByNode::with_capacity(graph.len(), entries)
 }

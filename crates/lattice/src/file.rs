@@ -2,13 +2,13 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use crate::collision::FreeCells;
-use crate::watch::Asked;
+use crate::watch::Poll;
 use crate::{Action, Cost, Demand, Goal, Invalid, Lattice, Move, Pose, Problem};
 
 /// The schema of [`ProblemFile`].
 pub const SCHEMA: &str = "experiment-lattice-planning/1";
 
-/// The schema of any document. Read this before [`ProblemFile`]: a newer version may have fields that are not known.
+/// The schema of any document. Read this before [`ProblemFile`]: a newer version may have unknown fields.
 #[derive(Clone, Debug, Deserialize)]
 pub struct SchemaId {
     /// Name and version, such as `experiment-lattice-planning/1`.
@@ -16,7 +16,7 @@ pub struct SchemaId {
 }
 
 impl SchemaId {
-    /// Refuses what is not [`SCHEMA`].
+    /// Refuses anything but [`SCHEMA`].
     ///
     /// # Errors
     /// Another schema or another version.
@@ -136,16 +136,16 @@ impl ProblemFile {
     /// Another schema, a lattice without size, boxes that are inverted or not finite, and what [`Problem::new`] refuses.
     pub fn into_problem(&self) -> Result<Problem, Invalid> {
         let whole = self.into_problem_while(&|| true)?;
-        whole.map_or_else(|| unreachable!("nobody says no"), Ok)
+        whole.map_or_else(|| unreachable!("it is never cancelled"), Ok)
     }
 
-    /// What [`Self::into_problem`] takes, known before the map is looked at.
+    /// The demand of [`Self::into_problem`], known before the map is read.
     pub fn demand(&self) -> Demand {
         let lattice = Lattice { nx: self.lattice.nx, ny: self.lattice.ny, layers: self.lattice.headings };
         Demand::new(lattice, &self.actions().0)
     }
 
-    /// [`Self::into_problem`], unless `go_on`, asked from time to time, says no: nothing then.
+    /// [`Self::into_problem`] with a poll; `None` once `go_on` returns false.
     ///
     /// # Errors
     /// As [`Self::into_problem`].
@@ -156,16 +156,16 @@ impl ProblemFile {
         let lattice = Lattice { nx: self.lattice.nx, ny: self.lattice.ny, layers: self.lattice.headings };
         crate::validate::lattice(&lattice)?;
         let (actions, moves) = self.actions();
-        // Refuse a bad start or goal before the map is looked at, and moves with them.
+        // Refuses a bad start or goal before the map is processed, and moves with it.
         crate::validate::ends(&lattice, pose(self.start), &Goal::Poses(vec![pose(self.goal)]))?;
         let Some(free) = self.free_cells(&moves, go_on) else { return Ok(None) };
-        let mut asked = Asked::new(go_on);
+        let mut poll = Poll::new(go_on);
         let allowed = |id: crate::MoveId, i: usize, j: usize| {
-            asked.go_on() && free[id.action][id.index][j * lattice.nx + i]
+            poll.proceed() && free[id.action][id.index][j * lattice.nx + i]
         };
         let goal = Goal::Poses(vec![pose(self.goal)]);
         let problem = Problem::new(lattice, actions, pose(self.start), goal, allowed)?;
-        Ok(Some(problem).filter(|_| !asked.stopped))
+        Ok(Some(problem).filter(|_| !poll.stopped))
     }
 
     /// Name, count (none of a basic action), cost and moves of every action.
@@ -174,7 +174,7 @@ impl ProblemFile {
         informative.chain(self.basic.iter().map(|a| (&a.name, None, a.cost, &a.moves[..])))
     }
 
-    /// Actions with what each requires, and their moves with swept boxes.
+    /// Actions with their required counts, and their moves with swept boxes.
     fn actions(&self) -> (Vec<Action>, Vec<&[MoveFile]>) {
         let used = self.all_actions().filter(|(_, count, ..)| *count != Some(0));
         let build = |(name, count, cost, moves): (&String, Option<u32>, f64, &[MoveFile])| {
@@ -188,7 +188,7 @@ impl ProblemFile {
         used.map(|action| (build(action), action.3)).unzip()
     }
 
-    /// By action, move and cell: whether the swept boxes are free. Nothing if told to stop.
+    /// By action, move and cell: whether the swept boxes are free. `None` if cancelled.
     fn free_cells(&self, moves: &[&[MoveFile]], go_on: &dyn Fn() -> bool) -> Option<Vec<Vec<Vec<bool>>>> {
         let cells = FreeCells::new(self.lattice);
         let of = |one: &MoveFile| go_on().then(|| cells.of(&self.bounds, &self.obstacles, &one.swept));

@@ -2,18 +2,18 @@ use crate::graph::{Graph, Reach};
 use crate::watch::{self, Watch};
 use crate::{Cost, Options, Problem, Progress, dense, layered, plan};
 
-/// What a count vector costs at least.
+/// The least cost of a count vector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrontPoint {
     /// Uses of every informative action, in the order of the problem's actions.
     pub counts: Vec<u32>,
-    /// Least cost of a walk to a goal with exactly these uses; nothing if there is none.
+    /// Least cost of a walk to a goal with exactly these uses; `None` if there is none.
     pub cost: Option<Cost>,
 }
 
-/// Least cost of reaching the goal with exactly g uses, for every count vector g up to what is required, from one
-/// exhaustive search: information against cost. One point per count vector, the first informative action's count fastest;
-/// nothing if the search is told to stop or does not fit in the memory.
+/// Least cost of reaching the goal with exactly g uses, for every count vector g up to the required one, from
+/// one exhaustive search: information against cost. One point per count vector, the first informative
+/// action's count fastest; `None` if the search is cancelled or does not fit in the memory.
 pub fn front(
     problem: &Problem,
     options: &Options,

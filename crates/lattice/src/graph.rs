@@ -1,4 +1,4 @@
-//! The poses that matter: reached from the start and with a way to a goal, by any moves however often.
+//! The live poses: those that can be reached from the start and can reach a goal, by any number of moves.
 
 use std::cell::OnceCell;
 
@@ -7,10 +7,10 @@ use crate::by_node::ByNode;
 use crate::watch::{self, Watch};
 use crate::{Goal, Problem};
 
-/// Number of a pose that does not matter.
+/// The number of a pose that is not live.
 const NONE: u32 = u32::MAX;
 
-/// The live poses, renumbered as *nodes* in the order of their numbers, with what leads from one to another.
+/// The live poses, renumbered as *nodes* in the order of their numbers, with the arcs between them.
 pub(crate) struct Graph<'a> {
     pub problem: &'a Problem,
     /// Pose number by node.
@@ -20,7 +20,7 @@ pub(crate) struct Graph<'a> {
     pub goals: Vec<u32>,
     /// Node by pose number.
     nodes: Vec<u32>,
-    /// All arcs, and the same seen from their ends, for engines that go through them again and again.
+    /// All arcs, and the same by their ends, for engines that traverse them repeatedly.
     arcs: OnceCell<ByNode<Arc>>,
     back: OnceCell<ByNode<Back>>,
 }
@@ -33,7 +33,7 @@ pub(crate) struct Back {
 }
 
 impl<'a> Graph<'a> {
-    /// Nothing if no walk leads from the start to a goal, or if told to stop.
+    /// `None` if no walk leads from the start to a goal, or if cancelled.
     pub fn new(problem: &'a Problem, reach: &Reach, watch: &mut Watch) -> Option<Self> {
         let start = problem.lattice().number(problem.start());
         if !reach.is_live(start) {
@@ -54,10 +54,10 @@ impl<'a> Graph<'a> {
         Some(Self { problem, poses, start, is_goal, goals, nodes, arcs, back })
     }
 
-    /// Lays out the arcs; both ways for [`Self::back`]. Nothing if told to stop.
+    /// Stores the arcs; both ways for [`Self::back`]. `None` if cancelled.
     pub fn lay_out(&self, both_ways: bool, watch: &mut Watch) -> Option<()> {
         if self.arcs.get().is_none() {
-            let mut arcs = ByNode::with_room(self.len(), self.arc_count());
+            let mut arcs = ByNode::with_capacity(self.len(), self.arc_count());
             for node in 0..self.len() as u32 {
                 arcs.push(self.ways(node));
                 watch.go_on(1).then_some(())?;
@@ -75,13 +75,13 @@ impl<'a> Graph<'a> {
         self.arcs.get().unwrap_or_else(|| unreachable!("engines lay out the arcs first"))
     }
 
-    /// The arcs from a node, found anew.
+    /// The arcs from a node, computed on demand.
     pub fn ways(&self, node: u32) -> impl Iterator<Item = Arc> + '_ {
         let arcs = self.problem.arcs(self.poses[node as usize] as usize);
         arcs.map(|arc| Arc { node: self.nodes[arc.node as usize], ..arc }).filter(|arc| arc.node != NONE)
     }
 
-    /// Where the arcs into a node start, and their moves, found anew.
+    /// The starts of the arcs into a node, and their moves, computed on demand.
     pub fn ways_into(&self, node: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
         let arcs = self.problem.arcs_into(self.poses[node as usize] as usize);
         arcs.map(|arc| (self.nodes[arc.node as usize], arc.step)).filter(|(from, _)| *from != NONE)
@@ -92,7 +92,7 @@ impl<'a> Graph<'a> {
         self.poses.len()
     }
 
-    /// Number of states: nodes times count vectors, as far as 128 bits go.
+    /// Number of states: nodes times count vectors, saturating at 128 bits.
     pub fn states(&self) -> u128 {
         watch::strides(&self.problem.required()).1.saturating_mul(self.len() as u128)
     }
@@ -129,12 +129,12 @@ impl<'a> Graph<'a> {
         self.problem.arc_count(|_| true)
     }
 
-    /// Bytes that graph and problem hold, about, before arcs are laid out.
+    /// Approximate bytes of graph and problem, before arcs are stored.
     pub fn bytes(&self) -> u64 {
         (self.nodes.len() * 8 + self.poses.len() * 8) as u64
     }
 
-    /// Bytes of arcs that are laid out, about.
+    /// Approximate bytes of stored arcs.
     pub fn arc_bytes(&self, both_ways: bool) -> u64 {
         let one_way = (self.arc_count() * 8 + self.len() * 4) as u64;
         if both_ways { 2 * one_way } else { one_way }
@@ -145,14 +145,14 @@ fn is_goal(problem: &Problem, pose: u32) -> bool {
     problem.is_goal(problem.lattice().pose(pose as usize))
 }
 
-/// Which poses are reached from the start, and from which a goal is reached, by any moves.
+/// The poses that are reached from the start, and those from which a goal is reached, by any moves.
 pub(crate) struct Reach {
     pub reached: Vec<bool>,
     pub homing: Vec<bool>,
 }
 
 impl Reach {
-    /// Nothing if told to stop.
+    /// `None` if cancelled.
     pub fn new(problem: &Problem, watch: &mut Watch) -> Option<Self> {
         Some(Self { reached: reached(problem, watch)?, homing: homing(problem, watch)? })
     }
@@ -162,7 +162,7 @@ impl Reach {
     }
 }
 
-/// Which poses are reached from the start by any moves.
+/// The poses that are reached from the start by any moves.
 pub(crate) fn reached(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>> {
     let mut reached = vec![false; problem.lattice().poses()];
     let start = problem.lattice().number(problem.start());
@@ -181,7 +181,7 @@ pub(crate) fn reached(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>>
     Some(reached)
 }
 
-/// From which poses any moves lead to a goal.
+/// The poses from which any moves lead to a goal.
 fn homing(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>> {
     let poses = problem.lattice().poses();
     let Goal::Poses(goals) = problem.goal() else {
@@ -203,7 +203,7 @@ fn homing(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>> {
     Some(homing)
 }
 
-/// Nothing if told to stop.
+/// `None` if cancelled.
 fn backward(arcs: &ByNode<Arc>, nodes: usize, watch: &mut Watch) -> Option<ByNode<Back>> {
     let back = |from: usize| {
         arcs.range(from).map(move |arc| (arcs.entries()[arc as usize].node, Back { from: from as u32, arc }))

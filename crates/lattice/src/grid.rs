@@ -60,18 +60,18 @@ impl fmt::Display for Pose {
     }
 }
 
-/// A cost in the caller's units. Plans are compared by `primary`, among equals by `secondary`. Both are finite and
-/// not negative. Resolution is 1e-9: finer differences are not seen.
+/// A cost in the caller's units. Plans are compared by `primary`, then by `secondary`. Both are finite and
+/// not negative. Resolution is 1e-9: finer differences are ignored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Cost {
-    /// What counts first.
+    /// Compared first.
     pub primary: f64,
-    /// What decides between plans of equal `primary`.
+    /// Decides between plans of equal `primary`.
     pub secondary: f64,
 }
 
 impl Cost {
-    /// A primary cost alone.
+    /// A primary cost only.
     pub fn primary(primary: f64) -> Self {
         Self { primary, secondary: 0.0 }
     }

@@ -1,4 +1,4 @@
-//! Bound, beam, better prices, wider beam, bounds per action, A*: each step only if the ones before left a gap.
+//! Bound, beam, better prices, wider beam, bounds per action, A*: each step only if a gap remains.
 
 use crate::graph::Graph;
 use crate::relaxation::{Bound, Prices, Table};
@@ -10,12 +10,12 @@ const WIDTHS: [usize; 2] = [64, 512];
 /// Width of the beam before there are prices, and with bounds per action.
 const FIRST_WIDTH: usize = 64;
 const LAST_WIDTH: usize = 2048;
-/// Most entries of a bound that is still worked out when the time is over.
+/// Most entries of a bound that is still computed after the time limit.
 const GLIMPSED: u128 = 500_000;
 /// Most entries of all bounds per action.
 const MOST_ENTRIES: u128 = 400_000_000;
 
-/// How far to go.
+/// The last step to take.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Depth {
     /// Bounds and beams.
@@ -24,9 +24,9 @@ pub(crate) enum Depth {
     Proof,
 }
 
-/// The cheapest plan, or the best that is found within the limits.
+/// The cheapest plan, or the best one found within the limits.
 pub(crate) fn search(graph: &Graph, memory: u64, depth: Depth, watch: &mut Watch) -> Verdict {
-    // Bounds and beams come and go, and the allocator keeps what they leave for a while.
+    // Bounds and beams are temporary, and the allocator keeps their memory for a while.
     let mut search = Search { graph, memory: memory / 3 * 2, plan: None };
     match search.run(depth, watch) {
         Some(verdict) => verdict,
@@ -34,7 +34,7 @@ pub(crate) fn search(graph: &Graph, memory: u64, depth: Depth, watch: &mut Watch
     }
 }
 
-/// Whether [`glimpse`] takes a tenth of a second at most.
+/// Whether [`glimpse`] takes at most a tenth of a second.
 pub(crate) fn is_glimpsed_at_once(graph: &Graph) -> bool {
     Table::entries(graph, None) <= GLIMPSED
 }
@@ -55,13 +55,13 @@ fn bytes(bound: &Bound) -> u64 {
 
 struct Search<'a> {
     graph: &'a Graph<'a>,
-    /// What is left of it.
+    /// The remaining memory.
     memory: u64,
     plan: Option<(u64, Walk)>,
 }
 
 impl Search<'_> {
-    /// Nothing if told to stop.
+    /// `None` if cancelled.
     fn run(&mut self, depth: Depth, watch: &mut Watch) -> Option<Verdict> {
         self.memory = self.memory.saturating_sub(self.graph.arc_bytes(true));
         if Table::entries(self.graph, None) * 12 > u128::from(self.memory) {
@@ -111,7 +111,7 @@ impl Search<'_> {
         }
     }
 
-    /// A better plan by a wider beam. Nothing if told to stop.
+    /// Improves the plan with a wider beam. `None` if cancelled.
     fn widen(&mut self, bound: &Bound, width: usize, watch: &mut Watch) -> Option<()> {
         if !self.is_proved(watch) {
             let found = beam::search(self.graph, bound, (width, self.memory), self.upper(), watch);
@@ -121,7 +121,7 @@ impl Search<'_> {
         watch.go_on(0).then_some(())
     }
 
-    /// A table per action that keeps its own count, as far as memory goes.
+    /// A table per action that tracks its own count, as far as memory allows.
     fn bounds_per_action(&self, bound: &mut Bound, watch: &mut Watch) -> Option<()> {
         let slots = self.graph.problem.informative.len();
         if slots < 2 {

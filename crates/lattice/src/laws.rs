@@ -1,4 +1,4 @@
-//! Laws of the bounds, and engines against each other on maps.
+//! Laws of the bounds, and comparison of the engines on maps.
 
 use crate::graph::{Graph, Reach};
 use crate::lagrangian::{self, Depth};
@@ -43,7 +43,8 @@ fn all_left(required: &[u32], packing: &Packing) -> Vec<Left> {
     all
 }
 
-/// Exact keys to go, by (uses left, node): Dijkstra's method backwards, one vector of uses after the other.
+/// Exact remaining keys, by (uses left, node): Dijkstra's method backwards, one vector of uses after the
+/// other.
 fn exact(graph: &Graph, packing: &Packing, all: &[Left]) -> Vec<Vec<Option<u64>>> {
     let position = |left: Left| all.iter().position(|&other| other == left).unwrap();
     let mut to_go: Vec<Vec<Option<u64>>> = vec![vec![None; graph.len()]; all.len()];
@@ -203,24 +204,24 @@ fn law_many_blocks_agree_with_single_states() {
     assert!(solved >= 6, "{solved} plans");
 }
 
-/// Stops a search at many places, most of them near its end; the bound by then never exceeds the optimum.
+/// Cancels a search at many points, most of them near its end; the lower bound never exceeds the optimum.
 fn stop_everywhere(problem: &Problem, search: impl Fn(&mut Watch) -> crate::watch::Verdict) {
-    let run = |polls: u64| {
-        let mut asked = 0;
+    let run = |limit: u64| {
+        let mut polls = 0;
         let mut keep_going = |_| {
-            asked += 1;
-            asked < polls
+            polls += 1;
+            polls < limit
         };
         let mut watch = Watch::new(problem, 1, &mut keep_going);
         let verdict = search(&mut watch);
         let lower = watch.lower.max(verdict.lower);
-        (lower, verdict, asked)
+        (lower, verdict, polls)
     };
-    let (_, whole, asked) = run(u64::MAX);
+    let (_, whole, total) = run(u64::MAX);
     let optimum = whole.plan.map_or(u64::MAX, |plan| plan.0);
-    for polls in (1..30).map(|k| asked * k / 30).chain(asked.saturating_sub(30)..=asked) {
-        let (lower, verdict, _) = run(polls);
-        assert!(lower <= optimum, "{lower} after {polls} of {asked} polls, optimum {optimum}");
+    for limit in (1..30).map(|k| total * k / 30).chain(total.saturating_sub(30)..=total) {
+        let (lower, verdict, _) = run(limit);
+        assert!(lower <= optimum, "{lower} after {limit} of {total} polls, optimum {optimum}");
         assert!(verdict.plan.is_none_or(|plan| plan.0 >= optimum));
     }
 }
@@ -260,22 +261,22 @@ fn law_a_queue_beyond_its_memory_ends_a_search_without_a_claim() {
 }
 
 #[test]
-fn law_every_phase_asks_whether_to_go_on() {
+fn law_every_phase_polls() {
     let problem = map(1, false);
     let graph = graph(&problem).unwrap();
     let nodes = graph.len();
-    let asked = |phase: &dyn Fn(&mut Watch)| {
-        let mut asked = 0;
+    let polls = |phase: &dyn Fn(&mut Watch)| {
+        let mut polls = 0;
         let mut keep_going = |_| {
-            asked += 1;
+            polls += 1;
             true
         };
         phase(&mut Watch::new(&problem, 1, &mut keep_going));
-        asked
+        polls
     };
-    let layouts = asked(&|watch| drop(layered::front(&graph, 1, watch)));
+    let layouts = polls(&|watch| drop(layered::front(&graph, 1, watch)));
     assert!(layouts >= nodes, "{layouts} times for the arcs of {nodes} nodes");
     let layers = problem.required().iter().sum::<u32>() as usize + 1;
-    let bounds = asked(&|watch| drop(Table::new(&graph, &Prices::zero(&graph), None, false, watch)));
+    let bounds = polls(&|watch| drop(Table::new(&graph, &Prices::zero(&graph), None, false, watch)));
     assert!(bounds >= layers * nodes, "{bounds} times for {layers} layers of {nodes} nodes");
 }

@@ -1,5 +1,5 @@
-//! Exhaustive search where every basic move is free or costs one and the same step and informative moves are free: all
-//! count vectors of a node at once, as bits, one level of cost after the other.
+//! Exhaustive search where every basic move is free or costs one and the same step and informative moves are
+//! free: all count vectors of a node at once, as bits, one level of cost after the other.
 //!
 //! Informative moves lead to higher blocks or stay in a block, so at every level one pass over the blocks in order is
 //! enough. The level of a state is kept as a binary number across *planes* of bits; with it a plan is recovered.
@@ -16,7 +16,7 @@ use crate::graph::Graph;
 use crate::layout::Layout;
 use crate::watch::{self, Verdict, Watch};
 
-/// Planes to reckon with: enough for 63 levels.
+/// Planes to budget for: enough for 63 levels.
 const USUAL_PLANES: u128 = 6;
 
 /// The step of cost, if the search applies to these costs.
@@ -34,19 +34,19 @@ pub(crate) fn step(graph: &Graph) -> Option<u64> {
     Some(step.unwrap_or(1))
 }
 
-/// Bytes that the search usually takes.
+/// Bytes that the search usually needs.
 pub(crate) fn bytes(graph: &Graph) -> u128 {
     let layout = Layout::new(&graph.problem.required());
     let plane = layout.blocks.saturating_mul((graph.len() * layout.words * 8) as u128);
-    plane.saturating_mul(2 + USUAL_PLANES) + u128::from(bytes_beside(graph, layout.words))
+    plane.saturating_mul(2 + USUAL_PLANES) + u128::from(other_bytes(graph, layout.words))
 }
 
-/// Bytes that it takes beside the states of all blocks: arcs, the states of one block, queues.
-fn bytes_beside(graph: &Graph, words: usize) -> u64 {
+/// Bytes besides the states of all blocks: arcs, the states of one block, queues.
+fn other_bytes(graph: &Graph, words: usize) -> u64 {
     (graph.arc_count() * 8 + graph.len() * (20 + 16 * words)) as u64
 }
 
-/// The cheapest plan. Stops with limit `Memory` and the optimum as the lower bound if levels cannot be kept.
+/// The cheapest plan. Stops with limit `Memory` and the optimum as the lower bound if levels do not fit.
 pub(crate) fn search(graph: &Graph, step: u64, memory: u64, watch: &mut Watch) -> Verdict {
     let layout = Layout::new(&graph.problem.required());
     let found = match layout.words {
@@ -58,7 +58,7 @@ pub(crate) fn search(graph: &Graph, step: u64, memory: u64, watch: &mut Watch) -
     found.unwrap_or_else(|| Verdict::stopped(None, watch.lower, Limit::Time))
 }
 
-/// The least key of every count vector at any goal, by mixed-radix number; nothing if stopped.
+/// The least key of every count vector at any goal, by mixed-radix number; `None` if cancelled.
 pub(crate) fn front(graph: &Graph, step: u64, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
     let layout = Layout::new(&graph.problem.required());
     match layout.words {
@@ -76,7 +76,8 @@ struct Layered<'a, const W: usize> {
     step: u64,
     nodes: usize,
     blocks: usize,
-    /// By `block * nodes + node`: states reached, those of them still to be followed, and the levels.
+    /// By `block * nodes + node`: states reached, those of them that are still to be followed, and the
+    /// levels.
     reached: Vec<Bits<W>>,
     fresh: Vec<Bits<W>>,
     planes: Vec<Vec<Bits<W>>>,
@@ -89,11 +90,11 @@ struct Layered<'a, const W: usize> {
     /// Nodes with pending states, in order; nodes with new states.
     queue: Vec<u32>,
     touched: Vec<u32>,
-    /// Planes that fit in the memory; nothing once a level did not fit.
+    /// Planes that fit in the memory; `None` once a level did not fit.
     planes_left: Option<u64>,
 }
 
-/// What a block looks like after a level.
+/// The state of a block after a level.
 enum Level {
     Goal(u32),
     Done,
@@ -101,12 +102,12 @@ enum Level {
 }
 
 impl<'a, const W: usize> Layered<'a, W> {
-    /// Nothing if told to stop.
+    /// `None` if cancelled.
     fn new(graph: &'a Graph<'a>, layout: Layout, step: u64, memory: u64, watch: &mut Watch) -> Option<Self> {
         let (nodes, blocks) = (graph.len(), layout.blocks as usize);
         let plane = (nodes * blocks * W * 8) as u64;
         let dirty_words = nodes.div_ceil(64);
-        let for_planes = memory.saturating_sub(bytes_beside(graph, W));
+        let for_planes = memory.saturating_sub(other_bytes(graph, W));
         let planes_left = Some((for_planes / plane.max(1)).saturating_sub(2));
         Some(Self {
             fans: Fans::new(graph, &layout, watch)?,
@@ -207,7 +208,7 @@ impl<'a, const W: usize> Layered<'a, W> {
         Level::Done
     }
 
-    /// Takes the fresh states of a block into the queue.
+    /// Queues the fresh states of a block.
     fn open(&mut self, block: usize) {
         let base = block * self.nodes;
         for word in 0..self.dirty_words {

@@ -19,13 +19,15 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The layout that wastes least, wider blocks preferred.
+    /// The most efficient layout; wider blocks are preferred.
     pub fn new(required: &[u32]) -> Self {
         let (words, chosen) = [(1, 0.8), (2, 0.9), (4, 1.0), (8, 1.0)]
-            .map(|(words, worth)| (words, worth, fullest(required, 64 * words)))
+            .map(|(words, efficiency)| (words, efficiency, fullest(required, 64 * words)))
             .into_iter()
             .filter(|(words, _, (used, _))| *words == 1 || used * 2 > 64 * words)
-            .map(|(words, worth, (used, chosen))| (worth * used as f64 / (64 * words) as f64, words, chosen))
+            .map(|(words, efficiency, (used, chosen))| {
+                (efficiency * used as f64 / (64 * words) as f64, words, chosen)
+            })
             .reduce(|best, other| if other.0 > best.0 { other } else { best })
             .map_or((1, vec![false; required.len()]), |(_, words, chosen)| (words, chosen));
         Self::with(required, words, &chosen)
@@ -80,7 +82,7 @@ impl Layout {
     }
 }
 
-/// The slots whose vectors fill most of `bits` bits, and how many that are.
+/// The slots whose vectors fill most of `bits` bits, and how many bits these are.
 fn fullest(required: &[u32], bits: usize) -> (usize, Vec<bool>) {
     let mut best: Vec<Option<Vec<bool>>> = vec![None; bits + 1];
     best[1] = Some(vec![false; required.len()]);

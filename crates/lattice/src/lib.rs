@@ -1,20 +1,22 @@
 //! Exact planning on a state lattice whose maneuvers must be used a given number of times.
 //!
-//! A state is a pose (cell and layer) and how often each *informative* action has been used. A plan leads from the start
-//! to a goal, uses every informative action exactly as often as required and basic actions as it likes, at the least
-//! cost; costs are compared by their primary part, then by their secondary part. [`plan`] finds such a plan and says
-//! what is proved of it; [`front`] gives the least cost of every count vector.
+//! A state is a pose (cell and layer) and how often each *informative* action has been used. A plan leads
+//! from the start to a goal, uses every informative action exactly as often as required and basic actions any
+//! number of times, at the least cost; costs are compared by their primary part, then by their secondary
+//! part. [`plan`] finds such a plan and says what is proved about it; [`front`] gives the least cost of every
+//! count vector.
 //!
-//! Two engines, see [`Engine`]: an exhaustive one that looks at all states in order of cost (all count vectors of a pose
-//! at once, as bits, where costs allow it), and one that bounds by Lagrangian relaxation of the counts, finds plans by
-//! a beam and proves by A*. Both are exact; "optimal" always means proved. Costs are read to 1e-9.
+//! Two engines, see [`Engine`]: an exhaustive one that visits all states in order of cost (all count vectors
+//! of a pose at once, as bits, where costs allow it), and one that bounds by Lagrangian relaxation of the
+//! counts, finds plans by a beam and proves by A*. Both are exact; "optimal" always means proved. Costs are
+//! read to 1e-9.
 //!
 //! [`ProblemFile`] is the file `experiment-lattice-planning/1`; [`collision`] says where swept boxes are free.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-// What tests share names the crate from outside.
+// Shared test code names the crate from outside.
 #[cfg(test)]
 extern crate self as lattice;
 
@@ -63,4 +65,4 @@ pub use plan::plan;
 pub use problem::Problem;
 pub use reason::Reason;
 pub use refusal::Invalid;
-pub use watch::Asked;
+pub use watch::Poll;

@@ -1,4 +1,4 @@
-//! States that a search has seen, with the best known way to each. Found again by hashing.
+//! Visited states, with the best known way to each, found by hashing.
 
 use crate::graph::Graph;
 use crate::uses::Left;
@@ -28,7 +28,7 @@ impl Seen {
     }
 }
 
-/// By which move from which state a state is reached.
+/// How a state is reached: from which state, by which move.
 #[derive(Clone, Copy)]
 pub(crate) struct By {
     parent: u32,
@@ -54,13 +54,13 @@ impl Nodes {
         Self { chunks: Vec::new(), len: 0, slots: vec![EMPTY; 1 << 10] }
     }
 
-    /// Bytes held, with room for the table to grow.
+    /// Bytes held, with spare capacity of the table.
     pub fn bytes(&self) -> u64 {
         ((self.chunks.len() * size_of::<Seen>()) << CHUNK_BITS) as u64 + self.slots.len() as u64 * 12
     }
 
     /// Whether another state can be numbered.
-    pub fn has_room(&self) -> bool {
+    pub fn has_capacity(&self) -> bool {
         self.len < u32::MAX - (1 << CHUNK_BITS)
     }
 
@@ -72,7 +72,8 @@ impl Nodes {
         &mut self.chunks[(index >> CHUNK_BITS) as usize][(index & ((1 << CHUNK_BITS) - 1)) as usize]
     }
 
-    /// Notes a way to a state. Its index if the state is new, or open and now reached with a smaller key.
+    /// Notes a way to a state. Returns its index if the state is new, or open and now reached with a smaller
+    /// key.
     pub fn reach(&mut self, node: u32, left: Left, key: u64, by: By) -> Option<u32> {
         let packed = [left.packed as u64, (left.packed >> 64) as u64];
         let mask = self.slots.len() - 1;
@@ -147,7 +148,7 @@ fn mix(mut word: u64) -> u64 {
     word ^ (word >> 31)
 }
 
-/// All ways on from a state: the arc's move, its end, the uses left there and the key.
+/// All moves from a state: the arc's move, its end, the uses left there and the key.
 pub(crate) fn ways_on<'a>(
     graph: &'a Graph,
     packing: &'a crate::uses::Packing,

@@ -8,7 +8,7 @@ pub enum Engine {
     Auto,
     /// Every state in order of cost. Proves everything, needs memory for all states.
     Exhaustive,
-    /// Bounds from priced counts, a beam for plans, A* for the proof. Needs memory for what it looks at.
+    /// Bounds from priced counts, a beam for plans, A* for the proof. Needs memory for the states it visits.
     Lagrangian,
 }
 
@@ -17,9 +17,9 @@ pub enum Engine {
 pub struct Options {
     /// Which search to use.
     pub engine: Engine,
-    /// Memory that the search may take \[bytes\], besides the problem itself.
+    /// Most memory of the search \[bytes\], besides the problem itself.
     pub memory_bytes: u64,
-    /// Steps of work (states looked at, about) between two questions whether to go on.
+    /// Steps of work (approximate number of visited states) between two polls.
     pub poll_every: u64,
 }
 
@@ -29,10 +29,10 @@ impl Default for Options {
     }
 }
 
-/// How far a search has come.
+/// The progress of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// Work done, in states looked at, about.
+    /// Work done, as the approximate number of visited states.
     pub work: u64,
     /// No plan is cheaper than this.
     pub lower_bound: Cost,
@@ -45,21 +45,21 @@ pub struct Progress {
 pub enum NoPlan {
     /// No plan exists: proved.
     Infeasible(Reason),
-    /// Told to stop before any plan was found.
+    /// Cancelled before any plan was found.
     OutOfTime {
         /// No plan is cheaper than this.
         lower_bound: Cost,
     },
-    /// The memory was used up before any plan was found.
+    /// The memory was exhausted before any plan was found.
     OutOfMemory {
         /// No plan is cheaper than this.
         lower_bound: Cost,
     },
-    /// The exhaustive search was asked for and does not fit in the memory.
+    /// The exhaustive search was requested and does not fit in the memory.
     TooLarge {
         /// Number of states.
         states: u128,
-        /// Memory that it would take \[bytes\].
+        /// Memory that it would need \[bytes\].
         bytes: u128,
     },
 }
@@ -67,18 +67,18 @@ pub enum NoPlan {
 /// Why a search stopped before the proof.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
-    /// It was told to stop.
+    /// It was cancelled.
     Time,
-    /// The memory was used up.
+    /// The memory was exhausted.
     Memory,
 }
 
-/// What is known of a plan.
+/// What is proved about a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// No plan is cheaper: proved.
     Optimal,
-    /// The plan is valid; the lower bound says how much cheaper another one might be.
+    /// The plan is valid; the lower bound limits how much cheaper another one might be.
     Feasible {
         /// Why there is no proof.
         stopped_by: Limit,
@@ -88,14 +88,14 @@ pub enum Status {
 /// A plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
-    /// What is known of it.
+    /// What is proved about it.
     pub status: Status,
     /// Its cost, the sum of its steps'.
     pub cost: Cost,
-    /// No plan is cheaper than this. Equals the cost of an optimal plan. Of a feasible one the secondary part means
-    /// something only where the primary parts are equal.
+    /// No plan is cheaper than this. Equals the cost of an optimal plan. For a feasible one the secondary
+    /// part is meaningful only where the primary parts are equal.
     pub lower_bound: Cost,
-    /// What to do, in order.
+    /// The steps, in order.
     pub steps: Vec<Step>,
 }
 

@@ -6,19 +6,20 @@ use crate::{
     reason,
 };
 
-/// States up to which `Auto` searches exhaustively without a look at bounds first.
+/// States up to which `Auto` searches exhaustively without computing bounds first.
 const SMALL: u128 = 2_000_000_000;
 /// States up to which `Auto` searches exhaustively at all.
 const LARGE_BITS: u128 = 20_000_000_000;
 const LARGE_DENSE: u128 = 200_000_000;
-/// A state kept as a distance takes as long as so many kept as bits, about.
+/// A state kept as a distance takes about as long as this many kept as bits.
 const DENSE_WEIGHT: u128 = 10;
 
-/// Finds the cheapest plan. `keep_going` is asked from time to time and ends the search by saying no; a plan found by
-/// then is returned with a lower bound. One narrow beam may still be searched after that, if there is no plan yet.
+/// Finds the cheapest plan. `keep_going` is polled and cancels the search by returning false; the best plan
+/// by then is returned with a lower bound. If there is none yet, one narrow beam may still be searched after
+/// that.
 ///
 /// # Errors
-/// No plan, proved or for want of time or memory.
+/// No plan: proved, or for lack of time or memory.
 ///
 /// ```
 /// use lattice::{Action, Cost, Goal, Lattice, Move, Options, Pose, Problem, plan};
@@ -46,7 +47,7 @@ pub fn plan(
         return Err(NoPlan::Infeasible(reason));
     }
     let Some(graph) = Graph::new(problem, &reach, &mut watch) else {
-        // Where the start does not reach the goal, the map has given a reason.
+        // If the start does not reach the goal, the map has given a reason already.
         return Err(out_of_time);
     };
     drop(reach);
@@ -62,7 +63,7 @@ pub fn plan(
 
 enum Chosen {
     Exhaustive,
-    /// Exhaustive, after bounds and beams have tried.
+    /// Exhaustive, after bounds and beams.
     BoundsFirst,
     Lagrangian,
     TooLarge(u128),
@@ -72,7 +73,7 @@ fn memory(graph: &Graph, options: &Options) -> u64 {
     options.memory_bytes.saturating_sub(graph.bytes())
 }
 
-/// Bytes that the exhaustive search takes.
+/// Bytes that the exhaustive search needs.
 pub(crate) fn exhaustive_bytes(graph: &Graph) -> u128 {
     match layered::step(graph) {
         Some(_) => layered::bytes(graph),
@@ -98,7 +99,7 @@ fn engine(graph: &Graph, options: &Options) -> Chosen {
     }
 }
 
-/// If told to stop and there is no plan yet, one narrow beam looks for one, where that is a matter of a moment.
+/// If it is cancelled without a plan, a narrow beam searches for one, provided that takes only a moment.
 fn exhaustive(graph: &Graph, options: &Options, has_plan: bool, watch: &mut Watch) -> Verdict {
     let memory = memory(graph, options);
     let verdict = match layered::step(graph) {
@@ -140,7 +141,7 @@ fn outcome(problem: &Problem, verdict: Verdict) -> Result<Solution, NoPlan> {
     }
 }
 
-/// Makes the moves one after the other from the start.
+/// Executes the moves from the start.
 fn solution(problem: &Problem, walk: &[u32], stopped_by: Option<Limit>, lower_bound: Cost) -> Solution {
     let (mut from, mut cost) = (problem.start(), Cost::default());
     let mut steps = Vec::with_capacity(walk.len());

@@ -2,7 +2,7 @@ use crate::allowed::{Allowed, Arc};
 use crate::units::Units;
 use crate::{Action, Cost, Goal, Invalid, Lattice, MoveId, Pose, validate};
 
-/// An accepted problem: which moves are allowed where, as an adjacency over poses, and costs as whole numbers.
+/// An accepted problem: the allowed moves as an adjacency over poses, and costs as integers.
 #[derive(Clone, Debug)]
 pub struct Problem {
     lattice: Lattice,
@@ -10,20 +10,20 @@ pub struct Problem {
     start: Pose,
     goal: Goal,
     pub(crate) units: Units,
-    /// All moves of all actions, in their order.
+    /// All moves of all actions, in order.
     pub(crate) moves: Vec<Known>,
-    /// The informative actions, by slot: index of the action, uses, and the key that every use costs at least.
+    /// The informative actions, by slot: index of the action, uses, and the least key of every use.
     pub(crate) informative: Vec<Informative>,
     allowed: Allowed,
 }
 
-/// What the searches know of a move.
+/// The properties of a move that searches need.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Known {
     pub id: MoveId,
     /// Index among the action's moves with the same `from`.
     pub variant: u32,
-    /// Key of the cost; of an informative move what exceeds the least of its action.
+    /// Key of the cost; for an informative move only the excess over the least of its action.
     pub key: u64,
     /// Slot of an informative action.
     pub slot: Option<u32>,
@@ -38,8 +38,8 @@ pub(crate) struct Informative {
 }
 
 impl Problem {
-    /// Accepts a problem. `allowed` says whether a move may start at cell `(i, j)`; it is asked once for every move
-    /// and cell from which the move stays in the lattice.
+    /// Accepts a problem. `allowed` says whether a move may start at cell `(i, j)`; it is called once for
+    /// every move and cell from which the move stays in the lattice.
     ///
     /// # Errors
     /// A lattice without poses or with more than 2^32, moves of layers that do not exist, costs that are negative or
@@ -92,7 +92,7 @@ impl Problem {
         }
     }
 
-    /// Number of states: poses times count vectors, as far as 128 bits go.
+    /// Number of states: poses times count vectors, saturating at 128 bits.
     pub fn states(&self) -> u128 {
         let vectors = self.informative.iter().map(|slot| u128::from(slot.required) + 1);
         vectors.fold(self.lattice.poses() as u128, u128::saturating_mul)
@@ -104,17 +104,17 @@ impl Problem {
             && self.arcs(self.lattice.number(pose)).any(|arc| self.moves[arc.step as usize].id == id)
     }
 
-    /// The allowed moves from the pose of a number.
+    /// The allowed moves from the pose with this number.
     pub(crate) fn arcs(&self, number: usize) -> impl Iterator<Item = Arc> + '_ {
         self.allowed.arcs(number)
     }
 
-    /// The allowed moves into the pose of a number, with the poses where they start, in the order of these.
+    /// The allowed moves into the pose with this number, with their starts, ordered by the latter.
     pub(crate) fn arcs_into(&self, number: usize) -> impl Iterator<Item = Arc> + '_ {
         self.allowed.arcs_into(number)
     }
 
-    /// From how many poses some moves are allowed, all together.
+    /// Number of poses from which `wanted` moves are allowed, summed over these.
     pub(crate) fn arc_count(&self, wanted: impl Fn(usize) -> bool) -> usize {
         let counts = self.allowed.counts().iter().enumerate();
         counts.filter(|(step, _)| wanted(*step)).map(|(_, count)| count).sum()
@@ -125,14 +125,16 @@ impl Problem {
         self.informative.iter().map(|slot| slot.required).collect()
     }
 
-    /// The cost of a plan with these counts whose key, without the least keys of informative actions, is `key`.
+    /// The cost of a plan with these counts whose key is `key`, without the least keys of informative
+    /// actions.
     pub(crate) fn cost(&self, key: u64, counts: &[u32]) -> Cost {
         let least =
             self.informative.iter().zip(counts).map(|(slot, &count)| slot.least_key * u64::from(count));
         self.units.cost(key.saturating_add(least.sum()))
     }
 
-    /// Every plan pays the least key of an informative action `required` times, so the searches need not carry it.
+    /// Every plan pays the least key of an informative action `required` times, so that the searches need not
+    /// carry it.
     fn split_off_least_keys(&mut self) {
         for (number, slot) in self.informative.iter_mut().enumerate() {
             let own = || self.moves.iter().filter(|step| step.slot == Some(number as u32));

@@ -2,10 +2,10 @@
 //! one taken out (Ahuja, Mehlhorn, Orlin, Tarjan 1990). For small costs it acts like Dial's buckets.
 
 const BUCKETS: usize = 65;
-/// Most entries for which a bucket that was spread keeps its memory.
+/// Most entries for which a spread bucket keeps its memory.
 const KEPT: usize = 1 << 16;
 
-/// `K` is how a key is kept.
+/// `K` is the storage of a key.
 pub(crate) struct RadixHeap<K, T> {
     last: K,
     buckets: Vec<Vec<(K, T)>>,
@@ -28,14 +28,14 @@ impl<K: Copy + Default + Ord + Into<u64>, T: Copy> RadixHeap<K, T> {
         self.last = K::default();
     }
 
-    /// Adds an entry. A key below the last one taken out counts as that one.
+    /// Adds an entry. A key below the last one taken out is raised to that one.
     pub fn push(&mut self, key: K, value: T) {
         debug_assert!(key >= self.last, "keys never decrease");
         let key = key.max(self.last);
         self.buckets[bucket(key, self.last)].push((key, value));
     }
 
-    /// Takes out an entry of the least key, of several the one that was added last.
+    /// Takes out an entry of the least key, the latest one if there are several.
     pub fn pop(&mut self) -> Option<(K, T)> {
         if self.buckets[0].is_empty() {
             self.spread()?;
@@ -43,7 +43,7 @@ impl<K: Copy + Default + Ord + Into<u64>, T: Copy> RadixHeap<K, T> {
         self.buckets[0].pop()
     }
 
-    /// Spreads the first bucket that holds anything over the ones before it.
+    /// Spreads the first non-empty bucket over the ones before it.
     fn spread(&mut self) -> Option<()> {
         let first = self.buckets.iter().position(|bucket| !bucket.is_empty())?;
         let mut entries = std::mem::take(&mut self.buckets[first]);

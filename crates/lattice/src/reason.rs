@@ -22,7 +22,7 @@ pub enum Reason {
         /// The pose nearest to it into which a move is allowed, if there is one, and its distance in cells.
         nearest: Option<(Pose, f64)>,
     },
-    /// No walk leads from the start to a goal, whatever the counts.
+    /// No walk leads from the start to a goal, regardless of counts.
     GoalUnreachable {
         /// The reached pose nearest to a goal, and its distance in cells.
         nearest: Option<(Pose, f64)>,
@@ -96,17 +96,17 @@ fn near(f: &mut fmt::Formatter<'_>, what: &str, nearest: &Option<(Pose, f64)>) -
     }
 }
 
-/// A reason that the map alone gives, whatever the counts.
+/// A reason that the map alone gives, regardless of counts.
 pub(crate) fn from_map(problem: &Problem, reach: &Reach) -> Option<Reason> {
     if problem.informative.is_empty() && problem.is_goal(problem.start()) {
         return None;
     }
     let lattice = problem.lattice();
     if problem.arcs(lattice.number(problem.start())).next().is_none() {
-        let has_room: Vec<bool> =
+        let is_usable: Vec<bool> =
             (0..lattice.poses()).map(|pose| problem.arcs(pose).next().is_some()).collect();
         let start = problem.start();
-        return Some(Reason::StartEnclosed { start, nearest: nearest(problem, &has_room, &[start]) });
+        return Some(Reason::StartEnclosed { start, nearest: nearest(problem, &is_usable, &[start]) });
     }
     goal(problem, &reach.reached).or_else(|| use_of_each(problem, reach))
 }

@@ -1,14 +1,14 @@
-//! A shortest walk from distances alone, without parents.
+//! Recovers a shortest walk from distances alone, without parents.
 
 use std::collections::BTreeMap;
 
 use crate::graph::Graph;
 use crate::watch::Walk;
 
-/// Distance of a node with counts from the start, by slot; nothing if it was not reached.
+/// Distance of a node with counts from the start, by slot; `None` if it was not reached.
 pub(crate) type Distance<'a> = dyn Fn(u32, &[u32]) -> Option<u64> + 'a;
 
-/// The walk to `node` with `counts`, which the distances say is reached.
+/// The walk to `node` with `counts`, which are reached according to the distances.
 pub(crate) fn walk(graph: &Graph, mut node: u32, mut counts: Vec<u32>, distance: &Distance) -> Option<Walk> {
     let mut walk = Walk::new();
     loop {
@@ -27,7 +27,8 @@ pub(crate) fn walk(graph: &Graph, mut node: u32, mut counts: Vec<u32>, distance:
     Some(walk)
 }
 
-/// How a walk comes to a node: over free basic moves (`along`, last first) after the move `before`, or from the start.
+/// How a walk enters a node: over free basic moves (`along`, last first) after the move `before`, or from the
+/// start.
 struct Entry {
     along: Walk,
     before: Option<(u32, u32)>,

@@ -1,5 +1,5 @@
-//! Lower bounds by Lagrangian relaxation of the counts: only the pose and the number of uses left in total are kept
-//! (and the uses left of one *tracked* action); every use of another action earns its price λ.
+//! Lower bounds by Lagrangian relaxation of the counts: only the pose and the total number of uses left are
+//! kept (and the uses left of one *tracked* action); every use of another action earns its price λ.
 //!
 //! With r_q uses left of action q, R = Σ r_q, D(p, R) the least cost of a walk from p to a goal with exactly R
 //! informative moves, every use of q earning λ_q: the walk of any plan from (p, r) costs at least
@@ -51,7 +51,7 @@ pub(crate) struct Table {
     rest: usize,
     nodes: usize,
     values: Vec<i64>,
-    /// The first arc of a cheapest walk, if asked for.
+    /// The first arc of a cheapest walk, if requested.
     next: Vec<u32>,
 }
 
@@ -64,7 +64,7 @@ impl Table {
         (own + 1) * (all - own + 1) * graph.len() as u128
     }
 
-    /// Nothing if told to stop.
+    /// `None` if cancelled.
     pub fn new(
         graph: &Graph,
         prices: &Prices,
@@ -87,7 +87,7 @@ impl Table {
         Some(table)
     }
 
-    /// Values of a layer from those with one use less. Nothing if told to stop.
+    /// Values of a layer from those with one use less. `None` if cancelled.
     fn begin(&mut self, graph: &Graph, prices: &Prices, layer: usize, watch: &mut Watch) -> Option<()> {
         let base = layer * self.nodes;
         if layer == 0 {
@@ -109,7 +109,7 @@ impl Table {
         Some(())
     }
 
-    /// The layer after a use of the slot, and what the use earns.
+    /// The layer after a use of the slot, and the earnings of the use.
     fn one_use_less(&self, layer: usize, slot: usize, prices: &Prices) -> Option<(usize, i64)> {
         if self.tracked == Some(slot) {
             return Some((layer.checked_sub(self.rest)?, 0));
@@ -117,7 +117,7 @@ impl Table {
         (!layer.is_multiple_of(self.rest)).then(|| (layer - 1, prices.values[slot]))
     }
 
-    /// Basic moves within a layer, by Dijkstra's method from all its nodes. Nothing if told to stop.
+    /// Basic moves within a layer, by Dijkstra's method from all its nodes. `None` if cancelled.
     fn spread(
         &mut self,
         graph: &Graph,
@@ -185,7 +185,7 @@ impl Table {
         (self.values.len() * 8 + self.next.len() * 4) as u64
     }
 
-    /// D of a node; nothing if no walk exists.
+    /// D of a node; `None` if no walk exists.
     fn value(&self, node: u32, own: u32, others: u32) -> Option<i64> {
         let value = self.values[(own as usize * self.rest + others as usize) * self.nodes + node as usize];
         (value != NEVER).then_some(value)
@@ -204,8 +204,8 @@ impl Bound {
         Self { prices, packing: Packing::new(&graph.problem.required()), tables: vec![table] }
     }
 
-    /// A lower bound on the key of any walk from the node to a goal with exactly the uses left; nothing if there is
-    /// none.
+    /// A lower bound on the key of any walk from the node to a goal with exactly the uses left; `None` if
+    /// there is none.
     pub fn key(&self, node: u32, left: Left) -> Option<u64> {
         let priced = |slot| self.prices.values[slot] * i64::from(self.packing.of(left, slot));
         let all: i64 = (0..self.packing.slots()).map(priced).sum();

@@ -1,8 +1,8 @@
-//! Costs as whole numbers: one unit that divides all of them, and both criteria in one key.
+//! Costs as integers: one unit that divides all of them, and both criteria in one key.
 
 use crate::{Cost, Invalid};
 
-/// Finest decimal of a cost that is told apart.
+/// The finest decimal of a cost.
 const FINEST_DECIMAL: i32 = 9;
 /// Largest sum of keys, so that sums and differences stay within 64 bits.
 const LARGEST_SUM: u128 = 1 << 61;
@@ -48,8 +48,8 @@ fn gcd(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// Turns costs into keys: `key = primary units * radix + secondary units`. The radix exceeds the secondary units of
-/// any plan without a repeated state, so keys order plans as costs do.
+/// Converts costs to keys: `key = primary units * radix + secondary units`. The radix exceeds the secondary
+/// units of any plan without a repeated state, so keys order plans like costs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Units {
     primary: Scale,

@@ -1,6 +1,6 @@
-//! The uses that are left, as bits of one number.
+//! The uses left of all slots, as bits of one number.
 
-/// Where each slot's count is in the number.
+/// The position of each slot's count in the number.
 #[derive(Clone, Debug)]
 pub(crate) struct Packing {
     fields: Vec<(u32, u128)>,
@@ -37,7 +37,7 @@ impl Packing {
         (left.packed >> shift & mask) as u32
     }
 
-    /// What is left after one use of the slot, if it has any.
+    /// The uses left after one use of the slot, if it has any.
     pub fn after(&self, left: Left, slot: usize) -> Option<Left> {
         let one = 1 << self.fields[slot].0;
         (self.of(left, slot) > 0).then(|| Left { packed: left.packed - one, total: left.total - 1 })

@@ -1,4 +1,4 @@
-//! What a problem may hold. After this nothing is checked twice.
+//! The conditions on a problem. After this nothing is checked twice.
 
 use std::collections::BTreeSet;
 

@@ -1,20 +1,20 @@
-//! What the engines share with whoever waits for them.
+//! The interface between the engines and their caller.
 
 use crate::{Limit, Problem, Progress};
 
 /// A plan as moves in order.
 pub(crate) type Walk = Vec<u32>;
 
-/// What an engine came to know. Keys are without the least keys of informative actions.
+/// The result of an engine. Keys are without the least keys of informative actions.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Verdict {
     /// The best plan found and its key.
     pub plan: Option<(u64, Walk)>,
     /// No plan has a smaller key.
     pub lower: u64,
-    /// Nothing if the search was carried to its end: the plan is optimal, or there is none.
+    /// `None` if the search was completed: the plan is optimal, or there is none.
     pub stopped_by: Option<Limit>,
-    /// Counts of most uses in total that reach a goal, if that is known.
+    /// Counts of most uses in total that reach a goal, if known.
     pub possible: Option<Vec<u32>>,
 }
 
@@ -32,13 +32,13 @@ impl Verdict {
     }
 }
 
-/// Counts work and asks from time to time whether to go on.
+/// Counts work and polls the caller.
 pub(crate) struct Watch<'a, 'b> {
     problem: &'a Problem,
     keep_going: &'b mut dyn FnMut(Progress) -> bool,
     every: u64,
     work: u64,
-    asked_at: u64,
+    polled_at: u64,
     /// No plan has a smaller key.
     pub lower: u64,
     /// Key of the best plan so far.
@@ -49,7 +49,7 @@ pub(crate) struct Watch<'a, 'b> {
 impl<'a, 'b> Watch<'a, 'b> {
     pub fn new(problem: &'a Problem, every: u64, keep_going: &'b mut dyn FnMut(Progress) -> bool) -> Self {
         let every = every.max(1);
-        Self { problem, keep_going, every, work: 0, asked_at: 0, lower: 0, best: None, stopped: false }
+        Self { problem, keep_going, every, work: 0, polled_at: 0, lower: 0, best: None, stopped: false }
     }
 
     /// Notes a lower bound on every plan's key.
@@ -62,11 +62,11 @@ impl<'a, 'b> Watch<'a, 'b> {
         self.best = Some(self.best.map_or(key, |best| best.min(key)));
     }
 
-    /// Counts work; false once the caller wants no more.
+    /// Counts work; returns false once the search is cancelled.
     pub fn go_on(&mut self, work: u64) -> bool {
         self.work += work;
-        if !self.stopped && self.work - self.asked_at >= self.every {
-            self.asked_at = self.work;
+        if !self.stopped && self.work - self.polled_at >= self.every {
+            self.polled_at = self.work;
             let progress = self.progress();
             self.stopped = !(self.keep_going)(progress);
         }
@@ -80,10 +80,10 @@ impl<'a, 'b> Watch<'a, 'b> {
     }
 }
 
-/// Entries that are laid out between two questions whether to go on.
+/// Entries that are written between two polls.
 const AT_ONCE: usize = 1 << 18;
 
-/// So many times `value`. Nothing if told to stop.
+/// `count` times `value`. `None` if cancelled.
 pub(crate) fn filled<T: Copy>(count: usize, value: T, watch: &mut Watch) -> Option<Vec<T>> {
     let mut all = Vec::with_capacity(count);
     while all.len() < count {
@@ -93,22 +93,22 @@ pub(crate) fn filled<T: Copy>(count: usize, value: T, watch: &mut Watch) -> Opti
     Some(all)
 }
 
-/// Asks every few thousand times whether to go on, and remembers a no.
-pub struct Asked<'a> {
+/// Polls a callback every few thousand calls, and remembers a cancellation.
+pub struct Poll<'a> {
     go_on: &'a dyn Fn() -> bool,
     times: u32,
-    /// Whether the answer was no.
+    /// Whether the callback returned false.
     pub stopped: bool,
 }
 
-impl<'a> Asked<'a> {
-    /// Asks `go_on`.
+impl<'a> Poll<'a> {
+    /// Polls `go_on`.
     pub fn new(go_on: &'a dyn Fn() -> bool) -> Self {
         Self { go_on, times: 0, stopped: false }
     }
 
-    /// Whether to go on.
-    pub fn go_on(&mut self) -> bool {
+    /// Returns false once cancelled.
+    pub fn proceed(&mut self) -> bool {
         self.times = self.times.wrapping_add(1);
         if self.times.is_multiple_of(1 << 16) {
             self.stopped |= !(self.go_on)();

@@ -1,4 +1,4 @@
-//! What the bits and planes say once the search has ended.
+//! Reads results from the bits and planes after the search.
 
 use super::Layered;
 use crate::bits::{self, Bits};

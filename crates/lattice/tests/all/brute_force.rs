@@ -64,7 +64,7 @@ proptest! {
         agrees(&small);
     }
 
-    /// Whatever is known when the search is stopped is true.
+    /// Results of a cancelled search are true.
     #[test]
     fn law_stopped_searches_bound_the_optimum(
         small in prop_oneof![small(Costs::Paper), small(Costs::Both)],

@@ -1,4 +1,4 @@
-//! Why there is no plan, and what is said when memory or time is short.
+//! Why there is no plan, and the outcome when memory or time is short.
 
 use crate::synthetic;
 use lattice::{
@@ -38,14 +38,14 @@ fn reason(required: u32, goal: usize, allowed: impl Fn(usize, usize) -> bool) ->
 }
 
 #[test]
-fn an_enclosed_start_names_the_nearest_room() {
+fn an_enclosed_start_names_the_nearest_pose_with_room() {
     let found = reason(1, 6, |_, i| i > 3);
     assert_eq!(found, Reason::StartEnclosed { start: pose(1), nearest: Some((pose(4), 3.0)) });
     assert!(found.to_string().contains("(4, 0, 0), 3.0 cells away"));
 }
 
 #[test]
-fn an_enclosed_goal_names_the_nearest_room() {
+fn an_enclosed_goal_names_the_nearest_pose_with_room() {
     let found = reason(0, 6, |_, i| i < 3);
     assert_eq!(found, Reason::GoalEnclosed { goal: pose(6), nearest: Some((pose(4), 2.0)) });
 }
@@ -123,7 +123,7 @@ fn memory_that_is_too_small_is_said_and_bounds_stay_true() {
 }
 
 #[test]
-fn a_search_told_to_stop_at_once_says_so() {
+fn a_search_cancelled_at_once_says_so() {
     for engine in [Engine::Exhaustive, Engine::Lagrangian] {
         let options = Options { engine, poll_every: 1, ..Options::default() };
         match plan(&archipelago(), &options, &mut |_| false) {

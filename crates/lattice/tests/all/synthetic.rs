@@ -76,8 +76,8 @@ fn islands(nx: usize, ny: usize, random: &mut Random) -> Vec<[f64; 4]> {
         let radius = CELL * random.uniform(0.3, 2.2);
         for strip in 0..STRIPS {
             let edge = |k: usize| radius * (2.0 * k as f64 / STRIPS as f64 - 1.0);
-            let middle = 0.5 * (edge(strip) + edge(strip + 1));
-            let half = (radius * radius - middle * middle).sqrt();
+            let centre = 0.5 * (edge(strip) + edge(strip + 1));
+            let half = (radius * radius - centre * centre).sqrt();
             boxes.push([x - half, y + edge(strip), x + half, y + edge(strip + 1)].map(f64::round));
         }
     }
@@ -105,22 +105,22 @@ fn zigzag(q: usize, count: u32, headings: usize) -> InformativeFile {
 }
 
 /// Boxes along a sine of amplitude `bulge` about the line to `(di, dj)` cells.
-fn swept((di, dj): (i32, i32), bulge: f64, pieces: usize) -> Vec<[f64; 4]> {
+fn swept((di, dj): (i32, i32), bulge: f64, boxes: usize) -> Vec<[f64; 4]> {
     let (x, y) = (CELL * f64::from(di), CELL * f64::from(dj));
     let length = x.hypot(y).max(1.0);
     let place = |k: usize| {
-        let share = k as f64 / pieces as f64;
+        let share = k as f64 / boxes as f64;
         let side = bulge * (std::f64::consts::TAU * share).sin();
         (share * x - side * y / length, share * y + side * x / length)
     };
     let reach = HALF_LENGTH.hypot(HALF_WIDTH).min(HALF_LENGTH);
-    let around = |k: usize| {
+    let nearby = |k: usize| {
         let ((x0, y0), (x1, y1)) = (place(k), place(k + 1));
         let low = |a: f64, b: f64| (a.min(b) - reach).floor() + 0.95;
         let high = |a: f64, b: f64| (a.max(b) + reach).floor() + 0.05;
         [low(x0, x1), low(y0, y1), high(x0, x1), high(y0, y1)]
     };
-    (0..pieces).map(around).collect()
+    (0..boxes).map(nearby).collect()
 }
 
 fn forward(headings: usize) -> BasicFile {
