@@ -1,4 +1,4 @@
-//! Whether the columns that are there are the columns that are wanted.
+//! Compares the columns of a file with the wanted ones.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::layout::physical;
 use crate::metadata::ColumnEntry;
 use crate::schema::{ColumnSpec, Kind};
 
-/// The columns of a file, if its envelope and its Parquet schema agree about them.
+/// The columns of a file, if its envelope agrees with its Parquet schema.
 pub(crate) fn columns(
     path: &Path,
     entries: Vec<ColumnEntry>,
@@ -60,7 +60,7 @@ fn what(column: &ColumnSpec) -> String {
     format!("{} in unit {}", column.kind, foreign(&column.unit))
 }
 
-/// The places of the named columns; refuses naming all that are missing.
+/// The indices of the named columns; a refusal names all that are missing.
 pub(crate) fn places(path: &Path, columns: &[ColumnSpec], names: &[&str]) -> Result<Vec<usize>> {
     let place = |name: &&str| columns.iter().position(|column| column.name == **name);
     let missing: Vec<&str> = names.iter().filter(|name| place(name).is_none()).copied().collect();

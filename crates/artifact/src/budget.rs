@@ -1,4 +1,4 @@
-//! What work may use: memory and disk. Work that would use more is refused before it begins.
+//! The limits of memory and disk. Work that would exceed them is refused before it begins.
 
 use std::fs;
 use std::path::Path;
@@ -6,59 +6,60 @@ use std::sync::OnceLock;
 
 use crate::error::{Error, Result};
 
-/// Memory that a program takes before there is any work, about: its pages, and what it reads \[bytes\].
+/// Approximate memory of a program without any work: its pages, and its input \[bytes\].
 pub const PROGRAM_BYTES: u64 = 24 << 20;
 
-/// What the work of a stage may use.
+/// The limits of a stage's work.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Budget {
-    /// Most bytes of memory, and who sets that bound; none where nobody says.
+    /// Most bytes of memory, and the origin of that bound; `None` if there is none.
     memory: Option<(f64, &'static str)>,
 }
 
-/// Work that an input asks for, and how it is told where there is too much of it.
+/// Work that an input requests, and the parts of its refusal.
 #[derive(Clone, Copy, Debug)]
 pub struct Work<'a> {
-    /// The file that asks for it.
+    /// The file that requests it.
     pub file: &'a Path,
-    /// The key or column that says how much.
+    /// The key or column that determines its amount.
     pub thing: &'a str,
-    /// What stands there, and what becomes of it.
+    /// The value, and what it leads to.
     pub found: &'a str,
-    /// How to ask for less.
+    /// How to request less.
     pub remedy: &'a str,
 }
 
-/// What this process may use: said once, as the number of threads is.
+/// The limits of this process, set once like its number of threads.
 static BUDGET: OnceLock<Budget> = OnceLock::new();
 
-/// What this process may use.
+/// The limits of this process.
 pub fn budget() -> &'static Budget {
     BUDGET.get_or_init(|| Budget::new(None))
 }
 
-/// Lets this process use at most `memory_mib`, or without it what the machine has; the first word counts.
+/// Limits this process to `memory_mib`, or by default to what the machine has; only the first call counts.
 pub fn set_budget(memory_mib: Option<u64>) {
     BUDGET.get_or_init(|| Budget::new(memory_mib));
 }
 
 impl Budget {
-    /// At most `memory_mib`; without it what this process can have: of the machine, its control group, and its address space.
+    /// At most `memory_mib`; by default what is available to this process: on the machine, in its control
+    /// group, and in its address space.
     pub fn new(memory_mib: Option<u64>) -> Self {
-        let asked = memory_mib.map(|mib| (mib as f64 * 1_048_576.0, "--memory-mib"));
+        let requested = memory_mib.map(|mib| (mib as f64 * 1_048_576.0, "--memory-mib"));
         let least = || granted().into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        Self { memory: asked.or_else(least) }
+        Self { memory: requested.or_else(least) }
     }
 
-    /// Bytes of memory that work may use.
+    /// Bytes of memory available for work.
     pub fn bytes(&self) -> f64 {
         self.memory.map_or(f64::INFINITY, |(bytes, _)| bytes)
     }
 
-    /// Refuses `work` that takes `bytes` of memory at once.
+    /// Refuses `work` that needs `bytes` of memory at once.
     ///
     /// # Errors
-    /// Says how much it takes, how much there is and who sets that bound.
+    /// States the need, the bound and its origin.
     pub fn memory(&self, work: Work, bytes: f64) -> Result<()> {
         match self.memory.filter(|(most, _)| bytes > *most) {
             None => Ok(()),
@@ -69,15 +70,15 @@ impl Budget {
         }
     }
 
-    /// Refuses `work` that writes `bytes` or more into `folder`, where there is no room for them.
+    /// Refuses `work` that writes `bytes` or more into `folder` if that exceeds the free space.
     ///
     /// # Errors
-    /// Says how much it takes and how much room there is.
+    /// States the need and the free space.
     pub fn disk(&self, work: Work, folder: &Path, bytes: f64) -> Result<()> {
-        match room(folder).filter(|room| bytes > *room) {
+        match free_bytes(folder).filter(|free| bytes > *free) {
             None => Ok(()),
-            Some(room) => {
-                let expected = format!("work that fits the {} free there", amount(room));
+            Some(free) => {
+                let expected = format!("work that fits the {} free there", amount(free));
                 let folder = if folder == Path::new("") { Path::new(".") } else { folder };
                 let takes = format!("at least {} of the disk of {}", amount(bytes), folder.display());
                 Err(work.refused(&takes, &expected))
@@ -104,7 +105,7 @@ fn amount(bytes: f64) -> String {
     format!("{value:.*} {}", usize::from(value < 10.0 && thousands > 0), UNITS[thousands])
 }
 
-/// Bounds of this process's memory in bytes, as Linux tells them; elsewhere none is known.
+/// Bounds of this process's memory in bytes, as Linux reports them; unknown on other systems.
 fn granted() -> Vec<(f64, &'static str)> {
     let machine = number_after("/proc/meminfo", "MemTotal:").map(|kib| (1024.0 * kib, "this machine"));
     let space =
@@ -113,7 +114,7 @@ fn granted() -> Vec<(f64, &'static str)> {
     machine.into_iter().chain(space).chain(group).collect()
 }
 
-/// The number behind `key` in a file of the system's.
+/// The number after `key` in a system file.
 fn number_after(file: &str, key: &str) -> Option<f64> {
     let text = fs::read_to_string(file).ok()?;
     let rest = text.lines().find_map(|line| line.strip_prefix(key))?;
@@ -129,17 +130,17 @@ fn groups() -> impl Iterator<Item = f64> {
     files.into_iter().filter_map(|file| fs::read_to_string(file).ok()?.trim().parse().ok())
 }
 
-/// Bytes that may still be written into `folder`, or where it will be made; none where nobody says.
+/// Free bytes for `folder`, or where it will be created; `None` if unknown.
 #[cfg(unix)]
-pub fn room(folder: &Path) -> Option<f64> {
+pub fn free_bytes(folder: &Path) -> Option<f64> {
     let known = folder.ancestors().map(|at| if at == Path::new("") { Path::new(".") } else { at });
     let disk = known.into_iter().find_map(|at| rustix::fs::statvfs(at).ok())?;
     Some(disk.f_bavail as f64 * disk.f_frsize as f64)
 }
 
-/// Bytes that may still be written into a folder: nobody says.
+/// Free bytes for a folder: unknown on this system.
 #[cfg(not(unix))]
-pub fn room(_: &Path) -> Option<f64> {
+pub fn free_bytes(_: &Path) -> Option<f64> {
     None
 }
 
@@ -148,9 +149,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn amounts_are_told_in_the_unit_that_leaves_few_digits() {
-        let told = [0.0, 1023.0, 1024.0, 15.0 * 1024.0, 1.5e12, 1e30].map(amount);
-        assert_eq!(told[..5], ["0 B", "1023 B", "1.0 KiB", "15 KiB", "1.4 TiB"]);
-        assert!(told[5].ends_with(" PiB"), "{}", told[5]);
+    fn amounts_use_the_unit_with_the_fewest_digits() {
+        let amounts = [0.0, 1023.0, 1024.0, 15.0 * 1024.0, 1.5e12, 1e30].map(amount);
+        assert_eq!(amounts[..5], ["0 B", "1023 B", "1.0 KiB", "15 KiB", "1.4 TiB"]);
+        assert!(amounts[5].ends_with(" PiB"), "{}", amounts[5]);
     }
 }

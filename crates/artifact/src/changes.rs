@@ -1,4 +1,4 @@
-//! Values that take the place of a hand-written file's own.
+//! Values that replace those of a hand-written file.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,7 +6,7 @@ use std::str::FromStr;
 use refusal::Invalid;
 use toml::{Table, Value};
 
-/// What a hand-written file is to hold instead of its own: `campaign.realizations=100`.
+/// A replacement for a value in a hand-written file: `campaign.realizations=100`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
     file: String,
@@ -14,15 +14,15 @@ pub struct Change {
     value: Value,
 }
 
-/// Values that take the place of those of a study's hand-written files, each at most once.
+/// Replacements for values in a study's hand-written files, each at most once.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes(Vec<Change>);
 
 impl Change {
-    /// That `value` stands at the dotted `key`, which begins with the file's usual name without `.toml`.
+    /// Replaces the value at the dotted `key`, which begins with the file's usual name without `.toml`.
     ///
     /// # Errors
-    /// A key that is none, or names the file alone.
+    /// A malformed key, or one that names only the file.
     pub fn new(key: &str, value: Value) -> Result<Self, Invalid> {
         let mut keys = dotted(key).unwrap_or_default().into_iter();
         let (file, keys) = (keys.next().unwrap_or_default(), keys.collect::<Vec<_>>());
@@ -35,7 +35,7 @@ impl Change {
         Ok(Self { file, keys, value })
     }
 
-    /// Usual name, without `.toml`, of the file that it is about.
+    /// Usual name, without `.toml`, of its file.
     pub fn file(&self) -> &str {
         &self.file
     }
@@ -53,8 +53,8 @@ impl Change {
         &self.value
     }
 
-    /// Puts the value into `file`. A table that is not there is made; an item of a list is found by its `name` or its place
-    /// from 0.
+    /// Applies the replacement to `file`. A missing table is created; an item of a list is identified by its
+    /// `name` or its index from 0.
     fn apply(&self, file: &mut Table) -> Result<(), Invalid> {
         let mut whole = Value::Table(std::mem::take(file));
         let mut place = Ok(&mut whole);
@@ -68,7 +68,7 @@ impl Change {
         placed
     }
 
-    /// What stands at `key` in `value`.
+    /// The value at `key` in `value`.
     fn below<'a>(&self, value: &'a mut Value, key: &str) -> Result<&'a mut Value, Invalid> {
         let thing = format!("`{}`", self.key());
         match value {
@@ -87,7 +87,7 @@ impl Change {
     }
 }
 
-/// What an item of a list is called: its `name`, or its place.
+/// The identification of an item of a list: its `name`, or its index.
 fn name(place: usize, item: &Value) -> String {
     let own = item.get("name").and_then(Value::as_str);
     own.map_or_else(|| place.to_string(), str::to_owned)
@@ -108,7 +108,7 @@ fn dotted(key: &str) -> Option<Vec<String>> {
     }
 }
 
-/// `text` as a value of TOML; a text where it is none.
+/// `text` as a TOML value; as a string if it is not one.
 fn value_of(text: &str) -> Value {
     let mut table: Table = toml::from_str(&format!("value = {text}")).unwrap_or_default();
     let value = table.remove("value").filter(|_| table.is_empty());
@@ -160,10 +160,10 @@ impl Changes {
         self.0.iter()
     }
 
-    /// `text`, which is the TOML of `file`, with the changes in it.
+    /// `text`, which is the TOML of `file`, with the replacements applied.
     ///
     /// # Errors
-    /// What is no TOML; a change of what is neither table nor list.
+    /// Text that is not TOML; a change within a value that is neither table nor list.
     pub(crate) fn applied(&self, file: &str, text: &str) -> Result<String, Invalid> {
         let mut table: Table = toml::from_str(text).map_err(|e| {
             Invalid::new("text", e.message(), "TOML with numbers of 64 bits and a sign", "correct it")
@@ -172,8 +172,8 @@ impl Changes {
         Ok(table.to_string())
     }
 
-    /// Those of `file`, one after the other.
-    pub(crate) fn told(&self, file: &str) -> String {
+    /// The replacements for `file`, as a list in words.
+    pub(crate) fn in_words(&self, file: &str) -> String {
         self.of(file).map(Change::to_string).collect::<Vec<_>>().join(", ")
     }
 }

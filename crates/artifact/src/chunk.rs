@@ -1,4 +1,4 @@
-//! One column of one block as it stands in the file, written by the parquet crate.
+//! One column of one block in its file format, written by the parquet crate.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -20,8 +20,8 @@ pub(crate) const PAGE_ROWS: usize = 1 << 16;
 
 const LEVEL: i32 = 1;
 
-/// How columns of a kind are written: floats are split into byte streams, integers told by their differences, texts by numbers of
-/// labels.
+/// The encodings by kind of column: floats are split into byte streams, integers stored as differences, texts
+/// as label numbers.
 fn properties(kind: Kind) -> ParquetResult<WriterPropertiesPtr> {
     let all = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::try_new(LEVEL)?))
@@ -42,7 +42,7 @@ fn properties(kind: Kind) -> ParquetResult<WriterPropertiesPtr> {
 pub(crate) struct Chunk<'a>(ColumnWriter<'a>);
 
 impl<'a> Chunk<'a> {
-    /// The column of this kind that `descriptor` describes, written to `to`.
+    /// The column of this kind with this `descriptor`, written to `to`.
     pub fn new<W: Write + Send>(
         kind: Kind,
         descriptor: ColumnDescPtr,

@@ -1,4 +1,4 @@
-//! Columns in memory. The only file that names arrow2: another store replaces it here alone.
+//! Columns in memory. The only file that names arrow2, so that another store would only replace this file.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use crate::schema::Kind;
 /// One block of a table: its columns, all of the same length.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// Columns in schema order; on reading, in the order in which they were asked for.
+    /// Columns in schema order; on reading, in the requested order.
     pub columns: Vec<Column>,
 }
 
@@ -41,7 +41,7 @@ pub struct TextColumn {
     codes: PrimitiveArray<u32>,
 }
 
-/// A column of text in the making: labels are numbered in order of appearance.
+/// A text column under construction: labels are numbered in order of appearance.
 #[derive(Debug, Default)]
 pub struct Labels {
     known: HashMap<String, u32>,
@@ -50,14 +50,14 @@ pub struct Labels {
 }
 
 impl Labels {
-    /// `rows` more rows of `label`.
+    /// Appends `rows` rows of `label`.
     pub fn push(&mut self, label: &str, rows: usize) {
         let last = self.rows.last().copied().filter(|code| self.labels[*code as usize] == label);
         let code = last.unwrap_or_else(|| self.number(label));
         self.rows.extend(std::iter::repeat_n(code, rows));
     }
 
-    /// The number of a label, a new one where it is new.
+    /// The number of a label, assigned on first use.
     fn number(&mut self, label: &str) -> u32 {
         self.known.get(label).copied().unwrap_or_else(|| {
             let new = self.labels.len() as u32;
@@ -179,7 +179,7 @@ impl Column {
 
     /// The first row whose value is present and NaN or infinite.
     pub(crate) fn first_not_finite(&self) -> Option<usize> {
-        /// Rows that are looked at together, which takes less time than stopping early does.
+        /// Rows that are checked together, which is faster than stopping early.
         const TOGETHER: usize = 512;
         let values = self.as_f64()?;
         let doubtful = |some: &[f64]| some.iter().fold(false, |found, value| found | !value.is_finite());

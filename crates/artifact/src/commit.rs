@@ -1,4 +1,4 @@
-//! Giving a set of files their names, all or none.
+//! Renames a set of files atomically: all or none.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -16,12 +16,13 @@ use crate::provenance::Provenance;
 use crate::staged::Staged;
 use crate::unfinished;
 
-/// Gives every file its name, replacing files of the same name. The first file is the main one: it gets its name last, so
-/// that what waits for it (make) finds the whole set.
+/// Gives every file its name, replacing files of the same name. The first file is the main one: it gets its
+/// name last, so that tools that wait for it (make) find the whole set.
 ///
-/// Sets of the same folder wait for each other. If a process ends between two renames, readers find what will have the names,
-/// and the next to write in the folder of the main file completes the set. If a file cannot be renamed, those before it are what they were: that too is
-/// completed by the next, should the process end meanwhile.
+/// Sets of the same folder wait for each other. If a process ends between two renames, readers find the new
+/// files, and the next writer in the folder of the main file completes the set. If a file cannot be renamed,
+/// the previous renames are reverted; the next writer completes that too, should the process end in the
+/// meantime.
 ///
 /// # Errors
 /// [`Error::Refused`] if two files have the same target; [`Error::Io`] if one cannot be renamed, or another process holds the
@@ -30,7 +31,7 @@ pub fn commit(mut files: Vec<Staged>) -> Result<()> {
     refuse_same_targets(&files)?;
     let folders: BTreeSet<PathBuf> = files.iter().map(|file| folder_of(file.path()).to_owned()).collect();
     if files.len() < 2 {
-        // Whoever is told to end meanwhile takes no file away that is just getting its name.
+        // A signal during the renames never removes a file that is being renamed.
         let _committing = unfinished::committing();
         files.into_iter().try_for_each(Staged::rename)?;
     } else {
@@ -42,7 +43,8 @@ pub fn commit(mut files: Vec<Staged>) -> Result<()> {
     Ok(())
 }
 
-/// Gives `table` its name, and `document` beside it the data that vouch for it.
+/// Gives `table` its name, and its name to the document beside it, which contains `data` and vouches for the
+/// table.
 ///
 /// # Errors
 /// See [`stage_set_document`] and [`commit`].
@@ -57,11 +59,11 @@ pub fn commit_with_document<D: Document>(
     commit(files)
 }
 
-/// Renames `files` in their order, the last of which is the main one.
+/// Renames `files` in order, the main one last.
 fn commit_set(files: Vec<Staged>) -> Result<()> {
     let Some(main) = files.last().map(|main| main.path().to_owned()) else { return Ok(()) };
     let folder = folder_of(&main);
-    // Whoever is told to end while the folder is waited for ends at once.
+    // A signal while waiting for the folder ends the process at once.
     let _held = hold(folder)?;
     let _committing = unfinished::committing();
     complete(folder);
@@ -73,7 +75,7 @@ fn commit_set(files: Vec<Staged>) -> Result<()> {
     flush(folder);
     let mut replaced: Vec<Replaced> = Vec::new();
     for file in files {
-        // A file that cannot be renamed stays until nobody counts on it.
+        // A file that cannot be renamed stays as long as the journal mentions it.
         let (before, renamed) = match Replaced::keep(&file) {
             Ok(before) => (Some(before), file.try_rename()),
             Err(failure) => (None, Err(Box::new((file, failure)))),
@@ -91,8 +93,8 @@ fn commit_set(files: Vec<Staged>) -> Result<()> {
     Ok(())
 }
 
-/// Gives back what a set took that cannot be completed. The journal says so first, so that whoever comes by goes on with
-/// that, should this process end meanwhile.
+/// Reverts the renames of a set that cannot be completed. The journal records this first, so that the next
+/// writer continues the reversal, should this process end in the meantime.
 fn take_back(journal: &Path, folder: &Path, replaced: Vec<Replaced>) {
     let back = replaced.iter().rev().filter_map(|one| {
         let renamed = one.back();
@@ -100,7 +102,7 @@ fn take_back(journal: &Path, folder: &Path, replaced: Vec<Replaced>) {
     });
     let back = Journal::of(back, folder).text(journal);
     if back.and_then(|back| Staged::held_bytes(journal, &back)?.rename()).is_err() {
-        // Nobody may go on with the set.
+        // Without a new journal, the set must not be completed.
         let _ = fs::remove_file(journal);
     }
     flush(folder);
@@ -109,12 +111,12 @@ fn take_back(journal: &Path, folder: &Path, replaced: Vec<Replaced>) {
     let _ = fs::remove_file(journal);
 }
 
-/// What had a name before a set took it.
+/// The previous owner of a name.
 struct Replaced {
     target: PathBuf,
-    /// What the set's file was called before.
+    /// The temporary name of the set's file.
     temporary: PathBuf,
-    /// The file that had the name, under another; none where there was none.
+    /// The previous file under another name, if there was one.
     kept: Option<PathBuf>,
 }
 

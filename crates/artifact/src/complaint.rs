@@ -1,4 +1,4 @@
-//! Turning the messages of serde into refusals that name the nearest known word.
+//! Converts serde's messages to refusals that suggest the nearest known word.
 
 use std::path::Path;
 
@@ -6,25 +6,25 @@ use refusal::{foreign, nearest};
 
 use crate::error::Error;
 
-/// A message of serde, with where it arose.
+/// A message of serde, with its place.
 pub(crate) struct Complaint<'a> {
     /// The file.
     pub path: &'a Path,
-    /// Where in the file, as `line 3`, where known.
+    /// Its place in the file, as `line 3`, if known.
     pub place: Option<String>,
-    /// The key there, where known.
+    /// The key there, if known.
     pub key: Option<String>,
     /// serde's message, without a line number.
     pub message: &'a str,
 }
 
 impl Complaint<'_> {
-    /// The same about what `changes` have made of the file, which has no lines to be named.
+    /// The complaint about the file after `changes`, which has no line numbers.
     pub fn changed(self, changes: &str) -> Self {
         Self { place: Some(format!("with {changes}")), ..self }
     }
 
-    /// The refusal that says the same in this crate's form.
+    /// The refusal in this crate's form.
     pub fn refusal(&self) -> Error {
         let message = self.message.lines().next().unwrap_or_default().trim_end_matches('.');
         let (message, remark) = split_remark(message);
@@ -69,7 +69,7 @@ impl Complaint<'_> {
     }
 }
 
-/// What serde calls a value, in words of the file.
+/// serde's name of a value, in terms of the file.
 fn plain_value(found: &str) -> String {
     match found.split_once(' ') {
         Some(("integer", number)) => format!("the number {}", number.trim_matches('`')),
@@ -86,7 +86,7 @@ fn plain_value(found: &str) -> String {
     }
 }
 
-/// What serde calls a type, in words of the file.
+/// serde's name of a type, in terms of the file.
 fn plain_type(expected: &str) -> String {
     let listed = |length: &str| format!("a list of {length} values");
     match expected {
@@ -107,7 +107,7 @@ fn plain_type(expected: &str) -> String {
     }
 }
 
-/// Parts a message from the place in round brackets that a program's own type has put after it.
+/// Separates a message from the location in round brackets that a program's own type has appended to it.
 fn split_remark(message: &str) -> (&str, Option<&str>) {
     match message.strip_suffix(')').and_then(|rest| rest.rsplit_once(" (")) {
         Some((message, remark)) => (message, Some(remark)),
@@ -115,7 +115,7 @@ fn split_remark(message: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// The strange word and the known ones in ``unknown field `x`, expected one of `a`, `b` ``.
+/// The unknown word and the known ones in ``unknown field `x`, expected one of `a`, `b` ``.
 fn strange_word(message: &str, prefix: &str) -> Option<(String, Vec<String>)> {
     let rest = message.strip_prefix(prefix)?;
     let (word, known) = match rest.split_once("`, ") {

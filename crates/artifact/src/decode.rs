@@ -15,9 +15,9 @@ use crate::columns::{Column, Labels};
 use crate::page_bytes::pages;
 use crate::source::Source;
 
-/// Why something is not decoded.
+/// Why decoding failed.
 pub(crate) enum Undecoded {
-    /// The system does not give the bytes.
+    /// The system could not read the bytes.
     Unreadable(io::Error),
     /// What is wrong with them.
     Damaged(String),
@@ -27,14 +27,13 @@ thread_local! {
     static DECODING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Whether this thread is decoding bytes that nothing vouches for. The decoder may panic on them, which is told as a damaged
-/// file: a panic hook need not tell it as well.
+/// Whether this thread is decoding unverified bytes. The decoder may panic on them, which is reported as a
+/// damaged file: a panic hook need not report it as well.
 pub fn decoding() -> bool {
     DECODING.get()
 }
 
-/// Runs the decoder. A file may have bytes that nothing vouches for, on which the decoder may panic: that too is told as a
-/// damaged file.
+/// Runs the decoder. It may panic on unverified bytes: that too is reported as a damaged file.
 pub(crate) fn decoded<T>(decode: impl FnOnce() -> ParquetResult<T>) -> Result<T, Undecoded> {
     let before = DECODING.replace(true);
     let ended = catch_unwind(AssertUnwindSafe(decode));
@@ -42,7 +41,7 @@ pub(crate) fn decoded<T>(decode: impl FnOnce() -> ParquetResult<T>) -> Result<T,
     match ended {
         Ok(Ok(decoded)) => Ok(decoded),
         Ok(Err(error)) => Err(match inner_io(error) {
-            // What decompresses, or finds no more bytes, has errors of the same type that are none of the system's.
+            // Decompressors and truncated input have errors of the same type that are not the system's.
             Ok(io) if io.raw_os_error().is_some() => Undecoded::Unreadable(io),
             Ok(other) => Undecoded::Damaged(other.to_string()),
             Err(other) => Undecoded::Damaged(other.to_string()),
@@ -51,7 +50,7 @@ pub(crate) fn decoded<T>(decode: impl FnOnce() -> ParquetResult<T>) -> Result<T,
     }
 }
 
-/// The operating system's error inside an error of the parquet crate, or that error as it is.
+/// The operating system's error inside an error of the parquet crate, or else that error.
 pub(crate) fn inner_io(error: ParquetError) -> Result<io::Error, Box<dyn Error + Send + Sync>> {
     match error {
         ParquetError::External(inner) => inner.downcast::<io::Error>().map(|io| *io),
@@ -59,10 +58,10 @@ pub(crate) fn inner_io(error: ParquetError) -> Result<io::Error, Box<dyn Error +
     }
 }
 
-/// Rows for which memory is set aside before they have been decoded.
+/// Most rows for which memory is reserved before they have been decoded.
 const TRUSTED_ROWS: usize = 1 << 20;
 
-/// Memory of a text before it is known to be one of few \[bytes\].
+/// Memory of a text before repetitions are known \[bytes\].
 const TEXT_BYTES: f64 = 48.0;
 
 /// Decodes a column of `rows` rows, in any encoding.
@@ -81,7 +80,7 @@ pub(crate) fn decode_column(
             intern(&decode_all(reader, rows)?)
         }
         ColumnReader::ByteArrayColumnReader(_) => {
-            Err(ParquetError::General(format!("{rows} texts, more than memory has room for")))
+            Err(ParquetError::General(format!("{rows} texts, more than fit in memory")))
         }
         _ => Err(ParquetError::General("a column of a type that no table has".to_owned())),
     }
@@ -214,7 +213,7 @@ mod tests {
     fn pages_that_others_wrote_are_read() {
         let zstd = Compression::ZSTD(ZstdLevel::default());
         let any = || WriterProperties::builder().set_data_page_row_count_limit(700).set_write_batch_size(100);
-        // As tables were until pages were encoded here: split floats, dictionaries of integers.
+        // Like tables before pages were encoded here: split floats, dictionaries of integers.
         let mut before = any().set_writer_version(WriterVersion::PARQUET_1_0).set_compression(zstd);
         for name in ["x", "y"] {
             before = before.set_column_dictionary_enabled(name.into(), false);

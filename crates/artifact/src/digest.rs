@@ -20,7 +20,7 @@ const PREFIX: &str = "blake3:";
 pub struct Digest([u8; 32]);
 
 impl Digest {
-    /// All digits zero; what stands in a seal while the file's digest is not known.
+    /// All digits zero: the placeholder in a seal while the file's digest is unknown.
     pub(crate) const ZERO: Self = Self([0; 32]);
 
     /// The digest of `bytes`.
@@ -37,7 +37,7 @@ impl Digest {
         Self::of_reader(open(path)?).map_err(|e| Error::io(path, "read", e))
     }
 
-    /// The digest of what `reader` gives.
+    /// The digest of the content of `reader`.
     pub(crate) fn of_reader(reader: impl Read) -> std::io::Result<Self> {
         Ok(blake3::Hasher::new().update_reader(reader)?.finalize().into())
     }
@@ -48,7 +48,7 @@ impl Digest {
     }
 }
 
-/// Reads a source and hashes what is read, so that nobody has to read it once more for its digest.
+/// Hashes a source while reading it, so that it need not be read again for its digest.
 #[derive(Debug)]
 pub struct Digesting<R> {
     source: R,
@@ -56,7 +56,7 @@ pub struct Digesting<R> {
 }
 
 impl<R: Read> Digesting<R> {
-    /// Reads `source` from where it stands.
+    /// Reads `source` from its current position.
     pub fn new(source: R) -> Self {
         Self { source, hasher: blake3::Hasher::new() }
     }

@@ -22,17 +22,17 @@ use crate::staged::Staged;
 
 /// The contents of a kind of JSON document.
 ///
-/// Structs inside should refuse unknown fields (`#[serde(deny_unknown_fields)]`), so that a
-/// misspelt key is told with the nearest known one.
+/// Structs inside should refuse unknown fields (`#[serde(deny_unknown_fields)]`), so that a misspelt key is
+/// reported with the nearest known one.
 pub trait Document: Serialize + DeserializeOwned + JsonSchema {
     /// Name of this kind of document, like `design`.
     const ID: &'static str;
     /// Version of this kind of document, from 1.
     const VERSION: u32;
-    /// Units of all numeric fields; those of the values of a map stand by the name of the map's field.
+    /// Units of all numeric fields; the values of a map have the unit of the map's field.
     const UNITS: Units;
 
-    /// Refuses values that can be read and have no meaning. Whoever reads the document calls it.
+    /// Refuses meaningless values. Every reader of the document calls it.
     ///
     /// # Errors
     /// Names the value.
@@ -128,8 +128,8 @@ pub fn stage_document<D: Document>(
     stage_set_document(path, provenance, data, &[])
 }
 
-/// As [`stage_document`], for a document that vouches for `files` of its set: it holds their digests, which
-/// [`crate::read_document`] compares with what then stands beside it.
+/// As [`stage_document`], for a document that vouches for `files` of its set: it contains their digests,
+/// which [`crate::read_document`] compares with the files beside it.
 ///
 /// # Errors
 /// As [`stage_document`]; [`Error::Io`] if one of `files` cannot be read.

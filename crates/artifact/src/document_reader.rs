@@ -22,9 +22,9 @@ use crate::weight;
 /// Reads a document.
 ///
 /// # Errors
-/// [`Error::Io`] if the file cannot be read; [`Error::Refused`] if it is not JSON, is of another
-/// kind or version, does not fit its seal, has unknown, missing, doubled or mistyped keys, other units or values without
-/// meaning, if beside it stand other files than those written with it, or if it is a shard.
+/// [`Error::Io`] if the file cannot be read; [`Error::Refused`] if it is not JSON, is of another kind or
+/// version, does not match its seal, has unknown, missing, duplicate or mistyped keys, other units or
+/// meaningless values, if the files beside it are not those written with it, or if it is a shard.
 pub fn read_document<D: Document>(path: impl AsRef<Path>) -> Result<Loaded<D>> {
     let path = path.as_ref();
     let loaded = read_part(path)?;
@@ -57,7 +57,8 @@ pub fn read_part<D: Document>(path: &Path) -> Result<Loaded<D>> {
 /// Reads a hand-written JSON file.
 ///
 /// # Errors
-/// [`Error::Io`] if it cannot be read; [`Error::Refused`] if it is not JSON, or has unknown, missing, doubled or mistyped keys.
+/// [`Error::Io`] if it cannot be read; [`Error::Refused`] if it is not JSON, or has unknown, missing,
+/// duplicate or mistyped keys.
 pub fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Digest)> {
     let path = path.as_ref();
     let bytes = read(path)?;
@@ -69,7 +70,7 @@ pub fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Dige
     Ok((parsed.map_err(|e| refusal(path, &text, &e))?, digest))
 }
 
-/// The text of a document, and what it says of its kind.
+/// The text of a document, and its header.
 pub(crate) fn opened(path: &Path) -> Result<(String, Header)> {
     let bytes = read_written(path)?;
     let text = text_of(path, bytes)?;
@@ -78,7 +79,7 @@ pub(crate) fn opened(path: &Path) -> Result<(String, Header)> {
     Ok((text, header))
 }
 
-/// A field that the document's version did not know yet has no unit, and does not occur.
+/// A field that the document's version did not have yet has no unit, and does not occur.
 fn check_units(
     path: &Path,
     units: &BTreeMap<String, String>,
@@ -104,7 +105,7 @@ fn check_units(
     }
 }
 
-/// Whether a field of this name (the last part of a path) stands anywhere in the document's data.
+/// Whether a field of this name (the last part of a path) occurs in the document's data.
 fn occurs(field: &str, text: &str) -> bool {
     fn within(value: &serde_json::Value, name: &str) -> bool {
         match value {

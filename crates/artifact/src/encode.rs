@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::layout::{Layout, write_error};
 use crate::schema::{ColumnSpec, TableSchema};
 
-/// One block in the form in which it stands in the file: a row group.
+/// One block in its file format: a row group.
 #[derive(Debug)]
 pub struct EncodedBlock {
     pub(crate) columns: Vec<ColumnSpec>,
@@ -21,8 +21,8 @@ pub struct EncodedBlock {
     pub(crate) chunks: Vec<ColumnChunkMetaData>,
 }
 
-/// Encodes one block of a table as one Parquet row group. Pure: call it from many threads and
-/// push the results in the order in which they are to stand in the file.
+/// Encodes one block of a table as one Parquet row group. Pure: call it from many threads and push the
+/// results in the order of the file.
 ///
 /// # Errors
 /// [`Error::Refused`] if the columns are not those of the schema or not equally long, if a value
@@ -88,7 +88,7 @@ pub(crate) fn check_rows(file: &Path, spec: &ColumnSpec, found: usize, rows: usi
     Err(Error::refuse(file, format!("column `{}`", spec.name), found, expected, REMEDY))
 }
 
-/// Refuses values that may not stand in a column, whose `before` rows of the block came before them.
+/// Refuses values that a column may not contain; `before` rows of the block precede them.
 pub(crate) fn check_piece(file: &Path, spec: &ColumnSpec, column: &Column, before: usize) -> Result<()> {
     check_kind(file, spec, column)?;
     let refuse = |row: usize, found: String, expected: &str| {

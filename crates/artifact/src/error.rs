@@ -1,4 +1,4 @@
-//! What can go wrong, told in one line.
+//! Errors, each reported in one line.
 
 use std::convert::Infallible;
 use std::io;
@@ -12,7 +12,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// Bad input, or failed input and output.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The contents of a file, or what was to be written, are not acceptable.
+    /// The contents of a file, or data to be written, are not acceptable.
     #[error("{}: {invalid}", shown(.file))]
     Refused {
         /// The file that holds the thing; for a block not yet in a file, the table's schema id.
@@ -25,7 +25,7 @@ pub enum Error {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What was being done to it: `read`, `write`, `create`, `rename`, `put channels aside`, `lock`.
+        /// The failed operation: `read`, `write`, `create`, `rename`, `put channels aside`, `lock`.
         action: &'static str,
         /// The operating system's answer.
         source: io::Error,
@@ -61,7 +61,7 @@ const SOURCE: usize = 200;
 /// Most characters of a path in a message.
 const PATH: usize = 120;
 
-/// `path` in one line; of a long one the end, which tells most.
+/// `path` in one line; for a long one only its end, which is the most specific.
 fn shown(path: &Path) -> String {
     let path = one_line(&path.display().to_string());
     match path.chars().count() {
@@ -74,9 +74,9 @@ fn io_line(path: &Path, action: &str, source: &io::Error) -> String {
     let (expected, remedy) = match (action, source.kind()) {
         ("read", io::ErrorKind::NotFound) => ("an existing file", "check the path or write the file first"),
         (_, io::ErrorKind::NotFound) => ("an existing folder", "create the folder first"),
-        ("read", io::ErrorKind::PermissionDenied) => ("leave to read it", "change its permissions"),
+        ("read", io::ErrorKind::PermissionDenied) => ("permission to read it", "change its permissions"),
         (_, io::ErrorKind::PermissionDenied) => {
-            ("leave to write there", "change the folder's permissions or write elsewhere")
+            ("permission to write there", "change the folder's permissions or write elsewhere")
         }
         (
             "write" | "create" | "put channels aside",
@@ -95,7 +95,7 @@ fn io_line(path: &Path, action: &str, source: &io::Error) -> String {
     format!("{}: {action}: found {found}, expected {expected}; {remedy}", shown(path))
 }
 
-/// Whoever holds data in memory reads them again without fail.
+/// Readers of data in memory never fail.
 impl From<Infallible> for Error {
     fn from(never: Infallible) -> Self {
         match never {}

@@ -1,8 +1,8 @@
-//! Places where a test lets writing fail, or the process end. A release build has none.
+//! Fault injection: places where a test makes writing fail, or the process end. A release build has none.
 
 use std::io;
 
-/// What happens at a place.
+/// The effect at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fault {
     /// The system refuses.
@@ -11,8 +11,8 @@ pub enum Fault {
     Kill,
 }
 
-/// Lets `fault` happen when the process comes to its `count`-th place, from 1, or from where the fault happened that was asked
-/// for before. Only in builds with debug assertions.
+/// Triggers `fault` when the process reaches its `count`-th place, counted from 1, or from the previously
+/// requested fault. Only in builds with debug assertions.
 pub fn inject(fault: Fault, count: u32) {
     #[cfg(debug_assertions)]
     place::add(fault, count);
@@ -49,7 +49,7 @@ mod place {
         NEXT.lock().unwrap_or_else(|e| e.into_inner()).push_back((fault, count));
     }
 
-    /// The fault of the place that is reached now.
+    /// The fault of the place that is now reached.
     pub fn next() -> Option<Fault> {
         let mut next = NEXT.lock().unwrap_or_else(|e| e.into_inner());
         let (fault, left) = next.front_mut()?;

@@ -14,7 +14,7 @@ pub(crate) fn first_not_finite(data: &impl Serialize) -> Option<(String, String)
     }
 }
 
-/// A serializer that writes nothing and remembers where it is.
+/// A serializer that writes nothing and tracks its path.
 #[derive(Default)]
 struct Walk {
     steps: Vec<Step>,
@@ -29,7 +29,7 @@ enum Step {
 #[derive(Debug)]
 enum Stop {
     NotFinite(f64),
-    /// The data's own serializer failed; the real serializer will say so.
+    /// The data's own serializer failed; the real serializer will report that.
     Other,
 }
 
@@ -46,7 +46,7 @@ impl Walk {
         path
     }
 
-    /// Visits `value` under `step`; on an error the step stays, so that the path can be told.
+    /// Visits `value` under `step`; on an error the step stays, so that the path can be reported.
     fn visit<T: Serialize + ?Sized>(&mut self, step: Step, value: &T) -> Result<(), Stop> {
         self.steps.push(step);
         value.serialize(&mut *self)?;
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn the_path_of_the_first_is_told() {
+    fn the_path_of_the_first_is_reported() {
         let path = |data: Data| first_not_finite(&data).map(|(path, _)| path);
         assert_eq!(path(data(0.5, 1.0, 1.0)), None);
         assert_eq!(path(data(f64::NAN, f64::NAN, 1.0)).as_deref(), Some("shares.sine[1]"));

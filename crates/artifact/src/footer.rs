@@ -1,7 +1,7 @@
 //! The footer of a Parquet file as bytes: finding the envelope before anything is decoded.
 //!
-//! The seal is to be checked before the parquet crate sees the file, so the envelope is found by
-//! the bytes that precede it in the compact Thrift encoding of a key and its value.
+//! The seal is checked before the parquet crate sees the file, so the envelope is found by the bytes that
+//! precede it in the compact Thrift encoding of a key and its value.
 
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
@@ -24,7 +24,7 @@ const TAIL: u64 = 8;
 /// A string field that follows the field before it, in compact Thrift.
 const STRING_FIELD: u8 = 0x18;
 
-/// The footer of a file, with the place of the envelope in it.
+/// The footer of a file, with the position of the envelope in it.
 pub(crate) struct Footer {
     /// The encoded file metadata, without length and magic number.
     pub bytes: Vec<u8>,
@@ -62,7 +62,8 @@ impl Footer {
     }
 }
 
-/// Place and bytes of the footer, or nothing if this is not a whole Parquet file, or one that memory has no room for.
+/// Position and bytes of the footer, or `None` if this is not a whole Parquet file, or if the footer does not
+/// fit in memory.
 pub(crate) fn bytes_of(file: &mut (impl Read + Seek)) -> std::io::Result<Option<(u64, Vec<u8>)>> {
     let length = file.seek(SeekFrom::End(0))?;
     if length < MAGIC.len() as u64 + TAIL {
@@ -85,16 +86,16 @@ pub(crate) fn bytes_of(file: &mut (impl Read + Seek)) -> std::io::Result<Option<
     Ok(Some((start, bytes)))
 }
 
-/// What the footer says of the file's columns and blocks.
+/// The footer's description of the file's columns and blocks.
 pub(crate) fn metadata(footer: &[u8], options: &ParquetMetaDataOptions) -> ParquetResult<ParquetMetaData> {
     let taken = thrift::footer(footer).map_err(|found| ParquetError::General(found.to_owned()))?;
     if taken as u64 > most_bytes() {
-        return Err(ParquetError::General("a footer that memory has no room for".to_owned()));
+        return Err(ParquetError::General("a footer that does not fit in memory".to_owned()));
     }
     ParquetMetaDataReader::decode_metadata_with_options(footer, Some(options))
 }
 
-/// The place of the value that follows the key `seatrial`.
+/// The position of the value that follows the key `seatrial`.
 fn find_envelope(footer: &[u8]) -> Option<Range<usize>> {
     let mut key = vec![STRING_FIELD, KEY.len() as u8];
     key.extend(KEY.as_bytes());

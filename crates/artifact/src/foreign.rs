@@ -1,4 +1,4 @@
-//! Reading columns of Parquet files that other programs wrote: no seal, no units, any simple type.
+//! Reads columns of Parquet files that other programs wrote: no seal, no units, any simple type.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,7 +29,7 @@ impl ForeignTable {
     /// Opens the Parquet file at `path`.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read; [`Error::Refused`] if it is no whole Parquet file.
+    /// [`Error::Io`] if the file cannot be read; [`Error::Refused`] if it is not a whole Parquet file.
     pub fn open(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let unreadable = |e| Error::io(path, "read", e);
@@ -53,11 +53,12 @@ impl ForeignTable {
         self.metadata.row_groups().iter().map(rows_of).sum()
     }
 
-    /// Gives `each` the numbers of a column, in order: floating point, decimals, integers (time stamps as they count), truth
-    /// values as 0 and 1. NaN where absent.
+    /// Passes the numbers of a column to `each`, in order: floating point, decimals, integers (time stamps as
+    /// stored), Booleans as 0 and 1. NaN where absent.
     ///
     /// # Errors
-    /// [`Error::Refused`] if there is no such column, if it holds something else, or if it cannot be decoded.
+    /// [`Error::Refused`] if there is no such column, if it contains something else, or if it cannot be
+    /// decoded.
     pub fn numbers(&self, name: &str, mut each: impl FnMut(f64)) -> Result<()> {
         self.decode(name, "numbers", |reader, meaning, levels, rows| {
             let each = &mut each;
@@ -85,7 +86,7 @@ impl ForeignTable {
         })
     }
 
-    /// What times a column has by its type; none where it has others, or is not there.
+    /// The kind of times in a column, by its type; `None` if it has others, or does not exist.
     pub fn timed(&self, name: &str) -> Option<Timed> {
         let place = self.columns.iter().position(|column| column == name)?;
         match meaning(&self.metadata.file_metadata().schema_descr().column(place)) {
@@ -94,8 +95,8 @@ impl ForeignTable {
         }
     }
 
-    /// Gives `each` the times of a column whose type says what they count, in order \[s\]: since 1970, or since midnight; NaN
-    /// where absent.
+    /// Passes the times of a column whose type defines their unit to `each`, in order \[s\]: since 1970, or
+    /// since midnight; NaN where absent.
     ///
     /// # Errors
     /// As [`ForeignTable::numbers`].
@@ -117,18 +118,18 @@ impl ForeignTable {
         })
     }
 
-    /// Gives `each` the texts of a column, in order; an empty one where there is none.
+    /// Passes the texts of a column to `each`, in order; empty ones where absent.
     ///
     /// # Errors
     /// As [`ForeignTable::numbers`].
     pub fn texts(&self, name: &str, mut each: impl FnMut(&str)) -> Result<()> {
-        let mut told = |bytes: Option<&ByteArray>| {
+        let mut text = |bytes: Option<&ByteArray>| {
             each(bytes.map_or(Ok(""), |bytes| std::str::from_utf8(bytes.data()))?);
             Ok(())
         };
         self.decode(name, "text", |reader, meaning, levels, rows| match reader {
             ColumnReader::ByteArrayColumnReader(r) if meaning == Meaning::Plain => {
-                Some(spread(r, levels, rows, &mut told))
+                Some(spread(r, levels, rows, &mut text))
             }
             _ => None,
         })
@@ -167,7 +168,7 @@ impl ForeignTable {
         Ok(())
     }
 
-    /// Refuses a column that is compressed in a way that is not read, by its name.
+    /// Refuses a column, by its name, whose compression is not supported.
     fn check_compression(&self, name: &str, place: usize) -> Result<()> {
         let kinds = self.metadata.row_groups().iter().map(|group| group.column(place).compression());
         let other = |kind: &Compression| matches!(kind, Compression::LZO);
@@ -188,7 +189,7 @@ fn rows_of(group: &RowGroupMetaData) -> usize {
     usize::try_from(group.num_rows()).unwrap_or(0)
 }
 
-/// Gives `each` what `number` makes of the values of a row group; NaN where there is none.
+/// Passes the values of a row group through `number` to `each`; NaN where absent.
 fn numbers_of<T: DataType>(
     reader: ColumnReaderImpl<T>,
     max_level: i16,
@@ -202,7 +203,7 @@ fn numbers_of<T: DataType>(
     })
 }
 
-/// Gives `each` the numbers that the bytes of a row group stand for; NaN where there is none.
+/// Passes the numbers that the bytes of a row group represent to `each`; NaN where absent.
 fn bytes_of<T: DataType>(
     reader: ColumnReaderImpl<T>,
     max_level: i16,
@@ -226,7 +227,7 @@ where
 /// Rows that are decoded at a time.
 const AT_A_TIME: usize = 1 << 16;
 
-/// Gives `each` all values of a row group, some at a time.
+/// Passes all values of a row group to `each`, a block at a time.
 fn spread<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     max_level: i16,

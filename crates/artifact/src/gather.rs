@@ -1,4 +1,4 @@
-//! Putting the shards of a table together.
+//! Merges the shards of a table.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Debug;
@@ -14,18 +14,17 @@ use crate::staged::Staged;
 use crate::table_reader::TableReader;
 use crate::table_writer::TableWriter;
 
-/// Missing shards that a message names one by one.
+/// Most missing shards that a message names.
 const MOST_NAMED: usize = 8;
 
-/// Puts the shards of a table together, in the order of their numbers whatever the order of
-/// `shards`. Blocks are copied byte for byte: the result has the bytes that the table would have
-/// had without shards. `document` is the one beside it that will vouch for it.
+/// Merges the shards of a table in the order of their numbers, regardless of the order of `shards`. Blocks
+/// are copied byte for byte: the result has the bytes that the table would have had without shards.
+/// `document` is the one beside it that will vouch for it.
 ///
 /// # Errors
-/// As [`TableReader::open`] for every shard; [`Error::Refused`] if a shard is missing (all missing
-/// numbers are named), occurs twice, comes from another computation (what differs is named), or has no
-/// seal and a number that is not finite;
-/// [`Error::Io`] if a file cannot be read or written.
+/// As [`TableReader::open`] for every shard; [`Error::Refused`] if a shard is missing (all missing numbers
+/// are named), occurs twice, comes from another computation (the difference is named), or has no seal and a
+/// number that is not finite; [`Error::Io`] if a file cannot be read or written.
 pub fn gather(
     shards: &[PathBuf],
     out: &Path,
@@ -71,26 +70,26 @@ pub fn shards_of(shards: &[PathBuf], id: &'static str, version: u32) -> Result<V
     Ok(readers)
 }
 
-/// Refuses the shard at `path` where it was made with a setting that is not `given`, or without one that is.
+/// Refuses the shard at `path` if it was made with a setting that is not `given`, or without one that is.
 ///
 /// # Errors
 /// Names the setting.
 pub fn check_settings(given: &Provenance, path: &Path, made: &Provenance) -> Result<()> {
-    let told = |settings: &BTreeMap<String, serde_json::Value>| {
+    let shown = |settings: &BTreeMap<String, serde_json::Value>| {
         let own = settings.iter().filter(|(name, _)| *name != MIXED);
         own.map(|(name, value)| (name.clone(), value.clone())).collect::<BTreeMap<_, _>>()
     };
-    match differing_entry("settings", &told(&given.settings), &told(&made.settings)) {
+    match differing_entry("settings", &shown(&given.settings), &shown(&made.settings)) {
         None => Ok(()),
         Some([thing, expected, found]) => {
-            let expected = format!("{expected}, as is asked for now");
-            Err(Error::refuse(path, thing, found, expected, "ask for the same, or make the shards again"))
+            let expected = format!("{expected}, as requested now");
+            Err(Error::refuse(path, thing, found, expected, "request the same, or make the shards again"))
         }
     }
 }
 
-/// Refuses inputs of which the shard at `path` was made of others, or a setting that it was made with otherwise, or without. Where
-/// mixtures are allowed, such inputs label `given` instead.
+/// Refuses the shard at `path` if its inputs or settings differ from the given ones. Where mixtures are
+/// allowed, differing inputs label `given` instead.
 ///
 /// # Errors
 /// Names the input's file, or the setting.
@@ -98,7 +97,7 @@ pub fn check_given(given: &mut Provenance, path: &Path, made: &Provenance) -> Re
     let other = |role: &&String| made.inputs.get(*role).is_some_and(|digest| *digest != given.inputs[*role]);
     let others: Vec<String> = given.inputs.keys().filter(other).cloned().collect();
     if let Some(role) = others.first().filter(|_| !given.allow_mixed) {
-        let file = given.told_by.get(role).map_or(path, |file| file);
+        let file = given.reported_by.get(role).map_or(path, |file| file);
         let (found, expected) = (
             format!("another {role} than that of {}", path.display()),
             "the files that the shards were made of",
@@ -116,8 +115,8 @@ pub fn check_given(given: &mut Provenance, path: &Path, made: &Provenance) -> Re
             let made = made.settings.get(name);
             let made = made.map_or("nothing".to_owned(), |made| quoted(&made.to_string()));
             let (thing, found) = (format!("`{name}`"), made);
-            let expected = format!("{value}, as is asked for now");
-            Err(Error::refuse(path, thing, found, expected, "ask for the same, or make the shards again"))
+            let expected = format!("{value}, as requested now");
+            Err(Error::refuse(path, thing, found, expected, "request the same, or make the shards again"))
         }
     }
 }
@@ -125,8 +124,8 @@ pub fn check_given(given: &mut Provenance, path: &Path, made: &Provenance) -> Re
 /// Refuses files, in the order of their numbers, that are not all shards of one computation.
 ///
 /// # Errors
-/// One that is no shard; one that comes from another computation (what differs is named); one that is missing (all missing
-/// numbers are named) or there twice.
+/// A file that is not a shard, or comes from another computation (the difference is named); a shard that is
+/// missing (all missing numbers are named) or duplicate.
 pub fn check_shards<'a>(files: impl Iterator<Item = (&'a Path, &'a Provenance)>) -> Result<()> {
     let parts =
         files.map(|(path, provenance)| Ok(Part { path, provenance, shard: number(path, provenance)? }));
@@ -185,8 +184,8 @@ fn differing_entry<T: PartialEq + ToString>(
     two: &BTreeMap<String, T>,
 ) -> Option<[String; 3]> {
     let key = one.keys().chain(two.keys()).find(|key| one.get(*key) != two.get(*key))?;
-    let told = |value: Option<&T>| value.map_or("nothing".to_owned(), |value| quoted(&value.to_string()));
-    Some([format!("{name}.{}", quoted(key)), told(one.get(key)), told(two.get(key))])
+    let shown = |value: Option<&T>| value.map_or("nothing".to_owned(), |value| quoted(&value.to_string()));
+    Some([format!("{name}.{}", quoted(key)), shown(one.get(key)), shown(two.get(key))])
 }
 
 /// Refuses a set that lacks a shard or has one twice; `first` is the path of its first.
@@ -199,8 +198,8 @@ fn refuse_incomplete(first: &Path, parts: &[Part]) -> Result<()> {
     if !missing.is_empty() {
         return refuse(format!("no shard {missing}"), "write the missing shards");
     }
-    let twice: Vec<String> = parts.windows(2).filter_map(told_twice).collect();
-    if twice.is_empty() { Ok(()) } else { refuse(twice.join(", "), "name each shard once") }
+    let repeated: Vec<String> = parts.windows(2).filter_map(twice).collect();
+    if repeated.is_empty() { Ok(()) } else { refuse(repeated.join(", "), "name each shard once") }
 }
 
 /// The numbers of the missing shards, as text.
@@ -214,10 +213,10 @@ fn missing(count: u32, parts: &[Part]) -> String {
 }
 
 /// Both paths, if two neighbours have the same number.
-fn told_twice(pair: &[Part]) -> Option<String> {
+fn twice(pair: &[Part]) -> Option<String> {
     let [one, two] = pair else {
         return None;
     };
-    let told = || format!("shard {} in {} and in {}", one.shard, one.path.display(), two.path.display());
-    (one.shard == two.shard).then(told)
+    let shown = || format!("shard {} in {} and in {}", one.shard, one.path.display(), two.path.display());
+    (one.shard == two.shard).then(shown)
 }

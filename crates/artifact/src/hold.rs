@@ -1,5 +1,5 @@
-//! The lock of a folder: who has it commits a set there, or mends one. Anybody who may read the folder can take it, so it is
-//! waited for only for a while.
+//! The lock of a folder: its owner commits or completes a set there. Anyone who may read the folder can take
+//! it, so waiting for it is limited.
 
 use std::fs::{File, TryLockError};
 use std::io::{self, ErrorKind};
@@ -10,28 +10,28 @@ use std::time::Duration;
 use crate::error::{Error, Result};
 use crate::ordinary::without_waiting;
 
-/// How long a folder is waited for, and what is done after a second of that.
+/// How long to wait for a folder, and the action after a second.
 #[derive(Clone, Copy, Debug)]
 pub struct Patience {
-    /// When the wait is given up.
+    /// When to give up.
     pub most: Duration,
-    /// Called once with the folder where it takes longer than a second.
-    pub tell: fn(&Path),
+    /// Called once with the folder if it takes longer than a second.
+    pub notify: fn(&Path),
 }
 
-/// A commit takes milliseconds: after a minute there is another reason.
-const USUAL: Patience = Patience { most: Duration::from_secs(60), tell: |_| {} };
-const TOLD_AFTER: Duration = Duration::from_secs(1);
+/// A commit takes milliseconds: after a minute there must be another reason.
+const USUAL: Patience = Patience { most: Duration::from_secs(60), notify: |_| {} };
+const NOTIFY_AFTER: Duration = Duration::from_secs(1);
 const BETWEEN: Duration = Duration::from_millis(5);
 
 static PATIENCE: OnceLock<Patience> = OnceLock::new();
 
-/// Sets how long folders are waited for; the first word counts. Without it a minute, in silence.
+/// Sets the patience of this process; only the first call counts. By default a minute, without notice.
 pub fn set_patience(patience: Patience) {
     PATIENCE.get_or_init(|| patience);
 }
 
-/// The lock of `folder`, as soon as no other process has it. None where a file system knows no locks.
+/// Waits for the lock of `folder`. `None` where a file system has no locks.
 ///
 /// # Errors
 /// [`Error::Io`] if another process still holds it after a while.
@@ -50,14 +50,14 @@ pub(crate) fn hold(folder: &Path) -> Result<Option<File>> {
             }
             Err(TryLockError::WouldBlock) => std::thread::sleep(BETWEEN),
         }
-        if waited < TOLD_AFTER && waited + BETWEEN >= TOLD_AFTER {
-            (patience.tell)(folder);
+        if waited < NOTIFY_AFTER && waited + BETWEEN >= NOTIFY_AFTER {
+            (patience.notify)(folder);
         }
         waited += BETWEEN;
     }
 }
 
-/// The lock of `folder`, if no other process has it and there is one.
+/// The lock of `folder`, if it is free and there is one.
 pub(crate) fn try_hold(folder: &Path) -> Option<File> {
     without_waiting().open(folder).ok().filter(|file| file.try_lock().is_ok())
 }

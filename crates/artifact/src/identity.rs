@@ -35,7 +35,7 @@ fn version_remedy(found: &str, expected: u32) -> String {
     }
 }
 
-/// What is looked at before the contents are trusted; all else in the envelope is skipped.
+/// The part that is read before the contents are trusted; the rest of the envelope is skipped.
 #[derive(Deserialize)]
 pub(crate) struct Header {
     #[serde(default)]
@@ -47,7 +47,7 @@ pub(crate) struct Header {
 }
 
 impl Header {
-    /// Refuses a file of no kind, of another kind, and of another version.
+    /// Refuses a file of unknown kind, of another kind, and of another version.
     pub fn check(&self, path: &Path, id: &str, version: u32) -> Result<()> {
         match self.schema.as_str() {
             Some(found) => check(path, found, id, version),
@@ -55,12 +55,12 @@ impl Header {
         }
     }
 
-    /// Kind and version, if it says so.
+    /// Kind and version, if stated.
     pub fn schema(&self) -> Option<&str> {
         self.schema.as_str()
     }
 
-    /// The seal. One that is absent or no digest is left to the strict reading of the envelope.
+    /// The seal. If it is missing or not a digest, the strict reading of the envelope will refuse that.
     pub fn seal(&self) -> Option<Digest> {
         self.seal.as_str().and_then(|text| text.parse().ok())
     }
@@ -71,7 +71,7 @@ impl Header {
     }
 }
 
-/// Refuses a file that does not say what kind it is.
+/// Refuses a file that does not state its kind.
 pub(crate) fn absent(path: &Path, id: &str, version: u32) -> Error {
     let remedy = format!("name a file of kind {id}");
     Error::refuse(path, "schema", "no schema id", schema_id(id, version), remedy)

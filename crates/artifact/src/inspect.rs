@@ -1,4 +1,4 @@
-//! What a file says about itself, whatever its kind.
+//! A file's description of itself, for any kind.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,19 +20,20 @@ pub struct Inspected {
     pub schema: String,
     /// Digest of the file.
     pub digest: Digest,
-    /// Whether it has a seal; one that has fits it.
+    /// Whether it has a seal, which then matches.
     pub sealed: bool,
-    /// Where its contents come from.
+    /// The origin of its contents.
     pub provenance: Provenance,
     /// Digests of the files that were written together with it, by their names beside it.
     pub members: BTreeMap<String, Digest>,
 }
 
-/// Looks at the file at `path`; none where it is neither document nor table. What was written together with a document is for
-/// [`crate::check_members`].
+/// Inspects the file at `path`; `None` if it is neither document nor table. [`crate::check_members`] checks
+/// the files that were written with a document.
 ///
 /// # Errors
-/// [`Error::Io`] if it cannot be read; [`Error::Refused`] if it does not fit its seal, or a table not its document.
+/// [`Error::Io`] if it cannot be read; [`Error::Refused`] if it does not match its seal, or a table its
+/// document.
 pub fn inspect(path: &Path) -> Result<Option<Inspected>> {
     match path.extension().and_then(|end| end.to_str()) {
         Some("json") => document(path),

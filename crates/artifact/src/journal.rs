@@ -1,7 +1,9 @@
-//! The list of renames that make a set: once it stands in the folder, the set will be complete, whoever completes it.
+//! The list of renames that make a set: once it is in the folder, the set will be completed, by this process
+//! or another.
 //!
-//! Whoever writes in a folder obeys its journals, so a journal may do little: it has a seal, it names plain files beside itself,
-//! or in a real folder there, and a file is renamed only if it is the very one that the journal was written for.
+//! Every writer in a folder obeys its journals, so their power is limited: a journal has a seal, it names
+//! plain files beside itself, or in a real folder there, and a file is renamed only if it is the one that the
+//! journal was written for.
 
 use std::fs::{self, File};
 use std::io::Seek;
@@ -15,10 +17,10 @@ use crate::names::{UNFINISHED, folder_of, is_inside, is_unfinished, unfinished_i
 use crate::ordinary::{bytes_of, open_itself};
 use crate::seal;
 
-/// What follows [`UNFINISHED`] in the name of a journal.
+/// The part of a journal's name after [`UNFINISHED`].
 const MARK: &str = "set-";
 const SCHEMA: &str = "set/1";
-/// A journal of a hundred thousand files is no journal.
+/// Larger files are not journals.
 const MOST_BYTES: u64 = 1 << 24;
 
 /// Renames within a folder.
@@ -36,15 +38,15 @@ pub(crate) struct Journal {
 pub(crate) struct Rename {
     from: String,
     to: String,
-    /// Of the file that is renamed.
+    /// Of the file to be renamed.
     digest: Digest,
 }
 
-/// What a name means that a journal gives or takes.
+/// A file name's meaning under a journal.
 pub(crate) enum Meaning {
     /// This file, which will get the name.
     File(File),
-    /// Nothing: the file that has the name will lose it.
+    /// Nothing: the name will be freed.
     Nothing,
 }
 
@@ -54,7 +56,7 @@ pub(crate) fn is_one(name: &str) -> bool {
 }
 
 impl Journal {
-    /// Those of `renames`, each within a folder and with the digest of its file, that stay below `folder`; in their order.
+    /// The renames that stay below `folder`, each within a folder and with the digest of its file; in order.
     pub fn of<'a>(renames: impl Iterator<Item = ([&'a Path; 2], Digest)>, folder: &Path) -> Self {
         let below = |([from, to], digest): ([&Path; 2], Digest)| {
             let to = to.strip_prefix(folder).unwrap_or(to);
@@ -71,12 +73,12 @@ impl Journal {
         folder_of(main).join(format!("{UNFINISHED}{MARK}{name}"))
     }
 
-    /// As it stands in the file at `path`.
+    /// The text of the file at `path`.
     pub fn text(&self, path: &Path) -> Result<Vec<u8>> {
         seal::sealed(path, serde_json::to_string_pretty(self).unwrap_or_default())
     }
 
-    /// What stands in a file; none of what was not written here.
+    /// Reads a journal; `None` if it was not written by this program.
     pub fn read(path: &Path) -> Option<Self> {
         let file = open_itself(path).ok()?;
         if file.metadata().ok()?.len() > MOST_BYTES {
@@ -88,13 +90,13 @@ impl Journal {
         (journal.schema == SCHEMA && journal.renames.iter().all(Rename::is_ours)).then_some(journal)
     }
 
-    /// The journals in `folder` that were written here, by their names.
+    /// The valid journals in `folder`, by name.
     pub fn all(folder: &Path) -> Vec<(String, Self)> {
         let names = unfinished_in(folder).into_iter().filter(|name| is_one(name));
         names.filter_map(|name| Self::read(&folder.join(&name)).map(|journal| (name, journal))).collect()
     }
 
-    /// Renames what has not been renamed yet and is what it was.
+    /// Performs the renames that are pending and whose files are unchanged.
     pub fn rename_all(&self, folder: &Path) {
         for rename in &self.renames {
             if rename.pending(folder).is_some() {
@@ -103,7 +105,7 @@ impl Journal {
         }
     }
 
-    /// What `name` in `folder` will mean when all is renamed; none where that is what it means already.
+    /// The meaning of `name` in `folder` after all renames; `None` if they do not affect it.
     pub fn meaning(&self, folder: &Path, name: &str) -> Option<Meaning> {
         let given = self.renames.iter().filter(|rename| rename.to == name);
         let given = given.filter_map(|rename| rename.pending(folder)).map(Meaning::File).next();
@@ -113,7 +115,7 @@ impl Journal {
 }
 
 impl Rename {
-    /// Whether it is one as they are written here.
+    /// Whether it has the form that this program writes.
     fn is_ours(&self) -> bool {
         let (from, to) = (Path::new(&self.from), Path::new(&self.to));
         let plain = |path: &Path| (1..=2).contains(&path.components().count()) && is_inside(path);
@@ -121,7 +123,7 @@ impl Rename {
         unfinished && plain(from) && plain(to) && from.parent() == to.parent()
     }
 
-    /// The file that is to be renamed, while it stands there as it was noted, in a folder that is no link.
+    /// The file to be renamed, if it is still there unchanged, in a folder that is not a link.
     fn pending(&self, folder: &Path) -> Option<File> {
         let from = Path::new(&self.from);
         let within = from.parent().filter(|within| *within != Path::new(""));

@@ -1,4 +1,4 @@
-//! How a table of this crate is laid out in Parquet: names and types.
+//! The Parquet layout of this crate's tables: names and types.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -19,7 +19,7 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The layout of `columns`; `file` only names the table in messages.
+    /// The layout of `columns`; messages name the table `file`.
     pub fn new(file: &Path, columns: &[ColumnSpec]) -> Result<Self> {
         check_columns(file, columns)?;
         let broken = |e: ParquetError| write_error(file, e);
@@ -29,7 +29,7 @@ impl Layout {
         Ok(Self { descriptor: Arc::new(SchemaDescriptor::new(Arc::new(root))) })
     }
 
-    /// Bytes that so many rows of numbers take where nothing makes them fewer.
+    /// Bytes of so many rows of numbers without compression.
     pub fn most_bytes(&self, rows: usize) -> usize {
         let bytes = |kind: Physical| if kind == Physical::DOUBLE { 8 } else { 1 };
         rows * self.descriptor.columns().iter().map(|column| bytes(column.physical_type())).sum::<usize>()
@@ -50,7 +50,7 @@ fn check_columns(file: &Path, columns: &[ColumnSpec]) -> Result<()> {
         };
         let strange = |c: char| c.is_control() || matches!(c, '"' | '\\');
         if column.name.is_empty() || column.name.contains(strange) {
-            return refuse("a strange name", "a name without quotes, backslashes and control characters");
+            return refuse("an invalid name", "a name without quotes, backslashes and control characters");
         }
         if column.unit.is_empty() {
             return refuse("no unit", "a unit, or 1 where there is none");

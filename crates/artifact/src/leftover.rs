@@ -1,7 +1,7 @@
-//! What processes leave in a folder that end before they are done: files without names, sets half renamed.
+//! What processes leave in a folder when they end early: files without names, half renamed sets.
 //!
-//! Readers only read: in a folder with a half renamed set they find what will stand there ([`open_written`]). Who writes in the
-//! folder completes the set and clears away.
+//! Readers only read: in a folder with a half renamed set they find the new files ([`open_written`]). Writers
+//! in the folder complete the set and clean up.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::ErrorKind;
@@ -19,14 +19,14 @@ use crate::ordinary::{bytes_of, open, open_itself};
 pub struct Leftovers {
     /// Files that no run has finished.
     pub files: usize,
-    /// Whether a set of files is half named.
+    /// Whether a set of files is half renamed.
     pub half_named: bool,
-    /// Files that are called as journals of sets are and were not written as such: nobody obeys or removes them.
+    /// Files that are named like journals but were not written as such: they are ignored and not removed.
     pub strange: Vec<String>,
 }
 
 impl Leftovers {
-    /// Those in `folder`.
+    /// The leftovers in `folder`.
     pub fn of(folder: &Path) -> Self {
         let (journals, files): (Vec<String>, Vec<String>) =
             unfinished_in(folder).into_iter().partition(|name| journal::is_one(name));
@@ -36,8 +36,8 @@ impl Leftovers {
     }
 }
 
-/// Opens a file that a stage wrote as [`open`] does. Where a process ended while it gave a set its names, the file is the one
-/// that will have the name.
+/// Opens a file that a stage wrote, like [`open`]. If a process ended while it renamed a set, this is the
+/// file that will have the name.
 ///
 /// # Errors
 /// See [`open`].
@@ -50,7 +50,8 @@ pub fn open_written(path: impl AsRef<Path>) -> Result<File> {
     }
 }
 
-/// What `path` means by a journal in its folder, or in the one above, where files in the folder wait for their names.
+/// The meaning of `path` by a journal in its folder, or in the parent folder, if files in the folder await
+/// their names.
 fn meaning(path: &Path) -> Option<Meaning> {
     let (folder, name) = (folder_of(path), path.file_name()?.to_str()?);
     if unfinished_in(folder).is_empty() {
@@ -92,8 +93,8 @@ pub fn is_written(path: impl AsRef<Path>) -> bool {
     }
 }
 
-/// Completes half renamed sets in `folder` and removes the unfinished files of processes that are no more. A folder that cannot
-/// be repaired stays as it was.
+/// Completes half renamed sets in `folder` and removes the unfinished files of processes that have ended. A
+/// folder that cannot be repaired stays unchanged.
 ///
 /// # Errors
 /// [`Error::Io`] if there is a half renamed set and another process holds the folder.
@@ -115,7 +116,7 @@ pub(crate) fn sweep(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Goes on with every set whose process ended while it gave the files their names. The caller holds the folder.
+/// Continues every set whose process ended during the renames. The caller holds the folder.
 pub(crate) fn complete(folder: &Path) {
     for (name, journal) in Journal::all(folder) {
         journal.rename_all(folder);
@@ -123,9 +124,9 @@ pub(crate) fn complete(folder: &Path) {
     }
 }
 
-/// Whoever still writes a file holds its lock; where there are no locks, it stays.
+/// The writer of a file holds its lock; without locks, the file stays.
 fn is_abandoned(path: &Path) -> bool {
-    // A link or a pipe of this name is none of ours.
+    // A link or a pipe of this name was not written here.
     open_itself(path).is_ok()
         && OpenOptions::new().read(true).write(true).open(path).is_ok_and(|file| file.try_lock().is_ok())
 }

@@ -1,9 +1,8 @@
 //! Tables (Parquet) and documents (JSON, TOML) that carry their schema, units and provenance.
 //!
-//! Every file written here is written whole or not at all, holds a seal that shows a single
-//! flipped byte, and has the same bytes for the same contents. Every file read here is checked
-//! before its contents are trusted; what is wrong is told in one line that names the file, the
-//! thing, what was found, what was expected and the remedy.
+//! Every file is written as a whole or not at all, has a seal that detects a single flipped byte, and has the
+//! same bytes for the same contents. Every file is checked before its contents are trusted; a fault is
+//! reported in one line that names the file, the thing, what was found, what was expected and the remedy.
 //!
 //! ```
 //! use artifact::{Column, ColumnSpec, Kind, Provenance, Table, TableReader, TableSchema, TableWriter};
@@ -28,9 +27,9 @@
 //! # }
 //! ```
 //!
-//! The crate starts no threads, prints nothing and reads neither clock nor environment, but for what memory and room on the
-//! disk there is ([`Budget`]).
-//! [`encode_block`] and [`TableReader::read_block`] are made to be called from many threads.
+//! The crate starts no threads, prints nothing and reads neither clock nor environment, except for the
+//! available memory and disk space ([`Budget`]). [`encode_block`] and [`TableReader::read_block`] are made to
+//! be called from many threads.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -81,7 +80,7 @@ mod toml_input;
 mod unfinished;
 mod weight;
 
-pub use self::budget::{Budget, PROGRAM_BYTES, Work, budget, room, set_budget};
+pub use self::budget::{Budget, PROGRAM_BYTES, Work, budget, free_bytes, set_budget};
 pub use self::commit::{commit, commit_with_document};
 pub use changes::{Change, Changes};
 pub use columns::{Column, FloatColumn, IntegerColumn, Labels, Table, TextColumn};

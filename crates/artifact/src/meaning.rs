@@ -1,27 +1,27 @@
-//! What the values of a foreign column mean, beside how they are stored.
+//! The meaning of a foreign column's values, beyond their storage.
 
 use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type};
 use parquet::schema::types::ColumnDescPtr;
 
-/// What values stand for.
+/// The meaning of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Meaning {
-    /// What they are.
+    /// The values themselves.
     Plain,
     /// Integers without a sign.
     Unsigned,
     /// Floating point of 16 bits.
     Half,
-    /// Integers with so many decimals.
+    /// Integers scaled by so many decimals.
     Decimal(i32),
     /// Times.
     Timed(Timed),
 }
 
-/// What times of a column are.
+/// The kind of times in a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Timed {
-    /// Moments since 1970-01-01, so many to a second: of UTC, or as clocks showed them.
+    /// Moments since 1970-01-01, so many to a second: in UTC, or in local time.
     Moments {
         /// How many.
         per_second: i64,
@@ -37,7 +37,7 @@ pub enum Timed {
     Days,
 }
 
-/// What the values of a column are by its type.
+/// The meaning of a column's values by its type.
 pub(crate) fn meaning(descriptor: &ColumnDescPtr) -> Meaning {
     if descriptor.physical_type() == Type::INT96 {
         return Meaning::Timed(Timed::Moments { per_second: 1_000_000_000, is_utc: true });
@@ -56,7 +56,7 @@ pub(crate) fn meaning(descriptor: &ColumnDescPtr) -> Meaning {
     }
 }
 
-/// As files of the first version of the format say it.
+/// By the converted type, as in the first version of the format.
 fn converted(descriptor: &ColumnDescPtr) -> Meaning {
     match descriptor.converted_type() {
         ConvertedType::TIMESTAMP_MILLIS => Meaning::Timed(Timed::Moments { per_second: 1000, is_utc: true }),
@@ -83,7 +83,7 @@ fn per_second(unit: &TimeUnit) -> i64 {
 }
 
 impl Meaning {
-    /// The number that an integer of `bits` stands for.
+    /// The number that an integer of `bits` represents.
     pub(crate) fn integer(self, value: i64, bits: u32) -> f64 {
         match self {
             Self::Unsigned if bits == 32 => f64::from(value as u32),
@@ -93,7 +93,7 @@ impl Meaning {
         }
     }
 
-    /// The number that bytes of a fixed length stand for; none where they are no number.
+    /// The number that bytes of a fixed length represent; `None` if they are not a number.
     pub(crate) fn bytes(self, bytes: &[u8]) -> Option<f64> {
         match (self, bytes) {
             (Self::Half, [low, high]) => Some(half(u16::from_le_bytes([*low, *high]))),

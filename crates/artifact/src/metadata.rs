@@ -23,7 +23,7 @@ pub(crate) struct TableMetadata {
     producer: String,
     #[serde(deserialize_with = "seal::required")]
     seal: Option<Digest>,
-    /// What it was made of.
+    /// Its inputs.
     pub inputs: BTreeMap<String, Digest>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     origins: BTreeMap<String, Digest>,
@@ -37,7 +37,7 @@ pub(crate) struct TableMetadata {
     pub columns: Vec<ColumnEntry>,
 }
 
-/// A column; whether it may hold nulls stands in the Parquet schema.
+/// A column; the Parquet schema states whether it may contain nulls.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ColumnEntry {
@@ -63,7 +63,7 @@ impl TableMetadata {
         }
     }
 
-    /// The columns, and where the table comes from.
+    /// The columns, and the origin of the table.
     pub fn into_parts(self) -> (Vec<ColumnEntry>, Provenance) {
         let Self { producer, inputs, origins, settings, shard, columns, .. } = self;
         (columns, Provenance { producer, inputs, origins, settings, shard, ..Provenance::default() })

@@ -1,4 +1,4 @@
-//! Opening what is to be read: ordinary files alone. A pipe, a device or a folder is refused and never waited for.
+//! Opens files for reading: ordinary files only. A pipe, a device or a folder is refused without waiting.
 
 use std::fs::{File, FileType, OpenOptions};
 use std::io::{self, ErrorKind, Read};
@@ -14,10 +14,10 @@ use crate::error::{Error, Result};
 pub fn open(path: impl AsRef<Path>) -> Result<File> {
     let path = path.as_ref();
     let unreadable = |e| Error::io(path, "read", e);
-    // To open a device may do something, and a socket cannot be opened.
+    // Opening a device may have effects, and a socket cannot be opened.
     refuse_special(path, path.metadata().map_err(unreadable)?.file_type())?;
     let file = without_waiting().open(path).map_err(unreadable)?;
-    // Another may have taken the name since.
+    // Another file may have taken the name since.
     refuse_special(path, file.metadata().map_err(unreadable)?.file_type())?;
     Ok(file)
 }
@@ -25,13 +25,13 @@ pub fn open(path: impl AsRef<Path>) -> Result<File> {
 /// The bytes of the ordinary file at `path`.
 ///
 /// # Errors
-/// As [`open`]; [`Error::Refused`] if memory has no room for them.
+/// As [`open`]; [`Error::Refused`] if they do not fit in memory.
 pub fn read(path: impl AsRef<Path>) -> Result<Vec<u8>> {
     let path = path.as_ref();
     bytes_of(path, open(path)?)
 }
 
-/// What stands in `file`, which was opened at `path`.
+/// The contents of `file`, which was opened at `path`.
 pub(crate) fn bytes_of(path: &Path, mut file: File) -> Result<Vec<u8>> {
     let unreadable = |e| Error::io(path, "read", e);
     let length = file.metadata().map_err(unreadable)?.len();
@@ -39,16 +39,16 @@ pub(crate) fn bytes_of(path: &Path, mut file: File) -> Result<Vec<u8>> {
     let work = Work { file: path, thing: "file", found: &found, remedy: REMEDY };
     budget().memory(work, length as f64)?;
     let mut bytes = Vec::new();
-    let room = bytes.try_reserve_exact(usize::try_from(length).unwrap_or(usize::MAX));
-    room.map_err(|_| unreadable(ErrorKind::OutOfMemory.into()))?;
+    let reserved = bytes.try_reserve_exact(usize::try_from(length).unwrap_or(usize::MAX));
+    reserved.map_err(|_| unreadable(ErrorKind::OutOfMemory.into()))?;
     file.read_to_end(&mut bytes).map_err(unreadable)?;
     Ok(bytes)
 }
 
-/// How to let a file through that is too large.
+/// The remedy for a file that is too large.
 pub(crate) const REMEDY: &str = "name a smaller file, or raise --memory-mib";
 
-/// How files are opened to be read: a pipe without a writer would be waited for.
+/// Options that never wait: opening a pipe without a writer would block.
 pub(crate) fn without_waiting() -> OpenOptions {
     let mut options = OpenOptions::new();
     options.read(true);

@@ -1,4 +1,4 @@
-//! The pages of a column as the parquet crate reads them: none whose header promises more than there may be.
+//! The pages of a column for the parquet crate: none whose header announces more than is allowed.
 
 use std::io::{self, BufReader, Read};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -38,13 +38,13 @@ pub(crate) fn pages(
     SerializedPageReader::new(bytes.into(), chunk, rows, None)
 }
 
-/// A file of which every read from a place on begins with the header of a page.
+/// A file where every read begins with the header of a page.
 pub(crate) struct PageBytes {
     source: Source,
     codec: CompressionCodec,
     /// Bytes of the page whose header was read last.
     uncompressed: AtomicU64,
-    /// Those of them that are not compressed and come first.
+    /// The uncompressed part of them, which comes first.
     levels: AtomicU64,
 }
 
@@ -79,7 +79,7 @@ impl ChunkReader for PageBytes {
 }
 
 impl PageBytes {
-    /// What decompresses gzip and brotli does not stop where the page should end.
+    /// Decompression of gzip and brotli does not stop at the end of the page.
     fn check_length(&self, bytes: &[u8]) -> ParquetResult<()> {
         const BUFFER: usize = 1 << 12;
         let most = self.uncompressed.load(Ordering::Relaxed);
@@ -103,7 +103,7 @@ impl PageBytes {
 fn check(sizes: PageSizes) -> ParquetResult<u64> {
     let bytes = u64::try_from(sizes.uncompressed).unwrap_or(u64::MAX);
     if bytes > most_bytes() {
-        return Err(general(format!("a page of {bytes} bytes, more than memory has room for")));
+        return Err(general(format!("a page of {bytes} bytes, more than fit in memory")));
     }
     if u64::try_from(sizes.labels).unwrap_or(u64::MAX) > bytes {
         return Err(general(format!("a page of {} labels in {bytes} bytes", sizes.labels)));

@@ -1,4 +1,4 @@
-//! JSON as text that a person can read: two spaces per level, lists of plain values on one line.
+//! Readable JSON: two spaces per level, lists of plain values on one line.
 
 use serde_json::Value;
 

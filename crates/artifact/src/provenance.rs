@@ -1,4 +1,4 @@
-//! Where a file's contents come from.
+//! The origin of a file's contents.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -12,25 +12,25 @@ use crate::error::{Error, Result};
 use crate::shard::Shard;
 use crate::toml_input::read_changed;
 
-/// Roles that one file plays in a whole study: what is made of files that tell of different ones is a mixture.
+/// Roles that one file plays in a whole study: an output whose inputs refer to different files is a mixture.
 pub const STUDY_ROLES: [&str; 7] =
     ["vessel", "dictionary", "campaign", "moments", "design", "validation", "estimates"];
 
-/// The setting that labels what is made of mixed files: the roles that several files play.
+/// The setting that labels outputs of mixed files: the roles that several files play.
 pub const MIXED: &str = "mixed";
 
-/// The setting that tells what took the place of the hand-written files' own values.
+/// The setting that records replaced values of hand-written files.
 const CHANGED: &str = "set";
 
-/// What produced a file, from what. Holds no clock, host, user or thread count, so that the
-/// same computation gives the same bytes.
+/// The producer of a file, and its inputs. Contains no clock, host, user or thread count, so that the same
+/// computation gives the same bytes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
     /// Program and version, like `simulate 0.1.0`.
     pub producer: String,
     /// Digest of each input file, by its role (`vessel`, `dictionary`).
     pub inputs: BTreeMap<String, Digest>,
-    /// Digests of what the inputs were made of, by the roles of [`STUDY_ROLES`] that no input plays itself.
+    /// Digests of the inputs' own inputs, by the roles of [`STUDY_ROLES`] that no input plays itself.
     pub origins: BTreeMap<String, Digest>,
     /// Settings that determine the contents (`seed`, `runs`), by name.
     pub settings: BTreeMap<String, serde_json::Value>,
@@ -38,17 +38,18 @@ pub struct Provenance {
     pub shard: Option<Shard>,
     /// Whether files of different studies may be used together. Not written.
     pub allow_mixed: bool,
-    /// What its hand-written inputs hold instead of their own values. Not written; what of it was applied stands in `settings`.
+    /// Replacements for values of its hand-written inputs. Not written; the applied ones are recorded in
+    /// `settings`.
     pub changes: Changes,
-    /// The file that told of each role's digest, for messages. Not written.
-    pub told_by: BTreeMap<String, PathBuf>,
-    /// The input files: nothing that is made of them may take their place. Not written.
+    /// The file that reported each role's digest, for messages. Not written.
+    pub reported_by: BTreeMap<String, PathBuf>,
+    /// The input files: no output may replace them. Not written.
     pub read: BTreeSet<PathBuf>,
 }
 
 impl Provenance {
-    /// Reads the hand-written file at `path` as the input `role`, with the changes of `file` in it, its usual name without
-    /// `.toml`.
+    /// Reads the hand-written file at `path` as the input `role`, with the replacements for `file`, its usual
+    /// name without `.toml`.
     ///
     /// # Errors
     /// As [`crate::read_toml`] and [`Provenance::written`].
@@ -62,7 +63,7 @@ impl Provenance {
         Ok(parsed)
     }
 
-    /// Notes the hand-written file at `path` as the input `role`.
+    /// Records the hand-written file at `path` as the input `role`.
     ///
     /// # Errors
     /// [`Error::Refused`] if another input was made of another such file.
@@ -74,14 +75,14 @@ impl Provenance {
         Ok(())
     }
 
-    /// Notes the file at `path`, which comes from `from`, as the input `role`.
+    /// Records the file at `path`, which comes from `from`, as the input `role`.
     ///
     /// # Errors
-    /// [`Error::Refused`] if it was made of other files than the inputs before it.
+    /// [`Error::Refused`] if it was made of other files than the previous inputs.
     pub fn made(&mut self, role: &str, path: &Path, digest: Digest, from: &Self) -> Result<()> {
         self.written(role, path, digest)?;
         self.accept_label(from);
-        // What played the same role for this file is an earlier version of it.
+        // A file of the same role among its inputs is an earlier version of it.
         let before = from.inputs.iter().chain(&from.origins).filter(|(known, _)| *known != role);
         for (known, digest) in before.filter(|(known, _)| STUDY_ROLES.contains(&known.as_str())) {
             self.note(known, path, *digest)?;
@@ -92,13 +93,13 @@ impl Provenance {
         Ok(())
     }
 
-    /// Forgets what played `roles`, for files that have others.
+    /// Forgets the files of `roles`, for outputs that have others.
     pub fn forget(&mut self, roles: &[&str]) {
         self.inputs.retain(|role, _| !roles.contains(&role.as_str()));
         self.origins.retain(|role, _| !roles.contains(&role.as_str()));
     }
 
-    /// Refuses to put what is made of the inputs at the path of one of them.
+    /// Refuses an output at the path of one of its inputs.
     pub(crate) fn check_output(&self, path: &Path) -> Result<()> {
         let Ok(existing) = path.canonicalize() else { return Ok(()) };
         match self.read.iter().any(|input| input.canonicalize().is_ok_and(|input| input == existing)) {
@@ -110,7 +111,7 @@ impl Provenance {
         }
     }
 
-    /// What was made of a mixture stays labelled so.
+    /// Inherits the label of a mixture.
     pub fn accept_label(&mut self, from: &Self) {
         if let Some(roles) = from.settings.get(MIXED).and_then(|roles| roles.as_array()) {
             roles.iter().filter_map(|role| role.as_str()).for_each(|role| self.label(role));
@@ -126,18 +127,18 @@ impl Provenance {
         }
     }
 
-    /// Compares what `path` tells of `role` with what is known of it.
+    /// Compares the digest that `path` reports for `role` with the known one.
     fn note(&mut self, role: &str, path: &Path, digest: Digest) -> Result<()> {
         let known = self.inputs.get(role).or_else(|| self.origins.get(role));
         if !STUDY_ROLES.contains(&role) || known.is_none_or(|known| *known == digest) {
-            self.told_by.entry(role.to_owned()).or_insert_with(|| path.to_owned());
+            self.reported_by.entry(role.to_owned()).or_insert_with(|| path.to_owned());
             return Ok(());
         }
         if self.allow_mixed {
             self.label(role);
             return Ok(());
         }
-        let other = self.told_by.get(role).map_or("another input".into(), |file| file.to_string_lossy());
+        let other = self.reported_by.get(role).map_or("another input".into(), |file| file.to_string_lossy());
         let (found, expected) = (format!("another {role} than that of {other}"), "files of one study");
         let remedy = "make both again (`make` does), or add --allow-mixed";
         Err(Error::refuse(path, "provenance", found, expected, remedy))

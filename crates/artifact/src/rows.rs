@@ -1,4 +1,4 @@
-//! Tables of rows: each column is listed once, with its name, its unit, and how its value is taken from a row and put back.
+//! Tables of rows: each column is listed once, with its name, its unit, and accessors for its value in a row.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display};
@@ -35,10 +35,10 @@ pub struct Columns<Row> {
 type Get<Row, T> = Box<dyn Fn(&Row) -> T + Send + Sync>;
 type Set<Row, T> = Box<dyn Fn(&mut Row, T) + Send + Sync>;
 type GetText<Row> = Box<dyn for<'a> Fn(&'a Row) -> Cow<'a, str> + Send + Sync>;
-/// Answers what would have been expected where the text means nothing.
+/// Returns what would have been expected if the text is unknown.
 type SetText<Row> = Box<dyn Fn(&mut Row, &str) -> std::result::Result<(), Unknown> + Send + Sync>;
 
-/// How the values of one column are taken from rows and put back.
+/// The accessors of one column.
 enum Field<Row> {
     Text(GetText<Row>, SetText<Row>),
     Integer(Get<Row, i32>, Set<Row, i32>),
@@ -67,7 +67,7 @@ impl<Row: 'static> Columns<Row> {
         self.with(name, "1", Field::Text(Box::new(move |row| Cow::Borrowed(get(row))), Box::new(set)))
     }
 
-    /// Adds a column of names: those by which serde knows the variants of `T`, an enum without fields.
+    /// Adds a column of names: serde's names of the variants of `T`, an enum without fields.
     #[must_use]
     pub fn choice<T: Serialize + DeserializeOwned>(
         self,
@@ -149,11 +149,11 @@ impl<Row: Clone + 'static> Columns<Row> {
     /// The rows of block `block`, each made from `blank` by setting every column.
     ///
     /// # Errors
-    /// [`Error::Refused`] for a damaged block, or a name that a column of names does not know.
+    /// [`Error::Refused`] for a damaged block, or an unknown name in a column of names.
     pub fn read_block(&self, reader: &TableReader, block: usize, blank: &Row) -> Result<Vec<Row>> {
         let names: Vec<&str> = self.schema.columns.iter().map(|column| column.name.as_str()).collect();
         let table = reader.read_block(block, &names)?;
-        reader.check_room(reader.block_rows(block), size_of::<Row>())?;
+        reader.check_memory(reader.block_rows(block), size_of::<Row>())?;
         let mut rows = vec![blank.clone(); reader.block_rows(block)];
         for ((field, spec), column) in self.fields.iter().zip(&self.schema.columns).zip(&table.columns) {
             field.fill(&mut rows, column).map_err(|(row, expected)| {
@@ -172,7 +172,7 @@ impl<Row: Clone + 'static> Columns<Row> {
     /// As [`Columns::read_block`]; columns that are missing.
     pub fn read(&self, reader: &TableReader, blank: &Row) -> Result<Vec<Row>> {
         reader.require(&self.schema.columns)?;
-        reader.check_room(reader.rows(), size_of::<Row>())?;
+        reader.check_memory(reader.rows(), size_of::<Row>())?;
         let blocks = (0..reader.blocks()).map(|block| self.read_block(reader, block, blank));
         Ok(blocks.collect::<Result<Vec<_>>>()?.concat())
     }
@@ -210,7 +210,7 @@ impl<Row> Field<Row> {
         }
     }
 
-    /// Sets this field of every row; else the row whose text is unknown, and what was expected there.
+    /// Sets this field of every row; else returns the row whose text is unknown, and what was expected there.
     fn fill(&self, rows: &mut [Row], column: &Column) -> std::result::Result<(), (usize, String)> {
         for (i, row) in rows.iter_mut().enumerate() {
             match self {
@@ -234,7 +234,7 @@ fn name_of<T: Serialize>(variant: &T) -> String {
     }
 }
 
-/// The names that serde knows, where a text is none of them.
+/// serde's names, where a text is none of them.
 #[derive(Debug)]
 struct Unknown(String);
 

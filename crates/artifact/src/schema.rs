@@ -1,4 +1,4 @@
-//! What a table's columns are.
+//! The columns of tables.
 
 use std::fmt;
 

@@ -1,4 +1,4 @@
-//! Numbers that are put aside while a file is made, where there is no room for them in memory.
+//! A temporary store of numbers that do not fit in memory while a file is made.
 
 use std::fs::File;
 use std::io;
@@ -9,12 +9,13 @@ use crate::error::{Error, Result};
 use crate::fault;
 use crate::names::folder_of;
 
-/// Slots of equal length: the first in memory, the others in a file without a name, which goes with the process however that
-/// ends. What fails is noted, and told by [`Scratch::check`]: until then, what could not be kept reads as zeros.
+/// Slots of equal length: the first in memory, the others in an unnamed file that disappears with the
+/// process. A failure is recorded for [`Scratch::check`]: until then, numbers that could not be stored read
+/// as zeros.
 #[derive(Debug)]
 pub struct Scratch {
-    /// The file beside which the file is.
-    beside: PathBuf,
+    /// The path beside which the unnamed file is created.
+    target: PathBuf,
     /// Numbers of a slot.
     length: usize,
     /// Slots in memory.
@@ -34,11 +35,10 @@ struct Slots {
 }
 
 impl Scratch {
-    /// Slots of `length` numbers, in memory as long as they take no more than `bytes`, then in a file in the folder of
-    /// `beside`.
-    pub fn new(beside: &Path, length: usize, bytes: f64) -> Self {
+    /// Slots of `length` numbers, in memory up to `bytes`, then in a file in the folder of `target`.
+    pub fn new(target: &Path, length: usize, bytes: f64) -> Self {
         let held = (bytes / (8 * length) as f64) as usize;
-        Self { beside: beside.to_owned(), length, held, slots: Mutex::default() }
+        Self { target: target.to_owned(), length, held, slots: Mutex::default() }
     }
 
     /// Numbers of a slot.
@@ -46,7 +46,7 @@ impl Scratch {
         self.length
     }
 
-    /// Puts numbers aside, no more than a slot has; in which slot.
+    /// Stores numbers, at most a slot of them; returns the slot.
     pub fn put(&self, numbers: &[f64]) -> u64 {
         let mut slots = self.slots();
         let slot = slots.free.pop().unwrap_or_else(|| {
@@ -89,7 +89,7 @@ impl Scratch {
         numbers.extend(all.iter().map(|bytes| f64::from_le_bytes(*bytes)));
     }
 
-    /// Gives a slot back.
+    /// Frees a slot.
     pub fn forget(&self, slot: u64) {
         let mut slots = self.slots();
         if let Some(held) = slots.held.get_mut(slot as usize) {
@@ -98,13 +98,13 @@ impl Scratch {
         slots.free.push(slot as usize);
     }
 
-    /// Refuses what was made of numbers that could not be kept.
+    /// Reports whether numbers could not be stored.
     ///
     /// # Errors
     /// [`Error::Io`] if the file could not be made, written or read.
     pub fn check(&self) -> Result<()> {
         match self.slots().failure.take() {
-            Some(failure) => Err(Error::io(&self.beside, "put channels aside", failure)),
+            Some(failure) => Err(Error::io(&self.target, "put channels aside", failure)),
             None => Ok(()),
         }
     }
@@ -113,10 +113,10 @@ impl Scratch {
         8 * (self.length * (slot - self.held)) as u64
     }
 
-    /// The file, made when it is first asked for.
+    /// The file, created on first use.
     fn file(&self, slots: &mut Slots) -> Option<std::sync::Arc<File>> {
         if slots.file.is_none() && slots.failure.is_none() {
-            let folder = folder_of(&self.beside);
+            let folder = folder_of(&self.target);
             let folder = if folder == Path::new("") { Path::new(".") } else { folder };
             match tempfile::tempfile_in(folder) {
                 Ok(file) => slots.file = Some(file.into()),
@@ -199,13 +199,13 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_kept_reads_as_zeros_and_is_told() {
+    fn numbers_that_cannot_be_stored_read_as_zeros_and_are_reported() {
         let folder = tempfile::tempdir().unwrap();
         let scratch = Scratch::new(&folder.path().join("nowhere/out"), 2, 0.0);
         let slot = scratch.put(&[1.0, 2.0]);
         assert_eq!(got(&scratch, slot), [0.0, 0.0]);
-        let told = scratch.check().unwrap_err().to_string();
-        assert!(told.contains("nowhere/out") && told.contains("put channels aside"), "{told}");
+        let message = scratch.check().unwrap_err().to_string();
+        assert!(message.contains("nowhere/out") && message.contains("put channels aside"), "{message}");
         scratch.check().unwrap();
     }
 }

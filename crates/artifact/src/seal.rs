@@ -1,4 +1,4 @@
-//! The seal: a digest of the file inside the file, which shows a single flipped byte.
+//! The seal: a digest of the file inside the file, which detects a single flipped byte.
 //!
 //! A sealed file holds `"seal":"blake3:<64 hex digits>"` in its envelope, the digits being the BLAKE3
 //! hash of the whole file with these 64 characters replaced by zeros. `"seal":null` means unsealed.
@@ -11,7 +11,7 @@ use serde::{Deserialize, Deserializer};
 use crate::digest::Digest;
 use crate::error::{Error, Result};
 
-/// What stands where the digits will stand, while they are not known.
+/// The placeholder of the digits while they are unknown.
 pub(crate) const BLANK: [u8; DIGITS] = [b'0'; DIGITS];
 
 /// Number of hexadecimal digits in a digest.
@@ -22,11 +22,11 @@ pub(crate) const DIGITS: usize = 64;
 pub(crate) struct FileDigests {
     /// Of the bytes as they are.
     pub digest: Digest,
-    /// Of the bytes with the seal's digits blanked; what a valid seal says.
+    /// Of the bytes with the seal's digits blanked, as in a valid seal.
     pub blanked: Digest,
 }
 
-/// Hashes a file in one pass; `digits_at` is where the seal's digits start, if there is a seal.
+/// Hashes a file in one pass; `digits_at` is the position of the seal's digits, if there is a seal.
 pub(crate) fn digests(file: &mut (impl Read + Seek), digits_at: Option<u64>) -> std::io::Result<FileDigests> {
     file.seek(SeekFrom::Start(0))?;
     let mut hasher = blake3::Hasher::new();
@@ -48,13 +48,13 @@ pub(crate) fn digests(file: &mut (impl Read + Seek), digits_at: Option<u64>) -> 
     Ok(FileDigests { digest: hasher.finalize().into(), blanked: blanked.finalize().into() })
 }
 
-/// Where in `text` the digits of `seal` start.
+/// The position of the digits of `seal` in `text`.
 pub(crate) fn digits_in(text: &str, seal: Digest) -> Option<usize> {
     let quoted = format!("\"{seal}\"");
     text.find(&quoted).map(|at| at + quoted.len() - 1 - DIGITS)
 }
 
-/// Refuses a file whose seal does not fit its bytes. An absent seal is accepted.
+/// Refuses a file whose seal does not match its bytes. A missing seal is accepted.
 pub(crate) fn check(path: &Path, seal: Option<Digest>, digests: FileDigests) -> Result<()> {
     if seal.is_none_or(|seal| seal == digests.blanked) {
         return Ok(());
@@ -64,10 +64,10 @@ pub(crate) fn check(path: &Path, seal: Option<Digest>, digests: FileDigests) -> 
     Err(Error::refuse(path, "seal", found, digests.blanked.to_string(), remedy))
 }
 
-/// Puts the digits of the seal into the text of a document that has a blank one.
+/// Writes the digits of the seal into the text of a document with a blank one.
 ///
-/// The first blank seal in the text is the envelope's: before it stand only the schema id and the
-/// producer, and a quoted text inside a JSON string has backslashes.
+/// The first blank seal in the text is the envelope's: only the schema id and the producer precede it, and
+/// quotes inside a JSON string are escaped.
 pub(crate) fn sealed(path: &Path, text: String) -> Result<Vec<u8>> {
     let blank = format!("\"seal\": \"{}\"", Digest::ZERO);
     let Some(at) = text.find(&blank).map(|at| at + blank.len() - 1 - DIGITS) else {
@@ -80,7 +80,7 @@ pub(crate) fn sealed(path: &Path, text: String) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Refuses a seal that does not fit.
+/// Refuses a seal that does not match.
 pub(crate) fn check_text(path: &Path, text: &str, seal: Option<Digest>) -> Result<FileDigests> {
     let at = seal.and_then(|seal| digits_in(text, seal));
     let digests = digests(&mut Cursor::new(text.as_bytes()), at.map(|at| at as u64));

@@ -22,11 +22,11 @@ pub(crate) fn members(document: &Path, files: &[Staged]) -> Result<BTreeMap<Stri
     files.iter().map(member).collect()
 }
 
-/// Refuses a document beside which stand other files than those written with it. One that is not there is no mixture.
-/// `known` are the digests of files that need not be read for that.
+/// Refuses a document if the files beside it are not those written with it. A missing file is accepted.
+/// `known` are digests of files that need not be read again.
 ///
 /// # Errors
-/// Names the first that is another, or one that stands elsewhere.
+/// Names the first differing file, or one in another folder.
 pub fn check_members(
     document: &Path,
     members: &BTreeMap<String, Digest>,
@@ -46,11 +46,11 @@ pub fn check_members(
     Ok(())
 }
 
-/// Refuses the table at `path`, whose digest is `digest`, if the document that names itself its companion was written with
-/// another one.
+/// Refuses the table at `path`, whose digest is `digest`, if the document of this name beside it was written
+/// with another one.
 pub(crate) fn check_companion(path: &Path, digest: Digest, companion: Option<&str>) -> Result<()> {
-    let beside = companion.filter(|name| is_inside(Path::new(name)));
-    let Some(document) = beside.map(|name| folder_of(path).join(name)) else { return Ok(()) };
+    let inside = companion.filter(|name| is_inside(Path::new(name)));
+    let Some(document) = inside.map(|name| folder_of(path).join(name)) else { return Ok(()) };
     let Ok(bytes) = read_written(&document) else { return Ok(()) };
     let header: Option<Header> = serde_json::from_slice(&bytes).ok();
     let name = path.file_name().unwrap_or_default().to_string_lossy();

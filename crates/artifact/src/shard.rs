@@ -1,4 +1,4 @@
-//! One part of a computation that is spread over several processes.
+//! A part of a computation that is distributed over several processes.
 
 use std::fmt;
 use std::ops::Range;

@@ -1,4 +1,4 @@
-//! A file that many threads read at once, each at its own place.
+//! A file that many threads read at once, each at its own position.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read};
@@ -8,8 +8,8 @@ use bytes::Bytes;
 use parquet::errors::Result as ParquetResult;
 use parquet::file::reader::{ChunkReader, Length};
 
-/// An open file without a common position: the file that was checked is the file that is read,
-/// even if another has taken its name since.
+/// An open file without a shared position: the file that was checked is the file that is read, even if
+/// another has taken its name since.
 #[derive(Clone, Debug)]
 pub(crate) struct Source {
     file: Arc<File>,
@@ -38,7 +38,7 @@ impl ChunkReader for Source {
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> ParquetResult<Bytes> {
-        // No more memory than the file has bytes, whatever it says of itself.
+        // No more memory than the file has bytes, regardless of the announced length.
         if length as u64 > self.length.saturating_sub(start) {
             return Err(io::Error::from(io::ErrorKind::UnexpectedEof).into());
         }
@@ -48,7 +48,7 @@ impl ChunkReader for Source {
     }
 }
 
-/// Reads a file from a place on.
+/// Reads a file from a position on.
 pub(crate) struct From {
     file: Arc<File>,
     at: u64,

@@ -1,4 +1,4 @@
-//! Files that are complete but not yet under their names: written whole or not at all.
+//! Files that are complete but do not have their names yet: written as a whole or not at all.
 
 use std::fs::{File, Permissions, TryLockError};
 use std::io::{self, Write};
@@ -22,7 +22,7 @@ pub struct Staged {
     temporary: TempPath,
     target: PathBuf,
     digest: OnceLock<Digest>,
-    /// Holds the lock that tells others that this file's process is alive.
+    /// The lock that shows that this file's process is alive.
     _held: File,
 }
 
@@ -32,12 +32,12 @@ impl Staged {
         &self.target
     }
 
-    /// Where the complete file stands until it is committed.
+    /// The path of the complete file until it is committed.
     pub fn temporary(&self) -> &Path {
         &self.temporary
     }
 
-    /// The digest of the complete file, which is read once for that.
+    /// The digest of the complete file, which is read for that.
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be read.
@@ -51,19 +51,21 @@ impl Staged {
     /// Stages `bytes` as they are, for files of other formats (HTML, SVG, GPX).
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be created or written; [`Error::Refused`] for a target that is no file.
+    /// [`Error::Io`] if the file cannot be created or written; [`Error::Refused`] for a target that is not a
+    /// file.
     pub fn bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<Self> {
         let path = path.as_ref();
         Self::written(create_temporary(path)?, path, bytes)
     }
 
-    /// As [`Staged::bytes`], by whoever holds the folder of `path`.
+    /// As [`Staged::bytes`], for the holder of the folder of `path`.
     pub(crate) fn held_bytes(path: &Path, bytes: &[u8]) -> Result<Self> {
         Self::written(create_held(path)?, path, bytes)
     }
 
     fn written(file: NamedTempFile, path: &Path, bytes: &[u8]) -> Result<Self> {
-        // Through the file itself: the temporary file's own errors name it, which tells the user nothing.
+        // Written through the file itself: errors of the temporary file name that file, which is of no use to
+        // the user.
         let written = fault::point("write").and_then(|()| file.as_file().write_all(bytes));
         written.map_err(|e| Error::io(path, "write", e))?;
         Self::complete(file, path)
@@ -82,7 +84,7 @@ impl Staged {
         self.try_rename().map_err(|failed| failed.1)
     }
 
-    /// As [`Staged::rename`]. Where that fails the file stays until it is dropped: a journal may count on it.
+    /// As [`Staged::rename`]. On failure the file stays until it is dropped, since a journal may refer to it.
     pub(crate) fn try_rename(self) -> std::result::Result<(), Box<(Self, Error)>> {
         let Self { temporary, target, digest, _held } = self;
         let failed = |temporary, target: PathBuf, error| {
@@ -99,11 +101,11 @@ impl Staged {
     }
 }
 
-/// How often another process may take a new file for a leftover.
+/// How often a new file may be taken for a leftover by another process.
 const MOST_TAKEN: usize = 1000;
 
-/// Creates an empty temporary file, open for reading and writing, in the folder of `target`. The first in a folder removes
-/// what killed processes left there.
+/// Creates an empty temporary file, open for reading and writing, in the folder of `target`. The first one in
+/// a folder removes the leftovers of killed processes.
 pub(crate) fn create_temporary(target: &Path) -> Result<NamedTempFile> {
     let folder = folder_of(target);
     if unfinished::is_first_in(folder) {
@@ -129,7 +131,7 @@ fn create_held(target: &Path) -> Result<NamedTempFile> {
         builder.permissions(permissions);
     }
     for _ in 0..MOST_TAKEN {
-        // The error's own text names the temporary file, which tells the user nothing: keep its kind.
+        // The error's own text names the temporary file, which is of no use to the user: keep its kind only.
         let create = || fault::point("create").and_then(|()| builder.tempfile_in(folder));
         let file = unfinished::noted(create).map_err(|e| Error::io(target, "create", e.kind().into()))?;
         match file.as_file().try_lock() {
@@ -137,14 +139,14 @@ fn create_held(target: &Path) -> Result<NamedTempFile> {
             Err(TryLockError::WouldBlock) => {}
             // It may even have removed it before it was locked here.
             Ok(()) if !file.path().exists() => {}
-            // Where a file system knows no locks, nothing is ever taken for a leftover.
+            // Where a file system has no locks, no file is taken for a leftover.
             Ok(()) | Err(TryLockError::Error(_)) => return Ok(file),
         }
     }
     Err(fail(io::ErrorKind::ResourceBusy, "a process that takes every new file away".to_owned()))
 }
 
-/// Refuses to replace what is no ordinary file: a device, a pipe, a link.
+/// Refuses to replace anything but an ordinary file: a device, a pipe, a link.
 fn refuse_special(target: &Path) -> Result<()> {
     let Ok(metadata) = target.symlink_metadata() else { return Ok(()) };
     if metadata.is_file() {
@@ -157,7 +159,7 @@ fn refuse_special(target: &Path) -> Result<()> {
     Err(Error::refuse(target, "output", found, "an ordinary file, or none", remedy))
 }
 
-/// What the user's umask makes of a new file, instead of a private temporary file's permissions.
+/// The permissions of a new file by the user's umask, instead of a private temporary file's.
 #[cfg(unix)]
 fn ordinary_permissions() -> Option<Permissions> {
     Some(std::os::unix::fs::PermissionsExt::from_mode(0o666))

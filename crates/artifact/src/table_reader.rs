@@ -42,13 +42,14 @@ impl TableReader {
     /// Opens the table at `path`, which must be of kind `id` in version `version`.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read; [`Error::Refused`] if it is not Parquet, not
-    /// of this kind and version, does not fit its seal, or is not the table that the document beside it was written with.
+    /// [`Error::Io`] if the file cannot be read; [`Error::Refused`] if it is not Parquet, not of this kind
+    /// and version, does not match its seal, or is not the table that the document beside it was written
+    /// with.
     pub fn open(path: impl AsRef<Path>, id: &'static str, version: u32) -> Result<Self> {
         let path = path.as_ref();
         let Whole { file, footer, header, envelope, digest } = Whole::open(path, Some((id, version)))?;
         let (entries, provenance) = envelope.into_parts();
-        // As they stand, so that a copied block has the same bytes.
+        // Statistics are kept as stored, so that a copied block has the same bytes.
         let options = ParquetMetaDataOptions::new().with_encoding_stats_as_mask(false);
         let metadata = guarded(path, || footer::metadata(&footer.bytes, &options))?;
         let columns = crate::agreement::columns(path, entries, metadata.file_metadata().schema_descr())?;
@@ -74,7 +75,7 @@ impl TableReader {
         &self.columns
     }
 
-    /// Where the table comes from.
+    /// The origin of the table.
     pub fn provenance(&self) -> &Provenance {
         &self.provenance
     }
@@ -116,7 +117,7 @@ impl TableReader {
             Kind::F64 => size_of::<f64>(),
             Kind::I32 | Kind::Text => size_of::<u32>(),
         };
-        self.check_room(rows.len(), places.iter().map(width).sum())?;
+        self.check_memory(rows.len(), places.iter().map(width).sum())?;
         let group = self.metadata.row_group(i);
         let mut columns = Vec::with_capacity(places.len());
         for place in places {
@@ -128,7 +129,7 @@ impl TableReader {
         Ok(Table { columns })
     }
 
-    /// Reads all of a table that no seal vouches for, whose blocks are to be copied as they are.
+    /// Checks all values of an unsealed table, whose blocks are to be copied unchanged.
     ///
     /// # Errors
     /// See [`TableReader::read_block`].
@@ -148,13 +149,13 @@ impl TableReader {
         &self.source
     }
 
-    /// What the footer says about the blocks.
+    /// The footer's description of the blocks.
     pub(crate) fn row_groups(&self) -> &[RowGroupMetaData] {
         self.metadata.row_groups()
     }
 
-    /// Refuses rows of `bytes` each that take more memory than there is: few bytes of a file can stand for many rows.
-    pub(crate) fn check_room(&self, rows: usize, bytes: usize) -> Result<()> {
+    /// Refuses rows of `bytes` each that exceed the memory: few bytes of a file can represent many rows.
+    pub(crate) fn check_memory(&self, rows: usize, bytes: usize) -> Result<()> {
         let found = format!("{rows} rows");
         let remedy = "write the table in smaller parts, or raise --memory-mib";
         budget().memory(
@@ -173,7 +174,7 @@ impl TableReader {
     }
 }
 
-/// A table that fits its seal and the document beside it; its rows are not looked at yet.
+/// A table that matches its seal and the document beside it; its rows are not checked yet.
 pub(crate) struct Whole {
     file: File,
     footer: Footer,
@@ -183,7 +184,7 @@ pub(crate) struct Whole {
 }
 
 impl Whole {
-    /// Opens the table at `path`, of `kind` (id and version) where one is wanted.
+    /// Opens the table at `path`, of `kind` (id and version) if one is requested.
     pub fn open(path: &Path, kind: Option<(&'static str, u32)>) -> Result<Self> {
         let unreadable = |e| Error::io(path, "read", e);
         let mut file = open_written(path)?;

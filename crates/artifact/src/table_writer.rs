@@ -27,13 +27,13 @@ use crate::provenance::Provenance;
 use crate::schema::{ColumnSpec, TableSchema};
 use crate::staged::{Staged, create_temporary};
 
-/// Rows of the pieces that columns are given in: those of a page.
+/// Rows per piece of a column: those of a page.
 pub const PIECE_ROWS: usize = PAGE_ROWS;
 
-/// Bytes that are hashed and written at a time: the hash is several times faster on long pieces.
-const PIECE: usize = 1 << 18;
+/// Bytes that are hashed and written at a time: hashing is several times faster on long blocks.
+const BUFFER: usize = 1 << 18;
 
-/// What a Parquet file begins with, its version, and who wrote it.
+/// The first bytes of a Parquet file, its version, and its producer.
 const MAGIC: &[u8] = b"PAR1";
 const FORMAT: i32 = 1;
 const CREATOR: &str = "seatrial";
@@ -46,9 +46,9 @@ pub struct TableWriter {
     metadata: TableMetadata,
     descriptor: SchemaDescPtr,
     to: TrackedWrite<BufWriter<Hashed>>,
-    /// What the footer will say about the blocks.
+    /// The blocks for the footer.
     groups: Vec<RowGroupMetaData>,
-    /// Whether a block was refused on the way, after a part of it was written.
+    /// Whether a block was refused after a part of it was written.
     cut_short: bool,
 }
 
@@ -56,16 +56,16 @@ impl TableWriter {
     /// Starts a table that will stand at `path`.
     ///
     /// # Errors
-    /// [`Error::Refused`] if the schema has a column without name or unit, of a name that
-    /// occurs twice, or nullable and not f64; [`Error::Io`] if the file cannot be created.
+    /// [`Error::Refused`] if the schema has a column without name or unit, with a duplicate name, or nullable
+    /// and not f64; [`Error::Io`] if the file cannot be created.
     pub fn create(path: impl AsRef<Path>, schema: &TableSchema, provenance: &Provenance) -> Result<Self> {
         let path = path.as_ref();
         provenance.check_output(path)?;
         let layout = Layout::new(path, &schema.columns)?;
         let metadata = TableMetadata::new(schema, provenance);
         let file = Hashed { file: create_temporary(path)?, hasher: blake3::Hasher::new() };
-        let pieces = BufWriter::with_capacity(PIECE, file);
-        let mut to = TrackedWrite::new(pieces);
+        let buffered = BufWriter::with_capacity(BUFFER, file);
+        let mut to = TrackedWrite::new(buffered);
         to.write_all(MAGIC).map_err(|e| Error::io(path, "write", e))?;
         let (path, columns) = (path.to_owned(), schema.columns.clone());
         let descriptor = layout.descriptor;
@@ -80,8 +80,8 @@ impl TableWriter {
         self
     }
 
-    /// Appends a block. Blocks stand in the file in the order in which they are pushed; one without
-    /// rows leaves no trace.
+    /// Appends a block. Blocks are in the file in the order in which they are pushed; one without rows leaves
+    /// no trace.
     ///
     /// # Errors
     /// [`Error::Refused`] if the block was encoded for other columns; [`Error::Io`] if the file
@@ -100,9 +100,9 @@ impl TableWriter {
         written.map_err(|e| write_error(&self.path, e))
     }
 
-    /// Appends a block of `rows` rows as [`crate::encode_block`] and [`TableWriter::push`] would, without ever having it in
-    /// memory: `column` gives the pieces of the column at a place of the schema. All but the last must be of
-    /// [`PIECE_ROWS`] rows, or pages would end elsewhere.
+    /// Appends a block of `rows` rows as [`crate::encode_block`] and [`TableWriter::push`] would, without
+    /// ever having it in memory: `column` yields the pieces of the column at an index of the schema. All but
+    /// the last must have [`PIECE_ROWS`] rows, or pages would end elsewhere.
     ///
     /// # Errors
     /// As theirs.
@@ -138,7 +138,7 @@ impl TableWriter {
         Ok(())
     }
 
-    /// Notes a block for the footer: its columns stand in the file from `start` on.
+    /// Records a block for the footer: its columns are in the file from `start` on.
     fn complete_group(
         &mut self,
         start: i64,
@@ -150,7 +150,7 @@ impl TableWriter {
             .set_column_metadata(chunks)
             .set_num_rows(rows as i64)
             .set_file_offset(start);
-        // Numbers of blocks are optional, and there may be more blocks than numbers.
+        // Block numbers are optional, and there may be more blocks than numbers.
         if let Ok(number) = i16::try_from(self.groups.len()) {
             group = group.set_ordinal(number);
         }
@@ -166,13 +166,13 @@ impl TableWriter {
         Err(Error::refuse(&self.path, "block", found, expected, "encode it with that schema"))
     }
 
-    /// What the table was made of, where more is known of that than at its start.
+    /// Replaces the inputs, if more is known about them than at the start.
     pub fn set_inputs(&mut self, provenance: &Provenance) {
         self.metadata.inputs.clone_from(&provenance.inputs);
         self.metadata.settings.clone_from(&provenance.settings);
     }
 
-    /// Appends a row group of `rows` rows whose column chunks lie in `source`.
+    /// Appends a row group of `rows` rows whose column chunks are in `source`.
     pub(crate) fn append(
         &mut self,
         source: &impl ChunkReader,
@@ -180,7 +180,7 @@ impl TableWriter {
         chunks: &[ColumnChunkMetaData],
     ) -> Result<()> {
         let copied = self.copy_chunks(source, chunks).and_then(|(start, chunks)| {
-            // As they follow each other, the first one's place is the block's.
+            // Chunks are contiguous, so the first one's position is the block's.
             self.complete_group(start, rows, chunks)
         });
         copied.map_err(|e| write_error(&self.path, e))
@@ -225,9 +225,9 @@ impl TableWriter {
             .finish()
             .and_then(|()| Ok(self.to.write_all(&footer)?))
             .map_err(|e| write_error(&path, e))?;
-        let pieces = self.to.into_inner().map_err(|e| write_error(&path, e))?;
+        let buffered = self.to.into_inner().map_err(|e| write_error(&path, e))?;
         let Hashed { mut file, hasher } =
-            pieces.into_inner().map_err(|e| Error::io(&path, "write", e.into_error()))?;
+            buffered.into_inner().map_err(|e| Error::io(&path, "write", e.into_error()))?;
         let footer = Footer::read(&path, file.as_file_mut())?;
         let at = footer
             .seal_digits_at(&path, Digest::ZERO)?
@@ -244,7 +244,7 @@ impl fmt::Debug for TableWriter {
     }
 }
 
-/// What the footer says about a column that stands `by` bytes further on.
+/// The footer's description of a column, moved by `by` bytes.
 fn moved(chunk: &ColumnChunkMetaData, by: i64) -> ParquetResult<ColumnChunkMetaData> {
     chunk
         .clone()
@@ -260,7 +260,7 @@ fn patch(file: &mut File, at: u64, text: &str) -> io::Result<()> {
     file.write_all(text.as_bytes())
 }
 
-/// A temporary file that is hashed as it is written.
+/// A temporary file that is hashed while it is written.
 struct Hashed {
     file: NamedTempFile,
     hasher: blake3::Hasher,

@@ -1,30 +1,30 @@
-//! Walking through what a Parquet file says of itself, before the parquet crate does: that sets memory aside for as many things
-//! as the file says there are, and goes as deep as it says.
+//! Validates a Parquet file's metadata before the parquet crate reads it: that crate reserves memory for as
+//! many entries as the file announces, and recurses as deep as it announces.
 
 /// Types of the compact protocol.
 const LIST: u8 = 9;
 const STRUCT: u8 = 12;
-/// Structs within structs, and nested columns, go no deeper.
+/// Greatest depth of nested structs and columns.
 const DEEPEST: usize = 32;
-/// Memory that a struct of a footer takes, about \[bytes\].
+/// Approximate memory of a struct of a footer \[bytes\].
 const STRUCT_BYTES: usize = 128;
 
-/// What is wrong with bytes that are no such thing.
+/// The fault of malformed bytes.
 pub(crate) const BROKEN: &str = "lengths that do not fit its bytes";
 
-/// What the header of a page says.
+/// The sizes in the header of a page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PageSizes {
-    /// Bytes of the page once it is decompressed.
+    /// Bytes of the page after decompression.
     pub uncompressed: i64,
     /// Values of a page of labels; 0 for other pages.
     pub labels: i64,
-    /// Bytes before those that are compressed: levels, in the second version of pages.
+    /// Uncompressed bytes that come first: levels, in the second version of pages.
     pub levels: i64,
 }
 
-/// Checks the footer of a file: lists that are as long as they say, columns that are nested as deep as programs do. Memory that
-/// its contents take, about \[bytes\].
+/// Checks the footer of a file: lists must be as long as announced, and columns nested no deeper than
+/// programs do. Returns the approximate memory of its contents \[bytes\].
 pub(crate) fn footer(bytes: &[u8]) -> Result<usize, &'static str> {
     let mut walk = Walk { bytes, taken: bytes.len() };
     let mut children = Vec::new();
@@ -50,7 +50,7 @@ pub(crate) fn footer(bytes: &[u8]) -> Result<usize, &'static str> {
     Ok(walk.taken)
 }
 
-/// Checks how deep columns are nested: each struct is followed by as many as it has.
+/// Checks the nesting depth of columns: each struct is followed by as many children as it announces.
 fn nested(children: &[i64]) -> Result<(), &'static str> {
     let mut open: Vec<i64> = Vec::new();
     for own in children {
@@ -71,7 +71,7 @@ fn nested(children: &[i64]) -> Result<(), &'static str> {
     Ok(())
 }
 
-/// The sizes in the header of a page; none where `bytes` end before the header does.
+/// The sizes in the header of a page; `None` if `bytes` end before the header does.
 pub(crate) fn page(bytes: &[u8]) -> Option<PageSizes> {
     let mut walk = Walk { bytes, taken: 0 };
     let mut sizes = PageSizes::default();
@@ -96,10 +96,10 @@ pub(crate) fn page(bytes: &[u8]) -> Option<PageSizes> {
     Some(sizes)
 }
 
-/// Bytes in the compact protocol, what has been read of them cut off.
+/// Bytes in the compact protocol; those already read are cut off.
 struct Walk<'a> {
     bytes: &'a [u8],
-    /// Memory for what was walked through.
+    /// Memory for the entries so far.
     taken: usize,
 }
 
@@ -129,7 +129,7 @@ impl Walk<'_> {
         self.bytes.split_off(..usize::try_from(bytes).ok()?).map(drop)
     }
 
-    /// The type of the next field, whose number takes the place of the one before; nothing at the end of a struct.
+    /// The type of the next field, whose number replaces the previous one; `None` at the end of a struct.
     fn field(&mut self, id: &mut i64) -> Option<Option<u8>> {
         let header = self.byte()?;
         if header == 0 {
@@ -142,7 +142,7 @@ impl Walk<'_> {
         Some(Some(header & 0x0f))
     }
 
-    /// Length and type of a list, each of whose entries has at least a byte.
+    /// Length and type of a list, each of whose entries has at least one byte.
     fn list(&mut self) -> Option<(usize, u8)> {
         let header = self.byte()?;
         let count = match header >> 4 {
@@ -157,7 +157,7 @@ impl Walk<'_> {
         Some((count, header & 0x0f))
     }
 
-    /// Walks through a struct; `each` is given the numbers of integers in it, and the integers.
+    /// Traverses a struct; passes the numbers of integer fields and the integers to `each`.
     fn structure(&mut self, depth: usize, each: &mut dyn FnMut(i64, i64)) -> Option<()> {
         let mut id = 0;
         while let Some(kind) = self.field(&mut id)? {
@@ -168,7 +168,7 @@ impl Walk<'_> {
         Some(())
     }
 
-    /// Walks through a value; an integer is given back.
+    /// Traverses a value; returns it if it is an integer.
     #[expect(
         clippy::option_option,
         reason = "bytes that end, and a value that is no integer, are two things"
@@ -209,7 +209,7 @@ impl Walk<'_> {
         Some(())
     }
 
-    /// Walks through a value in a list, where truth values have a byte of their own.
+    /// Traverses a value in a list, where Booleans have a byte of their own.
     fn entry(&mut self, kind: u8, depth: usize) -> Option<()> {
         if matches!(kind, 1 | 2) { self.skip(1) } else { self.value(kind, depth).map(drop) }
     }
@@ -220,7 +220,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_page_header_tells_its_sizes_whatever_stands_between() {
+    fn a_page_header_has_its_sizes_between_other_fields() {
         // type 2, 300 bytes, 20 compressed, checksum, a page of 7 labels in encoding 0.
         let header = [0x15, 4, 0x15, 0xd8, 4, 0x15, 40, 0x15, 2, 0x3c, 0x15, 14, 0x15, 0, 0, 0];
         assert_eq!(page(&header), Some(PageSizes { uncompressed: 300, labels: 7, levels: 0 }));

@@ -23,8 +23,8 @@ pub fn read_toml<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Dige
     Ok((parse_toml(&text, path)?, digest))
 }
 
-/// As [`read_toml`], with those of `changes` in it that are of `file`, the usual name without `.toml`. The digest is that of what
-/// the file says with them.
+/// As [`read_toml`], with those of `changes` that concern `file`, the usual name without `.toml`. The digest
+/// is that of the changed contents.
 pub(crate) fn read_changed<T: DeserializeOwned>(
     path: &Path,
     file: &str,
@@ -34,19 +34,19 @@ pub(crate) fn read_changed<T: DeserializeOwned>(
         return read_toml(path);
     }
     let text = read_to_string(path)?;
-    // What is wrong with the file itself is said with its line.
+    // A fault of the file itself is reported with its line.
     let own = |refused: Error| parse_toml::<T>(&text, path).err().unwrap_or(refused);
     let changed = changes.applied(file, &text).map_err(|e| own(Error::invalid(path, e)))?;
     let parsed = toml::Deserializer::parse(&changed).and_then(strictly);
     let parsed =
-        parsed.map_err(|e| own(complaint(&changed, path, &e).changed(&changes.told(file)).refusal()))?;
+        parsed.map_err(|e| own(complaint(&changed, path, &e).changed(&changes.in_words(file)).refusal()))?;
     Ok((parsed, Digest::of_bytes(changed.as_bytes())))
 }
 
 /// The text of the ordinary file at `path`.
 ///
 /// # Errors
-/// As [`read`]; [`Error::Refused`] if it is no UTF-8.
+/// As [`read`]; [`Error::Refused`] if it is not UTF-8.
 pub fn read_to_string(path: impl AsRef<Path>) -> Result<String> {
     let path = path.as_ref();
     text_of(path, read(path)?)
@@ -62,7 +62,7 @@ pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String> {
     })
 }
 
-/// Parses TOML; `path` only names the file in messages.
+/// Parses TOML; messages name the file `path`.
 ///
 /// # Errors
 /// [`Error::Refused`] on a syntax error, an unknown key (with the nearest known key), a missing

@@ -1,4 +1,4 @@
-//! The unfinished files of this process, for the case that it is told to end.
+//! The unfinished files of this process, to be removed on a signal.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -8,29 +8,29 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
-/// Files that were created here; some have got their names since, or are gone.
+/// Files that were created here; some have got their names since, or were removed.
 static CREATED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Held while a set gets its names.
+/// Held while a set is renamed.
 static COMMITTING: Mutex<()> = Mutex::new(());
 
 /// Folders whose leftovers were removed.
 static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Removes the unfinished files of this process, which must end after that. A set that is just getting its names gets them
-/// all before.
+/// Removes the unfinished files of this process, which must end after that. A set that is being renamed is
+/// completed first.
 pub fn abandon() {
-    // The process ends with these locks held: nothing is created or named any more.
+    // The process ends with these locks held, so that nothing is created or renamed any more.
     std::mem::forget(committing());
     let created = lock(&CREATED);
     created.iter().for_each(|path| {
-        // Most are gone: they have got their names.
+        // Most of them have got their names, and no longer exist under these.
         let _ = fs::remove_file(path);
     });
     std::mem::forget(created);
 }
 
-/// Notes the file that `create` creates, which is to be removed if the process is told to end: not between the two.
+/// Records the file that `create` creates, to be removed on a signal: a signal cannot come between the two.
 pub(crate) fn noted(create: impl FnOnce() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
     let mut created = lock(&CREATED);
     let file = create()?;
@@ -38,7 +38,7 @@ pub(crate) fn noted(create: impl FnOnce() -> io::Result<NamedTempFile>) -> io::R
     Ok(file)
 }
 
-/// A set is getting its names for as long as this is held.
+/// Held while a set is renamed.
 pub(crate) fn committing() -> MutexGuard<'static, ()> {
     lock(&COMMITTING)
 }

@@ -1,4 +1,4 @@
-//! How much memory a text of JSON takes once it is read: a few of its bytes can stand for a table of a hundred.
+//! Estimates the memory of a parsed JSON text: a few of its bytes can represent a hundred times as many.
 
 use std::path::Path;
 
@@ -11,12 +11,12 @@ const MAP: usize = 640;
 const LIST: usize = 160;
 const VALUE: usize = 96;
 
-/// Refuses a text, read from `path`, whose contents memory has no room for.
+/// Refuses a text, read from `path`, whose contents do not fit in memory.
 ///
 /// # Errors
-/// Says how much they take and how much there is.
+/// States the need and the bound.
 pub(crate) fn check(path: &Path, text: &str) -> Result<()> {
-    // Most are so short that they need not be counted.
+    // Most texts are so short that they need not be counted.
     if (text.len() * MAP) as f64 <= budget().bytes() {
         return Ok(());
     }
@@ -25,7 +25,7 @@ pub(crate) fn check(path: &Path, text: &str) -> Result<()> {
     budget().memory(work, bytes(text.as_bytes()) as f64)
 }
 
-/// Memory of the text and its contents, about \[bytes\].
+/// Approximate memory of the text and its contents \[bytes\].
 fn bytes(text: &[u8]) -> usize {
     let (mut taken, mut quoted, mut escaped) = (2 * text.len() + VALUE, false, false);
     for byte in text {

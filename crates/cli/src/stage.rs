@@ -265,7 +265,7 @@ fn patience() -> Patience {
     let tell = |folder: &Path| {
         on_stderr(format_args!("{}: waits for another process that holds this folder", folder.display()));
     };
-    Patience { most, tell }
+    Patience { most, notify: tell }
 }
 
 /// Lets writing fail where a test wants it: `SEATRIAL_FAULT=kill:3` ends the process at the third place. Release builds do

@@ -67,6 +67,6 @@ fn an_unknown_name_is_refused_with_its_row_in_the_file_and_the_known_ones() {
     let (_folder, reader) = written(&sky(), &[&[text("Clear")], &[text("half cloudy"), text("dark")]]);
     let read = Columns::<Sky>::new("places", 1).choice("sky", |sky| *sky, |row, sky| *row = sky);
     let line = read.read(&reader, &Sky::Half).unwrap_err().to_string();
-    let told = "column `sky`, row 2: found `dark`, expected one of `half cloudy`, `Clear`";
-    assert!(line.contains(told), "{line}");
+    let expected = "column `sky`, row 2: found `dark`, expected one of `half cloudy`, `Clear`";
+    assert!(line.contains(expected), "{line}");
 }

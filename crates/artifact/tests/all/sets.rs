@@ -1,4 +1,4 @@
-//! Files of one set are read; files of two sets that stand beside each other are refused.
+//! Files of one set are read; a mixture of two sets is refused.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What part of the work a shard does.
+//! The part of the work of each shard.
 
 use artifact::Shard;
 use proptest::prelude::*;

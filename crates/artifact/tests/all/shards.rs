@@ -1,4 +1,4 @@
-//! Putting shards together.
+//! Merging shards.
 
 use std::path::PathBuf;
 

@@ -68,7 +68,7 @@ fn a_block_that_is_written_by_columns_has_the_same_bytes() {
     let folder = folder();
     let whole = write(&folder, "whole", &provenance(), 0..3);
     let path = folder.path().join("by columns");
-    // What the table was made of may be told at its end.
+    // The inputs may be set at the end.
     let unknown = Provenance { inputs: Default::default(), ..provenance() };
     let mut writer = TableWriter::create(&path, &schema(), &unknown).unwrap();
     for i in 0..3 {
@@ -111,7 +111,7 @@ fn a_long_block_that_is_written_in_pieces_has_the_same_bytes() {
     writer.write(&schema, rows, |i| parts(rows, i)).unwrap();
     artifact::commit(vec![writer.finish().unwrap()]).unwrap();
     assert!(std::fs::read(&pieces).unwrap() == std::fs::read(whole).unwrap());
-    // What is refused on the way does not become a file.
+    // A refused block leaves no file.
     let mut writer = TableWriter::create(&pieces, &schema, &provenance()).unwrap();
     let refused = refusal(writer.write(&schema, rows, |i| parts(rows - i, i)));
     assert!(
@@ -285,8 +285,8 @@ fn schemas_that_no_reader_could_trust_are_refused() {
     };
     let u = || spec("u", "m/s", Kind::F64, false);
     assert!(create(vec![u(), u()]).contains("two columns of this name"));
-    assert!(create(vec![spec("", "1", Kind::F64, false)]).contains("a strange name"));
-    assert!(create(vec![spec("a\"b", "1", Kind::F64, false)]).contains("a strange name"));
+    assert!(create(vec![spec("", "1", Kind::F64, false)]).contains("an invalid name"));
+    assert!(create(vec![spec("a\"b", "1", Kind::F64, false)]).contains("an invalid name"));
     assert!(create(vec![spec("a", "", Kind::F64, false)]).contains("found no unit"));
     assert!(create(vec![spec("a", "1", Kind::I32, true)]).contains("f64 columns only"));
 }

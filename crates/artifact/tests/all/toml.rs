@@ -113,7 +113,7 @@ fn a_file_that_is_not_text_is_refused() {
     assert!(refusal(read_toml::<Study>(&path)).contains("found a byte that is not UTF-8 (line 2)"));
 }
 
-/// The study in `text` with `changes`, and what is noted of it.
+/// The study in `text` with `changes`, and its provenance.
 fn changed(text: &str, changes: &[&str]) -> Result<(Study, Provenance)> {
     let folder = folder();
     let path = folder.path().join("any.toml");
@@ -135,7 +135,7 @@ fn law_changes_make_what_would_be_written() {
     assert_eq!(study, parse(&written).unwrap());
     let set = serde_json::json!({"study.shape": "square", "study.maneuver.\"a b\".name": "c", "study.limits.\"x.y\"": 2.5});
     assert_eq!(provenance.settings["set"], set);
-    // What the file says decides the digest, not how or in which order it came to say it.
+    // The digest depends on the contents, not on the order of the changes.
     let other = [changes[2], changes[1], changes[0]];
     let again = changed(&text.replace("# rate", "# the rate"), &other).unwrap().1;
     assert_eq!(again.inputs, provenance.inputs);
@@ -154,7 +154,7 @@ fn changes_of_what_is_not_there_are_refused() {
     assert!(line.contains("`study.maneuver.b.name`: found `b`, expected a; did you mean `a`?"), "{line}");
     let line = refused(&good, "study.seed.x=1");
     assert!(line.contains("found `x` below 7, expected keys below a table or a list"), "{line}");
-    // What is wrong with the file itself is told with its line; what TOML's tables cannot hold, with its reason.
+    // A fault of the file itself is reported with its line; values that TOML tables cannot hold, with the reason.
     assert!(refused(&format!("{good}sed = 1\n"), "study.seed=1").contains("`sed` (line 5)"));
     assert!(refused(GOOD, "study.shape=sine").contains("any.toml: text: found"));
     for none in ["study=1", "study.seed", "study..seed=1", "=1", "a.b\nc=1", "a.{b}=1"] {

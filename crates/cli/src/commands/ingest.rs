@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::ordered::ordered;
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
-use artifact::{Digest, Scratch, TableWriter, commit_with_document, room};
+use artifact::{Digest, Scratch, TableWriter, commit_with_document, free_bytes};
 use clap::Parser;
 use logs::{BLOCK, Plan, Recorded, RowSummary, Source, Totals};
 use seatrial::Logs;
@@ -140,7 +140,7 @@ fn all(logs: &Logs, out: &Path, quiet: bool, writer: &mut TableWriter) -> Result
     let rate_hz = plan.setup.conventions.rate_hz;
     let held = HELD.min(budget().bytes() / 8.0);
     let scratch = Arc::new(Scratch::new(out, BLOCK, held));
-    let room = room(folder_of(out)).unwrap_or(f64::INFINITY);
+    let disk = free_bytes(folder_of(out)).unwrap_or(f64::INFINITY);
     let (mut totals, mut recordings, mut files) = (Totals::default(), Vec::new(), Vec::new());
     let mut block = MeasuredBlock::new(&config.design, rate_hz);
     let bytes: u64 = sources.iter().map(|source| size(folder, source)).sum();
@@ -170,7 +170,7 @@ fn all(logs: &Logs, out: &Path, quiet: bool, writer: &mut TableWriter) -> Result
         // Recordings that are read side by side share the memory.
         let side_by_side = group.len().min(rayon::current_num_threads());
         let share = 1.0 / side_by_side as f64;
-        let plan = plan.clone().within(share * (budget().bytes() - held), share * room);
+        let plan = plan.clone().within(share * (budget().bytes() - held), share * disk);
         ordered(group, |i| work(&plan, i), &mut fold)?;
     }
     block.write(&layout, &schema, writer)?;

@@ -95,8 +95,7 @@ fn law_shards_gather_to_the_bytes_of_the_whole_and_to_no_others() {
     run(&folder, &gather).succeeds();
     assert_eq!(all("sequential.parquet"), whole);
     run(&folder, &format!("{SEQUENTIAL} --gather {} {}", parts[0], parts[2])).refuses(3, &["no shard 2/3"]);
-    run(&folder, &format!("{gather} --seed 9"))
-        .refuses(3, &["part-1.parquet", "`seed`", "as is asked for now"]);
+    run(&folder, &format!("{gather} --seed 9")).refuses(3, &["part-1.parquet", "`seed`", "as requested now"]);
     edit(&folder, "sequential.toml", "accuracy = 0.5", "accuracy = 0.25");
     run(&folder, &gather).refuses(3, &["sequential.toml", "another config", "part-1.parquet"]);
 }
