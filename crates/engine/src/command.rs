@@ -1,59 +1,59 @@
-//! What is commanded to a ship, sample by sample.
+//! The commands to a ship, sample by sample.
 
 use std::fmt::Debug;
 use std::sync::Arc;
 
 use crate::{Origin, Pose};
 
-/// What a helmsman sees where a sample begins.
+/// The helmsman's view at the beginning of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// u, v \[m/s\], r \[rad/s\], as the sensors show them.
+    /// u, v \[m/s\], r \[rad/s\], as measured.
     pub state: [f64; 3],
-    /// Where the ship is and heads for, from where the commands began.
+    /// Position and heading relative to the pose where the commands began.
     pub pose: Pose,
 }
 
-/// Commands on their way: the one way into a ship.
+/// A running sequence of commands: the one way into a ship.
 pub trait Command: Send {
-    /// Sets the inputs of the sample that begins with what is `seen`.
+    /// Sets the inputs of the sample that begins with `seen`.
     fn command(&mut self, seen: &Seen, inputs: &mut [f64]);
 }
 
-/// A course of commands, which is begun as often as there are runs.
+/// A program of commands, which each run begins anew.
 pub trait Program: Debug + Send + Sync {
-    /// Its commands from the beginning.
+    /// Begins its commands.
     fn begin(&self) -> Box<dyn Command>;
 }
 
-/// A program in the hands of many.
+/// A shared program.
 #[derive(Clone, Debug)]
 pub struct Helm(Arc<dyn Program>);
 
 impl Helm {
-    /// Of a program.
+    /// Wraps a program.
     pub fn new(program: impl Program + 'static) -> Self {
         Self(Arc::new(program))
     }
 
-    /// Of inputs, N × inputs, row-major, whatever the ship does. The last of them stay.
+    /// Commands inputs, N × inputs, row-major, regardless of the ship. The last ones are held.
     pub fn table(inputs: &[f64]) -> Self {
         Self::new(Table(inputs.into()))
     }
 
-    /// Of several for so many samples each, one after the other.
+    /// Several programs in sequence, each for so many samples.
     pub fn sequence(parts: Vec<(Self, usize)>) -> Self {
         Self::new(Sequence(parts.into()))
     }
 
-    /// Its commands from the beginning.
+    /// Begins its commands.
     pub fn begin(&self) -> Box<dyn Command> {
         self.0.begin()
     }
 }
 
 impl PartialEq for Helm {
-    /// Whether both are the same, not whether they command the same.
+    /// Whether both are the same program, not whether their commands are equal.
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
@@ -68,7 +68,7 @@ impl Program for Table {
     }
 }
 
-/// A table on its way.
+/// A table while it runs.
 struct Played {
     rows: Arc<[f64]>,
     next: usize,
@@ -92,7 +92,7 @@ impl Program for Sequence {
     }
 }
 
-/// Parts one after the other, each seen from where it began.
+/// Programs in sequence, each with the pose where it began as its origin.
 struct InTurn {
     parts: Arc<[(Helm, usize)]>,
     next: usize,

@@ -6,8 +6,8 @@ use numerics::{Lane, Wide, vectorized};
 use crate::simulate::{AT_ONCE, Follow, mark_beyond};
 use crate::{Ambient, Command, Compiled, Helm, Pose, Recording, Seen};
 
-/// Simulates one run in still water, as it is commanded: N × exogenous, and (N+1) × 3 states. The helmsman sees the states
-/// themselves.
+/// Simulates one run in still water under commands: returns N × exogenous, and (N+1) × 3 states. The helmsman
+/// sees the true states.
 pub fn simulate_command(
     model: &Model,
     parameters: &[f64],
@@ -30,9 +30,9 @@ pub fn simulate_command(
     (exogenous, states)
 }
 
-/// Simulates and measures up to [`numerics::LANES`] runs as they are disturbed and commanded, each by its own of `helms`. Helmsmen
-/// see what is measured. `exogenous`: filled with what drove them, N × exogenous. In which lanes a state is beyond
-/// [`crate::DIVERGED`] or not finite: a number above zero.
+/// Simulates and measures up to [`numerics::LANES`] disturbed runs, each commanded by its own of `helms`, who
+/// see the measured states. `exogenous` is filled with the exogenous inputs, N × exogenous. Returns a number
+/// above zero in lanes where a state is beyond [`crate::DIVERGED`] or not finite.
 pub fn simulate_commanded(
     model: &Model,
     parameters: &[Lane],
@@ -82,7 +82,7 @@ pub fn simulate_commanded(
     beyond
 }
 
-/// A command, and where the ship is that obeys it.
+/// A running command, and the pose of its ship.
 struct Helmsman {
     command: Box<dyn Command>,
     pose: Pose,
@@ -94,7 +94,7 @@ impl Helmsman {
         Self { command: helm.begin(), pose: Pose::default(), row: vec![0.0; width] }
     }
 
-    /// What drives the ship during a sample: what is commanded where `seen` is seen, and what stands beside it.
+    /// The exogenous inputs of a sample: the commanded ones for `seen`, and the ones that follow from them.
     fn commands(&mut self, model: &Model, seen: [f64; 3], state: [f64; 3], rate_hz: f64) -> &[f64] {
         self.command.command(&Seen { state: seen, pose: self.pose }, &mut self.row[..model.inputs]);
         model.complete(&mut self.row);

@@ -5,23 +5,23 @@ use numerics::{Arithmetic, Row};
 
 use crate::products::{Curve, Derivatives, ONE, Products, Slope, first_coefficient, note, place, put_state};
 
-/// A model with its parameters, compiled to products of two places each, so that a step decides nothing. Places hold one,
-/// every variable, its modulus, its sign, and the leading products of whatever has more than two factors. Terms that are
-/// tied to each other are summed up in a place of their own. `X` is a [`numerics::Lane`] for runs side by side, or `f64` for a
-/// single one.
+/// A model with its parameters, compiled to products of two places each, so that a step has no branches.
+/// Places hold one, every variable, its modulus, its sign, and the leading products of terms with more than
+/// two factors. Terms that are tied to each other are summed in a place of their own. `X` is a
+/// [`numerics::Lane`] for lanes of runs, or `f64` for a single one.
 ///
-/// [`Self::look`] goes to a point; what is asked there is computed then. Derivatives are compiled when first asked for:
-/// who wants values alone pays for nothing else.
+/// [`Self::look`] sets a point; values there are computed on request. Derivatives are compiled on first use,
+/// so that callers who only need values do not pay for them.
 #[derive(Clone, Debug)]
 pub struct Compiled<'m, X> {
     model: &'m Model,
     variables: usize,
-    /// Those that are known after the others.
+    /// The known ones come last.
     parameters: Vec<X>,
     moduli: Vec<usize>,
     products: Products,
     terms: Vec<[usize; 2]>,
-    /// By the place that it goes to, what each sum of tied terms is made of.
+    /// By its place, the products of each sum of tied terms.
     tied: Vec<(usize, Vec<[usize; 2]>)>,
     sums: [Vec<Weighted<X>>; 3],
     constant: [X; 3],
@@ -31,12 +31,12 @@ pub struct Compiled<'m, X> {
     places: Vec<X>,
 }
 
-/// What acts on a vessel during a sample besides its inputs; nothing by default.
+/// The disturbances of a vessel during a sample; none by default.
 #[derive(Clone, Copy, Debug)]
 pub struct Ambient<X> {
     /// Velocity of the water in body axes: surge and sway \[m/s\].
     pub current: Option<[X; 2]>,
-    /// What is added to u, v \[m/s\] and r \[rad/s\] by the end of the sample.
+    /// Added to u, v \[m/s\] and r \[rad/s\] by the end of the sample.
     pub force: Option<[X; 3]>,
 }
 
@@ -53,7 +53,7 @@ struct Weighted<X> {
     places: [usize; 2],
 }
 
-/// Places in the making.
+/// Places under construction.
 struct Places {
     variables: usize,
     moduli: Vec<usize>,
@@ -74,7 +74,7 @@ impl Places {
         Self { variables, moduli: Vec::new(), products, tied: Vec::new(), coefficients, sums }
     }
 
-    /// Two places whose product is that of `factors` and what stands at `coefficient`.
+    /// Two places whose product is that of `factors` and the coefficient at `coefficient`.
     fn product(&mut self, factors: &[Factor], coefficient: Option<usize>) -> [usize; 2] {
         let used = factors.iter().filter(|factor| factor.modulus);
         used.for_each(|factor| note(&mut self.moduli, factor.variable));
@@ -99,8 +99,8 @@ impl Places {
     }
 }
 
-/// In which order terms are summed up, whatever their order in the model, so that more models have a common shape: states,
-/// products, inputs and measured disturbances, then the constant.
+/// The order in which terms are summed, regardless of their order in the model, so that more models share a
+/// shape: states, products, inputs and measured disturbances, then the constant.
 fn kind([one, two]: [usize; 2], variables: usize) -> u8 {
     match (one, two) {
         (ONE, ONE) => 3,
@@ -156,8 +156,8 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         }
     }
 
-    /// Goes to a state (u, v over ground \[m/s\], r \[rad/s\]) and one number per input and measured disturbance, in a
-    /// current of surge and sway components in body axes \[m/s\].
+    /// Sets the state (u, v over ground \[m/s\], r \[rad/s\]) and one number per input and measured
+    /// disturbance, in a current of surge and sway components in body axes \[m/s\].
     #[inline(always)]
     pub fn look<E: Copy + Into<X>>(&mut self, state: [X; 3], exogenous: &[E], current: Option<[X; 2]>) {
         let Self { variables, places, .. } = self;
@@ -172,7 +172,7 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         self.evaluate();
     }
 
-    /// What follows from the variables.
+    /// Computes the places that follow from the variables.
     #[inline(always)]
     fn evaluate(&mut self) {
         let Self { variables, moduli, products, tied, places, .. } = self;
@@ -193,7 +193,7 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         self.places[one] * self.places[two]
     }
 
-    /// What surge, sway and yaw gain without parameters: the model's constant, and its known terms.
+    /// The increments of surge, sway and yaw without parameters: the model's constant, and its known terms.
     #[inline(always)]
     pub fn known(&self) -> [X; 3] {
         let mut sums = self.constant;
@@ -207,7 +207,7 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         sums
     }
 
-    /// θᵀφ of surge, sway and yaw, and what they gain without parameters.
+    /// θᵀφ of surge, sway and yaw, plus the increments without parameters.
     #[inline(always)]
     pub fn increments(&self) -> [X; 3] {
         [self.increment(0), self.increment(1), self.increment(2)]
@@ -222,7 +222,7 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         sum
     }
 
-    /// The state after `state`, which was looked at, under a force as in [`Ambient`].
+    /// The state after `state`, which was set, under a force as in [`Ambient`].
     #[inline(always)]
     pub fn next(&self, state: [X; 3], force: Option<[X; 3]>) -> [X; 3] {
         let [u, v, r] = self.increments();
@@ -233,7 +233,7 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         }
     }
 
-    /// One sample on: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k), exogenous(k)) + f(k).
+    /// Advances by one sample: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k), exogenous(k)) + f(k).
     #[inline(always)]
     pub fn step<E: Copy + Into<X>>(&mut self, state: [X; 3], exogenous: &[E], ambient: Ambient<X>) -> [X; 3] {
         self.look(state, exogenous, ambient.current);
@@ -274,8 +274,9 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         slopes
     }
 
-    /// Transposed products, of parameters and then of known terms: Σ_p `terms`\[p\] ∂φ_p/∂z + Σ_d Σ_i `slopes`\[d\]\[i\] ∂J\[d\]\[i\]/∂z for every variable z, that is the
-    /// slope by z of whatever has these slopes by the terms and by J.
+    /// Transposed products, over parameters and then known terms: Σ_p `terms`\[p\] ∂φ_p/∂z + Σ_d Σ_i
+    /// `slopes`\[d\]\[i\] ∂J\[d\]\[i\]/∂z for every variable z, that is the derivative by z of a quantity
+    /// with these derivatives by the terms and by J.
     #[inline(always)]
     pub fn pull_back(&mut self, terms: &[X], slopes: &[[X; 3]; 3], out: &mut [X]) {
         let Self { model, parameters, by_state, by_exogenous, twice, places, .. } = self;

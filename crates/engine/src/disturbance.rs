@@ -75,7 +75,7 @@ pub struct Measurement {
     pub std_r_rad_s: f64,
 }
 
-/// What disturbs a run.
+/// The disturbances of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbances {
     /// Acts on the vessel through the relative velocity.
@@ -84,10 +84,10 @@ pub struct Disturbances {
     pub measurement: Measurement,
 }
 
-/// The strongest current that is taken for one \[m/s\]: no tidal stream reaches it.
+/// Stronger currents are refused \[m/s\]: no tidal stream reaches this speed.
 pub const MOST_CURRENT_M_S: f64 = 15.0;
 
-/// Refuses currents, each with its key, that no sea has.
+/// Refuses currents, each with its key, that are stronger than any at sea.
 ///
 /// # Errors
 /// Names the key and its value.
@@ -116,7 +116,7 @@ impl Current {
         matches!(self, Self::Constant { axes: Axes::Earth, .. } | Self::GaussMarkov { axes: Axes::Earth, .. })
     }
 
-    /// None in still water.
+    /// `None` in still water.
     fn process(&self, channels: &mut Channels, rate_hz: f64) -> Option<Process<2>> {
         let factor = match self {
             Self::None => return None,
@@ -129,17 +129,17 @@ impl Current {
 }
 
 impl Wind {
-    /// Correlation of neighbouring samples at `rate_hz`; 1 where a run keeps what is drawn for it.
+    /// Correlation of consecutive samples at `rate_hz`; 1 where a run keeps its draw.
     pub fn factor(&self, rate_hz: f64) -> f64 {
         self.time_constant_s.map_or(1.0, |t| factor(t, rate_hz))
     }
 
-    /// Standard deviations of what a sample adds to u, v \[m/s\] and r \[rad/s\] at `rate_hz`.
+    /// Standard deviations of the increments of u, v \[m/s\] and r \[rad/s\] per sample at `rate_hz`.
     pub fn std_per_sample(&self, rate_hz: f64) -> [f64; 3] {
         [self.std_surge_m_s2, self.std_sway_m_s2, self.std_yaw_rad_s2].map(|std| std / rate_hz)
     }
 
-    /// What is added to the states of [`LANES`] runs after each of `samples` samples, samples × 3.
+    /// The increments of the states of [`LANES`] runs after each of `samples` samples, samples × 3.
     pub fn force(&self, streams: &Streams, runs: [u32; LANES], samples: usize, rate_hz: f64) -> Vec<Lane> {
         self.process(&mut streams.lanes(runs, WIND_CHANNEL), rate_hz).all(samples)
     }
@@ -162,13 +162,13 @@ impl Wind {
     }
 }
 
-/// Correlation of neighbouring samples of a process with time constant `time_constant_s`.
+/// Correlation of consecutive samples of a process with time constant `time_constant_s`.
 pub(crate) fn factor(time_constant_s: f64, rate_hz: f64) -> f64 {
     libm::exp(-1.0 / (time_constant_s * rate_hz))
 }
 
 fn check_deviations<const N: usize>(deviations: [(&str, f64); N]) -> Result<(), Invalid> {
-    // No sea has more; and what diverges because of more would be put down to the vessel.
+    // No sea has more; and a divergence that it causes would be blamed on the vessel.
     let range = 0.0..=100.0;
     check_numbers(deviations, "a standard deviation from 0 to 100", |value| range.contains(&value))
 }
@@ -178,22 +178,23 @@ fn check_time_constant(key: &str, value: Option<f64>) -> Result<(), Invalid> {
     check_ranges(value.map(|value| (key, value, 1e-6..=1e9, "s")))
 }
 
-/// Stationary processes of [`LANES`] runs, drawn some samples at a time: x(k+1) = factor · x(k) + white noise, or white noise alone.
+/// Stationary processes of [`LANES`] runs, drawn a few samples at a time: x(k+1) = factor · x(k) + white
+/// noise, or white noise alone.
 #[derive(Clone, Debug)]
 struct Process<const WIDTH: usize> {
     noise: Noise<WIDTH>,
-    /// None of white noise.
+    /// `None` for white noise.
     factor: Option<f64>,
     last: Option<[Lane; WIDTH]>,
 }
 
 impl<const WIDTH: usize> Process<WIDTH> {
-    /// Column i draws from one of the next channels, in their order, and has standard deviation `std[i]`.
+    /// Column i draws from one of the next channels, in order, and has standard deviation `std[i]`.
     fn new(channels: &mut Channels, std: [f64; WIDTH], factor: Option<f64>) -> Self {
         Self { noise: Noise::new(channels, std), factor, last: None }
     }
 
-    /// The next samples, as many as `out` has rows. Their number is even, but for the last ones.
+    /// Fills `out` with the next samples. Their number is even, except at the end.
     fn draw(&mut self, out: &mut [Lane]) {
         let Some(factor) = self.factor else { return self.noise.put(out) };
         out.fill(Lane::ZERO);
@@ -221,15 +222,15 @@ impl<const WIDTH: usize> Process<WIDTH> {
     }
 }
 
-/// What acts on [`numerics::LANES`] runs besides their inputs.
+/// The disturbances of [`numerics::LANES`] runs.
 #[derive(Clone, Copy, Debug)]
 pub struct Weather<'a> {
     /// Current \[m/s\], N × 2, or empty for still water.
     pub current: &'a [Lane],
-    /// Sampling interval \[s\] where the current's components are the earth's and the heading starts at zero; 0 where they
-    /// are the vessel's.
+    /// Sampling interval \[s\] where the current's components are in earth axes and the heading starts at
+    /// zero; 0 where they are in body axes.
     pub turning: f64,
-    /// What is added to the states after each sample, N × 3, or empty.
+    /// Increments of the states after each sample, N × 3, or empty.
     pub force: &'a [Lane],
 }
 
@@ -237,7 +238,7 @@ impl Weather<'_> {
     /// Still water, no force.
     pub const CALM: Self = Self { current: &[], turning: 0.0, force: &[] };
 
-    /// The same from sample `k` on.
+    /// The disturbances from sample `k` on.
     pub(crate) fn from(self, k: usize) -> Self {
         Self {
             current: self.current.get(2 * k..).unwrap_or(&[]),
@@ -247,19 +248,19 @@ impl Weather<'_> {
     }
 }
 
-/// What disturbs [`LANES`] runs, drawn as they go.
+/// The disturbances of [`LANES`] runs, drawn as needed.
 #[derive(Clone, Debug)]
 pub struct Disturbing {
     current: Option<Process<2>>,
     force: Option<Process<3>>,
     measurement: Noise<3>,
     turning: f64,
-    /// What was drawn last.
+    /// The latest draws.
     drawn: [Vec<Lane>; 2],
 }
 
 impl Disturbing {
-    /// What acts during the next samples. Their number is even, but for the last ones.
+    /// The disturbances of the next samples. Their number is even, except at the end.
     pub(crate) fn next(&mut self, samples: usize) -> Weather<'_> {
         let Self { current, force, drawn: [own, forces], .. } = self;
         if let Some(current) = current {
@@ -273,12 +274,13 @@ impl Disturbing {
         Weather { current: own, turning: self.turning, force: forces }
     }
 
-    /// What [`Self::measure`] will add to the next samples but for rounding, samples × 3.
+    /// The noise that [`Self::measure`] will add to the next samples, up to rounding, samples × 3.
     pub(crate) fn noise(&self, out: &mut [Lane]) {
         self.measurement.clone().put(out);
     }
 
-    /// Adds measurement noise to the states of the next samples, samples × 3. Their number is even, but for the last ones.
+    /// Adds measurement noise to the states of the next samples, samples × 3. Their number is even, except at
+    /// the end.
     pub(crate) fn measure(&mut self, states: &mut [Lane]) {
         self.measurement.add(states);
     }
@@ -316,7 +318,7 @@ impl Disturbances {
         self.measurement.noise(&mut streams.lanes(runs, 0)).add(states);
     }
 
-    /// What disturbs [`LANES`] runs, by these and a wind, at `rate_hz`.
+    /// The disturbances of [`LANES`] runs, with a wind, at `rate_hz`.
     pub fn of_runs(
         &self,
         wind: Option<&Wind>,
@@ -354,8 +356,8 @@ impl<const WIDTH: usize> Noise<WIDTH> {
         Self { normals: channels.next(), std: std.map(Lane::splat) }
     }
 
-    /// Adds the next numbers to the rows of `out`. Two rows take what is drawn at once; of an odd number of rows the last
-    /// takes the first half.
+    /// Adds the next numbers to the rows of `out`. Each draw fills two rows; for an odd number of rows the
+    /// last one takes the first half.
     fn add(&mut self, out: &mut [Lane]) {
         vectorized!(self.change(
             out,
@@ -364,7 +366,7 @@ impl<const WIDTH: usize> Noise<WIDTH> {
         ));
     }
 
-    /// Puts the next numbers there instead: what is not read need not have been written.
+    /// Writes the next numbers instead, so that `out` need not be initialized.
     fn put(&mut self, out: &mut [Lane]) {
         vectorized!(self.change(
             out,
@@ -373,7 +375,7 @@ impl<const WIDTH: usize> Noise<WIDTH> {
         ));
     }
 
-    /// Makes `f` of every entry, the number that was drawn for it, and its standard deviation.
+    /// Applies `f` to every entry, its random number and its standard deviation.
     #[inline(always)]
     fn change(&mut self, out: &mut [Lane], f: impl Fn(Lane, Lane, Lane) -> Lane) {
         let Self { normals, std } = self;

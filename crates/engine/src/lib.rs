@@ -1,4 +1,4 @@
-//! A ship that steps: the compiled model, what water, wind and sensors add, and runs as they are recorded.
+//! A ship that steps: the compiled model, its disturbances and sensors, and runs as recorded.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

@@ -5,8 +5,9 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::normals::{Normals, fill};
 
-/// Random numbers keyed by what they are for: one ChaCha8 key per (seed, design), one stream per run, of which 32 bytes
-/// per channel seed the fast generator that the channel draws from. What a run draws depends on nothing else.
+/// Random numbers keyed by their purpose: one ChaCha8 key per (seed, design), one stream per run, of which 32
+/// bytes per channel seed the fast generator that the channel draws from. A run's draws depend on nothing
+/// else.
 #[derive(Clone, Debug)]
 pub struct Streams {
     key: [u8; 32],
@@ -31,7 +32,7 @@ impl Streams {
         fill(self.channel(run, channel), out);
     }
 
-    /// The channels of [`LANES`] runs from `first` on, side by side.
+    /// The channels of [`LANES`] runs from `first` on.
     pub(crate) fn lanes(&self, runs: [u32; LANES], first: u32) -> Channels {
         let mut seeds = [[[0; 32]; AHEAD]; LANES];
         for (seeds, run) in seeds.iter_mut().zip(runs) {
@@ -40,7 +41,7 @@ impl Streams {
         Channels { seeds, next: 0 }
     }
 
-    /// What seeds the generators of a run's channels from `channel` on, 32 bytes each.
+    /// The seeds of a run's generators from `channel` on, 32 bytes each.
     fn keyed(&self, run: u32, channel: u32) -> ChaCha8Rng {
         let mut keyed = ChaCha8Rng::from_seed(self.key);
         keyed.set_stream(u64::from(run));
@@ -48,7 +49,7 @@ impl Streams {
         keyed
     }
 
-    /// `count` whole numbers below `below`, equally likely.
+    /// `count` integers below `below`, uniformly distributed.
     pub fn choices(&self, run: u32, channel: u32, below: u32, count: usize) -> Vec<u32> {
         let mut rng = self.channel(run, channel);
         let limit = (1u64 << 32) / u64::from(below) * u64::from(below);
@@ -62,10 +63,10 @@ impl Streams {
     }
 }
 
-/// How many channels are taken one after the other, at most.
+/// Most channels that are taken in sequence.
 const AHEAD: usize = 8;
 
-/// Channels of runs side by side, taken one after the other: what seeds their generators.
+/// Channels of a lane of runs, taken in sequence: the seeds of their generators.
 pub(crate) struct Channels {
     seeds: [[[u8; 32]; AHEAD]; LANES],
     next: usize,
@@ -80,7 +81,7 @@ impl Channels {
     }
 }
 
-/// The 64-bit FNV-1a hash: turns a name into key bits.
+/// The 64-bit FNV-1a hash: converts a name to key bits.
 fn fnv1a(bytes: &[u8]) -> u64 {
     bytes
         .iter()

@@ -1,14 +1,15 @@
 use numerics::{LANES, Lane, vectorized};
 use rand::Rng;
 
-/// Standard normal numbers, two at a time, for [`LANES`] runs side by side: every lane draws from a Xoshiro256++
-/// generator of its own, by the method of Box and Muller.
+/// Standard normal numbers, two at a time, for a lane of runs: every run draws from a Xoshiro256++ generator
+/// of its own, by the method of Box and Muller.
 ///
-/// The functions in it are polynomials within 1.2e-10 of the true ones, relatively; only additions and multiplications,
-/// fused wherever they are written so, and a square root, so that all instruction sets give the same bits. No number is beyond 8.5.
+/// The functions in it are polynomials with a relative error below 1.2e-10; they use only additions and
+/// multiplications, fused exactly where written so, and a square root, so that all instruction sets give the
+/// same bits. No number exceeds 8.5.
 #[derive(Clone, Debug)]
 pub(crate) struct Normals {
-    /// Word by word, as vectors take them.
+    /// Word by word, in the layout of vectors.
     state: [[u64; LANES]; 4],
 }
 
@@ -84,7 +85,7 @@ fn box_muller(radius: u64, angle: u64) -> (f64, f64) {
     // 1 in steps of 2^-52 down to 2^-52.
     let uniform = 2.0 - f64::from_bits(radius >> 12 | ONE);
     let distance = minus_twice_log(uniform).sqrt();
-    // An eighth of a turn to either side of an axis; two more bits say of which.
+    // An eighth of a turn to either side of an axis, which two more bits select.
     let eighths = f64::from_bits(angle >> 12 | TWO) - 3.0;
     let sign = (angle << 52) & SIGN;
     let square = eighths * eighths;
@@ -96,7 +97,7 @@ fn box_muller(radius: u64, angle: u64) -> (f64, f64) {
 const ONE: u64 = 1.0_f64.to_bits();
 const TWO: u64 = 2.0_f64.to_bits();
 const SIGN: u64 = 1 << 63;
-/// √½: what is below it is doubled first.
+/// √½: smaller numbers are doubled first.
 const LOWEST: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
 
 /// −2 ln x for 0 < x ≤ 1: the exponent's part and a polynomial in y − 1 for y = x 2^−exponent, √½ ≤ y < √2.
@@ -119,13 +120,13 @@ fn cubic(i: usize, y: f64, y2: f64) -> f64 {
     d.mul_add(y, c).mul_add(y2, b.mul_add(y, a))
 }
 
-/// sin(π/4 t)/t of t², |t| ≤ 1.
+/// sin(π/4 t)/t as a function of t², |t| ≤ 1.
 #[inline(always)]
 fn sine(x: f64) -> f64 {
     quartic(&SINE, x)
 }
 
-/// cos(π/4 t) of t², |t| ≤ 1.
+/// cos(π/4 t) as a function of t², |t| ≤ 1.
 #[inline(always)]
 fn cosine(x: f64) -> f64 {
     quartic(&COSINE, x)

@@ -10,12 +10,13 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// Moves on by `seconds` with body velocities over the ground \[m/s, m/s, rad/s\], by an explicit Euler step.
+    /// Advances by `seconds` with body velocities over the ground \[m/s, m/s, rad/s\], by an explicit Euler
+    /// step.
     pub(crate) fn advance(&mut self, state: [f64; 3], seconds: f64) {
         self.move_on(state, seconds, libm::sincos(self.psi));
     }
 
-    /// The same with the sine and the cosine of the heading.
+    /// [`Self::advance`] with the sine and the cosine of the heading.
     pub(crate) fn move_on(&mut self, state: [f64; 3], seconds: f64, (sin, cos): (f64, f64)) {
         self.x += seconds * (state[0] * cos - state[1] * sin);
         self.y += seconds * (state[0] * sin + state[1] * cos);
@@ -23,7 +24,7 @@ impl Pose {
     }
 }
 
-/// A pose that others are seen from.
+/// The origin of relative poses.
 #[derive(Clone, Copy, Debug)]
 pub struct Origin {
     pose: Pose,
@@ -39,7 +40,7 @@ impl From<Pose> for Origin {
 }
 
 impl Origin {
-    /// How far ahead of it and to starboard `pose` is, and how far turned.
+    /// The pose relative to the origin: ahead, to starboard, and the difference of headings.
     pub fn sees(&self, pose: Pose) -> Pose {
         let Self { pose: own, sin, cos } = self;
         let [north, east] = [pose.x - own.x, pose.y - own.y];

@@ -25,7 +25,7 @@ pub(crate) struct Curve {
 /// The place that holds one.
 pub(crate) const ONE: usize = 0;
 
-/// Puts u, v through the water that moves with `current` and r to their places.
+/// Sets the places of u, v relative to the water, which moves with `current`, and of r.
 #[inline(always)]
 pub(crate) fn put_state<X: Arithmetic>(
     places: &mut [X],
@@ -37,7 +37,7 @@ pub(crate) fn put_state<X: Arithmetic>(
     places[3] = state[2];
 }
 
-/// Products of two places each, which stand after one another from place `first` on.
+/// Products of two places each, in consecutive places from `first` on.
 #[derive(Clone, Debug)]
 pub(crate) struct Products {
     pub first: usize,
@@ -71,7 +71,7 @@ impl Products {
     }
 }
 
-/// Parts of derivatives, with the products and signs that they take.
+/// Parts of derivatives, with their products and signs.
 #[derive(Clone, Debug)]
 pub(crate) struct Derivatives<T> {
     signs: Vec<usize>,
@@ -80,8 +80,8 @@ pub(crate) struct Derivatives<T> {
 }
 
 impl<T> Derivatives<T> {
-    /// Calls `add` with every product (its parameter, its degree of freedom, the place of its coefficient), and makes room for
-    /// what it takes. Known terms count as parameters after all others.
+    /// Calls `add` with every product (its parameter, its degree of freedom, the place of its coefficient),
+    /// and reserves the places it needs. Known terms count as parameters after all others.
     #[cold]
     #[inline(never)]
     fn new<X: Arithmetic>(
@@ -165,7 +165,7 @@ impl Derivatives<Curve> {
     }
 }
 
-/// A product as it is written, and the place of its coefficient, where it has one.
+/// A product as written, and the place of its coefficient, if it has one.
 pub(crate) struct Written<'a> {
     pub factors: &'a [Factor],
     pub coefficient: Option<usize>,

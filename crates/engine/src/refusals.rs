@@ -4,7 +4,7 @@ use refusal::Invalid;
 use crate::Diverged;
 
 impl Diverged {
-    /// What a vessel is refused for whose motion in `what` diverges.
+    /// The refusal of a vessel whose motion in `what` diverges.
     pub fn invalid(self, what: impl Into<String>) -> Invalid {
         let state = DegreeOfFreedom::ALL[self.state.min(2)].state();
         Invalid::new(
@@ -16,10 +16,10 @@ impl Diverged {
     }
 }
 
-/// The longest run that is simulated \[samples\].
+/// Most samples of a simulated run.
 pub const MOST_SAMPLES: usize = 1 << 22;
 
-/// Refuses runs of more than [`MOST_SAMPLES`] samples, which `thing` asks for.
+/// Refuses runs of more than [`MOST_SAMPLES`] samples, which `thing` requests.
 ///
 /// # Errors
 /// States both numbers.

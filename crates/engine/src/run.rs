@@ -11,7 +11,7 @@ pub struct Run {
     pub exogenous: Vec<f64>,
     /// Measured states, (N+1) × 3, row-major.
     pub measured: Vec<f64>,
-    /// State that simulations of the run start from: the true one where the file has it, else the measured one.
+    /// State that simulations of the run start from: the true one if the file has it, else the measured one.
     pub initial: [f64; 3],
 }
 
@@ -36,7 +36,7 @@ pub struct RunView<'a> {
 }
 
 impl<'a> RunView<'a> {
-    /// What was measured, which simulations start from the first state of.
+    /// A measured run, whose simulations start from its first state.
     pub fn measured(measured: &'a [f64], exogenous: &'a [f64]) -> Self {
         Self { measured, exogenous, initial: [0, 1, 2].map(|d| measured[d]) }
     }
@@ -46,7 +46,7 @@ impl<'a> RunView<'a> {
         self.measured.len() / 3 - 1
     }
 
-    /// `samples` of it; simulations start from the first measured state there.
+    /// A part of `samples`; simulations start from the first measured state there.
     pub fn part(&self, samples: std::ops::Range<usize>) -> Self {
         let width = self.exogenous.len() / self.samples().max(1);
         let exogenous = &self.exogenous[samples.start * width..samples.end * width];
@@ -55,7 +55,7 @@ impl<'a> RunView<'a> {
 }
 
 impl Run {
-    /// All of it.
+    /// The whole run.
     pub fn view(&self) -> RunView<'_> {
         RunView { measured: &self.measured, exogenous: &self.exogenous, initial: self.initial }
     }

@@ -1,15 +1,15 @@
 use crate::{Ambient, Compiled, Pose};
 use model::{Actuator, Vessel};
 
-/// A vessel under way: pose and state, moved sample by sample in a current.
+/// A vessel under way: pose and state, advanced sample by sample in a current.
 #[derive(Clone, Debug)]
 pub struct Ship<'a> {
     vessel: &'a Vessel,
     model: Compiled<'a, f64>,
     sample_s: f64,
-    /// Inputs as the actuators are set, then measured disturbances and derived channels.
+    /// Actuator settings, then measured disturbances and derived channels.
     exogenous: Vec<f64>,
-    /// Whether the actuators have been set: before, they are wherever they are wanted.
+    /// Whether the actuators have been set: the first command is reached at once.
     is_set: bool,
     /// North and east components of the current \[m/s\].
     pub current_m_s: [f64; 2],
@@ -39,12 +39,13 @@ impl<'a> Ship<'a> {
         self.sample_s
     }
 
-    /// Moves on by one sample while the actuators follow `commands`; gives where they are.
+    /// Advances by one sample while the actuators follow `commands`; returns their settings.
     pub fn command(&mut self, commands: &[f64]) -> &[f64] {
         self.act(commands, Actuator::after)
     }
 
-    /// Moves on by one sample with the actuators as near to `wanted` as any commands take them; gives where they are.
+    /// Advances by one sample with the actuators as near to `wanted` as any commands take them; returns their
+    /// settings.
     pub fn reach(&mut self, wanted: &[f64]) -> &[f64] {
         self.act(wanted, Actuator::towards)
     }
@@ -57,7 +58,7 @@ impl<'a> Ship<'a> {
         &self.exogenous[..self.vessel.model.inputs]
     }
 
-    /// Moves on by one sample under `inputs`, whatever the actuators can do.
+    /// Advances by one sample under `inputs`, regardless of the actuators.
     pub fn step(&mut self, inputs: &[f64]) {
         self.exogenous.iter_mut().zip(inputs).for_each(|(to, from)| *to = *from);
         self.advance();

@@ -3,7 +3,7 @@ use numerics::{LANES, Lane};
 
 use crate::RunView;
 
-/// Up to [`LANES`] runs side by side, all row-major, as long as the longest of them.
+/// Up to [`LANES`] runs in lanes, all row-major, as long as the longest of them.
 #[derive(Clone, Debug, Default)]
 pub struct SideBySide {
     /// How many runs there are.
@@ -19,14 +19,14 @@ pub struct SideBySide {
 }
 
 impl SideBySide {
-    /// Of `runs`; lanes that are left repeat the last one.
+    /// Packs `runs`; idle lanes repeat the last one.
     pub fn of(runs: &[RunView]) -> Self {
         let mut of = Self::default();
         of.fill(runs);
         of
     }
 
-    /// Takes `runs` in the place of those before.
+    /// Replaces the runs by `runs`.
     pub fn fill(&mut self, runs: &[RunView]) {
         let rows = |of: for<'a> fn(&RunView<'a>) -> &'a [f64], out: &mut Vec<Lane>| {
             interleave_into(&runs.iter().map(of).collect::<Vec<_>>(), out);

@@ -8,7 +8,7 @@ use crate::{Ambient, Compiled, Disturbing, Weather};
 /// A speed \[m/s\] or yaw rate \[rad/s\] beyond which a simulation counts as diverged.
 pub const DIVERGED: f64 = 1e3;
 
-/// Where a simulation left every bound.
+/// Where a simulation diverged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Diverged {
     /// First sample with a state beyond [`DIVERGED`] or not finite.
@@ -17,7 +17,8 @@ pub struct Diverged {
     pub state: usize,
 }
 
-/// Simulates [`numerics::LANES`] runs of N samples side by side: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k), exogenous(k)).
+/// Simulates a lane of [`numerics::LANES`] runs of N samples: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k),
+/// exogenous(k)).
 ///
 /// `parameters`: one lane per parameter. `initial`: u, v, r. `exogenous`: N × (inputs and measured disturbances).
 /// `states`: filled with (N+1) × 3. All row-major.
@@ -32,7 +33,7 @@ pub fn simulate(
     simulate_numbers(model, parameters, initial, Number::numbers(exogenous), weather, states);
 }
 
-/// The same: compiled here, not in every crate that calls it.
+/// Compiled in this crate, and not again by every caller.
 fn simulate_numbers(
     model: &Model,
     parameters: &[Lane],
@@ -49,8 +50,8 @@ fn simulate_numbers(
     }
 }
 
-/// Simulates `G` times as many runs as [`simulate`], of one length and in still water, each driven by its own exogenous
-/// inputs, into its own states.
+/// Simulates `G` times as many runs as [`simulate`], of one length and in still water, each with its own
+/// exogenous inputs and states.
 pub fn simulate_groups<const G: usize>(
     model: &Model,
     parameters: &[Lane],
@@ -63,30 +64,31 @@ pub fn simulate_groups<const G: usize>(
     vectorized!(follow.whole(&exogenous, &[Weather::CALM; G], states));
 }
 
-/// What `G` times [`numerics::LANES`] runs are driven by: N × exogenous, row-major.
+/// The exogenous inputs of `G` times [`numerics::LANES`] runs: N × exogenous, row-major.
 #[derive(Clone, Copy, Debug)]
 pub enum Driven<'a, const G: usize> {
-    /// All by the same.
+    /// All runs have the same ones.
     Alike(&'a [f64]),
-    /// Each by its own.
+    /// Each run has its own.
     Own([&'a [Lane]; G]),
 }
 
-/// [`numerics::LANES`] runs that are to be simulated: what disturbs them, and where their states go, (N+1) × 3.
+/// [`numerics::LANES`] runs to be simulated: their disturbances, and buffers for their states, (N+1) × 3.
 pub struct Recording<'a> {
-    /// What disturbs them.
+    /// Their disturbances.
     pub disturbing: Disturbing,
-    /// The true states; empty where they are not wanted.
+    /// The true states; empty where they are not needed.
     pub truth: &'a mut [Lane],
     /// The states with measurement noise.
     pub measured: &'a mut [Lane],
 }
 
-/// Samples that are drawn, simulated and measured before the next ones are, so that they stay in the nearest cache. An even number.
+/// Samples that are drawn, simulated and measured at a time, so that they stay in the L1 cache. An even
+/// number.
 pub(crate) const AT_ONCE: usize = 32;
 
-/// Simulates and measures `G` times as many runs as [`simulate`], as they are disturbed. In which lanes a state is beyond
-/// [`DIVERGED`] or not finite: a number above zero.
+/// Simulates and measures `G` times as many runs as [`simulate`], with their disturbances. Returns a number
+/// above zero in lanes where a state is beyond [`DIVERGED`] or not finite.
 pub fn simulate_disturbed<const G: usize>(
     model: &Model,
     parameters: &[Lane],
@@ -118,7 +120,7 @@ pub fn simulate_disturbed<const G: usize>(
     beyond
 }
 
-/// Runs on their way.
+/// Runs in progress.
 pub(crate) struct Follow<'m, const G: usize> {
     model: Compiled<'m, Wide<G>>,
     width: usize,
@@ -134,7 +136,7 @@ impl<'m, const G: usize> Follow<'m, G> {
         Self { model, width, state: initial, heading: Wide::ZERO }
     }
 
-    /// Goes through all samples.
+    /// Steps through all samples.
     #[inline(always)]
     fn whole(&mut self, exogenous: &impl Rows<G>, weather: &[Weather; G], mut states: [&mut [Lane]; G]) {
         let samples = exogenous.rows(self.width);
@@ -142,8 +144,8 @@ impl<'m, const G: usize> Follow<'m, G> {
         put(&mut states, samples, &self.state);
     }
 
-    /// Goes through `samples` and puts the states, the one after the last where there is room for it. Marks lanes that are
-    /// beyond every bound.
+    /// Steps through `samples` and writes the states, the one after the last if there is space for it. Marks
+    /// lanes that diverge.
     #[inline(always)]
     fn block(
         &mut self,
@@ -164,7 +166,8 @@ impl<'m, const G: usize> Follow<'m, G> {
         }
     }
 
-    /// Goes through `samples` and puts the state before each of them; weather and states begin at the first of them.
+    /// Steps through `samples` and writes the state before each of them; weather and states begin at the
+    /// first of them.
     #[inline(always)]
     pub fn go(
         &mut self,
@@ -210,7 +213,7 @@ impl<'m, const G: usize> Follow<'m, G> {
         }
     }
 
-    /// The same where a current turns with the earth, a force pushes, or the weather of some is another than that of others.
+    /// The general case: a current that turns with the earth, a force, or different kinds of weather.
     #[inline(always)]
     fn go_in_all_weathers(
         &mut self,
@@ -238,11 +241,11 @@ impl<'m, const G: usize> Follow<'m, G> {
     }
 }
 
-/// What drives runs, sample by sample.
+/// The exogenous inputs of runs, sample by sample.
 pub(crate) trait Rows<const G: usize> {
-    /// What drives them during one.
+    /// The inputs during one sample.
     type Row: Row<Wide<G>>;
-    /// How many samples there are.
+    /// The number of samples.
     fn rows(&self, width: usize) -> usize;
     /// The row of sample `k`.
     fn row(&self, k: usize, width: usize) -> Self::Row;
@@ -275,7 +278,7 @@ impl<const G: usize> Rows<G> for [&[Lane]; G] {
     }
 }
 
-/// What acts on the groups at sample `k`.
+/// The disturbances of the groups at sample `k`.
 #[inline(always)]
 fn ambient<const G: usize>(weather: &[Weather; G], k: usize, heading: &Wide<G>) -> Ambient<Wide<G>> {
     let (mut current, mut force) = ([Wide::ZERO; 2], [Wide::ZERO; 3]);
@@ -295,7 +298,7 @@ fn ambient<const G: usize>(weather: &[Weather; G], k: usize, heading: &Wide<G>) 
     Ambient { current: flowing.then_some(current), force: forced.then_some(force) }
 }
 
-/// Puts the state of every group at sample `k`.
+/// Writes the state of every group at sample `k`.
 #[inline(always)]
 fn put<const G: usize>(states: &mut [&mut [Lane]; G], k: usize, state: &[Wide<G>; 3]) {
     for (group, states) in states.iter_mut().enumerate() {
@@ -305,7 +308,8 @@ fn put<const G: usize>(states: &mut [&mut [Lane]; G], k: usize, state: &[Wide<G>
     }
 }
 
-/// The components north and east along and across a heading. Called: sines and cosines are no vectors.
+/// The components north and east along and across a heading. Not inlined: sines and cosines are not
+/// vectorized.
 #[inline(never)]
 fn turned(current: &[Lane; 2], heading: &Lane) -> [Lane; 2] {
     let mut out = [Lane::ZERO; 2];
@@ -336,7 +340,8 @@ pub fn check_diverged(mut states: impl Iterator<Item = f64>) -> Option<Diverged>
     states.position(beyond).map(|i| Diverged { sample: i / 3, state: i % 3 })
 }
 
-/// [`check_diverged`] of every lane of `states`, (N+1) × 3 row-major. Lanes are looked at one by one where one of them diverged.
+/// [`check_diverged`] for every lane of `states`, (N+1) × 3 row-major. Single lanes are checked only if one
+/// of them diverged.
 pub fn diverged_lanes(states: &[Lane]) -> [Option<Diverged>; LANES] {
     let beyond = vectorized!({
         let mut beyond = Lane::ZERO;
@@ -347,7 +352,7 @@ pub fn diverged_lanes(states: &[Lane]) -> [Option<Diverged>; LANES] {
     std::array::from_fn(|lane| if beyond[lane] == 0.0 { None } else { at(lane) })
 }
 
-/// `mark` becomes 1 in every lane in which `state` is beyond [`DIVERGED`] or not finite.
+/// Sets `mark` to 1 in every lane in which `state` is beyond [`DIVERGED`] or not finite.
 #[inline(always)]
 pub fn mark_beyond(mark: &mut Lane, state: Lane) {
     for (mark, state) in mark.0.iter_mut().zip(state.0) {

@@ -1,26 +1,26 @@
-//! What an actuator can do: how far, how soon and how fast it can be set.
+//! The range, lag and rate of an actuator.
 
 use refusal::{Invalid, check_numbers};
 
 /// The actuator of an input.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Actuator {
-    /// Between which it can be set, where that is known.
+    /// The range of settings, if known.
     pub range: Option<[f64; 2]>,
-    /// Time constant with which it follows what is commanded \[s\]; 0 where it is there at once.
+    /// Time constant of the response to a command \[s\]; 0 for an immediate one.
     pub lag_s: f64,
-    /// How much it changes in a second at most, where that is known.
+    /// The greatest change per second, if known.
     pub rate_per_s: Option<f64>,
 }
 
-/// The longest lag \[s\]: beyond it nothing is steered.
+/// The longest lag \[s\]: a slower actuator cannot steer.
 const LONGEST_LAG_S: f64 = 1e4;
 
 impl Actuator {
     /// Of input `name`, as written: its range, lag \[s\] and rate \[1/s\].
     ///
     /// # Errors
-    /// A range without room in it, a lag below 0, a rate that is not above 0.
+    /// An empty range, a lag below 0, a rate that is not above 0.
     pub(crate) fn new(
         name: &str,
         range: Option<[f64; 2]>,
@@ -46,12 +46,13 @@ impl Actuator {
         Ok(Self { range, lag_s: lag_s.unwrap_or(0.0), rate_per_s })
     }
 
-    /// Where it is after `seconds` under `command`, having been at `setting`: an exponential approach, no faster than it can.
+    /// The setting after `seconds` under `command`, starting at `setting`: an exponential approach within the
+    /// rate limit.
     pub fn after(&self, setting: f64, command: f64, seconds: f64) -> f64 {
         self.no_faster(setting, self.lagging(setting, command, seconds), seconds)
     }
 
-    /// The nearest to `wanted` that any command takes it to within `seconds`, from `setting`.
+    /// The setting nearest to `wanted` that any command reaches within `seconds`, from `setting`.
     pub fn towards(&self, setting: f64, wanted: f64, seconds: f64) -> f64 {
         let reached = self.range.map_or(wanted, |ends| {
             let [low, high] = ends.map(|end| self.lagging(setting, end, seconds));
@@ -60,7 +61,7 @@ impl Actuator {
         self.no_faster(setting, reached, seconds)
     }
 
-    /// Where the lag alone leaves it.
+    /// The setting that the lag alone would give.
     fn lagging(&self, setting: f64, command: f64, seconds: f64) -> f64 {
         match self.lag_s > 0.0 {
             true => setting - libm::expm1(-seconds / self.lag_s) * (command - setting),

@@ -1,45 +1,45 @@
 use crate::{DegreeOfFreedom, Factor, Model, Product, Term};
 
-/// A parameter that is written and not estimated by itself.
+/// A parameter that is not estimated on its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constrained {
     /// Its degree of freedom.
     pub degree: DegreeOfFreedom,
-    /// Its place among the parameters of this degree of freedom as they are written.
+    /// Its index among the parameters of this degree of freedom, as written.
     pub place: usize,
     /// Its name.
     pub name: String,
     /// Its term.
     pub term: Term,
-    /// What its value follows from.
+    /// How its value is determined.
     pub constraint: Constraint,
 }
 
-/// What the value of a parameter follows from that is not estimated by itself.
+/// How the value of a constrained parameter is determined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Constraint {
     /// It is known.
     Fixed(f64),
-    /// It is another one times a factor.
+    /// It is another parameter times a factor.
     Tied {
-        /// The other one's place among the model's parameters.
+        /// The other parameter's index in the model.
         to: usize,
         /// The factor.
         factor: f64,
     },
 }
 
-/// A parameter as it is written.
+/// A parameter as written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Written<'a> {
-    /// Estimated: its place among the model's parameters.
+    /// Estimated: its index in the model.
     Estimated(usize),
-    /// Not by itself.
+    /// Not estimated on its own.
     Constrained(&'a Constrained),
 }
 
 impl Constrained {
-    /// Its value where the model has the `parameters`.
+    /// Its value in a model with these `parameters`.
     pub fn value(&self, parameters: &[f64]) -> f64 {
         match self.constraint {
             Constraint::Fixed(value) => value,
@@ -49,7 +49,7 @@ impl Constrained {
 }
 
 impl Model {
-    /// The model and its `parameters` without those at a bound, whose terms are known then: what is judged of an estimate is
+    /// The model and its `parameters` without those at a bound, whose terms become known: an estimate is
     /// judged with these held.
     pub fn held_at_bounds(&self, parameters: &[f64]) -> (Self, Vec<f64>) {
         let (mut model, mut left, mut values) = (self.clone(), Vec::new(), parameters.iter());

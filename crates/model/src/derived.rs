@@ -19,32 +19,34 @@ pub struct DerivedSpec {
     pub formula: String,
 }
 
-/// A derived channel, its formula read.
+/// A derived channel with its parsed formula.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DerivedChannel {
-    /// Its place among [`crate::Model::variables`].
+    /// Its index in [`crate::Model::variables`].
     pub variable: usize,
-    /// What it is.
+    /// Its formula.
     pub formula: Formula,
-    /// The same as written.
+    /// The formula as written.
     pub text: String,
-    /// Places of [`Formula::channels`] among [`crate::Model::variables`]: inputs, measured disturbances, other derived channels.
+    /// Indices of [`Formula::channels`] in [`crate::Model::variables`]: inputs, measured disturbances, other
+    /// derived channels.
     pub sources: Vec<usize>,
 }
 
 impl DerivedChannel {
-    /// Its value in a row of inputs, measured disturbances and derived channels, of which the sources are known.
+    /// Its value in a row of inputs, measured disturbances and derived channels, where the sources are set.
     pub fn value(&self, row: &[f64]) -> f64 {
         self.formula.of(|channel| row[self.sources[channel] - 3])
     }
 
-    /// Whether `found` is `expected` but for rounding.
+    /// Whether `found` is `expected` up to rounding.
     pub fn agrees(found: f64, expected: f64) -> bool {
         (found - expected).abs() <= 1e-9 * (found.abs() + expected.abs())
     }
 }
 
-/// The channels of `specs`, which stand among variables of these `names` from place `first` on, each after those that it is computed from.
+/// The channels of `specs`, which are the variables from `first` on with these `names`, each after its
+/// sources.
 pub(crate) fn derive(
     specs: &[DerivedSpec],
     names: &[&str],
@@ -82,7 +84,7 @@ fn source(of: &str, name: &str, names: &[&str]) -> Result<usize, Invalid> {
     Err(refused(of, &format!("`{name}`, which is declared nowhere"), &expected, &remedy))
 }
 
-/// Each after those that it is computed from.
+/// Orders the channels so that each follows its sources.
 fn ordered(mut left: Vec<DerivedChannel>, names: &[&str]) -> Result<Vec<DerivedChannel>, Invalid> {
     let mut ordered = Vec::with_capacity(left.len());
     while !left.is_empty() {
@@ -95,7 +97,8 @@ fn ordered(mut left: Vec<DerivedChannel>, names: &[&str]) -> Result<Vec<DerivedC
     Ok(ordered)
 }
 
-/// Channels of which each waits for another one: from any of them the way leads into a circle.
+/// The refusal of channels that all wait for another one: from any of them the dependencies lead into a
+/// circle.
 fn circle(waiting: &[DerivedChannel], names: &[&str]) -> Invalid {
     let name = |place: &usize| names[*place];
     let mut way: Vec<usize> = Vec::new();

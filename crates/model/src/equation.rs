@@ -28,7 +28,7 @@ pub struct TermSpec {
     pub bounds: Option<[f64; 2]>,
 }
 
-/// One degree of freedom in the making: its terms as they are written.
+/// One degree of freedom under construction: its terms as written.
 pub(crate) struct Equation<'a> {
     degree: DegreeOfFreedom,
     specs: Vec<(&'a TermSpec, Term)>,
@@ -36,7 +36,7 @@ pub(crate) struct Equation<'a> {
     others: Vec<&'a str>,
 }
 
-/// What a degree of freedom comes to.
+/// The result for a degree of freedom.
 pub(crate) struct Reduced {
     pub degree: Degree,
     pub value: Vec<Option<f64>>,
@@ -44,14 +44,14 @@ pub(crate) struct Reduced {
     pub constrained: Vec<Constrained>,
 }
 
-/// What a written parameter is.
+/// The role of a written parameter.
 enum Role {
     Estimated {
         nominal: f64,
         bounds: Option<[f64; 2]>,
     },
     Fixed(f64),
-    /// To the one at this place, which is not tied itself.
+    /// To the one at this index, which is not tied itself.
     Tied(usize, f64),
 }
 
@@ -63,10 +63,11 @@ impl<'a> Equation<'a> {
         Self { degree, specs, others }
     }
 
-    /// The estimated parameters, with the terms of those that are tied to them; `first` is the first one's place in the model.
+    /// The estimated parameters, with the terms of those that are tied to them; `first` is the model's index
+    /// of the first one.
     ///
     /// # Errors
-    /// A constraint that means nothing, contradicts itself or the values, or leaves nothing to be estimated.
+    /// A constraint that is meaningless, contradicts itself or the values, or leaves nothing to be estimated.
     pub fn reduced(self, first: usize) -> Result<Reduced, Invalid> {
         let roles: Vec<Role> = (0..self.specs.len()).map(|i| self.role(i)).collect::<Result<_, _>>()?;
         self.check_constants(&roles)?;
@@ -94,7 +95,7 @@ impl<'a> Equation<'a> {
                 Role::Tied(to, factor) => match (places.get(&to), &roles[to]) {
                     (Some(to), _) => Constraint::Tied { to: first + to, factor },
                     (None, Role::Fixed(value)) => Constraint::Fixed(factor * value),
-                    // What is tied to something ends at what is not.
+                    // Chains of ties end at a parameter that is not tied.
                     (None, _) => continue,
                 },
             };
@@ -118,7 +119,7 @@ impl<'a> Equation<'a> {
             return Ok(Role::Tied(to, factor));
         }
         if spec.factor.is_some() {
-            let expected = "`factor` beside `tied_to`";
+            let expected = "`factor` together with `tied_to`";
             return Err(refused(
                 spec,
                 "`factor` alone",
@@ -154,14 +155,14 @@ impl<'a> Equation<'a> {
         }
     }
 
-    /// The place of what spec number `i` is tied to at last, and the factor.
+    /// The parameter that spec `i` is finally tied to, and the factor.
     fn tied(&self, i: usize, name: &str) -> Result<(usize, f64), Invalid> {
         let (spec, term) = &self.specs[i];
         let tie = format!("tied to `{name}`");
         let refuse = |found: &str, expected: &str, remedy: &str| Err(refused(spec, found, expected, remedy));
         if spec.fixed || spec.bounds.is_some() {
             let found = format!("{tie}, and {}", if spec.fixed { "`fixed`" } else { "`bounds`" });
-            return refuse(&found, "one of them", "state it of the parameter that it is tied to");
+            return refuse(&found, "one of them", "state it for the parameter that it is tied to");
         }
         let (mut at, mut factor, mut seen) = (i, 1.0, vec![i]);
         while let (here, Some(next)) = (self.specs[at].0, &self.specs[at].0.tied_to) {
@@ -234,7 +235,7 @@ impl<'a> Equation<'a> {
         refused(spec, &format!("{found}, which no term has"), &expected, &remedy)
     }
 
-    /// Refuses several estimated terms 1: they are one and the same.
+    /// Refuses several estimated terms 1, which cannot be distinguished.
     fn check_constants(&self, roles: &[Role]) -> Result<(), Invalid> {
         let estimated =
             self.specs.iter().zip(roles).filter(|(_, role)| matches!(role, Role::Estimated { .. }));
@@ -264,7 +265,7 @@ fn refused(spec: &TermSpec, found: &str, expected: &str, remedy: &str) -> Invali
     Invalid::new(format!("parameter `{}`", spec.parameter), found, expected, remedy)
 }
 
-/// Bounds that leave room.
+/// Bounds that are not empty.
 fn within(spec: &TermSpec, bounds: [f64; 2]) -> Result<[f64; 2], Invalid> {
     let [low, high] = bounds;
     if low < high && low < f64::INFINITY && high > f64::NEG_INFINITY {

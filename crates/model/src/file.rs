@@ -13,7 +13,7 @@ use crate::{Actuator, Constrained, DegreeOfFreedom, DerivedSpec, Model, Term, Va
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VesselFile {
-    /// A built-in vessel to start from, instead of everything below but `name`, `value` and `nominal`.
+    /// A built-in vessel to start from; it replaces everything below but `name`, `value` and `nominal`.
     pub preset: Option<String>,
     /// Name of the vessel.
     pub name: Option<String>,
@@ -43,7 +43,7 @@ pub struct VesselFile {
     /// Nominal values that replace those of the terms, by parameter.
     #[serde(default)]
     pub nominal: BTreeMap<String, f64>,
-    /// What u, v \[m/s\] and r \[rad/s\] gain in a sample whatever the vessel does.
+    /// Known increments of u, v \[m/s\] and r \[rad/s\] per sample that do not depend on the vessel.
     #[serde(default)]
     pub constant: [f64; 3],
 }
@@ -109,8 +109,8 @@ impl Source {
     }
 }
 
-/// A vessel: structure, true and nominal parameters. Valid by construction. The model's parameters are those that are
-/// estimated; what is fixed acts as known terms, what is tied is part of the term of another.
+/// A vessel: structure, true and nominal parameters. Valid by construction. The model's parameters are the
+/// estimated ones; fixed parameters act as known terms, and tied ones are part of another parameter's term.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vessel {
     /// Its name.
@@ -119,18 +119,18 @@ pub struct Vessel {
     pub sample_rate_hz: f64,
     /// The model structure.
     pub model: Model,
-    /// True parameters, where known.
+    /// True parameters, if known.
     pub value: Vec<Option<f64>>,
     /// Nominal parameters.
     pub nominal: Vec<f64>,
     /// Per input, the input that it follows and the factor.
     pub couplings: Vec<Option<(usize, f64)>>,
-    /// Per input, what sets it.
+    /// The actuator of each input.
     pub actuators: Vec<Actuator>,
-    /// Parameters that are fixed or tied, in the order that they are written in.
+    /// Fixed and tied parameters, in the order of the file.
     pub constrained: Vec<Constrained>,
-    /// Ranges of u, v \[m/s\] and r \[rad/s\] that maneuvers keep to, those of the logs that a model was fitted to; none
-    /// where maneuvers may do anything.
+    /// Ranges of u, v \[m/s\] and r \[rad/s\] that maneuvers must keep to, from the logs that a model was
+    /// fitted to; `None` where maneuvers are not limited.
     pub motion: Option<[[f64; 2]; 3]>,
 }
 
@@ -142,7 +142,7 @@ impl Vessel {
     /// Checks a file's content.
     ///
     /// # Errors
-    /// The first thing that is missing, unknown, named twice or no finite number.
+    /// The first key or name that is missing, unknown or duplicate, or number that is not finite.
     pub fn from_file(file: VesselFile) -> Result<Self, Invalid> {
         let file = match file.preset {
             Some(_) => preset(file)?,
@@ -228,7 +228,7 @@ impl Vessel {
         self.value.iter().zip(self.model.parameter_names()).map(known).collect()
     }
 
-    /// The parameters of degree of freedom `d` in the order that they are written in.
+    /// The parameters of degree of freedom `d` in the order of the file.
     pub fn written(&self, d: DegreeOfFreedom) -> Vec<Written<'_>> {
         let mut all: Vec<Written> = self.model.layout().degree(d as usize).map(Written::Estimated).collect();
         for own in self.constrained.iter().filter(|own| own.degree == d) {
@@ -237,12 +237,12 @@ impl Vessel {
         all
     }
 
-    /// Whether there are inputs enough to command surge, sway and yaw, each by itself.
+    /// Whether there are enough inputs to command surge, sway and yaw independently.
     pub fn commands_sway(&self) -> bool {
         self.model.inputs >= 3
     }
 
-    /// The first of `inputs` that is set beyond its range but for rounding: its place and the range.
+    /// The first of `inputs` that exceeds its range by more than rounding: its index and the range.
     pub fn beyond_range(&self, inputs: &[f64]) -> Option<(usize, [f64; 2])> {
         let beyond = |(i, (input, actuator)): (usize, (&f64, &Actuator))| {
             let [low, high] = actuator.range?;
@@ -252,7 +252,8 @@ impl Vessel {
         inputs.iter().zip(&self.actuators).enumerate().find_map(beyond)
     }
 
-    /// Which of u, v, r leaves its range in `states`, rows of three, by most of its width: its place, and what it reaches.
+    /// Which of u, v, r leaves its range in `states`, rows of three, by most of its width: its index, and the
+    /// extreme value.
     pub fn beyond_motion(&self, states: &[f64]) -> Option<(usize, f64)> {
         let ranges = self.motion?;
         let beyond = |(d, state): (usize, &f64)| {
@@ -272,7 +273,7 @@ impl Vessel {
     }
 }
 
-/// How many channels and terms there are, with how many there may be.
+/// The numbers of channels and terms, with their limits.
 fn counts(file: &VesselFile) -> [(&'static str, f64, RangeInclusive<f64>, &'static str); 6] {
     let channels =
         [("input", file.input.len()), ("measured", file.measured.len()), ("derived", file.derived.len())];
@@ -328,7 +329,7 @@ fn preset(file: VesselFile) -> Result<VesselFile, Invalid> {
     if own || channels || file.sample_rate_hz.is_some() {
         return Err(Invalid::new(
             "`preset`",
-            "a structure of the file's own beside it",
+            "a structure of the file's own in addition",
             "a preset with `name`, [value] and [nominal] only",
             "remove `preset`, or the terms, inputs and `sample_rate_hz`",
         ));
@@ -362,7 +363,7 @@ fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
                 if i < first_derived(file) { "input or measured disturbance" } else { "derived channel" };
             return Err(Invalid::new(
                 format!("{what} `{}`", v.name),
-                "a name that is taken or no plain name",
+                "a name that is taken or not a plain one",
                 "letters, digits and _, each name once, no column of the trajectories",
                 "rename it",
             ));
@@ -371,12 +372,12 @@ fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
     Ok(all)
 }
 
-/// The place of the first derived channel among the variables.
+/// The index of the first derived channel among the variables.
 fn first_derived(file: &VesselFile) -> usize {
     3 + file.input.len() + file.measured.len()
 }
 
-/// Values of measured disturbances in simulated trials, by place among the variables.
+/// Values of measured disturbances in simulated trials, by index among the variables.
 fn simulated(file: &VesselFile) -> Result<BTreeMap<usize, f64>, Invalid> {
     let known =
         file.measured.iter().filter_map(|m| Some((format!("simulated` of `{}", m.name), m.simulated?)));
@@ -385,7 +386,7 @@ fn simulated(file: &VesselFile) -> Result<BTreeMap<usize, f64>, Invalid> {
     Ok(places.filter_map(|(place, measured)| Some((place, measured.simulated?))).collect())
 }
 
-/// Columns that the trajectories have already.
+/// The trajectories' own columns.
 const RESERVED: [&str; 12] =
     ["design", "run", "segment", "maneuver", "sample", "t", "y_u", "y_v", "y_r", "x", "y", "psi"];
 

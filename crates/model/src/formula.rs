@@ -6,10 +6,10 @@ use thiserror::Error;
 /// Most factors of a term, and of a formula.
 pub(crate) const MOST_FACTORS: usize = 32;
 
-/// What is applied to a channel before it is multiplied with the others.
+/// A function of a channel, before it is multiplied with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Function {
-    /// Nothing.
+    /// The channel itself.
     Itself,
     /// `|n|`.
     Modulus,
@@ -23,7 +23,7 @@ pub enum Function {
     Cosine,
 }
 
-/// Names in formulas; [`Function::Itself`] and [`Function::Modulus`] have signs instead.
+/// Names in formulas; [`Function::Itself`] and [`Function::Modulus`] have their own notation.
 const FUNCTIONS: [(&str, Function); 4] = [
     ("positive", Function::PositivePart),
     ("negative", Function::NegativePart),
@@ -50,13 +50,13 @@ struct Product {
 /// `port |port| - starboard |starboard|`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formula {
-    /// Channels it is computed from, each once, in the order of appearance; at least one.
+    /// Its source channels, each once, in the order of appearance; at least one.
     pub channels: Vec<String>,
-    /// What is summed up; at least one.
+    /// The summands; at least one.
     products: Vec<Product>,
 }
 
-/// Why a text is no [`Formula`].
+/// Why a text is not a [`Formula`].
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{0}")]
 pub struct Malformed(
@@ -68,7 +68,7 @@ impl Formula {
     /// Parses `text`.
     ///
     /// # Errors
-    /// Says what cannot be read.
+    /// Why it cannot be parsed.
     pub fn parse(text: &str) -> Result<Self, Malformed> {
         let mut formula = Self { channels: Vec::new(), products: Vec::new() };
         let (mut product, mut rest, mut multiplied) = (Product::of(1.0), text.trim_start(), true);
@@ -96,7 +96,7 @@ impl Formula {
         Ok(formula)
     }
 
-    /// Adds the factor at the start of `text` to `product`; what comes after it.
+    /// Adds the factor at the start of `text` to `product`; returns the rest.
     fn parse_factor<'a>(&mut self, product: &mut Product, text: &'a str) -> Result<&'a str, Malformed> {
         if text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+' || c == '.') {
             let end = number_end(text);
@@ -117,24 +117,24 @@ impl Formula {
         Ok(after)
     }
 
-    /// The value where `values` are those of [`Formula::channels`].
+    /// The value for the `values` of [`Formula::channels`].
     pub fn evaluate(&self, values: &[f64]) -> f64 {
         self.of(|channel| values[channel])
     }
 
-    /// The value where those of [`Formula::channels`] are `value` of their places.
+    /// The value, where `value` returns that of a channel by its index in [`Formula::channels`].
     pub fn of(&self, value: impl Fn(usize) -> f64) -> f64 {
         let products = self.products.iter().map(|own| own.without(usize::MAX, &value));
         products.reduce(|sum, own| sum + own).unwrap_or(0.0)
     }
 
-    /// Whether both are the same product of the same channels but for a number; never of sums of several.
+    /// Whether both are the same product of the same channels up to a constant factor; false for sums.
     pub fn is_multiple_of(&self, other: &Self) -> bool {
         let [own, others] = [self, other].map(|formula| formula.powers());
         own.is_some() && own == others
     }
 
-    /// Channels by name, with what is applied to them and to what power in all; none of a sum of several products.
+    /// Channels by name, with their functions and total powers; `None` for a sum of several products.
     fn powers(&self) -> Option<BTreeMap<(&str, u8), i32>> {
         let [product] = self.products.as_slice() else { return None };
         let mut powers = BTreeMap::new();
@@ -145,15 +145,15 @@ impl Formula {
         Some(powers)
     }
 
-    /// The formula in another language, in the order in which it is computed; `operand` writes what is applied to the channel of
-    /// a place. A power is a product of its own.
+    /// The formula in another language, in the order of evaluation; `operand` writes a function of the
+    /// channel with this index. A power becomes a product of its own.
     pub fn written(&self, operand: impl Fn(Function, usize) -> String) -> String {
         let products: Vec<String> = self.products.iter().map(|own| own.written(&operand)).collect();
         products.join(" + ")
     }
 
-    /// Its slope by channel `by`, where those of [`Formula::channels`] are `value` of their places. The slope of a modulus at
-    /// zero is 0.
+    /// Its derivative by channel `by`, where `value` returns that of a channel by its index in
+    /// [`Formula::channels`]. The derivative of a modulus at zero is 0.
     pub fn slope(&self, by: usize, value: impl Fn(usize) -> f64) -> f64 {
         self.products.iter().flat_map(|own| own.slopes(by, &value)).sum()
     }
@@ -170,7 +170,7 @@ impl Product {
         others.fold(self.coefficient, |product, (_, factor)| product * factor.value(value(factor.channel)))
     }
 
-    /// What each of its factors adds to the slope by channel `by`.
+    /// The contributions of its factors to the derivative by channel `by`.
     fn slopes(&self, by: usize, value: &impl Fn(usize) -> f64) -> impl Iterator<Item = f64> {
         let own = self.factors.iter().enumerate().filter(move |(_, factor)| factor.channel == by);
         own.map(move |(i, factor)| factor.slope(value(by)) * self.without(i, value))
@@ -222,7 +222,7 @@ impl Function {
     }
 }
 
-/// The sign between two products at the start of `text`, which has blanks around it, and what comes after it.
+/// The sign between two products at the start of `text`, which has blanks around it, and the rest.
 fn parse_sign(text: &str) -> Option<(f64, &str)> {
     let (sign, after) = text
         .strip_prefix('+')
@@ -231,7 +231,7 @@ fn parse_sign(text: &str) -> Option<(f64, &str)> {
     after.starts_with(char::is_whitespace).then(|| (sign, after.trim_start()))
 }
 
-/// Where the number at the start of `text` ends.
+/// The end of the number at the start of `text`.
 fn number_end(text: &str) -> usize {
     let bytes = text.as_bytes();
     let continues = |i: usize| match bytes[i] {
@@ -243,7 +243,7 @@ fn number_end(text: &str) -> usize {
     (0..bytes.len()).find(|&i| !continues(i)).unwrap_or(bytes.len())
 }
 
-/// Function, channel and what comes after them.
+/// Function, channel and the rest.
 fn parse_operand(text: &str) -> Result<(Function, &str, &str), Malformed> {
     if let Some(inner) = text.strip_prefix('|') {
         let (name, after) = split_name(inner)?;
@@ -269,7 +269,7 @@ fn split_name(text: &str) -> Result<(&str, &str), Malformed> {
     Ok((&text[..end], text[end..].trim_start()))
 }
 
-/// The power that `text` begins with, 1 without any, and what follows it.
+/// The power at the start of `text`, 1 if there is none, and the rest.
 pub(crate) fn parse_power(text: &str) -> Result<(i32, &str), Malformed> {
     let Some(exponent) = text.trim_start().strip_prefix('^') else { return Ok((1, text)) };
     let exponent = exponent.trim_start();

@@ -1,12 +1,13 @@
-//! What simulated trials cannot tell: what disturbances do that they hold constant.
+//! Parameters that simulated trials cannot determine, because they hold disturbances constant.
 
 use std::collections::BTreeMap;
 
 use crate::{Constrained, Constraint, Degree, DegreeOfFreedom, Factor, Product, Term, Vessel, Written};
 
 impl Vessel {
-    /// The vessel as simulated trials tell of it. They hold measured disturbances at `simulated`: terms of these are either
-    /// nothing or a constant that no trial can tell from others, so that they are known, by their values where these are known.
+    /// The vessel as simulated trials can identify it. They hold measured disturbances at `simulated`: terms
+    /// of these are either zero or a constant that no trial can distinguish from others, so they become
+    /// known, with their values if these are known.
     #[must_use]
     pub fn with_disturbances_held(self) -> Self {
         let held = self.held_variables();
@@ -14,7 +15,7 @@ impl Vessel {
         let degrees = &self.model.degrees;
         let all_of = |degree: &Degree| degree.terms.iter().all(is_held);
         let of_degree = |degree: &Degree| {
-            // One without any term would be no equation.
+            // An equation needs at least one estimated term.
             let none = all_of(degree);
             degree.terms.iter().map(|term| none || !is_held(term)).collect::<Vec<bool>>()
         };
@@ -48,7 +49,7 @@ impl Vessel {
         held
     }
 
-    /// What is written and not estimated, where only the parameters that are `kept` are.
+    /// The constrained parameters if only those that are `kept` are estimated.
     fn constrained_but(&self, kept: &[bool]) -> Vec<Constrained> {
         let known = |i: usize| self.value[i].unwrap_or(self.nominal[i]);
         let place_of = |i: usize| kept[..i].iter().filter(|kept| **kept).count();

@@ -2,11 +2,11 @@ use std::ops::Range;
 
 use crate::{Model, Term};
 
-/// In which order a model's parameters stand: those of surge, sway and yaw, each followed by that degree of freedom's
-/// intercept where the model has intercepts ([`Model::with_intercepts`]).
+/// The order of a model's parameters: those of surge, sway and yaw, each followed by that degree of freedom's
+/// intercept if the model has intercepts ([`Model::with_intercepts`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ParameterLayout {
-    /// Terms of surge, sway and yaw, intercepts left out.
+    /// Terms of surge, sway and yaw, without intercepts.
     terms: [usize; 3],
     /// Which of them have an intercept.
     intercepts: [bool; 3],
@@ -15,8 +15,8 @@ pub struct ParameterLayout {
 }
 
 impl Model {
-    /// The same model with the constant 1 as one more term of every degree of freedom that has none; its parameter is the
-    /// intercept, what the state gains in a sample whatever the vessel does, beyond the constant that is known.
+    /// The same model with the constant 1 as one more term of every degree of freedom that has none; its
+    /// parameter is the intercept, the state's constant increment per sample beyond the known one.
     pub fn with_intercepts(&self) -> Self {
         let mut model = self.clone();
         for degree in model.degrees.iter_mut().filter(|degree| degree.constant().is_none()) {
@@ -48,19 +48,19 @@ impl ParameterLayout {
         self.intercepts.contains(&true)
     }
 
-    /// Number of parameters, intercepts among them.
+    /// Number of parameters, including intercepts.
     pub fn parameters(self) -> usize {
         self.degree(2).end
     }
 
-    /// Places of the parameters of degree of freedom `d` that belong to terms.
+    /// Indices of the parameters of degree of freedom `d` that belong to terms.
     pub fn terms(self, d: usize) -> Range<usize> {
         let before = self.intercepts[..d].iter().filter(|intercept| **intercept).count();
         let first = self.terms[..d].iter().sum::<usize>() + before;
         first..first + self.terms[d]
     }
 
-    /// Places of all parameters of degree of freedom `d`; its intercept is the last.
+    /// Indices of all parameters of degree of freedom `d`; its intercept is the last.
     pub fn degree(self, d: usize) -> Range<usize> {
         let terms = self.terms(d);
         terms.start..terms.end + usize::from(self.intercepts[d])
@@ -76,7 +76,8 @@ impl ParameterLayout {
         (0..3).flat_map(move |d| self.degree(d).map(move |i| i == self.terms(d).end))
     }
 
-    /// Parameters in this order from those of the terms (surge, sway, yaw); `intercepts` count where there are any.
+    /// Parameters in this order from those of the terms (surge, sway, yaw) and the `intercepts`, which are
+    /// ignored if there are none.
     pub fn woven(self, theta: &[f64], intercepts: [f64; 3]) -> Vec<f64> {
         let mut theta = theta.iter();
         let mut next = |(intercept, d): (bool, usize)| match intercept {

@@ -49,9 +49,9 @@ pub struct Degree {
     pub parameters: Vec<String>,
     /// One term per parameter.
     pub terms: Vec<Term>,
-    /// Terms whose parameters are known: they act, and are not estimated.
+    /// Terms with known parameters: they act, and are not estimated.
     pub known: Vec<Product>,
-    /// Within which estimates stay, by place among the parameters; infinite at an open end.
+    /// Bounds of estimates, by index of the parameter; infinite at an open end.
     pub bounds: BTreeMap<usize, [f64; 2]>,
     /// Whether the last term is an intercept, see [`Model::with_intercepts`].
     pub intercept: bool,
@@ -68,7 +68,7 @@ impl Degree {
         self.bounds.get(&i).is_some_and(|bounds| bounds.contains(&value))
     }
 
-    /// The place of the term 1, whose parameter is the intercept of this degree of freedom by another name.
+    /// The index of the term 1, whose parameter is the intercept of this degree of freedom.
     pub fn constant(&self) -> Option<usize> {
         self.terms.iter().position(Term::is_constant)
     }
@@ -77,20 +77,21 @@ impl Degree {
 /// The bounds of a parameter that has none.
 const OPEN: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
-/// A model structure: what the states' increments are linear combinations of.
+/// A model structure: the regressors of the states' increments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     /// `u`, `v`, `r`, then the inputs, then the measured disturbances, then the derived channels.
     pub variables: Vec<Variable>,
     /// How many of the variables are inputs.
     pub inputs: usize,
-    /// Values of measured disturbances in simulated trials, by place among the variables.
+    /// Values of measured disturbances in simulated trials, by index among the variables.
     pub simulated: BTreeMap<usize, f64>,
-    /// Channels that are computed from others, each after those that it is computed from.
+    /// Channels that are computed from others, each after its sources.
     pub derived: Vec<DerivedChannel>,
     /// Surge, sway, yaw.
     pub degrees: [Degree; 3],
-    /// What u, v \[m/s\] and r \[rad/s\] gain in a sample whatever the vessel does: known, no parameter.
+    /// Known increments of u, v \[m/s\] and r \[rad/s\] per sample that do not depend on the vessel; not
+    /// parameters.
     pub constant: [f64; 3],
 }
 

@@ -1,4 +1,4 @@
-//! Models with more channels than they were written with.
+//! Models with additional channels.
 
 use refusal::Invalid;
 
@@ -6,10 +6,10 @@ use crate::derived::derive;
 use crate::{DerivedChannel, DerivedSpec, Model, Variable};
 
 impl Model {
-    /// The same with the channels of `specs` after its own.
+    /// The model with the channels of `specs` after its own.
     ///
     /// # Errors
-    /// A formula that cannot be read, or of channels that the model does not have.
+    /// A formula that cannot be parsed, or of channels that the model does not have.
     pub fn with_derived(&self, specs: &[DerivedSpec]) -> Result<Self, Invalid> {
         let mut model = self.clone();
         let variable = |spec: &DerivedSpec| Variable { name: spec.name.clone(), unit: spec.unit.clone() };
@@ -19,7 +19,8 @@ impl Model {
         Ok(model)
     }
 
-    /// The same with the channels of `other`; `None` unless `other` has all of its own first, and computes those beyond.
+    /// The model with the channels of `other`; `None` unless `other` has all of its own first, and computes
+    /// the additional ones.
     pub fn with_channels_of(&self, other: &Self) -> Option<Self> {
         let own = self.variables.len();
         let first: Vec<&DerivedChannel> = other.derived.iter().filter(|d| d.variable < own).collect();

@@ -4,10 +4,10 @@ use refusal::Invalid;
 
 use crate::Model;
 
-/// Where what acts on a model comes from if not from logs: inputs from a maneuver, measured disturbances as `simulated`,
-/// derived channels by their formulas. Rows hold them in this order.
+/// The exogenous inputs of a model where there are no logs: inputs from a maneuver, measured disturbances as
+/// `simulated`, derived channels by their formulas. Rows hold them in this order.
 impl Model {
-    /// Sets what follows the inputs in a row whose inputs are set, as in simulated trials.
+    /// Sets the disturbances and derived channels of a row whose inputs are set, as in simulated trials.
     pub fn complete(&self, row: &mut [f64]) {
         for (variable, value) in &self.simulated {
             row[variable - 3] = *value;
@@ -15,15 +15,15 @@ impl Model {
         self.derive(row);
     }
 
-    /// Sets the derived channels of a row whose others are set.
+    /// Sets the derived channels of a row whose other channels are set.
     pub fn derive(&self, row: &mut [f64]) {
         for own in &self.derived {
             row[own.variable - 3] = own.value(row);
         }
     }
 
-    /// Adds to the slopes by inputs and measured disturbances what goes by way of derived channels, at `row`. `slopes`: a row
-    /// per variable, of so many quantities.
+    /// Adds to the derivatives by inputs and measured disturbances the part by way of derived channels, at
+    /// `row`. `slopes`: a row per variable, of `N` quantities.
     pub fn by_sources<const N: usize>(&self, row: &[f64], slopes: &mut [[f64; N]]) {
         for own in self.derived.iter().rev() {
             let outer = slopes[own.variable];
@@ -34,7 +34,7 @@ impl Model {
         }
     }
 
-    /// Inputs, N × inputs, completed by what stands beside them in simulated trials: N × exogenous, row-major.
+    /// Inputs, N × inputs, completed by the other channels of simulated trials: N × exogenous, row-major.
     pub fn undisturbed(&self, inputs: &[f64]) -> Vec<f64> {
         if self.exogenous() == self.inputs {
             return inputs.to_vec();
@@ -47,14 +47,14 @@ impl Model {
         rows
     }
 
-    /// The inputs alone of N × exogenous, row-major: N × inputs.
+    /// The inputs of N × exogenous rows, row-major: N × inputs.
     pub fn inputs_of(&self, rows: &[f64]) -> Vec<f64> {
         let rows = rows.chunks_exact(self.exogenous().max(1));
         rows.flat_map(|row| row[..self.inputs].iter().copied()).collect()
     }
 
-    /// Refuses a measured disturbance that no one said what it is in a simulated trial: to take it for zero would change the
-    /// motion without a word.
+    /// Refuses a measured disturbance without a value for simulated trials: taking it as zero would silently
+    /// change the motion.
     ///
     /// # Errors
     /// Names the first of them.
@@ -66,9 +66,9 @@ impl Model {
             None => Ok(()),
             Some(variable) => Err(Invalid::new(
                 format!("measured disturbance `{}` of the vessel", self.variables[variable].name),
-                "nothing that says what it is in a simulated trial",
+                "no value for simulated trials",
                 "`simulated` in its [[measured]], or a [[derived]] channel",
-                "add `simulated = 0.0` where trials are to be without it, or say by [[derived]] what it comes from",
+                "add `simulated = 0.0` if simulated trials have none of it, or compute it by [[derived]]",
             )),
         }
     }

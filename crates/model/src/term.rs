@@ -8,7 +8,7 @@ use crate::formula::{MOST_FACTORS, parse_power};
 pub struct Factor {
     /// Index of the variable in [`crate::Model::variables`].
     pub variable: usize,
-    /// Whether the modulus is meant.
+    /// Whether it is the modulus.
     pub modulus: bool,
 }
 
@@ -17,9 +17,10 @@ pub struct Factor {
 pub struct Term {
     /// As written.
     pub text: String,
-    /// Its factors; none make the constant 1.
+    /// Its factors; without any it is the constant 1.
     pub factors: Vec<Factor>,
-    /// The terms of parameters that are tied to this one's: its parameter multiplies the sum of all. None for most.
+    /// The terms of parameters that are tied to this one's: its parameter multiplies the sum of all. Empty
+    /// for most.
     pub tied: Vec<Product>,
 }
 
@@ -28,7 +29,7 @@ pub struct Term {
 pub struct Product {
     /// The number.
     pub coefficient: f64,
-    /// The others; none make the constant.
+    /// The others; without any it is the constant.
     pub factors: Vec<Factor>,
 }
 
@@ -37,7 +38,8 @@ impl Term {
     /// constant.
     ///
     /// # Errors
-    /// A name that is none of `variables`, an unclosed `|`, a power that is no whole number from 1 to 9, no factor.
+    /// A name that is not in `variables`, an unclosed `|`, a power that is not an integer from 1 to 9, no
+    /// factor.
     pub fn parse(text: &str, variables: &[&str]) -> Result<Self, Invalid> {
         if text.trim() == "1" {
             return Ok(Self::constant());
@@ -58,7 +60,7 @@ impl Term {
         Ok(Self::of(text.split_whitespace().collect::<Vec<_>>().join(" "), factors))
     }
 
-    /// The product of `factors`, called `text`.
+    /// The product of `factors`, written as `text`.
     pub fn of(text: String, factors: Vec<Factor>) -> Self {
         Self { text, factors, tied: Vec::new() }
     }
@@ -73,7 +75,7 @@ impl Term {
         self.factors.is_empty()
     }
 
-    /// The factors of its products: its own, then those of what is tied to it.
+    /// The factors of its products: its own, then those of the terms that are tied to it.
     pub fn products(&self) -> impl Iterator<Item = &[Factor]> {
         [self.factors.as_slice()].into_iter().chain(self.tied.iter().map(|tied| tied.factors.as_slice()))
     }
@@ -99,7 +101,7 @@ impl Product {
     }
 }
 
-/// The product of `factors`; one without any.
+/// The product of `factors`; 1 without any.
 fn multiply<X: Number, const N: usize>(factors: &[Factor], values: &[[X; N]], out: &mut [X; N]) {
     *out = [X::ONE; N];
     for factor in factors {

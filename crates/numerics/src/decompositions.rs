@@ -3,7 +3,7 @@
 use faer::linalg::solvers::{DenseSolveCore, Solve};
 use faer::{MatRef, Side};
 
-/// The direction in which a matrix does least.
+/// The weakest direction of a matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weakest {
     /// Smallest over largest singular value: the reciprocal condition number.
@@ -13,13 +13,13 @@ pub struct Weakest {
 }
 
 impl Weakest {
-    /// Which of the first `n` entries dominates the direction.
+    /// The index, among the first `n`, of the dominant entry of the direction.
     pub fn dominant(&self, n: usize) -> usize {
         largest(&self.direction[..n])
     }
 }
 
-/// The place of the entry of largest modulus.
+/// The index of the entry of largest modulus.
 fn largest(of: &[f64]) -> usize {
     (0..of.len()).max_by(|i, j| of[*i].abs().total_cmp(&of[*j].abs())).unwrap_or(0)
 }
@@ -49,7 +49,7 @@ pub fn symmetric(n: usize, a: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
     Some(((0..n).map(|i| values[i]).collect(), (0..n * n).map(|k| vectors[(k / n, k % n)]).collect()))
 }
 
-/// [`crate::solve`] of large systems, which leaves `a` as it is.
+/// [`crate::solve`] for large systems, which keeps `a`.
 pub(crate) fn solve(n: usize, a: &[f64], b: &mut [f64]) -> Option<()> {
     let columns = b.len() / n;
     let found = MatRef::from_row_major_slice(a, n, n)
@@ -59,7 +59,7 @@ pub(crate) fn solve(n: usize, a: &[f64], b: &mut [f64]) -> Option<()> {
     b.iter().all(|x| x.is_finite()).then_some(())
 }
 
-/// [`crate::inverse`] of large matrices, which leaves `a` as it is.
+/// [`crate::inverse`] for large matrices, which keeps `a`.
 pub(crate) fn inverse(n: usize, a: &[f64], out: &mut [f64]) -> Option<()> {
     let found = MatRef::from_row_major_slice(a, n, n).partial_piv_lu().inverse();
     out.iter_mut().enumerate().for_each(|(k, x)| *x = found[(k / n, k % n)]);

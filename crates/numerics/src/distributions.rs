@@ -8,13 +8,13 @@ pub fn chi_square_tail(x: f64, freedom: f64) -> f64 {
     ChiSquared::new(freedom).map_or(1.0, |distribution| distribution.sf(x))
 }
 
-/// P(|Z| ≥ |z|) for a standard normal Z, to 1e-10 of it.
+/// P(|Z| ≥ |z|) for a standard normal Z, to a relative 1e-10.
 pub fn normal_tails(z: f64) -> f64 {
     erfc(z.abs() / std::f64::consts::SQRT_2)
 }
 
-/// Half the width of an interval of 95 % by Student's t of so many degrees of freedom, in standard errors: by the expansion of
-/// Fisher and Cornish (*Technometrics* 2, 1960), to 2e-4 of it from nine degrees on.
+/// Half the width of a 95 % interval by Student's t with `freedom` degrees of freedom, in standard errors: by
+/// the expansion of Fisher and Cornish (*Technometrics* 2, 1960), to a relative 2e-4 from nine degrees on.
 pub fn student_half_width(freedom: f64) -> f64 {
     const Z: f64 = 1.959_963_985;
     let square = Z * Z;

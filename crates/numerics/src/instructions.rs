@@ -2,11 +2,12 @@
 
 use pulp::WithSimd;
 
-/// Runs `op` as compiled for the widest vector instructions of this processor. On x86-64 that is AVX-512, or AVX2 with FMA:
-/// what neither has ran slower by a factor of twenty, and was compiled all the same.
+/// Runs `op` as compiled for the widest vector instructions of this processor. On x86-64 that is AVX-512, or
+/// AVX2 with FMA: the version for older processors was twenty times slower, and cost compile time all the
+/// same.
 ///
 /// # Panics
-/// Where the processor has neither. Programs ask [`missing_instructions`] first.
+/// Where the processor has neither. Programs check [`missing_instructions`] first.
 #[inline(always)]
 pub fn dispatch<O: WithSimd>(op: O) -> O::Output {
     #[cfg(target_arch = "x86_64")]
@@ -25,7 +26,8 @@ pub fn dispatch<O: WithSimd>(op: O) -> O::Output {
     pulp::Arch::new().dispatch(op)
 }
 
-/// As [`dispatch`], but with AVX2 where there is AVX-512 too: for what is long to compile and gains nothing by wider lanes.
+/// As [`dispatch`], but with AVX2 even where there is AVX-512: for code that takes long to compile and gains
+/// nothing from wider lanes.
 #[inline(always)]
 pub fn dispatch_narrow<O: WithSimd>(op: O) -> O::Output {
     #[cfg(target_arch = "x86_64")]
@@ -40,7 +42,7 @@ pub fn dispatch_narrow<O: WithSimd>(op: O) -> O::Output {
     pulp::Arch::new().dispatch(op)
 }
 
-/// Instructions without which nothing here runs, where this processor lacks them.
+/// Required instructions that this processor lacks.
 pub fn missing_instructions() -> Option<&'static str> {
     #[cfg(target_arch = "x86_64")]
     let missing = pulp::x86::V3::try_new().is_none();

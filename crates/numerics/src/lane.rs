@@ -1,10 +1,10 @@
 use std::ops::{Add, AddAssign, Div, Index, IndexMut, Mul, Sub};
 
-/// How many runs are computed side by side.
+/// Number of runs in a lane.
 pub const LANES: usize = 8;
 
-/// One number of each of [`LANES`] runs. Every lane is computed on its own, in the same order of operations, so a
-/// run's numbers do not depend on which runs stand beside it.
+/// One number of each of [`LANES`] runs. Every lane is computed on its own, in the same order of operations,
+/// so a run's numbers do not depend on the other runs of the lane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
 pub struct Lane(pub [f64; LANES]);
@@ -30,8 +30,8 @@ impl Lane {
         self
     }
 
-    /// This times `factor` plus `other`, rounded once: the same bits on every processor. One without the instruction takes a
-    /// hundred times as long for it.
+    /// This times `factor` plus `other`, rounded once: the same bits on every processor. Without an
+    /// instruction for it, it takes a hundred times as long.
     #[inline(always)]
     pub fn fused(mut self, factor: Self, other: Self) -> Self {
         for lane in 0..LANES {
@@ -101,7 +101,8 @@ impl From<f64> for Lane {
     }
 }
 
-/// What a model is stepped with: a [`Lane`], several of them, or one number. All give the same bits.
+/// The number type that a model is stepped with: a [`Lane`], several of them, or one number. All give the
+/// same bits.
 pub trait Arithmetic:
     Copy
     + std::fmt::Debug
@@ -121,14 +122,15 @@ pub trait Arithmetic:
     fn modulus(self) -> Self;
     /// −1, 0 or 1.
     fn sign(self) -> Self;
-    /// Where one of its numbers stands.
+    /// The index of one of its numbers.
     type Place: Copy;
-    /// The number at a place.
+    /// The number at an index.
     fn at(&self, place: Self::Place) -> f64;
-    /// Changes `own`, place by place. Its loop over the lanes stays one until it is vectorized: so whole vectors come of it,
-    /// even where what is changed is carried from sample to sample.
+    /// Applies `f` to `own`, place by place. The loop over the lanes stays in one piece until it is
+    /// vectorized, so that the compiler produces whole vectors even for values that are carried from sample
+    /// to sample.
     fn change<const N: usize>(own: &mut [Self; N], f: impl Fn(Self::Place, [f64; N]) -> [f64; N]);
-    /// Of what is at every place.
+    /// Built from the number at every place.
     #[inline(always)]
     fn of(f: impl Fn(Self::Place) -> f64) -> Self {
         let mut own = [Self::ZERO];
@@ -137,9 +139,9 @@ pub trait Arithmetic:
     }
 }
 
-/// What drives a vessel during a sample: its inputs and measured disturbances.
+/// The exogenous values of a vessel during a sample: its inputs and measured disturbances.
 pub trait Row<X: Arithmetic>: Copy {
-    /// The first `count` of them, which there are.
+    /// The first `count` of them, which must exist.
     fn up_to(self, count: usize) -> Self;
     /// One of them at a place.
     fn entry(&self, i: usize, place: X::Place) -> f64;
@@ -156,18 +158,18 @@ impl<X: Arithmetic> Row<X> for &[f64] {
     }
 }
 
-/// What a signal is made of: a [`Lane`], or one number, of a single run or of all.
+/// The number type of a signal: a [`Lane`], or one number, of a single run or of all.
 pub trait Number: Arithmetic + Div<Output = Self> + Into<Lane> {
     /// The number of every run.
     fn lane(self) -> Lane;
     /// `f` of this number and `other`, run by run.
     fn each(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
-    /// Such numbers by what they are.
+    /// A slice with its number type erased.
     fn numbers(entries: &[Self]) -> Numbers<'_>;
 }
 
-/// Numbers of either kind. What takes one is compiled once, in the crate that it stands in; what is generic over
-/// [`Number`] is compiled, for every instruction set, in every crate and every test that calls it.
+/// Numbers of either kind. A function of these is compiled once, in its own crate; one that is generic over
+/// [`Number`] is compiled, for every instruction set, in every crate and test that calls it.
 #[derive(Clone, Copy, Debug)]
 pub enum Numbers<'a> {
     /// A lane per entry.

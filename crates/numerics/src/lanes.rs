@@ -1,31 +1,31 @@
-//! Runs side by side: between one run's rows and [`Lane`]s.
+//! Converts between the rows of single runs and [`Lane`]s.
 
 use std::cell::RefCell;
 
 use crate::{LANES, Lane, vectorized};
 
-/// What belongs to each lane where `count` runs, up to [`LANES`], stand side by side; lanes that are left repeat the last run.
+/// The value for each lane of `count` runs, up to [`LANES`]; idle lanes repeat the last run.
 pub fn by_lane<T>(count: usize, mut of: impl FnMut(usize) -> T) -> [T; LANES] {
     std::array::from_fn(|lane| of(lane.min(count - 1)))
 }
 
-/// Rooms that were given back, and how many are kept.
+/// Most recycled buffers that are kept per thread.
 const KEPT: usize = 12;
 thread_local! {
-    static ROOMS: RefCell<Vec<Vec<Lane>>> = const { RefCell::new(Vec::new()) };
+    static RECYCLED: RefCell<Vec<Vec<Lane>>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Room for so many lanes, with anything in it: one that was given back on this thread, whose memory is at hand, or a new one.
-pub fn room(lanes: usize) -> Vec<Lane> {
-    let mut room = ROOMS.with_borrow_mut(Vec::pop).unwrap_or_default();
-    room.resize(lanes, Lane::ZERO);
-    room
+/// A recycled buffer of `lanes` lanes, not cleared, or a new one.
+pub fn buffer(lanes: usize) -> Vec<Lane> {
+    let mut buffer = RECYCLED.with_borrow_mut(Vec::pop).unwrap_or_default();
+    buffer.resize(lanes, Lane::ZERO);
+    buffer
 }
 
-/// Gives rooms back for others on this thread.
-pub fn give_back<const N: usize>(rooms: [Vec<Lane>; N]) {
-    ROOMS.with_borrow_mut(|kept| {
-        kept.extend(rooms);
+/// Recycles buffers on this thread.
+pub fn recycle<const N: usize>(buffers: [Vec<Lane>; N]) {
+    RECYCLED.with_borrow_mut(|kept| {
+        kept.extend(buffers);
         kept.truncate(KEPT);
     });
 }
@@ -35,14 +35,14 @@ pub fn lane(count: usize, of: impl FnMut(usize) -> f64) -> Lane {
     Lane(by_lane(count, of))
 }
 
-/// Puts rows of up to [`LANES`] runs side by side. Shorter ones are filled up with zeros.
+/// Interleaves rows of up to [`LANES`] runs. Shorter ones are padded with zeros.
 pub fn interleave(runs: &[&[f64]]) -> Vec<Lane> {
-    let mut out = room(0);
+    let mut out = buffer(0);
     interleave_into(runs, &mut out);
     out
 }
 
-/// The same in the place of what was in `out`.
+/// [`interleave`] into `out`, which is overwritten.
 pub fn interleave_into(runs: &[&[f64]], out: &mut Vec<Lane>) {
     let length = runs.iter().map(|run| run.len()).max().unwrap_or(0);
     out.clear();
@@ -51,7 +51,7 @@ pub fn interleave_into(runs: &[&[f64]], out: &mut Vec<Lane>) {
         return;
     }
     let rows: [&[f64]; LANES] = by_lane(runs.len(), |run| runs[run]);
-    // As long as all runs have numbers: whole blocks of them.
+    // Whole blocks, up to the end of the shortest run.
     let blocks = rows.map(|run| run.as_chunks::<LANES>().0);
     let whole = blocks.iter().map(|own| own.len()).min().unwrap_or(0);
     vectorized!(transpose(blocks.map(|own| &own[..whole]), out));
@@ -59,7 +59,7 @@ pub fn interleave_into(runs: &[&[f64]], out: &mut Vec<Lane>) {
     out.extend((out.len()..length).map(|i| Lane(rows.map(|run| entry(run, i)))));
 }
 
-/// Appends blocks of numbers of every lane, as many of each.
+/// Appends blocks of equally many numbers of every lane.
 #[inline(always)]
 fn transpose(blocks: [&[[f64; LANES]]; LANES], out: &mut Vec<Lane>) {
     for block in 0..blocks[0].len() {

@@ -13,7 +13,7 @@ pub struct LogDet {
     pub sign: f64,
 }
 
-/// Rows of a matrix from which on faer's blocks are faster.
+/// Rows from which on faer is faster.
 const LARGE: usize = 48;
 
 /// Solves A X = B by Gaussian elimination with partial pivoting. `a`: n × n, destroyed. `b`: n × columns, replaced by
@@ -25,7 +25,8 @@ pub fn solve(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<()> {
     crate::dispatch(Solve { n, a, b }).map(|_| ())
 }
 
-/// What is solved, for the instruction sets that pulp picks from: the same sums in the same order, so that all give the same bits.
+/// The arguments, for the instruction sets that pulp selects from: the same sums in the same order, so that
+/// all give the same bits.
 struct Solve<'a> {
     n: usize,
     a: &'a mut [f64],
@@ -42,7 +43,7 @@ impl WithSimd for Solve<'_> {
     }
 }
 
-/// Replaces B by X: the sign of the determinant, whose pivots stand on the diagonal of `a` then.
+/// Replaces B by X and returns the sign of the determinant; the pivots are then on the diagonal of `a`.
 #[inline(always)]
 fn solved(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<f64> {
     let columns = b.len() / n.max(1);
@@ -80,9 +81,9 @@ fn signed_inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<f64> {
     crate::dispatch(Solve { n, a, b: out })
 }
 
-/// The inverse of A (n × n, destroyed) into `out` (n × n) by Gauss and Jordan's elimination, rows taken as they come; the
-/// pivots stand on the diagonal of `a` then. For many matrices side by side, which cannot exchange rows each in its own way:
-/// whoever asks looks at the pivots, and leaves matrices with small ones to [`inverse`].
+/// The inverse of A (n × n, destroyed) into `out` (n × n) by Gauss–Jordan elimination without row exchanges;
+/// the pivots are then on the diagonal of `a`. For lanes of matrices, which cannot exchange rows
+/// individually: the caller checks the pivots, and passes matrices with small ones to [`inverse`].
 #[inline(always)]
 pub fn inverse_in_order<T>(n: usize, a: &mut [T], out: &mut [T])
 where
@@ -135,7 +136,8 @@ fn of_pivots(n: usize, a: &[f64], sign: f64) -> LogDet {
     LogDet { log_abs: a.iter().step_by(n + 1).map(|pivot| libm::log(pivot.abs())).sum(), sign }
 }
 
-/// Reduces A to upper triangular form, doing the same to the rows of B: the sign of its determinant.
+/// Reduces A to upper triangular form, doing the same to the rows of B, and returns the sign of its
+/// determinant.
 #[inline(always)]
 fn eliminate(n: usize, a: &mut [f64], columns: usize, b: &mut [f64]) -> Option<f64> {
     let mut sign = 1.0;

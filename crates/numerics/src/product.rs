@@ -13,10 +13,11 @@ pub fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Columns of a product that are summed up side by side.
+/// Columns of a product that are summed in parallel.
 const COLUMNS: usize = 8;
 
-/// What is multiplied, for the instruction sets that pulp picks from: the same sums in the same order, so that all give the same bits.
+/// The arguments, for the instruction sets that pulp selects from: the same sums in the same order, so that
+/// all give the same bits.
 struct Product<'a> {
     n: usize,
     a: &'a [f64],
@@ -37,7 +38,7 @@ impl WithSimd for Product<'_> {
                 }
                 continue;
             }
-            // The last columns are as many, some of them once more.
+            // The last block has the same width; it repeats some columns.
             for first in (0..n.next_multiple_of(COLUMNS)).step_by(COLUMNS).map(|first| first.min(n - COLUMNS))
             {
                 let mut sums = [0.0; COLUMNS];
@@ -71,10 +72,11 @@ pub fn add_outer(a: &mut [f64], x: &[f64], y: &[f64]) {
     }
 }
 
-/// Entries from which on it is worth asking what the processor can do.
+/// Entries from which on checking the processor pays off.
 const MANY: usize = 64;
 
-/// Σ_ij a_ij b_ij, of as many entries as both have: eight sums side by side, so that none waits for the one before.
+/// Σ_ij a_ij b_ij, over the entries that both have: eight sums in parallel, so that none waits for the
+/// previous one.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let both = a.len().min(b.len());
     let dot = Dot { a: &a[..both], b: &b[..both] };
@@ -111,7 +113,8 @@ impl WithSimd for Dot<'_> {
     }
 }
 
-/// Adds c_k x_k to `out` for every row x_k of `rows`, of which each has as many entries as `out`, and its coefficient c_k, in turn.
+/// Adds c_k x_k to `out` for every row x_k of `rows`, in order; each row has as many entries as `out`, and a
+/// coefficient c_k.
 pub fn add_rows(out: &mut [f64], rows: &[f64], coefficients: &[f64]) {
     if !out.is_empty() {
         crate::dispatch(Rows { out, rows, coefficients });
@@ -143,7 +146,7 @@ pub fn times(a: &[f64], x: &[f64]) -> Vec<f64> {
     a.chunks_exact(x.len().max(1)).map(|row| dot(row, x)).collect()
 }
 
-/// xᵀ A x, of numbers or of many numbers side by side.
+/// xᵀ A x, for numbers or lanes.
 #[inline(always)]
 pub fn quadratic<T: Copy + From<f64> + Mul<Output = T> + AddAssign>(x: &[T], a: &[T]) -> T {
     let mut sum = T::from(0.0);

@@ -2,16 +2,16 @@
 
 mod again;
 mod interval;
-mod told;
+mod words;
 
 pub use again::median_again;
 pub use interval::{
     mean_interval, paired_median, paired_share_difference, quantile_interval, quantile_ranks,
     share_difference, wilson,
 };
-pub use told::{LEAST_FOR_MEDIAN, median_interval_in_words};
+pub use words::{LEAST_FOR_MEDIAN, median_interval_in_words};
 
-/// Mean, `None` of nothing.
+/// Mean; `None` if empty.
 pub fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
@@ -23,7 +23,7 @@ pub fn spread(values: &[f64]) -> Option<f64> {
     (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
 }
 
-/// The quantile `q` of ascending `sorted`, interpolated; `None` of nothing or among infinite values.
+/// The quantile `q` of ascending `sorted`, interpolated; `None` if empty or among infinite values.
 pub fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     let place = q * last as f64;
@@ -36,7 +36,7 @@ pub fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// The quantile 0.5 of `values` in any order: selected, which many values gain by over being sorted.
+/// The quantile 0.5 of `values` in any order, by selection, which is faster than sorting for many values.
 pub fn median(mut values: Vec<f64>) -> Option<f64> {
     let last = values.len().checked_sub(1)?;
     let (_, low, above) = values.select_nth_unstable_by(last / 2, f64::total_cmp);

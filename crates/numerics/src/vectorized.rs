@@ -1,9 +1,10 @@
 #[doc(hidden)]
 pub use crate::{dispatch, dispatch_narrow};
 
-/// An expression compiled for the vector instructions that [`crate::dispatch`] picks from, with `narrow:` before it for those
-/// of [`crate::dispatch_narrow`]; what it calls must be inlined. Lanes are added and multiplied, and fused only where
-/// [`crate::Lane::fused`] says so, so that all give the same bits.
+/// An expression compiled for the vector instructions that [`crate::dispatch`] selects from, with `narrow:`
+/// before it for those of [`crate::dispatch_narrow`]; the functions that it calls must be inlined. Lanes are
+/// added and multiplied, and fused only in [`crate::Lane::fused`], so that all instruction sets give the same
+/// bits.
 #[macro_export]
 macro_rules! vectorized {
     (narrow: $expression:expr) => {
@@ -24,8 +25,8 @@ macro_rules! vectorized {
     }};
 }
 
-/// Makes a closure that spends it one that can be called once only. Others are called through a function of the compiler's
-/// own, which is not inlined: their bodies would be compiled for the oldest processor.
+/// Makes a closure `FnOnce`. Others are called through a function of the compiler's own that is not inlined,
+/// so their bodies would be compiled for the oldest processor.
 #[doc(hidden)]
 #[derive(Debug)]
 pub struct Once;

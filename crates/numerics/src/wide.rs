@@ -2,11 +2,12 @@ use std::ops::{Add, AddAssign, Mul, Sub};
 
 use crate::{Arithmetic, LANES, Lane, Row};
 
-/// How many times [`crate::LANES`] runs are stepped at once where there are as many: none waits for itself then.
+/// How many times [`crate::LANES`] runs are stepped at once where there are as many, to hide the latency of a
+/// step.
 pub const GROUPS: usize = 4;
 
-/// A number of each of `G` times [`crate::LANES`] runs. A step of a model waits for the one before it, operation by operation;
-/// meanwhile a processor has time for other runs.
+/// A number of each of `G` times [`crate::LANES`] runs. A step of a model waits for the previous one,
+/// operation by operation; meanwhile the processor has time for other runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wide<const G: usize>(pub [Lane; G]);
 

@@ -1,4 +1,4 @@
-//! A compiled model beside its written terms.
+//! A compiled model against its written terms.
 
 use std::collections::BTreeMap;
 
@@ -31,7 +31,7 @@ fn theta() -> Vec<f64> {
     (1..=11).map(f64::from).collect()
 }
 
-/// The terms one after the other, factor by factor.
+/// The terms in order, factor by factor.
 fn terms(x: &[f64]) -> Vec<f64> {
     let scalar = |f: &Factor| if f.modulus { x[f.variable].abs() } else { x[f.variable] };
     let model = model();

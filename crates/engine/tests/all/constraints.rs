@@ -61,14 +61,14 @@ fn law_transposed_products_take_fixed_and_tied_terms_along() {
     let (free, held) = (vessel(FREE).unwrap(), vessel(HELD).unwrap());
     let slopes = [[0.3, -0.2, 0.5], [0.7, 0.1, -0.4], [0.2, 0.6, -0.1]];
     let (mut found, mut expected) = ([0.0; 5], [0.0; 5]);
-    // Of a, p, q, s, k, c; then of a, q, k, c and what is known, p.
+    // Of a, p, q, s, k, c; then of a, q, k, c and the known one, p.
     at(&free).pull_back(&[0.5, 0.8, 0.9, -1.5 * 0.9, 0.3, 0.4], &slopes, &mut expected);
     at(&held).pull_back(&[0.5, 0.9, 0.3, 0.4, 0.8], &slopes, &mut found);
     found.into_iter().zip(expected).for_each(|(a, b)| close(a, b));
 }
 
 #[test]
-fn parameters_are_told_in_the_order_that_they_are_written_in() {
+fn parameters_are_in_the_order_of_the_file() {
     let held = vessel(HELD).unwrap();
     let name = |written: &Written| match written {
         Written::Estimated(i) => held.model.parameter_names().nth(*i).unwrap().to_owned(),
@@ -115,7 +115,7 @@ fn the_constant_is_a_term_and_takes_the_intercepts_place() {
 fn constraints_that_mean_nothing_are_refused_in_one_line() {
     let p = |rest: &str| format!("{{ parameter = \"p\", term = \"v\", {rest} }}");
     let and = |rest: &str| format!("{}, {{ parameter = \"q\", term = \"r\", nominal = 0.4 }}", p(rest));
-    for (sway, told) in [
+    for (sway, texts) in [
         (and("tied_to = \"qq\""), vec!["`p`", "`qq`", "did you mean `q`?"]),
         (and("tied_to = \"c\""), vec!["`c`", "another degree of freedom"]),
         (and("tied_to = \"p\""), vec!["tied to itself"]),
@@ -139,8 +139,8 @@ fn constraints_that_mean_nothing_are_refused_in_one_line() {
     ] {
         let refused = vessel(&sway).unwrap_err();
         assert!(
-            !refused.contains('\n') && told.iter().all(|told| refused.contains(told)),
-            "{refused}: {told:?}"
+            !refused.contains('\n') && texts.iter().all(|text| refused.contains(text)),
+            "{refused}: {texts:?}"
         );
     }
     let twice = "{ parameter = \"p\", term = \"1\", nominal = 0.0 }, { parameter = \"q\", term = \"1\", nominal = 0.0 }";

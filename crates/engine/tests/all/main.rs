@@ -1,4 +1,4 @@
-//! The compiled model, its steps, and what disturbs them.
+//! The compiled model, its steps, and their disturbances.
 
 mod compiled;
 mod constraints;

@@ -1,4 +1,4 @@
-//! Random numbers are what they are keyed to be.
+//! Random numbers depend on their keys alone.
 
 use engine::{
     Axes, Current, Disturbances, Driven, Measurement, Recording, Streams, Weather, Wind, simulate,
@@ -64,7 +64,7 @@ fn law_normals_follow_the_normal_distribution_into_its_tails() {
     }
 }
 
-/// The two numbers of a pair, and what comes before and after: not even their squares are related.
+/// The two numbers of a pair, and consecutive ones: not even their squares are correlated.
 #[test]
 fn law_neighbouring_normals_and_channels_are_independent() {
     let (x, y) = (draws(6, "a", 1, 0, 400_000), draws(6, "a", 1, 1, 400_000));
@@ -117,7 +117,7 @@ fn law_a_runs_noise_does_not_depend_on_its_neighbours() {
     let alone = draws(7, "x", 5, 2, 101);
     assert!(
         one.1.chunks(3).zip(&alone).all(|(row, alone)| row[2][0] == 0.3 * alone),
-        "whatever the instruction set"
+        "with any instruction set"
     );
     assert!(one.0.iter().zip(&other.0).all(|(a, b)| a[0] == b[5]));
     assert!(one.1.iter().zip(&other.1).all(|(a, b)| a[0] == b[5]));
@@ -151,8 +151,9 @@ fn law_runs_that_are_simulated_at_once_are_those_of_one_group_after_the_other() 
     for samples in [50, 31, 32, 33, 64, 1] {
         let numbers: [[u32; LANES]; GROUPS] =
             std::array::from_fn(|group| std::array::from_fn(|lane| (LANES * group + lane) as u32));
-        let room = || [const { Vec::new() }; GROUPS].map(|_: Vec<Lane>| vec![Lane::ZERO; 3 * (samples + 1)]);
-        let (mut truth, mut measured) = (room(), room());
+        let buffers =
+            || [const { Vec::new() }; GROUPS].map(|_: Vec<Lane>| vec![Lane::ZERO; 3 * (samples + 1)]);
+        let (mut truth, mut measured) = (buffers(), buffers());
         let mut recordings = Vec::new();
         for ((numbers, truth), measured) in numbers.iter().zip(&mut truth).zip(&mut measured) {
             let disturbing = disturbances.of_runs(Some(&gusts), &streams, *numbers, 8.0);

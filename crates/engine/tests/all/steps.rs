@@ -1,4 +1,4 @@
-//! Runs that are stepped side by side, and in place, beside one run that is stepped by itself.
+//! Runs that are stepped in lanes, and in place, against single runs.
 
 use engine::{Ambient, Compiled};
 use model::{Model, Term, Vessel};
@@ -23,7 +23,7 @@ fn model() -> Model {
     model
 }
 
-/// Numbers between -1 and 1, some of them zero: that of a place is always the same.
+/// Numbers between -1 and 1, some of them zero, always the same at a place.
 fn number(i: usize) -> f64 {
     let mixed = (i as u64).wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     let value = ((mixed ^ (mixed >> 29)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;

@@ -1,6 +1,6 @@
 use engine::{Diverged, Run, SideBySide, Weather, check_diverged, diverged_lanes, simulate, simulate_groups};
 use model::Vessel;
-use numerics::lanes::{by_lane, give_back, groups, interleave, room};
+use numerics::lanes::{buffer, by_lane, groups, interleave, recycle};
 use numerics::{GROUPS, LANES, Lane, Wide};
 
 use super::alike::{Alike, Doing};
@@ -103,7 +103,7 @@ impl<'a> RunInstruments<'a> {
             outcomes.extend(Instruments::new(&batch, removal).estimate(&batch).into_iter().take(count));
         }
         for Prepared { runs, instrument_states, .. } in all {
-            give_back([runs.measured, runs.exogenous, instrument_states]);
+            recycle([runs.measured, runs.exogenous, instrument_states]);
         }
         Ok(outcomes)
     }
@@ -136,7 +136,7 @@ impl<'a> Prepared<'a> {
 
     /// Runs whose instruments are still to be simulated.
     fn calm(vessel: &'a Vessel, runs: SideBySide, starts: Vec<Vec<usize>>) -> Self {
-        Self { vessel, instrument_states: room(runs.measured.len()), runs, starts }
+        Self { vessel, instrument_states: buffer(runs.measured.len()), runs, starts }
     }
 
     fn as_long_as(&self, other: &Self) -> bool {

@@ -1,11 +1,11 @@
-//! What actuators do with commands.
+//! The response of actuators to commands.
 
 use model::{Actuator, Vessel};
 
 const RUDDER: Actuator = Actuator { range: Some([-0.6, 0.6]), lag_s: 2.0, rate_per_s: Some(0.05) };
 
 #[test]
-fn law_an_actuator_follows_a_command_as_the_equation_of_its_lag_says_whatever_the_sampling() {
+fn law_an_actuator_follows_a_command_by_the_equation_of_its_lag_at_any_sampling_rate() {
     let own = Actuator { rate_per_s: None, ..RUDDER };
     for samples in [1, 7, 100] {
         let seconds = 3.0 / f64::from(samples);

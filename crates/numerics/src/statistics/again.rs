@@ -1,15 +1,16 @@
-//! Medians of more values than there is room for: of such as can be gone through again and again.
+//! Medians of more values than fit in memory, if these can be iterated repeatedly.
 
 use super::{median, quantile};
 
-/// Values that are selected from in memory.
+/// Most values to select from in memory.
 const IN_MEMORY: usize = 1 << 18;
 
-/// Bits of a value's rank that one pass decides on.
+/// Bits of a value's rank that one pass determines.
 const BITS: u32 = 16;
 
-/// [`median`], to the last bit, of values that `values` goes through as often as it is asked to. Of many, each pass counts
-/// how many have the same leading bits, until those that the median is among fit the memory.
+/// [`median`], bit for bit, of the values that `values` yields each time it is called. If there are many,
+/// each pass counts how many have the same leading bits, until those that contain the median fit in the
+/// memory.
 pub fn median_again<I: Iterator<Item = f64>>(values: impl Fn() -> I) -> Option<f64> {
     let few: Vec<f64> = values().take(IN_MEMORY + 1).collect();
     if few.len() <= IN_MEMORY {
@@ -54,7 +55,7 @@ fn ranked<I: Iterator<Item = u64>>(keys: &impl Fn() -> I, mut rank: usize) -> u6
     }
 }
 
-/// A number that is the larger, the larger the value.
+/// An integer that orders like the values.
 fn key(value: f64) -> u64 {
     let bits = value.to_bits();
     if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }

@@ -7,31 +7,33 @@ const Z: f64 = 1.959_963_984_540_054;
 /// Probability with which each end of an interval may miss.
 const TAIL: f64 = 0.025;
 
-/// Wilson's score interval of a share: 95 % `[low, high]` after `count` successes in `total` trials; `None` of nothing.
+/// Wilson's score interval of a share: 95 % `[low, high]` after `count` successes in `total` trials; `None`
+/// without trials.
 ///
-/// It holds for shares near 0 and 1 too, where an estimate ± 1.96 standard errors does not.
+/// It is valid for shares near 0 and 1 too, where an estimate ± 1.96 standard errors is not.
 pub fn wilson(count: u64, total: u64) -> Option<[f64; 2]> {
     if total == 0 {
         return None;
     }
     let (share, weight) = (count as f64 / total as f64, Z * Z / total as f64);
-    let middle = share + 0.5 * weight;
+    let centre = share + 0.5 * weight;
     let half = (weight * (share * (1.0 - share) + 0.25 * weight)).sqrt();
-    // The ends are exact where nothing or everything succeeded; rounding must not leave them beside 0 and 1.
-    let low = if count == 0 { 0.0 } else { (middle - half) / (1.0 + weight) };
-    let high = if count == total { 1.0 } else { (middle + half) / (1.0 + weight) };
+    // The ends are exact where all trials failed or succeeded; rounding must not move them off 0 and 1.
+    let low = if count == 0 { 0.0 } else { (centre - half) / (1.0 + weight) };
+    let high = if count == total { 1.0 } else { (centre + half) / (1.0 + weight) };
     Some([low, high])
 }
 
-/// 95 % interval `[low, high]` of a share less another share of other trials, each a count of a total; `None` of nothing.
+/// 95 % interval `[low, high]` of the difference of two independent shares, each a count of a total; `None`
+/// without trials.
 ///
 /// Newcombe's hybrid of two score intervals (Statistics in Medicine 17, 1998, 873–890, method 10).
 pub fn share_difference(one: [u64; 2], other: [u64; 2]) -> Option<[f64; 2]> {
     hybrid(one, other, 0.0)
 }
 
-/// As [`share_difference`], of two shares of the same `total` trials: in `both` of them the one and the other succeeded, in
-/// `only_one` and `only_other` one of them.
+/// As [`share_difference`], for two shares of the same `total` trials: `both` succeeded in so many of them,
+/// only one of the two in `only_one` and `only_other`.
 ///
 /// Newcombe's hybrid with the correlation between the two (Statistics in Medicine 17, 1998, 2635–2650, method 10).
 pub fn paired_share_difference(both: u64, only_one: u64, only_other: u64, total: u64) -> Option<[f64; 2]> {
@@ -39,13 +41,13 @@ pub fn paired_share_difference(both: u64, only_one: u64, only_other: u64, total:
     let [a, b, c, d] = [both, only_one, only_other, neither].map(|count| count as f64);
     let spread = ((a + b) * (c + d) * (a + c) * (b + d)).sqrt();
     let agreement = a * d - b * c;
-    // With Newcombe's correction for continuity where the two agree.
+    // Newcombe's correction for continuity, where the two agree.
     let agreement = if agreement > 0.0 { (agreement - 0.5 * total as f64).max(0.0) } else { agreement };
     let correlation = if spread > 0.0 { agreement / spread } else { 0.0 };
     hybrid([both + only_one, total], [both + only_other, total], correlation)
 }
 
-/// The interval of the difference of two shares whose estimates are correlated so.
+/// The interval of the difference of two shares with this correlation between their estimates.
 fn hybrid(one: [u64; 2], other: [u64; 2], correlation: f64) -> Option<[f64; 2]> {
     let [p, q] = [one, other].map(|[count, total]| count as f64 / total as f64);
     let ([low, high], [other_low, other_high]) = (wilson(one[0], one[1])?, wilson(other[0], other[1])?);
@@ -54,16 +56,16 @@ fn hybrid(one: [u64; 2], other: [u64; 2], correlation: f64) -> Option<[f64; 2]> 
     Some(ends.map(|end| end.clamp(-1.0, 1.0)))
 }
 
-/// 95 % interval `[low, high]` of the mean that `values` were drawn from, if there are enough of them for their mean to be
-/// normal; `None` below two.
+/// 95 % interval `[low, high]` of the mean of the distribution of `values`, if there are enough of them for
+/// their mean to be normal; `None` below two.
 pub fn mean_interval(values: &[f64]) -> Option<[f64; 2]> {
     let half = Z * spread(values)? / (values.len() as f64).sqrt();
     mean(values).map(|mean| [mean - half, mean + half])
 }
 
-/// 95 % interval `[low, high]` of the quantile `q` that ascending `sorted` values were drawn from: two of the values, of
-/// which each misses the quantile with a probability of at most 2.5 %, whatever the distribution. An end is `None` where
-/// there are too few values for it, or where it falls among infinite ones.
+/// 95 % interval `[low, high]` of the quantile `q` of the distribution of ascending `sorted` values: two of
+/// the values, each of which misses the quantile with a probability of at most 2.5 %, for any distribution.
+/// An end is `None` where there are too few values for it, or where it falls among infinite ones.
 pub fn quantile_interval(sorted: &[f64], q: f64) -> [Option<f64>; 2] {
     ranks(sorted.len(), q)
         .map(|rank| sorted.get(rank?.checked_sub(1)?).copied().filter(|value| value.is_finite()))
@@ -84,7 +86,8 @@ fn ranks(n: usize, q: f64) -> [Option<usize>; 2] {
     [(below > 0).then_some(below), (above > 0).then(|| n + 1 - above)]
 }
 
-/// Beyond so many draws the normal distribution stands for the binomial one: its ranks differ by one at most.
+/// Beyond so many draws the normal approximation of the binomial distribution is used: its ranks differ by
+/// one at most.
 const MANY: u64 = 10_000;
 
 /// Ranks, from 1, of the values among `n` draws that enclose the quantile `q` at 95 %, as [`quantile_interval`] does, for any
@@ -98,7 +101,7 @@ pub fn quantile_ranks(n: u64, q: f64) -> [Option<u64>; 2] {
         .map(|rank| rank.filter(|rank| (1..=n).contains(rank)))
 }
 
-/// Adds `mass` to the `sum` of a tail; whether it still is at most [`TAIL`].
+/// Adds `mass` to the `sum` of a tail; returns whether it is still at most [`TAIL`].
 fn within(sum: &mut f64, mass: f64) -> bool {
     *sum += mass;
     *sum <= TAIL
@@ -116,9 +119,9 @@ fn binomial(n: usize, q: f64) -> Vec<f64> {
     masses
 }
 
-/// Median of the differences `other − one` over pairs and its 95 % interval: `[low, median, high]`, where an end is infinite
-/// that falls among infinite differences or that there are too few pairs for. A value that is absent counts as infinite;
-/// pairs without both do not differ. `None` of nothing.
+/// Median of the differences `other − one` over pairs and its 95 % interval: `[low, median, high]`, where an
+/// end is infinite that falls among infinite differences or that there are too few pairs for. A missing value
+/// counts as infinite; pairs that miss both do not differ. `None` if empty.
 pub fn paired_median(pairs: impl Iterator<Item = [Option<f64>; 2]>) -> Option<[f64; 3]> {
     let difference = |[one, other]: [Option<f64>; 2]| match (one, other) {
         (Some(one), Some(other)) => other - one,

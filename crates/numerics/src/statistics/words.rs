@@ -1,8 +1,8 @@
-/// Fewest draws of which two enclose the median that they were drawn about at 95 %.
+/// Fewest draws of which two enclose the median of their distribution at 95 %.
 pub const LEAST_FOR_MEDIAN: u64 = 6;
 
-/// The 95 % interval of the median of `pairs` pairs in words, such as `0.9 to 1.1`. An end is absent where the pairs do not bound
-/// it.
+/// The 95 % interval of the median of `pairs` pairs in words, such as `0.9 to 1.1`. An end is missing where
+/// the pairs do not bound it.
 ///
 /// # Errors
 /// Why there is none: too few pairs, or too many of which one has no value.

@@ -1,4 +1,4 @@
-//! Singular values, eigenvalues and large systems: what they are defined by.
+//! Singular values, eigenvalues and large systems against their definitions.
 
 use numerics::{dot, inverse, product, solve, symmetric, times, weakest};
 use proptest::prelude::*;
@@ -53,7 +53,7 @@ proptest! {
     }
 }
 
-/// Below and above the size from which another method is taken.
+/// Below and above the size where the method changes.
 #[test]
 fn law_solutions_and_inverses_of_any_size_are_what_they_are_defined_by() {
     let mut state = 1u64;

@@ -45,8 +45,9 @@ fn binomial(n: u64, p: f64) -> Vec<f64> {
     out
 }
 
-/// What the pages say of brackets: about 95 of 100 studies' intervals hold the true share; another study's share falls into them
-/// some 83 times of 100, as 2 Φ(1.96/√2) − 1 = 0.834 says of normal errors. Summed over all outcomes, nothing is drawn.
+/// What the pages say about intervals: about 95 of 100 studies' intervals contain the true share; another
+/// study's share falls into them some 83 times of 100, since 2 Φ(1.96/√2) − 1 = 0.834 for normal errors.
+/// Summed over all outcomes, without random draws.
 #[test]
 fn law_intervals_hold_the_share_in_95_of_100_studies_and_another_studys_in_83() {
     for (n, p) in [(500, 0.5), (500, 0.58), (300, 0.3), (2000, 0.9)] {
@@ -91,7 +92,7 @@ fn oracle_differences_of_shares_are_those_that_newcombe_prints() {
 #[test]
 fn law_nineteen_of_twenty_paired_intervals_hold_the_difference_of_the_shares() {
     let mut draw = draws(7);
-    // The one succeeds below 0.7, the other below 0.6 of a number that they share in half of the trials.
+    // One succeeds below 0.7, the other below 0.6, of a number that they share in half of the trials.
     let (mut held, mut narrower) = (0, 0);
     for _ in 0..2000 {
         let mut counts = [0_u64; 4];
@@ -108,7 +109,7 @@ fn law_nineteen_of_twenty_paired_intervals_hold_the_difference_of_the_shares() {
     }
     assert!((1860..=1960).contains(&held), "{held} of 2000");
     assert_eq!(narrower, 2000);
-    // All the same: nothing is known of the difference but how rarely they differ.
+    // All agree: the only information about the difference is how rarely they differ.
     let [low, high] = paired_share_difference(60, 0, 0, 100).unwrap();
     assert!((low + high).abs() < 1e-12 && high < share_difference([60, 100], [60, 100]).unwrap()[1]);
     assert_eq!(paired_share_difference(60, 30, 20, 100), None);
@@ -168,13 +169,13 @@ fn law_nineteen_of_twenty_intervals_hold_the_mean_they_were_drawn_from() {
 }
 
 #[test]
-fn law_an_interval_of_a_median_is_told_as_soon_as_there_is_one_and_never_as_no_number() {
+fn law_an_interval_of_a_median_is_stated_as_soon_as_there_is_one_and_never_as_a_nan() {
     let number = |x: f64| format!("{x:.1}");
     for count in 0..40_u64 {
         let values: Vec<f64> = (0..count).map(|i| i as f64).collect();
         let ends = quantile_interval(&values, 0.5);
-        let told = median_interval_in_words(ends, count, number);
-        assert_eq!(told.is_ok(), count >= LEAST_FOR_MEDIAN, "{count}: {told:?}");
+        let words = median_interval_in_words(ends, count, number);
+        assert_eq!(words.is_ok(), count >= LEAST_FOR_MEDIAN, "{count}: {words:?}");
         // What has no value is infinite: more and more of the pairs.
         for absent in 0..=count as usize {
             let mut some = values.clone();
