@@ -13,7 +13,7 @@ const SYNTAX: Syntax = Syntax {
 };
 
 impl Portable {
-    /// What macros and constants begin with.
+    /// Prefix of macros and constants.
     pub(crate) fn upper(&self) -> String {
         self.base.to_uppercase()
     }
@@ -40,7 +40,7 @@ impl Portable {
             ("input_room", self.inputs().len().max(1).to_string()),
             ("parameter_count", self.parameters.len().to_string()),
             ("range_count", self.ranges.len().to_string()),
-            ("range_room", self.ranges.len().max(1).to_string()),
+            ("range_capacity", self.ranges.len().max(1).to_string()),
             ("input_places", self.c_input_places()),
             ("parameter_places", self.c_parameter_places()),
             ("channels", self.c_channels()),
@@ -62,16 +62,16 @@ impl Portable {
 
     fn c_input_places(&self) -> String {
         let line = |(i, own): (usize, &crate::Channel)| {
-            let told = comment(&format!("[{}] {}", own.unit, own.meaning));
-            format!("#define {}_I_{} {i} /* {told} */\n", self.upper(), own.identifier)
+            let meaning = comment(&format!("[{}] {}", own.unit, own.meaning));
+            format!("#define {}_I_{} {i} /* {meaning} */\n", self.upper(), own.identifier)
         };
         self.inputs().iter().enumerate().map(line).collect()
     }
 
     fn c_parameter_places(&self) -> String {
         let line = |(i, own): (usize, &Parameter)| {
-            let told = comment(&format!("[{}] {}", own.unit, own.meaning));
-            format!("#define {}_P_{} {i} /* {told} */\n", self.upper(), own.identifier)
+            let meaning = comment(&format!("[{}] {}", own.unit, own.meaning));
+            format!("#define {}_P_{} {i} /* {meaning} */\n", self.upper(), own.identifier)
         };
         self.parameters.iter().enumerate().map(line).collect()
     }
@@ -103,7 +103,7 @@ impl Portable {
         if self.ranges.is_empty() { nothing } else { self.ranges.iter().map(line).collect() }
     }
 
-    /// What gives channels their names within a step.
+    /// Assigns channels to their names within a step.
     fn c_unpack(&self) -> String {
         let used = self.used();
         let channels = self.given().iter().enumerate();

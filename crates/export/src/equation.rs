@@ -5,18 +5,18 @@ use model::{DerivedChannel, Factor, Function};
 use crate::portable::{Portable, Summand};
 use crate::text::number;
 
-/// How a language writes what all of them write alike otherwise.
+/// Where the expressions of a language differ from the others'.
 pub struct Syntax {
-    /// What takes the modulus.
+    /// The function for the modulus.
     pub modulus: &'static str,
     /// A parameter, from its identifier.
     pub parameter: fn(&Portable, &str) -> String,
-    /// What stands between two summands.
+    /// Separator between two summands.
     pub between: &'static str,
 }
 
 impl Syntax {
-    /// The channels that are computed and that some equation takes: identifier and expression.
+    /// The computed channels that some equation uses: identifier and expression.
     pub fn derived<'m>(&self, model: &'m Portable) -> Vec<(&'m str, String)> {
         let used = model.used();
         let needed = model.derived.iter().filter(|own| used.contains(&own.variable));
@@ -41,8 +41,8 @@ impl Syntax {
         }
     }
 
-    /// What degree of freedom `d` of `model` gains in a sample. Products and sums stand in the order in which
-    /// [`engine::Compiled::step`] computes them.
+    /// The increment of degree of freedom `d` of `model` in a step. Products and sums are in the order of
+    /// [`engine::Compiled::step`].
     pub fn gain(&self, model: &Portable, d: usize) -> String {
         let summands: Vec<String> = model.equations[d].iter().map(|own| self.summand(model, own)).collect();
         summands.join(self.between)

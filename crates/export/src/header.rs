@@ -1,9 +1,9 @@
-//! What stands above the code in every language.
+//! The comment at the top of the code, in every language.
 
 use crate::portable::Portable;
 use crate::text::{comment, number, wrapped};
 
-/// Letters in a line of a comment.
+/// Characters in a line of a comment.
 const WIDTH: usize = 110;
 
 impl Portable {

@@ -1,4 +1,4 @@
-//! Names that are identifiers in every language that is written.
+//! Names that are identifiers in every target language.
 
 use std::collections::BTreeSet;
 
@@ -24,25 +24,25 @@ const RESERVED: &str = "\
     p du dv dr state states input inputs next parameters ranges model step simulate outside within_ranges \
     initial_u initial_v initial_r time";
 
-/// Most letters of an identifier, but for what tells it from another: MATLAB takes 63 in all.
+/// Most characters of an identifier, without its distinguishing suffix: MATLAB allows 63 in total.
 const LONGEST: usize = 57;
 
-/// The Greek letters from alpha on, which are written out.
+/// The Greek letters from alpha on, which are spelled out.
 const GREEK: [&str; 25] = [
     "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu",
     "nu", "xi", "omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega",
 ];
 
-/// The identifiers that are taken.
+/// Identifiers in use.
 pub struct Identifiers(BTreeSet<String>);
 
 impl Identifiers {
-    /// Those that mean something.
+    /// The reserved words.
     pub fn reserved() -> Self {
         Self(RESERVED.split_whitespace().map(str::to_owned).collect())
     }
 
-    /// What stands for `name` from now on: the name itself where it is an identifier that nothing else has.
+    /// The identifier for `name` from now on: the name itself if it is a valid identifier that is not in use.
     pub fn take(&mut self, name: &str) -> String {
         let plain = identifier(name);
         let numbered = (2..).map(|number| format!("{plain}_{number}"));
@@ -53,7 +53,7 @@ impl Identifiers {
     }
 }
 
-/// `name` where it is an identifier already, else the nearest one.
+/// `name` if it is an identifier already, else the nearest one.
 fn identifier(name: &str) -> String {
     let letters = |c: char| c.is_ascii_alphanumeric() || c == '_';
     if name.starts_with(|c: char| c.is_ascii_alphabetic())
@@ -70,7 +70,7 @@ fn identifier(name: &str) -> String {
     begun.trim_end_matches('_').chars().take(LONGEST).collect()
 }
 
-/// A letter as it may stand in an identifier.
+/// A character as it may occur in an identifier.
 fn spelled(c: char) -> String {
     let greek = |first: char| GREEK.get((u32::from(c).wrapping_sub(u32::from(first))) as usize);
     match c {
@@ -81,7 +81,7 @@ fn spelled(c: char) -> String {
     }
 }
 
-/// What a file and its functions are called: the vessel's name in small letters.
+/// The base name of files and functions: the vessel's name in lower case.
 pub fn base(name: &str) -> String {
     let mut taken = Identifiers::reserved();
     match name.chars().any(|c| c.is_ascii_alphabetic()) {

@@ -1,7 +1,9 @@
-//! A vessel's model as source text that other tools take: Python, C, MATLAB or Octave, and a Functional Mock-up Unit.
+//! A vessel's model as source text for other tools: Python, C, MATLAB or Octave, and a Functional Mock-up
+//! Unit.
 //!
-//! [`Portable`] is the model as every language wants it: channels, parameters and equations under names that are identifiers
-//! everywhere. A target turns it into text in memory; whoever calls writes the files and builds what is to be built.
+//! [`Portable`] is the model in a form common to all languages: channels, parameters and equations under
+//! names that are identifiers everywhere. A target turns it into text in memory; the caller writes the files
+//! and builds the library.
 //!
 //! The generated code computes what [`engine::Compiled::step`] does in the same order, so that both agree to the last bit
 //! where a processor does not fuse multiplication and addition.

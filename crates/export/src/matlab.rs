@@ -69,7 +69,7 @@ impl Portable {
         self.ranges.iter().map(line).collect()
     }
 
-    /// What gives channels their names within a step.
+    /// Assigns channels to their names within a step.
     fn matlab_unpack(&self) -> String {
         let states = ["u = state(1);\n", "v = state(2);\n", "r = state(3);\n"].map(str::to_owned);
         let used = self.used();

@@ -1,4 +1,4 @@
-//! A model as every language wants it.
+//! A model in a form common to all languages.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,31 +9,31 @@ use refusal::Invalid;
 
 use crate::identifier::{Identifiers, base};
 
-/// A model with its parameters and all that is known of them, under names that are identifiers everywhere.
+/// A model with its parameters and their properties, under names that are identifiers everywhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Portable {
     /// The vessel's name, as written.
     pub vessel: String,
-    /// What files and functions are called.
+    /// The base name of files and functions.
     pub base: String,
     /// The sampling rate that it holds for \[Hz\].
     pub rate_hz: f64,
-    /// The states u, v, r, then the inputs, the measured disturbances, and what is computed from these: in the order of the
-    /// model's variables.
+    /// The states u, v, r, then the inputs, the measured disturbances, and derived channels, in the order of
+    /// the model's variables.
     pub channels: Vec<Channel>,
-    /// How channels are computed, each after those that it is computed from.
+    /// How channels are computed, each after its sources.
     pub derived: Vec<DerivedChannel>,
-    /// What has a value of its own: surge, sway, yaw.
+    /// The parameters with values of their own: surge, sway, yaw.
     pub parameters: Vec<Parameter>,
-    /// What has that of another.
+    /// The parameters tied to others.
     pub tied: Vec<Tied>,
-    /// What u, v and r gain in a sample, summand by summand.
+    /// The increments of u, v and r in a step, summand by summand.
     pub equations: [Vec<Summand>; 3],
-    /// Within which the model is known to hold; none of a channel that nothing is known of.
+    /// Ranges within which the model is known to be valid, for the channels that have one.
     pub ranges: Vec<Range>,
-    /// What to know before using it, in words.
+    /// Notes for the user.
     pub notes: Vec<String>,
-    /// Where it comes from.
+    /// Its origin.
     pub origin: Origin,
 }
 
@@ -63,7 +63,7 @@ pub struct Parameter {
     pub value: f64,
     /// Its standard error, where that is known.
     pub standard_error: Option<f64>,
-    /// What it multiplies, in words.
+    /// Its regressor, in words.
     pub meaning: String,
 }
 
@@ -78,19 +78,19 @@ pub struct Tied {
     pub factor: f64,
 }
 
-/// A parameter times a sum of products; of none where it stands alone.
+/// A parameter times a sum of products; an empty sum for the parameter alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summand {
-    /// Its place among the parameters.
+    /// Its index among the parameters.
     pub parameter: usize,
-    /// Products of channels, each with a number, where there is one.
+    /// Products of channels, each with a coefficient if it has one.
     pub products: Vec<(Vec<Factor>, Option<f64>)>,
 }
 
-/// Within which a channel was when the model was fitted.
+/// The range of a channel in the data that the model was fitted to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
-    /// The channel's place.
+    /// The channel's index.
     pub channel: usize,
     /// Least value.
     pub low: f64,
@@ -98,7 +98,7 @@ pub struct Range {
     pub high: f64,
 }
 
-/// Where a model comes from.
+/// The origin of a model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Origin {
     /// Program and version.
@@ -107,18 +107,18 @@ pub struct Origin {
     pub file: String,
     /// Its digest.
     pub digest: String,
-    /// What its values are: estimates, true or nominal values.
+    /// The kind of its values: estimates, true or nominal values.
     pub values: String,
 }
 
-/// What is known of a model beside its values.
+/// Information about a model besides its values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Knowledge {
     /// Standard errors by parameter.
     pub standard_errors: BTreeMap<String, f64>,
-    /// What the data covered: channel, least and largest value.
+    /// The data's coverage: channel, least and largest value.
     pub covered: Vec<(String, [f64; 2])>,
-    /// What to know before using the model.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
@@ -132,7 +132,7 @@ impl Portable {
         let mut names = Identifiers::reserved();
         let channels: Vec<Channel> = channels(vessel, &mut names);
         let given = channels.len() - vessel.model.derived.len();
-        // What is computed is within its range where that which it is computed from is within its own.
+        // Derived channels are within their ranges if their sources are.
         let place = |name: &String| channels[..given].iter().position(|own| own.name == *name);
         let covered = known.covered.iter();
         let ranges = covered
@@ -155,7 +155,7 @@ impl Portable {
         })
     }
 
-    /// That it holds for `rate_hz`, at which it is to be used.
+    /// Refuses to use it at another rate than `rate_hz`.
     ///
     /// # Errors
     /// Another rate: the parameters are those of a step of one length.
@@ -186,7 +186,7 @@ impl Portable {
         &self.channels[..self.channels.len() - self.derived.len()]
     }
 
-    /// The places of the channels that some equation takes, itself or through others.
+    /// The indices of the channels that some equation uses, directly or through others.
     pub(crate) fn used(&self) -> BTreeSet<usize> {
         let products = self.equations.iter().flatten().flat_map(|summand| &summand.products);
         let factors = products.flat_map(|(factors, _)| factors).map(|factor| factor.variable);
@@ -199,7 +199,7 @@ impl Portable {
         used
     }
 
-    /// The names in code that are others than in the file, and those in the file.
+    /// The names in code that differ from the file's, with the latter.
     pub fn renamed(&self) -> BTreeMap<String, String> {
         let channels = self.channels.iter().map(|own| (&own.name, &own.identifier));
         let all = channels.chain(self.parameters.iter().map(|own| (&own.name, &own.identifier)));
@@ -207,7 +207,7 @@ impl Portable {
         others.map(|(name, identifier)| (identifier.clone(), name.clone())).collect()
     }
 
-    /// How much there is of it, and which names are others in code, in a line.
+    /// Its size, and the renamed channels, in one line.
     pub fn summary(&self) -> String {
         let (inputs, parameters) = (self.inputs().len(), self.parameters.len());
         let renamed = self.renamed().into_iter().map(|(own, name)| format!("; {name} is called {own}"));
@@ -218,7 +218,7 @@ impl Portable {
         )
     }
 
-    /// The value of a channel that a simulator begins with: the one nearest to zero within its range.
+    /// The initial value of a channel in a simulator: the one nearest to zero within its range.
     pub(crate) fn start(&self, channel: usize) -> f64 {
         let range = self.ranges.iter().find(|range| range.channel == channel);
         range.map_or(0.0, |range| 0.0_f64.max(range.low).min(range.high))
@@ -250,7 +250,7 @@ fn channels(vessel: &Vessel, names: &mut Identifiers) -> Vec<Channel> {
     model.variables.iter().enumerate().map(channel).collect()
 }
 
-/// Parameters and equations in the making.
+/// Parameters and equations under construction.
 struct Making<'a> {
     vessel: &'a Vessel,
     known: &'a Knowledge,
@@ -260,7 +260,8 @@ struct Making<'a> {
 }
 
 impl Making<'_> {
-    /// The summands of `d`, in the order in which a simulation adds them up: constant, estimated parameters, known ones.
+    /// The summands of `d`, in the order of summation in a simulation: constant, estimated parameters, known
+    /// ones.
     fn equation(&mut self, d: DegreeOfFreedom, theta: &[f64]) -> Vec<Summand> {
         let model = &self.vessel.model;
         let degree = &model.degrees[d as usize];
@@ -309,7 +310,7 @@ impl Making<'_> {
     }
 }
 
-/// What `term` is summed up of; nothing for the constant 1.
+/// The products whose sum is `term`; empty for the constant 1.
 fn products(term: &Term) -> Vec<(Vec<Factor>, Option<f64>)> {
     if term.is_constant() && term.tied.is_empty() {
         return Vec::new();

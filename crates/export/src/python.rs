@@ -72,7 +72,7 @@ impl Portable {
         self.ranges.iter().map(line).collect()
     }
 
-    /// What gives channels their names within a step.
+    /// Assigns channels to their names within a step.
     fn python_unpack(&self) -> String {
         let all = |channels: &[Channel]| {
             let names: Vec<&str> = channels.iter().map(|own| own.identifier.as_str()).collect();
@@ -88,8 +88,8 @@ impl Portable {
 
 fn names(channels: &[Channel]) -> String {
     let line = |own: &Channel| {
-        let told = comment(&format!("[{}] {}", own.unit, own.meaning));
-        format!("    \"{}\",  # {told}\n", own.identifier)
+        let meaning = comment(&format!("[{}] {}", own.unit, own.meaning));
+        format!("    \"{}\",  # {meaning}\n", own.identifier)
     };
     channels.iter().map(line).collect()
 }

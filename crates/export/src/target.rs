@@ -1,4 +1,4 @@
-//! What a model can be exported to.
+//! The targets of an export.
 
 use refusal::Invalid;
 
@@ -41,7 +41,7 @@ impl Target {
 pub(crate) type TextFile = (String, String);
 
 impl Portable {
-    /// What the files of `target` are called, the main file first.
+    /// The names of the files of `target`, the main file first.
     pub fn file_names(&self, target: Target) -> Vec<String> {
         match target {
             Target::Fmu => vec![format!("{}.fmu", self.base)],
@@ -49,7 +49,8 @@ impl Portable {
         }
     }
 
-    /// What is in them, in the same order; a unit holds the `library` that was built from its sources, where there is one.
+    /// The contents of these files, in the same order; a unit contains the `library` built from its sources,
+    /// if there is one.
     ///
     /// # Errors
     /// A unit that is too long for an archive.

@@ -1,4 +1,5 @@
-//! Numbers, texts and comments as the languages write them. What a user wrote can end no text and no comment.
+//! Numbers, texts and comments in the syntax of the languages. Text from users cannot terminate a string or a
+//! comment.
 
 /// A number that reads back to the same bits in every language.
 pub fn number(value: f64) -> String {
@@ -17,18 +18,19 @@ pub fn comment(text: &str) -> String {
     one_line(text).replace("*/", "* /").replace("/*", "/ *").replace('\\', "/").replace("??", "? ?")
 }
 
-/// A text between double quotes, as Python and C take it. Two question marks and another sign would be one sign to C.
+/// A string in double quotes, for Python and C. In C, two question marks and another character could be a
+/// trigraph.
 pub fn quoted(text: &str) -> String {
     let escaped = one_line(text).replace('\\', "\\\\").replace('"', "\\\"").replace("??", "?\\077");
     format!("\"{escaped}\"")
 }
 
-/// A text between single quotes, as MATLAB takes it.
+/// A string in single quotes, for MATLAB.
 pub fn single(text: &str) -> String {
     format!("'{}'", one_line(text).replace('\'', "''"))
 }
 
-/// `text` in lines of at most `width` letters, where words allow.
+/// `text` in lines of at most `width` characters, broken between words.
 pub fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in one_line(text).split_whitespace() {

@@ -9,10 +9,10 @@ use super::kept::Kept;
 use super::spec::ManeuverSpec;
 
 impl GenerateSpec {
-    /// All candidates, within the limits or not.
+    /// All candidates, whether or not they keep the limits.
     ///
     /// # Errors
-    /// A number without meaning.
+    /// A meaningless number.
     pub fn candidates(&self) -> Result<Vec<ManeuverSpec>, Invalid> {
         self.check()?;
         let kinds = self.kinds();

@@ -11,9 +11,9 @@ use super::spec::ManeuverSpec;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DictionaryFile {
-    /// Duration of every maneuver that gives none of its own \[s\].
+    /// Duration of every maneuver that states none \[s\].
     pub duration_s: Option<f64>,
-    /// Which parameters turn maneuvers into inputs.
+    /// The parameters that turn maneuvers into inputs.
     #[serde(default)]
     pub inputs_from: Source,
     /// The maneuvers, in order.
@@ -24,10 +24,10 @@ pub struct DictionaryFile {
 }
 
 impl DictionaryFile {
-    /// The maneuvers with the generated ones after those written, each of a name of its own.
+    /// The written maneuvers, then the generated ones, with unique names.
     ///
     /// # Errors
-    /// An empty dictionary, a name used twice and numbers without meaning: names the maneuver and the key.
+    /// An empty dictionary, a duplicate name and meaningless numbers: names the maneuver and the key.
     pub fn expanded(&self) -> Result<Vec<ManeuverSpec>, Invalid> {
         let generated = self.generate.as_ref().map(GenerateSpec::candidates).transpose()?;
         let all: Vec<ManeuverSpec> =

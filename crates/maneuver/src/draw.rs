@@ -14,19 +14,19 @@ pub(super) struct Draw<'a, R> {
 }
 
 impl<R: Rng> Draw<'_, R> {
-    /// Evenly from 0 to 1.
+    /// Uniform from 0 to 1.
     fn share(&mut self) -> f64 {
         (self.rng.next_u64() >> 11) as f64 * 2.0_f64.powi(-53)
     }
 
-    /// Evenly within a range, to three decimals.
+    /// Uniform within a range, to three decimals.
     fn within(&mut self, low: f64, high: f64) -> f64 {
         let value = low + (high - low) * self.share();
-        // Rounded towards zero: never beyond a limit.
+        // Rounded towards zero, so that no limit is exceeded.
         (value * 1000.0).trunc() / 1000.0
     }
 
-    /// Of a modulus up to `most`, at least a quarter of it.
+    /// Of modulus `most` or less, at least a quarter of it.
     fn amplitude(&mut self, most: f64) -> f64 {
         self.within(0.25 * most, most)
     }
@@ -36,7 +36,7 @@ impl<R: Rng> Draw<'_, R> {
         if self.share() < 0.5 { -amplitude } else { amplitude }
     }
 
-    /// Short ones as likely as long ones: evenly in the logarithm.
+    /// Uniform in the logarithm: short periods are as likely as long ones.
     fn period(&mut self) -> f64 {
         let [shortest, longest] = self.spec.period_s;
         let period = shortest * libm::pow(longest / shortest, self.share());
@@ -48,7 +48,7 @@ impl<R: Rng> Draw<'_, R> {
         self.start(low, high)
     }
 
-    /// One of the speeds to start at that lie within a range, or any in it where none are stated.
+    /// One of the stated initial speeds that lie within a range, or any speed in it if none are stated.
     fn start(&mut self, low: f64, high: f64) -> f64 {
         let starts: Vec<f64> =
             self.spec.start_m_s.iter().copied().filter(|start| (low..=high).contains(start)).collect();
@@ -136,11 +136,11 @@ impl<R: Rng> Draw<'_, R> {
     fn signal(&mut self, shape: SignalShape, seed: u64, low: f64, high: f64) -> Signal {
         let half = 0.5 * (high - low);
         let amplitude = self.either(half);
-        let room = half - amplitude.abs();
-        let middle = 0.5 * (low + high);
+        let spread = half - amplitude.abs();
+        let centre = 0.5 * (low + high);
         let mean = match shape {
             SignalShape::Constant => self.within(low, high),
-            _ => self.within(middle - room, middle + room),
+            _ => self.within(centre - spread, centre + spread),
         };
         let amplitude = if shape == SignalShape::Constant { 0.0 } else { amplitude };
         let (period_s, phase) = (self.period(), self.within(0.0, 1.0));
@@ -157,7 +157,7 @@ impl<R: Rng> Draw<'_, R> {
         }
     }
 
-    /// From one speed to another at least a quarter of the range away.
+    /// From one speed to another that differs by at least a quarter of the range.
     fn change(&mut self, kind: CandidateKind) -> Kind {
         let [low, high] = self.spec.speeds();
         let far = 0.25 * (high - low);

@@ -17,9 +17,10 @@ use crate::steady::{Motion, Steady};
 pub struct Realized {
     /// State at the start: u, v \[m/s\], r \[rad/s\].
     pub initial: [f64; 3],
-    /// N × inputs, row-major; of a maneuver that reacts, those of the undisturbed ship that the dictionary reckons with.
+    /// N × inputs, row-major; for a maneuver that reacts, those of the undisturbed ship, which the dictionary
+    /// is computed with.
     pub inputs: Vec<f64>,
-    /// What commands it, where that depends on what the ship does.
+    /// Its commands, if they depend on the ship's motion.
     pub helm: Option<Helm>,
 }
 
@@ -29,7 +30,7 @@ pub struct Generator {
     vessel: Vessel,
     parameters: Vec<f64>,
     maneuvers: Vec<ManeuverSpec>,
-    /// How many of them are written by hand.
+    /// Number of maneuvers that are written by hand.
     written: usize,
     limits: Option<Limits>,
     default_s: Option<f64>,
@@ -38,11 +39,11 @@ pub struct Generator {
 }
 
 impl Generator {
-    /// Checks the dictionary and takes its tables of inputs from `read` (name → CSV).
+    /// Checks the dictionary and reads its tables of inputs with `read` (name → CSV).
     ///
     /// # Errors
-    /// See [`DictionaryFile::expanded`] and [`model::Model::check_simulated`]; swings that the sampling rate cannot follow; a table of inputs that is refused; true
-    /// values that are needed and missing.
+    /// See [`DictionaryFile::expanded`] and [`model::Model::check_simulated`]; swings that are too fast for
+    /// the sampling rate; a table of inputs that is refused; missing true values.
     pub fn new(
         vessel: &Vessel,
         dictionary: &DictionaryFile,
@@ -51,7 +52,7 @@ impl Generator {
         let mut maneuvers = dictionary.expanded()?;
         let written = dictionary.maneuvers.len();
         if !vessel.commands_sway() {
-            maneuvers[written..].iter_mut().for_each(|drawn| drawn.kind.let_sway_come());
+            maneuvers[written..].iter_mut().for_each(|drawn| drawn.kind.release_sway());
         }
         vessel.model.check_simulated()?;
         dictionary.check_sampling(vessel.sample_rate_hz)?;
@@ -79,25 +80,20 @@ impl Generator {
         })
     }
 
-    /// The same, with maneuver `index` commanded by `helm`: its motion is only where it starts.
+    /// The generator with maneuver `index` commanded by `helm`; its motion only determines the initial state.
     #[must_use]
     pub fn commanded(mut self, index: usize, helm: Helm) -> Self {
         self.helms.insert(index, helm);
         self
     }
 
-    /// The same for a dictionary without tables of inputs.
+    /// A generator for a dictionary without tables of inputs.
     ///
     /// # Errors
-    /// See [`Generator::new`]; a maneuver whose inputs stand in a table.
+    /// See [`Generator::new`]; a maneuver with a table of inputs.
     pub fn without_tables(vessel: &Vessel, dictionary: &DictionaryFile) -> Result<Self, Invalid> {
         let none = |name: &str| {
-            Err(Invalid::new(
-                format!("inputs `{name}`"),
-                "a table",
-                "none",
-                "use maneuvers that are generated",
-            ))
+            Err(Invalid::new(format!("inputs `{name}`"), "a table", "none", "use maneuvers without tables"))
         };
         Self::new(vessel, dictionary, none)
     }
@@ -120,7 +116,7 @@ impl Generator {
     /// Number of samples of maneuver `index` in the dictionary.
     ///
     /// # Errors
-    /// A duration shorter than half a sample, or without end.
+    /// A duration shorter than half a sample, or unbounded.
     pub fn samples(&self, index: usize) -> Result<usize, Invalid> {
         let maneuver = &self.maneuvers[index];
         let endless = || format!("maneuver `{}`, `duration_s`", maneuver.name);
@@ -136,18 +132,19 @@ impl Generator {
         }
     }
 
-    /// The maneuvers whose inputs stand in tables, by their places.
+    /// The maneuvers with tables of inputs, by index.
     pub fn tables(&self) -> &BTreeMap<usize, PlayedTable> {
         &self.tables
     }
 
-    /// Whether maneuver `index` in few samples is the beginning of the same in more: nothing of it is stretched.
-    pub fn goes_on(&self, index: usize) -> bool {
-        self.helms.contains_key(&index) || self.maneuvers[index].kind.goes_on()
+    /// Whether a shorter run of maneuver `index` is the beginning of a longer one: no part of it is
+    /// stretched.
+    pub fn is_unstretched(&self, index: usize) -> bool {
+        self.helms.contains_key(&index) || self.maneuvers[index].kind.is_unstretched()
     }
 
-    /// Maneuver `index` carried out in `samples` samples. Swings keep their period, sweeps are stretched to the length. Tables
-    /// begin as they are written.
+    /// The inputs of maneuver `index` in `samples` samples. Swings keep their period, sweeps are stretched to
+    /// the length. Tables are played from their first row.
     ///
     /// # Errors
     /// A motion that the model cannot hold; a table of fewer samples.
@@ -167,7 +164,7 @@ impl Generator {
         Ok(Realized { initial: plan.start(), inputs, helm: None })
     }
 
-    /// What `helm` commands the undisturbed ship.
+    /// The commands of `helm` to the undisturbed ship.
     fn react(&self, initial: [f64; 3], samples: usize, helm: &Helm) -> Realized {
         let (model, rate_hz) = (&self.vessel.model, self.vessel.sample_rate_hz);
         let (rows, _) = simulate_command(model, &self.parameters, initial, samples, rate_hz, helm);
@@ -259,7 +256,7 @@ impl<'a> Plan<'a> {
         matches!(self.kind, Kind::Combined { exact: true, .. })
     }
 
-    /// What the state gains until the next sample: nothing where its motion is to be held.
+    /// The state's increment until the next sample: zero where a steady motion is held.
     fn gain(&self, k: usize) -> [f64; 3] {
         if !self.exact() {
             return [0.0; 3];
@@ -314,7 +311,7 @@ impl<'a> Plan<'a> {
                 }
             }
             Kind::Combined { exact, .. } => {
-                // Inputs hold the motion in the middle between two samples; an exact one is that of the sample.
+                // Inputs hold the motion halfway between two samples; an exact motion is that at the sample.
                 let done = (k as f64 + if exact { 0.0 } else { 0.5 }) / self.samples as f64;
                 let [u, r, v] = self.waves.each_ref().map(|wave| wave.as_ref().map(|wave| wave.at(t, done)));
                 Motion { u: u.unwrap_or(0.0), v, r: r.unwrap_or(0.0) }

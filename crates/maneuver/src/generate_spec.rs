@@ -1,4 +1,4 @@
-//! `[generate]` in `dictionary.toml`: what candidates are drawn, and the limits that they keep.
+//! `[generate]` in `dictionary.toml`: how candidates are drawn, and their limits.
 
 use std::collections::BTreeMap;
 
@@ -12,25 +12,25 @@ use super::signal::{MULTISINE_SAMPLES, SWING_SAMPLES, check_period};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GenerateSpec {
-    /// How many are drawn. Fewer are left within the limits.
+    /// Number of draws. Those beyond the limits are left out.
     pub candidates: u32,
-    /// Seed: candidate i of a seed is the same whatever their number and the limits.
+    /// Seed: candidate i of a seed does not depend on their number or the limits.
     #[serde(default = "one")]
     pub seed: u64,
     /// Duration of every candidate \[s\]; without it the dictionary's.
     pub duration_s: Option<f64>,
-    /// Kinds, in turn; all where there are none.
+    /// Kinds, in turn; all by default.
     #[serde(default)]
     pub kinds: Vec<CandidateKind>,
-    /// Speeds to draw from \[m/s\]: lowest and highest; without it from standstill to the limit.
+    /// Range of speeds to draw from \[m/s\]; by default from standstill to the limit.
     pub speed_m_s: Option<[f64; 2]>,
-    /// Speeds that candidates start at \[m/s\], as a plan's modes have them; without any, each starts at one of its own.
+    /// Initial speeds of candidates \[m/s\], as the modes of a plan; by default each has its own.
     #[serde(default)]
     pub start_m_s: Vec<f64>,
     /// Periods to draw from \[s\]: shortest and longest.
     #[serde(default = "periods")]
     pub period_s: [f64; 2],
-    /// What no candidate may exceed.
+    /// Limits of all candidates.
     pub limits: Limits,
 }
 
@@ -42,7 +42,7 @@ fn periods() -> [f64; 2] {
     [4.0, 40.0]
 }
 
-/// Largest moduli that a candidate may reach.
+/// Largest moduli of a candidate.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
@@ -52,7 +52,7 @@ pub struct Limits {
     pub v_m_s: f64,
     /// Of the yaw rate \[rad/s\].
     pub r_rad_s: f64,
-    /// Of inputs by name, in their units; an input that is not named has no limit.
+    /// Of inputs by name, in their units; other inputs have no limit.
     #[serde(default)]
     pub inputs: BTreeMap<String, f64>,
 }
@@ -81,14 +81,14 @@ refusal::choices! {
     }
 }
 
-/// Which limit a motion exceeds most.
+/// The limit that a motion exceeds most.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exceeded {
     /// Key of the limit.
     pub limit: String,
     /// Its value.
     pub allowed: f64,
-    /// What the motion reaches.
+    /// The motion's value.
     pub found: f64,
 }
 
@@ -136,7 +136,7 @@ impl GenerateSpec {
         }
     }
 
-    /// Refuses starts outside the range of speeds, and kinds that none of them leaves room for.
+    /// Refuses initial speeds outside the range of speeds, and kinds that none of them allows.
     fn check_starts(&self) -> Result<(), Invalid> {
         let [low, high] = self.speeds();
         let refuse = |found: String, expected: String| {
@@ -156,7 +156,7 @@ impl GenerateSpec {
         Ok(())
     }
 
-    /// The kinds to draw of, in turn.
+    /// The kinds to draw, in turn.
     pub(super) fn kinds(&self) -> &[CandidateKind] {
         if self.kinds.is_empty() { &CandidateKind::ALL } else { &self.kinds }
     }
@@ -168,8 +168,8 @@ impl GenerateSpec {
         [low.max(-limit), high.min(limit)]
     }
 
-    /// Lowest and highest speed that a change of speed may start at \[m/s\], a quarter of the range from where it ends; `None` for
-    /// kinds that start at any.
+    /// Lowest and highest speed that a change of speed may start at \[m/s\], a quarter of the range from its
+    /// end; `None` for kinds that start at any speed.
     pub(super) fn starts_of(&self, kind: CandidateKind) -> Option<[f64; 2]> {
         let [low, high] = self.speeds();
         let far = 0.25 * (high - low);
@@ -192,7 +192,7 @@ impl GenerateSpec {
 const MOST: u32 = 1_000_000;
 
 impl Limits {
-    /// Refuses limits of inputs that `model` does not have.
+    /// Refuses limits for inputs that `model` does not have.
     pub(crate) fn check(&self, model: &Model) -> Result<(), Invalid> {
         let names = model.input_names();
         match self.inputs.keys().find(|key| !names.contains(&key.as_str())) {
@@ -201,8 +201,8 @@ impl Limits {
         }
     }
 
-    /// The limit that `states` (rows × 3) or `inputs` (rows × inputs) exceed most, if any. A state that is no number
-    /// exceeds every limit.
+    /// The limit that `states` (rows × 3) or `inputs` (rows × inputs) exceed most, if any. NaN exceeds every
+    /// limit.
     pub fn exceeded(&self, model: &Model, states: &[f64], inputs: &[f64]) -> Option<Exceeded> {
         let largest = |values: &[f64], column: usize, width: usize| {
             let moduli = values.iter().skip(column).step_by(width.max(1)).map(|x| x.abs());
@@ -218,7 +218,7 @@ impl Limits {
         });
         let most = states.chain(inputs).max_by(|a, b| (a.2 / a.1).total_cmp(&(b.2 / b.1)))?;
         let (limit, allowed, found) = most;
-        // What is asked to reach a limit may pass it by rounding.
+        // An amplitude at its limit may exceed it by rounding.
         (found > allowed * (1.0 + 1e-9)).then_some(Exceeded { limit, allowed, found })
     }
 }

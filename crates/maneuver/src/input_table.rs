@@ -3,7 +3,7 @@ use refusal::Invalid;
 
 use super::stamps::Stamps;
 
-/// Inputs as they stand in a table.
+/// A table of inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InputTable {
     /// N × inputs, row-major.
@@ -11,24 +11,25 @@ pub struct InputTable {
     stamps: Option<Stamps>,
 }
 
-/// What says when the rows of a table are played.
+/// The clock by which the rows of a table are played.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// The vessel's sample rate: the table has no column `t`.
     Samples,
     /// Its column `t`, a row per sample.
     Stamps,
-    /// Its column `t` with so many rows per second, on straight lines between the rows.
+    /// Its column `t` with so many rows per second, interpolated linearly.
     Resampled(f64),
 }
 
 impl InputTable {
-    /// Reads the inputs of `model` from CSV text, a column per input, a row per sample or with its time in a column `t` \[s\];
-    /// further columns are passed over.
+    /// Reads the inputs of `model` from CSV text, a column per input, a row per sample or with its time in a
+    /// column `t` \[s\]; further columns are ignored.
     ///
     /// # Errors
-    /// Missing columns (all named), a cell that is no finite number (line and column named), no row; a measured disturbance or
-    /// a derived channel that is something else than in a simulated trial; times that are not even, or under another name.
+    /// Missing columns (all named), a cell that is not a finite number (line and column named), no row; a
+    /// measured disturbance or a derived channel that differs from its value in simulated trials; times that
+    /// are not evenly spaced, or under another name.
     pub fn parse(text: &str, model: &Model) -> Result<Self, Invalid> {
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
         let header = reader.headers().map_err(not_csv)?.clone();
@@ -66,7 +67,7 @@ impl InputTable {
         Ok(Self { inputs, stamps })
     }
 
-    /// What is played at `rate_hz`: a row per sample, or on straight lines between rows if it is to `resample`.
+    /// The inputs at `rate_hz`: a row per sample, or linearly interpolated if it is to `resample`.
     ///
     /// # Errors
     /// Times that are not those of the samples; resampling without times.
@@ -91,7 +92,7 @@ impl InputTable {
 /// The column of times.
 const TIME: &str = "t";
 
-/// Of every channel that has a column: its place among the channels, that of the column, its name.
+/// For every channel with a column: the index of the channel, that of the column, its name.
 fn channels(
     model: &Model,
     place: impl Fn(&str) -> Option<usize>,
@@ -110,10 +111,10 @@ fn channels(
     Ok(channels.filter_map(|(channel, name)| Some((channel, place(name)?, name))).collect())
 }
 
-/// Where the times stand, if the table has any.
+/// The column of the times, if the table has any.
 ///
 /// # Errors
-/// A column that is called as if it had times: rows are not played as if they had none.
+/// A column whose name suggests times: its rows must not be played without them.
 fn time(header: &csv::StringRecord, model: &Model) -> Result<Option<usize>, Invalid> {
     let names = header.iter().map(|name| name.trim_start_matches('\u{feff}'));
     let own = |name: &str| model.variables[3..].iter().any(|variable| variable.name == name);
@@ -156,7 +157,7 @@ fn bad_cell(line: u64, column: &str, cell: &str) -> Invalid {
     Invalid::new(format!("line {line}, column `{column}`"), found, "a finite number", "correct the cell")
 }
 
-/// A column that a simulated trial would not follow.
+/// The refusal of a column that simulated trials would not follow.
 fn another(line: u64, column: &str, found: f64, expected: f64) -> Invalid {
     Invalid::new(
         format!("line {line}, column `{column}`"),

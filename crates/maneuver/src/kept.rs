@@ -1,4 +1,4 @@
-//! Ranges that a maneuver's motion is stated to keep.
+//! Declared ranges of a maneuver's motion.
 
 use refusal::Invalid;
 use serde::Deserialize;
@@ -15,11 +15,11 @@ pub struct Kept {
     pub r_rad_s: Option<[f64; 2]>,
 }
 
-/// The part of a range by which rounding may leave it.
+/// The fraction of a range by which rounding may exceed it.
 const ROUNDING: f64 = 1e-9;
 
 impl Kept {
-    /// Refuses ranges without an inside; `maneuver` is the name.
+    /// Refuses empty ranges; `maneuver` is the name.
     pub(super) fn check(&self, maneuver: &str) -> Result<(), Invalid> {
         let none =
             |(_, _, [low, high]): &(_, _, [f64; 2])| !(low.is_finite() && high.is_finite() && low <= high);
@@ -55,7 +55,7 @@ impl Kept {
         Ok(())
     }
 
-    /// The ranges that are stated, with their states and units.
+    /// The declared ranges, with their states and units.
     fn ranges(&self) -> impl Iterator<Item = (usize, &'static str, [f64; 2])> {
         let all = [(0, "m/s", self.u_m_s), (1, "m/s", self.v_m_s), (2, "rad/s", self.r_rad_s)];
         all.into_iter().filter_map(|(state, unit, range)| range.map(|range| (state, unit, range)))

@@ -7,11 +7,11 @@ const DAMPED_STEPS: usize = 200;
 /// Relative change of the unknowns at which they count as solved.
 const SOLVED: f64 = 1e-13;
 
-/// The unknowns that solve the equations from `unknowns` on, by full steps. `linearised` fills in rows \[Jacobian | −residual\].
-/// Whether they do.
+/// Solves the equations from `unknowns` by full steps; returns whether they converge. `linearised` fills in
+/// rows \[Jacobian | −residual\].
 pub(crate) fn plain(
     unknowns: &mut [f64],
-    Room { rows, solver }: &mut Room,
+    Workspace { rows, solver }: &mut Workspace,
     mut linearised: impl FnMut(&[f64], &mut Rows),
 ) -> bool {
     for _ in 0..STEPS {
@@ -34,9 +34,9 @@ pub(crate) fn plain(
     false
 }
 
-/// What searches leave to those after them, so that memory is asked for once.
+/// Buffers that searches reuse.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Room {
+pub(crate) struct Workspace {
     rows: Rows,
     solver: Solver,
 }
@@ -49,13 +49,13 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// Makes room for the rows of `unknowns`, none of which is there.
+    /// Prepares for the rows of `unknowns`, without any yet.
     pub(crate) fn clear(&mut self, unknowns: usize) {
         self.entries.clear();
         self.width = unknowns + 1;
     }
 
-    /// One row more, of zeros.
+    /// Appends a row of zeros.
     pub(crate) fn push(&mut self) -> &mut [f64] {
         let before = self.entries.len();
         self.entries.resize(before + self.width, 0.0);
@@ -67,8 +67,8 @@ impl Rows {
     }
 }
 
-/// The same with steps that are halved until the next one, of the same Jacobian, is shorter: it then does not matter in which
-/// units the equations are. `scales`: magnitudes of the unknowns.
+/// [`plain`] with steps that are halved until the next one, with the same Jacobian, is shorter, so that the
+/// units of the equations do not matter. `scales`: magnitudes of the unknowns.
 ///
 /// The test is the natural one of Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3.
 pub(crate) fn damped(
@@ -78,7 +78,7 @@ pub(crate) fn damped(
 ) -> bool {
     let (mut rows, mut solver) = (Rows::default(), Solver::default());
     linearised(unknowns, &mut rows);
-    // Nothing is to be done at rest, where no step is determined either.
+    // At rest the equations hold, and the step is undetermined.
     if rows.iter().all(|row| row.last() == Some(&0.0)) {
         return true;
     }
@@ -86,7 +86,7 @@ pub(crate) fn damped(
     for _ in 0..DAMPED_STEPS {
         let Some(step) = solver.solve(&rows).map(<[f64]>::to_vec) else { return false };
         let length = length(&step, unknowns, scales);
-        // What is left is rounding: the equations cannot be solved better.
+        // Only rounding remains: the equations cannot be solved more accurately.
         let rounding = length < 1e-8 && length >= 0.5 * before;
         if length < SOLVED || rounding {
             unknowns.iter_mut().zip(&step).for_each(|(x, dx)| *x += dx);
@@ -101,8 +101,8 @@ pub(crate) fn damped(
     false
 }
 
-/// As far along `step`, of such a length, as the next step of the same Jacobian gets shorter: the unknowns there, with their
-/// rows.
+/// Advances along `step`, whose length is given, as far as the next step with the same Jacobian becomes
+/// shorter: returns the unknowns there, with their rows.
 fn shortened(
     unknowns: &[f64],
     scales: &[f64],
@@ -129,13 +129,13 @@ fn shortened(
     None
 }
 
-/// The largest relative change that `step` makes.
+/// The largest relative change by `step`.
 fn length(step: &[f64], unknowns: &[f64], scales: &[f64]) -> f64 {
     let all = step.iter().zip(unknowns).zip(scales);
     all.fold(0.0, |most: f64, ((dx, x), scale)| most.max(dx.abs() / (x.abs() + 1e-3 * scale)))
 }
 
-/// Room for what is solved.
+/// Buffers of the linear solver.
 #[derive(Clone, Debug, Default)]
 struct Solver {
     a: Vec<f64>,

@@ -7,16 +7,16 @@ use super::input_table::{InputTable, Pace};
 use super::settings::check_range;
 use super::spec::{Kind, ManeuverSpec};
 
-/// A maneuver whose inputs stand in a table. It is played as it is written: never stretched, at its own length.
+/// A maneuver whose inputs come from a table. It is played as written, at its own length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlayedTable {
     /// The maneuver.
     pub maneuver: String,
     /// Name of the table's file.
     pub file: String,
-    /// How long it is.
+    /// Its length.
     pub samples: usize,
-    /// What says when its rows are played.
+    /// The clock of its rows.
     pub pace: Pace,
     rate_hz: f64,
     /// Samples × inputs, row-major.
@@ -24,7 +24,7 @@ pub struct PlayedTable {
 }
 
 impl PlayedTable {
-    /// The table of `maneuver`, read by `read` (name → CSV); none of one that is generated.
+    /// The table of `maneuver`, read by `read` (name → CSV); `None` for a generated maneuver.
     ///
     /// # Errors
     /// A table that is refused; a duration other than the table's.
@@ -54,7 +54,7 @@ impl PlayedTable {
         }
     }
 
-    /// How long it lasts \[s\].
+    /// Its duration \[s\].
     pub fn duration_s(&self) -> f64 {
         self.samples as f64 / self.rate_hz
     }
@@ -66,15 +66,15 @@ impl PlayedTable {
             Invalid::new(
                 format!("maneuver `{}`, table {}", self.maneuver, self.file),
                 format!("{} samples", self.samples),
-                format!("at least the {samples} that are asked for, since a table is not stretched"),
-                "lengthen the table, or ask for less",
+                format!("at least the {samples} of the request, since a table is not stretched"),
+                "lengthen the table, or request fewer",
             )
         })
     }
 }
 
 impl fmt::Display for PlayedTable {
-    /// What was made of the table, for people.
+    /// How the table is played, for users.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { maneuver, file, rate_hz, .. } = self;
         write!(f, "{maneuver}: {file} is played in {} s, ", self.duration_s())?;

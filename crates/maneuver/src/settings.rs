@@ -1,7 +1,7 @@
 use model::Vessel;
 use refusal::Invalid;
 
-/// Refuses inputs beyond what the vessel's can be set to, which `what` asks for.
+/// Refuses inputs beyond the vessel's range, which `what` requires.
 pub(super) fn check_range(vessel: &Vessel, inputs: &[f64], what: impl Fn() -> String) -> Result<(), Invalid> {
     let Some((i, [low, high])) = vessel.beyond_range(inputs) else { return Ok(()) };
     let variable = &vessel.model.input_variables()[i];

@@ -1,4 +1,4 @@
-//! Signals that a combined maneuver asks of speed, sway speed and yaw rate.
+//! Signals for speed, sway speed and yaw rate in a combined maneuver.
 
 use engine::Streams;
 use rand::Rng;
@@ -7,20 +7,21 @@ use serde::Deserialize;
 
 use super::shape::Shape;
 
-/// What one speed does over a combined maneuver, in the unit of the key that it stands under.
+/// The course of one speed over a combined maneuver, in the unit of its key.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Signal {
-    /// How it moves.
+    /// Its shape.
     #[serde(default)]
     pub shape: SignalShape,
-    /// Middle of its range.
+    /// Centre of its range.
     #[serde(default)]
     pub mean: f64,
     /// Half of its range; a negative one starts downwards.
     #[serde(default)]
     pub amplitude: f64,
-    /// Period; of a pseudo-random signal the shortest time at a level, of a multisine the longest period \[s\].
+    /// Period; for a pseudo-random signal the shortest time at a level, for a multisine the longest period
+    /// \[s\].
     #[serde(default)]
     pub period_s: f64,
     /// Where a square, sine, flat sine or triangle starts, in periods.
@@ -29,19 +30,19 @@ pub struct Signal {
     /// Seed of a pseudo-random signal's levels and of a multisine's phases.
     #[serde(default)]
     pub seed: u64,
-    /// How many times as steep as the sine a flat sine passes its middle.
+    /// How many times as steep as the sine a flat sine crosses its centre.
     pub steepness: Option<f64>,
     /// Power of the time that a ramp follows; without it 1, a straight line.
     pub exponent: Option<f64>,
-    /// How long a ramp takes; it stays at its end afterwards. Without it, it takes as long as the maneuver \[s\].
+    /// Duration of a ramp, which then holds its end value; by default that of the maneuver \[s\].
     pub over_s: Option<f64>,
 }
 
-/// How a signal moves within its range.
+/// The shape of a signal within its range.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SignalShape {
-    /// It stays at the mean.
+    /// Constant at the mean.
     #[default]
     Constant,
     /// Between two levels.
@@ -64,12 +65,12 @@ pub enum SignalShape {
 pub const LINES: usize = 5;
 
 impl Signal {
-    /// Whether `period_s` counts.
+    /// Whether `period_s` has an effect.
     pub(crate) fn has_period(&self) -> bool {
         self.least_samples().is_some()
     }
 
-    /// Samples that `period_s` has to last at least, where it counts.
+    /// Fewest samples in `period_s`, if that has an effect.
     pub(super) fn least_samples(&self) -> Option<usize> {
         match self.shape {
             SignalShape::Constant | SignalShape::Ramp => None,
@@ -86,7 +87,7 @@ impl Signal {
         self.shape == SignalShape::Ramp && self.over_s.is_none()
     }
 
-    /// Refuses a key of one shape that is out of range, missing, or stands beside another shape: key, found, expected.
+    /// Refuses a key that is out of range, missing, or belongs to another shape: key, found, expected.
     pub(super) fn check_shape(&self) -> Result<(), (&'static str, Option<f64>, &'static str)> {
         self.check_ramp()?;
         let flat = self.shape == SignalShape::FlatSine;
@@ -124,11 +125,11 @@ pub(super) const LONGEST_S: f64 = 1e9;
 /// A flat sine this steep is a square wave at any sampling rate.
 const STEEPEST: f64 = 1e6;
 
-/// A ramp of this power stays where it begins until the maneuver is over.
+/// A ramp of this power stays at its beginning until the maneuver is over.
 const LARGEST_EXPONENT: f64 = 100.0;
 
-/// Fewest samples of a period: two to either side. With the two of Nyquist's bound a square may be sampled where it jumps and a
-/// sine at its zeros, and nothing is left of them.
+/// Fewest samples of a period: two to either side. With the two of Nyquist's bound a square may be sampled
+/// where it jumps and a sine at its zeros, and vanish.
 pub(super) const SWING_SAMPLES: usize = 4;
 
 /// Fewest samples of a multisine's longest period: its fastest harmonic then stays below Nyquist's bound.
@@ -136,7 +137,7 @@ pub(super) const MULTISINE_SAMPLES: usize = 2 * LINES + 1;
 
 /// Refuses a period of fewer samples than `least`.
 pub(super) fn check_period(thing: String, period_s: f64, least: usize, rate_hz: f64) -> Result<(), Invalid> {
-    // Whole samples are often not quite so many in binary fractions.
+    // The number of samples may be slightly below an integer in binary fractions.
     if period_s * rate_hz >= least as f64 * (1.0 - 1e-9) {
         return Ok(());
     }
@@ -145,7 +146,7 @@ pub(super) fn check_period(thing: String, period_s: f64, least: usize, rate_hz: 
     Err(Invalid::new(thing, format!("{period_s} s"), expected, "lengthen it"))
 }
 
-/// A signal ready to be read sample by sample.
+/// A signal that can be evaluated.
 #[derive(Clone, Debug)]
 pub(crate) struct Wave {
     signal: Signal,
@@ -156,7 +157,7 @@ pub(crate) struct Wave {
 }
 
 impl Wave {
-    /// `channel` keeps the random numbers of a maneuver's signals apart.
+    /// `channel` separates the random numbers of a maneuver's signals.
     pub(crate) fn new(signal: Signal, channel: u32, duration_s: f64) -> Self {
         let streams = Streams::new(signal.seed, "combined");
         let draws = match signal.shape {
@@ -177,7 +178,7 @@ impl Wave {
         wave
     }
 
-    /// At `t` seconds, of a maneuver of which `done` (0 to 1) is over.
+    /// Its value at `t` seconds, in a maneuver of which the fraction `done` (0 to 1) is over.
     pub(crate) fn at(&self, t: f64, done: f64) -> f64 {
         let Signal { mean, amplitude, period_s, phase, .. } = self.signal;
         let swing = match self.signal.shape {

@@ -15,17 +15,17 @@ pub struct ManeuverSpec {
     pub description: String,
     /// Its duration in the dictionary \[s\].
     pub duration_s: Option<f64>,
-    /// Ranges that its motion has to keep.
+    /// Ranges of its motion.
     pub keeps: Kept,
-    /// What is done.
+    /// Its kind and parameters.
     pub kind: Kind,
 }
 
-/// Speeds and rates of turn beyond which no ship goes \[m/s, rad/s\].
+/// Greatest speeds and rates of turn of any ship \[m/s, rad/s\].
 const FASTEST_M_S: f64 = 100.0;
 const FASTEST_RAD_S: f64 = 10.0;
 
-/// Keys of every maneuver, whatever its kind.
+/// Keys of every kind of maneuver.
 const COMMON_KEYS: [&str; 5] = ["name", "kind", "description", "duration_s", "keeps"];
 
 impl<'de> Deserialize<'de> for ManeuverSpec {
@@ -70,10 +70,10 @@ fn with_common_keys(message: &str) -> String {
     }
 }
 
-/// What is done in a maneuver. Speeds are surge speeds unless they say otherwise.
+/// A kind of maneuver with its parameters. Speeds are surge speeds unless stated otherwise.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-#[allow(clippy::large_enum_variant)] // A dictionary has some dozens of them.
+#[allow(clippy::large_enum_variant)] // A dictionary has only dozens of these.
 pub enum Kind {
     /// The thrust for `to_m_s`, set at the speed `from_m_s`.
     Accelerate {
@@ -81,7 +81,7 @@ pub enum Kind {
         from_m_s: f64,
         /// Steady speed of the thrust that is set \[m/s\].
         to_m_s: f64,
-        /// For how long the speed at the start is held first \[s\].
+        /// How long the speed at the start is held first \[s\].
         #[serde(default)]
         hold_s: f64,
     },
@@ -91,7 +91,7 @@ pub enum Kind {
         from_m_s: f64,
         /// Steady speed of the thrust that is set \[m/s\].
         to_m_s: f64,
-        /// For how long the speed at the start is held first \[s\].
+        /// How long the speed at the start is held first \[s\].
         #[serde(default)]
         hold_s: f64,
     },
@@ -106,7 +106,7 @@ pub enum Kind {
         yaw_rate_amplitude_rad_s: Option<f64>,
         /// Amplitude of the heading \[rad\].
         heading_amplitude_rad: Option<f64>,
-        /// Amplitude of the sway speed, outwards of the turn \[m/s\]; without it, whatever comes with the turn.
+        /// Amplitude of the sway speed, outwards of the turn \[m/s\]; by default the drift of the turn.
         sway_amplitude_m_s: Option<f64>,
         /// Period \[s\].
         period_s: f64,
@@ -133,7 +133,7 @@ pub enum Kind {
         yaw_rate_from_rad_s: f64,
         /// Yaw rate at the end \[rad/s\].
         yaw_rate_to_rad_s: f64,
-        /// Sway speed \[m/s\]; without it, whatever comes with the turn.
+        /// Sway speed \[m/s\]; by default the drift of the turn.
         sway_speed_m_s: Option<f64>,
     },
     /// A turning circle, approached straight ahead.
@@ -142,7 +142,7 @@ pub enum Kind {
         speed_m_s: f64,
         /// Yaw rate \[rad/s\].
         yaw_rate_rad_s: f64,
-        /// Sway speed \[m/s\]; without it, whatever comes with the turn.
+        /// Sway speed \[m/s\]; by default the drift of the turn.
         sway_speed_m_s: Option<f64>,
     },
     /// Speed, yaw rate and sway speed each switch at random between two levels.
@@ -155,7 +155,7 @@ pub enum Kind {
         /// The yaw rate is plus or minus this \[rad/s\].
         #[serde(default)]
         yaw_rate_amplitude_rad_s: f64,
-        /// The sway speed is plus or minus this \[m/s\]; without it, whatever comes with the turn.
+        /// The sway speed is plus or minus this \[m/s\]; by default the drift of the turn.
         sway_amplitude_m_s: Option<f64>,
         /// Shortest time at a level \[s\].
         dwell_s: f64,
@@ -165,19 +165,19 @@ pub enum Kind {
     },
     /// Speed, yaw rate and sway speed each follow a signal of their own.
     Combined {
-        /// Whether the ship follows the signals from sample to sample, by the inputs that make the model do so, from the start
-        /// on. Otherwise inputs hold the motion of each sample steady, and the ship lags behind.
+        /// Whether the inputs make the model follow the signals from sample to sample, from the start on.
+        /// Otherwise inputs hold the motion of each sample steady, and the ship lags behind.
         #[serde(default)]
         exact: bool,
-        /// Surge speed at the start \[m/s\]; without it that of the signal.
+        /// Surge speed at the start \[m/s\]; by default that of the signal.
         start_m_s: Option<f64>,
         /// Surge speed \[m/s\].
         #[serde(deserialize_with = "strictly")]
         speed_m_s: Signal,
-        /// Yaw rate \[rad/s\]; without it zero.
+        /// Yaw rate \[rad/s\]; zero by default.
         #[serde(default, deserialize_with = "strictly")]
         yaw_rate_rad_s: Option<Signal>,
-        /// Sway speed \[m/s\]; without it, whatever comes with the turn.
+        /// Sway speed \[m/s\]; by default the drift of the turn.
         #[serde(default, deserialize_with = "strictly")]
         sway_m_s: Option<Signal>,
     },
@@ -185,7 +185,8 @@ pub enum Kind {
     Inputs {
         /// Name of the table with a column per input, and a row per sample or with its time in a column `t` \[s\].
         file: String,
-        /// Whether the table's rows are other times than the samples: inputs go on straight lines between them.
+        /// Whether the table's rows are at other times than the samples, so that inputs are interpolated
+        /// linearly.
         #[serde(default)]
         resample: bool,
         /// Speed at the start \[m/s\].
@@ -270,7 +271,7 @@ impl ManeuverSpec {
         })
     }
 
-    /// Refuses an exact motion that does not say what all of the ship's speeds do from the start on.
+    /// Refuses an exact motion that does not determine all of the ship's speeds from the start on.
     fn check_exact(&self, start_m_s: Option<f64>, sway_m_s: Option<Signal>) -> Result<(), Invalid> {
         let refuse = |key: &str, found: &str, expected: &str, remedy: &str| {
             let thing = format!("maneuver `{}`, `{key}`", self.name);
@@ -293,7 +294,7 @@ impl ManeuverSpec {
         }
     }
 
-    /// Refuses swings that `rate_hz` does not show as what they are.
+    /// Refuses swings that are too fast to be represented at `rate_hz`.
     pub(super) fn check_sampling(&self, rate_hz: f64) -> Result<(), Invalid> {
         let check = |key: &str, period_s, least| {
             check_period(format!("maneuver `{}`, `{key}`", self.name), period_s, least, rate_hz)
@@ -328,8 +329,8 @@ impl ManeuverSpec {
 }
 
 impl Kind {
-    /// Whether it begins in the same way however long it lasts.
-    pub(super) fn goes_on(&self) -> bool {
+    /// Whether its beginning does not depend on its length.
+    pub(super) fn is_unstretched(&self) -> bool {
         match *self {
             Self::Spiral { .. } => false,
             Self::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } => {
@@ -340,9 +341,9 @@ impl Kind {
         }
     }
 
-    /// What is a number where it is given, with its key.
+    /// Its numbers with their keys, where given.
     fn numbers(&self) -> Vec<(&'static str, f64)> {
-        // An optional number that is absent counts as 0.
+        // An absent optional number counts as 0.
         macro_rules! keyed {
             ($($key:ident),+) => { vec![$((stringify!($key), Option::from($key).unwrap_or(0.0))),+] };
         }
@@ -389,8 +390,9 @@ impl Kind {
         [("speed_m_s", speed_m_s)].into_iter().chain(others).collect()
     }
 
-    /// Asks for no sway but what comes with the turn. A swing of the sway speed alone stays what it is.
-    pub(super) fn let_sway_come(&mut self) {
+    /// Removes commanded sway, so that only the drift of the turn remains. A swing of the sway speed alone is
+    /// kept.
+    pub(super) fn release_sway(&mut self) {
         match self {
             Self::ZigZag { sway_amplitude_m_s: sway, .. }
             | Self::Spiral { sway_speed_m_s: sway, .. }

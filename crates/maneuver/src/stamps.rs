@@ -3,7 +3,8 @@
 use engine::refuse_endless;
 use refusal::Invalid;
 
-/// By how much of a step two steps may differ, and a stamp from the sample that it stands for: stamps are rounded.
+/// Tolerance, as a fraction of a step, for differences between steps and between stamps and samples: stamps
+/// are rounded.
 const ROUNDED: f64 = 0.1;
 
 /// The time of every row of a table, evenly spaced.
@@ -11,12 +12,12 @@ const ROUNDED: f64 = 0.1;
 pub(super) struct Stamps {
     /// From the first row on \[s\].
     seconds: Vec<f64>,
-    /// Where they stand in the file.
+    /// Their lines in the file.
     lines: Vec<u64>,
 }
 
 impl Stamps {
-    /// Stamps with the lines that they stand in.
+    /// Stamps with their lines.
     ///
     /// # Errors
     /// Stamps that repeat, go back or are not evenly spaced: names the first of them.
@@ -48,7 +49,7 @@ impl Stamps {
         })
     }
 
-    /// Rows per second; none of a single row.
+    /// Rows per second; `None` for a single row.
     pub(super) fn rate_hz(&self) -> Option<f64> {
         let last = self.seconds.last().filter(|last| **last > 0.0)?;
         Some((self.seconds.len() - 1) as f64 / last)
@@ -68,13 +69,13 @@ impl Stamps {
         ))
     }
 
-    /// `rows` (N × `width`) at samples of `rate_hz` from the first time to the last, on straight lines between rows.
+    /// `rows` (N × `width`) linearly interpolated at samples of `rate_hz` from the first time to the last.
     ///
     /// # Errors
-    /// Samples without end.
+    /// An unbounded number of samples.
     pub(super) fn resampled(&self, rows: &[f64], width: usize, rate_hz: f64) -> Result<Vec<f64>, Invalid> {
         let last = self.seconds.last().copied().unwrap_or(0.0);
-        // Whole samples are often not quite so many in binary fractions.
+        // The number of samples may be slightly below an integer in binary fractions.
         let samples = (last * rate_hz + 1e-6).floor() as usize + 1;
         refuse_endless("column `t`", samples)?;
         let mut after = 0;
@@ -113,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn law_resampling_follows_straight_lines_whatever_the_rates() {
+    fn law_resampling_follows_straight_lines_at_any_rates() {
         for (step, rate_hz) in [(1.0, 10.0), (0.1, 10.0), (0.1, 1.0), (0.25, 7.0), (1.0 / 3.0, 3.0)] {
             let t: Vec<f64> = (0..40).map(|k| 5.0 + f64::from(k) * step).collect();
             let rows: Vec<f64> = t.iter().flat_map(|t| [2.0 * (t - 5.0), 1.0 - (t - 5.0)]).collect();

@@ -1,17 +1,17 @@
-//! Which inputs hold a wanted motion steady, or lead from one to the next: the inverse of the model.
+//! Inputs that hold a wanted motion steady, or lead from one to the next: the inverse of the model.
 
 use engine::Compiled;
 use model::{Actuator, Vessel};
 use refusal::Invalid;
 
-use crate::newton::{Room, Rows, damped, plain};
+use crate::newton::{Rows, Workspace, damped, plain};
 
 /// A motion through the water to hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// Surge speed \[m/s\].
     pub u: f64,
-    /// Sway speed \[m/s\]; `None`: whatever comes with the turn.
+    /// Sway speed \[m/s\]; `None`: the drift of the turn.
     pub v: Option<f64>,
     /// Yaw rate \[rad/s\].
     pub r: f64,
@@ -25,36 +25,45 @@ pub struct Steady<'a> {
     /// Inputs, then measured disturbances and derived channels as in simulated trials.
     exogenous: Vec<f64>,
     gradients: Vec<[f64; 3]>,
-    /// What a search found last: motions that follow each other are held alike.
+    /// The last solution: consecutive motions have similar inputs.
     found: Vec<f64>,
-    room: Room,
-    /// Where a search is.
+    workspace: Workspace,
+    /// The current point of a search.
     at: Vec<f64>,
 }
 
 impl<'a> Steady<'a> {
-    /// Of `vessel` with `parameters`.
+    /// For `vessel` with `parameters`.
     pub fn new(vessel: &'a Vessel, parameters: &[f64]) -> Self {
         let gradients = vec![[0.0; 3]; vessel.model.variables.len()];
         let exogenous = vec![0.0; vessel.model.exogenous()];
         let model = Compiled::new(&vessel.model, parameters);
-        Self { vessel, model, exogenous, gradients, found: Vec::new(), room: Room::default(), at: Vec::new() }
+        Self {
+            vessel,
+            model,
+            exogenous,
+            gradients,
+            found: Vec::new(),
+            workspace: Workspace::default(),
+            at: Vec::new(),
+        }
     }
 
-    /// The inputs that hold `motion`, by Newton's method from `unknowns` (inputs, then sway speed), which become the solution.
-    /// Where that leads nowhere, or beyond what the inputs can do, it is tried from zero and then, damped, from all over the
-    /// inputs' ranges: forces such as `n |n|` have no slope at zero.
+    /// The inputs that hold `motion`, by Newton's method from `unknowns` (inputs, then sway speed), which
+    /// become the solution. If that fails or exceeds the range of the inputs, zero is tried and then, damped,
+    /// starts all over the inputs' ranges: forces such as `n |n|` have no slope at zero.
     ///
     /// The unknowns are the inputs and, where the vessel has too few independent inputs to command it, the sway speed.
     /// The equations are zero increments and the couplings between inputs; a commanded sway speed releases the couplings.
     ///
     /// # Errors
-    /// A vessel without the inputs to command the motion; a motion that no inputs were found to hold.
+    /// A vessel without the inputs to command the motion; a motion for which no inputs were found.
     pub fn solve(&mut self, motion: Motion, unknowns: &mut [f64]) -> Result<(), Invalid> {
         self.follow(motion, [0.0; 3], unknowns)
     }
 
-    /// The same for inputs by which u, v and r gain `gain` until the next sample \[m/s, m/s, rad/s\].
+    /// [`Self::solve`] for inputs by which u, v and r change by `gain` until the next sample \[m/s, m/s,
+    /// rad/s\].
     ///
     /// # Errors
     /// As [`Steady::solve`].
@@ -66,11 +75,12 @@ impl<'a> Steady<'a> {
             if from_zero {
                 unknowns[..used].fill(0.0);
             }
-            let (mut at, mut room) = (std::mem::take(&mut self.at), std::mem::take(&mut self.room));
+            let (mut at, mut workspace) = (std::mem::take(&mut self.at), std::mem::take(&mut self.workspace));
             at.clear();
             at.extend_from_slice(&unknowns[..used]);
-            let found = plain(&mut at, &mut room, |unknowns, rows| self.linearised(&wanted, unknowns, rows));
-            (self.at, self.room) = (at, room);
+            let found =
+                plain(&mut at, &mut workspace, |unknowns, rows| self.linearised(&wanted, unknowns, rows));
+            (self.at, self.workspace) = (at, workspace);
             if found {
                 if self.within(&self.at) {
                     unknowns[..used].copy_from_slice(&self.at);
@@ -85,14 +95,15 @@ impl<'a> Steady<'a> {
         Ok(())
     }
 
-    /// The first solution from any start that is within what the inputs can do, else any; `beyond` is one that is known.
+    /// The first solution from any start that is within the inputs' ranges, else any; `beyond` is a known
+    /// one.
     fn search(&mut self, wanted: &Wanted, mut beyond: Option<Vec<f64>>) -> Option<Vec<f64>> {
         let used = self.vessel.model.inputs + usize::from(wanted.sway_free);
         let last = (self.found.len() == used).then(|| self.found.clone());
-        let around = Around::new(self.vessel, wanted);
-        let rest = (vec![0.0; used], around.scales(0));
-        let starts = last.map(|last| (last, around.scales(0))).into_iter().chain([rest]);
-        for (mut at, scales) in starts.chain(around.starts()) {
+        let search = Starts::new(self.vessel, wanted);
+        let rest = (vec![0.0; used], search.scales(0));
+        let starts = last.map(|last| (last, search.scales(0))).into_iter().chain([rest]);
+        for (mut at, scales) in starts.chain(search.starts()) {
             if damped(&mut at, &scales, |unknowns, rows| self.linearised(wanted, unknowns, rows)) {
                 if self.within(&at) {
                     return Some(at);
@@ -103,7 +114,7 @@ impl<'a> Steady<'a> {
         beyond
     }
 
-    /// Whether the vessel's inputs can do what `unknowns` ask of them.
+    /// Whether `unknowns` are within the ranges of the vessel's inputs.
     fn within(&self, unknowns: &[f64]) -> bool {
         self.vessel.beyond_range(unknowns).is_none()
     }
@@ -143,10 +154,10 @@ impl<'a> Steady<'a> {
     }
 }
 
-/// A motion, and which unknowns and equations it leaves.
+/// A motion, and its unknowns and equations.
 struct Wanted {
     motion: Motion,
-    /// What u, v and r gain until the next sample.
+    /// Increments of u, v and r until the next sample.
     gain: [f64; 3],
     sway_free: bool,
     coupled: bool,
@@ -171,27 +182,28 @@ impl Wanted {
     }
 }
 
-/// Where solutions of a wanted motion are looked for.
-struct Around<'a> {
+/// Starting points of a search.
+struct Starts<'a> {
     vessel: &'a Vessel,
     wanted: &'a Wanted,
 }
 
-/// How far from the middle of its range an input starts, in halves of the range …
+/// Distance of an input's start from the centre of its range, in halves of the range …
 const SHARES: [f64; 6] = [0.5, 0.9, 0.1, 0.7, 0.3, 1.0];
 
 /// … and from zero, where no range is known.
 const MAGNITUDES: [f64; 6] = [1.0, 1e2, 1e-2, 1e4, 1e6, 1e-4];
 
-/// Inputs that start at either side; any more start in the middle.
+/// Inputs that start on either side; any more start at the centre.
 const MOST_SIDES: usize = 4;
 
-impl<'a> Around<'a> {
+impl<'a> Starts<'a> {
     fn new(vessel: &'a Vessel, wanted: &'a Wanted) -> Self {
         Self { vessel, wanted }
     }
 
-    /// Starts with the scales of their unknowns: all inputs in the middle or to either side, together with any sway.
+    /// Starts with the scales of their unknowns: all inputs at the centre or on either side, combined with
+    /// each sway.
     fn starts(&self) -> impl Iterator<Item = (Vec<f64>, Vec<f64>)> {
         let sides = 3_usize.pow(self.vessel.model.inputs.min(MOST_SIDES) as u32);
         let ways = if self.wanted.sway_free { 3 } else { 1 };
@@ -202,7 +214,7 @@ impl<'a> Around<'a> {
         })
     }
 
-    /// Digits of `side` to base 3 say where the inputs start.
+    /// The digits of `side` to base 3 select where the inputs start.
     fn start(&self, level: usize, side: usize, way: usize) -> Vec<f64> {
         let Motion { u, r, .. } = self.wanted.motion;
         let sign = |place: usize| [0.0, 1.0, -1.0][side / 3_usize.pow(place.min(19) as u32) % 3];

@@ -10,7 +10,7 @@ use super::sources::{LIBRARY, PLATFORM};
 use crate::portable::Portable;
 
 impl Portable {
-    /// The unit, with the `library` that was built from its sources where there is one.
+    /// The unit, with the `library` built from its sources, if there is one.
     pub(crate) fn unit(&self, library: Option<Vec<u8>>) -> Result<Vec<u8>, Invalid> {
         let mut files = vec![("modelDescription.xml".to_owned(), self.description().into_bytes())];
         let built = PLATFORM.zip(library);
@@ -26,7 +26,7 @@ impl Portable {
     }
 }
 
-/// No clock is read: every file is of 1980, where such archives begin.
+/// No clock is read: every file is dated 1980, the earliest date of such archives.
 fn packed(files: &[(String, Vec<u8>)]) -> zip::result::ZipResult<Vec<u8>> {
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)

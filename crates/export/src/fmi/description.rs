@@ -12,7 +12,7 @@ use crate::text::{comment, number};
 struct ScalarVariable<'a> {
     name: String,
     description: String,
-    /// Attributes of what it is to the unit.
+    /// Attributes of its role in the unit.
     role: &'a str,
     unit: &'a str,
     start: Option<f64>,
@@ -28,13 +28,13 @@ impl Portable {
         let unknowns = format!("{outputs}      <Unknown index=\"{within}\"/>\n");
         let reals: String = variables.iter().enumerate().map(|(place, own)| own.element(place)).collect();
         let (base, rate) = (&self.base, number(1.0 / self.rate_hz));
-        let [name, guid, told, tool] =
+        let [name, guid, description, tool] =
             [&self.vessel, &self.guid(), &self.header().join(" "), &self.origin.producer]
                 .map(|text| attribute(text));
         format!(
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
              <fmiModelDescription fmiVersion=\"2.0\" modelName=\"{name}\" guid=\"{guid}\"\n    \
-             description=\"{told}\"\n    \
+             description=\"{description}\"\n    \
              generationTool=\"{tool}\" variableNamingConvention=\"flat\" numberOfEventIndicators=\"0\">\n  \
              <CoSimulation modelIdentifier=\"{base}\" canNotUseMemoryManagementFunctions=\"true\">\n    \
              <SourceFiles>\n      <File name=\"{base}_fmi2.c\"/>\n      <File name=\"{base}.c\"/>\n    </SourceFiles>\n  \
@@ -58,7 +58,7 @@ impl Portable {
         all.into_iter().map(|unit| format!("    <Unit name=\"{}\"/>\n", attribute(unit))).collect()
     }
 
-    /// States, inputs, parameters, initial states: a variable's place is its value reference.
+    /// States, inputs, parameters, initial states: a variable's index is its value reference.
     fn variables(&self) -> Vec<ScalarVariable<'_>> {
         let range = |place: usize| {
             let own = self.ranges.iter().find(|range| range.channel == place);
@@ -102,17 +102,17 @@ const INPUT: &str = "causality=\"input\" variability=\"discrete\"";
 const PARAMETER: &str = "causality=\"parameter\" variability=\"tunable\" initial=\"exact\"";
 const INITIAL: &str = "causality=\"parameter\" variability=\"fixed\" initial=\"exact\"";
 
-/// The one that is true or false.
+/// The Boolean variable.
 const WITHIN: &str = "    <ScalarVariable name=\"within_ranges\" valueReference=\"0\" description=\"whether states and inputs are \
     within what the model was fitted to\" causality=\"output\" variability=\"discrete\" initial=\"calculated\"><Boolean/>\
     </ScalarVariable>\n";
 
 impl ScalarVariable<'_> {
-    /// With its value reference.
+    /// The XML element, with its value reference.
     fn element(&self, reference: usize) -> String {
         let Self { name, description, role, unit, start, range } = self;
         let mut real = format!(" unit=\"{}\"", attribute(unit));
-        // Writing to a text does not fail.
+        // Writing to a string cannot fail.
         if let Some([low, high]) = range {
             let _ = write!(real, " min=\"{}\" max=\"{}\"", number(*low), number(*high));
         }
@@ -131,7 +131,7 @@ fn described(name: &str, identifier: &str, meaning: &str) -> String {
     if name == identifier { meaning.to_owned() } else { format!("{name}: {meaning}") }
 }
 
-/// A text between quotes.
+/// A quoted attribute.
 fn attribute(text: &str) -> String {
     escape(comment(text)).into_owned()
 }

@@ -4,7 +4,7 @@ use crate::portable::Portable;
 use crate::template::fill;
 use crate::text::{number, quoted};
 
-/// How the standard calls this system; none that it has no name for.
+/// The standard's name of this platform, if it has one.
 pub const PLATFORM: Option<&str> = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
     Some("linux64")
 } else if cfg!(target_os = "macos") {
@@ -13,10 +13,10 @@ pub const PLATFORM: Option<&str> = if cfg!(all(target_os = "linux", target_arch 
     None
 };
 
-/// How shared libraries end here.
+/// The extension of shared libraries on this platform.
 pub(super) const LIBRARY: &str = if cfg!(target_os = "macos") { "dylib" } else { "so" };
 
-/// What the compiler is told besides sources and output. Sums stay as they are written, so that results have the same bits.
+/// Compiler flags besides sources and output. Sums keep their order, so that results have the same bits.
 pub const COMPILED_WITH: [&str; 6] =
     ["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"];
 
@@ -40,7 +40,7 @@ impl Portable {
         vec![(format!("{}_fmi2.c", self.base), text), source, header]
     }
 
-    /// What tells units apart: what they are made from, and by which program.
+    /// Identifies a unit: derived from its source and the producing program.
     pub(super) fn guid(&self) -> String {
         let origin = &self.origin;
         format!("{} {} {}", origin.digest, origin.values, origin.producer)

@@ -16,7 +16,7 @@ const {{base}}_parameter {{base}}_parameters[{{BASE}}_PARAMETERS] = {
 const double {{base}}_values[{{BASE}}_PARAMETERS] = {
 {{values}}};
 
-const {{base}}_range {{base}}_ranges[{{range_room}}] = {
+const {{base}}_range {{base}}_ranges[{{range_capacity}}] = {
 {{ranges}}};
 
 void {{base}}_step(const double *state, const double *input, const double *parameters, double *next)

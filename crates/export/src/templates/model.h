@@ -53,7 +53,7 @@ extern const {{base}}_channel {{base}}_channels[{{BASE}}_STATES + {{BASE}}_INPUT
 extern const {{base}}_parameter {{base}}_parameters[{{BASE}}_PARAMETERS];
 /* The parameters' values alone, to be copied and changed. */
 extern const double {{base}}_values[{{BASE}}_PARAMETERS];
-extern const {{base}}_range {{base}}_ranges[{{range_room}}];
+extern const {{base}}_range {{base}}_ranges[{{range_capacity}}];
 
 /* The state one sample after `state`, while the inputs are held. `parameters` may be NULL for those of the model; `next` may be
  * `state`. */

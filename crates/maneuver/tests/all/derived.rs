@@ -33,7 +33,7 @@ fn ship() -> Vessel {
 }
 
 #[test]
-fn rows_are_completed_in_the_order_of_the_file_whatever_comes_from_what() {
+fn rows_are_completed_in_the_order_of_the_file_for_any_sources() {
     let model = ship().model;
     let rows = model.undisturbed(&[3.0, 0.1, -3.0, 0.2]);
     let wind_y = -4.0 * 0.5_f64.sin();
@@ -138,7 +138,7 @@ fn law_what_trials_hold_constant_is_known_and_acts_as_before() {
         approx::assert_relative_eq!(*found, expected, epsilon = 1e-16, max_relative = 1e-13);
     }
     assert!(states(&held)[3 * 50 + 1] < -1e-3, "the wind drives the ship");
-    // Nothing is held of a vessel without.
+    // A vessel without disturbances is unchanged.
     let plain = Vessel::preset("ljungberg-model-ship").unwrap();
     assert_eq!(plain.clone().with_disturbances_held(), plain);
 }

@@ -1,4 +1,4 @@
-//! Steady motion of ships whose forces have no slope where nothing moves.
+//! Steady motion of ships whose forces have no slope at rest.
 
 use approx::assert_relative_eq;
 use engine::simulate_one;
@@ -13,25 +13,25 @@ fn ship(text: &str) -> Vessel {
     Vessel::from_file(toml::from_str::<VesselFile>(text).unwrap()).unwrap()
 }
 
-/// Inputs, and the sway that comes with the turn.
+/// Inputs, and the drift of the turn.
 fn held(vessel: &Vessel, u: f64, r: f64) -> Result<Vec<f64>, refusal::Invalid> {
     let mut unknowns = vec![0.0; vessel.model.inputs + 1];
     Steady::new(vessel, &vessel.nominal).solve(Motion { u, v: None, r }, &mut unknowns)?;
     Ok(unknowns)
 }
 
-/// Where the vessel is after `samples` under constant `inputs`, from a motion nearby.
-fn sailed(vessel: &Vessel, inputs: &[f64], near: [f64; 3], samples: usize) -> [f64; 3] {
+/// The state after `samples` under constant `inputs`, from a motion nearby.
+fn settled(vessel: &Vessel, inputs: &[f64], near: [f64; 3], samples: usize) -> [f64; 3] {
     let rows = vessel.model.undisturbed(&inputs.repeat(samples));
     let states = simulate_one(&vessel.model, &vessel.nominal, near, &rows);
     *states.last_chunk().unwrap()
 }
 
-/// That `u` and `r` are what a long simulation under the inputs that hold them comes to.
+/// Asserts that a long simulation under the inputs that hold `u` and `r` converges to them.
 #[track_caller]
 fn comes_to(vessel: &Vessel, u: f64, r: f64) {
     let unknowns = held(vessel, u, r).unwrap();
-    let found = sailed(vessel, &unknowns[..2], [0.9 * u, 0.5 * unknowns[2], 0.5 * r], 4000);
+    let found = settled(vessel, &unknowns[..2], [0.9 * u, 0.5 * unknowns[2], 0.5 * r], 4000);
     for (found, expected) in found.into_iter().zip([u, unknowns[2], r]) {
         assert!(
             (found - expected).abs() <= 1e-6,
@@ -110,6 +110,6 @@ fn law_every_maneuver_of_a_propeller_ship_asks_for_settings_within_the_range() {
         held += 1;
         swung += usize::from(run.inputs.chunks(2).any(|row| row[1].abs() > 0.05));
     }
-    // Candidates that ask for a sway of their own would leave hardly any: 27 of 65.
+    // Candidates with a commanded sway would leave hardly any: 27 of 65.
     assert!(held > 50 && swung > 40, "{held} {swung}");
 }

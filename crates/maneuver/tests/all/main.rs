@@ -1,4 +1,4 @@
-//! Maneuvers and the inputs that they become.
+//! Maneuvers and their inputs.
 
 mod derived;
 mod equilibria;

@@ -1,4 +1,4 @@
-//! Maneuvers become inputs that make the vessel move as asked.
+//! The inputs of maneuvers make the vessel move as requested.
 
 use approx::assert_relative_eq;
 use engine::simulate_one;
@@ -89,7 +89,7 @@ fn law_the_papers_maneuvers_keep_the_ranges_that_it_prints() {
     }
 }
 
-/// An exact motion is the wanted one at every sample, by whichever parameters: of signals that are none of the paper's.
+/// An exact motion is the wanted one at every sample, for any parameters; the signals are not the paper's.
 #[test]
 fn law_an_exact_motion_is_followed_from_the_first_sample_to_the_last() {
     let text = "duration_s = 20.0\ninputs_from = \"nominal\"\n[[maneuver]]\nname = \"m\"\nkind = \"combined\"\nexact = true\n\
@@ -201,7 +201,7 @@ fn dictionaries_that_cannot_be_meant_are_refused() {
     assert!(short.samples(0).unwrap_err().to_string().contains("zero samples"));
 }
 
-/// What the new keys of a combined maneuver and of a change of speed refuse: key, found, expected.
+/// Refusals of the keys of combined maneuvers and changes of speed: key, found, expected.
 #[test]
 fn shapes_holds_and_exact_motions_that_cannot_be_meant_are_refused() {
     let refused = |text: &str| generator(&format!("duration_s = 9.0\n{text}")).unwrap_err().to_string();
@@ -210,8 +210,8 @@ fn shapes_holds_and_exact_motions_that_cannot_be_meant_are_refused() {
             "[[maneuver]]\nname = \"a\"\nkind = \"combined\"\nspeed_m_s = {{ mean = 0.5 }}\n{own}"
         ))
     };
-    let contains = |text: String, pieces: &[&str]| {
-        assert!(pieces.iter().all(|piece| text.contains(piece)), "{text}");
+    let contains = |text: String, texts: &[&str]| {
+        assert!(texts.iter().all(|own| text.contains(own)), "{text}");
     };
     let signal = |own: &str| format!("yaw_rate_rad_s = {{ amplitude = 0.2, period_s = 5.0, {own} }}\n");
     contains(
@@ -244,7 +244,7 @@ fn shapes_holds_and_exact_motions_that_cannot_be_meant_are_refused() {
 }
 
 #[test]
-fn law_a_maneuver_that_goes_on_begins_as_the_same_that_is_shorter() {
+fn law_an_unstretched_maneuver_begins_like_a_shorter_one() {
     let shapes =
         ["constant", "square", "sine", "flat-sine", "triangle", "ramp", "pseudo-random", "multisine"];
     let combined = |shape: &&str| {
@@ -257,15 +257,20 @@ fn law_a_maneuver_that_goes_on_begins_as_the_same_that_is_shorter() {
     let binary = "[[maneuver]]\nname = \"binary\"\nkind = \"pseudo-random-binary\"\nspeed_m_s = 0.6\n\
                   yaw_rate_amplitude_rad_s = 0.2\ndwell_s = 3.0\n";
     let own: String = shapes.iter().map(combined).collect();
-    // The paper's spirals take 40 s, however long they go on.
+    // The paper's spirals take 40 s at any length.
     for (dictionary, stretched) in [(HELD, 4), (PAPER_DICTIONARY, 1)] {
         let generator = generator(&format!("{dictionary}{own}{binary}")).unwrap();
-        let goes_on: Vec<bool> = (0..generator.maneuvers().len()).map(|q| generator.goes_on(q)).collect();
-        assert_eq!(goes_on.iter().filter(|goes_on| !**goes_on).count(), stretched, "{goes_on:?}");
-        for (q, goes_on) in goes_on.into_iter().enumerate() {
+        let is_unstretched: Vec<bool> =
+            (0..generator.maneuvers().len()).map(|q| generator.is_unstretched(q)).collect();
+        assert_eq!(
+            is_unstretched.iter().filter(|is_unstretched| !**is_unstretched).count(),
+            stretched,
+            "{is_unstretched:?}"
+        );
+        for (q, is_unstretched) in is_unstretched.into_iter().enumerate() {
             let [short, long] = [120, 330].map(|samples| generator.realize(q, samples).unwrap());
             let same = short.initial == long.initial && long.inputs.starts_with(&short.inputs);
-            assert_eq!(same, goes_on, "{}", generator.maneuvers()[q].name);
+            assert_eq!(same, is_unstretched, "{}", generator.maneuvers()[q].name);
         }
     }
 }
