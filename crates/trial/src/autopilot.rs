@@ -7,40 +7,40 @@ use crate::handling::{COURSE, MEMORY, MOST_AT_ONCE, SPEED, YAW_RATE};
 use crate::inversion::{Gains, Inversion};
 use crate::{Handling, Phase};
 
-/// Steers a vessel along the phases of legs: line-of-sight guidance of the course over the ground under way, position keeping
-/// at rest. What is commanded becomes accelerations, and these become inputs by [`Inversion`].
+/// Steers a vessel along the phases of legs: line-of-sight guidance of the course over the ground under way,
+/// position keeping at rest. Commands are accelerations, which [`Inversion`] converts to inputs.
 #[derive(Clone, Debug)]
 pub struct Autopilot<'a> {
     inversion: Inversion<'a>,
     handling: Handling,
-    /// North and east components of the current that it reckons with \[m/s\].
+    /// North and east components of the current that it accounts for \[m/s\].
     pub known_current_m_s: [f64; 2],
 }
 
-/// Speeds below this part of those that are used at rest count as being at rest.
+/// Speeds below this fraction of the crawl speed count as being at rest.
 const AT_REST: f64 = 0.1;
-/// What the vessel is asked to do over the ground, in its own axes.
+/// The commanded motion over the ground, in body axes.
 #[derive(Clone, Copy, Debug)]
 struct Command {
     u: f64,
-    /// At which u is to change \[m/s²\].
+    /// The commanded change of u \[m/s²\].
     acceleration: f64,
     v: Option<f64>,
     r: f64,
 }
 
 impl<'a> Autopilot<'a> {
-    /// An autopilot that knows the vessel by `parameters`.
+    /// An autopilot whose model has these `parameters`.
     pub fn new(vessel: &'a Vessel, parameters: &[f64], handling: Handling) -> Self {
         let inversion = Inversion::new(vessel, parameters, handling.response_s / MEMORY);
         Self { inversion, handling, known_current_m_s: [0.0; 2] }
     }
 
-    /// Inputs for the next sample on `phase`, whose positions are relative to `node` (north, east); `start` is where the
-    /// vessel was when the phase began.
+    /// Inputs for the next sample on `phase`, whose positions are relative to `node` (north, east); `start`
+    /// is the pose at the beginning of the phase.
     ///
     /// # Errors
-    /// A vessel without the inputs that it takes.
+    /// A vessel without the required inputs.
     pub fn steer(
         &mut self,
         phase: &Phase,
@@ -61,7 +61,7 @@ impl<'a> Autopilot<'a> {
         self.inversion.inputs(ship.state, current, &gains)
     }
 
-    /// Sees what became of `before` under `inputs`, whoever set them.
+    /// Observes the step from `before` to `after` under `inputs`, including open-loop ones.
     pub fn observe(&mut self, pose: Pose, before: [f64; 3], inputs: &[f64], after: [f64; 3]) {
         let current = self.known_current(pose);
         self.inversion.observe(before, inputs, current, after);
@@ -77,7 +77,7 @@ impl<'a> Autopilot<'a> {
         [north * cos + east * sin, east * cos - north * sin]
     }
 
-    /// Whether `phase` is done, or `is_late`.
+    /// Whether `phase` is complete; if it `is_late`, position errors are ignored.
     pub fn is_done(&self, phase: &Phase, node: [f64; 2], ship: &Ship, is_late: bool) -> bool {
         let ahead = ship.state[0] * ship.sample_s() / 2.0;
         match *phase {
@@ -103,7 +103,8 @@ impl<'a> Autopilot<'a> {
         }
     }
 
-    /// How long a phase may take before it is late and given up: a position error then stays, and is reported \[s\].
+    /// The time after which a phase is late and given up: its position error then remains, and is reported
+    /// \[s\].
     pub fn patience_s(&self, phase: &Phase, node: [f64; 2], start: Pose) -> f64 {
         let h = &self.handling;
         match *phase {
@@ -160,7 +161,8 @@ impl<'a> Autopilot<'a> {
         }
     }
 
-    /// The yaw rate that turns the course over the ground towards `aim_rad` on a path that turns itself.
+    /// The yaw rate that turns the course over the ground towards `aim_rad` on a path that turns by
+    /// `turn_rad_s`.
     fn towards(&self, aim_rad: f64, turn_rad_s: f64, ship: &Ship) -> f64 {
         let [u, v, _] = ship.state;
         let course = ship.pose.psi + libm::atan2(v, u.max(self.handling.crawl_m_s));
@@ -179,7 +181,7 @@ fn offset(node: [f64; 2], place: [f64; 2], pose: Pose) -> [f64; 2] {
     [node[0] + place[0] - pose.x, node[1] + place[1] - pose.y]
 }
 
-/// How far a place, north and east, lies along a heading of this sine and cosine.
+/// The component of a displacement, north and east, along a heading of this sine and cosine.
 fn along([north, east]: [f64; 2], (sin, cos): (f64, f64)) -> f64 {
     north * cos + east * sin
 }

@@ -6,16 +6,16 @@ use crate::{Grid, Handling, Leg, Phase, Purpose};
 /// Names of the basic moves.
 pub const BASIC_MOVES: [&str; 5] = ["straight", "faster", "slower", "turn-port", "turn-starboard"];
 
-/// How many nodes farther a move is tried than where it could end at best.
+/// How many nodes beyond its shortest end a move is tried.
 const FARTHER: usize = 5;
-/// Ends of a turn that are tried, nearest first.
+/// Most ends of a turn that are tried, nearest first.
 const TURNS: usize = 24;
 
-/// The moves that get the vessel about from a heading level and mode: straight ahead, turns (on the spot at rest, arcs under
-/// way), changes of speed. Of every move the legs that may do it, shortest first: a vessel that does not settle by the
-/// end of one may by the end of a longer one.
+/// The basic moves from a heading level and mode: straight ahead, turns (on the spot at rest, arcs under
+/// way), changes of speed. Each move has several legs, shortest first: a vessel that does not settle by the
+/// end of one may settle by the end of a longer one.
 ///
-/// Their names are [`BASIC_MOVES`]. At rest a vessel goes ahead at the crawl speed.
+/// Their names are [`BASIC_MOVES`]. At rest a vessel moves ahead at the crawl speed.
 pub fn basic_moves(grid: &Grid, handling: &Handling, level: usize, mode: usize) -> Vec<Vec<Leg>> {
     let slower = mode.checked_sub(1);
     let faster = Some(mode + 1).filter(|mode| *mode < grid.modes.len());
@@ -47,7 +47,7 @@ fn turn_on_the_spot(grid: &Grid, level: usize, to: usize, mode: usize, side: f64
     }
 }
 
-/// One step ahead, or as many as a change of speed takes, and more.
+/// One step ahead, or as many as a change of speed needs, and longer ones.
 fn straights(grid: &Grid, handling: &Handling, level: usize, from: usize, to: usize) -> Vec<Leg> {
     let (di, dj) = grid.step_along(level);
     let [north, east] = grid.displacement(di, dj);
@@ -57,7 +57,7 @@ fn straights(grid: &Grid, handling: &Handling, level: usize, from: usize, to: us
     (steps..=steps + FARTHER).map(|steps| straight(grid, level, [from, to], steps as i32)).collect()
 }
 
-/// So many steps ahead, from one mode to another.
+/// `steps` steps ahead, from one mode to another.
 fn straight(grid: &Grid, level: usize, [from, to]: [usize; 2], steps: i32) -> Leg {
     let (di, dj) = grid.step_along(level);
     let (v0, v1) = (grid.modes[from].speed_m_s, grid.modes[to].speed_m_s);
@@ -96,7 +96,7 @@ fn arcs(grid: &Grid, handling: &Handling, level: usize, to: usize, mode: usize, 
     let (a, b) = (grid.heading_rad(level), grid.heading_rad(to));
     let turn = TAU / grid.headings as f64;
     let tangent = speed / handling.turn_rate_rad_s * libm::tan(turn / 2.0);
-    // A move longer than the lattice is of no use.
+    // A move longer than the lattice is useless.
     let most = grid.nx.max(grid.ny) as f64;
     let reach = (3.0 + FARTHER as f64 + (2.0 * tangent / grid.cell_m).ceil()).min(most) as i32;
     let mut ends: Vec<(f64, i32, i32, f64)> = around(0, 0, reach)

@@ -46,7 +46,7 @@ impl Grid {
         (layer % self.headings, layer / self.headings)
     }
 
-    /// The layer that `layer` becomes by quarter turns to port.
+    /// The layer that results from `layer` by quarter turns to port.
     pub(crate) fn turned(&self, layer: usize, quarters: usize) -> usize {
         let (level, mode) = self.level_and_mode(layer);
         self.layer((level + quarters * self.headings / 4) % self.headings, mode)
@@ -74,7 +74,7 @@ impl Grid {
         [self.cell_m * f64::from(dj), self.cell_m * f64::from(di)]
     }
 
-    /// Where the vessel is at a node.
+    /// The pose at a node.
     pub fn pose(&self, i: usize, j: usize, level: usize) -> Pose {
         Pose {
             x: self.origin_m[1] + self.cell_m * j as f64,

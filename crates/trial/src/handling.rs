@@ -25,7 +25,7 @@ pub struct Handling {
     pub lookahead_m: f64,
 }
 
-/// As much of it as somebody states; what is left out follows from the vessel.
+/// The stated part of [`Handling`]; the rest follows from the vessel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct StatedHandling {
@@ -69,35 +69,35 @@ pub struct DerivedHandling {
     pub ability: Ability,
 }
 
-/// Loops inside of each other, each faster than the one around it: parts of the response time for the course, for speeds,
-/// for the yaw rate and for what the model lacks.
+/// Nested loops, each faster than the outer one: fractions of the response time for the course, for speeds,
+/// for the yaw rate and for model errors.
 pub(crate) const COURSE: f64 = 4.0;
 pub(crate) const SPEED: f64 = 4.0;
 pub(crate) const YAW_RATE: f64 = 8.0;
 pub(crate) const MEMORY: f64 = 8.0;
-/// Largest part of an error that is taken back within a sample.
+/// Largest fraction of an error that is corrected within a sample.
 pub(crate) const MOST_AT_ONCE: f64 = 0.5;
 
-/// Of the largest yaw rate: the rest is for vessels that turn worse than the nominal one.
+/// Fraction of the largest yaw rate: the rest is a reserve for vessels that turn worse than the nominal one.
 const OF_TURN_RATE: f64 = 0.5;
 /// Radius of turns where no range of an actuator bounds them \[lengths\].
 const TURN_LENGTHS: f64 = 4.0;
-/// Way of the slowest mode within the response time \[lengths\].
+/// Distance of the slowest mode within the response time \[lengths\].
 const RESPONSE_LENGTHS: f64 = 1.5;
-/// A course aimed at a point ahead on a line turns by no more than this part of speed over lookahead: 2/(3√3), where it crosses
-/// the line at atan(1/√2).
+/// A course aimed at a point ahead on a line turns by no more than this fraction of speed over lookahead:
+/// 2/(3√3), where it crosses the line at atan(1/√2).
 const OF_LOOKAHEAD: f64 = 0.384_900_179_459_750_5;
-/// Time for its own length of a vessel that has no mode under way \[s\].
+/// Time per length of a vessel that has no mode under way \[s\].
 const AT_REST_LENGTH_S: f64 = 20.0;
-/// Of the slowest mode's speed.
+/// Fraction of the slowest mode's speed.
 const OF_SPEED: f64 = 0.2;
-/// Largest yaw rate that is looked for \[rad/s\].
+/// Largest yaw rate that is tried \[rad/s\].
 const FASTEST_TURN_RAD_S: f64 = 2.0;
-/// Halvings of what the largest yaw rate is known to.
+/// Bisections for the largest yaw rate.
 const HALVINGS: usize = 24;
 
 impl Handling {
-    /// Each number with its key, and where it may be.
+    /// Each number with its key and range.
     fn numbers(&self) -> [(&'static str, f64, RangeInclusive<f64>); 5] {
         [
             ("turn_rate_rad_s", self.turn_rate_rad_s, 1e-4..=10.0),
@@ -108,7 +108,8 @@ impl Handling {
         ]
     }
 
-    /// Refuses numbers without meaning, and those with which a leg would last for days: every leg is simulated to its end.
+    /// Refuses meaningless numbers, and those that would make a leg last for days: every leg is simulated to
+    /// its end.
     ///
     /// # Errors
     /// Names the key.
@@ -121,10 +122,10 @@ impl Handling {
 }
 
 impl StatedHandling {
-    /// What is left out taken from `derived`, the rest checked against what the vessel can do.
+    /// Completes the stated values from `derived`, and checks them against the vessel's ability.
     ///
     /// # Errors
-    /// Numbers without meaning, or beyond the vessel: names the key.
+    /// Meaningless numbers, or values beyond the vessel's ability: names the key.
     pub fn completed(&self, derived: &DerivedHandling) -> Result<Handling, Invalid> {
         let usual = derived.handling;
         let handling = Handling {
@@ -143,7 +144,7 @@ impl StatedHandling {
     }
 }
 
-/// Refuses more than the vessel can do.
+/// Refuses values beyond the vessel's ability.
 fn beyond(key: &str, unit: &str, value: f64, most: Option<f64>) -> Result<(), Invalid> {
     match most.filter(|most| value > *most) {
         None => Ok(()),
@@ -159,7 +160,7 @@ fn beyond(key: &str, unit: &str, value: f64, most: Option<f64>) -> Result<(), In
 }
 
 impl DerivedHandling {
-    /// Of the nominal `vessel`, which is `length_m` long, at the speeds of `modes`.
+    /// For the nominal `vessel`, which is `length_m` long, at the speeds of `modes`.
     ///
     /// # Errors
     /// A vessel that cannot be steered in a mode under way.
@@ -186,8 +187,8 @@ impl DerivedHandling {
             crawl_m_s: OF_SPEED * slowest,
             acceleration_m_s2,
             response_s,
-            // Errors across a line die out without swinging at the fastest mode, and faster at others: neither the response nor
-            // the yaw rate is too slow for it.
+            // Errors across a line decay without overshoot in the fastest mode, and faster in others: neither
+            // the response nor the yaw rate is too slow for it.
             lookahead_m: fastest * response_s.max(OF_LOOKAHEAD / turn_rate_rad_s),
         };
         Ok(Self { handling, ability })
@@ -239,7 +240,7 @@ fn held(vessel: &Vessel, steady: &mut Steady, speed: f64, turn: f64) -> Result<V
     }
 }
 
-/// How long the slowest actuator takes to be laid for a turn.
+/// The time that the slowest actuator needs to initiate a turn.
 fn laid_s(vessel: &Vessel, speed: f64, turn: f64) -> Result<f64, Invalid> {
     if vessel.actuators.iter().all(|own| own.rate_per_s.is_none()) {
         return Ok(0.0);
@@ -252,24 +253,24 @@ fn laid_s(vessel: &Vessel, speed: f64, turn: f64) -> Result<f64, Invalid> {
     Ok(seconds.fold(0.0, f64::max))
 }
 
-/// The largest yaw rate that can be held at a speed; `None` where none is too large.
+/// The largest yaw rate that can be held at a speed; `None` if it is not bounded.
 fn largest_turn(vessel: &Vessel, steady: &mut Steady, speed: f64) -> Option<f64> {
     let (mut low, mut high) = (0.0, FASTEST_TURN_RAD_S);
     if vessel.actuators.iter().all(|own| own.range.is_none()) || held(vessel, steady, speed, high).is_ok() {
         return None;
     }
     for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        match held(vessel, steady, speed, middle) {
-            Ok(_) => low = middle,
-            Err(_) => high = middle,
+        let centre = 0.5 * (low + high);
+        match held(vessel, steady, speed, centre) {
+            Ok(_) => low = centre,
+            Err(_) => high = centre,
         }
     }
     Some(low)
 }
 
-/// The largest gain and loss of speed and the largest gain of yaw rate, either way the smaller one, that an input can bring
-/// about from where the vessel goes straight ahead \[per s\]; `None` for what no range bounds.
+/// The largest increase and decrease of speed and the largest yaw acceleration, in the weaker direction, that
+/// an input can produce while the vessel goes straight ahead \[per s\]; `None` where no range bounds it.
 fn extremes(vessel: &Vessel, speed: f64, straight: &[f64]) -> [Option<f64>; 3] {
     let mut found = [0.0_f64; 4];
     for (input, actuator) in vessel.actuators.iter().enumerate() {
@@ -292,7 +293,7 @@ fn extremes(vessel: &Vessel, speed: f64, straight: &[f64]) -> [Option<f64>; 3] {
     [gain, loss, starboard.min(port)].map(|most| Some(most).filter(|most| most.is_finite() && *most > 0.0))
 }
 
-/// What u, v and r gain in a second, straight ahead.
+/// Increments of u, v and r per second, straight ahead.
 fn gains(vessel: &Vessel, speed: f64, inputs: &[f64]) -> [f64; 3] {
     let mut exogenous = vec![0.0; vessel.model.exogenous()];
     exogenous[..inputs.len()].copy_from_slice(inputs);

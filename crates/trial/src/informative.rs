@@ -2,28 +2,28 @@ use engine::Pose;
 use refusal::Invalid;
 
 use crate::grid::{around, wrap};
-use crate::rehearser::{Crew, Underway};
 use crate::repertoire::{Outcome, Settled, Unsettled};
-use crate::{Leg, Phase, Piece, Purpose, Rehearser, Repertoire, Sailed, Side, Used};
+use crate::sampled_vessel::{Crew, Underway};
+use crate::{Leg, Phase, Piece, Purpose, Repertoire, Sailed, SampledVessel, Side, Used};
 
 /// How often a run-in is lengthened, and by which factor, before a maneuver is given up.
 const RUN_INS: i32 = 7;
 const LONGER: f64 = 1.5;
-/// Nodes that a recovery is tried to: the nearest ones, then as many from all over the others.
+/// Nodes that are tried for a recovery: the nearest ones, then as many sampled from the others.
 const NEAREST: usize = 40;
 const FARTHER: usize = 20;
 
 impl Repertoire<'_> {
-    /// The legs of piece `index` from a heading level, one per side: a steady approach until all `others` are settled, the
-    /// piece open loop, a recovery onto the first node ahead that all end settled at.
+    /// The legs of piece `index` from a heading level, one per side: a steady approach until all `others` are
+    /// settled, the piece open loop, a recovery onto the first node ahead where all of them settle.
     ///
     /// # Errors
-    /// A piece that starts at a speed that no mode has; as [`crate::sail`].
+    /// A piece that starts at a speed that no mode has; as [`crate::simulate_legs`].
     pub fn informative(
         &self,
         index: usize,
         level: usize,
-        others: &[Rehearser],
+        others: &[SampledVessel],
     ) -> Result<Vec<Outcome>, Invalid> {
         let from = self.grid.layer(level, self.mode_of(index)?);
         let search = Search { repertoire: self, index, from };
@@ -57,13 +57,13 @@ impl Repertoire<'_> {
 
 struct Search<'a> {
     repertoire: &'a Repertoire<'a>,
-    /// Of the piece.
+    /// Index of the piece.
     index: usize,
-    /// Layer that it begins in.
+    /// Layer at the beginning.
     from: usize,
 }
 
-/// A maneuver that has been run by all, before its recovery.
+/// A maneuver that all vessels have run, before its recovery.
 struct Run<'a> {
     leg: Leg,
     sailed: Sailed,
@@ -72,7 +72,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// With what all sailed to recover.
+    /// Appends the recoveries of all vessels.
     fn with(self, recovered: Settled) -> Settled {
         let Self { mut leg, mut sailed, mut tracks, .. } = self;
         let Settled { leg: Leg { di, dj, to, phases, .. }, sailed: last, tracks: lasts } = recovered;
@@ -87,7 +87,7 @@ impl Run<'_> {
 /// A node to recover to.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    /// Distance of the nominal vessel, with what lies across counted twice.
+    /// Distance from the nominal vessel, with the component across counted twice.
     cost: f64,
     di: i32,
     dj: i32,
@@ -99,7 +99,7 @@ impl Search<'_> {
         &self.repertoire.pieces[self.index]
     }
 
-    /// Whether mirroring the piece leaves it as it is.
+    /// Whether the piece is its own mirror image.
     fn is_straight(&self) -> bool {
         let signs = self.repertoire.mirror.unwrap_or(&[]);
         let rows = self.piece().inputs.chunks_exact(signs.len().max(1));
@@ -166,15 +166,15 @@ impl Search<'_> {
         }))
     }
 
-    /// Approach and maneuver, by all.
+    /// Approach and maneuver, by all vessels.
     fn run<'a>(&self, approach: Leg, crew: &mut Crew<'a>) -> Result<Result<Run<'a>, Used>, Invalid> {
         let mut leg = approach;
         leg.phases.push(Phase::Maneuver);
         let mut nominal = crew.nominal.clone();
-        let sailed = self.repertoire.sailed(&leg, &mut nominal)?;
+        let sailed = self.repertoire.simulated(&leg, &mut nominal)?;
         let others = crew.each(|mut underway| {
             let (mut poses, _) = self.repertoire.track(&leg, &mut underway).map_err(|_| Used::LOST)?;
-            // Where it is now is where the recovery begins.
+            // The recovery begins at the last pose.
             poses.pop();
             Ok((poses, underway))
         });
@@ -184,7 +184,7 @@ impl Search<'_> {
         }))
     }
 
-    /// With a recovery to the first node that all end settled at.
+    /// Adds a recovery to the first node where all of them settle.
     fn recovered(&self, mut run: Run) -> Result<Result<Settled, Used>, Invalid> {
         let mut best = Used::LOST;
         let speed = run.crew.nominal.ship.state[0];
@@ -200,7 +200,7 @@ impl Search<'_> {
         Ok(Err(best))
     }
 
-    /// The recovery of `leg` onto a node, alone.
+    /// The recovery of `leg` onto a node, as a leg of its own.
     fn recovery(&self, leg: &Leg, node: Node, speed: f64) -> Leg {
         let Repertoire { grid, handling, .. } = self.repertoire;
         let Node { di, dj, layer, .. } = node;
@@ -213,7 +213,7 @@ impl Search<'_> {
         Leg { di, dj, to: layer, phases: vec![phase], ..leg.clone() }
     }
 
-    /// Nodes that all can recover to, cheapest first.
+    /// Nodes that all of them can recover to, cheapest first.
     fn nodes(&self, crew: &Crew, speed: f64) -> Vec<Node> {
         let Repertoire { grid, handling, .. } = self.repertoire;
         let Some(mode) = grid.nearest_mode(speed) else { return Vec::new() };
@@ -252,7 +252,7 @@ impl Search<'_> {
     }
 }
 
-/// How far ahead of a vessel on `heading`, and across, a place lies.
+/// The displacement of a place from a vessel on `heading`, ahead and across.
 fn seen(from: Pose, [north, east]: [f64; 2], heading: f64) -> [f64; 2] {
     let (sin, cos) = libm::sincos(heading);
     let [north, east] = [north - from.x, east - from.y];

@@ -5,14 +5,14 @@ use refusal::Invalid;
 
 /// Most steps of Newton's method per sample; a model that is linear in its inputs needs one.
 const STEPS: usize = 5;
-/// A residual below this part of a metre per second (or radian) in a sample is none.
+/// Residuals below this fraction of a metre per second (or radian) in a sample count as zero.
 const SMALL: f64 = 1e-9;
-/// Largest part of what a model was seen to lack that is believed within a sample.
+/// Largest fraction of an observed model error that is learnt within a sample.
 const MOST_BELIEVED: f64 = 0.3;
 
-/// Inputs that give a vessel the accelerations it is asked for, by a model of it and by what that model was seen to lack:
-/// dynamic inversion with a disturbance observer. Errors of parameters and currents that nobody knows are not told
-/// apart: both show as gains of u, v and r that the model does not explain.
+/// Inputs for commanded accelerations, by a model of the vessel and its observed errors: dynamic inversion
+/// with a disturbance observer. Errors of parameters and unknown currents are not distinguished: both appear
+/// as increments of u, v and r that the model does not explain.
 #[derive(Clone, Debug)]
 pub(crate) struct Inversion<'a> {
     vessel: &'a Vessel,
@@ -21,28 +21,28 @@ pub(crate) struct Inversion<'a> {
     /// Inputs, then measured disturbances and derived channels.
     exogenous: Vec<f64>,
     gradients: Vec<[f64; 3]>,
-    /// What was asked of the actuators last; empty before the first time.
+    /// The last command to the actuators; empty before the first one.
     last: Vec<f64>,
-    /// State and current where the model looks.
+    /// State and current of the model's current point.
     looked: Option<([f64; 3], [f64; 2])>,
-    /// Gains of u, v, r in a sample that the model does not explain.
+    /// Increments of u, v, r in a sample that the model does not explain.
     pub unexplained: [f64; 3],
-    /// Part of a new one that is believed.
+    /// Fraction of a new observation that is learnt.
     believed: f64,
 }
 
-/// Gains in a sample that are wanted; sway may be left to what comes with the turn.
+/// Commanded increments in a sample; sway may be left to the drift of the turn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Gains {
     pub u: f64,
     pub v: f64,
-    /// Whether sway is wanted even where inputs have to leave their couplings for it.
+    /// Whether sway is commanded even if inputs have to leave their couplings for it.
     pub sway: bool,
     pub r: f64,
 }
 
 impl<'a> Inversion<'a> {
-    /// By `parameters`; what the model lacks is known after about `memory_s`.
+    /// With `parameters`; model errors are learnt with time constant `memory_s`.
     pub fn new(vessel: &'a Vessel, parameters: &[f64], memory_s: f64) -> Self {
         Self {
             vessel,
@@ -57,7 +57,7 @@ impl<'a> Inversion<'a> {
         }
     }
 
-    /// The inputs that give `wanted` at `state`, in a known current of body components `current`.
+    /// The inputs that produce `wanted` at `state`, in a known current of body components `current`.
     ///
     /// # Errors
     /// A vessel without the inputs to command surge, yaw and, where wanted, sway.
@@ -80,7 +80,7 @@ impl<'a> Inversion<'a> {
         Ok(&self.last)
     }
 
-    /// Begins with inputs that hold the vessel as it is; fails where the inputs do not command it.
+    /// Begins with inputs that hold the present motion; fails if the inputs do not command it.
     fn begin(&mut self, state: [f64; 3], current: [f64; 2], sway: bool) -> Result<(), Invalid> {
         let inputs = self.vessel.model.inputs;
         let mut unknowns = vec![0.0; inputs + 1];
@@ -91,7 +91,7 @@ impl<'a> Inversion<'a> {
         Ok(())
     }
 
-    /// The inputs that are set freely, and how many: at most three.
+    /// The free inputs, and their number: at most three.
     fn free(&self, sway: bool) -> ([usize; 3], usize) {
         let leads = |i: &usize| sway || self.vessel.couplings[*i].is_none();
         let mut free = [0; 3];
@@ -100,7 +100,8 @@ impl<'a> Inversion<'a> {
         (free, count)
     }
 
-    /// Gains of u, v and r that the inputs do not bring about yet; sway is left out where two inputs command the vessel.
+    /// Increments of u, v and r that the inputs do not produce yet; sway is left out where two inputs command
+    /// the vessel.
     fn missing(&mut self, state: [f64; 3], current: [f64; 2], wanted: &Gains, free: &[usize]) -> [f64; 3] {
         self.look(state, current, None);
         let increments = self.model.increments();
@@ -109,7 +110,7 @@ impl<'a> Inversion<'a> {
         [missing[0], if free.len() == 3 { missing[1] } else { 0.0 }, missing[2]]
     }
 
-    /// Rows \[slopes by the free inputs | what is missing\] of surge, sway and yaw where the model looks.
+    /// Rows \[slopes by the free inputs | missing increments\] of surge, sway and yaw at the current point.
     fn linearised(&mut self, missing: [f64; 3], alone: bool, free: &[usize]) -> [[f64; 4]; 3] {
         self.model.exogenous_gradients(&mut self.gradients);
         self.vessel.model.by_sources(&self.exogenous, &mut self.gradients);
@@ -133,7 +134,7 @@ impl<'a> Inversion<'a> {
         own + self.vessel.couplings.iter().enumerate().filter_map(follows).sum::<f64>()
     }
 
-    /// Changes the inputs as far as their ranges allow; whether that changed anything.
+    /// Changes the inputs as far as their ranges allow; returns whether anything changed.
     fn corrected(&mut self, free: &[usize], changes: [f64; 3]) -> bool {
         let mut changed = false;
         for (i, change) in free.iter().zip(changes) {
@@ -154,7 +155,7 @@ impl<'a> Inversion<'a> {
         changed
     }
 
-    /// Goes to a state and inputs, unless the model looks there already.
+    /// Sets the point of the model, unless it is there already.
     fn look(&mut self, state: [f64; 3], current: [f64; 2], inputs: Option<&[f64]>) {
         let inputs = inputs.unwrap_or(&self.last);
         if self.looked == Some((state, current)) && self.exogenous[..inputs.len()] == *inputs {
@@ -177,7 +178,7 @@ impl<'a> Inversion<'a> {
     }
 }
 
-/// What solves rows \[A | b\], by elimination; unknowns without a slope stay as they are.
+/// Solves rows \[A | b\] by elimination; unknowns without a slope are not changed.
 fn solved(mut rows: [[f64; 4]; 3]) -> [f64; 3] {
     let mut used = [false; 3];
     let mut pivots = [None; 3];

@@ -7,7 +7,7 @@ use crate::grid::wrap;
 /// headings compass \[rad\].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Leg {
-    /// What it is for.
+    /// Its purpose.
     pub purpose: Purpose,
     /// Layer of the start node.
     pub from: usize,
@@ -17,26 +17,26 @@ pub struct Leg {
     pub dj: i32,
     /// Layer of the end node.
     pub to: usize,
-    /// Carried out one after the other.
+    /// Its phases, in order.
     pub phases: Vec<Phase>,
 }
 
-/// What a leg is for.
+/// The purpose of a leg.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Purpose {
-    /// Getting somewhere: name of the action.
+    /// Transit: name of the action.
     Basic(String),
     /// Using a piece of a maneuver.
     Informative {
         /// Index of the piece.
         piece: usize,
-        /// Which way.
+        /// The side.
         side: Side,
     },
 }
 
 impl Purpose {
-    /// Which way a maneuver is run.
+    /// The side of a maneuver.
     pub fn side(&self) -> Option<Side> {
         match self {
             Self::Informative { side, .. } => Some(*side),
@@ -64,7 +64,7 @@ pub enum Phase {
         to: [f64; 2],
         /// Heading of the line.
         heading_rad: f64,
-        /// Speed where it is taken up \[m/s\].
+        /// Speed at its beginning \[m/s\].
         from_m_s: f64,
         /// Speed at its end \[m/s\].
         to_m_s: f64,
@@ -94,7 +94,8 @@ pub enum Phase {
 }
 
 impl Leg {
-    /// The same leg turned to port by `quarters` quarter turns: the sea looks alike from all of them where no current is known.
+    /// The leg rotated to port by `quarters` quarter turns: without a known current all directions are
+    /// equivalent.
     pub(crate) fn turned(&self, quarters: usize, grid: &Grid) -> Self {
         let ([dj, di], mut phases) = (turned([self.dj, self.di], quarters), self.phases.clone());
         phases.iter_mut().for_each(|phase| phase.turn(quarters));
@@ -121,7 +122,7 @@ impl Phase {
     }
 }
 
-/// North and east, turned to port by quarter turns.
+/// North and east, rotated to port by quarter turns.
 pub(crate) fn turned<T: Copy + std::ops::Neg<Output = T>>([north, east]: [T; 2], quarters: usize) -> [T; 2] {
     match quarters % 4 {
         0 => [north, east],

@@ -1,8 +1,9 @@
 //! From a vessel and its dictionary to moves on a lattice, and from a plan on the lattice back to sea.
 //!
-//! A [`Leg`] is what the lattice calls a move: a script of phases that an [`Autopilot`] carries out, with an informative
-//! maneuver, run open loop, between a steady approach and a recovery onto the lattice. Poses are north, east \[m\] and
-//! compass heading \[rad\]; the lattice counts headings counter-clockwise from east, and [`Grid`] alone converts.
+//! A [`Leg`] is a move of the lattice: a script of phases that an [`Autopilot`] carries out, with an
+//! informative maneuver, run open loop, between a steady approach and a recovery onto the lattice. Poses are
+//! north, east \[m\] and compass heading \[rad\]; the lattice counts headings counter-clockwise from east,
+//! and only [`Grid`] converts.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -19,10 +20,10 @@ mod leg;
 pub mod moments;
 mod piece;
 pub mod refining;
-mod rehearser;
 mod repertoire;
 pub mod rounds;
-mod sail;
+mod sampled_vessel;
+mod simulate;
 mod symmetry;
 mod tolerance;
 pub mod voyage;
@@ -33,8 +34,8 @@ pub use grid::{Grid, Mode};
 pub use handling::{Ability, DerivedHandling, Handling, StatedHandling};
 pub use leg::{Leg, Phase, Purpose, Side};
 pub use piece::{Piece, period};
-pub use rehearser::Rehearser;
 pub use repertoire::{Approach, Outcome, Repertoire, Settled, Unsettled};
-pub use sail::{End, Fix, Passing, Sailed, Sample, sail};
+pub use sampled_vessel::SampledVessel;
+pub use simulate::{End, Fix, Passing, Sailed, Sample, simulate_legs};
 pub use symmetry::mirror;
 pub use tolerance::{Astray, Tolerance, Used};

@@ -2,7 +2,7 @@ use engine::{Command, Helm, Run};
 use model::Vessel;
 use refusal::Invalid;
 
-/// A piece of a dictionary maneuver: what is run as one use of it.
+/// A piece of a dictionary maneuver: the segment that is run as one use of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
     /// Name of the maneuver.
@@ -11,14 +11,14 @@ pub struct Piece {
     pub speed_m_s: f64,
     /// N′ × inputs, row-major; of a maneuver that reacts, those of the dictionary.
     pub inputs: Vec<f64>,
-    /// What commands it, where what the ship does decides.
+    /// Its commands, if they depend on the ship's motion.
     pub helm: Option<Helm>,
     /// N′.
     pub samples: usize,
 }
 
 impl Piece {
-    /// All of a maneuver: `run` of a dictionary.
+    /// A whole maneuver: `run` of a dictionary.
     pub fn whole(vessel: &Vessel, run: &Run) -> Self {
         Self {
             maneuver: run.segments[0].maneuver.clone(),
@@ -29,16 +29,16 @@ impl Piece {
         }
     }
 
-    /// Its commands from the beginning.
+    /// Begins its commands.
     pub(crate) fn begin(&self) -> Box<dyn Command> {
         self.helm.as_ref().map_or_else(|| Helm::table(&self.inputs).begin(), Helm::begin)
     }
 
-    /// Its first `target` samples, or as many whole periods as come nearest where the inputs repeat themselves; all of it
-    /// without a target.
+    /// Its first `target` samples, or the nearest number of whole periods if the inputs are periodic; all of
+    /// it without a target.
     ///
     /// # Errors
-    /// A target longer than the maneuver, or no sample at all.
+    /// A target longer than the maneuver, or of zero samples.
     pub fn cut(self, target: Option<usize>) -> Result<Self, Invalid> {
         let Self { maneuver, speed_m_s, mut inputs, samples: all, helm } = self;
         let width = inputs.len() / all.max(1);

@@ -3,68 +3,68 @@ use model::Vessel;
 use refusal::Invalid;
 
 use crate::leg::turned;
-use crate::rehearser::{Crew, Underway};
-use crate::sail::End;
+use crate::sampled_vessel::{Crew, Underway};
+use crate::simulate::End;
 use crate::{
-    Astray, Autopilot, Grid, Handling, Leg, Piece, Purpose, Rehearser, Sailed, Tolerance, Used, basic_moves,
-    sail,
+    Astray, Autopilot, Grid, Handling, Leg, Piece, Purpose, Sailed, SampledVessel, Tolerance, Used,
+    basic_moves, simulate_legs,
 };
 
-/// What comes before and after an informative maneuver.
+/// The parts of a leg before and after an informative maneuver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
     /// Steady approach at the maneuver's initial speed, with zero yaw rate \[s\].
     pub run_in_s: f64,
-    /// What legs end within, and maneuvers begin within.
+    /// The tolerance at the ends of legs and the beginnings of maneuvers.
     pub tolerance: Tolerance,
 }
 
-/// Everything that legs are made from.
+/// The data that legs are made from.
 #[derive(Clone, Debug)]
 pub struct Repertoire<'a> {
-    /// The vessel; its nominal parameters count.
+    /// The vessel with its nominal parameters.
     pub vessel: &'a Vessel,
     /// The lattice.
     pub grid: &'a Grid,
     /// How the vessel is handled.
     pub handling: &'a Handling,
-    /// What comes before and after a maneuver.
+    /// The parts before and after a maneuver.
     pub approach: &'a Approach,
     /// Pieces of maneuvers.
     pub pieces: &'a [Piece],
-    /// Signs of the inputs that run a piece to the other side, where the vessel has a mirror image.
+    /// Signs of the inputs that run a piece to the other side, if the vessel has mirror symmetry.
     pub mirror: Option<&'a [f64]>,
     /// North and east components of the known mean current \[m/s\].
     pub mean_current_m_s: [f64; 2],
 }
 
-/// A leg that all who rehearsed it end settled at its node.
+/// A leg on which all sampled vessels settle at its node.
 #[derive(Clone, Debug)]
 pub struct Settled {
-    /// What is carried out.
+    /// The leg.
     pub leg: Leg,
-    /// From its node by the nominal vessel.
+    /// The nominal vessel's trajectory from the node.
     pub sailed: Sailed,
-    /// Where it leads those who rehearsed it: their poses.
+    /// The poses of the sampled vessels.
     pub tracks: Vec<Vec<Pose>>,
 }
 
-/// A leg that cannot be offered.
+/// A leg that cannot be offered to the search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unsettled {
-    /// Heading level and mode that it begins from.
+    /// Heading level and mode at its beginning.
     pub from: usize,
     /// Name of the basic move or the piece.
     pub purpose: Purpose,
-    /// What the best that was tried leaves, and by whom.
+    /// The best attempt's violation of the tolerance.
     pub why: String,
 }
 
-/// What rehearsals of a leg come to.
+/// The result of trying a leg.
 pub type Outcome = Result<Settled, Unsettled>;
 
 impl Settled {
-    /// The same leg turned to port by quarter turns.
+    /// The leg rotated to port by quarter turns.
     pub fn turned(&self, quarters: usize, grid: &Grid) -> Self {
         let pose = |pose: &Pose| {
             let [x, y] = turned([pose.x, pose.y], quarters);
@@ -79,18 +79,23 @@ impl Settled {
 }
 
 impl Repertoire<'_> {
-    /// The basic moves from a heading level and mode, each the shortest that `others` end settled.
+    /// The basic moves from a heading level and mode, each the shortest on which `others` settle.
     ///
     /// # Errors
-    /// As [`sail`].
-    pub fn basic(&self, level: usize, mode: usize, others: &[Rehearser]) -> Result<Vec<Outcome>, Invalid> {
+    /// As [`simulate_legs`].
+    pub fn basic(
+        &self,
+        level: usize,
+        mode: usize,
+        others: &[SampledVessel],
+    ) -> Result<Vec<Outcome>, Invalid> {
         let moves = basic_moves(self.grid, self.handling, level, mode);
         let mut crew = self.crew(self.grid.layer(level, mode), others)?;
         let moves = moves.into_iter().filter(|legs| !legs.is_empty());
         moves.map(|legs| self.shortest(legs, &mut crew)).collect()
     }
 
-    /// The first of `legs` that all end settled.
+    /// The first of `legs` on which all settle.
     fn shortest(&self, legs: Vec<Leg>, crew: &mut Crew) -> Result<Outcome, Invalid> {
         let from = (legs[0].from, legs[0].purpose.clone());
         let mut best = Used::LOST;
@@ -103,15 +108,15 @@ impl Repertoire<'_> {
         Ok(Err(Unsettled { from: from.0, purpose: from.1, why: best.to_string() }))
     }
 
-    /// What all of `crew` sail on `leg`, unless one does not end settled.
+    /// The trajectories of `crew` on `leg`, unless one vessel does not settle.
     pub(crate) fn all_settle(&self, leg: &Leg, crew: &mut Crew) -> Result<Result<Settled, Used>, Invalid> {
-        let sailed = self.sailed(leg, &mut crew.nominal.clone())?;
+        let sailed = self.simulated(leg, &mut crew.nominal.clone())?;
         let used = self.used(leg, sailed.ends.last());
         if used.part > 1.0 {
             return Ok(Err(used));
         }
         let tracks = crew.each(|mut underway| {
-            // Who cannot be simulated is lost.
+            // A vessel that cannot be simulated is lost.
             let (poses, end) = self.track(leg, &mut underway).map_err(|_| Used::LOST)?;
             let used = self.used(leg, Some(&end));
             if used.part > 1.0 { Err(used) } else { Ok(poses) }
@@ -119,30 +124,32 @@ impl Repertoire<'_> {
         Ok(tracks.map(|tracks| Settled { leg: leg.clone(), sailed, tracks }))
     }
 
-    /// What a vessel sails on `leg`.
-    pub(crate) fn sailed(&self, leg: &Leg, underway: &mut Underway) -> Result<Sailed, Invalid> {
+    /// The trajectory of a vessel on `leg`.
+    pub(crate) fn simulated(&self, leg: &Leg, underway: &mut Underway) -> Result<Sailed, Invalid> {
         let Underway { ship, autopilot } = underway;
         Sailed::of([([0.0; 2], leg)], self.pieces, self.mirror.unwrap_or(&[]), ship, autopilot)
     }
 
-    /// Its poses, and where it ends.
+    /// Its poses, and its end.
     pub(crate) fn track(&self, leg: &Leg, underway: &mut Underway) -> Result<(Vec<Pose>, End), Invalid> {
         let Underway { ship, autopilot } = underway;
         let mut poses = Vec::new();
         let mirror = self.mirror.unwrap_or(&[]);
-        sail([([0.0; 2], leg)], self.pieces, mirror, ship, autopilot, |sample| poses.push(sample.pose))?;
+        simulate_legs([([0.0; 2], leg)], self.pieces, mirror, ship, autopilot, |sample| {
+            poses.push(sample.pose)
+        })?;
         poses.push(ship.pose);
         Ok((poses, (ship.pose, ship.state)))
     }
 
-    /// What of the tolerance of rehearsals is used where `leg` ends.
+    /// The used part of the stricter tolerance at the end of `leg`.
     pub(crate) fn used(&self, leg: &Leg, end: Option<&End>) -> Used {
         let Some((pose, state)) = end else { return Used::LOST };
         let tolerance = self.approach.tolerance.ended();
         self.used_at(&tolerance, leg.to, self.grid.displacement(leg.di, leg.dj), (*pose, *state))
     }
 
-    /// What of a tolerance a vessel uses at a node in `layer`.
+    /// The part of a tolerance that a vessel uses at a node in `layer`.
     pub(crate) fn used_at(
         &self,
         tolerance: &Tolerance,
@@ -155,7 +162,7 @@ impl Repertoire<'_> {
         tolerance.used(&Astray::of(pose, state, node), heading, speed)
     }
 
-    /// Whether all directions of the sea are alike.
+    /// Whether all directions are equivalent.
     pub fn is_isotropic(&self) -> bool {
         self.mean_current_m_s == [0.0; 2]
     }
@@ -163,14 +170,14 @@ impl Repertoire<'_> {
 
 impl Repertoire<'_> {
     /// The nominal vessel and `others` at the origin, in `layer`.
-    pub(crate) fn crew(&self, layer: usize, others: &[Rehearser]) -> Result<Crew<'_>, Invalid> {
+    pub(crate) fn crew(&self, layer: usize, others: &[SampledVessel]) -> Result<Crew<'_>, Invalid> {
         let others = others.iter().map(|who| self.underway(layer, Some(who)));
         Ok(Crew::new(self.underway(layer, None)?, others.collect::<Result<_, _>>()?))
     }
 
-    /// A vessel at the origin, in `layer`: the nominal one on its node, or another, as it enters a leg. Its autopilot has held
-    /// it for a while, so that it knows what to expect.
-    fn underway(&self, layer: usize, who: Option<&Rehearser>) -> Result<Underway<'_>, Invalid> {
+    /// A vessel at the origin, in `layer`: the nominal one on its node, or a sampled one at its offset. Its
+    /// autopilot has held it for a while to learn its model errors.
+    fn underway(&self, layer: usize, who: Option<&SampledVessel>) -> Result<Underway<'_>, Invalid> {
         let (level, mode) = self.grid.level_and_mode(layer);
         let (heading, speed) = (self.grid.heading_rad(level), self.grid.modes[mode].speed_m_s);
         let parameters = who.map_or(&self.vessel.nominal, |who| &who.parameters);

@@ -3,16 +3,16 @@ use refusal::Invalid;
 
 use crate::{Autopilot, Phase, Used};
 
-/// Who rehearses a leg: a vessel, the current that nobody knows of, and how far off its node it begins.
+/// A sampled vessel: its parameters, an unknown current, and its initial offset from the node.
 #[derive(Clone, Debug)]
-pub struct Rehearser {
-    /// Its parameters; the autopilot goes by the nominal ones.
+pub struct SampledVessel {
+    /// Its parameters; the autopilot uses the nominal ones.
     pub parameters: Vec<f64>,
     /// Unknown current along and across the first heading, to starboard \[m/s\].
     pub current_m_s: [f64; 2],
-    /// Off the node along and across the first heading \[m\], and off the heading \[rad\].
+    /// Offset from the node along and across the first heading \[m\], and from the heading \[rad\].
     pub off: [f64; 3],
-    /// Off the mode's u, and v and r \[m/s, m/s, rad/s\].
+    /// Offset from the mode's u, and v and r \[m/s, m/s, rad/s\].
     pub motion: [f64; 3],
 }
 
@@ -23,23 +23,24 @@ pub(crate) struct Underway<'a> {
     pub autopilot: Autopilot<'a>,
 }
 
-/// All who rehearse, wherever they are by now: the nominal vessel and others.
+/// The nominal vessel and the sampled ones, at their current poses.
 #[derive(Clone, Debug)]
 pub(crate) struct Crew<'a> {
     pub nominal: Underway<'a>,
     pub others: Vec<Underway<'a>>,
-    /// Places of the others: who failed last is asked first, and mostly fails again.
+    /// Order in which the sampled vessels are tried: the one that failed last is first, since it usually
+    /// fails again.
     order: Vec<usize>,
 }
 
 impl<'a> Crew<'a> {
-    /// The nominal vessel and others.
+    /// The nominal vessel and the sampled ones.
     pub fn new(nominal: Underway<'a>, others: Vec<Underway<'a>>) -> Self {
         let order = (0..others.len()).collect();
         Self { nominal, others, order }
     }
 
-    /// What `tried` gives for each of the others, in their order, unless one fails.
+    /// Applies `tried` to every sampled vessel, unless one fails; results are in their order.
     pub fn each<T>(&mut self, tried: impl Fn(Underway<'a>) -> Result<T, Used>) -> Result<Vec<T>, Used> {
         let mut found: Vec<Option<T>> = self.others.iter().map(|_| None).collect();
         for place in 0..self.order.len() {
@@ -79,5 +80,5 @@ impl Underway<'_> {
     }
 }
 
-/// Most samples that a vessel is held for before it rehearses.
+/// Most samples for which a vessel is held before a leg.
 const HELD_SAMPLES: f64 = 1000.0;

@@ -3,14 +3,14 @@ use refusal::Invalid;
 
 use crate::{Autopilot, Leg, Phase, Piece, Purpose, Side};
 
-/// One sample under way.
+/// A sample of a simulated vessel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     /// Index of the leg.
     pub leg: usize,
     /// Whether an informative maneuver is being run.
     pub informative: bool,
-    /// Where the vessel is.
+    /// The vessel's pose.
     pub pose: Pose,
     /// u, v \[m/s\], r \[rad/s\].
     pub state: [f64; 3],
@@ -18,32 +18,32 @@ pub struct Sample {
     pub inputs: Vec<f64>,
 }
 
-/// Where a vessel is under way.
+/// A vessel's pose on a leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
     /// Index of the leg.
     pub leg: usize,
-    /// Where the vessel is.
+    /// Its pose.
     pub pose: Pose,
 }
 
-/// What was sailed.
+/// The trajectory of a vessel along legs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sailed {
     /// Every sample, in order.
     pub samples: Vec<Sample>,
-    /// Where the vessel was, and how fast, at the end of each leg.
+    /// Pose and state at the end of each leg.
     pub ends: Vec<(Pose, [f64; 3])>,
 }
 
-/// One sample as it passes.
+/// A borrowed sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Passing<'s> {
     /// Index of the leg.
     pub leg: usize,
     /// Whether an informative maneuver is being run.
     pub informative: bool,
-    /// Where the vessel is.
+    /// The vessel's pose.
     pub pose: Pose,
     /// u, v \[m/s\], r \[rad/s\].
     pub state: [f64; 3],
@@ -52,15 +52,15 @@ pub struct Passing<'s> {
 }
 
 impl Sailed {
-    /// Where the vessel was at every sample.
+    /// The poses at all samples.
     pub fn fixes(&self) -> impl Iterator<Item = Fix> + '_ {
         self.samples.iter().map(|sample| Fix { leg: sample.leg, pose: sample.pose })
     }
 
-    /// What `legs` come to, see [`sail`].
+    /// Simulates `legs`, see [`simulate_legs`].
     ///
     /// # Errors
-    /// As [`sail`].
+    /// As [`simulate_legs`].
     pub fn of<'l>(
         legs: impl IntoIterator<Item = ([f64; 2], &'l Leg)>,
         pieces: &[Piece],
@@ -69,7 +69,8 @@ impl Sailed {
         autopilot: &mut Autopilot,
     ) -> Result<Self, Invalid> {
         let mut samples = Vec::new();
-        let ends = sail(legs, pieces, mirror, ship, autopilot, |passing| samples.push(passing.into()))?;
+        let ends =
+            simulate_legs(legs, pieces, mirror, ship, autopilot, |passing| samples.push(passing.into()))?;
         Ok(Self { samples, ends })
     }
 }
@@ -80,15 +81,16 @@ impl From<Passing<'_>> for Sample {
     }
 }
 
-/// Where a vessel was, and how fast, at the end of a leg.
+/// Pose and state at the end of a leg.
 pub type End = (Pose, [f64; 3]);
 
-/// Carries out `legs`, each from its own node (north, east), starting wherever `ship` is. Pieces' inputs are multiplied by
-/// `mirror` where they are run to the other side. `record` is told of every sample; the ends of legs are given.
+/// Simulates `legs`, each from its own node (north, east), starting with `ship` as it is. Pieces' inputs are
+/// multiplied by `mirror` where they are run to the other side. Calls `record` with every sample and returns
+/// the ends of the legs.
 ///
 /// # Errors
-/// A vessel that cannot be commanded; a simulation that leaves every bound.
-pub fn sail<'l>(
+/// A vessel that cannot be commanded; a simulation that diverges.
+pub fn simulate_legs<'l>(
     legs: impl IntoIterator<Item = ([f64; 2], &'l Leg)>,
     pieces: &[Piece],
     mirror: &[f64],
@@ -113,10 +115,10 @@ pub fn sail<'l>(
     Ok(ends)
 }
 
-/// No turn or line takes longer: numbers that ask for it make no sense, and its samples would fill the memory.
+/// Longest turn or line: numbers that lead to longer ones are meaningless, and would exhaust the memory.
 const LONGEST_PHASE: usize = 500_000;
 
-/// A vessel on its way.
+/// A vessel in progress.
 struct Way<'w, 's, 'a> {
     ship: &'w mut Ship<'s>,
     autopilot: &'w mut Autopilot<'a>,
@@ -125,7 +127,7 @@ struct Way<'w, 's, 'a> {
 }
 
 impl<'s> Way<'_, 's, '_> {
-    /// Runs a piece, to the other side where there are `signs` of its inputs.
+    /// Runs a piece, to the other side if there are `signs` of its inputs.
     fn run(&mut self, leg: usize, piece: &Piece, signs: &[f64]) -> Result<(), Invalid> {
         let (mut command, origin) = (piece.begin(), Origin::from(self.ship.pose));
         let side = if signs.is_empty() { 1.0 } else { -1.0 };
@@ -163,7 +165,7 @@ impl<'s> Way<'_, 's, '_> {
         Ok(())
     }
 
-    /// A sample with the inputs as `set` sets them.
+    /// Advances by a sample with the inputs that `set` computes.
     fn advance(
         &mut self,
         leg: usize,

@@ -4,7 +4,7 @@ use model::Vessel;
 /// The signs of the inputs that mirror the vessel's motion about its centre plane: u, −v, −r under `signs` · inputs
 /// is the mirrored motion of u, v, r under inputs. `None` where the model is not symmetric.
 ///
-/// Sought among all signs by evaluating the nominal model at a few points.
+/// All signs are tried by evaluating the nominal model at a few points.
 pub fn mirror(vessel: &Vessel) -> Option<Vec<f64>> {
     let inputs = vessel.model.inputs;
     if inputs > 12 {

@@ -4,8 +4,8 @@ use engine::Pose;
 
 use crate::grid::wrap;
 
-/// How far from its node, and from being settled there, a leg may end. Nodes of all legs have the same, so legs that
-/// end within it from anywhere within it can follow each other: errors do not grow.
+/// The distance from its node, and from a settled state there, within which a leg must end. It is the same
+/// for all nodes, so legs that end within it from anywhere within it can be chained: errors do not grow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// Distance from the node \[m\].
@@ -20,17 +20,17 @@ pub struct Tolerance {
     pub yaw_rate_rad_s: f64,
 }
 
-/// A vessel that is not quite at a node.
+/// A vessel near a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Astray {
-    /// Where it is, from the node (north, east), and its heading.
+    /// Its position relative to the node (north, east), and its heading.
     pub pose: Pose,
     /// u, v \[m/s\], r \[rad/s\].
     pub state: [f64; 3],
 }
 
 impl Astray {
-    /// A vessel seen from `node`.
+    /// A vessel relative to `node`.
     pub fn of(pose: Pose, state: [f64; 3], [north, east]: [f64; 2]) -> Self {
         Self { pose: Pose { x: pose.x - north, y: pose.y - east, ..pose }, state }
     }
@@ -41,17 +41,17 @@ impl Astray {
     }
 }
 
-/// The part of a tolerance that is used up, and which one.
+/// The used fraction of a tolerance, and of which quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Used {
-    /// 1 is all of it.
+    /// 1 is the whole tolerance.
     pub part: f64,
-    /// Of what, in words.
+    /// The quantity, in words.
     pub of: &'static str,
 }
 
 impl Used {
-    /// Of a vessel that is nowhere near.
+    /// Of a vessel that is lost.
     pub const LOST: Self = Self { part: f64::INFINITY, of: "motion" };
 
     /// The better one of two.
@@ -64,25 +64,26 @@ impl Used {
 impl fmt::Display for Used {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.part.is_infinite() {
-            return write!(f, "{} beyond every bound", self.of);
+            return write!(f, "{} out of all bounds", self.of);
         }
         write!(f, "{} {:.1} times its tolerance", self.of, self.part)
     }
 }
 
-/// Of the tolerance: how near its node a rehearsed leg ends at least, and from how far off others begin; and how far off in
-/// heading, speed and yaw rate they begin.
+/// Fraction of the tolerance in which sampled vessels must end near their node, and from which they begin;
+/// and of the offsets in heading, speed and yaw rate at the beginning.
 const NEAR: f64 = 0.25;
 const BEGUN: f64 = 0.5;
 
 impl Tolerance {
-    /// What rehearsals end within: nearer than what is asked for, so that what they did not see still keeps the tolerance.
+    /// The stricter tolerance for the ends of sampled vessels, so that vessels that were not sampled still
+    /// keep the whole one.
     #[must_use]
     pub fn ended(&self) -> Self {
         Self { distance_m: NEAR * self.distance_m, ..*self }
     }
 
-    /// What rehearsals begin within.
+    /// The tolerance for the beginnings of sampled vessels.
     #[must_use]
     pub fn begun(&self) -> Self {
         let Self { heading_rad, surge_m_s, yaw_rate_rad_s, .. } = *self;
@@ -94,7 +95,7 @@ impl Tolerance {
         }
     }
 
-    /// What a vessel at a node of `heading_rad` and `speed_m_s` uses most of.
+    /// The largest used fraction of a vessel at a node of `heading_rad` and `speed_m_s`.
     pub fn used(&self, vessel: &Astray, heading_rad: f64, speed_m_s: f64) -> Used {
         let [u, v, r] = vessel.state;
         let parts = [

@@ -54,7 +54,7 @@ impl PlanFile {
 
 /// Sunrise and sunset at the middle of the area, to the second within the day; `None` where the sun does not set.
 fn daylight(area: &Area, departure: f64) -> Result<Option<[f64; 2]>, Invalid> {
-    let [longitude_deg, latitude_deg] = area.middle_deg();
+    let [longitude_deg, latitude_deg] = area.centre_deg();
     match Daylight::of([longitude_deg, latitude_deg], departure) {
         Daylight::Between([rise, set]) => Ok(Some([rise.ceil(), set.floor()])),
         Daylight::Always => Ok(None),

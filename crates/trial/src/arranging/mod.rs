@@ -1,4 +1,4 @@
-//! The order of a design's maneuvers and their lengths, judged with the state carried over from one to the next.
+//! The order and lengths of a design's maneuvers, evaluated with the state carried over between them.
 
 mod search;
 mod whole;
@@ -9,7 +9,7 @@ use model::Vessel;
 
 use crate::moments::{Estimated, Moments};
 
-/// What a sequence of maneuvers is judged with.
+/// The data for evaluating a sequence of maneuvers.
 pub struct Arranging<'a> {
     /// The vessel.
     pub vessel: &'a Vessel,
@@ -17,43 +17,43 @@ pub struct Arranging<'a> {
     pub generator: &'a Generator,
     /// The moments of the same maneuvers.
     pub moments: &'a Moments,
-    /// These as a dictionary.
+    /// The moments as a dictionary.
     pub dictionary: &'a Dictionary,
     /// The criterion.
     pub criterion: &'a Criterion,
-    /// The estimate that it is about.
+    /// The estimate that the criterion is for.
     pub estimated: Estimated,
     /// Seed of the search.
     pub seed: u64,
 }
 
-/// A sequence that was found.
+/// The result of the search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arranged {
-    /// Maneuvers and samples, one after the other.
+    /// Maneuvers and samples, in order.
     pub parts: Vec<(String, usize)>,
     /// Value of the criterion with the state carried over.
     pub value: f64,
-    /// By what fraction of the time it is worth more than the same shares in the dictionary's order.
+    /// By what fraction of the time its efficiency exceeds that of the same shares in the dictionary's order.
     pub gain: f64,
-    /// Sequences that were judged.
+    /// Number of sequences evaluated.
     pub tried: usize,
     /// Whether the motion keeps the limits of generated maneuvers.
     pub limits: Kept,
 }
 
-/// Whether limits are kept between maneuvers.
+/// Whether the limits are kept between maneuvers.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kept {
-    /// There are none.
+    /// There are no limits.
     Unlimited,
-    /// They are.
+    /// They are kept.
     Within,
-    /// They are not.
+    /// They are exceeded.
     Beyond(Exceeded),
 }
 
-/// The limits that generated maneuvers keep, where there are any.
+/// The limits of generated maneuvers, if any.
 pub(crate) fn generated_limits(generator: &Generator) -> Option<&Limits> {
     (0..generator.maneuvers().len()).rev().find_map(|q| generator.limits(q))
 }

@@ -10,21 +10,23 @@ use refusal::Invalid;
 use super::{Arranged, Arranging, Kept, generated_limits};
 use crate::campaign::{Parts, Plan, shared_out};
 
-/// Neighbours that are judged in one round.
+/// Neighbours that are evaluated in one round.
 const NEIGHBOURS: usize = 48;
-/// Rounds of the search at most.
+/// Most rounds of the search.
 const ROUNDS: usize = 90;
-/// Rounds without a better neighbour before steps become smaller.
+/// Rounds without a better neighbour before steps are reduced.
 const PATIENCE: usize = 3;
-/// Maneuvers that may join, the most sensitive.
+/// Most maneuvers that may be added, by sensitivity.
 const JOINING: usize = 12;
 
 impl Arranging<'_> {
-    /// The best sequence that a local search finds from the dictionary's order: segments trade samples, change places, or make
-    /// room for others. Tables are played whole, so they trade no samples. `shares`: of the maneuvers, with their `sensitivities`.
+    /// The best sequence that a local search finds from the dictionary's order: segments trade samples,
+    /// change places, or make room for others. Tables are played whole, so they trade no samples. `shares` of
+    /// the maneuvers, with their `sensitivities`.
     ///
     /// # Errors
-    /// A generator without the dictionary's maneuvers; a motion that the model cannot hold; samples that whole plays do not fill.
+    /// A generator without the dictionary's maneuvers; a motion that the model cannot hold; samples that
+    /// whole plays of tables do not fill.
     pub fn search(&self, shares: &[f64], sensitivities: &[f64], samples: usize) -> Result<Arranged, Invalid> {
         let places = self.places()?;
         let mut own = vec![0.0; self.generator.maneuvers().len()];
@@ -66,7 +68,7 @@ impl Arranging<'_> {
         limits.exceeded(model, &states, inputs).map_or(Kept::Within, Kept::Beyond)
     }
 
-    /// The generator's place of every maneuver of the dictionary.
+    /// The generator's index of every maneuver of the dictionary.
     fn places(&self) -> Result<Vec<usize>, Invalid> {
         let known: BTreeMap<&str, usize> =
             self.generator.maneuvers().iter().enumerate().map(|(i, m)| (m.name.as_str(), i)).collect();
@@ -80,7 +82,7 @@ impl Arranging<'_> {
         self.dictionary.maneuvers.iter().map(place).collect()
     }
 
-    /// Plans a step away, each by one to three moves.
+    /// Plans at a distance of one to three moves.
     fn neighbours(&self, plan: &Plan, joining: &[usize], step: usize, round: u32) -> Vec<Plan> {
         let streams = Streams::new(self.seed, "sequence");
         let mut bits = streams.choices(round, 0, u32::MAX, 16 * NEIGHBOURS).into_iter();
@@ -122,12 +124,12 @@ impl Arranging<'_> {
         plan.iter().all(|(q, n)| tables.get(q).is_none_or(|table| table.samples == *n))
     }
 
-    /// Without parts of no samples; neighbours of the same maneuver become one, but for tables.
+    /// Removes parts of no samples and merges neighbours of the same maneuver, except tables.
     fn merged(&self, plan: Plan) -> Plan {
         merged(plan, |q| self.generator.tables().contains_key(&q))
     }
 
-    /// The criterion's value of every plan; minus infinity where it is not defined.
+    /// The criterion's value of every plan; minus infinity where it is undefined.
     fn values(&self, plans: &[Plan], parts: &mut Parts) -> Result<Vec<f64>, Invalid> {
         plans.iter().try_for_each(|plan| parts.make(self.generator, plan))?;
         let runs: Vec<([f64; 3], Vec<f64>)> = plans.iter().map(|plan| parts.joined(plan)).collect();
@@ -136,7 +138,7 @@ impl Arranging<'_> {
     }
 }
 
-/// Without parts of no samples; neighbours of the same maneuver become one where it is not played `whole`.
+/// Removes parts of no samples and merges neighbours of the same maneuver unless it is played `whole`.
 fn merged(plan: Plan, whole: impl Fn(usize) -> bool) -> Plan {
     let mut out: Plan = Vec::with_capacity(plan.len());
     for (maneuver, samples) in plan.into_iter().filter(|(_, n)| *n > 0) {

@@ -1,4 +1,4 @@
-//! What a whole experiment is worth, its state carried over from maneuver to maneuver.
+//! The criterion of a whole experiment, with the state carried over from maneuver to maneuver.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use numerics::lanes::interleave;
 use super::{Arranging, generated_limits};
 use crate::moments::{Estimated, Expected, leading};
 
-/// What exceeding a limit by all of it costs, in the criterion's value.
+/// Penalty in the criterion's value for exceeding a limit by 100 %.
 const PENALTY: f64 = 20.0;
 
 impl Arranging<'_> {

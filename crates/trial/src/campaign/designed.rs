@@ -9,28 +9,29 @@ use refusal::Invalid;
 use super::Refusal;
 use super::plays::{Plan, Tables, said, shared_out};
 
-/// Maneuvers as they occur in plans, made once.
+/// Maneuvers at the lengths of plans, realized once.
 #[derive(Clone, Default)]
 pub(crate) struct Parts {
-    /// Those that are stretched to their length.
+    /// Maneuvers that are stretched to their length.
     stretched: BTreeMap<(usize, usize), Realized>,
-    /// The others at the greatest length so far: shorter ones are their beginning.
+    /// The others at the greatest length so far: shorter ones are their beginnings.
     longest: BTreeMap<usize, (usize, Arc<Realized>)>,
 }
 
 impl Parts {
-    /// Makes what `plan` has besides what is known.
+    /// Realizes the missing parts of `plan`.
     ///
     /// # Errors
     /// A maneuver that the model cannot hold.
     pub(crate) fn make(&mut self, generator: &Generator, plan: &[(usize, usize)]) -> Result<(), Invalid> {
         for (index, samples) in plan {
-            if !generator.goes_on(*index) {
+            if !generator.is_unstretched(*index) {
                 if let Entry::Vacant(entry) = self.stretched.entry((*index, *samples)) {
                     entry.insert(generator.realize(*index, *samples)?);
                 }
             } else if self.longest.get(index).is_none_or(|(longest, _)| longest < samples) {
-                // What was too short once will be so again: half as much more, where the model holds it.
+                // A length that was too short once will be so again: realize half as much more, if the model
+                // can hold it.
                 let more = if self.longest.contains_key(index) { samples + samples / 2 } else { *samples };
                 let made = match generator.realize(*index, more) {
                     Ok(made) => (more, Arc::new(made)),
@@ -42,7 +43,7 @@ impl Parts {
         Ok(())
     }
 
-    /// Takes over those of `others` that shorter ones are the beginning of, for other plans.
+    /// Takes over the unstretched maneuvers of `others`, for other plans.
     pub(crate) fn take(&mut self, others: Self) {
         for (index, own) in others.longest {
             if self.longest.get(&index).is_none_or(|(longest, _)| *longest < own.0) {
@@ -51,13 +52,13 @@ impl Parts {
         }
     }
 
-    /// Initial state and inputs of a plan that was made.
+    /// Initial state and inputs of a realized plan.
     pub(crate) fn joined(&self, plan: &[(usize, usize)]) -> ([f64; 3], Vec<f64>) {
         let initial = plan.first().map_or([0.0; 3], |part| self.part(part).0.initial);
         (initial, plan.iter().map(|part| self.part(part).1).collect::<Vec<_>>().concat())
     }
 
-    /// What commands a plan that was made, where what the ship does decides over any part that was.
+    /// The helm of a realized plan, if any of its parts reacts.
     pub(crate) fn helm(&self, plan: &[(usize, usize)]) -> Option<Helm> {
         let own = |part: &(usize, usize)| {
             let (made, inputs) = self.part(part);
@@ -68,7 +69,7 @@ impl Parts {
         reacts.then(|| Helm::sequence(plan.iter().map(own).collect()))
     }
 
-    /// A part as it was made, and its inputs.
+    /// A realized part, and its inputs.
     fn part(&self, part: &(usize, usize)) -> (&Realized, &[f64]) {
         match self.stretched.get(part) {
             Some(own) => (own, &own.inputs),
@@ -89,18 +90,19 @@ impl FromIterator<((usize, usize), Realized)> for Parts {
 /// An experiment as a design states it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Designed {
-    /// Share of the samples of each maneuver, by name. Those that are not named have none.
+    /// Share of the samples of each maneuver, by name; zero for others.
     pub shares: BTreeMap<String, f64>,
-    /// Maneuvers and samples in an order of the design's own; without it maneuvers stand in the dictionary's order.
+    /// Maneuvers and samples in the design's own order; by default that of the dictionary.
     pub order: Option<Vec<(String, usize)>>,
 }
 
 impl Designed {
-    /// The maneuvers for a run of `samples` samples; `names`: those of the dictionary, of which `tables` are played whole.
+    /// The plan of a run of `samples` samples; `names` are those of the dictionary, of which `tables` are
+    /// played whole.
     ///
     /// # Errors
-    /// A maneuver that the dictionary does not have, shares that are none, an order of another length or with parts of tables,
-    /// no sample, samples that nothing fills.
+    /// A maneuver that the dictionary does not have, invalid shares, an order of another length or with parts
+    /// of tables, no sample, samples that no maneuver fills.
     pub fn plan(&self, names: &[String], tables: &Tables, samples: usize) -> Result<Plan, Refusal> {
         if let Some(unknown) = self.shares.keys().find(|name| !names.contains(name)) {
             return Err(Refusal::UnknownManeuver { name: unknown.clone(), ordered: false });
@@ -120,13 +122,13 @@ impl Designed {
         names.iter().map(|name| self.shares.get(name).copied().unwrap_or(0.0)).collect()
     }
 
-    /// What became of the shares of tables in `plan`, a line each.
+    /// The effect of rounding the shares of tables in `plan`, one line each.
     pub(super) fn said(&self, names: &[String], tables: &Tables, plan: &Plan) -> Vec<String> {
         if self.order.is_some() { Vec::new() } else { said(&self.of(names), tables, plan) }
     }
 }
 
-/// Refuses shares that are none, or not of a whole.
+/// Refuses shares that are invalid or do not sum to one.
 ///
 /// # Errors
 /// Names the share.
@@ -173,7 +175,7 @@ fn ordered(
     Ok(plan)
 }
 
-/// Runs of `samples` samples that `key` makes too short.
+/// The refusal of runs of `samples` samples that `key` makes too short.
 pub(super) fn too_short(samples: usize, key: &str) -> Refusal {
     Refusal::Campaign(Invalid::new(
         format!("`{key}`"),

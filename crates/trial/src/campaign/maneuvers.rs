@@ -18,7 +18,7 @@ pub struct Maneuvers<'a> {
 }
 
 impl<'a> Maneuvers<'a> {
-    /// The maneuvers of `generator` as runs of `design`; the parameters of `source` move the vessel.
+    /// The maneuvers of `generator` as runs of `design`, simulated with the parameters of `source`.
     ///
     /// # Errors
     /// A vessel without these parameters.
@@ -37,20 +37,20 @@ impl<'a> Maneuvers<'a> {
         self.vessel
     }
 
-    /// Number of maneuvers, with generated ones that will be left out.
+    /// Number of maneuvers, including generated ones that will be left out.
     pub fn count(&self) -> usize {
         self.generator.maneuvers().len()
     }
 
-    /// How those are played whose inputs stand in tables, a line each.
+    /// How maneuvers with tables of inputs are played, one line each.
     pub fn tables(&self) -> Vec<String> {
         self.generator.tables().values().map(ToString::to_string).collect()
     }
 
-    /// Rows of maneuvers `indices`: of all, and of those among them that no limit leaves out.
+    /// Rows of maneuvers `indices`: of all, and of those that no limit leaves out.
     ///
     /// # Errors
-    /// A maneuver of zero samples, or without end.
+    /// A maneuver of zero samples, or unbounded.
     pub fn rows(&self, indices: Range<usize>) -> Result<[usize; 2], Refusal> {
         indices.into_iter().try_fold([0, 0], |[all, written], index| {
             let rows = self.generator.samples(index).map_err(Refusal::Dictionary)? + 1;
@@ -58,7 +58,8 @@ impl<'a> Maneuvers<'a> {
         })
     }
 
-    /// Simulates maneuvers `indices`, each from its own initial state, but generated ones that exceed their limits.
+    /// Simulates maneuvers `indices`, each from its own initial state, except generated ones that exceed
+    /// their limits.
     ///
     /// # Errors
     /// A maneuver of zero samples or that the model cannot hold; a simulation that diverges.
@@ -73,7 +74,7 @@ impl<'a> Maneuvers<'a> {
         Ok((runs, tally))
     }
 
-    /// A maneuver, unless it is generated and exceeds its limits.
+    /// Simulates a maneuver, unless it is generated and exceeds its limits.
     fn one(&self, index: usize, tally: &mut Tally) -> Result<Option<SimulatedRun>, Refusal> {
         match judge(self.vessel, self.generator, index).map_err(Refusal::Dictionary)? {
             Judged::Within { initial, mut exogenous, helm } => {
@@ -82,10 +83,10 @@ impl<'a> Maneuvers<'a> {
                     None => simulate_one(model, &self.parameters, initial, &exogenous),
                     Some(helm) => {
                         let samples = exogenous.len() / model.exogenous().max(1);
-                        let sailed =
+                        let simulated =
                             simulate_command(model, &self.parameters, initial, samples, rate_hz, &helm);
-                        exogenous = sailed.0;
-                        sailed.1
+                        exogenous = simulated.0;
+                        simulated.1
                     }
                 };
                 match check_diverged(states.iter().copied()) {
@@ -117,28 +118,28 @@ impl<'a> Maneuvers<'a> {
     }
 }
 
-/// A maneuver beside its limits.
+/// A maneuver judged by its limits.
 pub enum Judged {
-    /// It keeps them, or has none: it was written by hand.
+    /// It keeps them, or has none because it was written by hand.
     Within {
         /// State at the start: u, v \[m/s\], r \[rad/s\].
         initial: [f64; 3],
         /// N × exogenous, row-major.
         exogenous: Vec<f64>,
-        /// What commands it, where what the ship does decides.
+        /// Its commands, if they depend on the ship's motion.
         helm: Option<Helm>,
     },
-    /// It does not.
+    /// It exceeds a limit.
     Exceeds(Exceeded),
     /// No inputs hold its motion.
     Unsteady,
 }
 
-/// Judges maneuver `index` by what its inputs were made with, whatever moves the vessel.
+/// Judges maneuver `index` with the parameters of its inputs, regardless of the simulated ones.
 ///
 /// # Errors
-/// One that is written by hand and too long, that the model cannot hold, or whose motion leaves what it is to keep, or
-/// [`Vessel::motion`].
+/// A hand-written maneuver that is too long, that the model cannot hold, or whose motion leaves its `keeps`
+/// or [`Vessel::motion`].
 pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Judged, Invalid> {
     let samples = generator.samples(index)?;
     let limits = generator.limits(index);
@@ -165,14 +166,14 @@ pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Jud
     }
 }
 
-/// A generated maneuver that leaves the motion which the model is known for.
+/// A generated maneuver that leaves the known range of motion of the model.
 fn left_out(vessel: &Vessel, (d, found): (usize, f64)) -> Exceeded {
     let [low, high] = vessel.motion.map_or([0.0; 2], |ranges| ranges[d]);
     let limit = format!("{} {BEYOND_LOGS}", DegreeOfFreedom::ALL[d].state());
     Exceeded { limit, allowed: 0.0, found: (low - found).max(found - high) }
 }
 
-/// The refusal of one that is written by hand.
+/// The refusal of a hand-written one.
 fn refused(vessel: &Vessel, name: &str, (d, found): (usize, f64)) -> Invalid {
     let [low, high] = vessel.motion.map_or([0.0; 2], |ranges| ranges[d]);
     let degree = DegreeOfFreedom::ALL[d];
@@ -180,6 +181,6 @@ fn refused(vessel: &Vessel, name: &str, (d, found): (usize, f64)) -> Invalid {
         format!("maneuver `{name}`"),
         format!("{} = {found:.4} {}", degree.state(), degree.unit()),
         format!("{low:.4} to {high:.4}, about what the logs of the model cover"),
-        "ask for less, or allow it with --beyond-range",
+        "request less, or allow it with --beyond-range",
     )
 }

@@ -1,4 +1,4 @@
-//! Maneuvers whose inputs stand in tables, in experiments: each is played whole, however its share comes out.
+//! Maneuvers with tables of inputs in experiments: each is played whole, so its share is rounded.
 
 use std::collections::BTreeMap;
 
@@ -6,14 +6,14 @@ use design::apportion;
 use maneuver::PlayedTable;
 use refusal::Invalid;
 
-/// What happens in a run: maneuver (its place in the dictionary) and samples, one after the other.
+/// The content of a run: maneuver (its index in the dictionary) and samples, in order.
 pub type Plan = Vec<(usize, usize)>;
 
-/// Maneuvers whose inputs stand in tables, by their places in the dictionary.
+/// Maneuvers with tables of inputs, by index in the dictionary.
 pub type Tables = BTreeMap<usize, PlayedTable>;
 
-/// An experiment of `samples` samples by `shares` of all maneuvers: of tables the whole plays that come nearest to their
-/// shares, of the others what is left.
+/// An experiment of `samples` samples by `shares` of all maneuvers: the number of whole plays of tables that
+/// is nearest to their shares, the rest for the others.
 ///
 /// # Errors
 /// A rest that no maneuver has a share in.
@@ -37,7 +37,7 @@ pub(crate) fn shared_out(shares: &[f64], tables: &Tables, samples: usize) -> Res
     Ok(counts.into_iter().enumerate().flat_map(own).collect())
 }
 
-/// How often every table that has a share is played: to the nearest, and all of them in time.
+/// How often every table with a share is played: rounded, within the available time.
 fn plays(shares: &[f64], tables: &Tables, samples: usize) -> BTreeMap<usize, usize> {
     let wanted = |q: &usize| shares[*q] * samples as f64;
     let used = tables.iter().filter(|(q, _)| shares.get(**q).is_some_and(|share| *share > 0.0));
@@ -65,7 +65,7 @@ fn unfilled(plays: &BTreeMap<usize, usize>, tables: &Tables, taken: usize, sampl
     )
 }
 
-/// What became of the shares of tables in `plan`, for people.
+/// The effect of rounding the shares of tables in `plan`, for users.
 pub(super) fn said(shares: &[f64], tables: &Tables, plan: &Plan) -> Vec<String> {
     let samples: usize = plan.iter().map(|(_, n)| n).sum();
     let used = tables.iter().filter(|(q, _)| shares.get(**q).is_some_and(|share| *share > 0.0));
@@ -81,13 +81,14 @@ pub(super) fn said(shares: &[f64], tables: &Tables, plan: &Plan) -> Vec<String> 
     used.map(one).collect()
 }
 
-/// Those of `maneuvers` that can be drawn for segments of `lengths` samples: all but tables of another length.
+/// Those of `maneuvers` that can be drawn for segments of `lengths` samples: all but tables of another
+/// length.
 pub(crate) fn drawable(maneuvers: &[usize], tables: &Tables, lengths: &[usize]) -> Vec<usize> {
     let fits = |q: &&usize| tables.get(*q).is_none_or(|table| lengths.iter().all(|n| *n == table.samples));
     maneuvers.iter().filter(fits).copied().collect()
 }
 
-/// What is left out of random trials, for people.
+/// The maneuvers that random trials leave out, for users.
 pub(super) fn left_out(
     maneuvers: &[usize],
     kept: &[usize],

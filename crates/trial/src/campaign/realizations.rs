@@ -25,7 +25,7 @@ pub struct Settings {
     pub duration_s: f64,
     /// Runs per design.
     pub realizations: u32,
-    /// Segments of the random design, if there is to be one.
+    /// Segments of the random design, if there is one.
     pub random_segments: Option<u32>,
     /// Seed of all random numbers.
     pub seed: u64,
@@ -35,7 +35,7 @@ impl Settings {
     /// Samples of every run.
     ///
     /// # Errors
-    /// Runs without end.
+    /// Unbounded runs.
     pub fn samples(&self, vessel: &Vessel) -> Result<usize, Refusal> {
         let samples = vessel.samples(self.duration_s);
         refuse_endless("`duration_s`", samples).map_err(Refusal::Campaign)?;
@@ -57,7 +57,7 @@ pub struct Campaign<'a> {
     /// Every maneuver at every length that occurs.
     parts: Parts,
     names: Vec<String>,
-    /// What became of maneuvers whose inputs stand in tables.
+    /// Statements about maneuvers with tables of inputs.
     statements: Vec<String>,
 }
 
@@ -65,11 +65,11 @@ struct Design {
     name: &'static str,
     streams: Streams,
     rule: Rule,
-    /// What all runs do, where it is the same.
+    /// The common experiment of all runs, if there is one.
     all: Option<Arc<Experiment>>,
 }
 
-/// What the runs of a design do.
+/// The rule for the runs of a design.
 enum Rule {
     /// All the same.
     Fixed(Plan),
@@ -77,7 +77,7 @@ enum Rule {
     Drawn { maneuvers: Vec<usize>, lengths: Vec<usize> },
 }
 
-/// Up to [`LANES`] runs of a design, and what each of them does.
+/// Up to [`LANES`] runs of a design with their experiments.
 struct Doing {
     numbers: Vec<u32>,
     experiments: Vec<Arc<Experiment>>,
@@ -101,8 +101,8 @@ impl Design {
         Self { name, streams: Streams::new(seed, name), rule, all: None }
     }
 
-    /// Plans that have every maneuver at every length that occurs in `realizations` runs: the runs' own, unless all there
-    /// can be are fewer.
+    /// Plans that contain every maneuver at every length that occurs in `realizations` runs: the runs' own,
+    /// unless all possible ones are fewer.
     fn occurring(&self, realizations: u32) -> Box<dyn Iterator<Item = Plan> + '_> {
         match &self.rule {
             Rule::Fixed(plan) => Box::new(std::iter::once(plan.clone())),
@@ -152,7 +152,7 @@ impl<'a> Campaign<'a> {
             if segments as usize > samples {
                 return Err(too_short(samples, "random.segments"));
             }
-            // Generated maneuvers that exceed their limits are in no design.
+            // Generated maneuvers that exceed their limits are not part of any design.
             let known = |q: &usize| generator.limits(*q).is_none() || design.shares.contains_key(&names[*q]);
             let known: Vec<usize> = (0..names.len()).filter(known).collect();
             let lengths = even_lengths(segments as usize, samples);
@@ -194,7 +194,7 @@ impl<'a> Campaign<'a> {
         Self { sea, samples, realizations, designs, parts, names, statements }.prepared()
     }
 
-    /// Joins what all runs of a design do once.
+    /// Prepares the common experiment of all runs of a design once.
     fn prepared(mut self) -> Self {
         let all = |design: &Design| match &design.rule {
             Rule::Fixed(plan) => Some(Arc::new(self.experiment(plan))),
@@ -217,7 +217,7 @@ impl<'a> Campaign<'a> {
         self.sea.vessel()
     }
 
-    /// What became of maneuvers whose inputs stand in tables, a line each.
+    /// Statements about maneuvers with tables of inputs, one line each.
     pub fn statements(&self) -> &[String] {
         &self.statements
     }
@@ -270,7 +270,7 @@ impl<'a> Campaign<'a> {
     /// A simulation that diverges.
     pub fn simulate(&self, design: usize, runs: Range<usize>) -> Result<Vec<SimulatedRun>, Refusal> {
         let mut all = Vec::with_capacity(runs.len());
-        for some in pieces(runs, GROUPS * LANES) {
+        for some in groups(runs, GROUPS * LANES) {
             for together in self.together(design, some, true)? {
                 all.extend((0..together.runs()).map(|lane| together.run(lane)));
             }
@@ -278,13 +278,13 @@ impl<'a> Campaign<'a> {
         Ok(all)
     }
 
-    /// What all runs of a design do, where it is the same whatever disturbs them.
+    /// The common experiment of all runs of a design, if it does not depend on disturbances.
     pub fn experiment_of_all(&self, design: usize) -> Option<&Arc<Experiment>> {
         self.designs[design].all.as_ref().filter(|all| all.helm.is_none())
     }
 
-    /// Simulates up to [`GROUPS`] times [`LANES`] runs of one design, side by side; their true states only where they are
-    /// `wanted`.
+    /// Simulates up to [`GROUPS`] times [`LANES`] runs of one design in lanes; their true states only where
+    /// they are `wanted`.
     ///
     /// # Errors
     /// A simulation that diverges.
@@ -295,7 +295,7 @@ impl<'a> Campaign<'a> {
         wanted: bool,
     ) -> Result<Vec<Together>, Refusal> {
         let design = &self.designs[design];
-        let all: Vec<Doing> = pieces(runs, LANES).map(|group| self.doing(design, group)).collect();
+        let all: Vec<Doing> = groups(runs, LANES).map(|group| self.doing(design, group)).collect();
         let groups: Vec<Group> = all.iter().map(|doing| doing.group(design)).collect();
         let mut states = Vec::with_capacity(groups.len());
         match <&[Group; GROUPS]>::try_from(groups.as_slice()) {
@@ -334,8 +334,8 @@ impl<'a> Campaign<'a> {
     }
 }
 
-/// `runs`, so `many` at a time.
-fn pieces(runs: Range<usize>, many: usize) -> impl Iterator<Item = Range<usize>> {
+/// `runs` in groups of `many`.
+fn groups(runs: Range<usize>, many: usize) -> impl Iterator<Item = Range<usize>> {
     let end = runs.end;
     runs.step_by(many).map(move |first| first..end.min(first + many))
 }

@@ -1,10 +1,10 @@
 use refusal::Invalid;
 use thiserror::Error;
 
-/// Why a trial cannot be simulated, by what is at fault.
+/// Why a trial cannot be simulated, by the part at fault.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Refusal {
-    /// The vessel: a parameter without a true value, a motion that leaves every bound.
+    /// The vessel: a parameter without a true value, a motion that diverges.
     #[error("vessel: {0}")]
     Vessel(Invalid),
     /// The dictionary: a motion that the model cannot hold, limits that no maneuver keeps.
@@ -13,7 +13,7 @@ pub enum Refusal {
     /// The campaign's numbers.
     #[error("campaign: {0}")]
     Campaign(Invalid),
-    /// The current or the wind, in which a vessel diverges that stays bounded without.
+    /// The current or the wind, if the vessel diverges only in these.
     #[error("sea: {0}")]
     Sea(Invalid),
     /// The design's shares or order.
@@ -24,7 +24,7 @@ pub enum Refusal {
     UnknownManeuver {
         /// Its name.
         name: String,
-        /// Whether it stands in the design's order, or else in its shares.
+        /// Whether it is in the design's order, or else in its shares.
         ordered: bool,
     },
     /// The design's order is for an experiment of another length.

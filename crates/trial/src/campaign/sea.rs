@@ -3,13 +3,13 @@ use engine::{
     simulate_commanded, simulate_disturbed,
 };
 use model::{Source, Vessel};
-use numerics::lanes::{by_lane, interleave, lane, lane_of, room};
+use numerics::lanes::{buffer, by_lane, interleave, lane, lane_of};
 use numerics::{LANES, Lane, Wide};
 use refusal::Invalid;
 
 use super::Refusal;
 
-/// The true vessel and what disturbs it. Simulates up to [`LANES`] runs side by side.
+/// The true vessel and its disturbances. Simulates up to [`LANES`] runs in lanes.
 pub struct Sea<'a> {
     vessel: &'a Vessel,
     truth: Vec<Lane>,
@@ -17,33 +17,34 @@ pub struct Sea<'a> {
     wind: Option<Wind>,
 }
 
-/// Runs of one design that are simulated side by side.
+/// Runs of one design that are simulated in lanes.
 pub struct Group<'a> {
     /// Name of the design.
     pub design: &'a str,
-    /// What the disturbances are drawn from.
+    /// The random streams of the disturbances.
     pub streams: &'a Streams,
     /// Numbers of the runs, up to [`LANES`].
     pub runs: &'a [u32],
     /// Initial state of each: u, v \[m/s\], r \[rad/s\].
     pub initial: Vec<[f64; 3]>,
-    /// Of each, N × exogenous, row-major; N is the same for all.
+    /// Exogenous inputs of each, N × exogenous, row-major; N is the same for all.
     pub exogenous: Vec<&'a [f64]>,
-    /// What commands each, where what the ship does decides. Then the above are those of an undisturbed one.
+    /// The commands of each, if they depend on the ship's motion. Then the above are those of an undisturbed
+    /// ship.
     pub helms: Vec<Helm>,
 }
 
 /// States of a group's runs, (N+1) × 3, row-major.
 pub struct States {
-    /// The true ones; empty where nobody asked for them.
+    /// The true ones; empty if not requested.
     pub truth: Vec<Lane>,
     /// With measurement noise.
     pub measured: Vec<Lane>,
-    /// What drove the runs, N × exogenous; empty where all of them were driven by the same.
+    /// The exogenous inputs of the runs, N × exogenous; empty where all runs have the same ones.
     pub(super) exogenous: Vec<Lane>,
 }
 
-/// A run as it would be recorded, with the truth behind it.
+/// A run as it would be recorded, with the true states.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulatedRun {
     /// The recording.
@@ -60,7 +61,7 @@ impl States {
 }
 
 impl<'a> Sea<'a> {
-    /// The true parameters of `vessel` among these disturbances.
+    /// The true parameters of `vessel` with these disturbances.
     ///
     /// # Errors
     /// A vessel without true parameters.
@@ -74,10 +75,10 @@ impl<'a> Sea<'a> {
         self.vessel
     }
 
-    /// Simulates a group. What disturbs a run's first samples does not depend on how long it is.
+    /// Simulates a group. The disturbances of a run's first samples do not depend on its length.
     ///
     /// # Errors
-    /// A vessel whose motion diverges, or disturbances that let it.
+    /// A vessel whose motion diverges, or disturbances that cause it.
     pub fn simulate(&self, group: &Group) -> Result<States, Refusal> {
         let [states] = self.simulate_groups([group], true)?;
         Ok(states)
@@ -105,24 +106,24 @@ impl<'a> Sea<'a> {
         Ok(states)
     }
 
-    /// Room for the states of a group.
-    fn room(&self, group: &Group, wanted: bool) -> States {
-        let own = || room(3 * (self.samples(group) + 1));
+    /// Buffers for the states of a group.
+    fn states(&self, group: &Group, wanted: bool) -> States {
+        let own = || buffer(3 * (self.samples(group) + 1));
         let truth = if wanted { own() } else { Vec::new() };
         States { truth, measured: own(), exogenous: Vec::new() }
     }
 
-    /// A group's recording, in the room for its states.
+    /// A group's recording, in the buffers of its states.
     fn recording<'s>(&self, group: &Group, truth: &'s mut [Lane], measured: &'s mut [Lane]) -> Recording<'s> {
         let (wind, rate_hz) = (self.wind.as_ref(), self.vessel.sample_rate_hz);
         let disturbing = self.disturbances.of_runs(wind, group.streams, group.numbers(), rate_hz);
         Recording { disturbing, truth, measured }
     }
 
-    /// The states of a group whose runs are commanded, as [`Self::followed`].
+    /// The states of a group of commanded runs, as [`Self::followed`].
     fn commanded(&self, group: &Group, wanted: bool) -> (States, Lane) {
         let model = &self.vessel.model;
-        let mut states = self.room(group, wanted);
+        let mut states = self.states(group, wanted);
         states.exogenous = vec![Lane::ZERO; self.samples(group) * model.exogenous().max(1)];
         let States { truth, measured, exogenous } = &mut states;
         let recording = self.recording(group, truth, measured);
@@ -132,7 +133,7 @@ impl<'a> Sea<'a> {
         (states, beyond)
     }
 
-    /// The states, and in which lanes one is beyond every bound: a number above zero.
+    /// The states, and a number above zero in lanes that diverge.
     fn followed<const G: usize>(&self, groups: [&Group; G], wanted: bool) -> ([States; G], [Lane; G]) {
         if groups.iter().any(|group| !group.helms.is_empty()) {
             let all = groups.map(|group| self.commanded(group, wanted));
@@ -149,7 +150,7 @@ impl<'a> Sea<'a> {
             Some(shared) => Driven::Alike(shared),
             None => Driven::Own(exogenous.each_ref().map(Vec::as_slice)),
         };
-        let mut states = groups.map(|group| (group, self.room(group, wanted)));
+        let mut states = groups.map(|group| (group, self.states(group, wanted)));
         let recordings = states
             .each_mut()
             .map(|(group, States { truth, measured, .. })| self.recording(group, truth, measured));
@@ -162,7 +163,8 @@ impl<'a> Sea<'a> {
         (states, beyond)
     }
 
-    /// What is at fault where the run in `lane` diverges: the disturbances, where it does not without them.
+    /// The part at fault if the run in `lane` diverges: the disturbances, if it does not diverge without
+    /// them.
     fn at_fault(&self, group: &Group, lane: usize, at: Diverged) -> Refusal {
         let still = Disturbances { current: Current::None, ..self.disturbances };
         let bounded = |disturbances, wind| {
@@ -196,7 +198,7 @@ impl Group<'_> {
         by_lane(self.runs.len(), |run| self.runs[run])
     }
 
-    /// What all runs have, where it is the same.
+    /// The common inputs of all runs, if there are any.
     fn shared(&self) -> Option<&[f64]> {
         let first = *self.exogenous.first()?;
         self.exogenous.iter().all(|own| std::ptr::eq(*own, first)).then_some(first)

@@ -4,12 +4,12 @@ use std::fmt;
 use maneuver::Exceeded;
 use refusal::Invalid;
 
-/// Name of the one reason to leave a maneuver out that is no limit.
+/// Name of the one reason for leaving out a maneuver that is not a limit.
 const UNSTEADY: &str = "no steady inputs";
-/// How the reason ends that a maneuver leaves the motion in the logs of its model, after `u`, `v` or `r`.
+/// Suffix of the reason that a maneuver leaves the motion in the logs of its model, after `u`, `v` or `r`.
 pub(super) const BEYOND_LOGS: &str = "beyond the model's logs";
 
-/// How many maneuvers were simulated, and how many were left out for what.
+/// How many maneuvers were simulated, and how many were left out for which reason.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     /// Number of maneuvers.
@@ -29,7 +29,7 @@ pub struct LeftOut {
     pub count: usize,
     /// The limit.
     pub allowed: f64,
-    /// The smallest of what they reach.
+    /// The smallest of their values.
     pub nearest: f64,
 }
 
@@ -58,7 +58,7 @@ impl Tally {
             .or_insert(about);
     }
 
-    /// Adds what became of other maneuvers.
+    /// Adds the counts for other maneuvers.
     pub fn merge(&mut self, other: &Self) {
         self.maneuvers += other.maneuvers;
         self.samples += other.samples;
@@ -69,7 +69,7 @@ impl Tally {
     /// Refuses limits that no generated maneuver keeps: names the one that most exceed, and the least excess.
     ///
     /// # Errors
-    /// Maneuvers that were generated and all left out.
+    /// Generated maneuvers that are all left out.
     pub fn check(&self) -> Result<(), Invalid> {
         if self.kept > 0 || self.left_out.is_empty() {
             return Ok(());
@@ -94,7 +94,7 @@ impl Tally {
                     about.count, about.nearest
                 ),
                 "at least one within the motion in the logs of the model",
-                "ask for lower or higher speeds and yaw rates as the logs have them, or allow more with --beyond-range",
+                "request speeds and yaw rates as in the logs, or allow more with --beyond-range",
             ));
         }
         Err(Invalid::new(

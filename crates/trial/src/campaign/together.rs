@@ -1,12 +1,12 @@
 use std::sync::Arc;
 
 use engine::{Helm, Run, Segment, SideBySide};
-use numerics::lanes::{give_back, interleave, lane, lane_of};
+use numerics::lanes::{interleave, lane, lane_of, recycle};
 use numerics::{LANES, Lane};
 
 use super::sea::{SimulatedRun, States};
 
-/// What a run is to do, before anything disturbs it.
+/// The planned content of a run, without disturbances.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Experiment {
     /// Its segments, in order.
@@ -15,16 +15,16 @@ pub struct Experiment {
     pub initial: [f64; 3],
     /// Inputs, and measured disturbances of zero: N × exogenous, row-major.
     pub exogenous: Vec<f64>,
-    /// What commands it, where that depends on what the ship does. Then the above are those of an undisturbed one.
+    /// Its commands, if they depend on the ship's motion. Then the above are those of an undisturbed ship.
     pub helm: Option<Helm>,
 }
 
-/// Up to [`LANES`] runs of one design as they were simulated, side by side.
+/// Up to [`LANES`] simulated runs of one design, in lanes.
 pub struct Together {
     pub(super) design: &'static str,
     /// Number of the first.
     pub(super) first: u32,
-    /// What each does; the same one, where all do the same.
+    /// The experiment of each; a single one, if all have the same.
     pub(super) experiments: Vec<Arc<Experiment>>,
     pub(super) states: States,
 }
@@ -52,7 +52,7 @@ impl Together {
         self.experiments.iter().map(own).collect()
     }
 
-    /// The runs as estimators take them.
+    /// The runs in the form that estimators take.
     pub fn side_by_side(self) -> SideBySide {
         let rows = || self.experiments.iter().map(|own| own.exogenous.as_slice()).collect::<Vec<_>>();
         let known = self.states.exogenous;
@@ -66,9 +66,9 @@ impl Together {
         }
     }
 
-    /// Gives back the room for the states.
-    pub fn give_back(self) {
-        give_back([self.states.measured]);
+    /// Recycles the buffer of the states.
+    pub fn recycle(self) {
+        recycle([self.states.measured]);
     }
 
     /// A run by itself.

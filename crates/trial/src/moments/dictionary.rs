@@ -1,4 +1,4 @@
-//! From moments to what designs choose from.
+//! From moments to the candidates of designs.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +12,7 @@ use super::{DegreeMoments, Moments, OutputErrorMoments};
 /// The estimate that a design is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Estimated {
-    /// By instrumental variables, their mean removed like this.
+    /// By instrumental variables, with this removal of the mean.
     Iv(MeanRemoval),
     /// By output error; the covariance of measurement errors alone, or of the current too.
     OutputError {
@@ -32,10 +32,11 @@ impl Estimated {
 }
 
 impl Moments {
-    /// One candidate per maneuver: the matrices that add up for the estimate.
+    /// One candidate per maneuver: its additive matrices for the estimate.
     ///
     /// # Errors
-    /// Moments that are not complete, finite and of one shape, maneuvers of the same name, none for the estimator.
+    /// Moments that are not complete, finite and of one shape, duplicate maneuvers, no moments for the
+    /// estimator.
     pub fn dictionary(&self, estimated: Estimated) -> Result<Dictionary, Invalid> {
         self.check_structure()?;
         let information = match estimated {
@@ -53,10 +54,11 @@ impl Moments {
         })
     }
 
-    /// The middle matrices of the candidates of [`Moments::dictionary`].
+    /// The middle matrices of the candidates of [`Moments::dictionary`], the meat of their sandwich
+    /// covariances.
     ///
     /// # Errors
-    /// Moments without middle matrices, or with some that are no covariances.
+    /// Moments without middle matrices, or with some that are not covariances.
     pub fn middle(&self, estimated: Estimated) -> Result<Candidates, Invalid> {
         if self.disturbances.is_none() {
             return Err(Invalid::new(
@@ -101,8 +103,8 @@ impl Moments {
         })
     }
 
-    /// The squares of the parameters that errors are relative to: the nominal ones, or those that the disturbances were
-    /// linearised with.
+    /// The squares of the parameters that errors are relative to: the nominal ones, or those that the
+    /// disturbances were linearised with.
     ///
     /// # Errors
     /// A parameter of zero.
@@ -153,7 +155,8 @@ impl Moments {
         Ok(candidates)
     }
 
-    /// A block per degree of freedom and maneuver: `entries_of` its moments, its name and its lifted parameters.
+    /// A block per degree of freedom and maneuver: `entries_of` its moments, its name and its lifted
+    /// parameters.
     fn blocks(
         &self,
         removal: MeanRemoval,
@@ -184,7 +187,7 @@ impl Moments {
         Ok(candidates)
     }
 
-    /// Refuses degrees of freedom without one parameter per regressor, and maneuvers of the same name.
+    /// Refuses degrees of freedom without one parameter per regressor, and duplicate maneuvers.
     fn check_structure(&self) -> Result<(), Invalid> {
         let refuse = |thing: String, found: &str, expected: &str| {
             Err(Invalid::new(thing, found, expected, "run `moments` again"))
@@ -210,7 +213,7 @@ impl Moments {
     }
 }
 
-/// Moments of `maneuver` that are not those of its model.
+/// The refusal of moments of `maneuver` that are not those of its model.
 pub fn malformed(maneuver: &str, found: &str) -> Invalid {
     Invalid::new(
         format!("moments of `{maneuver}`"),

@@ -26,7 +26,7 @@ pub struct FreeRunModel {
 }
 
 impl FreeRunModel {
-    /// The model with the best known parameters of `vessel`. `validation`: the validation maneuvers.
+    /// The model with the best known parameters of `vessel`, and the maneuvers of `validation`.
     ///
     /// # Errors
     /// A maneuver that the model cannot hold, or that diverges.
@@ -58,7 +58,7 @@ fn validation_weights(
     Ok((total > 0.0).then(|| sum.iter().map(|s| s / total).collect()))
 }
 
-/// Why free runs over validation maneuvers cannot be predicted, by what is at fault.
+/// Why free runs over validation maneuvers cannot be predicted, by the part at fault.
 #[derive(Clone, Debug, thiserror::Error, PartialEq)]
 pub enum Unpredictable {
     /// A validation maneuver that the model cannot hold.
@@ -69,7 +69,7 @@ pub enum Unpredictable {
     Vessel(Invalid),
 }
 
-/// A vessel whose free simulation of `what` diverges.
+/// The refusal of a vessel whose free simulation of `what` diverges.
 pub(super) fn diverges(what: &str) -> Invalid {
     Invalid::new(
         format!("free simulation of {what}"),

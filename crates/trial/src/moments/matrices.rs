@@ -99,7 +99,7 @@ impl ManeuverMoments {
     }
 }
 
-/// Moments by maneuver, in the order in which maneuvers were first seen.
+/// Moments by maneuver, in order of first appearance.
 #[derive(Clone, Debug, Default)]
 pub struct Pool {
     maneuvers: Vec<ManeuverMoments>,
@@ -107,10 +107,10 @@ pub struct Pool {
 }
 
 impl Pool {
-    /// Adds the moments of a run, which may be `pooled` with others of the same maneuver or not.
+    /// Adds the moments of a run, `pooled` with others of the same maneuver or not.
     ///
     /// # Errors
-    /// A second run of a maneuver that stands for one.
+    /// A second run of a maneuver that is not pooled.
     pub fn add(&mut self, pooled: bool, more: ManeuverMoments) -> Result<(), Invalid> {
         match self.places.get(&more.name).and_then(|place| self.maneuvers.get_mut(*place)) {
             None => {

@@ -1,5 +1,5 @@
-//! What maneuvers tell about a model's parameters: moments of measured and simulated runs, pooled by maneuver, and the
-//! dictionaries that designs choose from.
+//! The information of maneuvers about a model's parameters: moments of measured and simulated runs, pooled by
+//! maneuver, and the dictionaries that designs choose from.
 
 mod dictionary;
 mod free_runs;
@@ -98,7 +98,8 @@ fn by_name(model: &Model, values: &[f64]) -> BTreeMap<String, f64> {
     model.parameter_names().map(str::to_owned).zip(values.iter().copied()).collect()
 }
 
-/// Refuses a term 1 that is estimated: a design has an intercept per degree of freedom already, whose error it leaves aside.
+/// Refuses an estimated term 1: every degree of freedom of a design has an intercept already, whose error is
+/// not counted.
 ///
 /// # Errors
 /// Names the parameter.
@@ -125,7 +126,7 @@ pub fn structure(model: &Model) -> Vec<Degree> {
     DegreeOfFreedom::ALL.into_iter().zip(&model.degrees).map(of).collect()
 }
 
-/// Names of the parameters with an intercept per degree of freedom, as the matrices for output error have them.
+/// Names of the parameters with an intercept per degree of freedom, in the order of output error's matrices.
 pub(crate) fn rows(model: &Model) -> Vec<String> {
     let of = |(d, degree): (DegreeOfFreedom, &model::Degree)| {
         degree.parameters.iter().cloned().chain([format!("intercept ({})", d.name())]).collect::<Vec<_>>()

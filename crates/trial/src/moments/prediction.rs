@@ -11,17 +11,18 @@ use super::{DegreeMoments, Expected, FreeRunModel, ManeuverMoments, OutputErrorM
 /// Name of the design of a dictionary's runs.
 const DICTIONARY: &str = "dictionary";
 
-/// What is predicted of estimates, besides the moments themselves.
+/// The predictions about estimates, besides the moments themselves.
 #[derive(Clone, Debug)]
 pub struct Prediction<'a> {
     model: &'a Model,
-    /// The disturbances to expect and the parameters that the residual is linearised with: for the matrices B.
+    /// The expected disturbances and the parameters that the residual is linearised with: for the matrices B.
     noise: Option<(Noise, Vec<f64>)>,
-    /// The parameters of free simulations: for output error, which takes the same disturbances.
+    /// The parameters of free simulations: for output error, with the same disturbances.
     free_runs: Option<Vec<f64>>,
 }
 
-/// A measured run as one run per segment, each from its first measured state; a run of a dictionary as it is.
+/// A measured run as one run per segment, each from its first measured state; a run of a dictionary
+/// unchanged.
 fn segments(run: &Run) -> Vec<Run> {
     if run.design == DICTIONARY || run.segments.len() < 2 {
         return vec![run.clone()];
@@ -42,7 +43,7 @@ fn segments(run: &Run) -> Vec<Run> {
 }
 
 impl<'a> Prediction<'a> {
-    /// The matrices B where disturbances are `expected`, and what output error learns where there is a model for it.
+    /// With the matrices B if disturbances are `expected`, and output error's information if there is a model for it.
     pub fn new(model: &'a Model, expected: Option<&Expected>, output_error: Option<&FreeRunModel>) -> Self {
         let theta = |by_name: &BTreeMap<String, f64>| -> Vec<f64> {
             model.parameter_names().map(|name| by_name[name]).collect()
@@ -51,13 +52,13 @@ impl<'a> Prediction<'a> {
         Self { model, noise, free_runs: output_error.map(|o| theta(&o.parameters)) }
     }
 
-    /// The runs that moments are computed of: the segments of measured ones, each with instruments of its own.
+    /// The runs whose moments are computed: the segments of measured ones, each with instruments of its own.
     pub fn runs(&self, recorded: &[Run]) -> Vec<Run> {
         recorded.iter().flat_map(segments).collect()
     }
 
-    /// The moments of every run of a batch, each one maneuver, and whether they may be pooled with others of the same name:
-    /// those of measured runs, but not those of a dictionary, where a name stands for one run.
+    /// The moments of every run of a batch, each one maneuver, and whether they may be pooled with others of
+    /// the same name: those of measured runs may, but not those of a dictionary, where each name has one run.
     ///
     /// # Errors
     /// A free simulation that diverges.

@@ -4,14 +4,14 @@ use identification::MeanRemoval;
 
 use super::{Estimated, Moments};
 
-/// Random designs that a median is of.
+/// Random designs for the median.
 const RANDOM: u32 = 400;
 /// Segments of a random design, as in the paper.
 const SEGMENTS: u32 = 5;
 
 impl Moments {
-    /// What designs of these maneuvers are compared with: the shares of the paper's criterion, and random designs of
-    /// equally long segments, each any maneuver.
+    /// The designs for comparison: the shares of the paper's criterion, and random designs of equally long
+    /// segments, each any maneuver.
     pub fn rivals(&self, removal: MeanRemoval, seed: u64) -> Rivals {
         let streams = Streams::new(seed, "random designs");
         let count = self.maneuvers.len();

@@ -1,4 +1,4 @@
-//! Limits of inputs, rates and motion: stated, those that candidates were generated within, or what the start reaches.
+//! Limits of inputs, rates and motion: stated, those of generated candidates, or the extremes of the start.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use super::{Refusal, Start};
 use crate::arranging::generated_limits;
 use crate::campaign;
 
-/// Limits that were stated: largest moduli.
+/// Stated limits: largest moduli.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StatedLimits {
     /// Of u, v \[m/s\] and r \[rad/s\].
@@ -29,7 +29,7 @@ pub struct Limits {
     pub names: Vec<String>,
     /// In the same order, in the limits' units; infinite without limit.
     pub allowed: Vec<f64>,
-    /// As the search has them.
+    /// In the form of the search.
     pub signal: SignalLimits,
 }
 
@@ -40,7 +40,7 @@ impl Limits {
     /// Limits that `start` keeps.
     ///
     /// # Errors
-    /// One that the start breaks; something without a limit that never moves in the start.
+    /// A limit that the start exceeds; a quantity without a limit that is constant in the start.
     pub fn new(
         stated: &StatedLimits,
         vessel: &Vessel,
@@ -83,7 +83,7 @@ impl Limits {
         Ok(limits)
     }
 
-    /// The largest moduli of an experiment, in the limits' units. `rate_hz`: of the samples.
+    /// The largest moduli of an experiment, in the limits' units, at a sampling rate of `rate_hz`.
     pub fn moduli(&self, states: &[f64], inputs: &[f64], rate_hz: f64) -> Vec<f64> {
         let width = self.signal.inputs.len();
         let unit =

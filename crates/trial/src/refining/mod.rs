@@ -1,4 +1,4 @@
-//! The input signals of a designed experiment themselves, made better within limits.
+//! Refines the input signals of a designed experiment within limits.
 
 mod limits;
 mod start;
@@ -12,42 +12,43 @@ use thiserror::Error;
 
 use crate::campaign;
 
-/// Time between the knots of what is added to the start's inputs, straight between them \[s\].
+/// Time between the knots of the piecewise linear change of the start's inputs \[s\].
 const KNOT_S: f64 = 1.0;
 
-/// Why an experiment cannot be refined, by what is at fault.
+/// Why an experiment cannot be refined, by the part at fault.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Refusal {
-    /// The experiment: zero parameters of the vessel, a motion that diverges or that the model cannot hold, one that never
-    /// moves what is not limited.
+    /// The experiment: zero parameters of the vessel, a motion that diverges or that the model cannot hold, a
+    /// quantity without a limit that is constant.
     #[error(transparent)]
     Trial(#[from] campaign::Refusal),
-    /// A limit that the start breaks.
+    /// A limit that the start exceeds.
     #[error("limits: {0}")]
     Limits(Invalid),
-    /// A start that tells nothing of a parameter.
-    #[error("the start does not tell `{parameter}` from the other parameters")]
+    /// A start without information about a parameter.
+    #[error("the start does not distinguish `{parameter}` from the other parameters")]
     NotIdentifiable {
         /// Its name, or an intercept's.
         parameter: String,
     },
 }
 
-/// A refined experiment with all that it was made from.
+/// A refined experiment with its inputs.
 #[derive(Clone, Debug)]
 pub struct Refinement {
     /// The experiment at the start.
     pub start: Start,
     /// The limits.
     pub limits: Limits,
-    /// Samples between the knots of what is added to the start's inputs.
+    /// Samples between the knots of the change of the start's inputs.
     pub knot: usize,
-    /// What was found.
+    /// The result.
     pub refined: Refined,
 }
 
 impl Refinement {
-    /// Follows the gradient of the criterion from `start` within `limits`, in so many iterations at most.
+    /// Follows the gradient of the criterion from `start` within `limits`, in at most `iterations`
+    /// iterations.
     ///
     /// # Errors
     /// [`Refusal::NotIdentifiable`].
@@ -59,7 +60,8 @@ impl Refinement {
         }
     }
 
-    /// How many times the start's time the refined experiment is worth: value before over value after.
+    /// The efficiency relative to the start: value before over value after, the factor by which time is
+    /// saved.
     pub fn efficiency(&self) -> f64 {
         self.refined.before.value / self.refined.after.value
     }

@@ -12,22 +12,23 @@ use refusal::Invalid;
 use crate::campaign::{Parts, Refusal};
 use crate::moments::rows;
 
-/// Inputs, initial state and what they are judged by.
+/// Inputs, initial state and the data to evaluate them.
 #[derive(Clone, Debug)]
 pub struct Start {
     /// N × inputs.
     pub inputs: Vec<f64>,
     /// u, v \[m/s\], r \[rad/s\].
     pub initial: [f64; 3],
-    /// Of the simulation, (N+1) × 3.
+    /// Simulated states, (N+1) × 3.
     pub states: Vec<f64>,
-    /// Which parameters it is simulated with, and errors are relative to: the true ones where the vessel has them.
+    /// Which parameters it is simulated with, and errors are relative to: the true ones if the vessel has
+    /// them.
     pub source: Source,
-    /// These.
+    /// These parameters.
     pub parameters: Vec<f64>,
     /// Weight of every parameter's variance, 1/θ².
     pub weights: Vec<f64>,
-    /// What disturbs the experiment.
+    /// The disturbances of the experiment.
     pub noise: Noise,
 }
 
@@ -66,7 +67,7 @@ impl Start {
         }
     }
 
-    /// The parameter that the experiment tells least about.
+    /// The parameter with the least information in the experiment.
     pub(super) fn weakest(&self, vessel: &Vessel) -> String {
         let exogenous = vessel.model.undisturbed(&self.inputs);
         let found =

@@ -5,7 +5,7 @@ use refusal::Invalid;
 
 use crate::campaign::Parts;
 
-/// One realization's run so far: it grows, the ship does not start again.
+/// One realization's run so far: it grows, the ship does not restart.
 #[derive(Clone, Debug, Default)]
 pub struct GrowingRun {
     /// State at its first sample: u, v \[m/s\], r \[rad/s\].
@@ -22,12 +22,12 @@ impl GrowingRun {
         self.exogenous.len() / vessel.model.exogenous().max(1)
     }
 
-    /// Goes on with `plan`, from the state that the vessel is in; a run that is new starts at its first maneuver's. `parts` has
-    /// what was made for other runs.
+    /// Continues with `plan`, from the vessel's current state; a new run starts with the initial state of its
+    /// first maneuver. `parts` has the realized maneuvers of other runs.
     ///
     /// # Errors
     /// A motion that the model cannot hold.
-    pub fn go_on(
+    pub fn extend(
         &mut self,
         vessel: &Vessel,
         generator: &Generator,

@@ -1,12 +1,12 @@
 use engine::Streams;
 
-/// What is known of the parameters before a trial, and with its estimates.
+/// The knowledge of the parameters before a trial, and its update by estimates.
 pub struct Knowledge {
-    /// Parameters that crude models are drawn about.
+    /// Parameters that crude models are drawn around.
     pub about: Vec<f64>,
     /// Standard deviation of the logarithm of crude over these.
     pub spread: f64,
-    /// Smallest moduli that errors are taken relative to; 0 for none.
+    /// Least moduli that errors are relative to; 0 for none.
     pub floor: Vec<f64>,
     /// Seed of the draws.
     pub seed: u64,
@@ -20,8 +20,8 @@ impl Knowledge {
         self.about.iter().zip(normals).map(|(theta, z)| theta * libm::exp(self.spread * z)).collect()
     }
 
-    /// Each parameter between the crude and the estimated one, as their variances have it: the crude one's is
-    /// (spread × parameter)², of the floor squared at least.
+    /// The variance-weighted mean of the crude and the estimated parameters: the crude one's variance is
+    /// (spread × parameter)², at least that of the floor.
     pub fn learnt(&self, crude: &[f64], estimate: &[f64], standard_errors: &[f64]) -> Vec<f64> {
         let between = |(i, error): (usize, &f64)| {
             let before = (self.spread * crude[i]).abs().max(self.floor[i]).powi(2);
@@ -31,7 +31,7 @@ impl Knowledge {
         standard_errors.iter().enumerate().map(between).collect()
     }
 
-    /// What errors of every parameter are taken relative to.
+    /// The sizes that errors of the parameters are relative to.
     pub fn sizes(&self, theta: &[f64]) -> Vec<f64> {
         theta.iter().zip(&self.floor).map(|(theta, floor)| theta.abs().max(*floor)).collect()
     }

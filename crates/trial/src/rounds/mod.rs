@@ -1,4 +1,5 @@
-//! Trials in rounds: design from what is known, run, estimate, design the next round; against designs made once.
+//! Trials in rounds: design from current knowledge, run, estimate, design the next round; against designs
+//! made once.
 
 mod growing_run;
 mod knowledge;

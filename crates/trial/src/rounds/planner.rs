@@ -13,26 +13,26 @@ pub struct Planner<'a> {
     maneuvers: Vec<Maneuver>,
 }
 
-/// What a trial has been, before its next round.
+/// The trial before its next round.
 pub struct SoFar<'a> {
-    /// Number of samples that were sailed.
+    /// Number of samples so far.
     pub samples: usize,
-    /// What they tell, by the model that plans.
+    /// Their information, by the planning model.
     pub information: &'a OutputInformation,
-    /// Shares of the round before: those of the next are searched for from there.
+    /// Shares of the previous round, which start the search for the next.
     pub shares: &'a [f64],
 }
 
 /// A maneuver at its own length.
 struct Maneuver {
-    /// Its place in the dictionary.
+    /// Its index in the dictionary.
     index: usize,
     initial: [f64; 3],
     exogenous: Vec<f64>,
 }
 
 impl<'a> Planner<'a> {
-    /// Over the maneuvers of `generator`, but generated ones that exceed their limits.
+    /// For the maneuvers of `generator`, except generated ones that exceed their limits.
     ///
     /// # Errors
     /// A maneuver that is too long or that the model cannot hold; limits that leave none.
@@ -45,20 +45,21 @@ impl<'a> Planner<'a> {
         }
         if maneuvers.is_empty() {
             let (found, expected) = ("none within the limits", "at least one");
-            let remedy = "see what `simulate dictionary` says of its limits";
+            let remedy = "see the messages of `simulate dictionary` about its limits";
             return Err(Invalid::new("maneuvers", found, expected, remedy));
         }
         Ok(Self { vessel, noise, maneuvers })
     }
 
-    /// Places in the dictionary of the maneuvers that shares are for.
+    /// Indices in the dictionary of the maneuvers with shares.
     pub fn maneuvers(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
         self.maneuvers.iter().map(|maneuver| maneuver.index)
     }
 
-    /// Shares of the `coming` samples that make Σ var/size² of the parameters' estimates smallest at their end, for the model
-    /// with parameters `theta`, beside what the run so far tells: every candidate's matrix is that of the whole,
-    /// (N_past M_past + N_coming M_q)/N. `None` where the model diverges in every maneuver or they do not excite it.
+    /// Shares of the `coming` samples that minimize Σ var/size² of the parameters' estimates at their end,
+    /// for the model with parameters `theta`, in addition to the information of the run so far: every
+    /// candidate's matrix is that of the whole, (N_past M_past + N_coming M_q)/N. `None` where the model
+    /// diverges in every maneuver or they do not excite it.
     pub fn shares(
         &self,
         theta: &[f64],
@@ -88,7 +89,7 @@ impl<'a> Planner<'a> {
         Some(found.iter().map(|own| own.as_ref().and_then(|_| designed.next()).unwrap_or(0.0)).collect())
     }
 
-    /// The best shares, searched for from the `latest` if there are any.
+    /// The best shares, searched from the `latest` if there are any.
     fn solved(&self, criterion: &Covariance, latest: Option<Vec<f64>>) -> Option<Vec<f64>> {
         let options = Options { random_starts: 0, tolerance: 1e-4, ..Options::default() };
         let from = latest.filter(|shares| shares.iter().any(|share| *share > 0.0));
@@ -99,8 +100,8 @@ impl<'a> Planner<'a> {
         Some(designed.shares)
     }
 
-    /// Standard errors of the parameters that an output-error estimate has from a run of `samples` that tells `information`.
-    /// `None` where a direction is not excited.
+    /// Standard errors of an output-error estimate from a run of `samples` with this `information`. `None`
+    /// where a direction is not excited.
     pub fn standard_errors(
         &self,
         information: &OutputInformation,
@@ -115,7 +116,7 @@ impl<'a> Planner<'a> {
         Some(errors.map(|(variance, _)| (variance.max(0.0) / samples as f64).sqrt()).collect())
     }
 
-    /// What runs tell. `None` for those that diverge.
+    /// The information of runs. `None` for those that diverge.
     pub fn informations(&self, runs: &[Simulated]) -> Vec<Option<OutputInformation>> {
         output_informations(&self.vessel.model, runs, &self.noise)
     }
@@ -136,7 +137,7 @@ impl<'a> Planner<'a> {
         Covariance::new(&information, &middle, &self.weights(sizes), Norm::Trace).ok()
     }
 
-    /// 1/size² of the lifted parameters, none for intercepts.
+    /// 1/size² of the lifted parameters, zero for intercepts.
     fn weights(&self, sizes: &[f64]) -> Vec<f64> {
         let weights: Vec<f64> = sizes.iter().map(|size| size.powi(-2)).collect();
         self.layout().woven(&weights, [0.0; 3])
@@ -175,30 +176,30 @@ mod tests {
         let planner = Planner::new(&vessel, &generator, NOISE).unwrap();
         let theta = vessel.parameters(Source::Value).unwrap();
         let sizes: Vec<f64> = theta.iter().map(|t| t.abs()).collect();
-        let go_on = |run: &GrowingRun, shares: &[f64]| {
+        let extend = |run: &GrowingRun, shares: &[f64]| {
             let counts = apportion(shares, 500).into_iter().enumerate().filter(|(_, n)| *n > 0);
             let mut longer = run.clone();
             let plan: Plan = counts.map(|(q, n)| (q, n as usize)).collect();
-            longer.go_on(&vessel, &generator, &mut Parts::default(), &plan).unwrap();
+            longer.extend(&vessel, &generator, &mut Parts::default(), &plan).unwrap();
             longer
         };
-        let told = |run: &GrowingRun| {
+        let information = |run: &GrowingRun| {
             let own = Simulated { theta: &theta, initial: run.initial, exogenous: &run.exogenous };
             planner.informations(&[own]).pop().flatten().unwrap()
         };
         let error = |run: &GrowingRun| {
-            let own = told(run);
+            let own = information(run);
             let errors = planner.standard_errors(&own, &sizes, run.samples(&vessel)).unwrap();
             errors.iter().zip(&sizes).map(|(e, s)| (e / s).powi(2)).sum::<f64>().sqrt()
         };
         let once = planner.shares(&theta, &sizes, None, 500).unwrap();
         let (new, equal) = (GrowingRun::default(), vec![1.0 / 11.0; 11]);
-        assert!(error(&go_on(&new, &once)) < error(&go_on(&new, &equal)));
-        // The same maneuver for a while: the best rest is another one than the best whole.
-        let lopsided = go_on(&new, &[1.0].iter().chain(&[0.0; 10]).copied().collect::<Vec<_>>());
-        let so_far = SoFar { samples: 500, information: &told(&lopsided), shares: &once };
+        assert!(error(&extend(&new, &once)) < error(&extend(&new, &equal)));
+        // The same maneuver for a while: then the best rest differs from the best whole.
+        let lopsided = extend(&new, &[1.0].iter().chain(&[0.0; 10]).copied().collect::<Vec<_>>());
+        let so_far = SoFar { samples: 500, information: &information(&lopsided), shares: &once };
         let rest = planner.shares(&theta, &sizes, Some(so_far), 500).unwrap();
         assert!(rest[0] < once[0], "{rest:?} {once:?}");
-        assert!(error(&go_on(&lopsided, &rest)) < error(&go_on(&lopsided, &equal)));
+        assert!(error(&extend(&lopsided, &rest)) < error(&extend(&lopsided, &equal)));
     }
 }

@@ -58,8 +58,8 @@ pub struct Stopping {
     pub without_estimate: u64,
 }
 
-/// Where trials of `arm` end that stop with the first round after which `promised` is within `accuracy`, or else after
-/// the whole time. `rows`: rounds in order.
+/// Where trials of `arm` end if they stop after the first round with `promised` within `accuracy`, or else
+/// after the whole time. `rows`: rounds in order.
 pub(super) fn stopping(
     rows: &[Row],
     arm: Arm,
@@ -99,7 +99,7 @@ pub(super) fn stopping(
     }
 }
 
-/// Errors of the trial in rounds over those of the one-shot trial after `round`, which end after `samples`.
+/// Errors of the trial in rounds over those of the one-shot trial after `round`, which ends after `samples`.
 pub(super) fn gain(rows: &[Row], round: usize, samples: usize, rate_hz: f64) -> RoundGain {
     let errors = |arm: Arm| {
         let own = rows.iter().filter(move |row| row.arm == arm && row.round as usize == round);

@@ -5,14 +5,14 @@ use serde::{Deserialize, Serialize};
 use super::row::{Arm, Outcome, Row, Shared};
 use super::stopping::{RoundGain, Stopping, gain, stopping};
 
-/// What the realizations say together.
+/// The summary of all realizations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// One per arm, in the order of [`Arm::ALL`].
     pub arms: Vec<ArmSummary>,
     /// The trial in rounds over the one-shot trial, at the end of every round.
     pub gains: Vec<RoundGain>,
-    /// Of the trial in rounds and of the one-shot trial.
+    /// For the trial in rounds and the one-shot trial.
     pub stopping: Vec<Stopping>,
 }
 
@@ -60,7 +60,7 @@ pub struct ArmPoint {
 }
 
 impl Summary {
-    /// Sums up `rows`: realizations, arms, rounds in order. `ends`: samples by the end of every round.
+    /// Summarizes `rows`: realizations, arms, rounds in order. `ends`: samples by the end of every round.
     pub fn new(rows: &[Row], ends: &[usize], accuracy: f64, rate_hz: f64) -> Self {
         let arms = Arm::ALL.into_iter().map(|arm| summary(rows, arm, ends, accuracy, rate_hz)).collect();
         let gains = ends.iter().enumerate().map(|(round, end)| gain(rows, round, *end, rate_hz)).collect();

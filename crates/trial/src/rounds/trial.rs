@@ -16,7 +16,7 @@ use crate::campaign::{
     Group, Parts, Plan, Refusal, Sea, drawable, even_lengths, random_segments, shared_out,
 };
 
-/// What all realizations share.
+/// The common data of all realizations.
 pub struct Trial<'a> {
     sea: Sea<'a>,
     generator: &'a Generator,
@@ -28,7 +28,7 @@ pub struct Trial<'a> {
     informed: Vec<f64>,
     ends: Vec<usize>,
     random_segments: usize,
-    /// Maneuvers that were made for realizations before.
+    /// Maneuvers that were realized for other realizations.
     parts: Mutex<Parts>,
 }
 
@@ -36,20 +36,20 @@ pub struct Trial<'a> {
 struct Start {
     number: u32,
     crude: Vec<f64>,
-    /// The design from the crude model: the one-shot trial's, and of the first round.
+    /// The design from the crude model, for the one-shot trial and the first round.
     shares: Option<Vec<f64>>,
 }
 
-/// The estimates of realizations, nothing where the nominal model diverges.
+/// The estimates of realizations; `None` where the nominal model diverges.
 type Found = Vec<Option<RunEstimate>>;
 
 /// A realization in the trial of an arm.
 struct Realization<'a> {
     arm: Arm,
     start: &'a Start,
-    /// Parameters of the model that plans.
+    /// Parameters of the planning model.
     known: Vec<f64>,
-    /// Of the latest plan.
+    /// Shares of the latest plan.
     shares: Vec<f64>,
     run: GrowingRun,
     /// The latest estimate.
@@ -57,13 +57,13 @@ struct Realization<'a> {
 }
 
 impl<'a> Trial<'a> {
-    /// `noise`: the levels that designs and expected errors are predicted from; `estimators`: the one whose estimates runs
-    /// get; `ends`: samples by the end of every round;
-    /// `random_segments`: segments of a random experiment.
+    /// `noise`: the levels that designs and expected errors are predicted from; `estimators`: the estimator
+    /// of the runs; `ends`: samples by the end of every round; `random_segments`: segments of a random
+    /// experiment.
     ///
     /// # Errors
-    /// A vessel without a truth that errors can be relative to; maneuvers that the model cannot hold, or that do not excite
-    /// every parameter.
+    /// A vessel without true parameters that errors can be relative to; maneuvers that the model cannot hold,
+    /// or that do not excite every parameter.
     pub fn new(
         sea: Sea<'a>,
         generator: &'a Generator,
@@ -106,7 +106,7 @@ impl<'a> Trial<'a> {
         self.planner.maneuvers().len()
     }
 
-    /// What becomes of maneuvers whose inputs stand in tables, where there are any, in words.
+    /// A statement about maneuvers with tables of inputs, if there are any.
     pub fn statement(&self) -> Option<String> {
         let names: Vec<&str> =
             self.generator.tables().values().map(|table| table.maneuver.as_str()).collect();
@@ -119,7 +119,7 @@ impl<'a> Trial<'a> {
         })
     }
 
-    /// The rows of realizations `numbers`, which are estimated side by side: realizations, arms, rounds in order.
+    /// The rows of realizations `numbers`, which are estimated in lanes: realizations, arms, rounds in order.
     ///
     /// # Errors
     /// A maneuver that the model cannot hold; a true vessel that diverges; a run too short for its unknowns.
@@ -158,10 +158,11 @@ impl<'a> Trial<'a> {
         parts: &mut Parts,
     ) -> Result<Vec<Row>, Refusal> {
         let samples = self.ends[round];
-        let told = self.told(&arms[Arm::Sequential as usize]);
-        let told = told.iter().map(Option::as_ref).chain(std::iter::repeat(None));
-        let each = arms.iter_mut().flatten().zip(told);
-        let shared = each.map(|(realization, told)| self.go_on(realization, told, parts, samples));
+        let information = self.information(&arms[Arm::Sequential as usize]);
+        let information = information.iter().map(Option::as_ref).chain(std::iter::repeat(None));
+        let each = arms.iter_mut().flatten().zip(information);
+        let shared =
+            each.map(|(realization, information)| self.extend(realization, information, parts, samples));
         let shared: Vec<Shared> = shared.collect::<Result<_, _>>()?;
         let expected = self.expected(&arms[Arm::OneShot as usize]);
         let found = self.estimated(round, arms)?;
@@ -186,7 +187,8 @@ impl<'a> Trial<'a> {
         Ok(rows)
     }
 
-    /// The estimates at the end of a round, arm by arm. In the first round the arms that begin with the crude model are one.
+    /// The estimates at the end of a round, arm by arm. In the first round the arms that begin with the crude
+    /// model are the same.
     fn estimated(&self, round: usize, arms: &[Vec<Realization>]) -> Result<Found, Refusal> {
         let repeats = |arm: &Arm| round == 0 && *arm == Arm::OneShot;
         let own = Arm::ALL.into_iter().filter(|arm| !repeats(arm));
@@ -201,8 +203,8 @@ impl<'a> Trial<'a> {
         Ok(all.into_iter().flatten().collect())
     }
 
-    /// What `realizations` have been told so far, by the models that plan; nothing before their first round.
-    fn told(&self, realizations: &[Realization]) -> Vec<Option<OutputInformation>> {
+    /// The information of `realizations` so far, by their planning models; `None` before the first round.
+    fn information(&self, realizations: &[Realization]) -> Vec<Option<OutputInformation>> {
         let begun = realizations.iter().filter(|realization| !realization.run.exogenous.is_empty());
         let runs = begun.map(|own| Simulated {
             theta: &own.known,
@@ -212,12 +214,12 @@ impl<'a> Trial<'a> {
         self.planner.informations(&runs.collect::<Vec<_>>())
     }
 
-    /// Plans the time until `end`, after what the run has `told`. The sequential trial is one run that grows; the others are laid
-    /// out for the time that they end after.
-    fn go_on(
+    /// Plans the time until `end`, given the information of the run. The sequential trial is one growing run;
+    /// the others are planned for their total time.
+    fn extend(
         &self,
         realization: &mut Realization,
-        told: Option<&OutputInformation>,
+        information: Option<&OutputInformation>,
         parts: &mut Parts,
         end: usize,
     ) -> Result<Shared, Refusal> {
@@ -226,13 +228,13 @@ impl<'a> Trial<'a> {
             realization.run = GrowingRun::default();
         }
         let coming = end - realization.run.samples(vessel);
-        let (plan, shared) = self.plan(realization, told, coming);
-        let went = realization.run.go_on(vessel, self.generator, parts, &plan);
+        let (plan, shared) = self.plan(realization, information, coming);
+        let went = realization.run.extend(vessel, self.generator, parts, &plan);
         went.map_err(Refusal::Dictionary)?;
         Ok(shared)
     }
 
-    /// The error that an estimate promises of itself; in rounds the next is planned with what is learnt.
+    /// The predicted error of an estimate; the next round is planned with the updated model.
     fn learn(&self, realization: &mut Realization, theta: &[f64], standard_errors: &[f64]) -> f64 {
         let learnt = self.knowledge.learnt(&realization.start.crude, theta, standard_errors);
         let promised = self.knowledge.relative(standard_errors, &learnt);
@@ -242,11 +244,11 @@ impl<'a> Trial<'a> {
         promised
     }
 
-    /// What the coming samples hold, and how it was chosen.
+    /// The plan of the coming samples, and how it was chosen.
     fn plan(
         &self,
         realization: &mut Realization,
-        told: Option<&OutputInformation>,
+        information: Option<&OutputInformation>,
         coming: usize,
     ) -> (Plan, Shared) {
         let Realization { arm, start, known, shares, run, .. } = realization;
@@ -255,7 +257,7 @@ impl<'a> Trial<'a> {
             Arm::Informed => Some(self.informed.clone()),
             Arm::Sequential if !run.exogenous.is_empty() => {
                 let samples = run.samples(self.sea.vessel());
-                let so_far = told.map(|information| SoFar { samples, information, shares });
+                let so_far = information.map(|information| SoFar { samples, information, shares });
                 let sizes = self.knowledge.sizes(known);
                 so_far.and_then(|so_far| self.planner.shares(known, &sizes, Some(so_far), coming))
             }
@@ -267,8 +269,8 @@ impl<'a> Trial<'a> {
         (self.shared_out(&maneuvers.collect::<Vec<_>>(), shares, coming), shared)
     }
 
-    /// `coming` samples by the shares of `maneuvers`. What whole plays of tables leave is shared out among the others, evenly
-    /// where none of them has a share.
+    /// `coming` samples by the shares of `maneuvers`. The rest after whole plays of tables is divided among
+    /// the others, evenly if none of them has a share.
     fn shared_out(&self, maneuvers: &[usize], shares: &[f64], coming: usize) -> Plan {
         let (tables, count) = (self.generator.tables(), self.generator.maneuvers().len());
         let mut all = vec![0.0; count];
@@ -280,7 +282,7 @@ impl<'a> Trial<'a> {
         })
     }
 
-    /// Equally long segments, each of them any maneuver; tables of another length are left out.
+    /// Equally long segments, each any maneuver; tables of another length are left out.
     fn drawn(&self, number: u32, samples: usize) -> Plan {
         let lengths = even_lengths(self.random_segments.min(samples).max(1), samples);
         let streams = Streams::new(self.knowledge.seed, &format!("random {samples}"));
@@ -289,19 +291,19 @@ impl<'a> Trial<'a> {
         random_segments(&streams, number, &maneuvers, &lengths)
     }
 
-    /// The errors after the runs that crude models expect, by which one-shot trials are sized.
+    /// The errors after the runs that crude models predict, by which one-shot trials are sized.
     fn expected(&self, one_shot: &[Realization]) -> Vec<Option<f64>> {
-        let expected = |(realization, told): (&Realization, Option<OutputInformation>)| {
+        let expected = |(realization, information): (&Realization, Option<OutputInformation>)| {
             let (sizes, samples) =
                 (self.knowledge.sizes(&realization.known), realization.run.samples(self.sea.vessel()));
-            let errors = self.planner.standard_errors(&told?, &sizes, samples)?;
+            let errors = self.planner.standard_errors(&information?, &sizes, samples)?;
             Some(self.knowledge.relative(&errors, &realization.known))
         };
-        one_shot.iter().zip(self.told(one_shot)).map(expected).collect()
+        one_shot.iter().zip(self.information(one_shot)).map(expected).collect()
     }
 
-    /// Simulates the runs of `arms` side by side and estimates from each, arm by arm; nothing where the nominal model diverges.
-    /// All arms meet the same disturbances in a realization.
+    /// Simulates the runs of `arms` in lanes and estimates from each, arm by arm; `None` where the nominal
+    /// model diverges. All arms have the same disturbances in a realization.
     fn found<'r>(
         &self,
         round: usize,
@@ -318,13 +320,13 @@ impl<'a> Trial<'a> {
                 }
             }
         }
-        // After the first round estimates are searched for from those before.
+        // After the first round the search starts from the previous estimates.
         let near = (round > 0).then_some(near.as_slice());
         let mut found = self.estimators.estimates_from(&kept, near).map_err(refused)?.into_iter();
         Ok(bounded.into_iter().map(|b| b.then(|| found.next()).flatten()).collect())
     }
 
-    /// The runs of up to [`LANES`] realizations of an arm as they were measured.
+    /// The measured runs of up to [`LANES`] realizations of an arm.
     fn measured<'r>(&'r self, group: &'r [Realization]) -> Result<impl Iterator<Item = Run> + 'r, Refusal> {
         let numbers: Vec<u32> = group.iter().map(|realization| realization.start.number).collect();
         let design = group.first().map_or("", |realization| realization.arm.name());
@@ -368,7 +370,7 @@ pub fn truth(vessel: &Vessel) -> Result<Vec<f64>, Invalid> {
     }
 }
 
-/// Samples by the end of each of `rounds` equally long rounds that `duration_s` is cut into.
+/// Samples by the end of each of `rounds` equally long rounds of a trial of `duration_s`.
 ///
 /// # Errors
 /// Rounds that are too short for an estimate; a trial that is too long.
@@ -387,7 +389,7 @@ pub fn ends(vessel: &Vessel, duration_s: f64, rounds: usize) -> Result<Vec<usize
     Ok((1..=rounds).map(|round| round * samples / rounds).collect())
 }
 
-/// What is at fault where runs cannot be estimated.
+/// The refusal of runs that cannot be estimated.
 fn refused(error: RunError) -> Refusal {
     match error {
         RunError::Diverged(_) => Refusal::Vessel(error.invalid()),
@@ -395,7 +397,7 @@ fn refused(error: RunError) -> Refusal {
     }
 }
 
-/// Rounds are filled to their end, which whole plays of tables do not.
+/// Rounds must be filled completely, which whole plays of tables cannot do.
 fn tables_alone() -> Invalid {
     let expected = "at least one that is generated, for what whole plays of tables leave of a round";
     Invalid::new("maneuvers", "tables of inputs alone", expected, "add a maneuver")

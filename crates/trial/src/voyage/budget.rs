@@ -1,4 +1,4 @@
-//! Whether chart, lattice and check fit in the memory, told before anything of that size is allocated.
+//! Whether chart, lattice and check fit in the memory, decided before large allocations.
 
 use std::collections::BTreeSet;
 
@@ -13,34 +13,35 @@ use super::prepared::Prepared;
 use super::rehearsed::Rehearsed;
 use super::search::Search;
 use super::task::Secondary;
-use crate::{Fix, Rehearser, Sample};
+use crate::{Fix, Sample, SampledVessel};
 
-/// Bytes of inputs that were read and of threads, and of all that is written, about.
+/// Approximate bytes of inputs, threads and output.
 const READ_BYTES: u128 = 28 << 20;
 const WRITTEN_BYTES: u128 = 12 << 20;
 
-/// Most uses of a maneuver that are reckoned with before the search, which refuses far more of them.
+/// Most uses of a maneuver that are budgeted for before the search, which refuses more.
 const MOST_USES: u32 = 1000;
 
-/// Refuses what takes more than `memory_bytes`.
+/// Refuses a footing that exceeds `memory_bytes`.
 fn fits(footing: Footing, memory_bytes: u64) -> Result<(), VoyageError> {
     if footing.bytes() > u128::from(memory_bytes) { Err(VoyageError::TooLarge(footing)) } else { Ok(()) }
 }
 
 impl Prepared {
-    /// Refuses rasters that do not fit in the memory, whatever legs come to.
+    /// Refuses rasters that exceed the memory, regardless of legs.
     pub(super) fn check_rasters(&self, search: &Search) -> Result<(), VoyageError> {
         fits(self.footing(&[])?, search.options.memory_bytes)
     }
 
-    /// Refuses what does not fit in the memory; else the search with what the rasters leave of it.
+    /// Refuses rasters and legs that exceed the memory; else returns the search with the remaining memory.
     pub(super) fn within<'a>(&self, moves: &Moves, search: &Search<'a>) -> Result<Search<'a>, VoyageError> {
         let footing = self.footing(&moves.actions)?;
         fits(footing, search.options.memory_bytes)?;
-        Ok(search.beside(footing.kept_bytes()))
+        Ok(search.reserving(footing.kept_bytes()))
     }
 
-    /// Refuses a plan whose check does not fit in the memory; else a search beside it, with what it leaves.
+    /// Refuses a plan whose check exceeds the memory; else returns a concurrent search with the remaining
+    /// memory.
     pub(super) fn within_check<'a>(
         &self,
         moves: &Moves,
@@ -49,7 +50,7 @@ impl Prepared {
     ) -> Result<Search<'a>, VoyageError> {
         let footing = Footing { check: self.check_bytes(round, samples), ..self.footing(&moves.actions)? };
         fits(footing, search.options.memory_bytes)?;
-        Ok(search.beside(footing.kept_bytes() + footing.lattice.kept_bytes() + footing.check))
+        Ok(search.reserving(footing.kept_bytes() + footing.lattice.kept_bytes() + footing.check))
     }
 
     fn footing(&self, actions: &[lattice::Action]) -> Result<Footing, VoyageError> {
@@ -63,8 +64,8 @@ impl Prepared {
             lattice: self.demand(actions),
             cells: layers as u128 * around + (masks * raster.nx * raster.ny) as u128,
             clearance_cells: self.clearance_cells()?,
-            // The chart stood in memory as it was read, too, but for the cells of its grids.
-            beside: self.read_bytes()
+            // The chart was in memory as it was read, too, except for the cells of its grids.
+            other: self.read_bytes()
                 + 2 * u128::from(self.chart.bytes())
                 + u128::from(self.chart.grid_bytes())
                 + self.leg_bytes(),
@@ -77,19 +78,21 @@ impl Prepared {
         Demand::new(Lattice { nx: grid.nx, ny: grid.ny, layers: grid.layers() }, actions)
     }
 
-    /// Bytes that a round's plan takes while the next one is searched: its problem, and its legs that others rehearse now.
-    pub(super) fn last_bytes(&self, moves: &Moves, taught: &[(usize, Rehearser)]) -> u128 {
-        let anew: BTreeSet<usize> = taught.iter().map(|(leg, _)| self.rehearsed[*leg].group).collect();
+    /// Bytes of a round's plan while the next one is searched: its problem, and its legs that are simulated
+    /// again.
+    pub(super) fn last_bytes(&self, moves: &Moves, counter_examples: &[(usize, SampledVessel)]) -> u128 {
+        let anew: BTreeSet<usize> =
+            counter_examples.iter().map(|(leg, _)| self.rehearsed[*leg].group).collect();
         let legs = self.rehearsed.iter().filter(|own| anew.contains(&own.group));
         self.demand(&moves.actions).kept_bytes() + legs.map(|own| self.bytes_of(own)).sum::<u128>()
     }
 
-    /// Bytes of what was read.
+    /// Bytes of the inputs.
     fn read_bytes(&self) -> u128 {
         READ_BYTES.max(self.brief.chart_bytes.into())
     }
 
-    /// Bytes of the rehearsed legs.
+    /// Bytes of the simulated legs.
     fn leg_bytes(&self) -> u128 {
         self.rehearsed.iter().map(|own| self.bytes_of(own)).sum()
     }
@@ -107,7 +110,7 @@ impl Prepared {
         WRITTEN_BYTES + (runs as usize * size_of::<Run>()) as u128 + (samples * (tracks + sample)) as u128
     }
 
-    /// Samples of all maneuvers, each from the heading that takes the least: any plan has more.
+    /// Samples of all maneuvers, each from the fastest heading: any plan has more.
     fn least_samples(&self) -> usize {
         let rate_hz = self.brief.vessel.sample_rate_hz;
         let pieces = self.wanted.iter().enumerate();

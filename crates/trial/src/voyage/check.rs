@@ -1,5 +1,5 @@
-//! The finished plan in continuous space: how near the hull comes to what is charted as an obstacle and how well legs end,
-//! by the nominal model, and by vessels and in currents that are not known.
+//! The check of a plan in continuous space: clearance of the hull from charted obstacles and settling at the
+//! ends of legs, by the nominal model, and by sampled vessels in unknown currents.
 
 use numerics::statistics::{quantile, sorted, wilson};
 use rayon::prelude::*;
@@ -12,15 +12,15 @@ use super::prepared::Prepared;
 use super::script::Script;
 use super::search::Search;
 use crate::leg::turned_back;
-use crate::{Astray, End, Fix, Rehearser, Sailed};
+use crate::{Astray, End, Fix, Sailed, SampledVessel};
 
-/// Tracks that are kept to be drawn.
+/// Tracks that are kept for drawing.
 pub(super) const TRACKS: u32 = 200;
-/// Runs after which a check ends that has taught something: the next plan is checked instead.
+/// Runs after which a check with counter-examples ends: the next plan is checked instead.
 const FIRST_RUNS: u32 = 64;
-/// Of all rounds together, how probable it may be that a bound does not hold.
+/// Probability, over all rounds, that a bound does not hold.
 const DOUBT: f64 = 0.05;
-/// Part of the proved time that the sailed one may differ by.
+/// Fraction by which the simulated time may differ from the proved one.
 const LONGER: f64 = 0.02;
 
 /// The plan simulated in continuous space.
@@ -77,7 +77,7 @@ pub struct Check {
     pub sailed_s: f64,
     /// Time that the runs take: least, median, most \[s\].
     pub sailed_quantiles_s: [f64; 3],
-    /// How often the plan was searched, with what earlier checks taught; every check draws anew.
+    /// How often the plan was searched, with what earlier checks counter_examples; every check draws anew.
     pub rounds: u64,
     /// Runs that left the lattice's area, which is no obstacle.
     pub left_area: u64,
@@ -87,44 +87,44 @@ pub struct Check {
     pub aground_open_loop: u64,
 }
 
-/// What a check comes to.
+/// The result of a check.
 pub(super) struct Checked {
     pub check: Check,
-    /// Tracks to be drawn.
+    /// Tracks for drawing.
     pub tracks: Vec<Vec<Fix>>,
-    /// Steps that broke a margin or missed a tolerance, and who sailed them, from where.
-    pub taught: Vec<(usize, Rehearser)>,
+    /// Steps that violated a margin or a tolerance, each with the vessel and its initial offset.
+    pub counter_examples: Vec<(usize, SampledVessel)>,
 }
 
 /// A plan that is checked.
 pub(super) struct Checking<'a> {
     pub script: &'a Script<'a>,
     pub clearance: &'a Clearance,
-    /// Rehearsed leg of every step.
+    /// The leg of every step.
     pub legs: &'a [usize],
-    /// Sailed by the nominal model without unknown current.
+    /// The trajectory of the nominal model without unknown current.
     pub nominal: &'a Sailed,
-    /// How often the plan was checked, this time included.
+    /// Number of checks so far, including this one.
     pub round: u32,
-    /// Whether all runs are sailed, even after one has failed.
+    /// Whether all runs are simulated, even after one has failed.
     pub is_last: bool,
 }
 
 /// A run of a check.
 pub(super) struct Run {
     passage: Passage,
-    /// Without corrections, until it goes aground.
+    /// Without corrections, until it runs aground.
     open_loop: Passage,
     /// Ends of legs, and those beyond a tolerance.
     ends: [u64; 2],
     seconds: f64,
     track: Option<Vec<Fix>>,
-    /// Steps that broke the margin or missed a tolerance, having begun within it; and who sailed them.
-    taught: Vec<(usize, Rehearser)>,
+    /// Steps that began within the tolerance and violated the margin or the tolerance, each with its vessel.
+    counter_examples: Vec<(usize, SampledVessel)>,
 }
 
 impl Prepared {
-    /// How many runs a check of this round takes, and by how many vessels.
+    /// The number of runs of a check in this round, and the number of vessels.
     pub(super) fn runs(&self, round: u32) -> [u32; 2] {
         let safety = &self.brief.task.safety;
         let needed = |p: f64| (libm::log(doubt(round)) / libm::log1p(-p)).ceil().max(1.0) as u32;
@@ -139,10 +139,11 @@ impl Prepared {
     }
 }
 
-/// The bound on going aground that a check supports where nobody asks for another.
+/// The default bound on the probability of running aground.
 pub(super) const USUAL_PROBABILITY: f64 = 0.01;
 
-/// How probable it may be that the bound of a round does not hold: halved from round to round, so that they add up.
+/// Probability that the bound of a round does not hold: halved from round to round, so that the sum is
+/// bounded.
 fn doubt(round: u32) -> f64 {
     DOUBT * 0.5_f64.powi(round as i32)
 }
@@ -152,44 +153,45 @@ impl Checking<'_> {
         self.script.prepared
     }
 
-    /// Sails the script with parameters and in currents that are not known; `beside` is carried out beside the last runs, if it
-    /// comes to those.
+    /// Simulates the script with sampled parameters and in unknown currents; `concurrent` is executed along
+    /// with the last runs, if all of them are simulated.
     ///
     /// # Errors
     /// A simulation that diverges; no time.
     pub(super) fn check<T: Send>(
         &self,
         search: &Search,
-        beside: impl FnOnce() -> T + Send,
+        concurrent: impl FnOnce() -> T + Send,
     ) -> Result<(Checked, Option<T>), VoyageError> {
         let [runs, vessels] = self.prepared().runs(self.round);
         let one = |run: u32| {
             if !(search.go_on)() {
                 return Err(VoyageError::OutOfTime("the check of the plan"));
             }
-            // A drawn vessel that cannot be sailed is no fault of a file.
+            // A sampled vessel that cannot be simulated is not the fault of a file.
             self.run(run, vessels).map_err(VoyageError::NoAnswer)
         };
-        let (mut found, mut taught) = (Vec::new(), Vec::new());
-        let (mut next, mut beside, mut aside) = (0, Some(beside), None);
-        while next < runs && (taught.is_empty() || self.is_last) {
+        let (mut found, mut counter_examples) = (Vec::new(), Vec::new());
+        let (mut next, mut concurrent, mut aside) = (0, Some(concurrent), None);
+        while next < runs && (counter_examples.is_empty() || self.is_last) {
             let some = next..(next + FIRST_RUNS.max(next * FIRST_RUNS)).min(runs);
-            let sail = || some.clone().into_par_iter().map(one).collect::<Result<Vec<Run>, VoyageError>>();
-            let mut new = match beside.take_if(|_| some.end == runs) {
+            let simulate =
+                || some.clone().into_par_iter().map(one).collect::<Result<Vec<Run>, VoyageError>>();
+            let mut new = match concurrent.take_if(|_| some.end == runs) {
                 Some(own) => {
-                    let (new, own) = rayon::join(sail, own);
+                    let (new, own) = rayon::join(simulate, own);
                     aside = Some(own);
                     new?
                 }
-                None => sail()?,
+                None => simulate()?,
             };
-            taught.extend(new.iter_mut().flat_map(|own| std::mem::take(&mut own.taught)));
+            counter_examples.extend(new.iter_mut().flat_map(|own| std::mem::take(&mut own.counter_examples)));
             found.extend(new);
             next = some.end;
         }
         let check = self.judged(&found, vessels as usize);
         let tracks = found.into_iter().filter_map(|run| run.track).collect();
-        Ok((Checked { check, tracks, taught }, aside))
+        Ok((Checked { check, tracks, counter_examples }, aside))
     }
 
     fn parameters(&self, vessel: u32) -> Vec<f64> {
@@ -207,11 +209,11 @@ impl Checking<'_> {
         let (mut samples, mut leg) = (0_u64, 0);
         let margin_m = self.prepared().brief.task.safety.margin_m;
         // Some vessels take longer than the nominal one.
-        let room = self.nominal.samples.len() * 9 / 8;
-        let mut track = (run < TRACKS).then(|| Vec::with_capacity(room));
-        let ends = self.script.sail(&parameters, unknown, |own| {
+        let capacity = self.nominal.samples.len() * 9 / 8;
+        let mut track = (run < TRACKS).then(|| Vec::with_capacity(capacity));
+        let ends = self.script.simulate(&parameters, unknown, |own| {
             if own.leg > leg {
-                // What is farther off than the margin and than what was passed before does not matter.
+                // Distances beyond the margin and the least one so far are irrelevant.
                 passages[own.leg].clearance_m = passages[leg].clearance_m.max(margin_m);
                 leg = own.leg;
             }
@@ -221,7 +223,7 @@ impl Checking<'_> {
                 track.push(Fix { leg: own.leg, pose: own.pose });
             }
         })?;
-        // Only whether it goes aground matters.
+        // Only running aground matters.
         let mut open_loop = clearance.open();
         open_loop.clearance_m = f64::MIN_POSITIVE;
         self.script.repeat(self.nominal, &parameters, unknown, |own| {
@@ -229,14 +231,17 @@ impl Checking<'_> {
             open_loop.clearance_m > 0.0
         });
         let passage = passages.iter().fold(clearance.open(), |a, b| a.and(b));
-        // Nobody asks what the last round taught.
-        let taught =
-            if self.is_last { Vec::new() } else { self.taught(run % vessels, run, &passages, &ends) };
+        // The counter-examples of the last round are not used.
+        let counter_examples = if self.is_last {
+            Vec::new()
+        } else {
+            self.counter_examples(run % vessels, run, &passages, &ends)
+        };
         let ends = [ends.len() as u64, self.used(&ends).iter().filter(|used| **used > 1.0).count() as u64];
-        Ok(Run { passage, open_loop, ends, seconds: samples as f64 / rate_hz, track, taught })
+        Ok(Run { passage, open_loop, ends, seconds: samples as f64 / rate_hz, track, counter_examples })
     }
 
-    /// What of the tolerance is used at the end of every step.
+    /// The used fraction of the tolerance at the end of every step.
     fn used(&self, ends: &[End]) -> Vec<f64> {
         let repertoire = self.prepared().repertoire();
         let own = self.script.legs.iter().zip(ends);
@@ -248,8 +253,15 @@ impl Checking<'_> {
         .collect()
     }
 
-    /// The steps of a run that broke the margin or missed a tolerance, having begun within it; and who sailed them.
-    fn taught(&self, vessel: u32, run: u32, passages: &[Passage], ends: &[End]) -> Vec<(usize, Rehearser)> {
+    /// The steps of a run that began within the tolerance and violated the margin or the tolerance, each with
+    /// its vessel.
+    fn counter_examples(
+        &self,
+        vessel: u32,
+        run: u32,
+        passages: &[Passage],
+        ends: &[End],
+    ) -> Vec<(usize, SampledVessel)> {
         let margin_m = self.prepared().brief.task.safety.margin_m;
         let used = self.used(ends);
         let failed = |step: &usize| {
@@ -257,11 +269,11 @@ impl Checking<'_> {
             passages[*step].clearance_m < margin_m || (used[*step] > 1.0 && began_well)
         };
         let failures = (0..self.legs.len()).filter(failed);
-        failures.map(|step| (step, self.rehearser(vessel, run, step, ends))).collect()
+        failures.map(|step| (step, self.sampled_vessel(vessel, run, step, ends))).collect()
     }
 
-    /// Who sailed a step, as a rehearsal of its leg begins.
-    fn rehearser(&self, vessel: u32, run: u32, step: usize, ends: &[End]) -> Rehearser {
+    /// The vessel of a step, with its offset at the beginning.
+    fn sampled_vessel(&self, vessel: u32, run: u32, step: usize, ends: &[End]) -> SampledVessel {
         let (node, leg) = self.script.legs[step];
         let grid = &self.prepared().grid;
         let (level, mode) = grid.level_and_mode(leg.from);
@@ -270,7 +282,7 @@ impl Checking<'_> {
         let (pose, [u, v, r]) = if step == 0 { exact } else { ends[step - 1] };
         let Astray { pose, .. } = Astray::of(pose, [u, v, r], node);
         let [along, across] = turned_back([pose.x, pose.y], heading);
-        Rehearser {
+        SampledVessel {
             parameters: self.parameters(vessel),
             current_m_s: turned_back(self.unknown(run), heading),
             off: [along, across, crate::grid::wrap(pose.psi - heading)],
@@ -330,7 +342,7 @@ impl Checking<'_> {
 }
 
 impl Check {
-    /// With its faults in words.
+    /// Adds its faults in words.
     fn with_faults(mut self) -> Self {
         let percent = |share: f64| format!("{:.1}", 100.0 * share);
         let mut faults = Vec::new();
@@ -354,7 +366,7 @@ impl Check {
         }
         if (self.sailed_s - self.proved_s).abs() > LONGER * self.proved_s {
             let (sailed, proved) = (self.sailed_s, self.proved_s);
-            faults.push(format!("sailed in {sailed:.0} s what is proved to take {proved:.0} s"));
+            faults.push(format!("simulated in {sailed:.0} s, proved to take {proved:.0} s"));
         }
         (self.safe, self.faults) = (faults.is_empty(), faults);
         self

@@ -1,4 +1,4 @@
-//! How near the hull comes to what is charted as an obstacle, in continuous space.
+//! Clearance of the hull from charted obstacles, in continuous space.
 
 use chart::{Bounds, Distances, Invalid, Polygon, Raster};
 use engine::Pose;
@@ -7,46 +7,47 @@ use super::error::VoyageError;
 use super::prepared::Prepared;
 use super::task::Task;
 
-/// How far beyond the lattice a hull's clearance is still measured \[m\]. The chart is read farther than that.
+/// How far beyond the lattice a hull's clearance is measured \[m\]. The chart is read farther than that.
 const BEYOND_M: f64 = 500.0;
-/// Raster cells that distances are measured on, at most, unless the lattice's own raster has more.
+/// Most raster cells that distances are measured on, unless the lattice's own raster has more.
 const MOST_CELLS: f64 = 4e6;
-/// Cells of that raster per cell of the lattice's raster, at most.
+/// Most cells of that raster per cell of the lattice's raster.
 const FINEST: u32 = 8;
 
 /// Distance of the hull from obstacles.
 pub(super) struct Clearance {
-    /// Outline about the reference point, x forward, y to starboard \[m\], with the middles of its sides.
+    /// Outline about the reference point, x forward, y to starboard \[m\], including the midpoints of its
+    /// sides.
     outline: Vec<[f64; 2]>,
-    /// Farthest that any of it is from the reference point \[m\].
+    /// Greatest distance of the outline from the reference point \[m\].
     radius_m: f64,
     /// In transit.
     transit: Distances,
-    /// In informative maneuvers, where these are not the same.
+    /// In informative maneuvers, if they differ.
     trial: Option<Distances>,
     /// The lattice's area.
     area: Bounds,
-    /// The part of it that is sailed in, where that is not all.
+    /// The allowed part of it, if that is not all.
     polygon: Option<Polygon>,
-    /// As far as distances are measured \[m\].
+    /// Greatest measured distance \[m\].
     pub sight_m: f64,
 }
 
-/// What a track came to.
+/// The clearance along a track.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Passage {
     /// Least distance from obstacles; 0 where the chart was not read \[m\].
     pub clearance_m: f64,
     /// Whether the hull left the lattice's area.
     pub left_area: bool,
-    /// How far the vessel may go on before it can have come nearer \[m\].
+    /// Distance that the vessel can advance before its clearance can decrease \[m\].
     unseen_m: f64,
-    /// Where it was last, east and north \[m\], and whether that was in an informative maneuver.
+    /// The last position, east and north \[m\], and whether it was in an informative maneuver.
     last: ([f64; 2], bool),
 }
 
 impl Passage {
-    /// Of both.
+    /// The combination of both.
     pub(super) fn and(self, other: &Self) -> Self {
         Self {
             clearance_m: self.clearance_m.min(other.clearance_m),
@@ -83,25 +84,25 @@ impl Clearance {
         Ok(Self { outline, radius_m, transit, trial, area, polygon, sight_m })
     }
 
-    /// A passage that has seen nothing yet.
+    /// A passage without samples.
     pub(super) fn open(&self) -> Passage {
         Passage { clearance_m: self.sight_m, left_area: false, unseen_m: 0.0, last: ([0.0; 2], false) }
     }
 
-    /// How far a place is from where the hull can reach out of the area, or out of all that is `seen` once it has left the
-    /// area; below 0 beyond it \[m\].
-    fn room_m(&self, place: [f64; 2], seen: Option<Bounds>) -> f64 {
+    /// Distance of a place from where the hull can reach out of the area, or out of `seen` once it has left
+    /// the area; below 0 beyond it \[m\].
+    fn inside_m(&self, place: [f64; 2], seen: Option<Bounds>) -> f64 {
         let Bounds { min, max } = seen.unwrap_or(self.area);
         let ends = [0, 1].map(|k| (place[k] - min[k]).min(max[k] - place[k]));
-        let polygon_m = if seen.is_some() { f64::INFINITY } else { self.room_in_polygon_m(place) };
+        let polygon_m = if seen.is_some() { f64::INFINITY } else { self.inside_polygon_m(place) };
         ends[0].min(ends[1]).min(polygon_m) - self.radius_m
     }
 
-    fn room_in_polygon_m(&self, place: [f64; 2]) -> f64 {
-        self.polygon.as_ref().map_or(f64::INFINITY, |polygon| polygon.room_m(place))
+    fn inside_polygon_m(&self, place: [f64; 2]) -> f64 {
+        self.polygon.as_ref().map_or(f64::INFINITY, |polygon| polygon.inside_m(place))
     }
 
-    /// Of the hull at a sample, added to `passage`.
+    /// Adds the clearance of the hull at a sample to `passage`.
     pub(super) fn add(&self, passage: &mut Passage, pose: Pose, informative: bool) {
         let place = [pose.y, pose.x];
         let (before, was_informative) = std::mem::replace(&mut passage.last, (place, informative));
@@ -112,18 +113,18 @@ impl Clearance {
         }
         passage.unseen_m = 0.0;
         let obstacles = self.trial.as_ref().filter(|_| informative).unwrap_or(&self.transit);
-        // Where the reference point is farther off than the hull reaches, no corner counts.
+        // If the reference point is farther away than the hull reaches, no corner matters.
         let far = obstacles.distance_m(pose.y, pose.x) - self.radius_m - 2.0 * obstacles.raster().cell_m;
-        let room = self.room_m(place, passage.left_area.then(|| obstacles.raster().bounds()));
-        if far > passage.clearance_m && room >= 0.0 {
-            passage.unseen_m = (far - passage.clearance_m).min(room);
+        let inside_m = self.inside_m(place, passage.left_area.then(|| obstacles.raster().bounds()));
+        if far > passage.clearance_m && inside_m >= 0.0 {
+            passage.unseen_m = (far - passage.clearance_m).min(inside_m);
             return;
         }
         let (sin, cos) = libm::sincos(pose.psi);
         for [x, y] in &self.outline {
             let place = [pose.y + x * sin + y * cos, pose.x + x * cos - y * sin];
             passage.clearance_m = passage.clearance_m.min(obstacles.distance_m(place[0], place[1]));
-            let is_outside = || room < 0.0 && self.room_in_polygon_m(place) < 0.0;
+            let is_outside = || inside_m < 0.0 && self.inside_polygon_m(place) < 0.0;
             passage.left_area |= !self.area.contains(place) || is_outside();
         }
     }
@@ -136,13 +137,13 @@ impl Prepared {
         fine(&own.bounds().grown(BEYOND_M), own.cell_m, sight_m(&self.brief.task))
     }
 
-    /// Its cells, with those around it that are looked at, of all that is made at once.
+    /// Its cells, including those around it, of all rasters that are built at once.
     pub(super) fn clearance_cells(&self) -> Result<u128, Invalid> {
         let layers = if self.has_waters_of_trials() { 2 } else { 1 };
         Ok(layers * cells_around(&self.clearance_raster()?, sight_m(&self.brief.task)))
     }
 
-    /// Whether informative maneuvers keep clear of other things than legs in transit.
+    /// Whether informative maneuvers keep clear of other obstacles than legs in transit.
     fn has_waters_of_trials(&self) -> bool {
         let safety = &self.brief.task.safety;
         self.chart.has_transit_only() || safety.trial_depth_m != safety.transit_depth_m
@@ -153,7 +154,8 @@ fn sight_m(task: &Task) -> f64 {
     BEYOND_M + task.safety.margin_m
 }
 
-/// The finest raster over `bounds`, of whole parts of `cell_m`, that still has a sensible number of cells `around_m` included.
+/// The finest raster over `bounds`, with cells that divide `cell_m`, of a reasonable size including
+/// `around_m`.
 fn fine(bounds: &Bounds, cell_m: f64, around_m: f64) -> Result<Raster, Invalid> {
     let wide = bounds.grown(around_m);
     let cells =
@@ -162,7 +164,7 @@ fn fine(bounds: &Bounds, cell_m: f64, around_m: f64) -> Result<Raster, Invalid> 
     Raster::covering(bounds, cell_m / f64::from(parts))
 }
 
-/// Cells of a raster, with those around it that are looked at for a margin.
+/// Cells of a raster, including those around it for a margin.
 pub(super) fn cells_around(raster: &Raster, margin_m: f64) -> u128 {
     let around = 2 * ((margin_m / raster.cell_m).ceil() as u128 + 1);
     (raster.nx as u128 + around) * (raster.ny as u128 + around)
@@ -175,7 +177,7 @@ mod tests {
 
     use super::*;
 
-    /// A ship of 20 m and an island beside a square of 800 m, of which the chart around is read to 700 m.
+    /// A ship of 20 m and an island next to a square of 800 m, with a chart that extends to 700 m.
     fn around_an_island() -> Clearance {
         let island = r#"{"type": "Polygon", "coordinates": [[[0.001, 0.001], [0.002, 0.001], [0.002, 0.003], [0.001, 0.001]]]}"#;
         let land = PolygonLayer::from_geojson(island, &LayerKind::Land, None).unwrap();

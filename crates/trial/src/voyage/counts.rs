@@ -1,4 +1,4 @@
-//! Which pieces, how often: from the design's shares or as the task says.
+//! The pieces and their counts: from the design's shares or as the task states.
 
 use refusal::Invalid;
 
@@ -6,20 +6,20 @@ use super::error::VoyageError;
 use super::task::{Brief, ManeuverUse, Shares};
 use crate::{BASIC_MOVES, Piece};
 
-/// Most uses of a maneuver that a share may come to.
+/// Most uses of a maneuver that a share may lead to.
 const MOST_USES: f64 = 1e6;
 
 /// A piece with the number of its uses.
 #[derive(Clone, Debug)]
 pub struct Wanted {
-    /// What is run open loop as one use.
+    /// The piece that is run open loop as one use.
     pub piece: Piece,
     /// How often.
     pub count: u32,
 }
 
 impl Brief {
-    /// The pieces of the maneuvers that the task names (without any, of those that the design uses) with their counts.
+    /// The pieces of the maneuvers that the task names (by default of those in the design) with their counts.
     pub(super) fn wanted(&self) -> Result<Vec<Wanted>, VoyageError> {
         let mut all: Vec<Wanted> = Vec::new();
         for maneuver in &self.named()? {
@@ -60,7 +60,7 @@ impl Brief {
         Ok(Piece::whole(&self.vessel, run).cut(target)?)
     }
 
-    /// n_q = N_q / N′_q to the nearest, N_q = share × time.
+    /// n_q = N_q / N′_q, rounded, with N_q = share × time.
     fn count(&self, piece: &Piece) -> Result<u32, VoyageError> {
         let refuse = |found: &str, remedy: &str| {
             let thing = format!("maneuver `{}`", piece.maneuver);
@@ -83,7 +83,7 @@ impl Brief {
 }
 
 impl Shares {
-    /// What the design takes time for.
+    /// The maneuvers with a share in the design.
     fn used(&self) -> Vec<ManeuverUse> {
         let used = self.order.iter().filter(|name| self.share.get(*name).is_some_and(|w| *w > 0.0));
         used.map(|name| ManeuverUse { name: name.clone(), count: None, piece_s: None }).collect()

@@ -10,14 +10,14 @@ const DAY_S: f64 = 86_400.0;
 /// Steps towards noon, sunrise and sunset: each leaves about a hundredth of the error.
 const STEPS: u32 = 6;
 
-/// When the sun is up, on the day whose noon is nearest to a time.
+/// The daylight of the day whose noon is nearest to a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Daylight {
     /// From sunrise to sunset \[s since 1970, UTC\].
     Between([f64; 2]),
     /// All day.
     Always,
-    /// At no time of it.
+    /// Never on this day.
     Never,
 }
 
@@ -48,7 +48,7 @@ impl Daylight {
     }
 }
 
-/// How far the sun is west of the meridian of `lon` \[rad\].
+/// The hour angle of the sun west of the meridian of `lon` \[rad\].
 fn hour_angle(lon: f64, at_s: f64) -> f64 {
     let days = (at_s - J2000_S) / DAY_S;
     let greenwich_deg = 280.460_618_37 + 360.985_647_366_29 * days;

@@ -1,25 +1,26 @@
-//! Vessels, currents and places that are drawn: for rehearsals, and for the check of a plan.
+//! Sampled vessels, currents and offsets: for the simulation of legs, and for the check of a plan.
 
 use std::f64::consts::TAU;
 
 use engine::Streams;
 
 use super::task::Brief;
-use crate::Rehearser;
+use crate::SampledVessel;
 
-/// How many rehearse every leg besides the nominal vessel on its node.
-const REHEARSERS: u32 = 32;
-/// Steps that draws are made in.
+/// Number of sampled vessels on every leg, besides the nominal vessel on its node.
+const SAMPLED: u32 = 32;
+/// Resolution of the draws.
 const STEPS: u32 = 1 << 20;
 
 impl Brief {
-    /// Those who rehearse every leg: vessels evenly within the stated error of the parameters, in currents of any direction,
-    /// from anywhere that legs may end. Half of them begin at the edge of that, in the strongest current.
-    pub(super) fn rehearsers(&self) -> Vec<Rehearser> {
-        (0..REHEARSERS).map(|run| self.rehearser(run)).collect()
+    /// The sampled vessels of every leg: parameters uniform within the stated error, currents of any
+    /// direction, offsets from anywhere that legs may end. Half of them begin at the edge of the tolerance,
+    /// in the strongest current.
+    pub(super) fn sampled_vessels(&self) -> Vec<SampledVessel> {
+        (0..SAMPLED).map(|run| self.sampled_vessel(run)).collect()
     }
 
-    fn rehearser(&self, run: u32) -> Rehearser {
+    fn sampled_vessel(&self, run: u32) -> SampledVessel {
         let drawn = Streams::new(self.seed, "rehearsal").choices(run, 0, STEPS, 9);
         let part = |i: usize| (f64::from(drawn[i]) + 0.5) / f64::from(STEPS);
         let extreme = run.is_multiple_of(2);
@@ -33,7 +34,7 @@ impl Brief {
         let tolerance = self.task.approach.tolerance.begun();
         let current = self.task.safety.unknown_current_m_s * size(2);
         let distance = tolerance.distance_m * size(3).sqrt();
-        Rehearser {
+        SampledVessel {
             parameters: self.drawn("parameter-error", run),
             current_m_s: [current * towards.1, current * towards.0],
             off: [distance * away.1, distance * away.0, tolerance.heading_rad * offset(4)],
@@ -45,7 +46,7 @@ impl Brief {
         }
     }
 
-    /// Parameters of run `run`, each evenly within the stated error of its nominal value.
+    /// Parameters of run `run`, each uniform within the stated error of its nominal value.
     pub(super) fn drawn(&self, purpose: &str, run: u32) -> Vec<f64> {
         let error = self.task.safety.parameter_error;
         let off = |draw: u32| 1.0 + error * (2.0 * (f64::from(draw) + 0.5) / f64::from(STEPS) - 1.0);

@@ -26,16 +26,16 @@ pub enum VoyageError {
         /// Maneuvers of the design.
         known: Vec<String>,
     },
-    /// The task is sound and has no answer: a hull that is not clear at the start, or on the way.
+    /// The task is valid but has no answer: a hull that is not clear at the start, or on the way.
     #[error("{0}")]
     NoAnswer(Invalid),
-    /// No walk over the lattice does what is asked: proved; why, in places of the chart.
+    /// Proved that no walk over the lattice fulfils the task; the reason, in terms of the chart.
     #[error("no feasible plan (proved): {0}")]
     Infeasible(String),
-    /// The time was over before a plan was found and checked: in which phase.
+    /// The time limit was reached before a plan was found and checked: in which phase.
     #[error("no plan: out of time in {0}")]
     OutOfTime(&'static str),
-    /// The lattice and the chart's rasters alone take more memory than there is.
+    /// The lattice and the chart's rasters alone exceed the memory.
     #[error("no plan: {0}")]
     TooLarge(Footing),
     /// The search ended before it found a plan.
@@ -44,7 +44,7 @@ pub enum VoyageError {
 }
 
 impl VoyageError {
-    /// The same, found after so many checks of plans that could not be sailed.
+    /// The same error, after so many checks of plans that failed.
     #[must_use]
     pub(super) fn after(self, rounds: u32) -> Self {
         match self {

@@ -1,15 +1,16 @@
-//! What chart, lattice and check take in memory.
+//! The memory of chart, lattice and check.
 
 use std::fmt;
 
 use chart::Distances;
 use lattice::Demand;
 
-/// Bytes of a raster cell while obstacles are found, about: causes, gaps of rows, what is kept; and of what is kept.
+/// Approximate bytes of a raster cell while obstacles are computed: causes, gaps of rows, distances; and of
+/// its distance alone.
 const PER_CELL: u128 = 16;
 const KEPT_PER_CELL: u128 = 10;
 
-/// What a search and its check stand on.
+/// The memory of a search and its check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Footing {
     /// Poses and moves of the lattice.
@@ -18,14 +19,14 @@ pub struct Footing {
     pub cells: u128,
     /// Cells of the rasters that clearances are measured on.
     pub clearance_cells: u128,
-    /// Bytes of the chart, of legs and of what was read.
-    pub beside: u128,
-    /// Bytes of the check of a plan, and of what is written of it.
+    /// Bytes of the chart, of legs and of the inputs.
+    pub other: u128,
+    /// Bytes of the check of a plan, and of its output.
     pub check: u128,
 }
 
 impl Footing {
-    /// Bytes that it takes at most, about.
+    /// Approximate bytes at most.
     pub fn bytes(&self) -> u128 {
         let rasters = self.standing().saturating_add(self.cells.saturating_mul(PER_CELL));
         let checked = self.lattice.kept_bytes().saturating_add(self.check);
@@ -34,15 +35,16 @@ impl Footing {
         rasters.max(searched)
     }
 
-    /// Bytes that stay while the lattice is searched.
+    /// Bytes that remain while the lattice is searched.
     pub(super) fn kept_bytes(&self) -> u128 {
         self.standing().saturating_add(self.cells.saturating_mul(KEPT_PER_CELL))
     }
 
-    /// Bytes that stay from round to round. The allocator keeps what it took to find clearances for a while.
+    /// Bytes that remain from round to round. The allocator keeps the memory for computing clearances for a
+    /// while.
     fn standing(&self) -> u128 {
         let clearances = self.clearance_cells.saturating_mul(Distances::FOUND_BYTES.into());
-        self.beside.saturating_add(clearances)
+        self.other.saturating_add(clearances)
     }
 }
 

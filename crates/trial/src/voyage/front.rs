@@ -1,4 +1,4 @@
-//! Fewer uses for less time: counts against what they cost and tell.
+//! Fewer uses for less time: the front of cost and information.
 
 use std::collections::BTreeMap;
 
@@ -28,7 +28,7 @@ pub struct FrontPoint {
 }
 
 impl Prepared {
-    /// Counts that no others beat in both cost and information, cheapest first; nothing where the search is not
+    /// Counts that no others beat in both cost and information, cheapest first; empty if the search is not
     /// exhaustive.
     pub(super) fn front(&self, problem: &Problem, moves: &Moves, search: &Search) -> Vec<FrontPoint> {
         let order = self.pieces_in_order(moves);
@@ -50,7 +50,7 @@ impl Prepared {
         points
     }
 
-    /// The piece behind every informative action, in the order of the lattice's counts.
+    /// The piece of every informative action, in the order of the lattice's counts.
     fn pieces_in_order(&self, moves: &Moves) -> Vec<usize> {
         let informative = moves.actions.iter().filter(|a| a.required > 0);
         let piece = |name: &String| self.wanted.iter().position(|w| w.piece.maneuver == *name);

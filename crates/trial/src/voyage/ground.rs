@@ -11,21 +11,21 @@ use super::prepared::Prepared;
 use super::task::{Area, Brief, Task};
 use crate::{Grid, Mode};
 
-/// Name of the mode of a vessel that is held in place.
+/// Name of the mode of a vessel at rest.
 pub const AT_REST: &str = "at rest";
-/// How far beyond the lattice and the hull's margins the chart is read \[m\]: as far as a check looks, and more than the
-/// few cells that nearness to obstacles is told in.
+/// How far beyond the lattice and the hull's margins the chart is read \[m\]: the range of the check, and
+/// more than the few cells in which nearness to obstacles is classified.
 const CHART_BEYOND_M: f64 = 1000.0;
 const CHART_BEYOND_CELLS: f64 = 5.0;
-/// Part of a cell by which a start may be off its node.
+/// Fraction of a cell by which a start may be off its node.
 const ON_NODE: f64 = 1e-6;
-/// Sides of an area: over longer ones lengths on a plane are off by more than a hull's length, and a map of more elongated
-/// ones shows nothing.
+/// Longest side of an area: beyond it lengths on a plane are off by more than a hull's length; maps of very
+/// elongated areas are illegible.
 const LONGEST_SIDE_M: f64 = 200e3;
 const MOST_ELONGATED: f64 = 20.0;
 
 impl Brief {
-    /// The plane that the trial is on, and the part of it that charts are wanted of.
+    /// The plane of the trial, and the part of it that charts must cover.
     ///
     /// # Errors
     /// As [`Prepared::new`], of counts and area.
@@ -35,7 +35,7 @@ impl Brief {
         Ok((plane, self.task.sight(laid, self.drift_m(&self.wanted()?))?))
     }
 
-    /// How far unknown currents carry the vessel in the longest piece of a maneuver \[m\].
+    /// Drift by unknown currents in the longest piece of a maneuver \[m\].
     pub(super) fn drift_m(&self, wanted: &[Wanted]) -> f64 {
         let longest = wanted.iter().map(|own| own.piece.samples).max().unwrap_or(0);
         self.task.safety.unknown_current_m_s * longest as f64 / self.vessel.sample_rate_hz
@@ -43,7 +43,7 @@ impl Brief {
 }
 
 impl Task {
-    /// The part of the plane that charts are wanted of. Maneuvers drift by up to `drift_m`.
+    /// The part of the plane that charts must cover. Maneuvers drift by up to `drift_m`.
     fn sight(&self, (corner, [nx, ny]): ([f64; 2], [usize; 2]), drift_m: f64) -> Result<Bounds, Invalid> {
         let far = [corner[0] + nx as f64 * self.cell_m, corner[1] + ny as f64 * self.cell_m];
         let margin = self.safety.margin_m + drift_m + CHART_BEYOND_CELLS * self.cell_m + CHART_BEYOND_M;
@@ -53,7 +53,8 @@ impl Task {
     /// The chart of `layers` around the area, and the lattice over it. Maneuvers drift by up to `drift_m`.
     ///
     /// # Errors
-    /// An area without room for a lattice, charts that show nothing of it, no speed that the vessel can hold at a node; no time.
+    /// An area that is too small for a lattice, charts that do not cover it, no speed that the vessel can
+    /// hold at a node; the time limit.
     pub(super) fn ground(
         &self,
         vessel: &Vessel,
@@ -76,7 +77,8 @@ impl Task {
         Ok((chart, Grid { nx, ny, headings: self.headings, cell_m: self.cell_m, origin_m, modes }))
     }
 
-    /// South-western corner of the lattice's cells (east, north) \[m\], and the numbers of nodes eastward and northward.
+    /// South-western corner of the lattice's cells (east, north) \[m\], and the number of nodes eastward and
+    /// northward.
     fn nodes(&self, plane: &Plane) -> Result<([f64; 2], [usize; 2]), Invalid> {
         let corners = match self.area.polygon(plane) {
             Some(polygon) => polygon.rings.concat(),
@@ -101,7 +103,7 @@ impl Task {
         Err(Invalid::new("`area` and `cell_m`", found, expected, "correct one of them"))
     }
 
-    /// The same lattice, moved by up to half a cell where its start has to be a node; what would leave the area is cut off.
+    /// The same lattice, moved by up to half a cell if its start has to be a node, and cropped to the area.
     fn on_start(
         &self,
         plane: &Plane,
@@ -127,7 +129,7 @@ impl Task {
         modes
     }
 
-    /// The raster that chart and footprints are compared on: whole cells of the lattice.
+    /// The raster on which chart and footprints are compared: a subdivision of the lattice.
     pub(super) fn raster(&self, grid: &Grid) -> Raster {
         let cell_m = self.cell_m / self.raster_per_cell as f64;
         let origin = grid.origin_m.map(|o| o - self.cell_m / 2.0);
@@ -137,7 +139,7 @@ impl Task {
 }
 
 impl Prepared {
-    /// The part of the area that no chart shows, from 0 to 1: by cells of the lattice's raster, of which it takes some part.
+    /// The share of the area that no chart covers, from 0 to 1, counted on the lattice's raster.
     pub fn uncharted_share(&self) -> f64 {
         let raster = self.brief.task.raster(&self.grid);
         let area = self.brief.task.area.polygon(self.chart.plane());
@@ -151,25 +153,25 @@ impl Prepared {
 }
 
 impl Area {
-    /// A plane about its middle.
+    /// A plane about its centre.
     fn plane(&self) -> Result<Plane, Invalid> {
-        let [lon, lat] = self.middle_deg();
+        let [lon, lat] = self.centre_deg();
         Plane::new(lon, lat)
     }
 
-    /// Longitude and latitude of the box's middle.
-    pub fn middle_deg(&self) -> [f64; 2] {
-        let middle = (self.west_deg + self.east_beyond_deg()) / 2.0;
-        let lon = if middle > 180.0 { middle - 360.0 } else { middle };
+    /// Longitude and latitude of the box's centre.
+    pub fn centre_deg(&self) -> [f64; 2] {
+        let centre = (self.west_deg + self.east_beyond_deg()) / 2.0;
+        let lon = if centre > 180.0 { centre - 360.0 } else { centre };
         [lon, (self.south_deg + self.north_deg) / 2.0]
     }
 
-    /// The polygon on a plane; `None` where all of the box is meant.
+    /// The polygon on a plane; `None` if the area is the whole box.
     pub(super) fn polygon(&self, plane: &Plane) -> Option<Polygon> {
         Polygon::of_corners(Class::NoGo, &self.corners, plane)
     }
 
-    /// The eastern edge, counted on beyond 180° where the area lies across the antimeridian.
+    /// The eastern edge, beyond 180° if the area lies across the antimeridian.
     fn east_beyond_deg(&self) -> f64 {
         if self.east_deg < self.west_deg { self.east_deg + 360.0 } else { self.east_deg }
     }
@@ -184,7 +186,7 @@ impl Area {
         ]
     }
 
-    /// Refuses charts of which none shows anything of the area: they are of another place, or in another system.
+    /// Refuses charts none of which covers any of the area: they are of another place, or in another CRS.
     fn check_shown(&self, layers: &[Layer], chart: &Chart) -> Result<(), Invalid> {
         let on_chart = !chart.polygons().is_empty() || !chart.grids().is_empty();
         if on_chart || layers.iter().any(|layer| self.is_within(layer)) {
@@ -194,12 +196,12 @@ impl Area {
             "[[chart]]",
             "nothing within `area`",
             "charts that cover the area, or lie around it",
-            "check the charts' `crs` and the corners of `area`, or say `open_sea = true` of a chart of land",
+            "check the charts' `crs` and the corners of `area`, or set `open_sea = true` for a chart of land",
         ))
     }
 
-    /// Whether the polygons of a layer lie around the area, or it is said to be open sea: one without any of them near is
-    /// all water then.
+    /// Whether the polygons of a layer lie around the area, or it is declared open sea: an area without any
+    /// of them nearby would be all water.
     fn is_within(&self, layer: &Layer) -> bool {
         let Layer::Polygons(layer) = layer else { return false };
         if layer.open_sea {

@@ -1,4 +1,4 @@
-//! What is sailed tells against what the counts promise.
+//! The information of a simulated plan against the prediction of its counts.
 
 use std::ops::Range;
 
@@ -28,8 +28,8 @@ pub struct Information {
 }
 
 impl Prepared {
-    /// What `sailed` tells, against what its `legs` promise.
-    pub(super) fn information_sailed(&self, legs: &[usize], sailed: &Sailed) -> Information {
+    /// The information of `sailed`, against the prediction of its `legs`.
+    pub(super) fn information_of_plan(&self, legs: &[usize], sailed: &Sailed) -> Information {
         let predicted = self.promised(legs);
         let mut realised = MomentSums::default();
         let mut start = 0;
@@ -42,18 +42,18 @@ impl Prepared {
         }
         let whole = self.information_of(sailed, 0..sailed.samples.len());
         let known = |x: f64| Some(x).filter(|x| x.is_finite());
-        let (promise, told, p) = (predicted.log_det(), realised.log_det(), predicted.dimension());
+        let (promise, information, p) = (predicted.log_det(), realised.log_det(), predicted.dimension());
         Information {
             predicted_log_det: known(promise),
-            realised_log_det: known(told),
+            realised_log_det: known(information),
             whole_log_det: known(whole.log_det()),
-            efficiency: known(libm::exp((told - promise) / p as f64)),
+            efficiency: known(libm::exp((information - promise) / p as f64)),
             design_efficiency: self.design_efficiency(legs, &predicted),
             dimension: p as u64,
         }
     }
 
-    /// The pieces of those legs that use any.
+    /// The pieces of the informative ones among `legs`.
     fn pieces_of<'a>(&'a self, legs: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
         legs.iter().filter_map(|leg| match self.rehearsed[*leg].leg.purpose {
             Purpose::Informative { piece, .. } => Some(piece),
@@ -76,7 +76,7 @@ impl Prepared {
         MomentSums::of(&self.brief.vessel, &inputs, &states)
     }
 
-    /// How the counts compare with the design's shares over the same time in maneuvers.
+    /// The counts compared with the design's shares over the same time in maneuvers.
     fn design_efficiency(&self, legs: &[usize], own: &MomentSums) -> Option<f64> {
         let (design, vessel) = (self.brief.design.as_ref()?, &self.brief.vessel);
         let samples: f64 = self.pieces_of(legs).map(|piece| self.pieces[piece].samples as f64).sum();

@@ -1,9 +1,9 @@
-//! A trial on a chart: one walk over the lattice that uses every maneuver as often as asked, and what becomes of it at
-//! sea.
+//! A trial on a chart: one walk over the lattice that uses every maneuver as often as required, and its
+//! simulation at sea.
 //!
-//! [`Prepared::new`] lays out chart and lattice and rehearses every leg, [`Prepared::solve`] finds the cheapest walk
-//! with its proof, [`Prepared::plan`] sails it in simulation, in the known current and in unknown ones, and goes on until
-//! what is proved is what can be sailed.
+//! [`Prepared::new`] lays out chart and lattice and simulates every leg, [`Prepared::solve`] finds the
+//! cheapest walk with its proof, [`Prepared::plan`] simulates it, in the known current and in unknown ones,
+//! and repeats that until the proved plan passes the check.
 
 mod budget;
 mod check;

@@ -1,4 +1,5 @@
-//! What a stretch of trajectory tells about the parameters: sums of lifted moments per degree of freedom.
+//! The information of a segment of a trajectory about the parameters: sums of lifted moments per degree of
+//! freedom.
 
 use engine::simulate_one;
 use identification::{Batch, moments};
@@ -7,15 +8,15 @@ use numerics::{LANES, Lane};
 
 use crate::Piece;
 
-/// Σ φ̃ ζ̃ᵀ per degree of freedom, row-major. The sums of two stretches add to those of both.
+/// Σ φ̃ ζ̃ᵀ per degree of freedom, row-major. The sums of two segments add up to those of both.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct MomentSums {
     degrees: Vec<Vec<f64>>,
 }
 
 impl MomentSums {
-    /// Of N samples: `inputs` N × inputs, `states` (N+1) × 3. Instruments: the nominal model over the same inputs from the
-    /// same initial state.
+    /// For N samples: `inputs` N × inputs, `states` (N+1) × 3. The instruments come from the nominal model
+    /// with the same inputs and initial state.
     pub(super) fn of(vessel: &Vessel, inputs: &[f64], states: &[f64]) -> Self {
         let exogenous = vessel.model.undisturbed(inputs);
         let initial = [states[0], states[1], states[2]];
@@ -36,7 +37,7 @@ impl MomentSums {
         Self { degrees }
     }
 
-    /// Of a piece of a maneuver run by the nominal model in still water.
+    /// For a piece of a maneuver run by the nominal model in still water.
     pub(super) fn of_piece(vessel: &Vessel, piece: &Piece) -> Self {
         let exogenous = vessel.model.undisturbed(&piece.inputs);
         let initial = [piece.speed_m_s, 0.0, 0.0];
@@ -58,7 +59,7 @@ impl MomentSums {
     pub(super) fn log_det(&self) -> f64 {
         let one = |m: &Vec<f64>| {
             let n = m.len().isqrt();
-            // Rows and columns to size one first: forces and speeds differ by many powers of ten.
+            // Rows and columns are scaled first: forces and speeds differ by many powers of ten.
             let size: Vec<f64> = (0..n).map(|i| m[i * n + i].abs().sqrt()).collect();
             let mut scaled: Vec<f64> = (0..n * n).map(|k| m[k] / (size[k / n] * size[k % n])).collect();
             let shift: f64 = size.iter().map(|s| 2.0 * libm::log(*s)).sum();

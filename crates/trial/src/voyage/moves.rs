@@ -1,4 +1,4 @@
-//! Legs at sea as moves of the lattice, and what they cost.
+//! Legs as moves of the lattice, with their costs.
 
 use std::sync::Arc;
 
@@ -10,17 +10,17 @@ use super::task::{CostRule, Primary, Secondary};
 use super::waters::CLEARANCE_CLASSES;
 use crate::{Leg, Purpose};
 
-/// The lattice's actions, and which leg stands behind each of their moves.
+/// The lattice's actions, and the legs of their moves.
 #[derive(Clone, Debug)]
 pub struct Moves {
     /// The actions.
     pub actions: Vec<Action>,
-    /// Per action and move: index of the leg, and the clearance class that it stands for.
+    /// Per action and move: index of the leg, and its clearance class.
     pub(super) legs: Vec<Vec<(usize, usize)>>,
 }
 
 impl Moves {
-    /// Groups legs by name; the costs as `rule` says.
+    /// Groups legs by name; costs follow `rule`.
     pub(super) fn new(
         rehearsed: &[Arc<Rehearsed>],
         wanted: &[Wanted],
@@ -54,7 +54,7 @@ impl Moves {
         self.actions.len() - 1
     }
 
-    /// The leg behind a step.
+    /// The leg of a step.
     pub(super) fn leg_of_step(&self, step: &Step) -> usize {
         let moves = self.actions[step.action].moves.iter().enumerate();
         let own = moves.filter(|(_, m)| m.from == step.from.layer);

@@ -7,7 +7,7 @@ use super::prepared::Prepared;
 use super::task::{Goal, Place};
 
 impl Prepared {
-    /// The node and heading level nearest to a place, in its speed mode (the slowest, unless it says).
+    /// The node and heading level nearest to a place, in its speed mode (by default the slowest).
     pub(super) fn pose(&self, key: &str, place: &Place) -> Result<Pose, Invalid> {
         let [east, north] = self.chart.plane().to_plane(place.longitude_deg, place.latitude_deg);
         let node = |at: f64, origin: f64| ((at - origin) / self.grid.cell_m).round();
@@ -54,7 +54,7 @@ impl Prepared {
         compass_deg(pose.psi - self.chart.plane().north_rad([pose.y, pose.x]))
     }
 
-    /// A pose in words: its place in degrees, and its true heading.
+    /// A pose in words: its position in degrees, and its true heading.
     pub(super) fn words(&self, pose: Pose) -> String {
         let (level, _) = self.grid.level_and_mode(pose.layer);
         let at = self.grid.pose(pose.i, pose.j, level);

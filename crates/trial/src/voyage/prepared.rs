@@ -1,4 +1,4 @@
-//! What a search starts from: chart and lattice laid out, counts known, every leg rehearsed.
+//! The start of a search: chart and lattice laid out, counts determined, every leg simulated.
 
 use std::sync::Arc;
 
@@ -11,15 +11,15 @@ use super::moment_sums::MomentSums;
 use super::rehearsed::{Dropped, Group, Rehearsal, Rehearsed, groups};
 use super::search::Search;
 use super::task::Brief;
-use crate::{Grid, Piece, Rehearser, Repertoire, mirror};
+use crate::{Grid, Piece, Repertoire, SampledVessel, mirror};
 
-/// What is known of legs: rehearsals, legs that all end settled, legs that some do not.
+/// The groups of legs, the legs on which all vessels settle, and the others.
 pub(super) type Known = (Vec<Group>, Vec<Arc<Rehearsed>>, Vec<Dropped>);
 
 /// A trial prepared for the search.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    /// What it was prepared from.
+    /// Its inputs.
     pub brief: Brief,
     /// The chart on its plane.
     pub chart: Chart,
@@ -27,26 +27,26 @@ pub struct Prepared {
     pub grid: Grid,
     /// Pieces with their counts.
     pub wanted: Vec<Wanted>,
-    /// The same pieces.
+    /// The pieces alone.
     pub(super) pieces: Vec<Piece>,
-    /// Signs of inputs for the other side, where the vessel has a mirror image.
+    /// Signs of inputs for the other side, if the vessel has mirror symmetry.
     pub(super) mirror: Option<Vec<f64>>,
     groups: Vec<Group>,
-    others: Vec<Rehearser>,
+    others: Vec<SampledVessel>,
     /// Every leg of the lattice.
     pub rehearsed: Vec<Arc<Rehearsed>>,
-    /// Legs that nobody could be sure to end.
+    /// Legs on which not all vessels settle.
     pub dropped: Vec<Dropped>,
-    /// What each piece tells.
+    /// The information of each piece.
     pub(super) information: Vec<MomentSums>,
 }
 
 impl Prepared {
-    /// Lays out chart and lattice, finds the counts and rehearses every leg.
+    /// Lays out chart and lattice, determines the counts and simulates every leg.
     ///
     /// # Errors
-    /// Values of the task that make no sense for this vessel, dictionary, design or chart; rasters that do not fit in the
-    /// memory; a maneuver that nobody can be sure to recover from.
+    /// Values of the task that are invalid for this vessel, dictionary, design or chart; rasters that exceed
+    /// the memory; a maneuver without a leg on which all vessels settle.
     pub fn new(mut brief: Brief, search: &Search) -> Result<Self, VoyageError> {
         let layers = std::mem::take(&mut brief.layers);
         let Brief { vessel, task, .. } = &brief;
@@ -55,7 +55,7 @@ impl Prepared {
         let (chart, grid) = task.ground(vessel, &layers, brief.drift_m(&wanted), search.go_on)?;
         drop(layers);
         let information = pieces.iter().map(|piece| MomentSums::of_piece(vessel, piece)).collect();
-        let (mirror, others) = (mirror(vessel), brief.rehearsers());
+        let (mirror, others) = (mirror(vessel), brief.sampled_vessels());
         let (rehearsed, dropped) = (Vec::new(), Vec::new());
         let mut prepared = Self {
             brief,
@@ -78,7 +78,7 @@ impl Prepared {
         Ok(prepared)
     }
 
-    /// Everything that legs are made from.
+    /// The data that legs are made from.
     pub(super) fn repertoire(&self) -> Repertoire<'_> {
         let task = &self.brief.task;
         Repertoire {
@@ -105,20 +105,20 @@ impl Prepared {
         let why = why.map_or_else(String::new, |dropped| format!(", {}", dropped.why));
         Err(VoyageError::NoAnswer(Invalid::new(
             format!("maneuver `{name}`"),
-            format!("no leg that all who rehearse it end settled{why}"),
+            format!("no leg on which all sampled vessels settle{why}"),
             "a node that every vessel within `safety.parameter_error` recovers to in any unknown current",
             "raise the tolerances of `approach`, know the parameters better, or shorten the maneuver",
         )))
     }
 
-    /// Lets those who failed a leg rehearse it from now on; gives what was known before.
+    /// Adds counter-examples to the sampled vessels of their legs; returns the previous state.
     pub(super) fn learn(
         &mut self,
-        taught: Vec<(usize, Rehearser)>,
+        counter_examples: Vec<(usize, SampledVessel)>,
         search: &Search,
     ) -> Result<Known, VoyageError> {
         let mut groups = self.groups.clone();
-        taught.into_iter().for_each(|(leg, who)| groups[self.rehearsed[leg].group].learn(who));
+        counter_examples.into_iter().for_each(|(leg, who)| groups[self.rehearsed[leg].group].learn(who));
         let task = &self.brief.task;
         let rehearsal = Rehearsal {
             repertoire: self.repertoire(),
@@ -131,7 +131,7 @@ impl Prepared {
         Ok(self.know((groups, rehearsed, dropped)))
     }
 
-    /// Takes what is known; gives what was known before.
+    /// Replaces the known legs; returns the previous ones.
     pub(super) fn know(&mut self, (groups, rehearsed, dropped): Known) -> Known {
         let groups = std::mem::replace(&mut self.groups, groups);
         let rehearsed = std::mem::replace(&mut self.rehearsed, rehearsed);

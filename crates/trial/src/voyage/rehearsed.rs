@@ -1,4 +1,4 @@
-//! Every leg, carried out before the search by whoever may have to sail it.
+//! Simulates every leg before the search, by the nominal and the sampled vessels.
 
 use std::sync::Arc;
 
@@ -9,66 +9,66 @@ use refusal::Invalid;
 
 use super::counts::Wanted;
 use super::error::VoyageError;
-use crate::{Grid, Leg, Outcome, Purpose, Rehearser, Repertoire, Sailed, Settled, Side, Unsettled};
+use crate::{Grid, Leg, Outcome, Purpose, Repertoire, Sailed, SampledVessel, Settled, Side, Unsettled};
 
-/// How far a rehearsed track's corners are apart at most, in raster cells, and how far it turns between them \[rad\].
+/// Greatest distance of a track's poses in raster cells, and greatest turn between them \[rad\].
 const APART: f64 = 0.25;
 const TURNED: f64 = 0.1;
 
-/// A leg that all who rehearsed it end settled.
+/// A leg on which all sampled vessels settle.
 #[derive(Clone, Debug)]
 pub struct Rehearsed {
-    /// What is carried out.
+    /// The leg.
     pub leg: Leg,
-    /// What the nominal model sails in the known current, from the origin.
+    /// The trajectory of the nominal model in the known current, from the origin.
     pub sailed: Sailed,
-    /// Where that ends.
+    /// Its end.
     pub end: Pose,
-    /// The largest distance between where those who rehearsed it, in currents that are not known and from wherever legs may end,
-    /// and the nominal vessel are at the same time before the recovery \[m\].
+    /// The largest distance of the sampled vessels, in unknown currents and from their offsets, from the
+    /// nominal vessel at the same time before the recovery \[m\].
     pub spread_m: f64,
     /// Name of the action.
     pub name: String,
-    /// The area that the hull sweeps, by any of the vessels that rehearsed the leg.
+    /// The area that the hull sweeps, for any of these vessels.
     pub(super) footprint: Footprint,
-    /// Index of the group of legs that it was rehearsed with.
+    /// Index of its group of legs.
     pub(super) group: usize,
 }
 
-/// A leg that was rehearsed: one to offer, or one to drop.
+/// A leg after its simulation: to be offered, or dropped.
 type Tried = Result<Arc<Rehearsed>, Dropped>;
 
-/// A leg that the search is not offered.
+/// A leg that is not offered to the search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dropped {
     /// Name of the action.
     pub name: String,
-    /// Which way, for a maneuver.
+    /// The side, for a maneuver.
     pub side: Option<Side>,
-    /// Heading level and mode that it would begin from.
+    /// Heading level and mode at its beginning.
     pub from: usize,
-    /// Why.
+    /// The reason.
     pub why: String,
 }
 
-/// Legs that begin alike and are rehearsed together.
+/// Legs with the same beginning, which are simulated together.
 #[derive(Clone, Debug)]
 pub(super) struct Group {
     level: usize,
     what: What,
-    /// Who showed in a check that a leg of theirs is not as good as it was thought to be.
-    taught: Vec<Rehearser>,
-    /// What rehearsals came to; nothing where someone has not rehearsed yet.
+    /// Counter-examples from checks for legs of this group.
+    counter_examples: Vec<SampledVessel>,
+    /// Results of the simulations; `None` if vessels were added since.
     outcomes: Option<Arc<Vec<Tried>>>,
 }
 
-/// What legs are rehearsed with.
+/// The data for simulating legs.
 pub(super) struct Rehearsal<'a> {
     pub repertoire: Repertoire<'a>,
     pub wanted: &'a [Wanted],
-    /// Who rehearses every leg.
-    pub others: &'a [Rehearser],
-    /// Outline of the hull \[m\], and the cells that tell what it sweeps \[m\].
+    /// The sampled vessels of every leg.
+    pub others: &'a [SampledVessel],
+    /// Outline of the hull \[m\], and the size of the cells of its footprint \[m\].
     pub hull: Vec<[f64; 2]>,
     pub cell_m: f64,
 }
@@ -82,17 +82,17 @@ enum What {
 }
 
 impl Rehearsed {
-    /// How long it takes \[s\].
+    /// Its duration \[s\].
     pub fn seconds(&self, rate_hz: f64) -> f64 {
         self.sailed.samples.len() as f64 / rate_hz
     }
 
-    /// How long its open-loop part takes \[samples\].
+    /// Duration of its open-loop part \[samples\].
     pub fn open_loop(&self) -> usize {
         self.sailed.samples.iter().filter(|s| s.informative).count()
     }
 
-    /// The same leg turned to port by quarter turns.
+    /// The leg rotated to port by quarter turns.
     fn turned(&self, quarters: usize, grid: &Grid) -> Self {
         let Self { name, leg, sailed, .. } = self.clone();
         let Settled { leg, sailed, .. } = Settled { leg, sailed, tracks: Vec::new() }.turned(quarters, grid);
@@ -106,7 +106,7 @@ impl Rehearsed {
     }
 }
 
-/// The largest distance of the tracks from the nominal vessel when that ends its open-loop part \[m\].
+/// The largest distance of the tracks from the nominal vessel at the end of its open-loop part \[m\].
 fn spread_m(Settled { sailed, tracks, .. }: &Settled) -> f64 {
     let Some(open) = sailed.samples.iter().rposition(|s| s.informative) else { return 0.0 };
     let own = sailed.samples[open].pose;
@@ -114,7 +114,7 @@ fn spread_m(Settled { sailed, tracks, .. }: &Settled) -> f64 {
     others.map(|pose| libm::hypot(pose.x - own.x, pose.y - own.y)).fold(0.0, f64::max)
 }
 
-/// The poses between which a track is straight to a fraction of a raster cell, the last among them.
+/// Poses between which a track is straight to a fraction of a raster cell, including the last.
 fn thinned(poses: &[Pose], cell_m: f64) -> impl Iterator<Item = Pose> {
     let mut kept: Option<Pose> = None;
     poses.iter().enumerate().filter_map(move |(index, pose)| {
@@ -130,21 +130,22 @@ fn thinned(poses: &[Pose], cell_m: f64) -> impl Iterator<Item = Pose> {
     })
 }
 
-/// The groups of legs of a lattice: from all heading levels, or from those of a quarter turn where all directions of the sea
-/// are alike.
+/// The groups of legs of a lattice: from all heading levels, or from those of a quarter turn if all
+/// directions are equivalent.
 pub(super) fn groups(repertoire: &Repertoire) -> Vec<Group> {
     let grid = repertoire.grid;
     let levels = if repertoire.is_isotropic() { grid.headings / 4 } else { grid.headings };
     let basic = (0..grid.modes.len()).map(What::Basic);
     let all = basic.chain((0..repertoire.pieces.len()).map(What::Informative));
     all.flat_map(|what| {
-        (0..levels).map(move |level| Group { level, what, taught: Vec::new(), outcomes: None })
+        (0..levels).map(move |level| Group { level, what, counter_examples: Vec::new(), outcomes: None })
     })
     .collect()
 }
 
 impl Rehearsal<'_> {
-    /// Rehearses the legs of every group by the others, and by those who taught the group, unless they have done so.
+    /// Simulates the legs of every group with the sampled vessels and the group's counter-examples, unless
+    /// done already.
     pub fn rehearse(
         &self,
         groups: &mut [Group],
@@ -210,20 +211,20 @@ impl Rehearsal<'_> {
     }
 }
 
-/// Where the vessel was at last.
+/// The final pose.
 fn end(sailed: &Sailed) -> Pose {
     sailed.ends.last().map(|(pose, _)| *pose).unwrap_or_default()
 }
 
 impl Group {
-    /// Lets `who` rehearse, too, from now on.
-    pub(super) fn learn(&mut self, who: Rehearser) {
-        self.taught.push(who);
+    /// Adds a counter-example.
+    pub(super) fn learn(&mut self, who: SampledVessel) {
+        self.counter_examples.push(who);
         self.outcomes = None;
     }
 
-    fn rehearsed(&self, repertoire: &Repertoire, others: &[Rehearser]) -> Result<Vec<Outcome>, Invalid> {
-        let all: Vec<Rehearser> = others.iter().chain(&self.taught).cloned().collect();
+    fn rehearsed(&self, repertoire: &Repertoire, others: &[SampledVessel]) -> Result<Vec<Outcome>, Invalid> {
+        let all: Vec<SampledVessel> = others.iter().chain(&self.counter_examples).cloned().collect();
         match self.what {
             What::Basic(mode) => repertoire.basic(self.level, mode, &all),
             What::Informative(piece) => repertoire.informative(piece, self.level, &all),

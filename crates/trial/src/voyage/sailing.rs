@@ -1,4 +1,4 @@
-//! The plan in continuous space: sailed, checked against the chart, and what it tells.
+//! The plan in continuous space: simulated, checked against the chart, with its information.
 
 use lattice::{Problem, Solution};
 use refusal::Invalid;
@@ -13,39 +13,39 @@ use super::script::Script;
 use super::search::Search;
 use super::solve::Solved;
 use super::task::Slot;
-use crate::{Fix, Rehearser, Sailed};
+use crate::{Fix, Sailed, SampledVessel};
 
-/// How often a plan is searched before the last one has to do.
+/// Most searches for a plan that passes its check.
 const ROUNDS: u32 = 12;
-/// Who teaches a leg in a round: so many at most, over all legs.
-const PUPILS: usize = 400;
+/// Most counter-examples of a round, over all legs.
+const MOST_COUNTER_EXAMPLES: usize = 400;
 
-/// A plan as sailed in simulation.
+/// A simulated plan.
 #[derive(Clone, Debug)]
 pub struct Sailing {
-    /// Of every step: index into the rehearsed legs.
+    /// The leg of every step.
     pub legs: Vec<usize>,
-    /// By the nominal model in the known current.
+    /// The trajectory of the nominal model in the known current.
     pub sailed: Sailed,
-    /// By other vessels in unknown currents, the first of them: to be drawn.
+    /// Tracks of the first sampled vessels in unknown currents, for drawing.
     pub runs: Vec<Vec<Fix>>,
-    /// Against the chart.
+    /// The check against the chart.
     pub check: Check,
-    /// What it tells against what the counts promise.
+    /// Its information, against the prediction of the counts.
     pub information: Information,
 }
 
 /// One round of search and check.
 struct Round {
-    /// Which one, from 1.
+    /// Its number, from 1.
     number: u32,
     solved: Solved,
     sailing: Sailing,
-    /// Steps that broke a margin or missed a tolerance, and who sailed them.
-    taught: Vec<(usize, Rehearser)>,
+    /// Steps that violated a margin or a tolerance, each with the vessel.
+    counter_examples: Vec<(usize, SampledVessel)>,
 }
 
-/// What is left of a round while the next one is searched: all that its plan takes to be sailed again.
+/// The part of a round that is kept while the next one is searched, so that its plan can be simulated again.
 struct Last {
     number: u32,
     moves: Moves,
@@ -54,43 +54,50 @@ struct Last {
 }
 
 impl Round {
-    /// Who is to rehearse which legs, and what may be wanted after all. Where legs fit can be told again: it takes most memory.
-    fn ended(self) -> (Vec<(usize, Rehearser)>, Last) {
-        let Self { number, solved: Solved { moves, problem, solution, .. }, sailing, taught } = self;
-        let taught = taught.into_iter().take(PUPILS).map(|(step, who)| (sailing.legs[step], who)).collect();
-        (taught, Last { number, moves, problem, solution })
+    /// The counter-examples by leg, and the rest of the round. The waters are dropped, since they need most
+    /// memory and can be computed again.
+    fn ended(self) -> (Vec<(usize, SampledVessel)>, Last) {
+        let Self { number, solved: Solved { moves, problem, solution, .. }, sailing, counter_examples } =
+            self;
+        let counter_examples = counter_examples
+            .into_iter()
+            .take(MOST_COUNTER_EXAMPLES)
+            .map(|(step, who)| (sailing.legs[step], who))
+            .collect();
+        (counter_examples, Last { number, moves, problem, solution })
     }
 }
 
 impl Prepared {
-    /// Plans and sails until what is proved is what can be sailed: legs that broke a margin or missed a tolerance in a check
-    /// are rehearsed by whoever failed them, too, and the search begins again. Where that leaves no plan, the last one is given if
-    /// `keep_unsafe`; so it is where none passes in many rounds.
+    /// Plans and simulates until the proved plan passes its check: vessels that violated a margin or a
+    /// tolerance become counter-examples for their leg, and the search begins again. If that leaves no plan,
+    /// the last one is returned if `keep_unsafe`; likewise if none passes after many rounds.
     ///
     /// # Errors
-    /// As [`Self::solve`], with what the checks showed; a simulation that diverges; no time.
+    /// As [`Self::solve`], with the results of the checks; a simulation that diverges; the time limit.
     pub fn plan(&mut self, search: &Search, keep_unsafe: bool) -> Result<(Solved, Sailing), VoyageError> {
         let (clearance, solved) = rayon::join(|| Clearance::new(self, search.go_on), || self.solve(search));
         let clearance = clearance?;
         let mut round = self.round(&clearance, (1, solved?), search)?;
-        while !round.taught.is_empty() && round.number < ROUNDS {
+        while !round.counter_examples.is_empty() && round.number < ROUNDS {
             let next = round.number + 1;
-            let (taught, last) = round.ended();
-            // Only where it may be wanted after all does it stay in memory.
+            let (counter_examples, last) = round.ended();
+            // It stays in memory only if it may be returned.
             let last = keep_unsafe.then_some(last);
-            let kept = last.as_ref().map_or(0, |last| self.last_bytes(&last.moves, &taught));
-            let next_round = self.again(taught, (next, keep_unsafe), &clearance, &search.beside(kept));
+            let kept = last.as_ref().map_or(0, |last| self.last_bytes(&last.moves, &counter_examples));
+            let next_round =
+                self.again(counter_examples, (next, keep_unsafe), &clearance, &search.reserving(kept));
             round = match (next_round, last) {
                 (Ok(round), _) => round,
-                (Err(_), Some(last)) => return self.sail_again(last, &clearance, search),
+                (Err(_), Some(last)) => return self.simulate_again(last, &clearance, search),
                 (Err(error), None) => return Err(error.after(next - 1)),
             };
         }
         Ok((round.solved, round.sailing))
     }
 
-    /// The plan of a round after which there was none, with all of its check.
-    fn sail_again(
+    /// The last plan before a round without one, with its complete check.
+    fn simulate_again(
         &self,
         Last { number, moves, problem, solution }: Last,
         clearance: &Clearance,
@@ -98,19 +105,20 @@ impl Prepared {
     ) -> Result<(Solved, Sailing), VoyageError> {
         let waters = self.waters(search.go_on)?;
         let mut solved = Solved { waters, moves, problem, solution, front: Vec::new() };
-        let (sailing, _) = self.sail(&mut solved, clearance, (number, true), search)?;
+        let (sailing, _) = self.simulate(&mut solved, clearance, (number, true), search)?;
         Ok((solved, sailing))
     }
 
-    /// A round after one that taught `taught`, by leg; where it leaves no plan, that is forgotten again if `keep`.
+    /// A round after the counter-examples `counter_examples`, by leg; if it has no plan, they are removed again if
+    /// `keep`.
     fn again(
         &mut self,
-        taught: Vec<(usize, Rehearser)>,
+        counter_examples: Vec<(usize, SampledVessel)>,
         (number, keep): (u32, bool),
         clearance: &Clearance,
         search: &Search,
     ) -> Result<Round, VoyageError> {
-        let before = Some(self.learn(taught, search)?).filter(|_| keep);
+        let before = Some(self.learn(counter_examples, search)?).filter(|_| keep);
         let solved = self.check_offered().and_then(|()| self.solve(search));
         let next = solved.and_then(|solved| self.round(clearance, (number, solved), search));
         if let (Err(_), Some(before)) = (&next, before) {
@@ -119,37 +127,38 @@ impl Prepared {
         next
     }
 
-    /// Sails what a search found.
+    /// Simulates a solution.
     fn round(
         &self,
         clearance: &Clearance,
         (number, mut solved): (u32, Solved),
         search: &Search,
     ) -> Result<Round, VoyageError> {
-        let (sailing, taught) = self.sail(&mut solved, clearance, (number, number == ROUNDS), search)?;
-        Ok(Round { number, solved, sailing, taught })
+        let (sailing, counter_examples) =
+            self.simulate(&mut solved, clearance, (number, number == ROUNDS), search)?;
+        Ok(Round { number, solved, sailing, counter_examples })
     }
 
-    /// Sails the plan in continuous space, checks it against the chart and says what it tells, and who failed which steps. The
-    /// front is searched beside the check.
-    fn sail(
+    /// Simulates the plan in continuous space, checks it against the chart and computes its information and
+    /// counter-examples. The front is searched concurrently with the check.
+    fn simulate(
         &self,
         solved: &mut Solved,
         clearance: &Clearance,
         (round, is_last): (u32, bool),
         search: &Search,
-    ) -> Result<(Sailing, Vec<(usize, Rehearser)>), VoyageError> {
+    ) -> Result<(Sailing, Vec<(usize, SampledVessel)>), VoyageError> {
         let legs: Vec<usize> =
             solved.solution.steps.iter().map(|step| solved.moves.leg_of_step(step)).collect();
         let script = self.script(solved, &legs);
-        let sailed = script.sailed(&self.brief.vessel.nominal, [0.0; 2])?;
+        let sailed = script.simulated(&self.brief.vessel.nominal, [0.0; 2])?;
         let left = self.within_check(&solved.moves, (round, sailed.samples.len()), search)?;
         let checking = Checking { script: &script, clearance, legs: &legs, nominal: &sailed, round, is_last };
-        let (Checked { check, tracks, taught }, front) =
+        let (Checked { check, tracks, counter_examples }, front) =
             checking.check(search, || self.front(&solved.problem, &solved.moves, &left))?;
-        let information = self.information_sailed(&legs, &sailed);
+        let information = self.information_of_plan(&legs, &sailed);
         solved.front = front.unwrap_or_default();
-        Ok((Sailing { legs, sailed, runs: tracks, check, information }, taught))
+        Ok((Sailing { legs, sailed, runs: tracks, check, information }, counter_examples))
     }
 
     fn script<'a>(&'a self, solved: &Solved, legs: &[usize]) -> Script<'a> {
@@ -166,7 +175,7 @@ impl Prepared {
 }
 
 impl Prepared {
-    /// Refuses a trial that lasts longer than its slot, or than that of its tide.
+    /// Refuses a trial that exceeds its slot, or that of its tide.
     ///
     /// # Errors
     /// Such a trial.
@@ -180,7 +189,7 @@ impl Prepared {
             format!("`{}`", slot.key),
             format!("a slot of {:.0} s", slot.lasts_s),
             format!("{lasts_s:.0} s or more, which the plan takes"),
-            "begin earlier, ask for fewer maneuvers, or minimise `seconds`",
+            "begin earlier, request fewer maneuvers, or minimise `seconds`",
         )))
     }
 }

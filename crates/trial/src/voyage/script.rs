@@ -1,12 +1,12 @@
-//! A plan as a script that any vessel can carry out, in any current.
+//! A plan as a script for any vessel, in any current.
 
 use engine::{Pose, Ship};
 use refusal::Invalid;
 
 use super::prepared::Prepared;
-use crate::{Autopilot, End, Leg, Passing, Sailed, sail};
+use crate::{Autopilot, End, Leg, Passing, Sailed, simulate_legs};
 
-/// What is sailed: legs from their nodes (north, east), in order.
+/// Legs from their nodes (north, east), in order.
 pub(super) struct Script<'a> {
     pub prepared: &'a Prepared,
     pub legs: Vec<([f64; 2], &'a Leg)>,
@@ -15,9 +15,9 @@ pub(super) struct Script<'a> {
 }
 
 impl Script<'_> {
-    /// Carried out by a vessel with `parameters` in the known current and `unknown` (north, east); `record` is told of every
-    /// sample.
-    pub(super) fn sail(
+    /// Simulates a vessel with `parameters` in the known current and `unknown` (north, east); calls `record`
+    /// with every sample.
+    pub(super) fn simulate(
         &self,
         parameters: &[f64],
         unknown: [f64; 2],
@@ -28,17 +28,18 @@ impl Script<'_> {
         let mut autopilot = Autopilot::new(&brief.vessel, &brief.vessel.nominal, brief.task.handling);
         autopilot.known_current_m_s = brief.task.known_current_m_s;
         let mirror = mirror.as_deref().unwrap_or_default();
-        sail(self.legs.iter().copied(), pieces, mirror, &mut ship, &mut autopilot, record)
+        simulate_legs(self.legs.iter().copied(), pieces, mirror, &mut ship, &mut autopilot, record)
     }
 
-    /// All that a vessel with `parameters` sails.
-    pub(super) fn sailed(&self, parameters: &[f64], unknown: [f64; 2]) -> Result<Sailed, Invalid> {
+    /// The trajectory of a vessel with `parameters`.
+    pub(super) fn simulated(&self, parameters: &[f64], unknown: [f64; 2]) -> Result<Sailed, Invalid> {
         let mut samples = Vec::new();
-        let ends = self.sail(parameters, unknown, |passing| samples.push(passing.into()))?;
+        let ends = self.simulate(parameters, unknown, |passing| samples.push(passing.into()))?;
         Ok(Sailed { samples, ends })
     }
 
-    /// The inputs of a track, sample by sample, without corrections: `record` is told of every sample, and says whether to go on.
+    /// Repeats the inputs of a track, sample by sample, without corrections: calls `record` with every sample
+    /// until it returns false.
     pub(super) fn repeat(
         &self,
         nominal: &Sailed,

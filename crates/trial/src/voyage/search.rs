@@ -1,8 +1,8 @@
-//! How a search is carried out, and why it found nothing, in places of the chart.
+//! How a search is executed, and why it found nothing, in terms of the chart.
 
 use lattice::{Options, Pose, Problem, Progress, Reason, Solution, front, plan};
 
-/// Asked from time to time whether a search goes on.
+/// Polled by a search; cancels it by returning false.
 pub type Watch = Box<dyn FnMut(Progress) -> bool>;
 
 /// How to search the lattice.
@@ -10,9 +10,9 @@ pub type Watch = Box<dyn FnMut(Progress) -> bool>;
 pub struct Search<'a> {
     /// Engine and memory.
     pub options: Options,
-    /// Makes a watch for every search: of a plan, and of the front.
+    /// Creates the watch of every search: for a plan, and for the front.
     pub watch: &'a (dyn Fn() -> Watch + Sync),
-    /// Asked from time to time whether any other phase goes on.
+    /// Polled by the other phases; cancels them by returning false.
     pub go_on: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -24,8 +24,8 @@ impl Search<'static> {
 }
 
 impl Search<'_> {
-    /// The same, with so many bytes of memory less.
-    pub(super) fn beside(&self, bytes: u128) -> Self {
+    /// The search with less memory.
+    pub(super) fn reserving(&self, bytes: u128) -> Self {
         let mut left = self.clone();
         let bytes = u64::try_from(bytes).unwrap_or(u64::MAX);
         left.options.memory_bytes = left.options.memory_bytes.saturating_sub(bytes);
@@ -40,14 +40,15 @@ impl Search<'_> {
         plan(problem, &self.options, &mut *(self.watch)())
     }
 
-    /// The least cost of every count vector that can be sailed; nothing where the exhaustive search does not fit.
+    /// The least cost of every feasible count vector; empty if the exhaustive search does not fit in the
+    /// memory.
     pub(super) fn affordable(&self, problem: &Problem) -> Vec<(Vec<u32>, f64)> {
         let points = front(problem, &self.options, &mut *(self.watch)()).unwrap_or_default();
         points.into_iter().filter_map(|p| Some((p.counts, p.cost?.primary))).collect()
     }
 }
 
-/// Why there is no plan, with poses as `pose` tells them.
+/// Why there is no plan, with poses in the words of `pose`.
 pub(super) fn in_words(reason: &Reason, pose: impl Fn(Pose) -> String, cell_m: f64) -> String {
     let near = |what: &str, nearest: &Option<(Pose, f64)>| match nearest {
         Some((at, cells)) => format!("; {what} is {:.0} m away, {}", cells * cell_m, pose(*at)),

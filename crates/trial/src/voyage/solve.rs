@@ -1,6 +1,6 @@
 //! The lattice problem of a trial, and its solution.
 
-use lattice::{Asked, Lattice, MoveId, NoPlan, Problem, Reason, Solution};
+use lattice::{Lattice, MoveId, NoPlan, Poll, Problem, Reason, Solution};
 
 use super::error::VoyageError;
 use super::front::FrontPoint;
@@ -13,24 +13,24 @@ use super::waters::Waters;
 /// A solved trial.
 #[derive(Clone, Debug)]
 pub struct Solved {
-    /// Where legs fit.
+    /// The waters of the legs.
     pub waters: Waters,
-    /// The lattice's moves and the legs behind them.
+    /// The lattice's moves and their legs.
     pub moves: Moves,
-    /// What was searched.
+    /// The lattice problem.
     pub problem: Problem,
     /// The plan.
     pub solution: Solution,
-    /// Counts that no others beat in both cost and information, cheapest first; empty where the search was not exhaustive, and
-    /// before a plan has passed its check.
+    /// Counts that no others beat in both cost and information, cheapest first; empty if the search was not
+    /// exhaustive, and before a plan has passed its check.
     pub front: Vec<FrontPoint>,
 }
 
 impl Prepared {
-    /// Puts the trial on the lattice and searches.
+    /// Sets up the lattice problem and searches.
     ///
     /// # Errors
-    /// A start or goal outside the lattice or without room; no plan; no time or memory.
+    /// A start or goal outside the lattice or without a free pose; no plan; the limits of time or memory.
     pub fn solve(&self, search: &Search) -> Result<Solved, VoyageError> {
         let (task, rate_hz) = (&self.brief.task, self.brief.vessel.sample_rate_hz);
         let moves = Moves::new(&self.rehearsed, &self.wanted, &task.cost, rate_hz);
@@ -61,19 +61,19 @@ impl Prepared {
         }
         let lattice = Lattice { nx: self.grid.nx, ny: self.grid.ny, layers: self.grid.layers() };
         let by_class = task.cost.secondary == Secondary::Clearance;
-        let mut asked = Asked::new(go_on);
+        let mut poll = Poll::new(go_on);
         let allowed = |id: MoveId, i: usize, j: usize| {
-            if !asked.go_on() {
+            if !poll.proceed() {
                 return false;
             }
             let (leg, class) = moves.legs[id.action][id.index];
             (!by_class || waters.class(i, j) == class) && waters.fits(leg, i, j)
         };
         let problem = Problem::new(lattice, moves.actions.clone(), start, goal, allowed)?;
-        if asked.stopped { Err(VoyageError::OutOfTime("the layout of the lattice")) } else { Ok(problem) }
+        if poll.stopped { Err(VoyageError::OutOfTime("the layout of the lattice")) } else { Ok(problem) }
     }
 
-    /// Why there is no plan, and the most that could be sailed instead.
+    /// Why there is no plan, and the most informative feasible counts.
     fn infeasible(&self, reason: &Reason, front: &[FrontPoint]) -> String {
         let mut text = in_words(reason, |pose| self.words(pose), self.grid.cell_m);
         if !self.brief.task.speed_limits.is_empty() {

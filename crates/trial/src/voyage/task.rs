@@ -1,4 +1,4 @@
-//! What a trial on a chart is asked to do.
+//! The task of a trial on a chart.
 
 use std::collections::BTreeMap;
 
@@ -10,22 +10,22 @@ use serde::{Deserialize, Serialize};
 use super::tide::Tide;
 use crate::{Approach, DerivedHandling, Handling, Mode};
 
-/// What a voyage is planned from.
+/// The inputs of planning a voyage.
 #[derive(Clone, Debug)]
 pub struct Brief {
     /// The vessel.
     pub vessel: Vessel,
-    /// What is asked.
+    /// The task.
     pub task: Task,
     /// The charts.
     pub layers: Vec<Layer>,
-    /// Bytes of memory that reading them took, of which the allocator keeps most for a while.
+    /// Bytes of memory for reading them, of which the allocator keeps most for a while.
     pub chart_bytes: u64,
     /// The dictionary's maneuvers, one per run.
     pub dictionary: Vec<Run>,
     /// The design's shares, for counts that follow from them.
     pub design: Option<Shares>,
-    /// Seed of the rehearsing vessels' parameters and of the currents that a plan is checked in.
+    /// Seed of the sampled vessels' parameters and of the currents of checks.
     pub seed: u64,
 }
 
@@ -38,7 +38,7 @@ pub struct Shares {
     pub share: BTreeMap<String, f64>,
 }
 
-/// What a trial on a chart is asked to do, and where.
+/// The task of a trial on a chart.
 #[derive(Clone, Debug)]
 pub struct Task {
     /// Where the ship may sail.
@@ -49,46 +49,46 @@ pub struct Task {
     pub headings: usize,
     /// Raster cells per lattice cell, even.
     pub raster_per_cell: usize,
-    /// What uncharted places count as: obstacles as soon as a chart has depths, else water.
+    /// How uncharted places are treated: by default as obstacles if a chart has depths, else as water.
     pub uncharted: Option<chart::Uncharted>,
     /// The hull.
     pub hull: Hull,
     /// Depths and distances to keep.
     pub safety: Safety,
-    /// North and east components of the current that is known \[m/s\].
+    /// North and east components of the known current \[m/s\].
     pub known_current_m_s: [f64; 2],
     /// How the vessel is handled between maneuvers.
     pub handling: Handling,
-    /// How it would be, if nobody said anything.
+    /// How it would be handled by default.
     pub derived: DerivedHandling,
-    /// What comes before and after a maneuver.
+    /// The parts before and after a maneuver.
     pub approach: Approach,
     /// Speeds that the vessel may have at a node, besides being at rest.
     pub modes: Vec<Mode>,
-    /// Speeds that are not exceeded in parts of the area.
+    /// Speed limits in parts of the area.
     pub speed_limits: Vec<SpeedLimit>,
-    /// The maneuvers to place; without any, those of the design.
+    /// The maneuvers to place; by default those of the design.
     pub maneuvers: Vec<ManeuverUse>,
     /// Time in informative maneuvers, for counts that follow from the design's shares \[s\].
     pub informative_s: Option<f64>,
-    /// When the trial begins \[s since 1970, UTC\], where it is known.
+    /// The departure \[s since 1970, UTC\], if known.
     pub departure: Option<i64>,
     /// Where the trial begins.
     pub start: Place,
     /// Where it may end.
     pub goal: Goal,
-    /// What is minimised.
+    /// The cost to minimize.
     pub cost: CostRule,
-    /// The tide, which depths and currents count with already.
+    /// The tide, which is included in depths and currents already.
     pub tide: Option<Tide>,
-    /// When it has to be over; None where only the tide says.
+    /// When it has to be over; `None` if only the tide limits it.
     pub slot: Option<Slot>,
     /// Whether the lattice is moved so that its start is a node.
     pub on_node: bool,
 }
 
 impl Task {
-    /// The same task in a tide.
+    /// The task in a tide.
     pub fn with_tide(mut self, tide: Tide) -> Self {
         self.safety.transit_depth_m -= tide.level_m;
         self.safety.trial_depth_m -= tide.level_m;
@@ -101,7 +101,7 @@ impl Task {
     }
 }
 
-/// Where the ship may sail, in degrees: a box, or a polygon within it. The lattice covers the box.
+/// The navigable area, in degrees: a box, or a polygon within it. The lattice covers the box.
 #[derive(Clone, Debug)]
 pub struct Area {
     /// Western edge; east of the eastern one where the area lies across the antimeridian.
@@ -112,26 +112,26 @@ pub struct Area {
     pub east_deg: f64,
     /// Northern edge.
     pub north_deg: f64,
-    /// Longitude and latitude of the polygon's corners, in their order; none where all of the box is meant.
+    /// Longitude and latitude of the polygon's corners, in order; empty if the area is the whole box.
     pub corners: Vec<[f64; 2]>,
 }
 
-/// When a trial has to be over.
+/// The time limit of a trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slot {
-    /// The key that says so.
+    /// The key that states it.
     pub key: &'static str,
     /// After the departure \[s\].
     pub lasts_s: f64,
 }
 
-/// A speed that is not exceeded in a part of the area: legs that do are not offered where any of it is swept.
+/// A speed limit in a part of the area: faster legs are not offered where they sweep any of it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpeedLimit {
-    /// What messages call it.
+    /// Its name in messages.
     pub name: Option<String>,
-    /// Longitude and latitude of its polygon's corners, in their order, either way round \[deg\].
+    /// Longitude and latitude of its polygon's corners, in either sense \[deg\].
     pub corners: Vec<[f64; 2]>,
     /// The limit, over the ground \[m/s\].
     pub max_speed_m_s: f64,
@@ -145,12 +145,12 @@ pub struct Hull {
     pub length_m: f64,
     /// Beam \[m\].
     pub beam_m: f64,
-    /// Distance of the reference point forward of the middle \[m\].
+    /// Distance of the reference point forward of midships \[m\].
     #[serde(default)]
     pub reference_m: f64,
-    /// Height above water, with what is to stay free over it \[m\]; without it no bridge of a chart is high enough.
+    /// Air draught, including the required clearance \[m\]; without it no bridge of a chart is high enough.
     pub air_draught_m: Option<f64>,
-    /// Draught \[m\]: the passage plan tells the water under the keel with it.
+    /// Draught \[m\], from which the passage plan computes the under-keel clearance.
     pub draught_m: Option<f64>,
 }
 
@@ -168,7 +168,7 @@ impl Hull {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Safety {
-    /// Least charted depth for getting about: draught and under-keel clearance \[m\].
+    /// Least charted depth in transit: draught and under-keel clearance \[m\].
     #[serde(default)]
     pub transit_depth_m: f64,
     /// Least charted depth for informative maneuvers \[m\].
@@ -176,17 +176,18 @@ pub struct Safety {
     pub trial_depth_m: f64,
     /// Distance that the hull keeps from obstacles \[m\].
     pub margin_m: f64,
-    /// Bound on the current that is not known \[m/s\].
+    /// Bound on the unknown current \[m/s\].
     #[serde(default)]
     pub unknown_current_m_s: f64,
-    /// Relative error that the nominal parameters may have: maneuvers have room for vessels that are off by it.
+    /// Relative error of the nominal parameters: maneuvers have room for vessels with such errors.
     #[serde(default)]
     pub parameter_error: f64,
-    /// Simulations of the finished plan with such currents and vessels; as many as `aground_probability` needs without it.
+    /// Simulations of the finished plan with such currents and vessels; by default as many as
+    /// `aground_probability` needs.
     pub runs: Option<u32>,
-    /// Vessels that are drawn for them; one per run without it.
+    /// Vessels that are sampled for them; by default one per run.
     pub vessels: Option<u32>,
-    /// The check supports that going aground is less probable than this, 95 % confidence.
+    /// The probability of running aground that the check must exclude, with 95 % confidence.
     pub aground_probability: Option<f64>,
 }
 
@@ -196,9 +197,10 @@ pub struct Safety {
 pub struct ManeuverUse {
     /// Its name in the dictionary.
     pub name: String,
-    /// How often; without it, as often as the design's share wants.
+    /// Number of uses; by default from the design's share.
     pub count: Option<u32>,
-    /// Length of one piece, cut to whole periods where the maneuver has any; all of it without one \[s\].
+    /// Length of one piece, cut to whole periods if the maneuver is periodic; by default the whole maneuver
+    /// \[s\].
     pub piece_s: Option<f64>,
 }
 
@@ -212,7 +214,7 @@ pub struct Place {
     pub latitude_deg: f64,
     /// Compass heading.
     pub heading_deg: f64,
-    /// Speed mode; at rest without one (or the slowest where there is no rest).
+    /// Speed mode; by default at rest (or the slowest if there is no rest).
     pub mode: Option<String>,
 }
 
@@ -231,17 +233,17 @@ pub enum Goal {
     },
 }
 
-/// What is minimised.
+/// The objective.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CostRule {
-    /// First.
+    /// The primary objective.
     pub primary: Primary,
-    /// Among plans that are equal in that.
+    /// Decides between plans of equal primary cost.
     pub secondary: Secondary,
 }
 
-/// What is minimised first.
+/// The primary objective.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Primary {

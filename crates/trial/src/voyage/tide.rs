@@ -1,4 +1,4 @@
-//! Level and stream of the tide while a trial may last.
+//! Level and stream of the tide during a trial.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -29,8 +29,8 @@ pub struct Tide {
 }
 
 impl Tide {
-    /// The worst of a table of ascending times, straight between its rows, over `slot_s` from `departure_s`. `None` where the
-    /// table does not cover it.
+    /// The worst case of a table of ascending times, interpolated linearly, over `slot_s` from `departure_s`.
+    /// `None` where the table does not cover it.
     pub fn worst(table: &[TideRow], departure_s: f64, slot_s: f64) -> Option<Self> {
         let ends = [departure_s, departure_s + slot_s];
         let within = table.iter().filter(|row| ends[0] < row.at_s && row.at_s < ends[1]).copied();
@@ -47,7 +47,7 @@ impl Tide {
     }
 }
 
-/// The table at a time within it.
+/// The table interpolated at a time within it.
 fn at(table: &[TideRow], at_s: f64) -> Option<TideRow> {
     let later = table.iter().position(|row| row.at_s >= at_s)?;
     let after = table[later];

@@ -12,21 +12,21 @@ use super::prepared::Prepared;
 use super::rehearsed::Rehearsed;
 use super::task::Secondary;
 
-/// How near a node is to obstacles, in classes that cost 0, 1, 2, 3.
+/// Number of classes of nearness to obstacles, which cost 0, 1, 2, 3.
 pub(super) const CLEARANCE_CLASSES: usize = 4;
 
-/// The chart as legs see it.
+/// The obstacles for legs.
 #[derive(Clone, Debug)]
 pub struct Waters {
     /// Raster cells per lattice cell.
     per_cell: usize,
-    /// Where each leg's footprint may be: index into `obstacles`.
+    /// The obstacles of each leg: index into `obstacles`.
     layer_of_leg: Vec<usize>,
     /// One per depth and margin.
     obstacles: Vec<Obstacles>,
-    /// Open where the area is, if that is not all of the raster.
+    /// The area, if that is not the whole raster.
     area: Option<Mask>,
-    /// Closed where each speed limit holds.
+    /// The area of each speed limit.
     limits: Vec<Mask>,
     /// Speed limits that each leg exceeds: indices into `limits`.
     exceeded: Vec<Vec<usize>>,
@@ -34,7 +34,7 @@ pub struct Waters {
     legs: Vec<Arc<Rehearsed>>,
     /// Pitch of the lattice \[m\].
     cell_m: f64,
-    /// Distance of the node (i, j) to the nearest obstacle \[m\], at j · nx + i; empty where no cost asks for it.
+    /// Distance of the node (i, j) to the nearest obstacle \[m\], at j · nx + i; empty if no cost needs it.
     node_distance_m: Vec<f64>,
     nx: usize,
     ny: usize,
@@ -79,7 +79,7 @@ impl Waters {
         })
     }
 
-    /// Obstacles of getting about.
+    /// Obstacles in transit.
     pub fn transit(&self) -> &Obstacles {
         &self.obstacles[self.layer_of_leg[0]]
     }
@@ -106,7 +106,7 @@ fn nodes(nx: usize, ny: usize) -> impl Iterator<Item = (usize, usize)> {
 }
 
 impl Prepared {
-    /// The obstacles that each leg has to keep clear of.
+    /// The obstacles of every leg.
     pub(super) fn waters(&self, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Waters, VoyageError> {
         let in_time =
             || if go_on() { Ok(()) } else { Err(VoyageError::OutOfTime("the layout of the chart")) };
@@ -144,7 +144,8 @@ impl Prepared {
         })
     }
 
-    /// The speed limits that the nominal vessel exceeds on a leg: at either end, or by more than the tolerance on the way.
+    /// The speed limits that the nominal vessel exceeds on a leg: at either end, or by more than the
+    /// tolerance on the way.
     fn exceeded(&self, own: &Rehearsed) -> Vec<usize> {
         let task = &self.brief.task;
         let mode_m_s = |layer: usize| self.grid.modes[self.grid.level_and_mode(layer).1].speed_m_s;
@@ -155,7 +156,7 @@ impl Prepared {
         limits.filter(|(_, limit)| fastest_m_s > limit.max_speed_m_s).map(|(index, _)| index).collect()
     }
 
-    /// Distance of every node to the nearest obstacle, as far as it makes a class \[m\].
+    /// Distance of every node to the nearest obstacle, as far as it determines a class \[m\].
     fn node_distances_m(&self, raster: Raster, go_on: &dyn Fn() -> bool) -> Result<Vec<f64>, VoyageError> {
         let (grid, safety) = (&self.grid, &self.brief.task.safety);
         let farthest_m = CLEARANCE_CLASSES as f64 * grid.cell_m;
@@ -169,8 +170,8 @@ impl Prepared {
         Ok((0..grid.nx * grid.ny).map(node).collect())
     }
 
-    /// The different depths and margins that legs keep, and whether areas of transit only count; and which of them each leg
-    /// keeps.
+    /// The distinct depths and margins of legs, and whether transit-only areas count; and the one that each
+    /// leg uses.
     pub(super) fn obstacle_kinds(&self) -> (Vec<(f64, f64, bool)>, Vec<usize>) {
         let safety = &self.brief.task.safety;
         let mut kinds: Vec<(f64, f64, bool)> = Vec::new();
@@ -189,7 +190,7 @@ impl Prepared {
         (kinds, layer_of_leg)
     }
 
-    /// Refuses a pose whose hull is not clear, and says where the nearest clear node is.
+    /// Refuses a pose whose hull is not clear, and names the nearest clear node.
     pub(super) fn check_water(&self, waters: &Waters, what: &str, pose: Pose) -> Result<(), VoyageError> {
         let (grid, task) = (&self.grid, &self.brief.task);
         let (level, _) = grid.level_and_mode(pose.layer);

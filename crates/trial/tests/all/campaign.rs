@@ -1,11 +1,11 @@
-//! Runs at sea, and the experiments that designs state.
+//! Disturbed runs, and the experiments of designs.
 
 use engine::{Current, Disturbances, Measurement, Streams, Wind};
 use model::Vessel;
 use trial::campaign::{Designed, Group, Refusal, Sea, Tables};
 
 #[test]
-fn law_a_run_that_goes_on_keeps_its_past() {
+fn law_a_run_that_continues_keeps_its_past() {
     let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
     let measurement = Measurement { std_u_m_s: 0.1, std_v_m_s: 0.1, std_r_rad_s: 0.1 };
     let disturbances = Disturbances { current: Current::White { std_m_s: 0.1 }, measurement };

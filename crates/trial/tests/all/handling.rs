@@ -1,4 +1,4 @@
-//! How a vessel is handled, from what it can do.
+//! How a vessel is handled, by its abilities.
 
 use engine::{Pose, Ship};
 use model::Vessel;
@@ -90,7 +90,7 @@ fn what_is_stated_is_taken_unless_the_vessel_cannot_do_it() {
         let refused = stated.completed(&own).unwrap_err().to_string();
         assert!(refused.contains(key) && refused.contains("`range`"), "{refused}");
     }
-    // Where no range is known nothing is refused, and turns are as wide as they are usually for the length.
+    // Where no range is known nothing is refused, and turns are as wide as usual for the length.
     let free = derived(&coaster("", ""));
     assert_eq!((free.ability.turn_rate_rad_s, free.ability.braking_m_s2), (None, None));
     assert!((2.5 / free.handling.turn_rate_rad_s - 240.0).abs() < 1e-9 && fast.completed(&free).is_ok());

@@ -5,8 +5,8 @@ use std::path::Path;
 use maneuver::{DictionaryFile, Generator};
 use model::Vessel;
 use trial::{
-    Approach, DerivedHandling, Grid, Handling, Mode, Piece, Rehearser, Repertoire, Settled, Side, Tolerance,
-    mirror,
+    Approach, DerivedHandling, Grid, Handling, Mode, Piece, Repertoire, SampledVessel, Settled, Side,
+    Tolerance, mirror,
 };
 
 use crate::handling::coaster;
@@ -60,11 +60,11 @@ pub(crate) fn repertoire<'a>(
 }
 
 /// Vessels whose parameters are off by 30 % either way, in a current from abeam and from astern, off their node.
-pub(crate) fn others(vessel: &Vessel) -> Vec<Rehearser> {
+pub(crate) fn others(vessel: &Vessel) -> Vec<SampledVessel> {
     let other = |index: i32| {
         let side = if index % 2 == 0 { 1.0 } else { -1.0 };
         let wave = |i: usize| 1.0 + 0.3 * (f64::from(index) + 2.4 * i as f64).sin();
-        Rehearser {
+        SampledVessel {
             parameters: vessel.nominal.iter().enumerate().map(|(i, p)| p * wave(i)).collect(),
             current_m_s: if index < 4 { [0.1 * side, 0.1] } else { [0.0, 0.15 * side] },
             off: [1.0, 2.0 * side, 0.05 * side],
@@ -75,7 +75,7 @@ pub(crate) fn others(vessel: &Vessel) -> Vec<Rehearser> {
 }
 
 /// All legs from two neighbouring headings.
-fn legs(headings: usize, current: [f64; 2], grid: &Grid, others: &[Rehearser]) -> Vec<Settled> {
+fn legs(headings: usize, current: [f64; 2], grid: &Grid, others: &[SampledVessel]) -> Vec<Settled> {
     let (vessel, pieces) = study();
     let signs = mirror(&vessel);
     let repertoire = repertoire(&vessel, grid, &pieces, signs.as_deref(), current);
@@ -92,7 +92,7 @@ fn legs(headings: usize, current: [f64; 2], grid: &Grid, others: &[Rehearser]) -
 }
 
 #[test]
-fn law_every_leg_ends_settled_at_its_node_whoever_sails_it() {
+fn law_every_leg_ends_settled_at_its_node_for_any_vessel() {
     let (vessel, _) = study();
     let others = others(&vessel);
     for (headings, current) in [(4, [0.0, 0.0]), (8, [0.0, 0.0]), (8, [0.2, 0.1])] {
@@ -133,7 +133,7 @@ fn law_legs_turned_by_a_quarter_are_those_of_the_next_quarter() {
 fn a_leg_that_some_do_not_settle_on_is_longer_for_their_sake() {
     let (vessel, _) = study();
     let grid = grid(8);
-    let length = |others: &[Rehearser]| {
+    let length = |others: &[SampledVessel]| {
         let all = legs(8, [0.0, 0.0], &grid, others);
         let samples = all.iter().filter(|own| own.leg.purpose.side() == Some(Side::AsDesigned));
         samples.map(|own| own.sailed.samples.len()).collect::<Vec<_>>()

@@ -25,7 +25,7 @@ fn swings_are_cut_at_whole_periods() {
 }
 
 #[test]
-fn sweeps_and_steps_are_cut_where_asked() {
+fn sweeps_and_steps_are_cut_at_the_target() {
     let sweep: Vec<f64> = (0..300).map(f64::from).collect();
     assert_eq!(piece(&sweep).cut(Some(130)).unwrap().samples, 130);
     assert_eq!(piece(&[2.0; 300]).cut(Some(70)).unwrap().samples, 70);

@@ -1,4 +1,4 @@
-//! Maneuvers that react to the ship: nothing else knows of them.
+//! Maneuvers that react to the ship, without support elsewhere.
 
 use std::collections::BTreeMap;
 
@@ -81,7 +81,7 @@ fn reacting() -> (Vessel, Generator, [Vec<f64>; 2]) {
     (vessel, generator.commanded(0, helm), rows)
 }
 
-/// A sea with all that disturbs.
+/// A sea with all disturbances.
 fn sea(vessel: &Vessel) -> Sea<'_> {
     let current = Current::GaussMarkov { std_m_s: 0.1, time_constant_s: 20.0, axes: Axes::Earth };
     let wind =
@@ -94,7 +94,7 @@ fn rows_of(run: &SimulatedRun, samples: std::ops::Range<usize>) -> Vec<Vec<f64>>
 }
 
 #[test]
-fn law_a_heading_trigger_sails_in_dictionaries() {
+fn law_a_heading_trigger_runs_in_dictionaries() {
     let (vessel, generator, rows) = reacting();
     for source in [Source::Value, Source::Nominal] {
         let maneuvers = Maneuvers::new(&vessel, &generator, source, "dictionary").unwrap();
@@ -110,7 +110,7 @@ fn law_a_heading_trigger_sails_in_dictionaries() {
 }
 
 #[test]
-fn law_a_heading_trigger_sails_in_campaigns() {
+fn law_a_heading_trigger_runs_in_campaigns() {
     let (vessel, generator, rows) = reacting();
     let settings = Settings { duration_s: 90.0, realizations: 11, random_segments: None, seed: 3 };
     let order = vec![("ahead".to_owned(), 240), ("zig-zag".to_owned(), 480)];
@@ -124,9 +124,9 @@ fn law_a_heading_trigger_sails_in_campaigns() {
         let wanted: Vec<Vec<f64>> = sides.into_iter().map(|side| rows[side].clone()).collect();
         assert_eq!(rows_of(run, 240..720), wanted, "run {}", run.run.run);
     }
-    assert!(rows_of(&runs[0], 240..720) != rows_of(&runs[1], 240..720), "each goes over in its own time");
+    assert!(rows_of(&runs[0], 240..720) != rows_of(&runs[1], 240..720), "each changes sides in its own time");
     assert_eq!(campaign.simulate(0, 8..11).unwrap(), runs[8..]);
-    assert!(campaign.experiment_of_all(0).is_none(), "what they do is not the same");
+    assert!(campaign.experiment_of_all(0).is_none(), "their experiments differ");
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn law_a_table_by_command_is_the_table() {
 }
 
 #[test]
-fn law_a_heading_trigger_is_rehearsed_for_a_plan() {
+fn law_a_heading_trigger_runs_in_the_legs_of_a_plan() {
     let (vessel, pieces) = study();
     let signs = mirror(&vessel).unwrap();
     let plain = &pieces[1];

@@ -1,4 +1,4 @@
-//! Trials in rounds: what is known of the parameters, and when trials end.
+//! Trials in rounds: knowledge of the parameters, and the end of trials.
 
 use trial::rounds::{Arm, Knowledge, Outcome, Row, Shared, Summary};
 

@@ -1,4 +1,4 @@
-//! The tide at its worst, against a look at every second.
+//! The tide at its worst, against a search over every second.
 
 use trial::voyage::{Tide, TideRow};
 
