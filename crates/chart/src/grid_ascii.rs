@@ -11,6 +11,7 @@ const AT_ONCE: usize = 64;
 impl Grid {
     /// Reads an ESRI ASCII grid: one line per row, from north to south. Such files state neither unit nor datum.
     ///
+    /// # Errors
     /// A header without columns, rows, corner or cell size, or with a size that is not positive; rows or
     /// columns that differ from the header; values that are not finite numbers, unless the header declares
     /// them as no data; a land mask with values other than 0 and 1; depths that are all land, or all deep

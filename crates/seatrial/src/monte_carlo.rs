@@ -151,7 +151,7 @@ impl MonteCarlo<'_> {
             };
             for own in all {
                 outcomes.extend(alike.estimates(own.measured()).into_iter().take(own.runs()));
-                own.give_back();
+                own.recycle();
             }
         }
         let candidate = |i: usize| {

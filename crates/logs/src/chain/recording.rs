@@ -157,8 +157,8 @@ impl Chain<'_> {
     /// Simulates `forces` (τ1, τ2, τ3 in the model's units, one row per sample) from `initial` (u, v over
     /// ground, r) in `weather`, and logs the instruments from row `from` on.
     ///
+    /// # Errors
     /// Forces that the thrusters cannot produce; a motion that diverges.
-    /// Forces that the thrusters cannot make; motion without bounds.
     pub fn record(
         &self,
         key: Key,
