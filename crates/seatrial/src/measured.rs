@@ -6,7 +6,7 @@ use std::sync::Arc;
 use artifact::{Error, Provenance, Scratch};
 use engine::Run;
 use identification::pooled::PooledRuns;
-use logs::{PIECE, Plan, Source, Totals, check_intervals};
+use logs::{BLOCK, Plan, Source, Totals, check_intervals};
 use model::Vessel;
 use rayon::prelude::*;
 use study::Doubtful;
@@ -79,7 +79,7 @@ impl Logs {
     /// # Errors
     /// Files that are refused; no sub-experiment that is long enough.
     pub fn ingested(&self) -> Result<Ingested, Error> {
-        let scratch = Arc::new(Scratch::new(Path::new(""), PIECE, f64::INFINITY));
+        let scratch = Arc::new(Scratch::new(Path::new(""), BLOCK, f64::INFINITY));
         let segmentation = self.config.segmentation();
         let read = |source| recorded(&self.plan, &segmentation, &self.folder, source, &scratch);
         let all: Vec<_> = self.sources.par_iter().map(read).collect();
