@@ -83,7 +83,8 @@ impl Contradictions {
             return;
         };
         let text = format!(
-            "differs by {:.1} deg throughout from what `y_u`, `y_v` and position imply: a magnetic heading, or a rotated sensor?",
+            "differs by {:.1} deg throughout from what `y_u`, `y_v` and position imply: a magnetic heading, \
+             or a rotated sensor?",
             angle.to_degrees()
         );
         self.note("psi", WarningKind::Bias, text, angle.abs() > TURN.broken);

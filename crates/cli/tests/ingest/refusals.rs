@@ -282,7 +282,7 @@ fn a_line_without_end_is_refused_however_small_its_file() {
     let cells = vec![b'1'; 1 << 20];
     (0..64).for_each(|_| file.write_all(&cells).unwrap());
     file.finish().unwrap();
-    let pieces = ["a.csv.gz", "line 1", "1048576 bytes without an end", "no CSV"];
+    let pieces = ["a.csv.gz", "line 1", "1048576 bytes without an end", "not CSV"];
     refused_in(folder.path(), &["--memory-mib", "256"], &pieces);
 }
 

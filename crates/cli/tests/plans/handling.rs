@@ -34,7 +34,7 @@ fn a_vessel_that_cannot_hold_its_track_is_refused_in_one_line() {
         ("range = [-1e-6, 1e-6]", ["plan.toml", "`handling.turn_rate_rad_s`", "the nominal vessel"]),
         (
             "range = [-300.0, 300.0]\nlag_s = 900.0",
-            ["plan.toml", "no leg that all who rehearse it end settled", "know the parameters better"],
+            ["plan.toml", "no leg on which all sampled vessels settle", "know the parameters better"],
         ),
     ] {
         let folder = ship(keys);

@@ -27,7 +27,7 @@ fn a_plan_within_its_slot_is_the_plan_without_one() {
 
 #[test]
 fn a_plan_that_is_not_over_in_time_is_refused() {
-    let pieces = ["plan.toml", "`slot.until`", "a slot of 600 s", "ask for fewer maneuvers"];
+    let pieces = ["plan.toml", "`slot.until`", "a slot of 600 s", "request fewer maneuvers"];
     refused(&study(DEPARTURE, "until = \"2026-06-01T08:10:00Z\""), 4, PLAN, &pieces);
     // Off Helsinki the sun sets at a quarter past three then, 13:14 in UTC.
     let late = study("2026-12-21T13:05:00Z", "until = \"2026-12-21T14:00:00Z\"\ndaylight = true");

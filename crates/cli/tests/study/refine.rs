@@ -184,5 +184,5 @@ fn a_start_that_excites_not_every_parameter_is_no_start() {
     shares.iter_mut().for_each(|(name, share)| *share = f64::from(u8::from(*name == first)).into());
     put(&folder, "design.json", &design.to_string());
     put(&folder, "limits.toml", LIMITS);
-    refused(&folder, 4, &format!("{REFINE} --limits limits.toml"), &["design.json", "does not tell"]);
+    refused(&folder, 4, &format!("{REFINE} --limits limits.toml"), &["design.json", "does not distinguish"]);
 }
