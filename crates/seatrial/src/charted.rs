@@ -6,6 +6,7 @@ use artifact::{Budget, Error, Provenance, budget};
 use engine::Run;
 use model::Vessel;
 use study::documents::{PlanChart, PlanDocument};
+use study::files::read_plan;
 use study::plan::{ChartsError, Means, PlanFile, Routes, in_tide, of_voyage, read_charts};
 use thiserror::Error;
 use trial::voyage::{Brief, Check, Prepared, Sailing, Search, Solved, VoyageError};
@@ -41,7 +42,7 @@ impl ChartedTrial {
     /// Files that are refused; a trial without place on its charts.
     pub fn read(file: &Path, vessel: Vessel, dictionary: Vec<Run>) -> Result<Self, PlanError> {
         let mut provenance = Provenance::default();
-        let config: PlanFile = provenance.read_toml("plan", "plan", file)?;
+        let config = read_plan(file, &mut provenance)?;
         let vessel = vessel.with_disturbances_held();
         let task = config.task(&vessel).map_err(|e| Error::invalid(file, e))?;
         let task = in_tide(file, &config, task, &mut provenance)?;

@@ -43,6 +43,7 @@ pub use identification::pooled::{
 };
 pub use identification::runs::{NominalDiverged, RunError, RunEstimators};
 pub use identification::{Estimator, RunEstimate, RunScore, ValidationRuns};
+pub use logs::{Plan as LogsPlan, Source as LogsSource, Totals};
 pub use maneuver::{DictionaryFile, Generator};
 pub use model::{Model, Source, Vessel};
 pub use refusal::Invalid;

@@ -10,6 +10,7 @@ use refusal::Invalid;
 use crate::campaign_file::CampaignFile;
 use crate::documents::{ModelDocument, Reference};
 use crate::ingest_file::IngestFile;
+use crate::plan::PlanFile;
 use crate::sequential::SequentialFile;
 use crate::tried::is_average;
 
@@ -97,6 +98,11 @@ pub fn read_reference(path: &Path, role: &str, provenance: &mut Provenance) -> R
     let file: Reference = provenance.read_toml(role, "reference", path)?;
     file.check().map_err(|e| crate::invalid(path, &e))?;
     Ok(file)
+}
+
+/// Reads `plan.toml` and notes its digest; it is checked against a vessel by [`PlanFile::task`].
+pub fn read_plan(path: &Path, provenance: &mut Provenance) -> Result<PlanFile, Error> {
+    provenance.read_toml("plan", "plan", path)
 }
 
 /// Reads `sequential.toml` and notes its digest.

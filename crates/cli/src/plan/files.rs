@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use artifact::Provenance;
 use study::documents::{DesignDocument, PlanDocument};
-use study::files::{kept_to_data, read_vessel};
+use study::files::{kept_to_data, read_plan, read_vessel};
 use study::plan::{PlanFile, in_tide, resumed};
 use trial::voyage::{Brief, Place, Shares};
 
@@ -64,7 +64,7 @@ impl VoyageFiles<'_> {
         check_names(out)?;
         let vessel = read_vessel(self.vessel, provenance)?.with_disturbances_held();
         let vessel = kept_to_data(self.vessel, vessel, self.beyond_range)?;
-        let config: PlanFile = inputs::toml(self.config, "plan", provenance)?;
+        let config = read_plan(self.config, provenance)?;
         let task = config.task(&vessel).map_err(|e| Failure::invalid(self.config, &e))?;
         let task = in_tide(self.config, &config, task, provenance)?;
         let task = match &self.resumed {

@@ -22,6 +22,7 @@ mod globe;
 mod grid_files;
 mod handling;
 mod helsinki;
+mod in_memory;
 mod information;
 mod lattice_problems;
 mod place_refusals;

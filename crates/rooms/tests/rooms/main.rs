@@ -2,6 +2,7 @@
 
 mod circles;
 mod features;
+mod library;
 mod pages;
 mod source;
 
@@ -44,12 +45,17 @@ const SCIENCE: &[&str] = &[
 ];
 
 /// What the sources of some crates must not contain: crates, words, why.
-const WORDS: [(&[&str], &[&str], &str); 5] = [
+const WORDS: [(&[&str], &[&str], &str); 6] = [
     (SCIENCE, &["Path", "PathBuf", "fs"], "science knows no files"),
     (SCIENCE, &["clap", "ValueEnum"], "science has no command line"),
     (SCIENCE, &["artifact", "study"], "science takes and gives domain types, no documents"),
     (SCIENCE, &["println", "eprintln", "indicatif"], "science prints nothing"),
     (SCIENCE, &["ThreadPoolBuilder", "spawn"], "science starts no threads"),
+    (
+        &["seatrial"],
+        &["fs", "println", "eprintln", "ThreadPoolBuilder", "spawn"],
+        "the library reads by `study`, prints nothing, starts no threads",
+    ),
 ];
 
 /// Functions of the standard library whose last bits are the system's own; those of `libm` are the same everywhere.
@@ -88,7 +94,7 @@ const DEPENDENCIES: [(&[&str], &[&str], &str); 3] = [
 ];
 
 /// Most lines below `src/` that a crate may have.
-const LINES: [(&str, usize); 1] = [("cli", 6_900)];
+const LINES: [(&str, usize); 1] = [("cli", 6_800)];
 
 /// The largest share of all lines below `src/` that a crate may have.
 const SHARE: f64 = 0.2;

@@ -12,7 +12,8 @@ const WORDS: usize = 30;
 /// Largest picture \[bytes\].
 const PICTURE: u64 = 300_000;
 
-fn top() -> PathBuf {
+/// Top of the repository.
+pub fn top() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 

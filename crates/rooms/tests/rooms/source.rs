@@ -92,7 +92,8 @@ fn code(path: &Path, text: &str) -> Option<(String, Vec<String>)> {
     Some((name, above.lines().map(str::to_owned).collect()))
 }
 
-fn entries(folder: &Path) -> Vec<PathBuf> {
+/// What stands in a folder, by name.
+pub fn entries(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
     let mut all: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
     all.sort();

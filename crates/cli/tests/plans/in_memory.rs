@@ -1,0 +1,23 @@
+//! The library's plan beside the program's.
+
+use seatrial::{ChartedTrial, Generator, Search, Vessel, undisturbed};
+use study::documents::PlanDocument;
+
+use crate::planned::{small, small_planned};
+
+#[test]
+fn law_a_plan_in_memory_is_that_of_the_program() {
+    let folder = small();
+    let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let vessel = Vessel::from_file(toml::from_str(&text("vessel.toml")).unwrap()).unwrap();
+    let generator =
+        Generator::without_tables(&vessel, &toml::from_str(&text("dictionary.toml")).unwrap()).unwrap();
+    let dictionary = undisturbed(&vessel, &generator, vessel.best_known(), "dictionary").unwrap();
+    let trial = ChartedTrial::read(&folder.path().join("plan.toml"), vessel, dictionary).unwrap();
+    let planned = trial.plan(&Search::unlimited(), false).unwrap();
+    let by_program: PlanDocument = serde_json::from_value(small_planned().plan.clone()).unwrap();
+    assert_eq!(serde_json::to_value(&planned.document).unwrap(), serde_json::to_value(by_program).unwrap());
+    let names: Vec<&str> =
+        planned.routes().unwrap().files().unwrap().into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names, ["track.geojson", "route.rtz", "route.gpx", "route.kml", "route.plan"]);
+}
