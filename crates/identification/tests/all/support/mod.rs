@@ -6,8 +6,7 @@ pub mod explicit;
 pub mod noise;
 
 use engine::simulate_one;
-use identification::pooled::{NominalModel, Pool};
-use identification::runs::Beside;
+use identification::pooled::Pool;
 use identification::{Batch, Instruments, MeanRemoval, Outcome};
 use maneuver::{DictionaryFile, Generator};
 use model::{Model, Source, Vessel};
@@ -24,16 +23,7 @@ pub fn paper() -> Vessel {
 
 /// Pools runs of `vessel`, whose nominal model is known: whole segments, instruments with all of the mean removed.
 pub fn pool(vessel: &Vessel) -> Pool<'_> {
-    Pool {
-        vessel,
-        model: vessel.model.with_intercepts(),
-        removal: MeanRemoval::Complete,
-        strength: 0.0,
-        nominal: NominalModel::Known(vessel.nominal.clone()),
-        part_samples: None,
-        beside: Beside::default(),
-        constant: Vec::new(),
-    }
+    Pool::new(vessel)
 }
 
 /// Every run of `batch` estimated.
