@@ -9,7 +9,7 @@ use study::documents::{PlanChart, PlanDocument};
 use study::files::read_plan;
 use study::plan::{ChartsError, Means, PlanFile, Routes, in_tide, of_voyage, read_charts};
 use thiserror::Error;
-use trial::voyage::{Brief, Check, Prepared, Sailing, Search, Solved, VoyageError};
+use trial::voyage::{Brief, Check, Prepared, Sailing, Search, Shares, Solved, VoyageError};
 
 /// Why there is no plan.
 #[derive(Debug, Error)]
@@ -36,18 +36,23 @@ pub struct ChartedTrial {
 
 impl ChartedTrial {
     /// The trial that `plan.toml` at `file` asks of `vessel`, on the charts and in the tide that it names. `dictionary` has a
-    /// run of every maneuver.
+    /// run of every maneuver; `design` its shares, for counts that `plan.toml` does not state.
     ///
     /// # Errors
     /// Files that are refused; a trial without place on its charts.
-    pub fn read(file: &Path, vessel: Vessel, dictionary: Vec<Run>) -> Result<Self, PlanError> {
+    pub fn read(
+        file: &Path,
+        vessel: Vessel,
+        dictionary: Vec<Run>,
+        design: Option<Shares>,
+    ) -> Result<Self, PlanError> {
         let mut provenance = Provenance::default();
         let config = read_plan(file, &mut provenance)?;
         let vessel = vessel.with_disturbances_held();
         let task = config.task(&vessel).map_err(|e| Error::invalid(file, e))?;
         let task = in_tide(file, &config, task, &mut provenance)?;
         let (layers, chart_bytes) = (Vec::new(), 0);
-        let brief = Brief { vessel, task, layers, chart_bytes, dictionary, design: None, seed: 1 };
+        let brief = Brief { vessel, task, layers, chart_bytes, dictionary, design, seed: 1 };
         Self::on_charts(brief, (file, &config), (budget(), &|| true), &mut provenance)
     }
 

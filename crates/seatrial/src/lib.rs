@@ -60,6 +60,6 @@ pub use study::trajectories::DataLabel;
 pub use study::{TermLists, Tried};
 pub use trial::campaign::{Campaign, Designed, Refusal, SimulatedRun};
 pub use trial::moments::Moments;
-pub use trial::voyage::{Brief, Check, Prepared, Sailing, Search, Solved, VoyageError};
+pub use trial::voyage::{Brief, Check, Prepared, Sailing, Search, Shares, Solved, VoyageError};
 pub use validation::comparison::Traced;
 pub use validation::crossval::CrossError;

@@ -15,6 +15,7 @@ use study::scores::summarize;
 use thiserror::Error;
 use trial::campaign::{Campaign, Designed, Maneuvers, Refusal, SimulatedRun};
 use trial::moments::{Estimated, Moments, Pool, Prediction, structure};
+use trial::voyage::Shares;
 
 /// Why a study has no answer.
 #[derive(Clone, Debug, Error)]
@@ -190,6 +191,12 @@ impl Optimum {
     pub fn designed(&self) -> Designed {
         let shares = self.maneuvers.iter().cloned().zip(self.design.shares.iter().copied());
         Designed { shares: shares.collect(), order: None }
+    }
+
+    /// The same for a plan on a chart.
+    pub fn shares(&self) -> Shares {
+        let share = self.maneuvers.iter().cloned().zip(self.design.shares.iter().copied());
+        Shares { order: self.maneuvers.clone(), share: share.collect() }
     }
 }
 

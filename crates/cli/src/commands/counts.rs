@@ -66,23 +66,3 @@ fn parsed(written: &[String], available: &BTreeMap<String, u64>) -> Result<BTree
     }
     Ok(counts)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn map<T: Copy>(entries: &[(&str, T)]) -> BTreeMap<String, T> {
-        entries.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect()
-    }
-
-    #[test]
-    fn counts_are_read_and_bounded() {
-        let there = map(&[("zigzag/fast", 4), ("turning/slow", 2)]);
-        let read =
-            |texts: &[&str]| parsed(&texts.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>(), &there);
-        assert_eq!(read(&["zigzag/fast=4", "turning/slow=1"]).unwrap().len(), 2);
-        for wrong in ["zigzag/fast", "zigzag/fast=5", "zigzag/fats=1", "turning/slow=0", "turning/slow=x"] {
-            assert_eq!(read(&[wrong]).unwrap_err().exit_code(), 2, "{wrong}");
-        }
-    }
-}

@@ -1,7 +1,7 @@
 //! The stages as programs: their flags, and what is read, called and written.
 
 mod compare;
-mod counts;
+pub mod counts;
 mod cross;
 mod earlier;
 mod estimate;

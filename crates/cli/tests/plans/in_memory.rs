@@ -13,7 +13,7 @@ fn law_a_plan_in_memory_is_that_of_the_program() {
     let generator =
         Generator::without_tables(&vessel, &toml::from_str(&text("dictionary.toml")).unwrap()).unwrap();
     let dictionary = undisturbed(&vessel, &generator, vessel.best_known(), "dictionary").unwrap();
-    let trial = ChartedTrial::read(&folder.path().join("plan.toml"), vessel, dictionary).unwrap();
+    let trial = ChartedTrial::read(&folder.path().join("plan.toml"), vessel, dictionary, None).unwrap();
     let planned = trial.plan(&Search::unlimited(), false).unwrap();
     let by_program: PlanDocument = serde_json::from_value(small_planned().plan.clone()).unwrap();
     assert_eq!(serde_json::to_value(&planned.document).unwrap(), serde_json::to_value(by_program).unwrap());

@@ -1,3 +1,7 @@
+use std::collections::BTreeMap;
+
+use artifact::Provenance;
+use cli::commands::counts::counts;
 use serde_json::Value;
 
 use crate::SELECTION;
@@ -79,5 +83,18 @@ fn the_report_shows_the_histograms() {
     }
     for name in ["selection-error", "selection-surge", "selection-sway", "selection-yaw"] {
         assert!(folder.path().join(format!("figures/{name}.svg")).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn counts_are_read_and_bounded() {
+    let there = [("zigzag/fast", 4), ("turning/slow", 2)].map(|(name, n)| (name.to_owned(), n));
+    let read = |texts: &[&str]| {
+        let texts: Vec<String> = texts.iter().map(|text| (*text).to_owned()).collect();
+        counts(None, &texts, &BTreeMap::from(there.clone()), &mut Provenance::default())
+    };
+    assert_eq!(read(&["zigzag/fast=4", "turning/slow=1"]).unwrap().len(), 2);
+    for wrong in ["zigzag/fast", "zigzag/fast=5", "zigzag/fats=1", "turning/slow=0", "turning/slow=x"] {
+        assert_eq!(read(&[wrong]).unwrap_err().exit_code(), 2, "{wrong}");
     }
 }
