@@ -3,7 +3,7 @@
 use crate::Bounds;
 
 /// The part of a ring (not closed) inside the box, closed along the sides of the box; empty if there is none.
-pub fn clip_ring(ring: &[[f64; 2]], bounds: &Bounds) -> Vec<[f64; 2]> {
+pub(crate) fn clip_ring(ring: &[[f64; 2]], bounds: &Bounds) -> Vec<[f64; 2]> {
     let sides = [(0, bounds.min[0], 1.0), (0, bounds.max[0], -1.0), (1, bounds.min[1], 1.0)];
     let sides = sides.into_iter().chain([(1, bounds.max[1], -1.0)]);
     sides.fold(ring.to_vec(), |ring, (axis, limit, sign)| half(&ring, axis, limit, sign))

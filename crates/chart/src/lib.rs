@@ -85,7 +85,6 @@ pub use called::Called;
 pub use causes::Causes;
 pub use chart::{Chart, Layer, Uncharted};
 pub use classes::{Ignored, Judged, RULES, Rule, Treatment};
-pub use clip::clip_ring;
 pub use crs::Crs;
 pub use dangers::{Dangers, Nearest};
 pub use depth_unit::{DepthUnit, UnitFrom};

@@ -52,6 +52,12 @@ impl Plane {
         libm::atan2(north[0] - south[0], north[1] - south[1])
     }
 
+    /// Distance on the plane of two places of longitude and latitude \[m\].
+    pub fn distance_m(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
+        let (a, b) = (self.to_plane(a[0], a[1]), self.to_plane(b[0], b[1]));
+        libm::hypot(a[0] - b[0], a[1] - b[1])
+    }
+
     /// Longitude (within ±180) and latitude \[deg\] of a place on the plane \[m\].
     pub fn to_geographic(&self, [x, y]: [f64; 2]) -> (f64, f64) {
         let azimuth = libm::atan2(x, y).to_degrees();

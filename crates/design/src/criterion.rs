@@ -72,6 +72,38 @@ pub struct CovarianceCriterion {
     g: Option<Vec<f64>>,
 }
 
+/// A criterion of the covariance after so many samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Predicted {
+    /// The norm of the covariance.
+    pub value: f64,
+    /// Of every parameter.
+    pub standard_errors: Vec<f64>,
+}
+
+impl CovarianceCriterion {
+    /// What `samples` at `shares` of `dictionary` come to; `None` where the covariance is not defined.
+    pub fn predicted(&self, dictionary: &Dictionary, shares: &[f64], samples: f64) -> Option<Predicted> {
+        let variances = self.covariance.variances(shares)?;
+        let rows = dictionary.parameter_rows();
+        let errors = rows.iter().map(|row| (variances[*row].max(0.0) / samples).sqrt());
+        let value = self.covariance.value(shares, &mut CovariancePoint::default())?;
+        let value = match self.covariance.norm() {
+            Norm::LogDet => -value - self.weights.len() as f64 * libm::log(samples),
+            Norm::Trace => libm::exp(-value) / samples,
+        };
+        Some(Predicted { value, standard_errors: errors.collect() })
+    }
+}
+
+impl Candidates {
+    /// log|det| at `shares`, as scaled candidates have it; `None` where it is singular.
+    pub fn log_det(&self, shares: &[f64]) -> Option<f64> {
+        let (scaled, offset) = self.scaled().ok()?;
+        scaled.evaluate(shares, &mut Evaluation::default()).map(|value| value + offset)
+    }
+}
+
 /// Gap to which restricted shares are solved at best.
 const RESTRICTED_TOLERANCE: f64 = 1e-7;
 

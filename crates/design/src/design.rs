@@ -249,6 +249,11 @@ pub(crate) fn alone(count: usize, of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
 }
 
 impl Design {
+    /// Whether another start's search came to the same value.
+    pub fn agrees(&self, start: &Start) -> bool {
+        (self.log_det - start.log_det).abs() <= 1e-8 * self.log_det.abs().max(1.0)
+    }
+
     /// D-efficiency of other shares against these: |det M(w)/det M(w*)|^(1/`parameters`), the fraction of the experiment
     /// time that these shares would need for the same information. 0 where a block is singular.
     pub fn efficiency(&self, candidates: &Candidates, shares: &[f64], parameters: usize) -> f64 {

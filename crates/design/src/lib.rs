@@ -52,7 +52,7 @@ pub use candidates::{Candidates, Error, Evaluation};
 pub use certificate::is_concave;
 pub use counts::{CountOptions, Counted, Method, count_segments};
 pub use covariance::{Covariance, CovariancePoint};
-pub use criterion::{CovarianceCriterion, Criterion, CriterionName};
+pub use criterion::{CovarianceCriterion, Criterion, CriterionName, Predicted};
 pub use design::{
     Design, Options, Start, Status, solve, solve_covariance, solve_covariance_among, solve_covariance_from,
     solve_within,

@@ -116,15 +116,19 @@ impl Current {
         matches!(self, Self::Constant { axes: Axes::Earth, .. } | Self::GaussMarkov { axes: Axes::Earth, .. })
     }
 
-    /// `None` in still water.
-    fn process(&self, channels: &mut Channels, rate_hz: f64) -> Option<Process<2>> {
-        let factor = match self {
-            Self::None => return None,
-            Self::White { .. } => None,
+    /// Correlation of neighbouring samples at `rate_hz`; `None` where every sample is drawn anew, and in still water.
+    pub fn factor(&self, rate_hz: f64) -> Option<f64> {
+        match self {
+            Self::None | Self::White { .. } => None,
             Self::Constant { .. } => Some(1.0),
             Self::GaussMarkov { time_constant_s, .. } => Some(factor(*time_constant_s, rate_hz)),
-        };
-        Some(Process::new(channels, [self.std_m_s(); 2], factor))
+        }
+    }
+
+    /// None in still water.
+    fn process(&self, channels: &mut Channels, rate_hz: f64) -> Option<Process<2>> {
+        let process = || Process::new(channels, [self.std_m_s(); 2], self.factor(rate_hz));
+        (*self != Self::None).then(process)
     }
 }
 

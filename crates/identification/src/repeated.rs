@@ -47,10 +47,11 @@ impl RepeatedEstimates {
     }
 }
 
-/// 2-norms of relative bias and relative spread over the parameters that have both; `None` where none has.
-pub fn relative_norms(parameters: &[RepeatedEstimates]) -> Option<[f64; 2]> {
+/// 2-norms of relative bias, of relative spread, and of both, over the parameters that have both; `None` where none has.
+pub fn relative_norms(parameters: &[RepeatedEstimates]) -> Option<[f64; 3]> {
     let both: Vec<[f64; 2]> =
         parameters.iter().filter_map(|p| Some([p.relative_bias?, p.relative_spread?])).collect();
     let norm = |i: usize| both.iter().map(|x| x[i] * x[i]).sum::<f64>().sqrt();
-    (!both.is_empty()).then(|| [norm(0), norm(1)])
+    let [bias, spread] = [norm(0), norm(1)];
+    (!both.is_empty()).then(|| [bias, spread, libm::hypot(bias, spread)])
 }

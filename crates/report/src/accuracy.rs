@@ -1,10 +1,9 @@
 use crate::figures::{AccuracyCurve, accuracy};
-use design::AccuracyOf;
 use maud::{Markup, html};
 
 use super::number::three;
 use super::parts::Figures;
-use study::documents::{Accuracy, AccuracyPoint, DesignDocument};
+use study::documents::{Accuracy, AccuracyOf, AccuracyPoint, DesignDocument};
 
 /// How long the experiment has to be, and what other designs would need.
 pub(super) fn accuracy_of(design: &DesignDocument, figures: &mut Figures) -> Markup {

@@ -1,6 +1,5 @@
 use artifact::Error;
 use maud::{Markup, html};
-use validation::comparison::{ComparedErrors, Traced};
 
 use super::loader::Loader;
 use super::number::{exact, fit, three_or_dash, three_within};
@@ -9,7 +8,7 @@ use super::residuals::residuals;
 use super::sailed::sailed;
 use super::table::{Table, grouped};
 use crate::figures::{Curve, TraceColumn, TraceRow, palette, traces};
-use study::documents::{CompareDocument, traces as columns};
+use study::documents::{CompareDocument, ComparedErrors, Traced, traces as columns};
 
 /// Windows beyond this many are not drawn.
 const MOST_WINDOWS: usize = 24;

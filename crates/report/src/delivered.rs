@@ -5,8 +5,7 @@ use super::number::{or_dash, three, three_or_dash, unit};
 use super::parts::{Section, missing};
 use super::table::Table;
 use crate::figures::text::signed;
-use identification::Estimator;
-use study::documents::{CrossvalDocument, ModelDegree, ModelDocument, ModelParameter};
+use study::documents::{CrossvalDocument, Estimator, ModelDegree, ModelDocument, ModelParameter};
 use study::listed;
 
 /// Parameters of the model that the estimate delivers, and whether its estimator is the one to recommend.

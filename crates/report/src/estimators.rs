@@ -1,4 +1,3 @@
-use identification::Estimator;
 use maud::{Markup, display, html};
 
 use super::number::{median, or_dash, percent, q90, three_or_dash};
@@ -7,7 +6,7 @@ use super::sample::{INTERVALS, drawn_from};
 use super::study::{Scenario, Study, optimized_first};
 use super::table::Table;
 use study::documents::{
-    DesignScores, DesignSummary, EstimateDocument, EstimatorRecommendation, EstimatorScores,
+    DesignScores, DesignSummary, EstimateDocument, Estimator, EstimatorRecommendation, EstimatorScores,
     EstimatorSummary, ParameterSummary, ValidationDocument,
 };
 

@@ -6,10 +6,9 @@ use super::shown::used as is_used;
 use super::study::Study;
 use super::trajectory::words::{clearance, cost, gap, minutes};
 use study::documents::{
-    DesignDocument, DesignScores, PlanDocument, SequentialDocument, ValidationDocument, Voyage,
+    Arm, Check, DesignDocument, DesignScores, PlanDocument, RoundGain, SequentialDocument,
+    ValidationDocument, Voyage,
 };
-use trial::rounds::{Arm, RoundGain};
-use trial::voyage::Check;
 
 /// What the page is.
 pub(super) fn kind(study: &Study) -> &'static str {

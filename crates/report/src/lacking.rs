@@ -1,7 +1,7 @@
 //! What a model lacks, or would have to lack to be noticed.
 
-use identification::criticism::{Absent, Criticism, FoundNoise, Verdict};
 use maud::{Markup, html};
+use study::documents::{Absent, Criticism, FoundNoise, Verdict};
 
 use super::number::{probability, three, unit};
 use super::parts::coded;

@@ -60,7 +60,7 @@ pub use measured::Measured;
 pub use next_trial::NextTrial;
 pub use page::{Rendered, render};
 pub use picture::picture;
-pub use plan_map::PlanMap;
+pub use plan_map::plan_map;
 pub use planned_trial::PlannedTrial;
 pub use selection::SelectionStudy;
 pub use study::{ManeuverTrace, Scenario, Study, Trajectory};

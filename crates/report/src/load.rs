@@ -1,10 +1,10 @@
 //! Collects a study for the page from the folder that the stages wrote into.
 
 use std::path::Path;
+use study::files::Vessel;
 
 use artifact::{Error, Provenance, read_document};
 use engine::{Run, track};
-use model::Vessel;
 use study::campaign_file::CampaignFile;
 use study::documents::{EstimateDocument, IngestDocument, ValidationDocument};
 use study::scores;

@@ -4,11 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use artifact::{Changes, Digest, Document, Error, Loaded, MIXED, Provenance, TableReader, read_document};
-use maneuver::DictionaryFile;
-use model::Vessel;
 use serde::de::DeserializeOwned;
 use study::documents::Reference;
-use study::files::{read_reference, read_vessel};
+use study::files::{DictionaryFile, Vessel, read_reference, read_vessel};
 use study::role_of;
 
 /// Where a study's files are.

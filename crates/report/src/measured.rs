@@ -1,4 +1,3 @@
-use identification::pooled::{COLLINEAR, DegreeTrust};
 use maud::{Markup, display, html};
 
 use super::SelectionStudy;
@@ -9,11 +8,10 @@ use super::number::{fit, or_dash, percent_within, three_or_dash};
 use super::table::Table;
 use artifact::Error;
 use study::documents::{
-    CompareDocument, CrossvalDocument, EstimatorScore, FreeRunErrors, IngestDocument, ModelDocument,
-    SearchDocument, SelectionScores, TrustDocument,
+    COLLINEAR, CompareDocument, CrossvalDocument, DegreeTrust, EstimatorScore, FreeRunErrors, IngestDocument,
+    ModelDocument, SearchDocument, SelectionScores, Traced, TrustDocument,
 };
 use study::listed;
-use validation::comparison::Traced;
 
 /// What there is about measured logs.
 #[derive(Clone, Debug, Default)]

@@ -1,7 +1,6 @@
-use identification::{Estimator, MeanRemoval};
 use maud::{Markup, Render, display, html};
-use model::{DegreeOfFreedom, Vessel};
-use study::documents::{DesignSummary, EstimateDocument};
+use study::documents::{DegreeOfFreedom, DesignSummary, EstimateDocument, Estimator, MeanRemoval};
+use study::files::Vessel;
 
 use super::estimators::recommendation;
 use super::number::{or_dash, three, three_or_dash, unit};

@@ -1,10 +1,14 @@
 //! A planned trial with its drawing.
 
-use artifact::{Digest, Error, is_written, read_written};
-use study::documents::PlanDocument;
+use artifact::{Digest, Error, Work, budget, is_written, read_written};
+use study::documents::{MapDocument, PlanDocument};
 
 use super::drawing::refused;
-use super::loader::Loader;
+use super::loader::{Loader, document_at};
+use super::plan_map::plan_map;
+
+/// Bytes that a cell of a map takes while it is drawn, about.
+const CELL_BYTES: f64 = 24.0;
 
 /// A plan with its map.
 #[derive(Clone, Debug)]
@@ -13,26 +17,43 @@ pub struct PlannedTrial {
     pub name: String,
     /// `plan.json`.
     pub plan: PlanDocument,
-    /// `map.svg`, free of scripts and links.
+    /// The map: drawn from `map.json`, or `map.svg`, free of scripts and links.
     pub map: Option<String>,
     /// Files of this study that are not those that the plan was made from.
     pub stale: Vec<String>,
 }
 
-/// The map `name` of the results, noted; none where there is no such file.
+/// The map `name` of the results, noted: drawn from its document, else as it stands in the drawing; none where there is neither.
 pub(crate) fn map(loader: &mut Loader, name: &str) -> Result<Option<String>, Error> {
-    let path = loader.sources.results.join(name);
+    let drawn = drawn(loader, &format!("{name}.json"))?;
+    let name = format!("{name}.svg");
+    let path = loader.sources.results.join(&name);
     if !is_written(&path) {
-        return Ok(None);
+        return Ok(drawn);
     }
     let bytes = read_written(&path)?;
-    let digest = Digest::of_bytes(&bytes);
+    loader.note(&name, "map of the plan", Digest::of_bytes(&bytes));
+    if drawn.is_some() {
+        return Ok(drawn);
+    }
     let text = String::from_utf8(bytes).map_err(|_| "bytes that are not UTF-8".to_owned());
     let checked = text.and_then(|text| refused(&text).map_or(Ok(text), Err));
     let svg = checked.map_err(|found| {
         let expected = "a drawing of shapes and text, without scripts, styles or links";
         study::refuse(&path, "map", &found, expected, "run `plan` again, or remove the file")
     })?;
-    loader.note(name, "map of the plan", digest);
+    Ok(Some(svg))
+}
+
+/// The drawing of the document `name`, noted; none where there is no such file.
+fn drawn(loader: &mut Loader, name: &str) -> Result<Option<String>, Error> {
+    let path = loader.sources.results.join(name);
+    let Some(loaded) = document_at::<MapDocument>(path.clone())? else { return Ok(None) };
+    let cells = loaded.data.raster_cells();
+    let (found, remedy) = (format!("{cells} cells"), "run `plan` again with a coarser raster");
+    let work = Work { file: &path, thing: "`raster`", found: &found, remedy };
+    budget().memory(work, CELL_BYTES * cells)?;
+    let svg = plan_map(&loaded.data).map_err(|invalid| Error::invalid(&path, invalid))?;
+    loader.note(name, "what the map of the plan shows", loaded.digest);
     Ok(Some(svg))
 }

@@ -1,6 +1,5 @@
-use identification::Estimator;
 use maud::{display, html};
-use study::documents::{DesignScores, EstimatorScores};
+use study::documents::{DesignScores, Estimator, EstimatorScores};
 
 use super::number::{median, or_dash, percent, q90};
 use super::parts::{Section, statements};

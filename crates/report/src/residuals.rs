@@ -1,6 +1,5 @@
 use maud::{Markup, html};
-use model::DegreeOfFreedom;
-use validation::comparison::{ErrorCorrelations, ErrorKind};
+use study::documents::{DegreeOfFreedom, ErrorCorrelations, ErrorKind};
 
 use super::number::{exact, three};
 use super::parts::Figures;

@@ -1,6 +1,6 @@
 use engine::{Pose, track};
 use maud::{Markup, html};
-use validation::comparison::Traced;
+use study::documents::Traced;
 
 use super::parts::Figures;
 use crate::figures::{Track, TrackLine, palette, tracks};

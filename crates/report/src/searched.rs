@@ -1,5 +1,4 @@
 use maud::{Markup, html};
-use search::{Candidate, NestedAverage, NestedRecording, SizeScore};
 
 use super::averaged::averaged;
 use super::measured::free_runs;
@@ -7,7 +6,9 @@ use super::number::{exact, or_dash, three, three_or_dash, three_within};
 use super::parts::{Figures, Section, statements};
 use super::table::Table;
 use crate::figures::{ScoredDot, scored};
-use study::documents::{FreeRunErrors, SearchDocument, SearchTerm};
+use study::documents::{
+    Candidate, FreeRunErrors, NestedAverage, NestedRecording, SearchDocument, SearchTerm, SizeScore,
+};
 
 /// Terms beyond this many are not listed: those of the base structure first, then those that were chosen most often.
 const MOST_TERMS: usize = 40;

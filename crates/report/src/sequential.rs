@@ -1,7 +1,5 @@
 use maud::{Markup, html};
-use model::Source;
-use study::documents::SequentialDocument;
-use trial::rounds::{Arm, ArmSummary, RoundGain};
+use study::documents::{Arm, ArmSummary, RoundGain, SequentialDocument, Source};
 
 use super::number::{exact, or_dash, percent_within, three, three_or_dash, three_within};
 use super::parts::{Figures, Section};

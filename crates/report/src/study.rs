@@ -1,8 +1,8 @@
-use model::{Variable, Vessel};
 use study::documents::{
     DesignDocument, DesignScores, EstimateDocument, MomentsDocument, Reference, SequentialDocument,
     TallyDocument, ValidationDocument,
 };
+use study::files::{Variable, Vessel};
 use study::scores;
 
 use super::planned_trial::PlannedTrial;

@@ -5,11 +5,11 @@ use std::path::Path;
 use artifact::{Budget, Error, Provenance, budget};
 use engine::Run;
 use model::Vessel;
-use study::documents::{PlanChart, PlanDocument};
+use study::documents::{MapDocument, PlanChart, PlanDocument};
 use study::files::read_plan;
-use study::plan::{ChartsError, Means, PlanFile, Routes, in_tide, of_voyage, read_charts};
+use study::plan::{ChartsError, Means, PlanFile, Routes, in_tide, map_of, of_voyage, read_charts};
 use thiserror::Error;
-use trial::voyage::{Brief, Check, Prepared, Sailing, Search, Shares, Solved, VoyageError};
+use trial::voyage::{Brief, Check, Prepared, SailedPlan, Sailing, Search, Shares, Solved, VoyageError};
 
 /// Why there is no plan.
 #[derive(Debug, Error)]
@@ -88,7 +88,8 @@ impl ChartedTrial {
             return Err(PlanError::Unsafe(Box::new(sailing.check)));
         }
         prepared.check_slot(&sailing.sailed)?;
-        let document = PlanDocument { charts: self.charts, ..of_voyage(&prepared, &solved, &sailing) };
+        let sailed = SailedPlan { prepared: &prepared, solved: &solved, sailing: &sailing };
+        let document = PlanDocument { charts: self.charts, ..of_voyage(&sailed) };
         Ok(Planned { prepared, solved, sailing, document })
     }
 }
@@ -107,6 +108,12 @@ pub struct Planned {
 }
 
 impl Planned {
+    /// What a map of the plan shows; none without a part at sea.
+    pub fn map(&self) -> Option<MapDocument> {
+        let Self { prepared, solved, sailing, document } = self;
+        Some(map_of(&SailedPlan { prepared, solved, sailing }, document, document.voyage.as_ref()?))
+    }
+
     /// The plan as routes and tracks in formats of others; none without a part at sea.
     pub fn routes(&self) -> Option<Routes<'_>> {
         Some(Routes {

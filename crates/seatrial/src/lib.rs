@@ -50,8 +50,8 @@ pub use refusal::Invalid;
 pub use search::{NamedRoles, SearchError, SearchOptions};
 pub use study::campaign_file::CampaignFile;
 pub use study::documents::{
-    AverageDocument, CompareDocument, DesignScores, IngestDocument, ModelDocument, PlanChart, PlanDocument,
-    RecordingSummary, SearchDocument,
+    AverageDocument, CompareDocument, DesignScores, IngestDocument, MapDocument, ModelDocument, PlanChart,
+    PlanDocument, RecordingSummary, SearchDocument,
 };
 pub use study::ingest_file::IngestFile;
 pub use study::plan::{PlanFile, Routes};

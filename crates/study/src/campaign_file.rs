@@ -116,14 +116,10 @@ impl CampaignFile {
         let current = match self.current {
             Current::None => Flow::Still,
             Current::White { std_m_s } => Flow::White { std: std_m_s },
-            Current::Constant { std_m_s, axes } => {
-                Flow::Markov { std: std_m_s, factor: 1.0, turning: turning(axes) }
+            Current::Constant { std_m_s, axes } | Current::GaussMarkov { std_m_s, axes, .. } => {
+                let factor = self.current.factor(rate_hz).unwrap_or(1.0);
+                Flow::Markov { std: std_m_s, factor, turning: turning(axes) }
             }
-            Current::GaussMarkov { std_m_s, time_constant_s, axes } => Flow::Markov {
-                std: std_m_s,
-                factor: libm::exp(-1.0 / (time_constant_s * rate_hz)),
-                turning: turning(axes),
-            },
         };
         let gusts =
             |wind: Wind| Gusts { std: wind.std_per_sample(rate_hz), factor: [wind.factor(rate_hz); 3] };

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use artifact::{Digest, Error, Provenance, read_document};
-use maneuver::{DictionaryFile, Generator};
-use model::{Vessel, VesselFile};
+use maneuver::Generator;
+use model::VesselFile;
 use refusal::Invalid;
 
 use crate::campaign_file::CampaignFile;
@@ -13,6 +13,10 @@ use crate::ingest_file::IngestFile;
 use crate::plan::PlanFile;
 use crate::sequential::SequentialFile;
 use crate::tried::is_average;
+
+// What the hand-written files mean.
+pub use maneuver::DictionaryFile;
+pub use model::{Variable, Vessel};
 
 /// Reads `vessel.toml`, or the `model.json` that stands in its place, and notes its digest. A model is where a new study begins:
 /// what it was made of is no part of that.

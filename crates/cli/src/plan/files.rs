@@ -42,7 +42,7 @@ pub struct Resumed<'a> {
 pub const MAIN: &str = "plan.json";
 
 /// What is written beside `plan.json`.
-const BESIDE: [&str; 8] = [
+const BESIDE: [&str; 9] = [
     "track.parquet",
     "track.geojson",
     "route.rtz",
@@ -50,6 +50,7 @@ const BESIDE: [&str; 8] = [
     "route.kml",
     "route.plan",
     "route.gpkg",
+    "map.json",
     "map.svg",
 ];
 

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use artifact::{Provenance, Staged, commit, stage_set_document};
+use artifact::{Provenance, Staged, commit, stage_document, stage_set_document};
 use lattice::ProblemFile;
-use report::PlanMap;
 use report::geopackage::geopackage;
+use report::plan_map;
 use seatrial::{ChartedTrial, Planned};
 use serde_json::{Value, json};
 use study::documents::{PlanDocument, Voyage};
@@ -69,10 +69,12 @@ pub fn plan_voyage(
 
 /// All that is written.
 fn stage(planned: &Planned, out: &Path, provenance: &Provenance) -> Result<Vec<Staged>, Failure> {
-    let (map, others) =
-        rayon::join(|| stage_map(planned, out), || stage_track_and_routes(planned, out, provenance));
+    let (map, others) = rayon::join(
+        || stage_map(planned, out, provenance),
+        || stage_track_and_routes(planned, out, provenance),
+    );
     let mut staged = others?;
-    staged.push(map?);
+    staged.extend(map?);
     staged.insert(0, stage_set_document(out, provenance, &planned.document, &staged)?);
     Ok(staged)
 }
@@ -95,11 +97,12 @@ fn stage_track_and_routes(
     std::iter::once(Ok(track)).chain(files.into_iter().map(stage)).collect()
 }
 
-fn stage_map(planned: &Planned, out: &Path) -> Result<Staged, Failure> {
-    let Planned { prepared, solved, sailing, document } = planned;
-    let map = PlanMap { prepared, solved, sailing, document };
-    let svg = map.svg().map_err(|e| Failure::Failed(format!("map: {e}")))?;
-    Ok(Staged::bytes(beside(out, MAIN, "map.svg"), svg.as_bytes())?)
+/// What a map shows, and the map that is drawn from that.
+fn stage_map(planned: &Planned, out: &Path, provenance: &Provenance) -> Result<Vec<Staged>, Failure> {
+    let Some(map) = planned.map() else { return Ok(Vec::new()) };
+    let svg = plan_map(&map).map_err(|e| Failure::Failed(format!("map: {e}")))?;
+    let document = stage_document(beside(out, MAIN, "map.json"), provenance, &map)?;
+    Ok(vec![document, Staged::bytes(beside(out, MAIN, "map.svg"), svg.as_bytes())?])
 }
 
 fn summary(out: &Path, document: &PlanDocument) -> Summary {

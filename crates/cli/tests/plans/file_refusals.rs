@@ -295,7 +295,7 @@ fn outputs_that_cannot_be_written_leave_nothing() {
     let before = listing(folder.path());
     run_on_full_disk(&folder, PLAN).refuses(1, &["track"]);
     assert_eq!(listing(folder.path()), before, "a full disk leaves files behind");
-    for name in ["map.svg", "route.gpx", "route.gpkg", "track.parquet"] {
+    for name in ["map.json", "map.svg", "route.gpx", "route.gpkg", "track.parquet"] {
         let folder = small();
         std::fs::create_dir(folder.path().join(name)).unwrap();
         std::fs::write(folder.path().join(name).join("kept"), "kept").unwrap();

@@ -25,6 +25,7 @@ mod helsinki;
 mod in_memory;
 mod information;
 mod lattice_problems;
+mod map;
 mod place_refusals;
 mod planned;
 mod resume;

@@ -14,7 +14,7 @@ pub const PLAN: &str =
     "plan --vessel vessel.toml --trajectories dictionary.parquet --config plan.toml --out plan.json";
 
 /// What `plan` writes.
-pub const PLANNED: [&str; 9] = [
+pub const PLANNED: [&str; 10] = [
     "plan.json",
     "track.parquet",
     "track.geojson",
@@ -23,6 +23,7 @@ pub const PLANNED: [&str; 9] = [
     "route.kml",
     "route.plan",
     "route.gpkg",
+    "map.json",
     "map.svg",
 ];
 

@@ -242,6 +242,12 @@ impl<'a> Ranges<'a> {
 }
 
 impl Covariance {
+    /// Of the parameter `name`; `None` where it is not among them.
+    pub fn standard_error(&self, name: &str) -> Option<f64> {
+        let place = self.names.iter().position(|own| own == name)?;
+        Some(self.entries[place * (self.names.len() + 1)].max(0.0).sqrt())
+    }
+
     /// That of all unknowns of `model`, which has intercepts, together.
     pub(crate) fn joint(model: &Model, entries: Vec<f64>) -> Self {
         let name = |(d, name): (usize, &str)| match name {

@@ -45,6 +45,29 @@ pub struct Forward {
     pub(super) inverse: Vec<f64>,
 }
 
+impl Forward {
+    /// Root of the criterion.
+    pub fn parameter_error(&self) -> f64 {
+        self.value.sqrt()
+    }
+
+    /// Of every parameter.
+    pub fn standard_errors(&self) -> impl Iterator<Item = f64> {
+        self.variances.iter().map(|v| v.max(0.0).sqrt())
+    }
+
+    /// log|det| of the information of one of its `samples`, on average; `None` where that is singular.
+    pub fn log_det(&self, samples: u64) -> Option<f64> {
+        let mut mean: Vec<f64> = self.information.iter().map(|f| f / samples as f64).collect();
+        numerics::log_det(self.information.len().isqrt(), &mut mean).map(|found| found.log_abs)
+    }
+
+    /// −log of the criterion of one of its `samples`, as designs are compared by.
+    pub fn log_value(&self, samples: u64) -> f64 {
+        -libm::log(self.value * samples as f64)
+    }
+}
+
 impl TraceCriterion<'_> {
     /// The criterion of a run of `exogenous`, N × (inputs and measured disturbances). `None` where the simulation diverges or
     /// the run leaves a direction of the parameters without information.

@@ -22,13 +22,13 @@ mod surround;
 mod tracks;
 mod view;
 
-use chart::Invalid;
+use refusal::Invalid;
 
 use crate::figures::svg::{self, Colours, Sheet};
 
 pub use input::{
-    Area, Cells, Class, Contour, Frame, Graticule, Map, Margin, Purpose, Spot, Symbol, Track, TrackStyle,
-    Tube,
+    Area, Cells, Class, Contour, Frame, Graticule, Map, Margin, Purpose, Raster, Spot, Symbol, Track,
+    TrackStyle, Tube,
 };
 
 use legend::Legend;
@@ -68,7 +68,7 @@ pub fn parted(svg: &str) -> Option<[String; 2]> {
 /// let map = Map { title: "Transit".to_owned(), tracks: vec![track], ..Map::default() };
 /// let svg = map_figure(&map)?;
 /// assert!(svg.contains("<title>Transit</title>") && svg.contains(">basic move</text>"));
-/// # Ok::<(), chart::Invalid>(())
+/// # Ok::<(), refusal::Invalid>(())
 /// ```
 ///
 /// # Errors

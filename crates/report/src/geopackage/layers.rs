@@ -1,9 +1,8 @@
 //! The passage and the track of a plan as layers for maps.
 
-use chart::Plane;
-use chart::route::{Feature, Geometry, Route};
 use serde_json::{Value, json};
 use study::documents::{Passage, PassageLeg};
+use study::plan::{Feature, Geometry, Plane, Route};
 
 use super::package::{Column, Shape, StyledLayer};
 

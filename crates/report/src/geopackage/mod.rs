@@ -3,9 +3,8 @@
 mod layers;
 mod package;
 
-use chart::route::Geometry;
 use refusal::Invalid;
-use study::plan::Routes;
+use study::plan::{Geometry, Routes};
 
 use layers::Layers;
 pub use package::{Column, Shape, StyledLayer, package};

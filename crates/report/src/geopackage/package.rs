@@ -2,10 +2,10 @@
 
 use std::iter::once;
 
-use chart::route::{Feature, Geometry, Timestamp, later, rounded};
 use refusal::Invalid;
 use rusqlite::types::Value;
 use rusqlite::{Connection, params, params_from_iter};
+use study::plan::{Feature, Geometry, Timestamp, later, rounded};
 
 const SCHEMA: &str = include_str!("package.sql");
 

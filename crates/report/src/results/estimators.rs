@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use artifact::Error;
-use identification::Estimator;
-use study::documents::{DesignScores, EstimatorScores, ValidationDocument};
+use study::documents::{DesignScores, Estimator, EstimatorScores, ValidationDocument};
 
 use super::folder::{documents, label, left_out, seed};
 use super::table::{Table, median};

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use artifact::{Error, Loaded};
-use study::documents::SequentialDocument;
-use trial::rounds::Stopping;
+use study::documents::{SequentialDocument, Stopping};
 
 use super::folder::{documents, label, left_out, seed_of};
 use super::table::{Table, quantile, share};

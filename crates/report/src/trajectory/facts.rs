@@ -3,8 +3,7 @@ use maud::{Markup, html};
 use super::words::{clearance, cost, gap, minutes, part};
 use crate::number::{exact, or_dash, percent, three, three_or_dash};
 use crate::parts::entry;
-use study::documents::{PlanDocument, SecondaryCost, Voyage};
-use trial::voyage::{Check, Information, Secondary};
+use study::documents::{Check, Information, PlanDocument, Secondary, SecondaryCost, Voyage};
 
 /// What is known about the plan and about the vessel at sea.
 pub(super) fn facts(plan: &PlanDocument) -> Markup {

@@ -67,7 +67,7 @@ fn planned(loader: &mut Loader, name: &str) -> Result<Option<PlannedTrial>, Erro
     let what = if name.is_empty() { "planned trajectory" } else { "the same trial planned otherwise" };
     let Some(loaded) = loader.loaded::<PlanDocument>(&within("plan.json"), what)? else { return Ok(None) };
     let stale = stale(loader, name, &loaded);
-    let map = map(loader, &within("map.svg"))?;
+    let map = map(loader, &within("map"))?;
     if name.is_empty() {
         for (file, what) in BESIDE {
             let path = loader.sources.results.join(file);

@@ -7,8 +7,7 @@ use super::words::{cost_title, minutes};
 use crate::number::{exact, percent, three};
 use crate::parts::Figures;
 use crate::table::Table;
-use study::documents::{PlanDocument, Voyage};
-use trial::voyage::FrontPoint;
+use study::documents::{FrontPoint, PlanDocument, Voyage};
 
 /// Fewer uses for less cost: the counts that no others beat.
 pub(super) fn front(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures) -> Markup {

@@ -11,8 +11,7 @@ mod trials;
 pub(crate) mod words;
 
 use maud::{Markup, html};
-use study::documents::{PlanDocument, Voyage};
-use trial::voyage::Check;
+use study::documents::{Check, PlanDocument, Voyage};
 
 use crate::figures::map::parted;
 use crate::number::three;

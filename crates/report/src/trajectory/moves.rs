@@ -3,8 +3,7 @@ use maud::{Markup, html};
 use super::words::level;
 use crate::number::three;
 use crate::table::Table;
-use study::documents::{DroppedMove, PlanHandling, PlanLattice, Primitive, Voyage};
-use trial::Handling;
+use study::documents::{DroppedMove, Handling, PlanHandling, PlanLattice, Primitive, Voyage};
 
 /// How the maneuvers became moves of the lattice, folded away.
 pub(super) fn moves(voyage: &Voyage) -> Markup {

@@ -1,9 +1,9 @@
 //! Times, places and moves as the crew reads them.
 
 use crate::number::{exact, or_dash, percent, three};
-use study::documents::{CostUnit, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, VoyageLeg};
-use trial::Side;
-use trial::voyage::Check;
+use study::documents::{
+    Check, CostUnit, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Side, VoyageLeg,
+};
 
 /// One knot \[m/s\].
 const KNOT: f64 = 1852.0 / 3600.0;

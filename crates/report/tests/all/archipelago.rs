@@ -1,7 +1,8 @@
 //! A made-up archipelago with a planned trial of nine maneuvers, of the size of the paper's.
 
-use chart::Raster;
-use report::figures::map::{Area, Cells, Class, Frame, Graticule, Map, Margin, Purpose, Track, TrackStyle};
+use report::figures::map::{
+    Area, Cells, Class, Frame, Graticule, Map, Margin, Purpose, Raster, Track, TrackStyle,
+};
 
 const GRID: Raster = Raster { origin: [0.0, 0.0], cell_m: 25.0, nx: 176, ny: 140 };
 const TURNS: [[f64; 2]; 10] = [
@@ -100,7 +101,7 @@ fn plan() -> Vec<Track> {
             tracks.push(track(TrackStyle::Basic, vec![from, entry], None));
         }
         tracks.push(track(TrackStyle::RunIn, vec![entry, begin], None));
-        let number = u32::try_from(leg + 1).ok();
+        let number = u64::try_from(leg + 1).ok();
         tracks.push(track(TrackStyle::Maneuver(leg * 2 % 3), swinging(begin, end, swing, times), number));
         let next =
             TURNS.get(leg + 2).map_or_else(|| vec![end, to], |next| turn(end, to, along(to, *next, 0.16)));

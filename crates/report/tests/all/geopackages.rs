@@ -1,10 +1,10 @@
 //! GeoPackages, read back by SQLite and by the format's specification (OGC 12-128r17).
 
-use chart::route::{Feature, Geometry, Timestamp};
 use report::geopackage::{Column, Shape, StyledLayer, package};
 use rusqlite::Connection;
 use rusqlite::types::Value;
 use serde_json::json;
+use study::plan::{Feature, Geometry, Timestamp};
 
 /// A place, a line whose shape needs several pages, and an area.
 fn layers() -> Vec<StyledLayer> {

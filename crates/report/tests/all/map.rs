@@ -2,9 +2,9 @@
 
 use crate::archipelago::archipelago;
 use crate::drawing::{attribute, check, corners, doubled_area, elements, frame};
-use chart::Raster;
 use report::figures::map::{
-    Area, Cells, Class, Contour, Frame, Map, Margin, Purpose, Spot, Symbol, Track, TrackStyle, Tube, parted,
+    Area, Cells, Class, Contour, Frame, Map, Margin, Purpose, Raster, Spot, Symbol, Track, TrackStyle, Tube,
+    parted,
 };
 use report::figures::map_figure;
 
@@ -24,7 +24,7 @@ fn land(ring: Vec<[f64; 2]>, holes: Vec<Vec<[f64; 2]>>) -> Area {
     Area { class: Class::Land, ring, holes }
 }
 
-fn track(style: TrackStyle, points: Vec<[f64; 2]>, number: Option<u32>) -> Track {
+fn track(style: TrackStyle, points: Vec<[f64; 2]>, number: Option<u64>) -> Track {
     Track { style, points, number }
 }
 
@@ -273,7 +273,7 @@ fn more_maneuvers_than_colours_look_different() {
 fn numbers_of_steps_do_not_cover_each_other() {
     let mut map = archipelago();
     for number in 10..16 {
-        let points = vec![[2000.0, 500.0], [2100.0, 600.0 + f64::from(number)]];
+        let points = vec![[2000.0, 500.0], [2100.0, 600.0 + number as f64]];
         map.tracks.push(track(TrackStyle::Maneuver(0), points, Some(number)));
     }
     let svg = drawn(&map);

@@ -1,14 +1,14 @@
 //! A made-up study of the size and character of the paper's.
 
 use std::collections::BTreeMap;
+use study::files::Vessel;
 
-use identification::{Estimator, ScoreStatus};
-use model::Vessel;
 use report::{ManeuverTrace, Study};
 use study::documents::{
-    Bounds, Degree, DegreeMoments, DegreeSummary, DesignDocument, DesignScores, DesignStatus, DesignSummary,
-    Efficiency, EstimateDocument, ManeuverMoments, Moments, MomentsDocument, ParameterSummary, Published,
-    PublishedShare, Quantiles, Reference, Start, ValidationDocument,
+    Bounds, CriterionName, Degree, DegreeMoments, DegreeSummary, DesignDocument, DesignScores, DesignStatus,
+    DesignSummary, Efficiency, EstimateDocument, Estimator, InstrumentKind, ManeuverMoments, MeanRemoval,
+    Moments, MomentsDocument, ParameterSummary, Published, PublishedShare, Quantiles, Reference, ScoreStatus,
+    Start, ValidationDocument,
 };
 use study::scores::Row;
 
@@ -132,8 +132,8 @@ fn design() -> DesignDocument {
         agrees: true,
     };
     DesignDocument {
-        criterion: design::CriterionName::DHessian,
-        mean_removal: Some(identification::MeanRemoval::Complete),
+        criterion: CriterionName::DHessian,
+        mean_removal: Some(MeanRemoval::Complete),
         status: DesignStatus::Stationary,
         statement: "The shares are first-order optimal to a relative gap of 3e-10. The problem is not concave, so this does \
                     not prove a global optimum; all 6 starts reached the same value."
@@ -184,7 +184,7 @@ fn moments() -> MomentsDocument {
     MomentsDocument(Moments {
         vessel: "Ljungberg model ship".to_owned(),
         sample_rate_hz: 8.0,
-        instruments: identification::InstrumentKind::Nominal,
+        instruments: InstrumentKind::Nominal,
         degrees: degrees.iter().map(structure).collect(),
         maneuvers: MANEUVERS.iter().enumerate().map(maneuver).collect(),
         beyond: Vec::new(),
@@ -196,7 +196,7 @@ fn moments() -> MomentsDocument {
 fn estimate() -> EstimateDocument {
     EstimateDocument {
         estimator: Estimator::Iv,
-        mean_removal: identification::MeanRemoval::Complete,
+        mean_removal: MeanRemoval::Complete,
         designs: vec![summary("optimized", |p| p.4, 1.0), summary("random", |p| p.5, 40.0)],
         seed: Some(1),
         trusted_within: Some(0.15),

@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 use crate::mock;
 use report::{PlannedTrial, Study, Trajectory};
 use study::documents::{
-    CostUnit, NearestDanger, Passage, PassageLeg, PlanDocument, PlanHandling, PlanLattice, PlanPose,
-    PlanStatus, PlanStep, Primitive, SecondaryCost, ValidationDocument, Voyage, VoyageLeg,
+    Ability, Check, CostUnit, DerivedHandling, FrontPoint, Handling, Information, NearestDanger, Passage,
+    PassageLeg, PlanDocument, PlanHandling, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive,
+    Secondary, SecondaryCost, Side, Tide, ValidationDocument, Voyage, VoyageLeg,
 };
-use trial::voyage::{Check, FrontPoint, Information, Secondary, Tide};
-use trial::{Ability, DerivedHandling, Handling, Side};
 
 pub const MAP: &str = "<svg role=\"img\" aria-label=\"Planned trial\" viewBox=\"0 0 5600 8370\" \
     xmlns=\"http://www.w3.org/2000/svg\">\n<title>Planned trial</title>\n<path d=\"M1 2l3 4\" fill=\"none\" \

@@ -79,12 +79,28 @@ const SYSTEMS: [&str; 16] = [
 ];
 
 /// What some crates must not depend on: crates, dependencies, why.
-const DEPENDENCIES: [(&[&str], &[&str], &str); 3] = [
+const DEPENDENCIES: [(&[&str], &[&str], &str); 5] = [
     (SCIENCE, &["artifact", "study", "clap", "indicatif"], "science knows no files and no command line"),
     (
         &["design"],
         &["model", "engine", "maneuver", "chart", "lattice", "logs", "trial"],
         "a design is of information, not of ships",
+    ),
+    (&["study"], &["libm"], "documents compute nothing"),
+    (
+        &["report"],
+        &[
+            "trial",
+            "chart",
+            "lattice",
+            "maneuver",
+            "model",
+            "design",
+            "identification",
+            "validation",
+            "search",
+        ],
+        "a report draws from documents alone",
     ),
     (
         &["study", "report"],

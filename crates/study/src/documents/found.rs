@@ -91,10 +91,7 @@ pub(super) fn parameters(
     let (layout, known) = (model.layout(), vessel.model.layout().terms(d));
     let units = model.parameter_units();
     let covariance = delivered.covariance.as_ref();
-    let error = |name: &String| {
-        let (of, n) = (covariance?, covariance?.names.len());
-        of.names.iter().position(|own| own == name).map(|i| of.entries[i * n + i].max(0.0).sqrt())
-    };
+    let error = |name: &str| covariance?.standard_error(name);
     let degree = &model.degrees[d];
     let parameter = |i: usize| {
         let value = delivered.theta[layout.terms(d).start + i];
@@ -116,9 +113,7 @@ pub(super) fn parameters(
     let theta = base(vessel, model, delivered);
     let written = vessel.written(DegreeOfFreedom::ALL[d]).into_iter().map(|written| match written {
         Written::Estimated(place) => parameter(place - known.start),
-        Written::Constrained(own) => {
-            ModelParameter::constrained(vessel, own, &theta, |to| error(&names[to].to_owned()))
-        }
+        Written::Constrained(own) => ModelParameter::constrained(vessel, own, &theta, |to| error(names[to])),
     });
     written.chain((known.len()..degree.terms.len()).map(parameter)).collect()
 }

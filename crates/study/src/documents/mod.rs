@@ -10,9 +10,9 @@ mod design_status;
 mod estimate;
 mod found;
 mod ingest;
+mod map;
 mod model;
 mod moments;
-mod passage;
 mod plan;
 mod plan_depths;
 mod reference;
@@ -33,13 +33,22 @@ mod validation;
 use artifact::{Document, json_schema};
 
 // What documents are made of and the science says itself.
-pub use ::design::Degree;
+pub use ::design::{AccuracyOf, CriterionName, Degree};
+pub use ::model::{DegreeOfFreedom, Source};
+pub use ::search::{Candidate, NestedAverage, NestedRecording, SizeScore};
+pub use ::validation::comparison::{ComparedErrors, ErrorCorrelations, ErrorKind, Traced};
 pub use ::validation::crossval::{EstimatorScore, SourceScore};
 pub use ::validation::selection::{PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
 pub use ::validation::tally::{Bounds, ShareDifference};
-pub use identification::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
-pub use identification::{Quantiles, Share};
+pub use identification::criticism::{Absent, Criticism, FoundNoise, Verdict};
+pub use identification::pooled::{COLLINEAR, DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
+pub use identification::{Estimator, InstrumentKind, MeanRemoval, Quantiles, ScoreStatus, Share};
 pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments};
+pub use trial::rounds::{Arm, ArmSummary, RoundGain, Stopping};
+pub use trial::voyage::{
+    Check, FrontPoint, Information, NearestDanger, Passage, PassageLeg, Primitive, Secondary, Tide, VoyageLeg,
+};
+pub use trial::{Ability, DerivedHandling, Handling, Side};
 
 pub use average::{AverageDocument, AverageMember, AverageSummary, AverageTerm};
 pub use cells::{CellsDocument, SweepAxis, SweepCell, SweepDesign, SweepLine};
@@ -57,12 +66,16 @@ pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State,
     WarningKind, WarningSummary,
 };
+pub use map::{
+    MapArea, MapCellClass, MapCells, MapClass, MapContour, MapDocument, MapFrame, MapLine, MapMargin,
+    MapMeridian, MapName, MapParallel, MapPlace, MapPurpose, MapRaster, MapRuns, MapSpot, MapSwept,
+    MapSymbol, MapTrack, MapTrackKind,
+};
 pub use model::{ModelDegree, ModelDocument, ModelParameter};
 pub use moments::MomentsDocument;
-pub use passage::{NearestDanger, Passage, PassageLeg};
 pub use plan::{
     CostUnit, DroppedMove, LeftOut, PlanChart, PlanChartClass, PlanDocument, PlanHandling, PlanLattice,
-    PlanPose, PlanStatus, PlanStep, Primitive, SecondaryCost, Voyage, VoyageLeg,
+    PlanPose, PlanStatus, PlanStep, SecondaryCost, Voyage,
 };
 pub use plan_depths::{PlanDepths, PlanUnitFrom};
 pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
@@ -93,6 +106,7 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (CellsDocument::ID, json_schema::<CellsDocument>()),
         (SweepDocument::ID, json_schema::<SweepDocument>()),
         (PlanDocument::ID, json_schema::<PlanDocument>()),
+        (MapDocument::ID, json_schema::<MapDocument>()),
         (ModelDocument::ID, json_schema::<ModelDocument>()),
         (AverageDocument::ID, json_schema::<AverageDocument>()),
         (TrustDocument::ID, json_schema::<TrustDocument>()),

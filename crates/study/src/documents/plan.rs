@@ -3,10 +3,9 @@ use std::collections::BTreeMap;
 use artifact::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use trial::voyage::{Check, FrontPoint, Information, Primary, Secondary};
+use trial::voyage::{Check, FrontPoint, Information, Passage, Primary, Primitive, Secondary, VoyageLeg};
 use trial::{DerivedHandling, Handling, Side};
 
-use super::passage::Passage;
 use super::plan_depths::PlanDepths;
 
 /// `plan.json`: a walk over the lattice that uses every maneuver as often as asked, and what becomes of it at sea.
@@ -288,68 +287,6 @@ pub struct PlanLattice {
     pub latitude_deg: f64,
     /// Speeds of the modes \[m/s\].
     pub modes: BTreeMap<String, f64>,
-}
-
-/// One step at sea, as simulated.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct VoyageLeg {
-    /// Action, and side of a maneuver.
-    pub name: String,
-    /// Whether it is an informative maneuver.
-    pub informative: bool,
-    /// Which way, for an informative maneuver.
-    pub side: Option<Side>,
-    /// When it begins \[s\].
-    pub start_s: f64,
-    /// How long it takes \[s\].
-    pub duration_s: f64,
-    /// When its open-loop part begins \[s\]; after the steady approach.
-    pub maneuver_start_s: Option<f64>,
-    /// How long the open-loop part takes \[s\].
-    pub maneuver_s: Option<f64>,
-    /// Longitude of its first node.
-    pub longitude_deg: f64,
-    /// Latitude of its first node.
-    pub latitude_deg: f64,
-    /// True heading at its first node.
-    pub heading_deg: f64,
-    /// Speed at its first node \[m/s\].
-    pub speed_m_s: f64,
-    /// Distance from the end node when it is over \[m\].
-    pub end_error_m: f64,
-    /// Largest modulus of every input, in its unit.
-    pub largest_inputs: BTreeMap<String, f64>,
-}
-
-/// A maneuver as a move of the lattice.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Primitive {
-    /// Name of the maneuver.
-    pub maneuver: String,
-    /// Which way.
-    pub side: Side,
-    /// Heading level at its start.
-    pub h: u64,
-    /// Displacement in nodes, east.
-    pub di: i64,
-    /// Displacement in nodes, north.
-    pub dj: i64,
-    /// Heading level at its end.
-    pub to_h: u64,
-    /// Open-loop part \[s\].
-    pub maneuver_s: f64,
-    /// With approach and recovery \[s\].
-    pub leg_s: f64,
-    /// Distance from the node at its end, under the nominal model \[m\].
-    pub residual_m: f64,
-    /// Difference from the level's heading at its end \[deg\].
-    pub residual_deg: f64,
-    /// Largest distance from the nominal vessel of those who rehearsed it, before the recovery \[m\].
-    pub spread_m: f64,
-    /// Nodes of the lattice at which it fits on the chart.
-    pub fits: u64,
 }
 
 /// How the vessel is handled between maneuvers.

@@ -67,8 +67,8 @@ impl RefinedFiles<'_> {
         RefinedExperiment {
             value: forward.value,
             measurement_value: forward.measurement_value,
-            parameter_error: forward.value.sqrt(),
-            standard_errors: self.by_parameter(forward.variances.iter().map(|v| v.max(0.0).sqrt())),
+            parameter_error: forward.parameter_error(),
+            standard_errors: self.by_parameter(forward.standard_errors()),
         }
     }
 
@@ -100,8 +100,6 @@ impl RefinedFiles<'_> {
     pub fn design(&self, document: &RefinedDocument) -> DesignDocument {
         let forward = &self.found.refined.after;
         let samples = self.samples() as u64;
-        let n = forward.information.len().isqrt();
-        let mut mean: Vec<f64> = forward.information.iter().map(|f| f / samples as f64).collect();
         DesignDocument {
             criterion: CriterionName::ARelative,
             mean_removal: None,
@@ -115,7 +113,7 @@ impl RefinedFiles<'_> {
             dimension: None,
             gap: None,
             relative_gap: None,
-            log_det: numerics::log_det(n, &mut mean).map(|found| found.log_abs),
+            log_det: forward.log_det(samples),
             proved_global: false,
             starts: Vec::new(),
             efficiency: None,
@@ -135,7 +133,7 @@ impl RefinedFiles<'_> {
             sequence: Some(Sequence {
                 parts: vec![SequencePart { maneuver: NAME.into(), samples }],
                 samples,
-                value: -libm::log(forward.value * samples as f64),
+                value: forward.log_value(samples),
                 statement: document.statement.clone(),
             }),
         }

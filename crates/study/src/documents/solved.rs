@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use design::{
-    Accuracy, Available, Bounds, Candidates, CovariancePoint, Criterion, CriterionName, Design, Dictionary,
-    Evaluation, Norm, Objective, Restricted, Segments, Status, Streamed, Whole,
+    Accuracy, Available, Bounds, Criterion, CriterionName, Design, Dictionary, Predicted, Restricted,
+    Segments, Status, Streamed, Whole,
 };
 use identification::{Estimator, MeanRemoval};
 use trial::arranging::Arranged;
@@ -68,7 +68,7 @@ impl From<Solved<'_>> for DesignDocument {
         let parameters = dictionary.parameters();
         let log_det = match criterion {
             Criterion::Information(_) => Some(design.log_det),
-            Criterion::Covariance(_) => log_det(&dictionary.information, &design.shares),
+            Criterion::Covariance(_) => dictionary.information.log_det(&design.shares),
         };
         let least_largest = least_largest(&solved);
         let equal_shares = match solved.streamed {
@@ -121,42 +121,28 @@ fn least_largest(solved: &Solved) -> bool {
     solved.accuracy.is_some_and(|accuracy| accuracy.bound_s.is_some())
 }
 
-/// Of the information at `shares`; `None` where it is singular.
-fn log_det(information: &Candidates, shares: &[f64]) -> Option<f64> {
-    let (scaled, offset) = information.scaled().ok()?;
-    scaled.evaluate(shares, &mut Evaluation::default()).map(|value| value + offset)
-}
-
 fn covariance(solved: &Solved) -> Option<CovarianceCriterion> {
     let Criterion::Covariance(criterion) = solved.criterion else { return None };
-    let covariance = &criterion.covariance;
     let samples = solved.samples.map_or(1.0, f64::round).max(1.0);
     let names = || solved.dictionary.parameter_names().map(str::to_owned);
-    let variances = covariance.variances(&solved.design.shares)?;
-    let rows = solved.dictionary.parameter_rows();
-    let errors = rows.iter().map(|row| (variances[*row].max(0.0) / samples).sqrt());
-    let value = covariance.value(&solved.design.shares, &mut CovariancePoint::default())?;
-    let value = match covariance.norm() {
-        Norm::LogDet => -value - criterion.weights.len() as f64 * libm::log(samples),
-        Norm::Trace => libm::exp(-value) / samples,
-    };
+    let Predicted { value, standard_errors } =
+        criterion.predicted(solved.dictionary, &solved.design.shares, samples)?;
     Some(CovarianceCriterion {
         name: solved.name,
         value,
         weights: names().zip(criterion.weights.iter().copied()).collect(),
         samples: samples as u64,
-        standard_errors: names().zip(errors).collect(),
+        standard_errors: names().zip(standard_errors).collect(),
     })
 }
 
 fn starts(design: &Design) -> Vec<Start> {
-    let agrees = |log_det: f64| (design.log_det - log_det).abs() <= 1e-8 * design.log_det.abs().max(1.0);
     let start = |(i, s): (usize, &design::Start)| Start {
         name: if i == 0 { "equal".into() } else { format!("random {i}") },
         log_det: s.log_det,
         relative_gap: s.relative_gap,
         iterations: s.iterations,
-        agrees: agrees(s.log_det),
+        agrees: design.agrees(s),
     };
     design.starts.iter().enumerate().map(start).collect()
 }

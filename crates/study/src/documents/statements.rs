@@ -130,8 +130,8 @@ pub(super) fn refinement(found: &Refinement) -> String {
     format!(
         "Predicted parameter error {:.3} instead of {:.3}, worth {:.0} % more time; a local search that {ended} after {} \
          iterations, not proved best; the simulation with {} parameters and without disturbances keeps every limit.",
-        refined.after.value.sqrt(),
-        refined.before.value.sqrt(),
+        refined.after.parameter_error(),
+        refined.before.parameter_error(),
         100.0 * (found.efficiency() - 1.0),
         refined.iterations,
         match found.start.source {

@@ -4,12 +4,11 @@ use std::collections::BTreeMap;
 
 use chart::Uncharted;
 use lattice::{Pose, Problem, Solution, Status, Step};
-use trial::voyage::{Check, Prepared, Sailing, Solved};
+use trial::voyage::{Check, Prepared, SailedPlan, Solved};
 
-use super::legs::Legs;
-use super::passage::Layout;
 use crate::documents::{
-    CostUnit, PlanDocument, PlanHandling, PlanPose, PlanStatus, PlanStep, SecondaryCost, Voyage,
+    CostUnit, DroppedMove, PlanDocument, PlanHandling, PlanLattice, PlanPose, PlanStatus, PlanStep,
+    SecondaryCost, Voyage,
 };
 
 /// The plan of a lattice problem.
@@ -19,7 +18,8 @@ pub fn of_problem(problem: &Problem, solution: &Solution) -> PlanDocument {
 }
 
 /// The plan of a trial on a chart, as sailed.
-pub fn of_voyage(prepared: &Prepared, solved: &Solved, sailing: &Sailing) -> PlanDocument {
+pub fn of_voyage(voyage: &SailedPlan) -> PlanDocument {
+    let SailedPlan { prepared, solved, sailing } = *voyage;
     let (grid, cost) = (&prepared.grid, prepared.brief.task.cost);
     let pose = |p: Pose| {
         let (level, mode) = grid.level_and_mode(p.layer);
@@ -31,7 +31,7 @@ pub fn of_voyage(prepared: &Prepared, solved: &Solved, sailing: &Sailing) -> Pla
     PlanDocument {
         statement: labelled(planned.statement, &sailing.check),
         secondary: Some(SecondaryCost { name: cost.secondary, value: solution.cost.secondary }),
-        voyage: Some(voyage(prepared, solved, sailing)),
+        voyage: Some(at_sea(voyage)),
         ..planned
     }
 }
@@ -100,23 +100,48 @@ fn uses(problem: &Problem, solution: &Solution) -> BTreeMap<String, u64> {
     informative.map(|(index, action)| (action.name.clone(), used(index))).collect()
 }
 
-fn voyage(prepared: &Prepared, solved: &Solved, sailing: &Sailing) -> Voyage {
+fn at_sea(voyage: &SailedPlan) -> Voyage {
+    let SailedPlan { prepared, solved, sailing } = *voyage;
     let samples = &sailing.sailed.samples;
     let (task, rate_hz) = (&prepared.brief.task, prepared.brief.vessel.sample_rate_hz);
-    let legs = Legs { prepared, solved, sailing };
     Voyage {
-        lattice: legs.lattice(),
-        legs: legs.as_sailed(),
-        primitives: legs.primitives(),
-        dropped: legs.dropped(),
+        lattice: lattice(prepared),
+        legs: voyage.legs(),
+        primitives: voyage.primitives(),
+        dropped: dropped(prepared),
         handling: PlanHandling { used: task.handling, derived: task.derived },
         duration_s: samples.len() as f64 / rate_hz,
         informative_s: samples.iter().filter(|s| s.informative).count() as f64 / rate_hz,
         check: sailing.check.clone(),
         uncharted_share: prepared.uncharted_share(),
         uncharted_is_water: prepared.chart.uncharted() == Uncharted::Water,
-        passage: Layout { prepared, solved, sailing }.passage(),
+        passage: voyage.passage(),
         information: sailing.information.clone(),
         front: solved.front.clone(),
     }
+}
+
+fn lattice(prepared: &Prepared) -> PlanLattice {
+    let grid = &prepared.grid;
+    let (longitude_deg, latitude_deg) = prepared.chart.plane().to_geographic(grid.origin_m);
+    PlanLattice {
+        nx: grid.nx as u64,
+        ny: grid.ny as u64,
+        headings: grid.headings as u64,
+        cell_m: grid.cell_m,
+        longitude_deg,
+        latitude_deg,
+        modes: grid.modes.iter().map(|m| (m.name.clone(), m.speed_m_s)).collect(),
+    }
+}
+
+/// What is not offered to the search.
+fn dropped(prepared: &Prepared) -> Vec<DroppedMove> {
+    let grid = &prepared.grid;
+    let dropped = prepared.dropped.iter().map(|own| {
+        let (level, mode) = grid.level_and_mode(own.from);
+        let (name, mode, why) = (own.name.clone(), grid.modes[mode].name.clone(), own.why.clone());
+        DroppedMove { name, side: own.side, h: level as u64, mode, why }
+    });
+    dropped.collect()
 }

@@ -12,8 +12,7 @@ mod check;
 mod document;
 mod exchange_set;
 mod file;
-mod legs;
-mod passage;
+mod map;
 mod resume;
 mod routes;
 mod slot;
@@ -21,11 +20,16 @@ mod task;
 mod tide;
 mod updates;
 
+// What routes are made of.
+pub use chart::Plane;
+pub use chart::route::{Feature, Geometry, Route, Timestamp, later, rounded};
+
 pub use charts::{Charts, ChartsError, Means, read_charts};
 pub use document::{of_problem, of_voyage};
 pub use file::{
     ApproachSpec, AreaSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile, SensorSpec, SlotSpec, TideSpec,
 };
+pub use map::map_of;
 pub use resume::{place, resumed};
 pub use routes::{NamedFile, Routes};
 pub use tide::in_tide;

@@ -114,7 +114,7 @@ impl Routes<'_> {
         if waypoints.len() == 1 {
             // A trial that stays at its node still needs a leg: to where it strays farthest.
             let from = [waypoints[0].lon_deg, waypoints[0].lat_deg];
-            let away = |place: &[f64; 2]| geodesic(self.plane, from, *place);
+            let away = |place: &[f64; 2]| self.plane.distance_m(from, *place);
             let places = self.sailed.samples.iter().map(|s| self.place(s));
             let farthest = places.max_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(from);
             let [lon_deg, lat_deg] = farthest;
@@ -190,9 +190,4 @@ impl Routes<'_> {
 fn noted<'a>(label: &str, what: impl IntoIterator<Item = &'a String>) -> String {
     let what: Vec<String> = what.into_iter().map(|what| format!("{label}{what}")).collect();
     what.join(", ")
-}
-
-fn geodesic(plane: &Plane, a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (a, b) = (plane.to_plane(a[0], a[1]), plane.to_plane(b[0], b[1]));
-    libm::hypot(a[0] - b[0], a[1] - b[1])
 }

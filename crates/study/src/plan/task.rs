@@ -3,10 +3,10 @@
 use chart::route::Timestamp;
 use model::Vessel;
 use refusal::Invalid;
-use trial::voyage::Task;
+use trial::voyage::{Task, current_m_s};
 use trial::{Approach, DerivedHandling, Handling, Tolerance};
 
-use super::file::{KnownCurrent, PlanFile};
+use super::file::PlanFile;
 
 impl PlanFile {
     /// Refuses speeds that the logs of a model do not cover.
@@ -45,7 +45,9 @@ impl PlanFile {
             uncharted: self.uncharted,
             hull: self.hull,
             safety: self.safety,
-            known_current_m_s: self.known_current.map_or([0.0; 2], |current| current.components_m_s()),
+            known_current_m_s: self
+                .known_current
+                .map_or([0.0; 2], |own| current_m_s(own.speed_m_s, own.towards_deg)),
             handling,
             derived,
             approach,
@@ -70,14 +72,6 @@ pub(super) fn second(key: &str, text: &str) -> Result<i64, Invalid> {
         Invalid::new(format!("`{key}`"), format!("`{text}`"), expected, "write it so")
     };
     text.parse::<Timestamp>().map(Timestamp::as_second).map_err(refused)
-}
-
-impl KnownCurrent {
-    /// North and east \[m/s\].
-    fn components_m_s(self) -> [f64; 2] {
-        let (sin, cos) = libm::sincos(self.towards_deg.to_radians());
-        [self.speed_m_s * cos, self.speed_m_s * sin]
-    }
 }
 
 /// Parts of the allowed yaw rate, and speeds \[m/s\], that a settled vessel keeps within where nobody says otherwise.

@@ -6,7 +6,7 @@ use artifact::{Digest, Error, Provenance};
 use chart::route::Timestamp;
 use engine::MOST_CURRENT_M_S;
 use refusal::Invalid;
-use trial::voyage::{Task, Tide, TideRow};
+use trial::voyage::{Task, Tide, TideRow, current_m_s};
 
 use super::file::PlanFile;
 use super::task::second;
@@ -106,8 +106,7 @@ fn row(record: &csv::StringRecord, places: &[Option<usize>], line: u64) -> Resul
     let at_s = second(&format!("line {line}, time"), cell(0).unwrap_or(""))? as f64;
     let level_m = number(1, -MOST_LEVEL_M, MOST_LEVEL_M)?;
     let (speed, towards_deg) = (number(2, 0.0, MOST_CURRENT_M_S)?, number(3, 0.0, 360.0)?);
-    let (sin, cos) = libm::sincos(towards_deg.to_radians());
-    Ok(TideRow { at_s, level_m, stream_m_s: [speed * cos, speed * sin] })
+    Ok(TideRow { at_s, level_m, stream_m_s: current_m_s(speed, towards_deg) })
 }
 
 fn no_table(error: csv::Error) -> Invalid {

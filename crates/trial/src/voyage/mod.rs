@@ -16,11 +16,16 @@ mod footing;
 mod front;
 mod ground;
 mod information;
+mod legs;
+mod map;
 mod moment_sums;
 mod moves;
+mod passage;
+mod passage_lines;
 mod places;
 mod prepared;
 mod rehearsed;
+mod sailed_plan;
 mod sailing;
 mod script;
 mod search;
@@ -37,10 +42,14 @@ pub use footing::Footing;
 pub use front::FrontPoint;
 pub use ground::AT_REST;
 pub use information::Information;
+pub use legs::{Primitive, VoyageLeg};
+pub use map::TrackPart;
 pub use moves::Moves;
+pub use passage::{NearestDanger, Passage, PassageLeg};
 pub use places::compass_deg;
 pub use prepared::Prepared;
 pub use rehearsed::{Dropped, Rehearsed};
+pub use sailed_plan::SailedPlan;
 pub use sailing::Sailing;
 pub use search::{Search, Watch};
 pub use solve::Solved;
@@ -48,5 +57,5 @@ pub use task::{
     Area, Brief, CostRule, Goal, Hull, ManeuverUse, Place, Primary, Safety, Secondary, Shares, Slot,
     SpeedLimit, Task,
 };
-pub use tide::{Tide, TideRow};
+pub use tide::{Tide, TideRow, current_m_s};
 pub use waters::Waters;

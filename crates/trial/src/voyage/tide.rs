@@ -28,6 +28,12 @@ pub struct Tide {
     pub spread_m_s: f64,
 }
 
+/// North and east of a current of `speed_m_s` towards a compass direction \[m/s\].
+pub fn current_m_s(speed_m_s: f64, towards_deg: f64) -> [f64; 2] {
+    let (sin, cos) = libm::sincos(towards_deg.to_radians());
+    [speed_m_s * cos, speed_m_s * sin]
+}
+
 impl Tide {
     /// The worst case of a table of ascending times, interpolated linearly, over `slot_s` from `departure_s`.
     /// `None` where the table does not cover it.

@@ -1,5 +1,3 @@
-use chart::{Bounds, clip_ring};
-
 use super::view::View;
 use crate::figures::svg::Point;
 
@@ -48,10 +46,24 @@ pub(crate) fn segment(view: &View, from: Point, to: Point) -> Option<(Point, Poi
     (enter <= leave).then_some((start, end))
 }
 
-/// The part of a ring inside the frame, closed along the frame's sides.
+/// The part of a ring inside the frame, closed along the frame's sides, one of which is cut along at a time.
 pub(crate) fn ring(view: &View, ring: &[Point]) -> Vec<Point> {
     let (low, high) = (view.corner, view.opposite);
-    let frame = Bounds { min: [low.0, low.1], max: [high.0, high.1] };
-    let ring: Vec<[f64; 2]> = ring.iter().map(|&(x, y)| [x, y]).collect();
-    clip_ring(&ring, &frame).into_iter().map(|[x, y]| (x, y)).collect()
+    let turned = |ring: Vec<Point>| -> Vec<Point> { ring.into_iter().map(|(x, y)| (y, x)).collect() };
+    let across = beside(&beside(ring, low.0, 1.0), high.0, -1.0);
+    turned(beside(&beside(&turned(across), low.1, 1.0), high.1, -1.0))
+}
+
+/// The part of a ring where `sign * (x - limit)` is not negative.
+fn beside(ring: &[Point], limit: f64, sign: f64) -> Vec<Point> {
+    let is_in = |at: Point| sign * (at.0 - limit) >= 0.0;
+    let before = ring.iter().cycle().skip(ring.len().saturating_sub(1));
+    let mut kept = Vec::with_capacity(ring.len() + 4);
+    for (&from, &to) in before.zip(ring) {
+        if is_in(from) != is_in(to) {
+            kept.push((limit, from.1 + (limit - from.0) / (to.0 - from.0) * (to.1 - from.1)));
+        }
+        kept.extend(is_in(to).then_some(to));
+    }
+    kept
 }

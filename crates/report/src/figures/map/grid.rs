@@ -1,8 +1,6 @@
 use std::ops::RangeBounds;
 
-use chart::Raster;
-
-use super::input::Frame;
+use super::input::{Frame, Raster};
 use super::outline::{Vertex, outlines};
 use super::view::View;
 use crate::figures::svg::{Path, Point};

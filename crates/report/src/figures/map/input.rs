@@ -1,5 +1,3 @@
-use chart::Raster;
-
 /// What a map shows. Positions are `[x, y]` in metres, x east, y north.
 #[derive(Clone, Debug, Default)]
 pub struct Map {
@@ -104,6 +102,19 @@ pub struct Contour {
     pub line: Vec<[f64; 2]>,
 }
 
+/// Square cells. Cell (0, 0) is the south-western one; columns run east, rows run north.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Raster {
+    /// South-western corner of cell (0, 0) \[m\].
+    pub origin: [f64; 2],
+    /// Side of a cell \[m\].
+    pub cell_m: f64,
+    /// Columns.
+    pub nx: usize,
+    /// Rows.
+    pub ny: usize,
+}
+
 /// A raster of classes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
@@ -163,7 +174,7 @@ pub struct Tube {
     /// One value per cell.
     pub swept: Vec<bool>,
     /// How many vessels sailed.
-    pub vessels: usize,
+    pub vessels: u64,
 }
 
 /// How a line is drawn.
@@ -187,7 +198,7 @@ pub struct Track {
     /// Its points in order; less than two draw nothing.
     pub points: Vec<[f64; 2]>,
     /// Number of the step, shown at the first point.
-    pub number: Option<u32>,
+    pub number: Option<u64>,
 }
 
 /// Labels along the frame, as longitudes and latitudes. Those outside the frame are left out.

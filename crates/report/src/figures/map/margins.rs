@@ -1,9 +1,7 @@
-use chart::Raster;
-
 use super::clip;
 use super::colours;
 use super::grid::Ranks;
-use super::input::{Margin, Purpose, Tube};
+use super::input::{Margin, Purpose, Raster, Tube};
 use super::view::View;
 use crate::figures::svg::{Path, Sheet};
 

@@ -1,4 +1,4 @@
-use chart::Invalid;
+use refusal::Invalid;
 
 use super::input::Frame;
 use crate::figures::svg::Point;

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use chart::Dangers;
 use chart::route::{Route, Timestamp, Waypoint};
-use trial::voyage::{Prepared, Sailing, Solved};
-use trial::{Phase, Side};
 
-use crate::documents::{NearestDanger, Passage, PassageLeg};
+use super::passage::{NearestDanger, Passage, PassageLeg};
+use super::sailed_plan::SailedPlan;
+use crate::{BASIC_MOVES, Phase, Sample, Side};
 
 /// Waypoints that are nearer than this are one \[m\].
 const ONE_PLACE_M: f64 = 1.0;
@@ -40,21 +40,16 @@ struct Line {
     length_m: f64,
 }
 
-/// Lays out the passage of a plan as sailed.
-pub(super) struct Layout<'a> {
-    pub prepared: &'a Prepared,
-    pub solved: &'a Solved,
-    pub sailing: &'a Sailing,
-}
-
-impl Layout<'_> {
-    pub(super) fn passage(&self) -> Passage {
+impl SailedPlan<'_> {
+    /// The passage from waypoint to waypoint, as wide as the tracks of the check are.
+    pub fn passage(&self) -> Passage {
         let mut before = Vec::new();
         let stretches = self.stretches(&mut before);
         let start = self.solved.solution.steps.first().map_or([0.0; 2], |step| self.prepared.node(step.from));
         let (longitude_deg, latitude_deg) = self.geographic(start);
         let dangers = self.prepared.chart.dangers(self.prepared.brief.task.safety.transit_depth_m);
-        let mut legs: Vec<PassageLeg> = stretches.iter().map(|stretch| self.leg(stretch, &dangers)).collect();
+        let mut legs: Vec<PassageLeg> =
+            stretches.iter().map(|stretch| self.passage_leg(stretch, &dangers)).collect();
         for ([port, starboard], leg) in self.strayed(&stretches).into_iter().zip(&mut legs) {
             (leg.xtd_port_m, leg.xtd_starboard_m) = (port, starboard);
         }
@@ -143,7 +138,7 @@ impl Layout<'_> {
         away.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index)
     }
 
-    fn leg(&self, stretch: &Stretch, dangers: &Dangers) -> PassageLeg {
+    fn passage_leg(&self, stretch: &Stretch, dangers: &Dangers) -> PassageLeg {
         let ends = [stretch.from, stretch.to].map(|place| {
             let (lon_deg, lat_deg) = self.geographic(place);
             Waypoint { lon_deg, lat_deg, ..Waypoint::default() }
@@ -196,7 +191,7 @@ impl Layout<'_> {
     fn speed_m_s(&self, samples: &Range<usize>) -> f64 {
         let all = &self.sailing.sailed.samples;
         let own = &all[samples.start..(samples.end + 1).min(all.len())];
-        let place = |s: &trial::Sample| [s.pose.x, s.pose.y];
+        let place = |s: &Sample| [s.pose.x, s.pose.y];
         let way: f64 = own.windows(2).map(|pair| distance(place(&pair[0]), place(&pair[1]))).sum();
         let seconds = own.len().saturating_sub(1) as f64 / self.prepared.brief.vessel.sample_rate_hz;
         if seconds > 0.0 { way / seconds } else { 0.0 }
@@ -224,7 +219,7 @@ impl Layout<'_> {
 }
 
 /// The move that goes straight ahead.
-const STRAIGHT: &str = trial::BASIC_MOVES[0];
+const STRAIGHT: &str = BASIC_MOVES[0];
 
 /// Appends `next`, or lengthens the last stretch by it where both go straight on one course.
 fn append(all: &mut Vec<Stretch>, next: Stretch) {
@@ -268,4 +263,58 @@ impl Line {
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     libm::hypot(a[0] - b[0], a[1] - b[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn straight(from: [f64; 2], to: [f64; 2], step: usize) -> Stretch {
+        Stretch {
+            what: STRAIGHT.to_owned(),
+            informative: false,
+            straight: true,
+            steps: step..step + 1,
+            from,
+            to,
+            turn_radius_m: None,
+            samples: 10 * step..10 * step + 10,
+            then: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn straight_moves_on_one_course_are_one_leg_until_something_is_done_between() {
+        let mut all = Vec::new();
+        append(&mut all, straight([0.0, 0.0], [100.0, 0.0], 0));
+        append(&mut all, Stretch { turn_radius_m: Some(60.0), ..straight([100.0, 0.0], [300.0, 0.0], 1) });
+        assert_eq!(all.len(), 1);
+        let whole = (all[0].to, all[0].steps.clone(), all[0].samples.clone(), all[0].turn_radius_m);
+        assert_eq!(whole, ([300.0, 0.0], 0..2, 0..20, Some(60.0)));
+        // After a turn under way, on another course, after a stop, and beside a maneuver begins another leg.
+        append(&mut all, straight([300.0, 0.0], [400.0, 0.0], 2));
+        append(&mut all, straight([400.0, 0.0], [400.0, 50.0], 3));
+        append(&mut all, Stretch { straight: false, ..straight([400.0, 50.0], [400.0, 90.0], 4) });
+        append(&mut all, straight([400.0, 90.0], [400.0, 99.0], 5));
+        assert_eq!(all.len(), 5);
+        all[4].then.push("turn".to_owned());
+        append(&mut all, straight([400.0, 99.0], [400.0, 110.0], 6));
+        assert_eq!(all.len(), 6);
+    }
+
+    #[test]
+    fn law_a_place_beside_a_line_is_as_far_from_it_as_from_its_nearest_point() {
+        // Course 30 degrees: north-east of a line to its right is starboard.
+        let (sin, cos) = libm::sincos(std::f64::consts::FRAC_PI_6);
+        let line = straight([10.0, 20.0], [10.0 + 200.0 * cos, 20.0 + 200.0 * sin], 0).line();
+        assert!((line.length_m - 200.0).abs() < 1e-9);
+        for (along, across, away) in
+            [(50.0, 7.0, 7.0), (150.0, -9.0, 9.0), (-3.0, 4.0, 5.0), (212.0, -5.0, 13.0)]
+        {
+            let place = [10.0 + along * cos - across * sin, 20.0 + along * sin + across * cos];
+            let found = line.along(place);
+            assert!((found[0] - along).abs() < 1e-9 && (found[1] - across).abs() < 1e-9, "{found:?}");
+            assert!((line.away(place) - away).abs() < 1e-9);
+        }
+    }
 }

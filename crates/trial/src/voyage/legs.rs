@@ -1,36 +1,82 @@
-//! The parts of `plan.json` that tell lattice, legs and moves.
+//! The legs of a plan as sailed, and the moves that its maneuvers became.
+
+use std::collections::BTreeMap;
 
 use lattice::Step;
-use trial::Sample;
-use trial::voyage::{Prepared, Rehearsed, Sailing, Solved, compass_deg};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-use crate::documents::{DroppedMove, PlanLattice, Primitive, VoyageLeg};
+use super::places::compass_deg;
+use super::prepared::Prepared;
+use super::rehearsed::Rehearsed;
+use super::sailed_plan::SailedPlan;
+use crate::{Sample, Side};
 
-/// Whose legs they are.
-pub(super) struct Legs<'a> {
-    pub prepared: &'a Prepared,
-    pub solved: &'a Solved,
-    pub sailing: &'a Sailing,
+/// One step at sea, as simulated.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VoyageLeg {
+    /// Action, and side of a maneuver.
+    pub name: String,
+    /// Whether it is an informative maneuver.
+    pub informative: bool,
+    /// Which way, for an informative maneuver.
+    pub side: Option<Side>,
+    /// When it begins \[s\].
+    pub start_s: f64,
+    /// How long it takes \[s\].
+    pub duration_s: f64,
+    /// When its open-loop part begins \[s\]; after the steady approach.
+    pub maneuver_start_s: Option<f64>,
+    /// How long the open-loop part takes \[s\].
+    pub maneuver_s: Option<f64>,
+    /// Longitude of its first node.
+    pub longitude_deg: f64,
+    /// Latitude of its first node.
+    pub latitude_deg: f64,
+    /// True heading at its first node.
+    pub heading_deg: f64,
+    /// Speed at its first node \[m/s\].
+    pub speed_m_s: f64,
+    /// Distance from the end node when it is over \[m\].
+    pub end_error_m: f64,
+    /// Largest modulus of every input, in its unit.
+    pub largest_inputs: BTreeMap<String, f64>,
 }
 
-impl Legs<'_> {
-    /// The lattice.
-    pub(super) fn lattice(&self) -> PlanLattice {
-        let grid = &self.prepared.grid;
-        let (longitude_deg, latitude_deg) = self.prepared.chart.plane().to_geographic(grid.origin_m);
-        PlanLattice {
-            nx: grid.nx as u64,
-            ny: grid.ny as u64,
-            headings: grid.headings as u64,
-            cell_m: grid.cell_m,
-            longitude_deg,
-            latitude_deg,
-            modes: grid.modes.iter().map(|m| (m.name.clone(), m.speed_m_s)).collect(),
-        }
-    }
+/// A maneuver as a move of the lattice.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Primitive {
+    /// Name of the maneuver.
+    pub maneuver: String,
+    /// Which way.
+    pub side: Side,
+    /// Heading level at its start.
+    pub h: u64,
+    /// Displacement in nodes, east.
+    pub di: i64,
+    /// Displacement in nodes, north.
+    pub dj: i64,
+    /// Heading level at its end.
+    pub to_h: u64,
+    /// Open-loop part \[s\].
+    pub maneuver_s: f64,
+    /// With approach and recovery \[s\].
+    pub leg_s: f64,
+    /// Distance from the node at its end, under the nominal model \[m\].
+    pub residual_m: f64,
+    /// Difference from the level's heading at its end \[deg\].
+    pub residual_deg: f64,
+    /// Largest distance from the nominal vessel of those who rehearsed it, before the recovery \[m\].
+    pub spread_m: f64,
+    /// Nodes of the lattice at which it fits on the chart.
+    pub fits: u64,
+}
 
+impl SailedPlan<'_> {
     /// One per step, as sailed.
-    pub(super) fn as_sailed(&self) -> Vec<VoyageLeg> {
+    pub fn legs(&self) -> Vec<VoyageLeg> {
         let mut rest = &self.sailing.sailed.samples[..];
         let mut start = 0;
         let mut document = |(index, step): (usize, &Step)| {
@@ -74,20 +120,9 @@ impl Legs<'_> {
     }
 
     /// One per informative leg.
-    pub(super) fn primitives(&self) -> Vec<Primitive> {
+    pub fn primitives(&self) -> Vec<Primitive> {
         let legs = self.prepared.rehearsed.iter().enumerate();
         legs.filter_map(|(index, own)| self.primitive(index, own)).collect()
-    }
-
-    /// What is not offered to the search.
-    pub(super) fn dropped(&self) -> Vec<DroppedMove> {
-        let grid = &self.prepared.grid;
-        let dropped = self.prepared.dropped.iter().map(|own| {
-            let (level, mode) = grid.level_and_mode(own.from);
-            let (name, mode, why) = (own.name.clone(), grid.modes[mode].name.clone(), own.why.clone());
-            DroppedMove { name, side: own.side, h: level as u64, mode, why }
-        });
-        dropped.collect()
     }
 
     fn primitive(&self, index: usize, own: &Rehearsed) -> Option<Primitive> {

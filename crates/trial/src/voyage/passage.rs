@@ -1,7 +1,10 @@
+//! The passage of a plan, as a bridge draws it.
+
 use chart::Plane;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use trial::voyage::Tide;
+
+use super::tide::Tide;
 
 /// The voyage as a bridge plans it: courses from waypoint to waypoint. Straight moves on one course are one leg; a turn under
 /// way is a waypoint where its two courses cross.

@@ -1,0 +1,279 @@
+//! What a map shows of a planned trial, on the chart's plane: places are east and north \[m\].
+
+use std::collections::BTreeSet;
+
+use chart::{Bounds, Causes, Class, GridCell, Obstacles, Polygon, Raster};
+use engine::Pose;
+
+use super::sailed_plan::SailedPlan;
+use super::task::Hull;
+use crate::{Fix, Sample};
+
+/// Limits between the shades of depth \[m\].
+const SHADES_M: [f64; 6] = [0.0, 2.0, 5.0, 10.0, 20.0, 50.0];
+
+/// Cells of a tube's raster along the longer side of the map.
+const TUBE_CELLS: f64 = 560.0;
+
+/// Samples of the nominal track that are sailed in one way, one after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrackPart {
+    /// Step of the plan.
+    pub step: usize,
+    /// Whether an informative maneuver is run.
+    pub informative: bool,
+    /// Up to where the next part begins.
+    pub points: Vec<[f64; 2]>,
+}
+
+impl SailedPlan<'_> {
+    /// The lattice's area.
+    pub fn frame(&self) -> Bounds {
+        let grid = &self.prepared.grid;
+        let corner =
+            |i: f64, j: f64| [grid.origin_m[0] + grid.cell_m * i, grid.origin_m[1] + grid.cell_m * j];
+        Bounds { min: corner(-0.5, -0.5), max: corner(grid.nx as f64 - 0.5, grid.ny as f64 - 0.5) }
+    }
+
+    /// Limits between the shades of depth \[m\]; none where no depth is charted.
+    pub fn shades_m(&self) -> &'static [f64] {
+        if self.prepared.chart.has_depth() { &SHADES_M } else { &[] }
+    }
+
+    /// The raster of the obstacles.
+    pub fn raster(&self) -> Raster {
+        self.solved.waters.transit().raster()
+    }
+
+    /// Cells of gridded charts on that raster, by class: land, then water of each shade with the least depth of its cells.
+    pub fn cells(&self) -> Vec<(Class, Vec<bool>)> {
+        let (chart, raster) = (&self.prepared.chart, self.raster());
+        let cell = |k: usize| {
+            let at = raster.node(k % raster.nx, k / raster.nx).map(|o| o + raster.cell_m / 2.0);
+            chart.grids().iter().filter_map(|grid| grid.at(at)).find(|cell| *cell != GridCell::Missing)
+        };
+        let count = if chart.grids().is_empty() { 0 } else { raster.nx * raster.ny };
+        let cells: Vec<Option<GridCell>> = (0..count).map(cell).collect();
+        let limits_m = self.shades_m();
+        let depth_m = |cell: &Option<GridCell>, shade: usize| {
+            let depth_m = match cell {
+                Some(GridCell::Water) => 0.0,
+                Some(GridCell::Depth(depth_m)) => *depth_m,
+                _ => return None,
+            };
+            (limits_m.iter().filter(|limit_m| depth_m >= **limit_m).count() == shade).then_some(depth_m)
+        };
+        let land = cells.iter().map(|cell| *cell == Some(GridCell::Land)).collect();
+        let water = (0..=limits_m.len()).map(|shade| {
+            let least_m = cells.iter().filter_map(|cell| depth_m(cell, shade)).reduce(f64::min);
+            let set = cells.iter().map(|cell| depth_m(cell, shade).is_some()).collect();
+            (Class::Depth { least_m }, set)
+        });
+        let all = std::iter::once((Class::Land, land)).chain(water);
+        all.filter(|(_, set): &(_, Vec<bool>)| set.contains(&true)).collect()
+    }
+
+    /// Polygons of the chart that are drawn in the frame: no dangers that are deep enough for maneuvers, and none that lie
+    /// around a point.
+    pub fn areas(&self) -> Vec<Polygon> {
+        let deep_m = self.prepared.brief.task.safety.trial_depth_m;
+        let mut areas = self.prepared.chart.drawn(&self.frame());
+        areas.retain(|polygon| match polygon.class {
+            Class::Danger { least_m } => {
+                !(polygon.is_of_point || least_m.is_some_and(|least_m| least_m >= deep_m))
+            }
+            _ => true,
+        });
+        areas
+    }
+
+    /// Names of areas, the largest first, each where its area is widest halfway up.
+    pub fn names(&self) -> Vec<([f64; 2], String)> {
+        let named = |polygon: Polygon| {
+            let Bounds { min, max } = polygon.bounds;
+            let halfway = (min[1] + max[1]) / 2.0;
+            let [west, east] = widest(&polygon.rings, halfway)?;
+            let name = polygon.called.name.filter(|_| !polygon.is_of_point)?;
+            let size = (max[0] - min[0]) * (max[1] - min[1]);
+            Some((size, [(west + east) / 2.0, halfway], name.to_string()))
+        };
+        let drawn = self.prepared.chart.drawn(&self.frame());
+        let mut all: Vec<_> = drawn.into_iter().filter_map(named).collect();
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut seen = BTreeSet::new();
+        all.retain(|(_, _, name)| seen.insert(name.clone()));
+        all.into_iter().map(|(_, at, name)| (at, name)).collect()
+    }
+
+    /// Cells of the raster that only depth (of water that is charted) or margin block: for informative maneuvers, and in transit.
+    pub fn margins(&self) -> [Vec<bool>; 2] {
+        let waters = &self.solved.waters;
+        [waters.deepest(&self.prepared.rehearsed), waters.transit()].map(|obstacles: &Obstacles| {
+            let raster = obstacles.raster();
+            let own = |k: usize| {
+                let (col, row) = (k % raster.nx, k / raster.nx);
+                let causes = obstacles.causes(col, row);
+                let solid = [Causes::LAND, Causes::NO_GO, Causes::UNCHARTED].iter().any(|c| causes.has(*c));
+                obstacles.is_blocked(col, row) && !solid
+            };
+            (0..raster.nx * raster.ny).map(own).collect()
+        })
+    }
+
+    /// Cells that the hulls of the nominal track and of the check's runs swept; nothing without such runs.
+    pub fn swept(&self) -> Option<(Raster, Vec<bool>)> {
+        let bounds = self.frame();
+        let side = (0..2).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f64::max);
+        let grid = Raster::covering(&bounds, side / TUBE_CELLS).ok()?;
+        let body = body(&self.prepared.brief.task.hull, grid.cell_m);
+        let mut swept = vec![false; grid.nx * grid.ny];
+        let own: Vec<Fix> = self.sailing.sailed.fixes().collect();
+        for track in std::iter::once(&own).chain(&self.sailing.runs) {
+            let mut last = [f64::INFINITY; 2];
+            for Fix { pose, .. } in track {
+                let place = [pose.y, pose.x];
+                if libm::hypot(place[0] - last[0], place[1] - last[1]) < grid.cell_m / 2.0 {
+                    continue;
+                }
+                last = place;
+                let cells = placed(*pose, &body).filter_map(|point| grid.cell_at(point));
+                cells.for_each(|(column, row)| swept[row * grid.nx + column] = true);
+            }
+        }
+        (!self.sailing.runs.is_empty()).then_some((grid, swept))
+    }
+
+    /// The nominal track in parts.
+    pub fn track(&self) -> Vec<TrackPart> {
+        let samples = &self.sailing.sailed.samples;
+        let mut end = 0;
+        let part = |own: &[Sample]| {
+            end += own.len();
+            let next = samples.get(end).map(place).or_else(|| self.end());
+            let points = own.iter().map(place).chain(next).collect();
+            TrackPart { step: own[0].leg, informative: own[0].informative, points }
+        };
+        samples.chunk_by(|a, b| a.leg == b.leg && a.informative == b.informative).map(part).collect()
+    }
+
+    /// Where the nominal track begins.
+    pub fn start(&self) -> Option<[f64; 2]> {
+        self.sailing.sailed.samples.first().map(place)
+    }
+
+    /// Where it ends.
+    pub fn end(&self) -> Option<[f64; 2]> {
+        self.sailing.sailed.ends.last().map(|(pose, _)| [pose.y, pose.x])
+    }
+
+    /// The hull where a maneuver begins.
+    pub fn hulls(&self) -> Vec<Vec<[f64; 2]>> {
+        let pairs = self.sailing.sailed.samples.windows(2);
+        let begins = pairs.filter(|pair| !pair[0].informative && pair[1].informative);
+        let outline = self.prepared.brief.task.hull.outline();
+        begins.map(|pair| placed(pair[1].pose, &outline).collect()).collect()
+    }
+
+    /// Longitudes at round minutes with their places east, and latitudes with theirs north, through the middle of the frame.
+    pub fn graticule(&self) -> [Vec<(f64, f64)>; 2] {
+        let (plane, bounds) = (self.prepared.chart.plane(), self.frame());
+        let (west, south) = plane.to_geographic(bounds.min);
+        let (east, north) = plane.to_geographic(bounds.max);
+        let middle = [(west + east) / 2.0, (south + north) / 2.0];
+        [
+            round_minutes(west, east).map(|lon| (lon, plane.to_plane(lon, middle[1])[0])).collect(),
+            round_minutes(south, north).map(|lat| (lat, plane.to_plane(middle[0], lat)[1])).collect(),
+        ]
+    }
+}
+
+/// Degrees between two, at round minutes.
+fn round_minutes(from: f64, to: f64) -> impl Iterator<Item = f64> {
+    let steps = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0].map(|minutes| minutes / 60.0);
+    let step = steps.into_iter().find(|step| (to - from) / step <= 6.0).unwrap_or(1.0);
+    (0..).map(move |k| (from / step).ceil() * step + f64::from(k) * step).take_while(move |at| *at <= to)
+}
+
+fn place(sample: &Sample) -> [f64; 2] {
+    [sample.pose.y, sample.pose.x]
+}
+
+/// Points of a ship at `pose`, x forward and y to starboard of its reference point.
+fn placed(pose: Pose, points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
+    let (sin, cos) = libm::sincos(pose.psi);
+    points.iter().map(move |[x, y]| [pose.y + x * sin + y * cos, pose.x + x * cos - y * sin])
+}
+
+/// Points of a hull, x forward and y to starboard, apart by no more than `apart_m`.
+fn body(hull: &Hull, apart_m: f64) -> Vec<[f64; 2]> {
+    let steps = |length: f64| (length / apart_m).ceil().max(1.0) as u32;
+    let (long, wide) = (steps(hull.length_m), steps(hull.beam_m));
+    let stern = -hull.length_m / 2.0 - hull.reference_m;
+    let x = move |k: u32| stern + hull.length_m * f64::from(k) / f64::from(long);
+    let y = move |k: u32| hull.beam_m * (f64::from(k) / f64::from(wide) - 0.5);
+    (0..=long).flat_map(|i| (0..=wide).map(move |j| [x(i), y(j)])).collect()
+}
+
+/// The longest stretch of `rings`, filled by the even-odd rule, along the parallel at `y`.
+fn widest(rings: &[Vec<[f64; 2]>], y: f64) -> Option<[f64; 2]> {
+    let mut crossings: Vec<f64> = Vec::new();
+    for ring in rings {
+        let edges = ring.iter().zip(ring.iter().cycle().skip(1));
+        crossings.extend(
+            edges
+                .filter(|(p, q)| (p[1] > y) != (q[1] > y))
+                .map(|(p, q)| p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0])),
+        );
+    }
+    crossings.sort_by(f64::total_cmp);
+    let stretches = crossings.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
+    stretches.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_stands_in_the_longest_part_of_an_area() {
+        let square = |west: f64, east: f64| vec![[west, 0.0], [east, 0.0], [east, 10.0], [west, 10.0]];
+        assert_eq!(widest(&[square(0.0, 30.0)], 5.0), Some([0.0, 30.0]));
+        assert_eq!(widest(&[square(0.0, 30.0), square(5.0, 12.0)], 5.0), Some([12.0, 30.0]));
+        assert_eq!(widest(&[vec![[0.0, 0.0], [8.0, 0.0], [0.0, 8.0]]], 2.0), Some([0.0, 6.0]));
+        assert_eq!(widest(&[square(0.0, 30.0)], 11.0), None);
+    }
+
+    #[test]
+    fn law_round_minutes_lie_between_their_ends_and_are_few() {
+        for (from, to, minutes) in
+            [(24.9, 25.02, 2.0), (-0.51, -0.5, 0.1), (10.0, 10.5, 5.0), (1.0, 9.0, 60.0)]
+        {
+            let all: Vec<f64> = round_minutes(from, to).collect();
+            assert!(all.iter().all(|at| (from..=to).contains(at)) && all.len() <= 9, "{all:?}");
+            let whole = |at: &f64| {
+                let steps = at * 60.0 / minutes;
+                (steps - steps.round()).abs() < 1e-6
+            };
+            assert!(all.iter().all(whole), "{all:?}");
+            let apart = all.windows(2).all(|pair| ((pair[1] - pair[0]) * 60.0 / minutes - 1.0).abs() < 1e-6);
+            assert!(apart && all.len() >= 3, "{all:?}");
+        }
+    }
+
+    #[test]
+    fn law_points_of_a_body_fill_its_hull_and_turn_with_it() {
+        let hull =
+            Hull { length_m: 30.0, beam_m: 8.0, reference_m: 5.0, air_draught_m: None, draught_m: None };
+        let body = body(&hull, 3.0);
+        assert_eq!(body.len(), 11 * 4);
+        let ends = |k: usize| {
+            body.iter().map(|p| p[k]).fold((9e9, -9e9), |(a, b): (f64, f64), v| (a.min(v), b.max(v)))
+        };
+        assert_eq!((ends(0), ends(1)), ((-20.0, 10.0), (-4.0, 4.0)));
+        // Heading east, forward is east and starboard is south.
+        let east = Pose { x: 100.0, y: 200.0, psi: std::f64::consts::FRAC_PI_2 };
+        let [ahead, aside] = [[10.0, 0.0], [0.0, 4.0]].map(|p| placed(east, &[p]).next().unwrap());
+        assert!((ahead[0] - 210.0).abs() < 1e-9 && (ahead[1] - 100.0).abs() < 1e-9, "{ahead:?}");
+        assert!((aside[0] - 200.0).abs() < 1e-9 && (aside[1] - 96.0).abs() < 1e-9, "{aside:?}");
+    }
+}
