@@ -5,6 +5,7 @@ mod drawing;
 mod figures;
 mod geopackages;
 mod map;
+mod map_document;
 mod measured;
 mod mock;
 mod mock_plan;
