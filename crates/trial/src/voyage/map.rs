@@ -246,7 +246,7 @@ mod tests {
     #[test]
     fn law_round_minutes_lie_between_their_ends_and_are_few() {
         for (from, to, minutes) in
-            [(24.9, 25.02, 2.0), (-0.51, -0.5, 0.1), (10.0, 10.5, 5.0), (1.0, 9.0, 60.0)]
+            [(24.9, 25.02, 2.0), (-0.508, -0.5, 0.1), (10.0, 10.4, 5.0), (1.0, 9.0, 60.0)]
         {
             let all: Vec<f64> = round_minutes(from, to).collect();
             assert!(all.iter().all(|at| (from..=to).contains(at)) && all.len() <= 9, "{all:?}");

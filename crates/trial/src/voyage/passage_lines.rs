@@ -304,7 +304,7 @@ mod tests {
 
     #[test]
     fn law_a_place_beside_a_line_is_as_far_from_it_as_from_its_nearest_point() {
-        // Course 30 degrees: north-east of a line to its right is starboard.
+        // Course 30 degrees; starboard is positive across.
         let (sin, cos) = libm::sincos(std::f64::consts::FRAC_PI_6);
         let line = straight([10.0, 20.0], [10.0 + 200.0 * cos, 20.0 + 200.0 * sin], 0).line();
         assert!((line.length_m - 200.0).abs() < 1e-9);
