@@ -47,6 +47,7 @@ fn a_plan_that_fails_its_check_and_is_allowed_says_so_in_every_output() {
     let package = String::from_utf8_lossy(planned.study.bytes("route.gpkg"));
     assert!(package.contains("unsafe plan: corridors") && package.contains("unsafe plan: planned track"));
     assert!(planned.text("map.svg").contains("Unsafe: the plan fails its own check"));
+    assert!(planned.text("map.json").contains("\"safe\": false"));
     let folder = planned.study.with(&["plan.json", "map.svg", "dictionary.parquet"]);
     fs::create_dir(folder.path().join("out")).unwrap();
     for name in ["plan.json", "track.parquet", "track.geojson", "route.rtz", "route.gpx", "map.svg"] {
