@@ -305,7 +305,7 @@ sweep-check: build
 # every kind in logs, and the sweep on a Slurm that is started for it (Debian: slurmctld slurmd slurm-client munge)
 .PHONY: nightly
 nightly: test
-	$(MAKE) BIN=target/release study helsinki
+	$(MAKE) BIN=target/release study helsinki results-check
 	bash scripts/sweep-check.sh target/release slurm
 	$(MAKE) faults CASES=20000
 	SEATRIAL_CASES=1000 $(CARGO) test --workspace --locked --test ingest silent

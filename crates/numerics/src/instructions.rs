@@ -4,26 +4,18 @@ use pulp::WithSimd;
 
 /// Runs `op` as compiled for the widest vector instructions of this processor. On x86-64 that is AVX-512, or
 /// AVX2 with FMA: the version for older processors was twenty times slower, and cost compile time all the
-/// same.
+/// same. With debug assertions, as tests are built, AVX-512 is left out: it gives the same bits, and takes half of the
+/// time to compile.
 ///
 /// # Panics
 /// Where the processor has neither. Programs check [`missing_instructions`] first.
 #[inline(always)]
 pub fn dispatch<O: WithSimd>(op: O) -> O::Output {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use pulp::Simd;
-        use pulp::x86::{V3, V4};
-        if let Some(wide) = V4::try_new() {
-            return Simd::vectorize(wide, op);
-        }
-        match V3::try_new() {
-            Some(simd) => Simd::vectorize(simd, op),
-            None => lacking(),
-        }
+    #[cfg(all(target_arch = "x86_64", not(debug_assertions)))]
+    if let Some(wide) = pulp::x86::V4::try_new() {
+        return pulp::Simd::vectorize(wide, op);
     }
-    #[cfg(not(target_arch = "x86_64"))]
-    pulp::Arch::new().dispatch(op)
+    dispatch_narrow(op)
 }
 
 /// As [`dispatch`], but with AVX2 even where there is AVX-512: for code that takes long to compile and gains

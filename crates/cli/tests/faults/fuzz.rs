@@ -90,9 +90,9 @@ fn strange_words(draw: &mut Draw, line: &str) -> String {
     (0..=draw.below(3)).map(|_| word(draw)).collect()
 }
 
-/// Cases of this kind: all of them when asked for, otherwise so many that all kinds together are 500.
+/// Cases of this kind: all of them when asked for, otherwise so many that all kinds together are 250.
 fn count(part: u64) -> u64 {
-    asked().unwrap_or(500) / part
+    asked().unwrap_or(250) / part
 }
 
 /// The one case that is to be tried again, if it is of `kind`: from it to the next.
