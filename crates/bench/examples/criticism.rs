@@ -11,11 +11,10 @@ use std::error::Error;
 
 use engine::{Run, RunView};
 use identification::criticism::{Criticism, Subject, criticise, criticise_each};
-use identification::pooled::{
-    Judgement, Pool, PooledRuns, Resampling, StandardErrors, enriched, standard_errors,
-};
+use identification::pooled::{Judgement, Pool, Resampling, StandardErrors, enriched, standard_errors};
 use numerics::statistics::wilson;
 use rayon::prelude::*;
+use regression::pooled::PooledRuns;
 use seatrial::{CampaignFile, DictionaryFile, Estimator, Study, Vessel};
 use trial::campaign::SimulatedRun;
 

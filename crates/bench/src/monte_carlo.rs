@@ -1,9 +1,10 @@
 //! Monte Carlo in memory: simulate, estimate, validate freely.
 
 use engine::simulate_one;
-use identification::{Batch, FreeRun, Instruments, MeanRemoval, Outcome, free_runs, parameter_error};
+use identification::{FreeRun, free_runs, parameter_error};
 use model::Source;
 use numerics::{LANES, Lane};
+use regression::{Batch, Instruments, MeanRemoval, Outcome};
 use serde_json::{Value, json};
 
 use crate::paper::{Experiment, Paper};

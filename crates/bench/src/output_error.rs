@@ -4,9 +4,9 @@ use std::path::Path;
 
 use engine::RunView;
 use identification::predictor::{Fit, InitialState, Spread, output_error};
-use identification::{Batch, Instruments, MeanRemoval, Outcome};
 use numerics::LANES;
 use numerics::lanes::lane_of;
+use regression::{Batch, Instruments, MeanRemoval, Outcome};
 use serde_json::{Value, json};
 
 use crate::paper::{Experiment, Paper};

@@ -2,12 +2,12 @@
 
 use design::Candidates;
 use engine::{Current, Disturbances, Measurement, Streams, Weather, simulate, simulate_one};
-use identification::{Batch, moments};
 use maneuver::{Generator, Realized};
 use model::{Source, Vessel};
 use numerics::lanes::{interleave, lane};
 use numerics::{LANES, Lane};
 use refusal::Invalid;
+use regression::{Batch, moments};
 
 /// Vessel and dictionary of the paper.
 pub struct Paper {

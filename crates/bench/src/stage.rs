@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use identification::predictor::InitialState;
 use identification::runs::{Beside, RunEstimators};
-use identification::{Estimator, MeanRemoval, ValidationRuns};
+use identification::{Estimator, ValidationRuns};
 use maneuver::Generator;
 use model::Source;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use regression::MeanRemoval;
 use seatrial::MonteCarlo;
 use serde_json::{Value, json};
 use study::campaign_file::CampaignFile;

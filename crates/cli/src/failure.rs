@@ -3,9 +3,10 @@
 use std::convert::Infallible;
 use std::path::Path;
 
-use identification::pooled::{LostInstruments, PoolError};
+use identification::pooled::PoolError;
 use identification::runs::RunError;
 use refusal::Invalid;
+use regression::pooled::LostInstruments;
 use thiserror::Error;
 
 /// Why nothing was written. The message is one line.

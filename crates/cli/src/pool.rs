@@ -6,9 +6,10 @@ use std::str::FromStr;
 
 use artifact::Provenance;
 use clap::Args;
-use identification::MeanRemoval;
-use identification::pooled::{NominalModel, NominalSource, Pool, PooledRuns, Recorded};
+use identification::pooled::Pool;
 use model::Vessel;
+use regression::MeanRemoval;
+use regression::pooled::{NominalModel, NominalSource, PooledRuns, Recorded};
 use serde_json::{Value, json};
 use study::Doubtful;
 use study::documents::{EstimateDocument, IngestDocument};

@@ -11,14 +11,15 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use engine::{Compiled, Run, RunView, Segment, Streams};
+use identification::Estimator;
 use identification::criticism::{Criticism, Subject, Verdict, criticise, criticise_each};
 use identification::predictor::{Drift, Flow, Gusts, InitialState, Levels};
 use identification::runs::{Beside, RunEstimators};
-use identification::{Estimator, MeanRemoval};
 use maneuver::{DictionaryFile, Generator};
 use model::{Model, Source, Term, Vessel};
 use numerics::statistics::wilson;
 use rayon::prelude::*;
+use regression::MeanRemoval;
 
 const PAPER: &str = include_str!("../../../pipelines/paper/vessel.toml");
 const DICTIONARY: &str = include_str!("../../../pipelines/paper/dictionary.toml");

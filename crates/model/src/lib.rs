@@ -21,6 +21,7 @@ mod model;
 mod more_channels;
 mod rows;
 mod term;
+pub mod terms;
 
 pub use actuator::Actuator;
 pub use constraint::{Constrained, Constraint, Written};

@@ -14,6 +14,7 @@ mod lane;
 pub mod lanes;
 mod lu;
 mod product;
+pub mod registers;
 pub mod statistics;
 #[doc(hidden)]
 pub mod vectorized;

@@ -7,6 +7,7 @@
 mod bounded;
 mod choices;
 mod invalid;
+mod listed;
 mod names;
 mod nearest;
 mod numbers;
@@ -14,6 +15,7 @@ mod strict;
 
 pub use bounded::{foreign, one_line, shortened};
 pub use invalid::Invalid;
+pub use listed::listed;
 pub use names::check_name;
 pub use nearest::nearest;
 pub use numbers::{check_numbers, check_ranges};

@@ -6,7 +6,7 @@ use super::parts::{Section, missing};
 use super::table::Table;
 use crate::figures::text::signed;
 use study::documents::{CrossvalDocument, Estimator, ModelDegree, ModelDocument, ModelParameter};
-use study::listed;
+use refusal::listed;
 
 /// Parameters of the model that the estimate delivers, and whether its estimator is the one to recommend.
 pub(super) fn delivered(measured: &Measured) -> Section {

@@ -11,7 +11,7 @@ use study::documents::{
     COLLINEAR, CompareDocument, CrossvalDocument, DegreeTrust, EstimatorScore, FreeRunErrors, IngestDocument,
     ModelDocument, SearchDocument, SelectionScores, Traced, TrustDocument,
 };
-use study::listed;
+use refusal::listed;
 
 /// What there is about measured logs.
 #[derive(Clone, Debug, Default)]

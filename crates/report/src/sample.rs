@@ -1,5 +1,5 @@
+use refusal::listed;
 use study::documents::ValidationDocument;
-use study::listed;
 
 /// What the brackets beside numbers are.
 pub(super) const INTERVALS: &str = "In brackets: 95 % confidence intervals of what endless runs would give, of shares by Wilson's score, of quantiles by \

@@ -8,8 +8,8 @@ use super::parts::{Figures, Section, statements};
 use super::sample::INTERVALS;
 use super::table::Table;
 use crate::figures::HistogramPanel;
+use refusal::listed;
 use study::documents::{Quantiles, SelectionDocument, SelectionScores};
-use study::listed;
 use study::selection::{self, Row};
 
 /// What there is about a selection study.

@@ -8,9 +8,9 @@
 use std::collections::BTreeMap;
 
 use engine::{Run, Segment, Streams, simulate_one};
-use identification::pooled::PooledRuns;
-use identification::terms::listed;
+use model::terms::listed;
 use model::{Vessel, VesselFile};
+use regression::pooled::PooledRuns;
 use search::{BootstrapOptions, Cut, SearchOptions, search};
 
 /// A ship of 3 m; its nominal values are the truth.

@@ -1,7 +1,8 @@
 use engine::Streams;
-use identification::pooled::{Delivered, Part};
+use identification::pooled::Delivered;
 use model::Model;
 use rayon::prelude::*;
+use regression::pooled::Part;
 
 use crate::deliver::{delivered, without_intercepts};
 use crate::folds::folds;

@@ -145,7 +145,7 @@ fn dealt(recordings: &[Recording], drawn: &[usize], count: usize) -> Vec<usize> 
 mod tests {
     use super::*;
     use crate::recording::Cut;
-    use identification::pooled::Part;
+    use regression::pooled::Part;
 
     fn recordings() -> Vec<Recording> {
         let cut = Cut { window: 1, every: 1, scored: None };

@@ -1,7 +1,8 @@
 use engine::Compiled;
-use identification::pooled::{Delivered, Part, RecordingConstant, covered};
+use identification::pooled::{Delivered, RecordingConstant, covered};
 use model::Model;
 use numerics::{add_outer, dot};
+use regression::pooled::Part;
 
 use crate::nested::Fitted;
 use crate::problem::limit;

@@ -27,7 +27,7 @@ pub(crate) fn folds(recordings: &[&Recording], count: usize) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::recording::Cut;
-    use identification::pooled::Part;
+    use regression::pooled::Part;
 
     #[test]
     fn law_folds_have_some_of_every_kind_and_are_about_as_long() {

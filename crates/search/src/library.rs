@@ -1,4 +1,4 @@
-use identification::terms::add;
+use model::terms::add;
 use model::{DegreeOfFreedom, Factor, Model, Term};
 use refusal::Invalid;
 

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
-use identification::{Equations, bounded};
 use model::Model;
+use regression::{Equations, bounded};
 
 use crate::problem::{Looked, Problem, Slopes};
 use crate::recording::Recording;

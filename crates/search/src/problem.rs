@@ -1,9 +1,10 @@
 use engine::{Compiled, RunView, SideBySide, Weather, simulate};
-use identification::pooled::{Part, deviations};
+use identification::pooled::deviations;
 use identification::predictor::{Recordings, Step, free_sweep};
 use model::Model;
 use numerics::{LANES, Lane};
 use rayon::prelude::*;
+use regression::pooled::Part;
 
 use crate::gram::Gram;
 use crate::mean::MeanTrajectory;

@@ -1,5 +1,5 @@
 use engine::RunView;
-use identification::pooled::{Part, PooledRuns};
+use regression::pooled::{Part, PooledRuns};
 
 /// How recordings are cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

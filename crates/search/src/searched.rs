@@ -1,8 +1,10 @@
 use std::collections::BTreeMap;
 
-use identification::pooled::{Delivered, Part, PooledRuns, listed};
+use identification::pooled::Delivered;
 use model::Model;
 use rayon::prelude::*;
+use refusal::listed;
+use regression::pooled::{Part, PooledRuns};
 use thiserror::Error;
 
 use crate::average::{AverageOptions, Averaged, share};

@@ -3,7 +3,8 @@ use crate::compact::SizeScore;
 use crate::judged::{Margin, NestedAverage, NestedRecording, NestedScore};
 use crate::nested::{Candidate, Fitted};
 use crate::scores::mean_of;
-use identification::pooled::{FreeRunErrors, listed};
+use identification::pooled::FreeRunErrors;
+use refusal::listed;
 
 use numerics::statistics::median;
 

@@ -1,7 +1,7 @@
 //! A model on recordings that it was not fitted to.
 
-use identification::pooled::PooledRuns;
 use model::Vessel;
+use regression::pooled::PooledRuns;
 use study::Tried;
 use study::documents::CompareDocument;
 use validation::comparison::{CompareOptions, Contestant, Ship, Standing, Traced, compare};

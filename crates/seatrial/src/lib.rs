@@ -31,22 +31,22 @@ pub use simulation::{Optimum, Study, StudyError, undisturbed};
 pub use structure::{FoundStructure, StructureSearch};
 
 pub use {
-    artifact, chart, design, engine, identification, lattice, logs, maneuver, model, refusal, search, study,
-    trial, validation,
+    artifact, chart, design, engine, identification, lattice, logs, maneuver, model, refusal, regression,
+    search, study, trial, validation,
 };
 
 pub use artifact::{Budget, Error, Provenance};
 pub use design::{Design, NoDesign};
 pub use engine::Run;
-pub use identification::pooled::{
-    Grown, Judgement, NominalSource, Pool, PoolError, PooledRuns, Recorded, Resampling,
-};
-pub use identification::runs::{NominalDiverged, RunError, RunEstimators};
+pub use identification::pooled::{Grown, Judgement, Pool, PoolError, Resampling};
+pub use identification::runs::{RunError, RunEstimators};
 pub use identification::{Estimator, RunEstimate, RunScore, ValidationRuns};
 pub use logs::{Plan as LogsPlan, Source as LogsSource, Totals};
 pub use maneuver::{DictionaryFile, Generator};
 pub use model::{Model, Source, Vessel};
 pub use refusal::Invalid;
+pub use regression::pooled::{NominalSource, PooledRuns, Recorded};
+pub use regression::runs::NominalDiverged;
 pub use search::{NamedRoles, SearchError, SearchOptions};
 pub use study::campaign_file::CampaignFile;
 pub use study::documents::{

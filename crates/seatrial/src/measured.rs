@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use regression::pooled::PooledRuns;
 use artifact::{Error, Provenance, Scratch};
 use engine::Run;
-use identification::pooled::PooledRuns;
 use logs::{BLOCK, Plan, Source, Totals, check_intervals};
 use model::Vessel;
 use rayon::prelude::*;

@@ -3,12 +3,14 @@
 use std::ops::Range;
 
 use engine::Run;
-use identification::runs::{Alike, Doing, NominalDiverged, RunError, RunEstimators, RunInstruments};
-use identification::{
-    Candidate, EstimateStatus, Estimator, InstrumentKind, Outcome, RunEstimate, RunScore, ValidationRuns,
-};
+use identification::runs::{RunError, RunEstimators};
+use identification::{Candidate, EstimateStatus, Estimator, RunEstimate, RunScore, ValidationRuns};
 use numerics::{GROUPS, LANES};
 use rayon::prelude::*;
+use regression::{
+    InstrumentKind, Outcome,
+    runs::{Alike, Doing, NominalDiverged, RunInstruments},
+};
 use trial::campaign::{Campaign, SimulatedRun};
 
 use crate::simulation::StudyError;

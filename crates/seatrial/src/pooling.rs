@@ -1,12 +1,10 @@
 //! Several runs to one model.
 
 use identification::Estimator;
-use identification::pooled::{
-    Grown, Judgement, NominalModel, NominalSource, Pool, PoolError, PooledRuns, Recorded, Resampling, grown,
-    unstated,
-};
+use identification::pooled::{Grown, Judgement, Pool, PoolError, Resampling, grown, unstated};
 use identification::runs::Beside;
 use model::Vessel;
+use regression::pooled::{NominalModel, NominalSource, PooledRuns, Recorded};
 use study::pooled_set::PooledSet;
 use validation::comparison::Magnitudes;
 

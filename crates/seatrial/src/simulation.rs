@@ -3,12 +3,14 @@
 use design::{Bounds, Criterion, Design, NoDesign, Options};
 use engine::Run;
 use identification::predictor::InitialState;
-use identification::runs::{Beside, NominalDiverged, RunError, RunEstimators, RunInstruments};
-use identification::{Estimator, InstrumentKind, MeanRemoval, RunEstimate, RunScore, ValidationRuns};
+use identification::runs::{Beside, RunError, RunEstimators};
+use identification::{Estimator, RunEstimate, RunScore, ValidationRuns};
 use maneuver::{DictionaryFile, Generator};
 use model::{Source, Vessel};
 use rayon::prelude::*;
 use refusal::Invalid;
+use regression::runs::{NominalDiverged, RunInstruments};
+use regression::{InstrumentKind, MeanRemoval};
 use study::campaign_file::CampaignFile;
 use study::documents::DesignScores;
 use study::scores::summarize;

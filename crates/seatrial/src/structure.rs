@@ -1,9 +1,9 @@
 //! The structure of a model, found from recordings.
 
-use identification::pooled::PooledRuns;
-use identification::terms::listed;
+use model::terms::listed;
 use model::{Model, Vessel};
 use refusal::Invalid;
+use regression::pooled::PooledRuns;
 use search::{NamedRoles, Roles, SearchError, SearchOptions, library, search, with_channels};
 use study::TermLists;
 use study::documents::{AverageDocument, ModelDocument, SearchDocument};

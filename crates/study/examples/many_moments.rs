@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use artifact::{Provenance, TableWriter, commit_with_document};
 use design::Degree;
 use engine::Streams;
-use identification::InstrumentKind;
+use regression::InstrumentKind;
 use study::documents::MomentsDocument;
 use study::moments_table::{BLOCK, columns, table_of};
 use trial::moments::{DegreeMoments, ManeuverMoments, Moments};

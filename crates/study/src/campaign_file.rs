@@ -1,11 +1,11 @@
 //! `campaign.toml`.
 
 use engine::{Axes, Current, Disturbances, Measurement, Wind};
-use identification::Noise;
 use identification::predictor::{Flow, Gusts, Levels};
 use maneuver::{DictionaryFile, ManeuverSpec};
 use model::{Source, Vessel};
 use refusal::{Invalid, check_numbers, check_ranges};
+use regression::Noise;
 use serde::Deserialize;
 use trial::campaign::{Sea, Settings};
 use validation::tally::Bounds;

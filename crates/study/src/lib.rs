@@ -37,7 +37,6 @@ mod validated;
 pub use beyond::beyond;
 pub use doubtful::Doubtful;
 pub use files::{beside, role_of};
-pub use identification::pooled::listed;
 pub use recommendation::recommendations;
 pub use refusal::{invalid, refuse};
 pub use seed::{note_seed, seed};

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use artifact::{Error, Provenance, TableWriter, commit, stage_document, stage_set_document};
-use identification::pooled::{Added, NominalSource, Pool, Pooled};
+use identification::pooled::{Added, Pool, Pooled};
 use identification::{Estimator, RunEstimate};
 use model::Vessel;
+use regression::pooled::NominalSource;
 use serde_json::{Value, json};
 
 use crate::documents::{EstimateDocument, ModelDocument, TrustDocument};

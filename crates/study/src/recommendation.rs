@@ -2,8 +2,8 @@ use identification::{Contender, Estimator, MOST_WITHOUT_ESTIMATE, PairedDifferen
 
 use crate::documents::{ComparedError, EstimatorRecommendation};
 use crate::estimates::distinct;
-use crate::listed;
 use crate::scores::{Row, estimators};
+use ::refusal::listed;
 
 /// Which estimator to use for each design, where the rows are of several.
 pub fn recommendations(rows: &[Row]) -> Option<Vec<EstimatorRecommendation>> {

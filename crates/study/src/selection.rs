@@ -2,8 +2,9 @@
 
 use artifact::{Columns, Error, TableReader};
 use identification::ScoreStatus;
-use identification::pooled::{NominalSource, Pool};
+use identification::pooled::Pool;
 use model::DegreeOfFreedom;
+use regression::pooled::NominalSource;
 pub use validation::selection::Realization as Row;
 use validation::selection::{DEGENERATE, Selection, SelectionOptions};
 

@@ -6,10 +6,9 @@ use crate::beside::BesideFlags;
 use artifact::{Provenance, Shard, TableReader};
 use clap::Parser;
 use identification::Estimator;
-use identification::pooled::{
-    Judgement, Pool, PooledRuns, Recorded, Resample, Resampling, grown, resampled, unstated,
-};
+use identification::pooled::{Judgement, Pool, Resample, Resampling, grown, resampled, unstated};
 use model::Vessel;
+use regression::pooled::{PooledRuns, Recorded};
 use seatrial::Pooling;
 use serde_json::json;
 use study::files::read_vessel;

@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use artifact::{Provenance, TableWriter, commit, commit_with_document, stage_document};
 use clap::Parser;
 use engine::Run;
-use identification::pooled::{PooledRuns, PooledSums, Regression};
-use identification::runs::RunInstruments;
-use identification::{Estimator, InstrumentKind, MeanRemoval, Sums};
+use identification::Estimator;
 use model::Vessel;
 use refusal::Invalid;
+use regression::pooled::{PooledRuns, PooledSums, Regression};
+use regression::runs::RunInstruments;
+use regression::{InstrumentKind, MeanRemoval, Sums};
 use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::documents::MomentsDocument;
@@ -229,7 +230,7 @@ fn predicted(
 
 /// The noise of every sample. The measured regressors as instruments may have none: a covariance does not tell how far least
 /// squares is off.
-fn noise(a: &Arguments, campaign: &Path, config: &CampaignFile) -> Result<identification::Noise, Failure> {
+fn noise(a: &Arguments, campaign: &Path, config: &CampaignFile) -> Result<regression::Noise, Failure> {
     let refused = |e: Invalid| Failure::invalid(campaign, &e);
     let noise = config.white_noise("leave out --campaign").map_err(refused)?;
     if a.instruments == InstrumentKind::Regressors && noise.measurement.iter().any(|std| *std > 0.0) {

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, Work};
 use clap::Parser;
+use identification::Estimator;
 use identification::predictor::InitialState;
 use identification::runs::{Beside, RunEstimators};
-use identification::{Estimator, MeanRemoval};
 use numerics::LANES;
 use refusal::Invalid;
+use regression::MeanRemoval;
 use serde_json::json;
 use study::files::{read_campaign, read_dictionary, read_sequential, read_simulated};
 use study::sequential::{SequentialFile, columns, document, rows};

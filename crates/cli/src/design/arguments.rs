@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use artifact::Provenance;
 use clap::{Parser, ValueEnum};
 use design::{AccuracyOf, CriterionName, Dictionary, Length, Wanted};
-use identification::{Estimator, MeanRemoval};
+use identification::Estimator;
 use model::Source;
+use regression::MeanRemoval;
 use serde_json::json;
 use trial::moments::Estimated;
 

@@ -5,8 +5,8 @@ use design::{
     Accuracy, Bounds, Candidates, Criterion, CriterionName, Design, Dictionary, Errors, NoDesign, Norm,
     Options, Question, Restricted, Restriction, Stock,
 };
-use identification::MeanRemoval;
 use refusal::Invalid;
+use regression::MeanRemoval;
 use study::design_files::read_stock;
 use study::documents::Few;
 use study::files::{read_dictionary, read_vessel};

@@ -1,3 +1,5 @@
+use regression::pooled::whiteness;
+
 use super::agreement::apart;
 use super::chance::Draws;
 use super::feedback::feedback;
@@ -11,7 +13,6 @@ use super::refinement::Refinement;
 use super::score::Projected;
 use super::tested::{LEVEL, tested};
 use super::words::statements;
-use crate::pooled::whiteness;
 use crate::sensitivity::Flow;
 
 /// Looks for what the model lacks: score tests of whitened errors, see [`super`]. `parameters`: θ̂ of all runs, in the order of

@@ -1,10 +1,10 @@
 use model::DegreeOfFreedom;
+use regression::pooled::Whiteness;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::feedback::Feedback;
 use super::noise::{Noise, NoiseKind};
-use crate::pooled::Whiteness;
 
 /// What becomes of a model that runs are asked about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -3,6 +3,7 @@
 use engine::{RunView, SideBySide};
 use model::Model;
 use numerics::Lane;
+use regression::pooled::{Whiteness, whiteness};
 
 use super::chance::Draws;
 use super::channels::with_effects;
@@ -12,7 +13,6 @@ use super::listened::heard;
 use super::problems::{Problems, State, Subject};
 use super::score::Projected;
 use super::tested::{LEVEL, tested};
-use crate::pooled::{Whiteness, whiteness};
 use crate::sensitivity::{Recordings, filter, with_states};
 
 /// Probability of the test of whiteness below which errors are not white, of each of u, v and r.

@@ -1,7 +1,8 @@
+use refusal::listed;
+
 use super::found::{Absent, Apart, Criticism, FoundNoise, Verdict};
 use super::noise::LASTING;
 use super::tested::LEVEL;
-use crate::pooled::listed;
 
 /// Terms whose visibility is told where nothing is missing.
 const TOLD: [(&str, Option<&str>); 5] = [

@@ -5,10 +5,10 @@ use std::convert::Infallible;
 
 use numerics::lanes::lane;
 use numerics::{LANES, Lane, quadratic, times};
+use regression::jackknife;
 
 use crate::predictor::{
-    AROUND, Asked, Linear, Recordings, Residuals, STEPS, Unknown, Weighting, jackknife, minimize,
-    scaled_inverse,
+    AROUND, Asked, Linear, Recordings, Residuals, STEPS, Unknown, Weighting, minimize, scaled_inverse,
 };
 
 /// A part with what is settled around it.

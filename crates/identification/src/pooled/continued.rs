@@ -1,7 +1,9 @@
 use std::ops::Range;
 
+use regression::pooled::{PartView, Parts};
+
 use super::windows::Score;
-use super::{PartView, Parts, Pool, Scales, Searched, least_errors};
+use super::{Pool, Scales, Searched, least_errors};
 
 /// Samples of the windows that a search begins with where whole parts diverge; each next ones are twice as long.
 const SHORTEST: usize = 8;
@@ -113,8 +115,8 @@ impl<P: Parts> Parts for Windowed<'_, P> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Part;
     use super::*;
+    use regression::pooled::Part;
 
     #[test]
     fn law_windows_hold_every_sample_once_and_come_in_any_order() {

@@ -2,12 +2,12 @@ use std::collections::HashMap;
 
 use engine::RunView;
 use model::{DegreeOfFreedom, Model, Variable};
+use regression::pooled::{Part, PartView, Parts, Regression};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    DegreeTrust, Estimated, ParameterTrust, Part, PartView, Parts, Pool, Regression, Scales, Score, Searched,
-    SourceErrors, Surroundings,
+    DegreeTrust, Estimated, ParameterTrust, Pool, Scales, Score, Searched, SourceErrors, Surroundings,
 };
 
 /// The model that an estimate delivers, whole: with it others simulate what was validated.

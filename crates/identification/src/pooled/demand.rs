@@ -1,8 +1,10 @@
 use model::Model;
 use numerics::LANES;
+use regression::MeanRemoval;
+use regression::pooled::{Parts, PooledRuns, Recorded};
 
-use super::{Parts, Pool, PooledRuns, Recorded};
-use crate::{Estimator, MeanRemoval};
+use super::Pool;
+use crate::Estimator;
 
 /// Bytes that an estimate knows of a run, and of a part, wherever the samples are.
 const KNOWN: [f64; 2] = [250.0, 60.0];

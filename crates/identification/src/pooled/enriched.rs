@@ -1,12 +1,13 @@
+use model::terms::listed;
 use model::{DegreeOfFreedom, Vessel};
+use regression::pooled::{NominalModel, PooledRuns, Recorded};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::estimate::{PoolError, Pooled, estimate};
-use super::{Judgement, NominalModel, Pool, PooledRuns, Recorded, Resampling};
+use super::{Judgement, Pool, Resampling};
 use crate::Estimator;
 use crate::criticism::Absent;
-use crate::terms::listed;
 
 /// A term that a model lacked and was given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,5 +1,7 @@
 use engine::RunView;
 use model::DegreeOfFreedom;
+use refusal::listed;
+use regression::pooled::{LostInstruments, Part, Parts, PooledRuns, Recorded, Status};
 use thiserror::Error;
 
 use super::entangled::entangled;
@@ -7,8 +9,8 @@ use super::resampler::{Resampler, Resampling};
 use super::statements::statements;
 use super::trust::Judge;
 use super::{
-    DegreeTrust, Delivered, Estimated, Follow, Judgement, LostInstruments, NoEstimate, ParameterTrust, Part,
-    Parts, Pool, PooledRuns, Recorded, Resample, SourceErrors, Status, Unfound, listed,
+    DegreeTrust, Delivered, Estimated, Follow, Judgement, NoEstimate, ParameterTrust, Pool, Resample,
+    SourceErrors, Unfound,
 };
 use crate::criticism::{Criticism, Subject, Verdict, criticise_after};
 use crate::predictor::InitialState;

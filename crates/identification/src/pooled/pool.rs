@@ -1,15 +1,17 @@
 use model::{Degree, DegreeOfFreedom, Model, Vessel};
 use refusal::Invalid;
+use regression::pooled::{
+    COLLINEAR, CutRuns, DegreeFit, LostInstruments, NominalModel, Options, PartView, Parts, PooledRuns,
+    PooledSums, Prior, Recorded, Regression, joined, unidentified,
+};
+use regression::{MeanRemoval, Sums};
 
 use super::windows::StateMeans;
-use super::{
-    COLLINEAR, CutRuns, DegreeFit, LostInstruments, NominalModel, Options, PartView, Parts, PooledRuns,
-    PooledSums, Prior, Recorded, Regression, Scales, Searched, Unfound, joined, unidentified,
-};
+use super::{Scales, Searched, Unfound};
+use crate::Estimator;
 use crate::beside::Beside;
 use crate::criticism::Kinds;
 use crate::predictor::{InitialState, Unknown};
-use crate::{Estimator, MeanRemoval, Sums};
 
 /// How often refined instruments are simulated again.
 const ROUNDS: usize = 3;

@@ -1,8 +1,10 @@
 use engine::Streams;
 use rayon::prelude::*;
+use regression::Sums;
+use regression::pooled::{Options, Parts, fit};
 
-use super::{Estimated, NoEstimate, Options, Parts, Pool, Resample, fit, redraw};
-use crate::{Estimator, Sums};
+use super::{Estimated, NoEstimate, Pool, Resample, redraw};
+use crate::Estimator;
 
 /// Where the resamples of a bootstrap come from.
 #[derive(Clone, Copy)]

@@ -1,14 +1,14 @@
 //! Pooled estimates that are searched for, by simulations and by predictions.
 
 use engine::RunView;
+use regression::pooled::{DegreeFit, Drawn, Part, Parts, PooledSums, Status};
+use regression::{DegreeSums, MeanRemoval};
 
-use super::{
-    DegreeFit, Drawn, Estimated, Follow, Part, Parts, Pool, PooledSums, Scales, Searched, Status, Unfound,
-};
+use super::{Estimated, Follow, Pool, Scales, Searched, Unfound};
+use crate::Estimator;
 use crate::beside::Intercepts;
 use crate::criticism::{ENOUGH, Kinds, calibrated};
 use crate::predictor::{InitialState, Unknown};
-use crate::{DegreeSums, Estimator, MeanRemoval};
 
 /// Share of the squared errors that noise makes up from which starts are searched for.
 const NOISY: f64 = 0.25;

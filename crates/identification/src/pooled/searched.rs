@@ -4,9 +4,9 @@ use engine::SideBySide;
 use model::Model;
 use numerics::{LANES, Lane, quadratic, times};
 use rayon::prelude::*;
+use regression::pooled::{Part, Parts};
 
 use super::around::{Around, Settled};
-use super::{Part, Parts};
 use crate::predictor::{
     AROUND, Asked, Ended, Levels, Linear, Minimum, Recordings, Residuals, STEPS, Unknown, Weighting,
     linearize, minimize,

@@ -1,4 +1,8 @@
-use super::{COLLINEAR, DegreeTrust, Whiteness, listed};
+use numerics::statistics::median_interval_in_words;
+use refusal::listed;
+use regression::pooled::{COLLINEAR, Whiteness};
+
+use super::DegreeTrust;
 
 /// Below this share of a regressor its instruments count as lost.
 const WEAK: f64 = 0.1;
@@ -54,4 +58,18 @@ fn not_white(degree: &DegreeTrust, white: &Whiteness) -> String {
         white.first_autocorrelation,
         if wide { ", and are rather too large" } else { "" }
     )
+}
+
+/// How far a norm of RMSE/std lies above another's over `pairs` (what they are is `called`), with the interval of that median or
+/// why there is none.
+pub fn lies_above(median: Option<f64>, ends: [Option<f64>; 2], pairs: u64, called: &str) -> String {
+    let number = |x: f64| format!("{x:+.3}");
+    let interval = match median_interval_in_words(ends, pairs, number) {
+        Ok(interval) => format!("95 %: {interval}; {pairs} {called}"),
+        Err(why) => why,
+    };
+    match median {
+        Some(median) => format!("its norm of RMSE/std lies {} above ({interval})", number(median)),
+        None => format!("one of the two has no error in half of the {pairs} {called} or more ({interval})"),
+    }
 }

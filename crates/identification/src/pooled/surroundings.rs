@@ -1,7 +1,8 @@
+use regression::pooled::{PartView, Parts};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Follow, PartView, Parts, Searched};
+use super::{Follow, Searched};
 use crate::beside::UnknownCurrent;
 use crate::predictor::{AROUND, Unknown};
 

@@ -2,18 +2,16 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use model::DegreeOfFreedom;
+use regression::pooled::{
+    Centring, CrossCorrelation, DegreeFit, Diagnosis, Filling, Part, PartView, Parts, PooledRuns, Recorded,
+    Regression, ResidualTests, Solution, Status, Strength, Whiteness, default_bandwidth, residuals_of,
+    unidentified, weakest,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::resampler::{Resampler, Resampling};
-use super::residual_tests::{ResidualTests, residuals_of};
-use super::sandwich::Filling;
-use super::strength::Strength;
-use super::{
-    Bootstrap, Centring, CrossCorrelation, DegreeFit, Diagnosis, Estimated, FreeRunErrors, InstrumentFit,
-    Part, PartView, Parts, Pool, PooledRuns, Recorded, Regression, Resample, Score, Solution, Status,
-    Whiteness, default_bandwidth, deviations, unidentified, weakest,
-};
+use super::{Bootstrap, Estimated, FreeRunErrors, InstrumentFit, Pool, Resample, Score, deviations};
 use crate::{EstimateStatus, Estimator};
 
 /// How an estimate is judged.

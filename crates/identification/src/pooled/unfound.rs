@@ -1,8 +1,8 @@
 use std::fmt;
 
+use refusal::listed;
 use thiserror::Error;
 
-use super::listed;
 use crate::Estimator;
 
 /// That a search led nowhere, from whatever it began with.

@@ -19,7 +19,6 @@ pub(crate) use levenberg_marquardt::{
 pub use output_error::{Fit, Fitted, FoundSpread, Spread, output_error};
 pub(crate) use prediction_error::errors_by_blocks;
 pub use prediction_error::{innovations, prediction_error};
-pub(crate) use scores::{BLOCKS, jackknife};
 pub use sums::Linear;
 pub(crate) use sums::{linearize, linearize_each};
 pub use unknown::{AROUND, InitialState, Unknown};

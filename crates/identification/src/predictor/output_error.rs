@@ -6,12 +6,12 @@ use engine::{RunView, SideBySide};
 use model::{Model, ParameterLayout};
 use numerics::lanes::lane;
 use numerics::{LANES, Lane, times};
+use regression::{Direction, jackknife};
 
 use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
-use super::scores::{disturbed_scores, jackknife, roots};
+use super::scores::{disturbed_scores, roots};
 use super::sums::{Linear, linearize_and_keep};
 use super::unknown::{AROUND, Unknown};
-use crate::Direction;
 use crate::sensitivity::{Levels, Recordings, Sensitivities, Slopes, groups, of_one_length, with_states};
 
 /// What standard errors are made of.

@@ -4,12 +4,13 @@ use engine::{RunView, SideBySide};
 use model::Model;
 use numerics::lanes::by_lane;
 use numerics::{LANES, Lane, times};
+use regression::jackknife;
 
 use super::levenberg_marquardt::{
     Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };
 use super::output_error::{Fit, better, fit, side_by_side};
-use super::scores::{blocks, jackknife, roots};
+use super::scores::{blocks, roots};
 use super::sums::{Linear, linearize};
 use super::unknown::InitialState;
 use crate::sensitivity::{Gain, Levels, Recordings, filter, groups, with_states};

@@ -1,14 +1,10 @@
 use numerics::Lane;
+use regression::BLOCKS;
 
 use super::sums::{Linear, linears};
 use crate::sensitivity::{
     Gain, Levels, Products, Recordings, Sensitivities, Step, add_draws, add_start, backward, sweep,
 };
-
-/// Blocks of samples that are left out, one after the other.
-pub(crate) const BLOCKS: usize = 10;
-/// Student's t of nine degrees of freedom over the normal distribution's, for intervals of 95 %.
-const STUDENT: f64 = 2.262_157_163 / 1.959_963_985;
 
 /// Sums over each of ten blocks of samples, by block and lane, of recordings predicted with `unknowns` by the `free` ones: free
 /// simulations, in a current of `levels` that is among the unknowns, or white innovations where there are gains. Sample 0
@@ -48,26 +44,6 @@ pub(crate) fn blocks<const N: usize>(
         },
     );
     found
-}
-
-/// Covariance of an estimate by what it changes where a block is left out, as `without` says; in units in which 1.96 standard
-/// errors are an interval of 95 %. None where that is not a number.
-pub(crate) fn jackknife<B>(
-    blocks: impl ExactSizeIterator<Item = B>,
-    without: impl Fn(B) -> Option<Vec<f64>>,
-) -> Option<Vec<f64>> {
-    let count = blocks.len() as f64;
-    let share = STUDENT * STUDENT * (count - 1.0) / count;
-    let mut covariance: Vec<f64> = Vec::new();
-    for block in blocks {
-        let moved = without(block)?;
-        let p = moved.len();
-        covariance.resize(p * p, 0.0);
-        for (k, sum) in covariance.iter_mut().enumerate() {
-            *sum += share * moved[k / p] * moved[k % p];
-        }
-    }
-    covariance.iter().all(|c| c.is_finite()).then_some(covariance)
 }
 
 /// Roots of a diagonal.

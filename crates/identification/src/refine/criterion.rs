@@ -3,8 +3,8 @@
 use engine::check_diverged;
 use model::Model;
 use numerics::{Lane, dot, product};
+use regression::Noise;
 
-use crate::Noise;
 use crate::sensitivity::{Recordings, Sensitivities, Told};
 
 /// tr(G cov θ̃) of an output-error estimate from one run: G is diagonal, zero for intercepts.

@@ -1,15 +1,16 @@
 use engine::{Run, RunView};
 use model::Vessel;
+use regression::pooled::{PartView, Regression};
+use regression::runs::{CollinearRun, RunInstruments, collinear_run};
+use regression::{InstrumentKind, MeanRemoval};
 
-use super::collinear::{CollinearRun, collinear_run};
 use super::error::RunError;
 use super::found::{Found, Regressed};
-use super::instruments::RunInstruments;
 use super::refined::{Refined, refine};
 use crate::beside::Beside;
-use crate::pooled::{Delivered, PartView, Regression, Surroundings};
+use crate::pooled::{Delivered, Surroundings};
 use crate::predictor::{InitialState, Levels};
-use crate::{Estimator, InstrumentKind, MeanRemoval, RunEstimate};
+use crate::{Estimator, RunEstimate};
 
 /// Estimates runs one by one, each by every estimator that is asked for.
 pub struct RunEstimators<'a> {

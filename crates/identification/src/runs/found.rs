@@ -1,9 +1,10 @@
 use engine::Run;
 use model::Vessel;
+use regression::{Direction, Excitation, Outcome};
 
 use super::error::RunError;
 use crate::predictor::{AROUND, Fit};
-use crate::{Direction, EstimateStatus, Estimator, Excitation, Outcome, RunEstimate};
+use crate::{EstimateStatus, Estimator, RunEstimate};
 
 /// What an estimator makes of one run.
 #[derive(Clone)]

@@ -5,11 +5,12 @@ use std::ops::Range;
 use engine::Run;
 use model::Vessel;
 use numerics::lanes::{groups, interleave};
+use regression::runs::Prepared;
+use regression::{MeanRemoval, Noise, Outcome, estimate_prefiltered};
 
 use super::found::{Found, Regressed};
-use super::instruments::Prepared;
+use crate::EstimateStatus;
 use crate::predictor::Levels;
-use crate::{EstimateStatus, MeanRemoval, Noise, Outcome, estimate_prefiltered};
 
 /// Maximum number of refinement iterations.
 const ROUNDS: usize = 8;

@@ -2,10 +2,8 @@
 //! and gather their numbers one by one.
 
 use numerics::Lane;
+use numerics::registers::{Block, part, parts, put};
 use pulp::{Simd, WithSimd};
-
-use crate::batch::Block;
-use crate::registers::{part, parts, put};
 
 /// λ(k) = Aᵀλ(k+1) + W s(k) in every column of adjoints; A is one beside its slopes by u, v, r, and none at the last sample.
 pub(crate) struct Backward<'a, const N: usize> {

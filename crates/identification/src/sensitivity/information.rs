@@ -7,6 +7,7 @@
 
 use model::Model;
 use numerics::{LANES, Lane, lanes};
+use regression::Noise;
 
 use super::adjoint::{add_draws, backward};
 use super::levels::{Flow, Levels};
@@ -14,7 +15,6 @@ use super::products::Products;
 use super::recordings::Recordings;
 use super::sweep::{Sensitivities, Step, sweep};
 use super::unknowns::Unknowns;
-use crate::Noise;
 
 /// Information of one run about the parameters with intercepts, per sample: n × n matrices, row-major, symmetric, in the order
 /// of [`model::ParameterLayout`].

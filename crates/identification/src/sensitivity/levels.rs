@@ -1,5 +1,3 @@
-use crate::Noise;
-
 /// Correlation of neighbouring samples from which a current counts as one that stays.
 const LASTING: f64 = 1.0 - 1e-6;
 
@@ -67,6 +65,8 @@ macro_rules! with_states {
         }
     };
 }
+use regression::Noise;
+
 pub(crate) use with_states;
 
 impl Levels {

@@ -1,11 +1,11 @@
 use std::marker::PhantomData;
 
+use numerics::registers::{BLOCK, Block};
 use numerics::{LANES, Lane};
 use pulp::{Simd, WithSimd};
 
 use super::columns::{Scale, Weigh};
 use super::unknowns::Unknowns;
-use crate::batch::{BLOCK, Block};
 
 /// Columns whose products with as many others are summed up in one go.
 const TILE: usize = 5;

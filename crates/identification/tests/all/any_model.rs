@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use identification::{Batch, MeanRemoval, Outcome};
 use model::{Degree, Factor, Model, Product, Term, Variable};
+use regression::{Batch, MeanRemoval, Outcome};
 
 use crate::support::explicit::{Regression, solve};
 use crate::support::noise::Normals;
@@ -81,7 +81,7 @@ fn regression(model: &Model, run: &Recording, d: usize) -> Regression {
     }
 }
 
-/// Parameters of a degree of freedom and their standard errors, by definition: see [`identification::Instruments`].
+/// Parameters of a degree of freedom and their standard errors, by definition: see [`regression::Instruments`].
 fn by_definition(model: &Model, run: &Recording, d: usize, groups: &[usize]) -> (Vec<f64>, Vec<f64>) {
     let mut lifted = regression(model, run, d);
     lifted.lift(groups);

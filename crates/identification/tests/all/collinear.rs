@@ -1,10 +1,11 @@
 //! Measured runs whose instruments are collinear.
 
 use engine::{Run, Segment};
+use identification::Estimator;
 use identification::predictor::InitialState;
 use identification::runs::{Beside, RunEstimators};
-use identification::{Estimator, MeanRemoval};
 use model::Vessel;
+use regression::MeanRemoval;
 
 /// A zig-zag of the tanker, `thrust(k)` its thrust.
 fn zig_zag(vessel: &Vessel, design: &str, thrust: impl Fn(usize) -> f64) -> Run {

@@ -3,14 +3,13 @@
 use std::collections::BTreeMap;
 
 use engine::Run;
-use identification::pooled::{
-    DegreeRegression, Estimated, Judgement, Options, Part, Pool, PoolError, PooledRuns, Regression,
-    Resampling, estimate, fit,
-};
+use identification::pooled::{Estimated, Judgement, Pool, PoolError, Resampling, estimate};
 use identification::predictor::{Flow, InitialState, Levels};
 use identification::runs::{Beside, RunEstimators};
-use identification::{Estimator, Known, MeanRemoval, RunEstimate, Sums};
+use identification::{Estimator, RunEstimate};
 use model::{InputSpec, TermSpec, Vessel, VesselFile};
+use regression::pooled::{DegreeRegression, Options, Part, PooledRuns, Regression, fit};
+use regression::{Known, MeanRemoval, Sums};
 
 use crate::pooled_laws::{craft_file, part, runs};
 use crate::support::noise::Normals;

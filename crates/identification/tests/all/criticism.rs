@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 
 use engine::{Compiled, Run, RunView, Segment, simulate_one};
 use identification::criticism::{Absent, Criticism, Subject, criticise, criticise_each};
-use identification::pooled::{Judgement, PooledRuns, Resampling, enriched};
+use identification::pooled::{Judgement, Resampling, enriched};
 use identification::predictor::{Flow, InitialState, Levels};
 use identification::runs::{Asked, Beside, RunEstimators};
-use identification::{EstimateStatus, Estimator, MeanRemoval};
+use identification::{EstimateStatus, Estimator};
 use model::{Model, Term, Vessel};
+use regression::MeanRemoval;
+use regression::pooled::PooledRuns;
 
 use crate::support::noise::Normals;
 use crate::support::{Experiment, dictionary, paper, pool, truth};

@@ -5,9 +5,10 @@ use engine::{Compiled, Run, RunView, Segment};
 use identification::criticism::{Criticism, NoiseKind, Subject, Verdict, criticise, criticise_each};
 use identification::predictor::InitialState;
 use identification::runs::{Beside, RunEstimators};
-use identification::{EstimateStatus, Estimator, MeanRemoval};
+use identification::{EstimateStatus, Estimator};
 use model::{Model, Term, Vessel};
 use rayon::prelude::*;
+use regression::MeanRemoval;
 
 use crate::support::noise::Normals;
 use crate::support::{Experiment, dictionary, paper, truth};

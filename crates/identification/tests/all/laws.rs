@@ -5,13 +5,13 @@ use crate::support::noise::Normals;
 use crate::support::{self, Experiment, Recording, SideBySide, dictionary, estimate, lanes, paper, truth};
 use engine::DIVERGED;
 use identification::predictor::{Recordings, Sensitivities};
-use identification::{
-    Batch, DegreeSums, FreeRun, Instruments, Known, MeanRemoval, Outcome, Sums, estimate_prefiltered,
-    free_runs, moments,
-};
+use identification::{FreeRun, free_runs};
 use model::Source;
 use numerics::{LANES, Lane};
 use proptest::prelude::*;
+use regression::{
+    Batch, DegreeSums, Instruments, Known, MeanRemoval, Outcome, Sums, estimate_prefiltered, moments,
+};
 
 const REMOVALS: [MeanRemoval; 3] = [MeanRemoval::Complete, MeanRemoval::Batch, MeanRemoval::None];
 

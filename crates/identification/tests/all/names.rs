@@ -1,8 +1,9 @@
 //! Names in files are those on the command line.
 
-use identification::pooled::NominalSource;
 use identification::runs::Asked;
-use identification::{EstimateStatus, Estimator, InstrumentKind, MeanRemoval, ScoreStatus};
+use identification::{EstimateStatus, Estimator, ScoreStatus};
+use regression::pooled::NominalSource;
+use regression::{InstrumentKind, MeanRemoval};
 use serde::Serialize;
 
 fn check<T: Copy + Serialize>(all: &[T], name: fn(T) -> &'static str) {

@@ -4,9 +4,10 @@ use crate::support::explicit::{Regression, sizes};
 use crate::support::{self, Experiment, Recording, SideBySide, dictionary, lanes, paper};
 use approx::assert_relative_eq;
 use engine::simulate_one;
-use identification::{FreeRun, free_runs, moments};
+use identification::{FreeRun, free_runs};
 use model::Source;
 use numerics::{LANES, Lane};
+use regression::moments;
 use serde_json::Value;
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/oracle.json");

@@ -6,9 +6,9 @@ use identification::predictor::{
     prediction_error,
 };
 use identification::runs::{Beside, Intercepts, UnknownCurrent, UnknownWind};
-use identification::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
 use model::{Model, Source, Vessel};
 use numerics::{LANES, Lane};
+use regression::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
 
 use crate::support::noise::Normals;
 use crate::support::{Experiment, dictionary, paper, truth};

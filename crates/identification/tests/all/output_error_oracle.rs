@@ -4,9 +4,9 @@ use engine::{RunView, Weather, simulate};
 use identification::predictor::{
     Fit, Fitted, Flow, Gusts, InitialState, Levels, Recordings, Spread, innovations, output_error,
 };
-use identification::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
 use model::Vessel;
 use numerics::{LANES, Lane};
+use regression::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
 use serde_json::Value;
 
 use crate::support::{paper, truth};

@@ -2,9 +2,10 @@
 
 use engine::{Weather, simulate, simulate_one};
 use identification::predictor::{Recordings, Sensitivities};
-use identification::{Noise, Simulated, output_information, output_informations, prediction_weights};
+use identification::{Simulated, output_information, output_informations, prediction_weights};
 use model::Model;
 use numerics::Lane;
+use regression::Noise;
 
 use crate::support::*;
 

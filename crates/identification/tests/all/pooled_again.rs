@@ -5,9 +5,11 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 
 use engine::{Run, Segment};
-use identification::pooled::{Judgement, Pool, PooledRuns, Recorded, Resampling, estimate};
-use identification::{Estimator, MeanRemoval};
+use identification::Estimator;
+use identification::pooled::{Judgement, Pool, Resampling, estimate};
 use model::Vessel;
+use regression::MeanRemoval;
+use regression::pooled::{PooledRuns, Recorded};
 
 use crate::pooled_laws::{craft, part};
 use crate::support::noise::Normals;

@@ -3,13 +3,14 @@
 use approx::assert_relative_eq;
 use engine::{RunView, Weather, simulate};
 use identification::Estimator;
-use identification::pooled::{Follow, Part, Searched, least_errors};
+use identification::pooled::{Follow, Searched, least_errors};
 use identification::predictor::{
     Fit, Fitted, Flow, InitialState, Levels, Spread, Unknown, output_error, prediction_error,
 };
 use identification::runs::{Beside, Intercepts, UnknownCurrent};
 use model::Vessel;
 use numerics::Lane;
+use regression::pooled::Part;
 
 use crate::support::noise::Normals;
 use crate::support::{Experiment, dictionary, paper, pool, truth};

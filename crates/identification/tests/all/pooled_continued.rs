@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use identification::pooled::{Judgement, Part, Pool, PooledRuns, Resampling, estimate};
+use identification::pooled::{Judgement, Pool, Resampling, estimate};
 use identification::{EstimateStatus, Estimator};
 use model::Vessel;
+use regression::pooled::{Part, PooledRuns};
 
 use crate::pooled_laws::{craft_file, part, runs};
 use crate::support::noise::Normals;

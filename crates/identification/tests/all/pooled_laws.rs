@@ -2,13 +2,11 @@
 
 use approx::assert_relative_eq;
 use engine::{Run, RunView, Segment, Streams, simulate_one};
-use identification::pooled::{
-    Bootstrap, COLLINEAR, Centring, Follow, Options, Part, Prior, Regression, Resample, Status, fit,
-    least_errors, redraw, sandwich,
-};
+use identification::pooled::{Bootstrap, Follow, Resample, least_errors, redraw};
 use identification::predictor::InitialState;
-use identification::{MeanRemoval, Sums};
 use model::{Vessel, VesselFile};
+use regression::pooled::{COLLINEAR, Centring, Options, Part, Prior, Regression, Status, fit, sandwich};
+use regression::{MeanRemoval, Sums};
 
 use crate::support::noise::Normals;
 use crate::support::{Experiment, dictionary, paper, truth};

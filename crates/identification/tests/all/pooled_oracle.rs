@@ -4,13 +4,13 @@ use std::ops::Range;
 
 use approx::assert_relative_eq;
 use engine::RunView;
-use identification::pooled::{
-    Centring, Options, Part, Prior, Regression, Score, diagnose, fit, residuals, sandwich, strength,
-    whiteness,
-};
-use identification::{MeanRemoval, Sums};
+use identification::pooled::Score;
 use model::Vessel;
 use numerics::distributions::chi_square_tail;
+use regression::pooled::{
+    Centring, Options, Part, Prior, Regression, diagnose, fit, residuals, sandwich, strength, whiteness,
+};
+use regression::{MeanRemoval, Sums};
 use serde_json::Value;
 
 const REMOVALS: [(&str, MeanRemoval); 3] =

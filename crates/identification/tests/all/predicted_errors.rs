@@ -1,9 +1,9 @@
 //! The covariance predicted from stated disturbances against the spread of estimates, and against its definition.
 
 use engine::{Weather, simulate};
-use identification::{Estimate, MeanRemoval, Noise, Outcome, middle, moments};
 use model::{Source, Vessel};
 use numerics::{LANES, Lane};
+use regression::{Estimate, MeanRemoval, Noise, Outcome, middle, moments};
 
 use crate::support::noise::Normals;
 use crate::support::{Experiment, Recording, SideBySide, dictionary, estimate, paper, truth};

@@ -1,8 +1,9 @@
 //! Gradients by adjoints against difference quotients; limits of what is refined.
 
 use approx::assert_relative_eq;
+use identification::output_information;
 use identification::refine::{Effort, SignalLimits, TraceCriterion, refine};
-use identification::{Noise, output_information};
+use regression::Noise;
 
 use crate::support::noise::Normals;
 use crate::support::*;

@@ -1,9 +1,9 @@
 //! Standard errors against the spread of estimates over many realizations.
 
 use engine::{Weather, simulate};
-use identification::{Estimate, MeanRemoval, Outcome};
 use model::{Source, Vessel};
 use numerics::{LANES, Lane};
+use regression::{Estimate, MeanRemoval, Outcome};
 
 use crate::support::noise::Normals;
 use crate::support::{Experiment, Recording, SideBySide, dictionary, estimate, paper, truth};

@@ -15,7 +15,7 @@ const FLOORS: [&[&str]; 12] = [
     &["refusal", "numerics"],
     &["artifact", "enc", "model"],
     &["engine", "design", "lattice", "chart"],
-    &["maneuver"],
+    &["maneuver", "regression"],
     &["identification", "logs", "export"],
     &["search"],
     &["trial", "validation"],
@@ -32,6 +32,7 @@ const SCIENCE: &[&str] = &[
     "model",
     "engine",
     "maneuver",
+    "regression",
     "identification",
     "search",
     "validation",
@@ -113,7 +114,7 @@ const DEPENDENCIES: [(&[&str], &[&str], &str); 5] = [
 const LINES: [(&str, usize); 1] = [("cli", 6_800)];
 
 /// The largest share of all lines below `src/` that a crate may have.
-const SHARE: f64 = 0.2;
+const SHARE: f64 = 0.12;
 
 /// What does not hold yet: rule, crate, how much of it is left.
 const NOT_YET: &[(&str, &str, usize)] = &[];

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 use engine::{Run, Streams};
 use example::{Disturbed, covered, recorded, ship};
-use identification::pooled::PooledRuns;
-use identification::terms::listed;
+use model::terms::listed;
+use regression::pooled::PooledRuns;
 use search::{Cut, SearchError, SearchOptions, Searched, search};
 
 /// 22 intervals of 14 resamples: 95 % of them would hold the truth but that few resamples reach less far.

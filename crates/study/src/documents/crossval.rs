@@ -1,9 +1,11 @@
 use artifact::{Document, Units};
+use regression::MeanRemoval;
+use regression::pooled::NominalSource;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use identification::pooled::{NominalSource, Pool};
-use identification::{Estimator, MeanRemoval, PairedDifference, Recommendation};
+use identification::pooled::Pool;
+use identification::{Estimator, PairedDifference, Recommendation};
 use validation::crossval::{CrossValidation, EstimatorScore};
 
 /// `crossval.json`: free simulation over runs or recordings that were left out of the estimate.

@@ -2,8 +2,9 @@ use std::collections::BTreeMap;
 
 use artifact::{Document, Units};
 use design::{AccuracyOf, CriterionName, Method};
-use identification::{Estimator, MeanRemoval};
+use identification::Estimator;
 use refusal::{Invalid, check_numbers};
+use regression::MeanRemoval;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trial::campaign::{Designed, check_shares};

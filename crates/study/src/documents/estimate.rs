@@ -1,8 +1,9 @@
 use artifact::{Document, Units};
+use identification::Estimator;
 use identification::pooled::{DegreeTrust, ParameterTrust, Pooled};
-use identification::{Estimator, MeanRemoval};
 use model::{Degree, Model, Vessel};
 use refusal::Invalid;
+use regression::MeanRemoval;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

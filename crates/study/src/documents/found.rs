@@ -1,8 +1,9 @@
 //! Models whose structure was searched for.
 
+use identification::Estimator;
 use identification::pooled::Delivered;
-use identification::{Estimator, MeanRemoval};
 use model::{DegreeOfFreedom, Model, Vessel, Written};
+use regression::MeanRemoval;
 use search::{NestedScore, Searched};
 
 use super::model::{ModelDegree, ModelDocument, ModelParameter, bounds};

@@ -41,8 +41,10 @@ pub use ::validation::crossval::{EstimatorScore, SourceScore};
 pub use ::validation::selection::{PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
 pub use ::validation::tally::{Bounds, ShareDifference};
 pub use identification::criticism::{Absent, Criticism, FoundNoise, Verdict};
-pub use identification::pooled::{COLLINEAR, DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
-pub use identification::{Estimator, InstrumentKind, MeanRemoval, Quantiles, ScoreStatus, Share};
+pub use identification::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
+pub use identification::{Estimator, Quantiles, ScoreStatus, Share};
+pub use regression::pooled::COLLINEAR;
+pub use regression::{InstrumentKind, MeanRemoval};
 pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments};
 pub use trial::rounds::{Arm, ArmSummary, RoundGain, Stopping};
 pub use trial::voyage::{

@@ -1,11 +1,12 @@
 use artifact::{Document, Units};
 use identification::pooled::{Covariance, Covered, Delivered, Pool, Pooled, RecordingConstant, Surroundings};
-use identification::{Estimator, MeanRemoval, RunEstimate};
+use identification::{Estimator, RunEstimate};
 use model::{
     Constrained, Constraint, DegreeOfFreedom, DerivedChannel, DerivedSpec, InputSpec, MeasuredSpec, TermSpec,
     Variable, Vessel, VesselFile, Written,
 };
 use refusal::{Invalid, check_numbers};
+use regression::MeanRemoval;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use validation::comparison::Magnitudes;

@@ -6,7 +6,8 @@ use design::{
     Accuracy, Available, Bounds, Criterion, CriterionName, Design, Dictionary, Predicted, Restricted,
     Segments, Status, Streamed, Whole,
 };
-use identification::{Estimator, MeanRemoval};
+use identification::Estimator;
+use regression::MeanRemoval;
 use trial::arranging::Arranged;
 use trial::moments::Estimated;
 

@@ -1,7 +1,9 @@
 use artifact::{Document, Units};
+use identification::Estimator;
 use identification::criticism::Criticism;
-use identification::pooled::{Added, DegreeTrust, NominalSource, Pool, Pooled, SourceErrors};
-use identification::{Estimator, MeanRemoval};
+use identification::pooled::{Added, DegreeTrust, Pool, Pooled, SourceErrors};
+use regression::MeanRemoval;
+use regression::pooled::NominalSource;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -7,9 +7,9 @@ use std::path::Path;
 
 use artifact::{Columns, Error, TableReader};
 pub use identification::RunEstimate as Row;
-use identification::pooled::listed;
 use identification::{EstimateStatus, Estimator};
 use model::{DegreeOfFreedom, Vessel};
+use refusal::listed;
 pub use summary::{CRITICISED, criticised, distinct, estimators, summarize};
 pub use unidentified::unidentified;
 

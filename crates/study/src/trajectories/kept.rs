@@ -2,7 +2,7 @@ use std::borrow::Cow;
 
 use artifact::Error;
 use engine::Run;
-use identification::pooled::Recorded;
+use regression::pooled::Recorded;
 
 use super::{Layout, TrajectoryReader};
 

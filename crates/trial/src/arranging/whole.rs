@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use design::Candidates;
 use engine::{check_diverged, simulate_one};
-use identification::{Batch, MeanRemoval, Noise, middle, moments, output_information};
+use identification::output_information;
 use numerics::LANES;
 use numerics::lanes::interleave;
+use regression::{Batch, MeanRemoval, Noise, middle, moments};
 
 use super::{Arranging, generated_limits};
 use crate::moments::{Estimated, Expected, leading};

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use design::{Candidates, Dictionary};
-use identification::MeanRemoval;
 use model::Source;
 use refusal::Invalid;
+use regression::MeanRemoval;
 
 use super::{DegreeMoments, Moments, OutputErrorMoments};
 

@@ -12,11 +12,11 @@ use std::collections::BTreeMap;
 use design::Degree;
 pub use dictionary::{Estimated, leading, malformed};
 pub use free_runs::{FreeRunModel, Unpredictable};
-use identification::{InstrumentKind, Noise};
 pub use matrices::{DegreeMoments, ManeuverMoments, OutputErrorMoments, Pool};
 use model::{DegreeOfFreedom, Model, Source, Vessel};
 pub use prediction::Prediction;
 use refusal::Invalid;
+use regression::{InstrumentKind, Noise};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

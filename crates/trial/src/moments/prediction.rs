@@ -1,9 +1,10 @@
 use std::collections::BTreeMap;
 
 use engine::{Run, Segment};
-use identification::{Batch, Noise, middle, moments, output_information};
+use identification::output_information;
 use model::{DegreeOfFreedom, Model};
 use refusal::Invalid;
+use regression::{Batch, Noise, middle, moments};
 
 use super::free_runs::diverges;
 use super::{DegreeMoments, Expected, FreeRunModel, ManeuverMoments, OutputErrorMoments};
@@ -64,7 +65,7 @@ impl<'a> Prediction<'a> {
     /// A free simulation that diverges.
     pub fn moments(&self, batch: &Batch, runs: &[Run]) -> Result<Vec<(bool, ManeuverMoments)>, Invalid> {
         let mut middles = self.noise.as_ref().map(|(noise, theta)| middle(batch, theta, noise).into_iter());
-        let of = |(run, found): (&Run, identification::ManeuverMoments)| {
+        let of = |(run, found): (&Run, regression::ManeuverMoments)| {
             let mut middle = middles.as_mut().and_then(Iterator::next).into_iter().flatten();
             let degree = |((d, m), nonstationarity): ((DegreeOfFreedom, Vec<f64>), f64)| DegreeMoments {
                 name: d.name().to_owned(),

@@ -1,6 +1,6 @@
 use design::{Bounds, Options, Rivals, solve_within};
 use engine::Streams;
-use identification::MeanRemoval;
+use regression::MeanRemoval;
 
 use super::{Estimated, Moments};
 

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use engine::{check_diverged, simulate_one};
+use identification::output_information;
 use identification::refine::TraceCriterion;
-use identification::{Noise, output_information};
 use maneuver::Generator;
 use model::{Source, Vessel};
 use refusal::Invalid;
+use regression::Noise;
 
 use crate::campaign::{Parts, Refusal};
 use crate::moments::rows;

@@ -2,11 +2,12 @@ use std::sync::{Mutex, PoisonError};
 
 use engine::{Run, Streams, check_diverged, refuse_endless, simulate_one};
 use identification::runs::{RunError, RunEstimators};
-use identification::{Noise, OutputInformation, RunEstimate, Simulated, parameter_error};
+use identification::{OutputInformation, RunEstimate, Simulated, parameter_error};
 use maneuver::Generator;
 use model::{Source, Vessel};
 use numerics::LANES;
 use refusal::Invalid;
+use regression::Noise;
 
 use super::growing_run::GrowingRun;
 use super::knowledge::Knowledge;

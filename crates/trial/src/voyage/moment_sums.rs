@@ -2,9 +2,9 @@
 //! freedom.
 
 use engine::simulate_one;
-use identification::{Batch, moments};
 use model::Vessel;
 use numerics::{LANES, Lane};
+use regression::{Batch, moments};
 
 use crate::Piece;
 

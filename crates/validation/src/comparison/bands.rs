@@ -1,7 +1,8 @@
-use identification::pooled::{Covariance, Part};
+use identification::pooled::Covariance;
 use identification::predictor::{Recordings, Sensitivities};
 use model::Model;
 use numerics::times;
+use regression::pooled::Part;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

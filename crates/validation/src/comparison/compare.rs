@@ -7,7 +7,8 @@ use super::standing::{ComparedModel, Difference};
 use super::validity::{Magnitudes, Validity};
 use super::verdict::{differences, verdict};
 use crate::crossval::CrossError;
-use identification::pooled::{Covered, Part, PooledRuns, deviations};
+use identification::pooled::{Covered, deviations};
+use regression::pooled::{Part, PooledRuns};
 
 /// Over what is compared.
 #[derive(Clone, Copy, Debug)]

@@ -1,5 +1,5 @@
-use identification::pooled::{Part, Regression};
 use model::DegreeOfFreedom;
+use regression::pooled::{Part, Regression};
 use schemars::JsonSchema;
 use search::MeanTrajectory;
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,6 @@
+use regression::pooled::Part;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use identification::pooled::Part;
 
 /// Errors of one model over some windows. Null where a window diverged, or there is none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

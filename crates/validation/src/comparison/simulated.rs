@@ -1,6 +1,7 @@
 use engine::{check_diverged, simulate_one};
-use identification::pooled::{Part, deviations};
+use identification::pooled::deviations;
 use model::Model;
+use regression::pooled::Part;
 use search::MeanTrajectory;
 
 use super::errors::{ComparedRecording, Sums};

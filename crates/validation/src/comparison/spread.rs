@@ -1,8 +1,8 @@
+use regression::pooled::Part;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::bands::{Bands, Inside, Z};
-use identification::pooled::Part;
 
 /// How far the models of an average are apart.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

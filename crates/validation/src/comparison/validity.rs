@@ -1,6 +1,7 @@
 use engine::RunView;
-use identification::pooled::{Covered, PooledRuns, Recorded};
+use identification::pooled::Covered;
 use model::{Model, Variable};
+use regression::pooled::{PooledRuns, Recorded};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,7 @@
-use identification::pooled::{lies_above, listed};
+use identification::pooled::lies_above;
 use model::DegreeOfFreedom;
 use numerics::statistics::paired_median;
+use refusal::listed;
 
 use super::bands::Bands;
 use super::covered::Outside;

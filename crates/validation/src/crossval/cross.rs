@@ -1,12 +1,12 @@
 use rayon::prelude::*;
+use refusal::listed;
+use regression::pooled::{Drawn, Part, PooledRuns};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::error::CrossError;
 use super::folds::{Fold, Folds, folds};
-use identification::pooled::{
-    Drawn, Estimated, FreeRunErrors, NoEstimate, Part, Pool, PooledRuns, Score, deviations, listed,
-};
+use identification::pooled::{Estimated, FreeRunErrors, NoEstimate, Pool, Score, deviations};
 use identification::{Contender, Estimator, Recommendation, ScoreStatus};
 
 /// What is compared, and over what.

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use identification::pooled::Part;
+use regression::pooled::Part;
 
 /// How many of `parts` there are of each maneuver.
 pub fn available(parts: &[Part]) -> BTreeMap<String, u64> {

@@ -1,8 +1,8 @@
-use identification::pooled::{
-    Centring, InstrumentFit, LostInstruments, NoEstimate, Part, Pool, PooledRuns, PooledSums, Strength,
-    listed,
-};
-use identification::{Estimator, Sums};
+use identification::Estimator;
+use identification::pooled::{InstrumentFit, NoEstimate, Pool};
+use refusal::listed;
+use regression::Sums;
+use regression::pooled::{Centring, LostInstruments, Part, PooledRuns, PooledSums, Strength};
 
 /// Below this the instruments have lost a state: the nominal simulation explains less than half of its deviations.
 const POOR: f64 = 50.0;

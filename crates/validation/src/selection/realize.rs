@@ -1,7 +1,9 @@
 use engine::RunView;
-use identification::pooled::{Options, Pool, Score, Solution, fit, joined};
-use identification::{Estimator, ScoreStatus, Sums, free_runs};
+use identification::pooled::{Pool, Score};
+use identification::{Estimator, ScoreStatus, free_runs};
 use numerics::lanes::interleave;
+use regression::Sums;
+use regression::pooled::{Options, Solution, fit, joined};
 
 use super::draw::Draw;
 use super::prepared::Prepared;

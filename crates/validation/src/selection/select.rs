@@ -2,8 +2,9 @@ use std::collections::BTreeMap;
 
 use engine::RunView;
 use identification::Estimator;
-use identification::pooled::{LostInstruments, Part, Pool, PooledRuns, deviations};
+use identification::pooled::{Pool, deviations};
 use numerics::LANES;
+use regression::pooled::{LostInstruments, Part, PooledRuns};
 
 use super::counts::available;
 use super::draw::Draw;

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use engine::Run;
-use identification::pooled::PooledRuns;
 use model::{Vessel, VesselFile};
+use regression::pooled::PooledRuns;
 use serde_json::{Value, json};
 use validation::comparison::{CompareOptions, Compared, Contestant, Known, Ship, Standing, compare};
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use engine::Run;
-use identification::pooled::PooledRuns;
 use model::{Model, Vessel};
+use regression::pooled::PooledRuns;
 use validation::comparison::{Magnitudes, STRETCH_S, Validity};
 
 /// Samples of a stretch at one sample per second.

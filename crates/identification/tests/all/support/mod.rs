@@ -7,11 +7,11 @@ pub mod noise;
 
 use engine::simulate_one;
 use identification::pooled::Pool;
-use identification::{Batch, Instruments, MeanRemoval, Outcome};
 use maneuver::{DictionaryFile, Generator};
 use model::{Model, Source, Vessel};
 use noise::Normals;
 use numerics::{LANES, Lane, Number};
+use regression::{Batch, Instruments, MeanRemoval, Outcome};
 
 const VESSEL: &str = include_str!("../../../../../pipelines/paper/vessel.toml");
 const DICTIONARY: &str = include_str!("../../../../../pipelines/scenarios/dictionary.toml");

@@ -5,8 +5,9 @@ use std::ops::Range;
 use numerics::Lane;
 use pulp::Simd;
 
-use crate::batch::{BLOCK, parts};
-use crate::registers;
+use crate::batch::parts;
+use numerics::registers;
+use numerics::registers::BLOCK;
 
 /// Samples that a pass takes at once: several blocks, so that what is decided per term is decided seldom, and few enough for the
 /// nearest cache.

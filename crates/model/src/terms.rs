@@ -1,7 +1,8 @@
 //! Terms that are added to a model.
 
-use model::{Degree, Factor, Model, Term};
 use refusal::Invalid;
+
+use crate::{Degree, Factor, Model, Term};
 
 /// `base` with the terms of `lists` for surge, sway and yaw after its own terms, each as text, such as `u |u|`; those that it has
 /// already and the constant are left out.

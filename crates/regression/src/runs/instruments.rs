@@ -4,7 +4,7 @@ use numerics::lanes::{buffer, by_lane, groups, interleave, recycle};
 use numerics::{GROUPS, LANES, Lane, Wide};
 
 use super::alike::{Alike, Doing};
-use super::error::NominalDiverged;
+use super::nominal_diverged::NominalDiverged;
 use crate::{Batch, Excitation, InstrumentKind, Instruments, MeanRemoval, Outcome};
 
 /// Makes batches of runs with their instruments.
@@ -124,7 +124,7 @@ impl<'a> RunInstruments<'a> {
 
 impl<'a> Prepared<'a> {
     /// Up to [`numerics::LANES`] `runs` whose instruments are their regressors.
-    pub(super) fn regressed(vessel: &'a Vessel, runs: &[Run]) -> Self {
+    pub fn regressed(vessel: &'a Vessel, runs: &[Run]) -> Self {
         let own = SideBySide::of(&runs.iter().map(Run::view).collect::<Vec<_>>());
         Self::of(vessel, own, runs.iter().map(Run::starts).collect())
     }
@@ -153,7 +153,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Simulates every run with `parameters`, one lane each, and takes the states as instruments.
-    pub(super) fn simulate(&mut self, parameters: &[Lane]) {
+    pub fn simulate(&mut self, parameters: &[Lane]) {
         let SideBySide { exogenous, initial, .. } = &self.runs;
         simulate(
             &self.vessel.model,
@@ -166,7 +166,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Where the simulation of one run diverged.
-    pub(super) fn diverged(&self, lane: usize) -> Option<Diverged> {
+    pub fn diverged(&self, lane: usize) -> Option<Diverged> {
         check_diverged(self.instrument_states.iter().map(|s| s[lane]))
     }
 

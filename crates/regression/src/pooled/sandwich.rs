@@ -27,7 +27,7 @@ pub fn sandwich(
 }
 
 /// What is between the slices, in the making: B before its factor.
-pub(super) struct Filling {
+pub struct Filling {
     p: usize,
     bandwidth: usize,
     samples: usize,
@@ -36,12 +36,12 @@ pub(super) struct Filling {
 
 impl Filling {
     /// Of `p` parameters.
-    pub(super) fn new(p: usize, bandwidth: usize) -> Self {
+    pub fn new(p: usize, bandwidth: usize) -> Self {
         Self { p, bandwidth, samples: 0, middle: vec![0.0; p * p] }
     }
 
     /// Adds a part with its residuals; `centred` takes the mean out of a row of instruments.
-    pub(super) fn add(
+    pub fn add(
         &mut self,
         part: &DegreeRegression,
         residuals: &[f64],
@@ -57,7 +57,7 @@ impl Filling {
     }
 
     /// The covariance of `solution` of degree of freedom `d`.
-    pub(super) fn covariance(mut self, centring: &Centring, solution: &Solution, d: usize) -> Vec<f64> {
+    pub fn covariance(mut self, centring: &Centring, solution: &Solution, d: usize) -> Vec<f64> {
         let freedom = self.samples.saturating_sub(centring.unknowns(d, &solution.gain, self.p)).max(1);
         self.middle.iter_mut().for_each(|m| *m *= self.samples as f64 / freedom as f64);
         congruence(self.p, &solution.gain, &self.middle)

@@ -4,7 +4,7 @@ use engine::{Run, check_diverged, simulate_one};
 use model::Vessel;
 use numerics::{LANES, Lane};
 
-use super::error::NominalDiverged;
+use super::nominal_diverged::NominalDiverged;
 use crate::{Batch, Excitation, Instruments, MeanRemoval, Outcome};
 
 /// What a run does.

@@ -7,9 +7,9 @@ use super::regressors::{ALL, Order};
 use super::signals::{Blocks, Signal, Signals, spans};
 use super::zeta::{Instrument, Kept, Zeta};
 use crate::Batch;
-use crate::batch::{BLOCK, Block};
 use crate::groups::{Constants, Groups};
-use crate::registers::{self, add, parts, put};
+use numerics::registers::{self, add, parts, put};
+use numerics::registers::{BLOCK, Block};
 
 /// Instruments of a degree of freedom that are multiplied with each other at once.
 const AT_ONCE: usize = 4;

@@ -21,7 +21,7 @@ pub struct CollinearRun {
 /// Looks for collinear instruments and regressors in a measured run: a condition index above [`COLLINEAR`], as in a pooled
 /// estimate. Simulated runs are answered whatever it is: how far off those estimates are is what their study shows. `None`
 /// also where the nominal simulation diverges.
-pub(super) fn collinear_run(vessel: &Vessel, run: &Run, removal: MeanRemoval) -> Option<CollinearRun> {
+pub fn collinear_run(vessel: &Vessel, run: &Run, removal: MeanRemoval) -> Option<CollinearRun> {
     if run.design != MEASURED {
         return None;
     }

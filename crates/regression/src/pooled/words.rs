@@ -1,7 +1,7 @@
 //! What a diagnosis means, in words.
 
 use model::{Degree, DegreeOfFreedom};
-use numerics::statistics::median_interval_in_words;
+use refusal::listed;
 
 use super::diagnosis::{COLLINEAR, Diagnosis};
 use super::fit::Status;
@@ -118,27 +118,4 @@ pub fn excluded(d: DegreeOfFreedom, degree: &Degree) -> String {
         d.name(),
         listed(&bounds)
     )
-}
-
-/// How far a norm of RMSE/std lies above another's over `pairs` (what they are is `called`), with the interval of that median or
-/// why there is none.
-pub fn lies_above(median: Option<f64>, ends: [Option<f64>; 2], pairs: u64, called: &str) -> String {
-    let number = |x: f64| format!("{x:+.3}");
-    let interval = match median_interval_in_words(ends, pairs, number) {
-        Ok(interval) => format!("95 %: {interval}; {pairs} {called}"),
-        Err(why) => why,
-    };
-    match median {
-        Some(median) => format!("its norm of RMSE/std lies {} above ({interval})", number(median)),
-        None => format!("one of the two has no error in half of the {pairs} {called} or more ({interval})"),
-    }
-}
-
-/// `a`, `a and b`, `a, b and c`.
-pub fn listed(items: &[String]) -> String {
-    match items {
-        [] => String::new(),
-        [one] => one.clone(),
-        [most @ .., last] => format!("{} and {last}", most.join(", ")),
-    }
 }

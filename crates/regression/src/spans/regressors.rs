@@ -6,7 +6,7 @@ use pulp::{Simd, WithSimd};
 
 use super::signals::{Column, Difference, Modulus, Product, SPAN, Signal, Signals};
 use crate::Batch;
-use crate::registers::{parts, put};
+use numerics::registers::{parts, put};
 
 /// In which order the passes take the terms of a degree of freedom: first those with states in them, then those of inputs alone,
 /// which are the same in φ and in ζ.

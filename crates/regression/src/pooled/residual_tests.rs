@@ -39,7 +39,7 @@ pub fn residuals(parts: &[&Regression], centring: &Centring, solution: &Solution
 }
 
 /// Those of part number `i`.
-pub(super) fn residuals_of(
+pub fn residuals_of(
     part: &Regression,
     i: usize,
     centring: &Centring,
@@ -97,7 +97,7 @@ impl Signal {
 }
 
 /// Sums that residuals are tested with, part by part.
-pub(super) struct ResidualTests {
+pub struct ResidualTests {
     samples: usize,
     /// Pairs of each lag within parts.
     pairs: Vec<usize>,
@@ -110,7 +110,7 @@ pub(super) struct ResidualTests {
 
 impl ResidualTests {
     /// Over `lags` lags, against so many instruments.
-    pub(super) fn new(lags: usize, instruments: usize) -> Self {
+    pub fn new(lags: usize, instruments: usize) -> Self {
         // As numbers are summed up, so that sums part by part have the same bits.
         let zero: f64 = std::iter::empty::<f64>().sum();
         let signals = (0..instruments).map(|_| Signal::new(lags)).collect();
@@ -118,7 +118,7 @@ impl ResidualTests {
     }
 
     /// Adds a part: its residuals, and its instruments without their means.
-    pub(super) fn add(&mut self, residuals: &[f64], instruments: &[Vec<f64>]) {
+    pub fn add(&mut self, residuals: &[f64], instruments: &[Vec<f64>]) {
         self.samples += residuals.len();
         residuals.iter().for_each(|e| self.power += e * e);
         for (lag, (pairs, own)) in self.pairs.iter_mut().zip(&mut self.own).enumerate() {
@@ -134,7 +134,7 @@ impl ResidualTests {
     }
 
     /// See [`whiteness`].
-    pub(super) fn whiteness(&self) -> Whiteness {
+    pub fn whiteness(&self) -> Whiteness {
         let correlations = self.correlations();
         let n = self.samples as f64;
         let term = |(rho, pairs): (&f64, &usize)| if *pairs > 0 { rho * rho / *pairs as f64 } else { 0.0 };
@@ -149,7 +149,7 @@ impl ResidualTests {
 
     /// Correlates residuals with instruments some samples earlier and later, but not at the same time: there the estimate
     /// makes them orthogonal. `None` where nothing varies.
-    pub(super) fn strongest(&self) -> Option<CrossCorrelation> {
+    pub fn strongest(&self) -> Option<CrossCorrelation> {
         let (own, lags) = (self.correlations(), self.own.len());
         let mut strongest: Option<(f64, CrossCorrelation)> = None;
         for (instrument, signal) in self.signals.iter().enumerate() {

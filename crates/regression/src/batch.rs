@@ -71,11 +71,6 @@ impl<X> Batch<'_, X> {
     }
 }
 
-/// Samples that are summed up before their sum is added to the others.
-pub(crate) const BLOCK: usize = 8;
-/// A signal at [`BLOCK`] samples.
-pub(crate) type Block<X> = [X; BLOCK];
-
 /// Samples `range`, `N` at a time: (first, count).
 pub(crate) fn parts<const N: usize>(range: Range<usize>) -> impl Iterator<Item = (usize, usize)> {
     let end = range.end;

@@ -13,7 +13,7 @@ use numerics::lanes::lane_of;
 use numerics::{LANES, Lane, product, solve};
 
 use crate::estimate::{Run, Solved, ranges};
-use crate::predictor::{BLOCKS, jackknife};
+use crate::jackknife::{BLOCKS, jackknife};
 use crate::{Batch, DegreeSums, Estimate, MeanRemoval, Noise, Outcome, Sums};
 
 /// Estimates every run of `batch`, whose instrument states were simulated with `parameters`, one lane each: these set the

@@ -265,12 +265,12 @@ impl<R: Recorded> PooledRuns<R> {
     }
 
     /// Samples that are held at a time at most.
-    pub(super) fn window(&self) -> usize {
+    pub fn window(&self) -> usize {
         self.recorded.window()
     }
 
     /// Whether all are in memory.
-    pub(super) fn held(&self) -> bool {
+    pub fn held(&self) -> bool {
         self.recorded.held()
     }
 

@@ -1,5 +1,4 @@
-//! Passes over the samples of any model, span by span: what is decided per term is decided once for all samples of a span. They
-//! give the same bits as those of [`crate::structured`].
+//! Passes over the samples of any model, span by span: what is decided per term is decided once for all samples of a span.
 
 mod columns;
 mod regressors;

@@ -8,9 +8,9 @@ use pulp::{Simd, WithSimd};
 use super::regressors::{ALL, Order, Regressors};
 use super::signals::{Difference, SPAN, Signal, Signals, spans};
 use super::zeta::{Instrument, Kept, Zeta};
-use crate::batch::BLOCK;
-use crate::registers::{add, parts};
 use crate::{Batch, DegreeSums};
+use numerics::registers::BLOCK;
+use numerics::registers::{add, parts};
 
 /// Adds Σζ, Σζ² and everything with terms of inputs alone, over samples `range`.
 #[inline(always)]

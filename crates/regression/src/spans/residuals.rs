@@ -7,10 +7,10 @@ use super::regressors::{Order, Regressors, Table, fill};
 use super::signals::{Blocks, Column, Difference, SPAN, Signal, Signals, spans};
 use super::zeta::{Instrument, Kept, Zeta};
 use crate::Batch;
-use crate::batch::{BLOCK, Block};
 use crate::groups::{Constants, Groups};
 use crate::lags::Lags;
-use crate::registers::{add, part, parts, put};
+use numerics::registers::{BLOCK, Block};
+use numerics::registers::{add, part, parts, put};
 
 /// Adds what the residuals of `theta` come to, one lane per parameter. `intercepts`: three per run and group.
 #[inline(always)]

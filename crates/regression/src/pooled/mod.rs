@@ -1,0 +1,36 @@
+//! One regression of many sub-experiments, and what its residuals say.
+//!
+//! A part is one sub-experiment. Its instruments start anew at its first measured state, so the parts of a pooled estimate
+//! need not follow each other. The sums of the parts add: [`PooledSums`] keeps little besides their total. Whatever else
+//! needs the samples goes through the [`Parts`] again, with one part's [`Regression`] at a time. So runs need not be in
+//! memory: they are [`Recorded`] somewhere and read again.
+//!
+//! Plain numbers, no lanes: measured data sets are small.
+
+mod centre;
+mod diagnosis;
+mod fit;
+mod nominal;
+mod part;
+mod pooled_sums;
+mod recorded;
+mod regression;
+mod residual_tests;
+mod runs;
+mod sandwich;
+mod strength;
+mod words;
+
+pub use centre::Centring;
+pub use diagnosis::{COLLINEAR, Diagnosis};
+pub use fit::{DegreeFit, Options, Prior, Solution, Status, joined};
+pub use nominal::{NominalModel, NominalSource};
+pub use part::{LostInstruments, Part};
+pub use pooled_sums::{PooledSums, diagnose, fit};
+pub use recorded::{Drawn, PartView, Parts, Recorded};
+pub use regression::{DegreeRegression, Regression};
+pub use residual_tests::{CrossCorrelation, ResidualTests, Whiteness, residuals, residuals_of, whiteness};
+pub use runs::{CutRuns, PooledRuns, SelectError};
+pub use sandwich::{Filling, default_bandwidth, sandwich};
+pub use strength::{Strength, strength};
+pub use words::{collinear, first_named, unidentified, weakest};

@@ -1,0 +1,11 @@
+//! Instruments of single runs, shared by those that do the same.
+
+mod alike;
+mod collinear;
+mod instruments;
+mod nominal_diverged;
+
+pub use alike::{Alike, Doing};
+pub use collinear::{CollinearRun, collinear_run};
+pub use instruments::{Prepared, RunInstruments};
+pub use nominal_diverged::NominalDiverged;

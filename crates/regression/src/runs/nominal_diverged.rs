@@ -1,0 +1,28 @@
+use engine::Diverged;
+use model::DegreeOfFreedom;
+use refusal::Invalid;
+use thiserror::Error;
+
+/// The nominal model's simulation over a run left every bound, so that there are no instruments.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("the nominal model diverges over design {design}, run {run}, at sample {} in {}", .at.sample, DegreeOfFreedom::ALL[.at.state].name())]
+pub struct NominalDiverged {
+    /// The run's design.
+    pub design: String,
+    /// The run's number.
+    pub run: i32,
+    /// Where it diverged.
+    pub at: Diverged,
+}
+
+impl NominalDiverged {
+    /// What is invalid of the vessel.
+    pub fn invalid(&self) -> Invalid {
+        self.at.invalid(format!("nominal model (`nominal`) over design {}, run {}", self.design, self.run))
+    }
+
+    /// Over a run of `design`.
+    pub fn over(design: &str, run: i32, at: Diverged) -> Self {
+        Self { design: design.to_owned(), run, at }
+    }
+}
