@@ -11,9 +11,8 @@ use model::{InputSpec, TermSpec, Vessel, VesselFile};
 use regression::pooled::{DegreeRegression, Options, Part, PooledRuns, Regression, fit};
 use regression::{Known, MeanRemoval, Sums};
 
-use crate::pooled_laws::{craft_file, part, runs};
+use crate::support::craft::{craft_file, part, runs};
 use crate::support::noise::Normals;
-use crate::support::pool;
 
 /// The craft with its terms changed.
 fn craft(change: impl Fn(&mut VesselFile)) -> Vessel {
@@ -33,7 +32,7 @@ fn parts(count: usize) -> Vec<Part> {
 }
 
 fn pooled(vessel: &Vessel, parts: &Vec<Part>, estimator: Estimator) -> Estimated {
-    pool(vessel).estimate(parts, estimator).unwrap_or_else(|_| panic!("{estimator}"))
+    Pool::new(vessel).estimate(parts, estimator).unwrap_or_else(|_| panic!("{estimator}"))
 }
 
 /// θ̂ by name, with the intercepts.
@@ -263,12 +262,12 @@ fn bounds_that_exclude_every_estimate_leave_none_and_say_which() {
     let runs = PooledRuns::new(runs(&parts), &BTreeMap::new());
     let judgement = Judgement { replicates: 0, seed: 1 };
     let Err(PoolError::Bounded(reasons)) =
-        estimate(&pool(&vessel), &runs, Estimator::Ls, &judgement, Resampling::Drawn(&|_| ()))
+        estimate(&Pool::new(&vessel), &runs, Estimator::Ls, &judgement, Resampling::Drawn(&|_| ()))
     else {
         panic!("an estimate")
     };
     assert!(reasons[0].contains("sway") && reasons[0].contains("`Y_v` between 2 and 3"), "{reasons:?}");
-    let strong = Pool { strength: 0.1, ..pool(&vessel) };
+    let strong = Pool { strength: 0.1, ..Pool::new(&vessel) };
     assert!(strong.check().unwrap_err().to_string().contains("prior"));
 }
 
@@ -282,7 +281,7 @@ fn an_estimate_at_a_bound_has_no_standard_error_and_is_told() {
     let judgement = Judgement { replicates: 0, seed: 1 };
     for estimator in [Estimator::Ls, Estimator::OutputError] {
         let found =
-            estimate(&pool(&vessel), &runs, estimator, &judgement, Resampling::Drawn(&|_| ())).unwrap();
+            estimate(&Pool::new(&vessel), &runs, estimator, &judgement, Resampling::Drawn(&|_| ())).unwrap();
         let own = &found.degrees[2].parameters[1];
         assert_eq!((own.estimate, own.standard_error, own.at_bound), (Some(0.0), None, true), "{estimator}");
         assert!(

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use engine::{Compiled, Run, RunView, Segment, simulate_one};
 use identification::criticism::{Absent, Criticism, Subject, criticise, criticise_each};
-use identification::pooled::{Judgement, Resampling, enriched};
+use identification::pooled::{Judgement, Pool, Resampling, enriched};
 use identification::predictor::{Flow, InitialState, Levels};
 use identification::runs::{Asked, Beside, RunEstimators};
 use identification::{EstimateStatus, Estimator};
@@ -13,7 +13,7 @@ use regression::MeanRemoval;
 use regression::pooled::PooledRuns;
 
 use crate::support::noise::Normals;
-use crate::support::{Experiment, dictionary, paper, pool, truth};
+use crate::support::{Experiment, dictionary, paper, truth};
 
 const NOISE: f64 = 0.02;
 const STATED: Levels = Levels { measurement: [NOISE; 3], current: Flow::Still, force: None, drift: None };
@@ -325,7 +325,7 @@ fn terms_are_added_until_the_model_is_not_rejected() {
         let runs = PooledRuns::new(runs, &BTreeMap::new());
         let judgement = Judgement { replicates: 0, seed: 1 };
         let found = enriched(
-            &pool(&vessel),
+            &Pool::new(&vessel),
             &runs,
             Estimator::OutputError,
             &judgement,

@@ -1,13 +1,12 @@
 //! What must hold of estimates, and what independent computations found.
 
-mod any_model;
 mod collinear;
 mod constraints;
 mod criticism;
+mod cross_validation;
 mod found_noise;
-mod laws;
+mod free_runs;
 mod names;
-mod oracle;
 mod output_error_laws;
 mod output_error_oracle;
 mod output_information;
@@ -15,12 +14,9 @@ mod pooled_again;
 mod pooled_around;
 mod pooled_continued;
 mod pooled_laws;
-mod pooled_oracle;
-mod predicted_errors;
 mod quantiles;
 mod recommendation;
 mod refine_laws;
 mod repeated;
-mod scalar_example;
-mod standard_errors;
+#[path = "../../../regression/tests/all/support/mod.rs"]
 mod support;

@@ -2,8 +2,6 @@
 
 use identification::runs::Asked;
 use identification::{EstimateStatus, Estimator, ScoreStatus};
-use regression::pooled::NominalSource;
-use regression::{InstrumentKind, MeanRemoval};
 use serde::Serialize;
 
 fn check<T: Copy + Serialize>(all: &[T], name: fn(T) -> &'static str) {
@@ -15,9 +13,6 @@ fn check<T: Copy + Serialize>(all: &[T], name: fn(T) -> &'static str) {
 #[test]
 fn choices_are_called_in_files_what_their_names_say() {
     check(&Estimator::ALL, Estimator::name);
-    check(&MeanRemoval::ALL, MeanRemoval::name);
-    check(&InstrumentKind::ALL, InstrumentKind::name);
-    check(&NominalSource::ALL, NominalSource::name);
     check(&EstimateStatus::ALL, EstimateStatus::name);
     check(&ScoreStatus::ALL, ScoreStatus::name);
     check(&Asked::ALL, Asked::name);

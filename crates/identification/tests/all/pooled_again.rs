@@ -11,9 +11,8 @@ use model::Vessel;
 use regression::MeanRemoval;
 use regression::pooled::{PooledRuns, Recorded};
 
-use crate::pooled_laws::{craft, part};
+use crate::support::craft::{craft, part};
 use crate::support::noise::Normals;
-use crate::support::pool;
 
 /// Runs in blocks, as in a file, of which little is held at a time.
 struct Blocks(Vec<Vec<Run>>);
@@ -66,7 +65,7 @@ fn law_runs_that_are_read_again_give_the_same_bits() {
     for (removal, part_samples) in
         [(MeanRemoval::None, None), (MeanRemoval::Batch, None), (MeanRemoval::Complete, Some(25))]
     {
-        let pool = Pool { removal, part_samples, ..pool(&vessel) };
+        let pool = Pool { removal, part_samples, ..Pool::new(&vessel) };
         // Each with one of the estimators, and all with one of them: every estimate takes a second.
         let wanted = |own: &Estimator| match removal {
             MeanRemoval::None => *own == Estimator::Ls,

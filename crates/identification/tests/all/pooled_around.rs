@@ -3,7 +3,7 @@
 use approx::assert_relative_eq;
 use engine::{RunView, Weather, simulate};
 use identification::Estimator;
-use identification::pooled::{Follow, Searched, least_errors};
+use identification::pooled::{Follow, Pool, Searched, least_errors};
 use identification::predictor::{
     Fit, Fitted, Flow, InitialState, Levels, Spread, Unknown, output_error, prediction_error,
 };
@@ -13,7 +13,7 @@ use numerics::Lane;
 use regression::pooled::Part;
 
 use crate::support::noise::Normals;
-use crate::support::{Experiment, dictionary, paper, pool, truth};
+use crate::support::{Experiment, dictionary, paper, truth};
 
 const EARTH: Beside = Beside { current: UnknownCurrent::Earth, intercepts: Intercepts::None, ..NOTHING };
 const NOTHING: Beside = Beside {
@@ -199,7 +199,7 @@ fn law_predictions_of_pooled_runs_find_the_drift_and_better_parameters() {
         force: None,
         drift: None,
     };
-    let pool = pool(&vessel);
+    let pool = Pool::new(&vessel);
     let distance = |theta: &[f64]| {
         let relative = theta.iter().zip(truth(&vessel)).map(|(a, b)| (a / b - 1.0).powi(2));
         relative.sum::<f64>().sqrt()

@@ -7,9 +7,8 @@ use identification::{EstimateStatus, Estimator};
 use model::Vessel;
 use regression::pooled::{Part, PooledRuns};
 
-use crate::pooled_laws::{craft_file, part, runs};
+use crate::support::craft::{craft_file, part, runs};
 use crate::support::noise::Normals;
-use crate::support::pool;
 
 fn craft() -> Vessel {
     Vessel::from_file(craft_file()).unwrap()
@@ -43,7 +42,7 @@ fn law_a_search_whose_start_diverges_finds_the_minimum_that_it_finds_from_elsewh
         found.parameters(&pool.model).unwrap()
     };
     // A prior that nothing outweighs holds the estimate that the search begins with at a craft that runs away.
-    let (expected, continued) = (found(&pool(&near)), found(&Pool { strength: 1e9, ..pool(&far) }));
+    let (expected, continued) = (found(&Pool::new(&near)), found(&Pool { strength: 1e9, ..Pool::new(&far) }));
     for (a, b) in expected.iter().zip(&continued) {
         assert!((a - b).abs() <= 1e-3 * a.abs().max(1e-3), "{a} {b}");
     }
@@ -53,7 +52,7 @@ fn law_a_search_whose_start_diverges_finds_the_minimum_that_it_finds_from_elsewh
 fn what_does_not_simulate_is_not_identified_and_no_model_is_delivered() {
     let (far, runs) = (runaway(), PooledRuns::new(runs(&parts(true)), &BTreeMap::new()));
     let of = |strength: f64| {
-        estimate(&Pool { strength, ..pool(&far) }, &runs, Estimator::Ls, &JUDGEMENT, Resampling::Given(&[]))
+        estimate(&Pool { strength, ..Pool::new(&far) }, &runs, Estimator::Ls, &JUDGEMENT, Resampling::Given(&[]))
             .unwrap()
     };
     let held = of(1e9);

@@ -1,12 +1,9 @@
-//! Moments and validation errors against numbers computed independently: `fixtures/oracle/oracle.json`.
+//! Moments against numbers computed independently: `fixtures/oracle/oracle.json`.
 
 use crate::support::explicit::{Regression, sizes};
-use crate::support::{self, Experiment, Recording, SideBySide, dictionary, lanes, paper};
-use approx::assert_relative_eq;
-use engine::simulate_one;
-use identification::{FreeRun, free_runs};
+use crate::support::{Experiment, Recording, SideBySide, dictionary, paper};
 use model::Source;
-use numerics::{LANES, Lane};
+use numerics::LANES;
 use regression::moments;
 use serde_json::Value;
 
@@ -68,27 +65,5 @@ fn compare(run: &Recording, d: usize, found: &[f64], expected: &[f64], named: &s
         let size = expected.abs().max(1e-3 * rows[i] * columns[j]);
         let error = (found - expected).abs();
         assert!(error <= 1e-9 * size, "{named}, entry {i} {j}: found {found}, expected {expected}");
-    }
-}
-
-#[test]
-fn oracle_validation_errors_of_free_simulation() {
-    let (vessel, expected) = (paper(), oracle("validation"));
-    let inputs: Vec<f64> = expected["inputs"].as_array().unwrap().iter().flat_map(numbers).collect();
-    let initial: [f64; 3] = numbers(&expected["initial"]).try_into().unwrap();
-    let reference = simulate_one(&vessel.model, &support::truth(&vessel), initial, &inputs);
-    let scores = expected["scores"].as_array().unwrap();
-    let thetas: Vec<Vec<f64>> = scores.iter().map(|s| numbers(&s["theta"])).collect();
-    let parameters = lanes(std::array::from_fn(|lane| thetas[lane % thetas.len()].as_slice()));
-    let exogenous: Vec<Lane> = inputs.iter().map(|x| Lane::splat(*x)).collect();
-    let found = free_runs(&vessel.model, &parameters, &exogenous, &reference);
-    for (lane, run) in found.iter().enumerate() {
-        let score = &scores[lane % scores.len()];
-        let FreeRun::Rmse(rmse) = run else { panic!("lane {lane}: {run:?}") };
-        for (found, expected) in rmse.iter().zip(numbers(&score["rmse"])) {
-            assert_relative_eq!(*found, expected, max_relative = 1e-9);
-        }
-        let norm = score["simulation_error"].as_f64().unwrap();
-        assert_relative_eq!(run.norm().unwrap(), norm, max_relative = 1e-9);
     }
 }

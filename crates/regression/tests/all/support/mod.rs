@@ -2,11 +2,11 @@
 
 #![allow(dead_code)]
 
+pub mod craft;
 pub mod explicit;
 pub mod noise;
 
 use engine::simulate_one;
-use identification::pooled::Pool;
 use maneuver::{DictionaryFile, Generator};
 use model::{Model, Source, Vessel};
 use noise::Normals;
@@ -19,11 +19,6 @@ const DICTIONARY: &str = include_str!("../../../../../pipelines/scenarios/dictio
 /// The vessel of the paper's simulation study.
 pub fn paper() -> Vessel {
     Vessel::from_file(toml::from_str(VESSEL).unwrap()).unwrap()
-}
-
-/// Pools runs of `vessel`, whose nominal model is known: whole segments, instruments with all of the mean removed.
-pub fn pool(vessel: &Vessel) -> Pool<'_> {
-    Pool::new(vessel)
 }
 
 /// Every run of `batch` estimated.

@@ -1,0 +1,12 @@
+//! What must hold of regressions, and what independent computations found.
+
+mod any_model;
+mod laws;
+mod names;
+mod oracle;
+mod pooled_laws;
+mod pooled_oracle;
+mod predicted_errors;
+mod scalar_example;
+mod standard_errors;
+mod support;
