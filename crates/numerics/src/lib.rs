@@ -10,6 +10,7 @@
 mod decompositions;
 pub mod distributions;
 mod instructions;
+mod iterations;
 mod lane;
 pub mod lanes;
 mod lu;
@@ -22,6 +23,7 @@ mod wide;
 
 pub use decompositions::{Weakest, symmetric, weakest};
 pub use instructions::{dispatch, dispatch_narrow, missing_instructions};
+pub use iterations::{Watch, iterate};
 pub use lane::{Arithmetic, LANES, Lane, Number, Numbers, Row};
 pub use lu::{LogDet, condition, inverse, inverse_and_log_det, inverse_in_order, log_det, one_norm, solve};
 pub use product::{add_outer, add_rows, congruence, dot, product, quadratic, times, transposed};

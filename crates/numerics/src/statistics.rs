@@ -2,13 +2,15 @@
 
 mod again;
 mod interval;
+mod mean_trajectory;
 mod words;
 
 pub use again::median_again;
 pub use interval::{
-    mean_interval, paired_median, paired_share_difference, quantile_interval, quantile_ranks,
+    Z, mean_interval, paired_median, paired_share_difference, quantile_interval, quantile_ranks,
     share_difference, wilson,
 };
+pub use mean_trajectory::MeanTrajectory;
 pub use words::{LEAST_FOR_MEDIAN, median_interval_in_words};
 
 /// Mean; `None` if empty.

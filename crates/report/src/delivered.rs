@@ -5,8 +5,8 @@ use super::number::{or_dash, three, three_or_dash, unit};
 use super::parts::{Section, missing};
 use super::table::Table;
 use crate::figures::text::signed;
-use study::documents::{CrossvalDocument, Estimator, ModelDegree, ModelDocument, ModelParameter};
 use refusal::listed;
+use study::documents::{CrossvalDocument, Estimator, ModelDegree, ModelDocument, ModelParameter};
 
 /// Parameters of the model that the estimate delivers, and whether its estimator is the one to recommend.
 pub(super) fn delivered(measured: &Measured) -> Section {

@@ -7,11 +7,11 @@ use super::next_trial::NextTrial;
 use super::number::{fit, or_dash, percent_within, three_or_dash};
 use super::table::Table;
 use artifact::Error;
+use refusal::listed;
 use study::documents::{
     COLLINEAR, CompareDocument, CrossvalDocument, DegreeTrust, EstimatorScore, FreeRunErrors, IngestDocument,
     ModelDocument, SearchDocument, SelectionScores, Traced, TrustDocument,
 };
-use refusal::listed;
 
 /// What there is about measured logs.
 #[derive(Clone, Debug, Default)]

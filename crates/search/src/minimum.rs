@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use model::Model;
+use numerics::{Watch, iterate};
 use regression::{Equations, bounded};
 
 use crate::problem::{Looked, Problem, Slopes};
@@ -25,8 +26,8 @@ pub(crate) fn minimum(problem: &Problem, start: Vec<f64>, ridge: f64, ending: En
     let mut beta = problem.within(start);
     let mut looked = problem.look(&beta)?;
     let mut damping = DAMPING[0];
-    for _ in 0..ending.steps {
-        let Some(slopes) = problem.slopes(&beta, &looked) else { break };
+    iterate("Levenberg–Marquardt", ending.steps, &Watch::default(), || {
+        let slopes = problem.slopes(&beta, &looked)?;
         let before = cost(&beta, &looked);
         let taken = loop {
             let trial = stepped(problem, &beta, &slopes, [ridge, damping]);
@@ -37,14 +38,13 @@ pub(crate) fn minimum(problem: &Problem, start: Vec<f64>, ridge: f64, ending: En
                 None => damping = (10.0 * damping).max(1e-3),
             }
         };
-        let Some((trial, at)) = taken else { break };
+        let (trial, at) = taken?;
         let gained = before - cost(&trial, &at);
         (beta, looked) = (trial, at);
         damping = (0.1 * damping).max(DAMPING[0]);
-        if gained <= ending.enough * before {
-            break;
-        }
-    }
+        let enough = gained <= ending.enough * before;
+        (!enough).then_some(())
+    });
     Some(beta)
 }
 

@@ -2,12 +2,12 @@ use engine::{Compiled, RunView, SideBySide, Weather, simulate};
 use identification::pooled::deviations;
 use identification::predictor::{Recordings, Step, free_sweep};
 use model::Model;
+use numerics::statistics::MeanTrajectory;
 use numerics::{LANES, Lane};
 use rayon::prelude::*;
 use regression::pooled::Part;
 
 use crate::gram::Gram;
-use crate::mean::MeanTrajectory;
 use crate::recording::Recording;
 
 /// RMS of a window's errors over the states' standard deviations from which on its errors count linearly, not squared: a

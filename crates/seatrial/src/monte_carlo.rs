@@ -7,10 +7,8 @@ use identification::runs::{RunError, RunEstimators};
 use identification::{Candidate, EstimateStatus, Estimator, RunEstimate, RunScore, ValidationRuns};
 use numerics::{GROUPS, LANES};
 use rayon::prelude::*;
-use regression::{
-    InstrumentKind, Outcome,
-    runs::{Alike, Doing, NominalDiverged, RunInstruments},
-};
+use regression::runs::{Alike, Doing, NominalDiverged, RunInstruments};
+use regression::{InstrumentKind, Outcome};
 use trial::campaign::{Campaign, SimulatedRun};
 
 use crate::simulation::StudyError;

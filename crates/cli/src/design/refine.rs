@@ -7,6 +7,7 @@ use clap::Parser;
 use engine::refuse_endless;
 use maneuver::Generator;
 use model::Vessel;
+use numerics::Watch;
 use refusal::Invalid;
 use regression::Noise;
 use serde_json::json;
@@ -21,6 +22,7 @@ use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
 use crate::cli::{Common, beside};
 use crate::failure::Failure;
 use crate::inputs;
+use crate::progress::Progress;
 use crate::simulate::Files;
 use crate::stage::{Summary, Task};
 
@@ -68,7 +70,7 @@ impl Task for Refine {
         }
         let vessel = read_vessel(&self.vessel, &mut provenance)?.with_disturbances_held();
         check_constants(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
-        let found = search(self, &vessel, &mut provenance)?;
+        let found = search(self, &vessel, &mut provenance, common.quiet)?;
         settings(self, &found, &mut provenance);
         let files = RefinedFiles { vessel: &vessel, found: &found };
         let document = files.document();
@@ -93,7 +95,12 @@ impl Task for Refine {
 }
 
 /// Reads the design's experiment and its limits, and refines it.
-fn search(a: &Refine, vessel: &Vessel, provenance: &mut Provenance) -> Result<Refinement, Failure> {
+fn search(
+    a: &Refine,
+    vessel: &Vessel,
+    provenance: &mut Provenance,
+    quiet: bool,
+) -> Result<Refinement, Failure> {
     let generator = read_dictionary(&a.dictionary, vessel, provenance)?;
     let config = read_campaign(&a.campaign, provenance)?;
     let design = inputs::document(&a.design, "design", provenance)?;
@@ -108,7 +115,12 @@ fn search(a: &Refine, vessel: &Vessel, provenance: &mut Provenance) -> Result<Re
         None => StatedLimits::default(),
     };
     let limits = Limits::new(&stated, vessel, &generator, &start).map_err(refused)?;
-    Refinement::search(vessel, start, limits, a.iterations as usize).map_err(refused)
+    let progress = Progress::new("iterations, at most", a.iterations as usize, quiet);
+    let watch = Watch::new(move || {
+        progress.advance(1);
+        true
+    });
+    Refinement::search(vessel, start, limits, a.iterations as usize, &watch).map_err(refused)
 }
 
 /// The experiment that a campaign would make of the design.

@@ -1,5 +1,7 @@
 //! Rounds of minimisation, multipliers moved between them.
 
+use numerics::{Watch, iterate};
+
 use super::bounded::minimise;
 use super::criterion::{Forward, TraceCriterion};
 use super::lagrangian::{Lagrangian, SignalLimits};
@@ -42,12 +44,13 @@ const MARGIN: f64 = 5e-4;
 const GAIN: f64 = 1e-4;
 
 /// Makes `criterion` small from inputs `start`, N × inputs, within `limits`, which `start` must keep. The result keeps them.
-/// `None` where the criterion is not defined at the start.
+/// `None` where the criterion is not defined at the start. `watch` may end it with the best so far.
 pub fn refine(
     criterion: &TraceCriterion,
     start: &[f64],
     limits: &SignalLimits,
     effort: &Effort,
+    watch: &Watch,
 ) -> Option<Refined> {
     let signal = Signal::new(start, &limits.inputs, effort.knot);
     let [low, high] = signal.bounds();
@@ -66,16 +69,17 @@ pub fn refine(
     let before = lagrangian.run(&x)?;
     lagrangian.best = Some((before.value, x.clone()));
     let (mut iterations, mut settled) = (0, false);
-    while iterations < effort.iterations && !settled {
+    iterate("augmented Lagrangian", effort.iterations, &Watch::default(), || {
         let known = lagrangian.best.as_ref().map_or(f64::INFINITY, |(value, _)| *value);
         let round = ROUND.min(effort.iterations.div_ceil(ROUNDS)).min(effort.iterations - iterations);
-        iterations += minimise(&mut lagrangian, &mut x, [&low, &high], round).max(1);
+        iterations += minimise(&mut lagrangian, &mut x, [&low, &high], round, watch).max(1);
         let violation = lagrangian.update(&x)?;
         let now = lagrangian.best.as_ref().map_or(f64::INFINITY, |(value, _)| *value);
         let heaviest = lagrangian.weight >= WEIGHTS[2];
         settled = heaviest && violation < MARGIN && known - now < GAIN * now;
         lagrangian.weight = (WEIGHTS[1] * lagrangian.weight).min(WEIGHTS[2]);
-    }
+        (iterations < effort.iterations && !settled && !watch.ended()).then_some(())
+    });
     let best = lagrangian.best.take().map_or(x, |(_, x)| x);
     let after = lagrangian.run(&best)?;
     let inputs = lagrangian.signal.inputs(&best);

@@ -52,8 +52,14 @@ fn law_a_search_whose_start_diverges_finds_the_minimum_that_it_finds_from_elsewh
 fn what_does_not_simulate_is_not_identified_and_no_model_is_delivered() {
     let (far, runs) = (runaway(), PooledRuns::new(runs(&parts(true)), &BTreeMap::new()));
     let of = |strength: f64| {
-        estimate(&Pool { strength, ..Pool::new(&far) }, &runs, Estimator::Ls, &JUDGEMENT, Resampling::Given(&[]))
-            .unwrap()
+        estimate(
+            &Pool { strength, ..Pool::new(&far) },
+            &runs,
+            Estimator::Ls,
+            &JUDGEMENT,
+            Resampling::Given(&[]),
+        )
+        .unwrap()
     };
     let held = of(1e9);
     assert!(held.delivered.is_none() && held.sources.iter().all(|source| source.diverged > 0));

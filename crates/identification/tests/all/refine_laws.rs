@@ -1,8 +1,11 @@
 //! Gradients by adjoints against difference quotients; limits of what is refined.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use approx::assert_relative_eq;
 use identification::output_information;
 use identification::refine::{Effort, SignalLimits, TraceCriterion, refine};
+use numerics::Watch;
 use regression::Noise;
 
 use crate::support::noise::Normals;
@@ -116,14 +119,22 @@ fn law_refined_inputs_keep_every_limit_and_make_the_criterion_smaller() {
     let changes: Vec<f64> =
         (3..experiment.inputs.len()).map(|e| experiment.inputs[e] - experiment.inputs[e - 3]).collect();
     let slow = SignalLimits { steps: (0..3).map(|i| largest(&changes, i)).collect(), ..free.clone() };
+    let watched = |limits: &SignalLimits, effort: Effort, watch: &Watch| {
+        refine(&criterion, &experiment.inputs, limits, &effort, watch).unwrap()
+    };
     let run = |limits: &SignalLimits, knot: usize| {
-        refine(&criterion, &experiment.inputs, limits, &Effort { knot, iterations: 400 }).unwrap()
+        watched(limits, Effort { knot, iterations: 400 }, &Watch::default())
     };
     for (limits, knot) in [(&free, 1), (&free, 8), (&slow, 1)] {
         let found = run(limits, knot);
         assert!(limits.kept(&found.after.states, &found.inputs));
         assert!(found.after.value < 0.9 * found.before.value, "{} {}", found.after.value, found.before.value);
     }
-    let nothing = refine(&criterion, &experiment.inputs, &free, &Effort { knot: 1, iterations: 0 }).unwrap();
+    let nothing = watched(&free, Effort { knot: 1, iterations: 0 }, &Watch::default());
     assert_eq!(nothing.inputs, experiment.inputs);
+    let seen = AtomicUsize::new(0);
+    let impatient = Watch::new(move || seen.fetch_add(1, Ordering::Relaxed) < 5);
+    let begun = watched(&slow, Effort { knot: 1, iterations: 400 }, &impatient);
+    assert!(impatient.ended() && !begun.settled && begun.iterations <= 6, "{}", begun.iterations);
+    assert!(begun.after.value < begun.before.value && slow.kept(&begun.after.states, &begun.inputs));
 }

@@ -3,7 +3,7 @@
 use super::{mean, quantile, sorted, spread};
 
 /// The 97.5 % quantile of the standard normal distribution.
-const Z: f64 = 1.959_963_984_540_054;
+pub const Z: f64 = 1.959_963_984_540_054;
 /// Probability with which each end of an interval may miss.
 const TAIL: f64 = 0.025;
 

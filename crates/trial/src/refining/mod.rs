@@ -6,6 +6,7 @@ mod start;
 use identification::refine::{Effort, Refined, refine};
 pub use limits::{Limits, STATES, StatedLimits};
 use model::Vessel;
+use numerics::Watch;
 use refusal::Invalid;
 pub use start::Start;
 use thiserror::Error;
@@ -48,13 +49,20 @@ pub struct Refinement {
 
 impl Refinement {
     /// Follows the gradient of the criterion from `start` within `limits`, in at most `iterations`
-    /// iterations.
+    /// iterations; `watch` may end it sooner.
     ///
     /// # Errors
     /// [`Refusal::NotIdentifiable`].
-    pub fn search(vessel: &Vessel, start: Start, limits: Limits, iterations: usize) -> Result<Self, Refusal> {
+    pub fn search(
+        vessel: &Vessel,
+        start: Start,
+        limits: Limits,
+        iterations: usize,
+        watch: &Watch,
+    ) -> Result<Self, Refusal> {
         let knot = ((KNOT_S * vessel.sample_rate_hz).round() as usize).max(1);
-        match refine(&start.criterion(vessel), &start.inputs, &limits.signal, &Effort { knot, iterations }) {
+        let effort = Effort { knot, iterations };
+        match refine(&start.criterion(vessel), &start.inputs, &limits.signal, &effort, watch) {
             Some(refined) => Ok(Self { start, limits, knot, refined }),
             None => Err(Refusal::NotIdentifiable { parameter: start.weakest(vessel) }),
         }

@@ -1,13 +1,11 @@
 use identification::pooled::Covariance;
 use identification::predictor::{Recordings, Sensitivities};
 use model::Model;
+use numerics::statistics::Z;
 use numerics::times;
 use regression::pooled::Part;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-/// 97.5 % of a normal distribution lie below this many standard deviations.
-pub(super) const Z: f64 = 1.959_963_984_540_054;
 
 /// What is known of the model's errors.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 use model::DegreeOfFreedom;
+use numerics::statistics::{MeanTrajectory, Z};
 use regression::pooled::{Part, Regression};
 use schemars::JsonSchema;
-use search::MeanTrajectory;
 use serde::{Deserialize, Serialize};
 
 use super::simulated::{Contestant, Ship, Simulated};
@@ -10,9 +10,6 @@ use super::simulated::{Contestant, Ship, Simulated};
 const OWN: usize = 40;
 /// Lags that they are correlated with inputs over, earlier and later.
 const CROSSED: usize = 20;
-/// 97.5 % of a normal distribution lie below this many standard deviations.
-const Z: f64 = 1.959_963_984_540_054;
-
 refusal::choices! {
     /// What a model's errors are errors of.
     pub enum ErrorKind {

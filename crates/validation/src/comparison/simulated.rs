@@ -1,8 +1,8 @@
 use engine::{check_diverged, simulate_one};
 use identification::pooled::deviations;
 use model::Model;
+use numerics::statistics::MeanTrajectory;
 use regression::pooled::Part;
-use search::MeanTrajectory;
 
 use super::errors::{ComparedRecording, Sums};
 use super::standing::{ComparedModel, Standing};

@@ -1,8 +1,9 @@
+use numerics::statistics::Z;
 use regression::pooled::Part;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::bands::{Bands, Inside, Z};
+use super::bands::{Bands, Inside};
 
 /// How far the models of an average are apart.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,5 +1,5 @@
 use model::ParameterLayout;
-use numerics::{LANES, Lane, dot, solve};
+use numerics::{LANES, Lane, Watch, dot, iterate, solve};
 
 use super::kind::{Guess, MOST, NoiseKind, side_by_side};
 use super::line::Line;
@@ -73,7 +73,7 @@ impl Search<'_> {
     fn climb_on(&self, start: Guess, change: &[f64], most: usize) -> Option<Best> {
         let mut here = self.slopes(&start, change)?;
         let mut damping = DAMPING[0];
-        for _ in 0..most {
+        iterate("Berndt, Hall, Hall and Hausman", most, &Watch::default(), || {
             let step = here.step(damping);
             let trial = here.at.guess.changed(|i| step[i], self.rate_hz, self.floor);
             match self.slopes(&trial, &here.at.change).filter(|there| there.at.worth > here.at.worth) {
@@ -82,15 +82,14 @@ impl Search<'_> {
                     here = there;
                     damping *= 0.2;
                     if rise < self.rise && damping < 1.0 {
-                        break;
+                        return None;
                     }
                 }
                 None => damping *= 10.0,
             }
-            if damping > DAMPING[1] || dot(&here.slopes, &here.step(0.0)) < self.rise {
-                break;
-            }
-        }
+            let ends = damping > DAMPING[1] || dot(&here.slopes, &here.step(0.0)) < self.rise;
+            (!ends).then_some(())
+        });
         Some(here.at)
     }
 

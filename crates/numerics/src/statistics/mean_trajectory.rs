@@ -1,4 +1,4 @@
-use numerics::Number;
+use crate::Number;
 
 /// Trajectories that are averaged sample by sample.
 ///
