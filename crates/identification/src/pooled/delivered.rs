@@ -170,9 +170,7 @@ impl<'a> Account<'a> {
         let (regression, layout) = (Regression::of(self.model, part), self.model.layout());
         let mut left = [0.0; 3];
         for (d, degree) in regression.degrees.iter().enumerate() {
-            let own = &self.theta[layout.terms(d)];
-            for (k, target) in degree.target.iter().enumerate() {
-                let error = target - degree.phi(k).iter().zip(own).map(|(f, t)| f * t).sum::<f64>();
+            for error in degree.residuals(&self.theta[layout.terms(d)]) {
                 left[d] += error;
                 self.squares[d] += (error - self.intercepts[d]).powi(2);
             }

@@ -62,9 +62,7 @@ impl Regression {
         self.degrees.each_ref().map(|degree| {
             let own = &theta[first..first + degree.parameters];
             first += degree.parameters;
-            let gained = |k: usize| degree.phi(k).iter().zip(own).map(|(f, t)| f * t).sum::<f64>();
-            let sum: f64 = degree.target.iter().enumerate().map(|(k, target)| target - gained(k)).sum();
-            sum / self.samples.max(1) as f64
+            degree.residuals(own).sum::<f64>() / self.samples.max(1) as f64
         })
     }
 
@@ -132,6 +130,12 @@ impl DegreeRegression {
     /// Row k of ζ.
     pub fn zeta(&self, k: usize) -> &[f64] {
         &self.zeta[k * self.parameters..(k + 1) * self.parameters]
+    }
+
+    /// Δy − φᵀθ of every pair.
+    pub fn residuals<'a>(&'a self, theta: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let predicted = move |k: usize| self.phi(k).iter().zip(theta).map(|(f, t)| f * t).sum::<f64>();
+        self.target.iter().enumerate().map(move |(k, target)| target - predicted(k))
     }
 
     fn sums(&self) -> DegreeSums {

@@ -46,10 +46,8 @@ pub fn residuals_of(
     solution: &Solution,
     d: usize,
 ) -> Vec<f64> {
-    let degree = &part.degrees[d];
     let intercept = centring.intercept(i, d, &solution.theta);
-    let predicted = |k: usize| degree.phi(k).iter().zip(&solution.theta).map(|(f, t)| f * t).sum::<f64>();
-    degree.target.iter().enumerate().map(|(k, target)| target - predicted(k) - intercept).collect()
+    part.degrees[d].residuals(&solution.theta).map(|left| left - intercept).collect()
 }
 
 /// Tests residuals for whiteness over `lags` lags; no pairs across parts.

@@ -87,11 +87,7 @@ fn one_step(first: &Contestant, window: &Part) -> [Vec<f64>; 3] {
 /// Δy − φᵀθ of surge, sway and yaw.
 fn residuals(ship: &Ship, window: &Part) -> [Vec<f64>; 3] {
     let (regression, layout) = (Regression::of(ship.model, &window.whole()), ship.model.layout());
-    [0, 1, 2].map(|d: usize| {
-        let (degree, theta) = (&regression.degrees[d], &ship.theta[layout.terms(d)]);
-        let gained = |k: usize| degree.phi(k).iter().zip(theta).map(|(f, t)| f * t).sum::<f64>();
-        degree.target.iter().enumerate().map(|(k, target)| target - gained(k)).collect()
-    })
+    [0, 1, 2].map(|d: usize| regression.degrees[d].residuals(&ship.theta[layout.terms(d)]).collect())
 }
 
 fn of_states(
