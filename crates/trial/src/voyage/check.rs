@@ -77,7 +77,7 @@ pub struct Check {
     pub sailed_s: f64,
     /// Time that the runs take: least, median, most \[s\].
     pub sailed_quantiles_s: [f64; 3],
-    /// How often the plan was searched, with what earlier checks counter_examples; every check draws anew.
+    /// How often the plan was searched, with what earlier checks taught; every check draws anew.
     pub rounds: u64,
     /// Runs that left the lattice's area, which is no obstacle.
     pub left_area: u64,
