@@ -57,7 +57,7 @@ pub(super) fn reported_time<'a>(
             let is_fix = is_fix && !(*kind == "ZDA" && midnight.is_some_and(is_first_day));
             Ok(Some(Reported { of_day, midnight, is_sixty, is_fix }))
         }
-        Some(_) => Err((date, "a date besides the time")),
+        Some(_) => Err((date, "a valid date")),
         None if is_fix => Err((text, "a time such as 123519.00")),
         None => Ok(None),
     }
