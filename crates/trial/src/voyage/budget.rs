@@ -10,8 +10,8 @@ use super::error::VoyageError;
 use super::footing::Footing;
 use super::moves::Moves;
 use super::prepared::Prepared;
-use super::rehearsed::Rehearsed;
 use super::search::Search;
+use super::settled_legs::SettledLeg;
 use super::task::Secondary;
 use crate::{Fix, Sample, SampledVessel};
 
@@ -81,9 +81,8 @@ impl Prepared {
     /// Bytes of a round's plan while the next one is searched: its problem, and its legs that are simulated
     /// again.
     pub(super) fn last_bytes(&self, moves: &Moves, counter_examples: &[(usize, SampledVessel)]) -> u128 {
-        let anew: BTreeSet<usize> =
-            counter_examples.iter().map(|(leg, _)| self.rehearsed[*leg].group).collect();
-        let legs = self.rehearsed.iter().filter(|own| anew.contains(&own.group));
+        let anew: BTreeSet<usize> = counter_examples.iter().map(|(leg, _)| self.legs[*leg].group).collect();
+        let legs = self.legs.iter().filter(|own| anew.contains(&own.group));
         self.demand(&moves.actions).kept_bytes() + legs.map(|own| self.bytes_of(own)).sum::<u128>()
     }
 
@@ -94,10 +93,10 @@ impl Prepared {
 
     /// Bytes of the simulated legs.
     fn leg_bytes(&self) -> u128 {
-        self.rehearsed.iter().map(|own| self.bytes_of(own)).sum()
+        self.legs.iter().map(|own| self.bytes_of(own)).sum()
     }
 
-    fn bytes_of(&self, own: &Rehearsed) -> u128 {
+    fn bytes_of(&self, own: &SettledLeg) -> u128 {
         let sample = size_of::<Sample>() + 8 * self.brief.vessel.model.inputs;
         (own.sailed.samples.len() * sample + size_of_val(own.footprint.runs())) as u128
     }

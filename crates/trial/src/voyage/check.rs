@@ -329,7 +329,7 @@ impl Checking<'_> {
             ends: found.iter().map(|run| run.ends[0]).sum(),
             ends_astray: found.iter().map(|run| run.ends[1]).sum(),
             tolerance_used: self.used(&self.nominal.ends).into_iter().fold(0.0, f64::max),
-            proved_s: self.legs.iter().map(|leg| prepared.rehearsed[*leg].seconds(rate_hz)).sum(),
+            proved_s: self.legs.iter().map(|leg| prepared.legs[*leg].seconds(rate_hz)).sum(),
             sailed_s: self.nominal.samples.len() as f64 / rate_hz,
             sailed_quantiles_s: [0.0, 0.5, 1.0].map(|q| quantile(&seconds, q).unwrap_or(0.0)),
             rounds: u64::from(self.round),

@@ -55,7 +55,7 @@ impl Prepared {
 
     /// The pieces of the informative ones among `legs`.
     fn pieces_of<'a>(&'a self, legs: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
-        legs.iter().filter_map(|leg| match self.rehearsed[*leg].leg.purpose {
+        legs.iter().filter_map(|leg| match self.legs[*leg].leg.purpose {
             Purpose::Informative { piece, .. } => Some(piece),
             Purpose::Basic(_) => None,
         })

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::places::compass_deg;
 use super::prepared::Prepared;
-use super::rehearsed::Rehearsed;
+use super::settled_legs::SettledLeg;
 use super::sailed_plan::SailedPlan;
 use crate::{Sample, Side};
 
@@ -92,7 +92,7 @@ impl SailedPlan<'_> {
     fn leg(&self, index: usize, step: &Step, start: usize, samples: &[Sample]) -> VoyageLeg {
         let Prepared { brief, chart, grid, .. } = self.prepared;
         let rate_hz = brief.vessel.sample_rate_hz;
-        let own = &self.prepared.rehearsed[self.sailing.legs[index]];
+        let own = &self.prepared.legs[self.sailing.legs[index]];
         let (level, mode) = grid.level_and_mode(step.from.layer);
         let at = grid.pose(step.from.i, step.from.j, level);
         let (longitude_deg, latitude_deg) = chart.plane().to_geographic([at.y, at.x]);
@@ -121,11 +121,11 @@ impl SailedPlan<'_> {
 
     /// One per informative leg.
     pub fn primitives(&self) -> Vec<Primitive> {
-        let legs = self.prepared.rehearsed.iter().enumerate();
+        let legs = self.prepared.legs.iter().enumerate();
         legs.filter_map(|(index, own)| self.primitive(index, own)).collect()
     }
 
-    fn primitive(&self, index: usize, own: &Rehearsed) -> Option<Primitive> {
+    fn primitive(&self, index: usize, own: &SettledLeg) -> Option<Primitive> {
         let grid = &self.prepared.grid;
         let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
         let [north, east] = grid.displacement(own.leg.di, own.leg.dj);

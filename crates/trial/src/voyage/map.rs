@@ -108,7 +108,7 @@ impl SailedPlan<'_> {
     /// Cells of the raster that only depth (of water that is charted) or margin block: for informative maneuvers, and in transit.
     pub fn margins(&self) -> [Vec<bool>; 2] {
         let waters = &self.solved.waters;
-        [waters.deepest(&self.prepared.rehearsed), waters.transit()].map(|obstacles: &Obstacles| {
+        [waters.deepest(&self.prepared.legs), waters.transit()].map(|obstacles: &Obstacles| {
             let raster = obstacles.raster();
             let own = |k: usize| {
                 let (col, row) = (k % raster.nx, k / raster.nx);

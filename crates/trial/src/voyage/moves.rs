@@ -5,7 +5,7 @@ use std::sync::Arc;
 use lattice::{Action, Cost, Move, Step};
 
 use super::counts::Wanted;
-use super::rehearsed::Rehearsed;
+use super::settled_legs::SettledLeg;
 use super::task::{CostRule, Primary, Secondary};
 use super::waters::CLEARANCE_CLASSES;
 use crate::{Leg, Purpose};
@@ -21,15 +21,10 @@ pub struct Moves {
 
 impl Moves {
     /// Groups legs by name; costs follow `rule`.
-    pub(super) fn new(
-        rehearsed: &[Arc<Rehearsed>],
-        wanted: &[Wanted],
-        rule: &CostRule,
-        rate_hz: f64,
-    ) -> Self {
+    pub(super) fn new(legs: &[Arc<SettledLeg>], wanted: &[Wanted], rule: &CostRule, rate_hz: f64) -> Self {
         let mut moves = Self { actions: Vec::new(), legs: Vec::new() };
         let classes = if rule.secondary == Secondary::Clearance { CLEARANCE_CLASSES } else { 1 };
-        for (index, own) in rehearsed.iter().enumerate() {
+        for (index, own) in legs.iter().enumerate() {
             let action = moves.action(own, wanted);
             for class in 0..classes {
                 let cost = cost(own, rule, class, rate_hz);
@@ -41,7 +36,7 @@ impl Moves {
         moves
     }
 
-    fn action(&mut self, own: &Rehearsed, wanted: &[Wanted]) -> usize {
+    fn action(&mut self, own: &SettledLeg, wanted: &[Wanted]) -> usize {
         if let Some(known) = self.actions.iter().position(|a| a.name == own.name) {
             return known;
         }
@@ -63,7 +58,7 @@ impl Moves {
     }
 }
 
-fn cost(own: &Rehearsed, rule: &CostRule, class: usize, rate_hz: f64) -> Cost {
+fn cost(own: &SettledLeg, rule: &CostRule, class: usize, rate_hz: f64) -> Cost {
     let seconds = own.seconds(rate_hz);
     let primary = match rule.primary {
         Primary::BasicMoves => f64::from(u8::from(!own.is_informative())),

@@ -71,7 +71,7 @@ impl SailedPlan<'_> {
             let samples = sample..sample + self.sailing.sailed.samples.iter().filter(|s| s.leg == k).count();
             sample = samples.end;
             let (from, to) = (self.prepared.node(step.from), self.prepared.node(step.to));
-            let own = &self.prepared.rehearsed[self.sailing.legs[k]];
+            let own = &self.prepared.legs[self.sailing.legs[k]];
             let side = own.leg.purpose.side();
             let what = if side == Some(Side::Mirrored) {
                 format!("{} (mirrored)", own.name)
@@ -118,7 +118,7 @@ impl SailedPlan<'_> {
     /// Where the courses at both ends of a step cross, if it turns under way, and the turn's radius.
     fn corner(&self, k: usize) -> Option<([f64; 2], f64)> {
         let (grid, step) = (&self.prepared.grid, &self.solved.solution.steps[k]);
-        let own = &self.prepared.rehearsed[self.sailing.legs[k]].leg;
+        let own = &self.prepared.legs[self.sailing.legs[k]].leg;
         let radius =
             |phase: &Phase| if let Phase::Arc { radius_m, .. } = phase { Some(*radius_m) } else { None };
         let radius_m = own.phases.iter().find_map(radius)?;

@@ -8,13 +8,13 @@ use refusal::Invalid;
 use super::counts::Wanted;
 use super::error::VoyageError;
 use super::moment_sums::MomentSums;
-use super::rehearsed::{Dropped, Group, Rehearsal, Rehearsed, groups};
 use super::search::Search;
+use super::settled_legs::{Dropped, Group, LegSimulation, SettledLeg, groups};
 use super::task::Brief;
 use crate::{Grid, Piece, Repertoire, SampledVessel, mirror};
 
 /// The groups of legs, the legs on which all vessels settle, and the others.
-pub(super) type Known = (Vec<Group>, Vec<Arc<Rehearsed>>, Vec<Dropped>);
+pub(super) type Known = (Vec<Group>, Vec<Arc<SettledLeg>>, Vec<Dropped>);
 
 /// A trial prepared for the search.
 #[derive(Clone, Debug)]
@@ -34,7 +34,7 @@ pub struct Prepared {
     groups: Vec<Group>,
     others: Vec<SampledVessel>,
     /// Every leg of the lattice.
-    pub rehearsed: Vec<Arc<Rehearsed>>,
+    pub legs: Vec<Arc<SettledLeg>>,
     /// Legs on which not all vessels settle.
     pub dropped: Vec<Dropped>,
     /// The information of each piece.
@@ -56,7 +56,7 @@ impl Prepared {
         drop(layers);
         let information = pieces.iter().map(|piece| MomentSums::of_piece(vessel, piece)).collect();
         let (mirror, others) = (mirror(vessel), brief.sampled_vessels());
-        let (rehearsed, dropped) = (Vec::new(), Vec::new());
+        let (legs, dropped) = (Vec::new(), Vec::new());
         let mut prepared = Self {
             brief,
             chart,
@@ -66,7 +66,7 @@ impl Prepared {
             mirror,
             groups: Vec::new(),
             others,
-            rehearsed,
+            legs,
             dropped,
             information,
         };
@@ -98,7 +98,7 @@ impl Prepared {
 
     /// Refuses a maneuver that has no leg from any heading.
     pub(super) fn check_offered(&self) -> Result<(), VoyageError> {
-        let offered = |name: &str| self.rehearsed.iter().any(|own| own.name == name);
+        let offered = |name: &str| self.legs.iter().any(|own| own.name == name);
         let mut names = self.wanted.iter().map(|wanted| wanted.piece.maneuver.as_str());
         let Some(name) = names.find(|name| !offered(name)) else { return Ok(()) };
         let why = self.dropped.iter().find(|dropped| dropped.name == name);
@@ -118,24 +118,24 @@ impl Prepared {
         search: &Search,
     ) -> Result<Known, VoyageError> {
         let mut groups = self.groups.clone();
-        counter_examples.into_iter().for_each(|(leg, who)| groups[self.rehearsed[leg].group].learn(who));
+        counter_examples.into_iter().for_each(|(leg, who)| groups[self.legs[leg].group].learn(who));
         let task = &self.brief.task;
-        let rehearsal = Rehearsal {
+        let simulation = LegSimulation {
             repertoire: self.repertoire(),
             wanted: &self.wanted,
             others: &self.others,
             hull: task.hull.outline(),
             cell_m: task.raster(&self.grid).cell_m,
         };
-        let (rehearsed, dropped) = rehearsal.rehearse(&mut groups, search.go_on)?;
-        Ok(self.know((groups, rehearsed, dropped)))
+        let (legs, dropped) = simulation.run(&mut groups, search.go_on)?;
+        Ok(self.know((groups, legs, dropped)))
     }
 
     /// Replaces the known legs; returns the previous ones.
-    pub(super) fn know(&mut self, (groups, rehearsed, dropped): Known) -> Known {
+    pub(super) fn know(&mut self, (groups, legs, dropped): Known) -> Known {
         let groups = std::mem::replace(&mut self.groups, groups);
-        let rehearsed = std::mem::replace(&mut self.rehearsed, rehearsed);
-        (groups, rehearsed, std::mem::replace(&mut self.dropped, dropped))
+        let legs = std::mem::replace(&mut self.legs, legs);
+        (groups, legs, std::mem::replace(&mut self.dropped, dropped))
     }
 
     /// North and east of a pose's node \[m\].

@@ -167,7 +167,7 @@ impl Prepared {
         let (level, mode) = self.grid.level_and_mode(start.layer);
         Script {
             prepared: self,
-            legs: steps.map(|(step, leg)| (self.node(step.from), &self.rehearsed[*leg].leg)).collect(),
+            legs: steps.map(|(step, leg)| (self.node(step.from), &self.legs[*leg].leg)).collect(),
             start: self.grid.pose(start.i, start.j, level),
             speed_m_s: self.grid.modes[mode].speed_m_s,
         }

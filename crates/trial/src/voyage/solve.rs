@@ -33,7 +33,7 @@ impl Prepared {
     /// A start or goal outside the lattice or without a free pose; no plan; the limits of time or memory.
     pub fn solve(&self, search: &Search) -> Result<Solved, VoyageError> {
         let (task, rate_hz) = (&self.brief.task, self.brief.vessel.sample_rate_hz);
-        let moves = Moves::new(&self.rehearsed, &self.wanted, &task.cost, rate_hz);
+        let moves = Moves::new(&self.legs, &self.wanted, &task.cost, rate_hz);
         let search = &self.within(&moves, search)?;
         let waters = self.waters(search.go_on)?;
         let problem = self.problem(&waters, &moves, search.go_on)?;

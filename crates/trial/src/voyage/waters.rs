@@ -9,7 +9,7 @@ use refusal::Invalid;
 
 use super::error::VoyageError;
 use super::prepared::Prepared;
-use super::rehearsed::Rehearsed;
+use super::settled_legs::SettledLeg;
 use super::task::Secondary;
 
 /// Number of classes of nearness to obstacles, which cost 0, 1, 2, 3.
@@ -31,7 +31,7 @@ pub struct Waters {
     /// Speed limits that each leg exceeds: indices into `limits`.
     exceeded: Vec<Vec<usize>>,
     /// Every leg, with its footprint.
-    legs: Vec<Arc<Rehearsed>>,
+    legs: Vec<Arc<SettledLeg>>,
     /// Pitch of the lattice \[m\].
     cell_m: f64,
     /// Distance of the node (i, j) to the nearest obstacle \[m\], at j · nx + i; empty if no cost needs it.
@@ -85,11 +85,11 @@ impl Waters {
     }
 
     /// Obstacles of informative maneuvers, with the widest margin.
-    pub fn deepest(&self, rehearsed: &[Arc<Rehearsed>]) -> &Obstacles {
+    pub fn deepest(&self, legs: &[Arc<SettledLeg>]) -> &Obstacles {
         let blocked = |index: &usize| {
             self.obstacles[self.layer_of_leg[*index]].blocked().iter().filter(|b| **b).count()
         };
-        let informative = (0..rehearsed.len()).filter(|index| rehearsed[*index].is_informative());
+        let informative = (0..legs.len()).filter(|index| legs[*index].is_informative());
         let widest = informative.max_by_key(blocked).unwrap_or(0);
         &self.obstacles[self.layer_of_leg[widest]]
     }
@@ -132,12 +132,12 @@ impl Prepared {
         Ok(Waters {
             area,
             limits: limits.collect(),
-            exceeded: self.rehearsed.iter().map(|own| self.exceeded(own)).collect(),
+            exceeded: self.legs.iter().map(|own| self.exceeded(own)).collect(),
             per_cell: task.raster_per_cell,
             layer_of_leg,
             node_distance_m,
             obstacles,
-            legs: self.rehearsed.clone(),
+            legs: self.legs.clone(),
             cell_m: task.cell_m,
             nx: grid.nx,
             ny: grid.ny,
@@ -146,7 +146,7 @@ impl Prepared {
 
     /// The speed limits that the nominal vessel exceeds on a leg: at either end, or by more than the
     /// tolerance on the way.
-    fn exceeded(&self, own: &Rehearsed) -> Vec<usize> {
+    fn exceeded(&self, own: &SettledLeg) -> Vec<usize> {
         let task = &self.brief.task;
         let mode_m_s = |layer: usize| self.grid.modes[self.grid.level_and_mode(layer).1].speed_m_s;
         let speeds_m_s = own.sailed.samples.iter().map(|s| libm::hypot(s.state[0], s.state[1]));
@@ -175,18 +175,18 @@ impl Prepared {
     pub(super) fn obstacle_kinds(&self) -> (Vec<(f64, f64, bool)>, Vec<usize>) {
         let safety = &self.brief.task.safety;
         let mut kinds: Vec<(f64, f64, bool)> = Vec::new();
-        let kind_of = |own: &Rehearsed| match own.is_informative() {
+        let kind_of = |own: &SettledLeg| match own.is_informative() {
             true => (safety.trial_depth_m, safety.margin_m, self.chart.has_transit_only()),
             false => (safety.transit_depth_m, safety.margin_m, false),
         };
-        let of_leg = |own: &Arc<Rehearsed>| {
+        let of_leg = |own: &Arc<SettledLeg>| {
             let kind = kind_of(own);
             kinds.iter().position(|k| *k == kind).unwrap_or_else(|| {
                 kinds.push(kind);
                 kinds.len() - 1
             })
         };
-        let layer_of_leg = self.rehearsed.iter().map(of_leg).collect();
+        let layer_of_leg = self.legs.iter().map(of_leg).collect();
         (kinds, layer_of_leg)
     }
 
@@ -196,7 +196,7 @@ impl Prepared {
         let (level, _) = grid.level_and_mode(pose.layer);
         let still = (0.0, 0.0, grid.heading_rad(level));
         let hull = Footprint::swept(&task.hull.outline(), &[still], task.raster(grid).cell_m)?;
-        let transit = self.rehearsed.iter().position(|own| !own.is_informative()).unwrap_or(0);
+        let transit = self.legs.iter().position(|own| !own.is_informative()).unwrap_or(0);
         let layer = waters.layer_of_leg[transit];
         let is_free = |(i, j): (usize, usize)| waters.is_free(layer, &hull, i, j);
         if is_free((pose.i, pose.j)) {

@@ -17,7 +17,7 @@ const TURNED: f64 = 0.1;
 
 /// A leg on which all sampled vessels settle.
 #[derive(Clone, Debug)]
-pub struct Rehearsed {
+pub struct SettledLeg {
     /// The leg.
     pub leg: Leg,
     /// The trajectory of the nominal model in the known current, from the origin.
@@ -36,7 +36,7 @@ pub struct Rehearsed {
 }
 
 /// A leg after its simulation: to be offered, or dropped.
-type Tried = Result<Arc<Rehearsed>, Dropped>;
+type Tried = Result<Arc<SettledLeg>, Dropped>;
 
 /// A leg that is not offered to the search.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,7 +63,7 @@ pub(super) struct Group {
 }
 
 /// The data for simulating legs.
-pub(super) struct Rehearsal<'a> {
+pub(super) struct LegSimulation<'a> {
     pub repertoire: Repertoire<'a>,
     pub wanted: &'a [Wanted],
     /// The sampled vessels of every leg.
@@ -81,7 +81,7 @@ enum What {
     Informative(usize),
 }
 
-impl Rehearsed {
+impl SettledLeg {
     /// Its duration \[s\].
     pub fn seconds(&self, rate_hz: f64) -> f64 {
         self.sailed.samples.len() as f64 / rate_hz
@@ -143,36 +143,36 @@ pub(super) fn groups(repertoire: &Repertoire) -> Vec<Group> {
     .collect()
 }
 
-impl Rehearsal<'_> {
+impl LegSimulation<'_> {
     /// Simulates the legs of every group with the sampled vessels and the group's counter-examples, unless
     /// done already.
-    pub fn rehearse(
+    pub fn run(
         &self,
         groups: &mut [Group],
         go_on: &(dyn Fn() -> bool + Sync),
-    ) -> Result<(Vec<Arc<Rehearsed>>, Vec<Dropped>), VoyageError> {
+    ) -> Result<(Vec<Arc<SettledLeg>>, Vec<Dropped>), VoyageError> {
         let new = groups.par_iter_mut().enumerate().filter(|(_, group)| group.outcomes.is_none());
         new.try_for_each(|(index, group)| {
             if !go_on() {
-                return Err(VoyageError::OutOfTime("the rehearsal of legs"));
+                return Err(VoyageError::OutOfTime("the simulation of legs"));
             }
             group.outcomes = Some(Arc::new(self.tried(group, index)?));
             Ok(())
         })?;
-        let (mut rehearsed, mut dropped) = (Vec::new(), Vec::new());
+        let (mut legs, mut dropped) = (Vec::new(), Vec::new());
         let all = groups.iter().filter_map(|group| group.outcomes.as_deref()).flatten();
         all.for_each(|tried| match tried {
-            Ok(own) => rehearsed.push(own.clone()),
+            Ok(own) => legs.push(own.clone()),
             Err(own) => dropped.push(own.clone()),
         });
-        Ok((rehearsed, dropped))
+        Ok((legs, dropped))
     }
 
     /// The legs of a group, from its heading level and from those that lie quarter turns to port of it.
     fn tried(&self, group: &Group, index: usize) -> Result<Vec<Tried>, Invalid> {
-        let (grid, outcomes) = (self.repertoire.grid, group.rehearsed(&self.repertoire, self.others)?);
+        let (grid, outcomes) = (self.repertoire.grid, group.simulated(&self.repertoire, self.others)?);
         let tried = |outcome: Outcome| match outcome {
-            Ok(settled) => self.rehearsed(settled, index).map(Ok),
+            Ok(settled) => self.settled_leg(settled, index).map(Ok),
             Err(Unsettled { from, purpose, why }) => {
                 Ok(Err(Dropped { name: self.name(&purpose), side: purpose.side(), from, why }))
             }
@@ -180,7 +180,7 @@ impl Rehearsal<'_> {
         let own = outcomes.into_iter().map(tried).collect::<Result<Vec<_>, Invalid>>()?;
         let quarters = if self.repertoire.is_isotropic() { 4 } else { 1 };
         let all = (0..quarters).flat_map(|quarter| own.iter().map(move |own| (quarter, own)));
-        let turned = |(quarter, own): (usize, &Result<Rehearsed, Dropped>)| match own {
+        let turned = |(quarter, own): (usize, &Result<SettledLeg, Dropped>)| match own {
             Ok(own) => Ok(Arc::new(own.turned(quarter, grid))),
             Err(own) => Err(Dropped { from: grid.turned(own.from, quarter), ..own.clone() }),
         };
@@ -194,11 +194,11 @@ impl Rehearsal<'_> {
         }
     }
 
-    fn rehearsed(&self, settled: Settled, group: usize) -> Result<Rehearsed, Invalid> {
+    fn settled_leg(&self, settled: Settled, group: usize) -> Result<SettledLeg, Invalid> {
         let (footprint, spread_m) = (self.footprint(&settled)?, spread_m(&settled));
         let Settled { leg, sailed, .. } = settled;
         let end = end(&sailed);
-        Ok(Rehearsed { name: self.name(&leg.purpose), leg, sailed, end, spread_m, footprint, group })
+        Ok(SettledLeg { name: self.name(&leg.purpose), leg, sailed, end, spread_m, footprint, group })
     }
 
     fn footprint(&self, Settled { sailed, tracks, .. }: &Settled) -> Result<Footprint, Invalid> {
@@ -223,7 +223,7 @@ impl Group {
         self.outcomes = None;
     }
 
-    fn rehearsed(&self, repertoire: &Repertoire, others: &[SampledVessel]) -> Result<Vec<Outcome>, Invalid> {
+    fn simulated(&self, repertoire: &Repertoire, others: &[SampledVessel]) -> Result<Vec<Outcome>, Invalid> {
         let all: Vec<SampledVessel> = others.iter().chain(&self.counter_examples).cloned().collect();
         match self.what {
             What::Basic(mode) => repertoire.basic(self.level, mode, &all),
