@@ -1,4 +1,4 @@
-//! The legs of a plan as sailed, and the moves that its maneuvers became.
+//! The simulated legs of a plan, and the moves of its maneuvers.
 
 use std::collections::BTreeMap;
 
@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::places::compass_deg;
 use super::prepared::Prepared;
-use super::settled_legs::SettledLeg;
 use super::sailed_plan::SailedPlan;
+use super::settled_legs::SettledLeg;
 use crate::{Sample, Side};
 
 /// One step at sea, as simulated.
@@ -75,7 +75,7 @@ pub struct Primitive {
 }
 
 impl SailedPlan<'_> {
-    /// One per step, as sailed.
+    /// One per step.
     pub fn legs(&self) -> Vec<VoyageLeg> {
         let mut rest = &self.sailing.sailed.samples[..];
         let mut start = 0;
@@ -88,7 +88,7 @@ impl SailedPlan<'_> {
         self.solved.solution.steps.iter().enumerate().map(&mut document).collect()
     }
 
-    /// Leg `index` with its `samples`, the first of which is sample `start` of all.
+    /// Leg `index` with its `samples`, the first of which has index `start`.
     fn leg(&self, index: usize, step: &Step, start: usize, samples: &[Sample]) -> VoyageLeg {
         let Prepared { brief, chart, grid, .. } = self.prepared;
         let rate_hz = brief.vessel.sample_rate_hz;

@@ -1,4 +1,4 @@
-//! What a map shows of a planned trial, on the chart's plane: places are east and north \[m\].
+//! The contents of the map of a planned trial, on the chart's plane: positions are east and north \[m\].
 
 use std::collections::BTreeSet;
 
@@ -15,14 +15,14 @@ const SHADES_M: [f64; 6] = [0.0, 2.0, 5.0, 10.0, 20.0, 50.0];
 /// Cells of a tube's raster along the longer side of the map.
 const TUBE_CELLS: f64 = 560.0;
 
-/// Samples of the nominal track that are sailed in one way, one after the other.
+/// A section of the nominal track with one purpose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackPart {
     /// Step of the plan.
     pub step: usize,
     /// Whether an informative maneuver is run.
     pub informative: bool,
-    /// Up to where the next part begins.
+    /// Its points, including the first one of the next part.
     pub points: Vec<[f64; 2]>,
 }
 
@@ -45,7 +45,8 @@ impl SailedPlan<'_> {
         self.solved.waters.transit().raster()
     }
 
-    /// Cells of gridded charts on that raster, by class: land, then water of each shade with the least depth of its cells.
+    /// Cells of gridded charts on that raster, by class: land, then water of each shade with the least depth
+    /// of its cells.
     pub fn cells(&self) -> Vec<(Class, Vec<bool>)> {
         let (chart, raster) = (&self.prepared.chart, self.raster());
         let cell = |k: usize| {
@@ -73,8 +74,8 @@ impl SailedPlan<'_> {
         all.filter(|(_, set): &(_, Vec<bool>)| set.contains(&true)).collect()
     }
 
-    /// Polygons of the chart that are drawn in the frame: no dangers that are deep enough for maneuvers, and none that lie
-    /// around a point.
+    /// Polygons of the chart that are drawn in the frame, without dangers that are deep enough for maneuvers,
+    /// and without those around a point.
     pub fn areas(&self) -> Vec<Polygon> {
         let deep_m = self.prepared.brief.task.safety.trial_depth_m;
         let mut areas = self.prepared.chart.drawn(&self.frame());
@@ -105,7 +106,8 @@ impl SailedPlan<'_> {
         all.into_iter().map(|(_, at, name)| (at, name)).collect()
     }
 
-    /// Cells of the raster that only depth (of water that is charted) or margin block: for informative maneuvers, and in transit.
+    /// Cells of the raster that are blocked only by depth (of charted water) or margin: for informative
+    /// maneuvers, and in transit.
     pub fn margins(&self) -> [Vec<bool>; 2] {
         let waters = &self.solved.waters;
         [waters.deepest(&self.prepared.legs), waters.transit()].map(|obstacles: &Obstacles| {
@@ -120,7 +122,7 @@ impl SailedPlan<'_> {
         })
     }
 
-    /// Cells that the hulls of the nominal track and of the check's runs swept; nothing without such runs.
+    /// Cells that the hulls of the nominal track and of the check's runs swept; `None` without such runs.
     pub fn swept(&self) -> Option<(Raster, Vec<bool>)> {
         let bounds = self.frame();
         let side = (0..2).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f64::max);
@@ -156,17 +158,17 @@ impl SailedPlan<'_> {
         samples.chunk_by(|a, b| a.leg == b.leg && a.informative == b.informative).map(part).collect()
     }
 
-    /// Where the nominal track begins.
+    /// The start of the nominal track.
     pub fn start(&self) -> Option<[f64; 2]> {
         self.sailing.sailed.samples.first().map(place)
     }
 
-    /// Where it ends.
+    /// Its end.
     pub fn end(&self) -> Option<[f64; 2]> {
         self.sailing.sailed.ends.last().map(|(pose, _)| [pose.y, pose.x])
     }
 
-    /// The hull where a maneuver begins.
+    /// The hulls at the beginnings of maneuvers.
     pub fn hulls(&self) -> Vec<Vec<[f64; 2]>> {
         let pairs = self.sailing.sailed.samples.windows(2);
         let begins = pairs.filter(|pair| !pair[0].informative && pair[1].informative);
@@ -174,15 +176,16 @@ impl SailedPlan<'_> {
         begins.map(|pair| placed(pair[1].pose, &outline).collect()).collect()
     }
 
-    /// Longitudes at round minutes with their places east, and latitudes with theirs north, through the middle of the frame.
+    /// Longitudes at round minutes with their east coordinates, and latitudes with their north coordinates,
+    /// through the centre of the frame.
     pub fn graticule(&self) -> [Vec<(f64, f64)>; 2] {
         let (plane, bounds) = (self.prepared.chart.plane(), self.frame());
         let (west, south) = plane.to_geographic(bounds.min);
         let (east, north) = plane.to_geographic(bounds.max);
-        let middle = [(west + east) / 2.0, (south + north) / 2.0];
+        let centre = [(west + east) / 2.0, (south + north) / 2.0];
         [
-            round_minutes(west, east).map(|lon| (lon, plane.to_plane(lon, middle[1])[0])).collect(),
-            round_minutes(south, north).map(|lat| (lat, plane.to_plane(middle[0], lat)[1])).collect(),
+            round_minutes(west, east).map(|lon| (lon, plane.to_plane(lon, centre[1])[0])).collect(),
+            round_minutes(south, north).map(|lat| (lat, plane.to_plane(centre[0], lat)[1])).collect(),
         ]
     }
 }
@@ -204,7 +207,7 @@ fn placed(pose: Pose, points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
     points.iter().map(move |[x, y]| [pose.y + x * sin + y * cos, pose.x + x * cos - y * sin])
 }
 
-/// Points of a hull, x forward and y to starboard, apart by no more than `apart_m`.
+/// Points of a hull, x forward and y to starboard, at most `apart_m` apart.
 fn body(hull: &Hull, apart_m: f64) -> Vec<[f64; 2]> {
     let steps = |length: f64| (length / apart_m).ceil().max(1.0) as u32;
     let (long, wide) = (steps(hull.length_m), steps(hull.beam_m));
@@ -214,7 +217,7 @@ fn body(hull: &Hull, apart_m: f64) -> Vec<[f64; 2]> {
     (0..=long).flat_map(|i| (0..=wide).map(move |j| [x(i), y(j)])).collect()
 }
 
-/// The longest stretch of `rings`, filled by the even-odd rule, along the parallel at `y`.
+/// The longest interval of `rings`, filled by the even-odd rule, along the parallel at `y`.
 fn widest(rings: &[Vec<[f64; 2]>], y: f64) -> Option<[f64; 2]> {
     let mut crossings: Vec<f64> = Vec::new();
     for ring in rings {
@@ -226,8 +229,8 @@ fn widest(rings: &[Vec<[f64; 2]>], y: f64) -> Option<[f64; 2]> {
         );
     }
     crossings.sort_by(f64::total_cmp);
-    let stretches = crossings.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
-    stretches.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
+    let intervals = crossings.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
+    intervals.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
 }
 
 #[cfg(test)]

@@ -24,11 +24,11 @@ mod passage;
 mod passage_lines;
 mod places;
 mod prepared;
-mod settled_legs;
 mod sailed_plan;
 mod sailing;
 mod script;
 mod search;
+mod settled_legs;
 mod solve;
 mod task;
 mod tide;
@@ -48,10 +48,10 @@ pub use moves::Moves;
 pub use passage::{NearestDanger, Passage, PassageLeg};
 pub use places::compass_deg;
 pub use prepared::Prepared;
-pub use settled_legs::{Dropped, SettledLeg};
 pub use sailed_plan::SailedPlan;
 pub use sailing::Sailing;
 pub use search::{Search, Watch};
+pub use settled_legs::{Dropped, SettledLeg};
 pub use solve::Solved;
 pub use task::{
     Area, Brief, CostRule, Goal, Hull, ManeuverUse, Place, Primary, Safety, Secondary, Shares, Slot,

@@ -1,4 +1,4 @@
-//! The passage of a plan, as a bridge draws it.
+//! The passage of a plan, as on a bridge.
 
 use chart::Plane;
 use schemars::JsonSchema;
@@ -72,8 +72,8 @@ pub struct PassageLeg {
 }
 
 impl Passage {
-    /// The corners of every leg's corridor on `plane`, as wide to each side as its cross-track distances; to port of its start first,
-    /// clockwise. None for a leg without a length.
+    /// The corners of every leg's corridor on `plane`, with its cross-track distances as widths; to port of
+    /// its start first, clockwise. `None` for a leg without a length.
     pub fn corridors(&self, plane: &Plane) -> Vec<Option<[[f64; 2]; 4]>> {
         let mut from = plane.to_plane(self.longitude_deg, self.latitude_deg);
         let corridor = |leg: &PassageLeg| {
@@ -82,10 +82,10 @@ impl Passage {
             let along = [to[0] - start[0], to[1] - start[1]];
             let length = libm::hypot(along[0], along[1]);
             let starboard = [along[1] / length, -along[0] / length];
-            let beside = |at: [f64; 2], by: f64| [0, 1].map(|k| at[k] + by * starboard[k]);
+            let offset = |at: [f64; 2], by: f64| [0, 1].map(|k| at[k] + by * starboard[k]);
             let (port, right) = (-leg.xtd_port_m, leg.xtd_starboard_m);
             (length > 0.0)
-                .then(|| [beside(start, port), beside(to, port), beside(to, right), beside(start, right)])
+                .then(|| [offset(start, port), offset(to, port), offset(to, right), offset(start, right)])
         };
         self.legs.iter().map(corridor).collect()
     }

@@ -1,4 +1,4 @@
-//! The passage of a plan: the simulated tracks against the lines that a bridge draws.
+//! The passage of a plan: the simulated tracks compared with the lines between waypoints.
 
 use std::ops::Range;
 
@@ -13,16 +13,16 @@ use crate::{BASIC_MOVES, Phase, Sample, Side};
 const ONE_PLACE_M: f64 = 1.0;
 /// Courses that differ by less are one \[rad\].
 const ONE_COURSE_RAD: f64 = 1e-6;
-/// Places of a track from which dangers are looked for are apart by as much, at least \[m\].
+/// Least distance of the positions of a track from which dangers are searched \[m\].
 const LOOKOUT_M: f64 = 5.0;
 
-/// A leg of the passage while it is laid out; places are north and east \[m\].
-struct Stretch {
+/// A leg of the passage under construction; positions are north and east \[m\].
+struct Draft {
     what: String,
     informative: bool,
-    /// Whether it may be lengthened.
+    /// Whether it may be extended.
     straight: bool,
-    /// Steps of the plan that are sailed on it, some of them in part, and those at its waypoint.
+    /// Steps of the plan on this leg, some of them in part, and those at its waypoint.
     steps: Range<usize>,
     from: [f64; 2],
     to: [f64; 2],
@@ -41,16 +41,16 @@ struct Line {
 }
 
 impl SailedPlan<'_> {
-    /// The passage from waypoint to waypoint, as wide as the tracks of the check are.
+    /// The passage from waypoint to waypoint, as wide as the tracks of the check.
     pub fn passage(&self) -> Passage {
         let mut before = Vec::new();
-        let stretches = self.stretches(&mut before);
+        let drafts = self.drafts(&mut before);
         let start = self.solved.solution.steps.first().map_or([0.0; 2], |step| self.prepared.node(step.from));
         let (longitude_deg, latitude_deg) = self.geographic(start);
         let dangers = self.prepared.chart.dangers(self.prepared.brief.task.safety.transit_depth_m);
         let mut legs: Vec<PassageLeg> =
-            stretches.iter().map(|stretch| self.passage_leg(stretch, &dangers)).collect();
-        for ([port, starboard], leg) in self.strayed(&stretches).into_iter().zip(&mut legs) {
+            drafts.iter().map(|draft| self.passage_leg(draft, &dangers)).collect();
+        for ([port, starboard], leg) in self.strayed(&drafts).into_iter().zip(&mut legs) {
             (leg.xtd_port_m, leg.xtd_starboard_m) = (port, starboard);
         }
         let departure = self.prepared.brief.task.departure.and_then(|at| Timestamp::from_second(at).ok());
@@ -63,9 +63,10 @@ impl SailedPlan<'_> {
         self.prepared.chart.plane().to_geographic([east, north])
     }
 
-    /// What the steps come to. Steps that end where they begin are told at the waypoint: at the first one in `before`.
-    fn stretches(&self, before: &mut Vec<String>) -> Vec<Stretch> {
-        let mut all: Vec<Stretch> = Vec::new();
+    /// The legs of the steps. Steps that end where they begin are listed at their waypoint: at the first one
+    /// in `before`.
+    fn drafts(&self, before: &mut Vec<String>) -> Vec<Draft> {
+        let mut all: Vec<Draft> = Vec::new();
         let mut sample = 0;
         for (k, step) in self.solved.solution.steps.iter().enumerate() {
             let samples = sample..sample + self.sailing.sailed.samples.iter().filter(|s| s.leg == k).count();
@@ -79,7 +80,7 @@ impl SailedPlan<'_> {
                 own.name.clone()
             };
             if distance(from, to) < ONE_PLACE_M {
-                // What strays from a waypoint counts for the leg that led there.
+                // Deviations at a waypoint count for the leg that leads there.
                 match all.last_mut() {
                     Some(last) => {
                         last.then.push(what);
@@ -90,7 +91,7 @@ impl SailedPlan<'_> {
                 continue;
             }
             let informative = own.is_informative();
-            let straight = |what: &str, from, to, samples| Stretch {
+            let straight = |what: &str, from, to, samples| Draft {
                 what: what.to_owned(),
                 informative,
                 straight: !informative && what == STRAIGHT,
@@ -103,11 +104,11 @@ impl SailedPlan<'_> {
             };
             match self.corner(k).filter(|_| !informative) {
                 Some((corner, radius_m)) => {
-                    let middle = samples.start + self.nearest(&samples, corner);
-                    let mut first = straight(STRAIGHT, from, corner, samples.start..middle);
+                    let turn = samples.start + self.nearest(&samples, corner);
+                    let mut first = straight(STRAIGHT, from, corner, samples.start..turn);
                     first.turn_radius_m = Some(radius_m);
                     append(&mut all, first);
-                    append(&mut all, straight(STRAIGHT, corner, to, middle..samples.end));
+                    append(&mut all, straight(STRAIGHT, corner, to, turn..samples.end));
                 }
                 None => append(&mut all, straight(&what, from, to, samples)),
             }
@@ -115,7 +116,7 @@ impl SailedPlan<'_> {
         all
     }
 
-    /// Where the courses at both ends of a step cross, if it turns under way, and the turn's radius.
+    /// The intersection of the courses at both ends of a step, if it turns under way, and the turn's radius.
     fn corner(&self, k: usize) -> Option<([f64; 2], f64)> {
         let (grid, step) = (&self.prepared.grid, &self.solved.solution.steps[k]);
         let own = &self.prepared.legs[self.sailing.legs[k]].leg;
@@ -131,22 +132,22 @@ impl SailedPlan<'_> {
         (ahead > 0.0 && apart.is_finite() && apart > ONE_PLACE_M).then_some((corner, radius_m))
     }
 
-    /// Which of `samples` of the nominal track is nearest to `place`.
+    /// The sample of the nominal track that is nearest to `place`.
     fn nearest(&self, samples: &Range<usize>, place: [f64; 2]) -> usize {
         let away = self.sailing.sailed.samples[samples.clone()].iter();
         let away = away.map(|s| distance([s.pose.x, s.pose.y], place)).enumerate();
         away.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index)
     }
 
-    fn passage_leg(&self, stretch: &Stretch, dangers: &Dangers) -> PassageLeg {
-        let ends = [stretch.from, stretch.to].map(|place| {
+    fn passage_leg(&self, draft: &Draft, dangers: &Dangers) -> PassageLeg {
+        let ends = [draft.from, draft.to].map(|place| {
             let (lon_deg, lat_deg) = self.geographic(place);
             Waypoint { lon_deg, lat_deg, ..Waypoint::default() }
         });
         let (longitude_deg, latitude_deg) = (ends[1].lon_deg, ends[1].lat_deg);
         let line = Route { waypoints: ends.into(), ..Route::default() };
         let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
-        let places = self.places(&stretch.samples);
+        let places = self.places(&draft.samples);
         let nearest = dangers
             .nearest(&places)
             .map(|own| NearestDanger { what: own.called.to_string(), distance_m: own.distance_m });
@@ -155,25 +156,25 @@ impl SailedPlan<'_> {
         let level_m = task.tide.map_or(0.0, |tide| tide.level_m);
         let under_keel = |(depth_m, draught_m): (f64, f64)| depth_m + level_m - draught_m;
         PassageLeg {
-            what: stretch.what.clone(),
-            informative: stretch.informative,
+            what: draft.what.clone(),
+            informative: draft.informative,
             longitude_deg,
             latitude_deg,
             course_deg: line.course_deg(0).unwrap_or(0.0),
             distance_m: line.leg_m(0).unwrap_or(0.0),
-            speed_m_s: self.speed_m_s(&stretch.samples),
-            end_s: stretch.samples.end as f64 / rate_hz,
-            turn_radius_m: stretch.turn_radius_m,
+            speed_m_s: self.speed_m_s(&draft.samples),
+            end_s: draft.samples.end as f64 / rate_hz,
+            turn_radius_m: draft.turn_radius_m,
             xtd_port_m: 0.0,
             xtd_starboard_m: 0.0,
             least_depth_m,
             under_keel_m: least_depth_m.zip(task.hull.draught_m).map(under_keel),
             nearest,
-            then: stretch.then.clone(),
+            then: draft.then.clone(),
         }
     }
 
-    /// East and north of the nominal track, as thin as the lookout needs it.
+    /// East and north of the nominal track, thinned for the search for dangers.
     fn places(&self, samples: &Range<usize>) -> Vec<[f64; 2]> {
         let all = &self.sailing.sailed.samples;
         let mut kept: Vec<[f64; 2]> = Vec::new();
@@ -197,14 +198,14 @@ impl SailedPlan<'_> {
         if seconds > 0.0 { way / seconds } else { 0.0 }
     }
 
-    /// How far to port and starboard of each stretch the tracks come \[m\].
-    fn strayed(&self, stretches: &[Stretch]) -> Vec<[f64; 2]> {
-        let mut strayed = vec![[0.0_f64; 2]; stretches.len()];
-        let lines: Vec<Line> = stretches.iter().map(Stretch::line).collect();
+    /// The greatest deviations of the tracks to port and starboard of each leg \[m\].
+    fn strayed(&self, drafts: &[Draft]) -> Vec<[f64; 2]> {
+        let mut strayed = vec![[0.0_f64; 2]; drafts.len()];
+        let lines: Vec<Line> = drafts.iter().map(Draft::line).collect();
         let runs = self.sailing.runs.iter().flatten().copied();
         for fix in self.sailing.sailed.fixes().chain(runs) {
             let place = [fix.pose.x, fix.pose.y];
-            let own = stretches.iter().enumerate().filter(|(_, own)| own.steps.contains(&fix.leg));
+            let own = drafts.iter().enumerate().filter(|(_, own)| own.steps.contains(&fix.leg));
             let own = own.map(|(index, _)| index);
             let nearest = own.min_by(|a, b| lines[*a].away(place).total_cmp(&lines[*b].away(place)));
             let index = nearest.unwrap_or(0);
@@ -221,8 +222,8 @@ impl SailedPlan<'_> {
 /// The move that goes straight ahead.
 const STRAIGHT: &str = BASIC_MOVES[0];
 
-/// Appends `next`, or lengthens the last stretch by it where both go straight on one course.
-fn append(all: &mut Vec<Stretch>, next: Stretch) {
+/// Appends `next`, or extends the last leg by it if both go straight on one course.
+fn append(all: &mut Vec<Draft>, next: Draft) {
     let Some(last) = all.last_mut() else { return all.push(next) };
     let turned = libm::remainder(next.course() - last.course(), std::f64::consts::TAU).abs();
     let on = last.straight && next.straight && last.turn_radius_m.is_none() && last.then.is_empty();
@@ -235,7 +236,7 @@ fn append(all: &mut Vec<Stretch>, next: Stretch) {
     last.turn_radius_m = next.turn_radius_m;
 }
 
-impl Stretch {
+impl Draft {
     fn course(&self) -> f64 {
         libm::atan2(self.to[1] - self.from[1], self.to[0] - self.from[0])
     }
@@ -246,14 +247,14 @@ impl Stretch {
 }
 
 impl Line {
-    /// Along the line and to starboard of it.
+    /// The coordinates along the line and to starboard of it.
     fn along(&self, [north, east]: [f64; 2]) -> [f64; 2] {
         let (sin, cos) = self.turned;
         let [north, east] = [north - self.from[0], east - self.from[1]];
         [north * cos + east * sin, east * cos - north * sin]
     }
 
-    /// From the line between the waypoints.
+    /// Distance from the line between the waypoints.
     fn away(&self, place: [f64; 2]) -> f64 {
         let [along, across] = self.along(place);
         let beyond = along - along.clamp(0.0, self.length_m);
@@ -269,8 +270,8 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    fn straight(from: [f64; 2], to: [f64; 2], step: usize) -> Stretch {
-        Stretch {
+    fn straight(from: [f64; 2], to: [f64; 2], step: usize) -> Draft {
+        Draft {
             what: STRAIGHT.to_owned(),
             informative: false,
             straight: true,
@@ -287,14 +288,14 @@ mod tests {
     fn straight_moves_on_one_course_are_one_leg_until_something_is_done_between() {
         let mut all = Vec::new();
         append(&mut all, straight([0.0, 0.0], [100.0, 0.0], 0));
-        append(&mut all, Stretch { turn_radius_m: Some(60.0), ..straight([100.0, 0.0], [300.0, 0.0], 1) });
+        append(&mut all, Draft { turn_radius_m: Some(60.0), ..straight([100.0, 0.0], [300.0, 0.0], 1) });
         assert_eq!(all.len(), 1);
         let whole = (all[0].to, all[0].steps.clone(), all[0].samples.clone(), all[0].turn_radius_m);
         assert_eq!(whole, ([300.0, 0.0], 0..2, 0..20, Some(60.0)));
-        // After a turn under way, on another course, after a stop, and beside a maneuver begins another leg.
+        // After a turn under way, on another course, after a stop, and next to a maneuver another leg begins.
         append(&mut all, straight([300.0, 0.0], [400.0, 0.0], 2));
         append(&mut all, straight([400.0, 0.0], [400.0, 50.0], 3));
-        append(&mut all, Stretch { straight: false, ..straight([400.0, 50.0], [400.0, 90.0], 4) });
+        append(&mut all, Draft { straight: false, ..straight([400.0, 50.0], [400.0, 90.0], 4) });
         append(&mut all, straight([400.0, 90.0], [400.0, 99.0], 5));
         assert_eq!(all.len(), 5);
         all[4].then.push("turn".to_owned());
@@ -303,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn law_a_place_beside_a_line_is_as_far_from_it_as_from_its_nearest_point() {
+    fn law_a_place_next_to_a_line_is_as_far_from_it_as_from_its_nearest_point() {
         // Course 30 degrees; starboard is positive across.
         let (sin, cos) = libm::sincos(std::f64::consts::FRAC_PI_6);
         let line = straight([10.0, 20.0], [10.0 + 200.0 * cos, 20.0 + 200.0 * sin], 0).line();

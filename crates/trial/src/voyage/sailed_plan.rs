@@ -1,16 +1,16 @@
-//! A planned trial, for those who say or draw what it comes to.
+//! A planned trial, for summaries and maps of it.
 
 use super::prepared::Prepared;
 use super::sailing::Sailing;
 use super::solve::Solved;
 
-/// A trial with its plan, and that as sailed.
+/// A trial with its plan and the simulation of it.
 #[derive(Clone, Copy, Debug)]
 pub struct SailedPlan<'a> {
     /// Chart, lattice and moves.
     pub prepared: &'a Prepared,
     /// The cheapest walk.
     pub solved: &'a Solved,
-    /// What is sailed of it.
+    /// The simulated plan.
     pub sailing: &'a Sailing,
 }
