@@ -327,12 +327,12 @@ fn doubts(setup: &Setup, channels: &Channels, omitted: &[Omission]) -> Vec<Strin
             reason => [Reason::Quality, Reason::Incomplete, Reason::Time].contains(&reason),
         };
         let own = omitted.iter().filter(|one| one.channel == spec.channel);
-        let (asked, found) = own.fold((0, 0), |(asked, found), one| match stated(one.reason) {
-            true => (asked + one.count, found),
-            false => (asked, found + one.count),
+        let (configured, found) = own.fold((0, 0), |(configured, found), one| match stated(one.reason) {
+            true => (configured + one.count, found),
+            false => (configured, found + one.count),
         });
         let kept = channels.get(&spec.channel).map_or(0, |series| series.t.len() as u64);
-        let all = kept + asked + found;
+        let all = kept + configured + found;
         (found as f64 > DOUBTFUL * all as f64)
             .then(|| format!("`{}` lacks {found} of {all} values, which were left out", spec.channel))
     };

@@ -103,9 +103,9 @@ impl Accepted {
             Valid::Mode { status, mode } => {
                 let mode = sentence.field(mode);
                 let is_a = status.is_none_or(|place| sentence.field(place) == "A");
-                let asked = self.0.iter().any(|own| mode.chars().eq([own.0]));
+                let named = self.0.iter().any(|own| mode.chars().eq([own.0]));
                 let old = mode.is_empty() && !self.names(|c| c.is_ascii_alphabetic());
-                asked || is_a && (old || self.is_mode(mode))
+                named || is_a && (old || self.is_mode(mode))
             }
         }
     }
