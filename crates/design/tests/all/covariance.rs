@@ -1,8 +1,8 @@
 //! Criteria of the covariance: derivatives, scaling, certificates and designs known by theory.
 
 use design::{
-    Bounds, Candidates, Covariance, CovariancePoint, Error, Norm, Objective, Options, Status, solve,
-    solve_covariance, solve_covariance_among, solve_covariance_from, solve_within,
+    Bounds, Candidates, Covariance, CovariancePoint, Criterion, Degree, Dictionary, Error, Norm, Objective,
+    Options, Status, solve, solve_covariance, solve_covariance_among, solve_covariance_from, solve_within,
 };
 
 fn uniform(seed: u64) -> impl FnMut() -> f64 {
@@ -316,4 +316,37 @@ fn law_an_ill_conditioned_basis_changes_no_shares() {
     for (a, b) in legendre.shares.iter().zip(&powers.shares) {
         assert!((a - b).abs() < 2e-3, "{:?} {:?}", legendre.shares, powers.shares);
     }
+}
+
+#[test]
+fn law_predicted_errors_add_up_to_the_norm_and_fall_with_the_samples() {
+    let (information, middle) = random(9, 3, &DIMENSIONS);
+    let names = |n: usize| (0..n).map(|i| format!("p{i}")).collect::<Vec<_>>();
+    let degree = |n: usize| Degree { name: "surge".into(), regressors: names(n), parameters: names(n - 1) };
+    let dictionary = Dictionary {
+        degrees: DIMENSIONS.map(degree).into(),
+        maneuvers: names(9),
+        sample_rate_hz: 1.0,
+        intercepts: true,
+        information,
+    };
+    let (shares, p) = ([1.0 / 9.0; 9], dictionary.parameters());
+    let weights: Vec<f64> = (1..=p).map(|k| k as f64).collect();
+    let is_near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9 * b.abs(), "{a} {b}");
+    for norm in NORMS {
+        let built = Criterion::of_covariance(&dictionary, &middle, weights.clone(), norm).unwrap();
+        let Criterion::Covariance(own) = built else { panic!("no criterion of the covariance") };
+        let [once, often] = [1.0, 400.0].map(|n| own.predicted(&dictionary, &shares, n).unwrap());
+        assert_eq!((once.standard_errors.len(), often.standard_errors.len()), (p, p));
+        once.standard_errors.iter().zip(&often.standard_errors).for_each(|(a, b)| is_near(*a, 20.0 * b));
+        let summed = |errors: &[f64]| weights.iter().zip(errors).map(|(w, e)| w * e * e).sum::<f64>();
+        match norm {
+            Norm::Trace => {
+                [&once, &often].into_iter().for_each(|own| is_near(own.value, summed(&own.standard_errors)));
+            }
+            Norm::LogDet => is_near(once.value - often.value, p as f64 * 400f64.ln()),
+        }
+    }
+    let known = Criterion::Information(dictionary.information.clone()).value(&shares).unwrap();
+    is_near(dictionary.information.log_det(&shares).unwrap(), known);
 }
