@@ -48,10 +48,10 @@ fn a_map_has_shades_limits_and_an_origin() {
     assert!(map.areas.iter().all(|area| area.class == MapClass::Land));
     // The origin is the middle of the area; the track begins where the plan does, and goes through every sample.
     assert!((map.longitude_deg - 25.0).abs() < 1e-9 && (map.latitude_deg - 60.0).abs() < 1e-9);
-    let [start, track] = [map.start.unwrap(), map.goal.unwrap()];
+    let [start, goal] = [map.start.unwrap(), map.goal.unwrap()];
     let [first, .., last] = &planned.track.pose[..] else { panic!("no track") };
     assert_eq!([start.north_m, start.east_m], first[..2]);
-    assert_eq!([track.north_m, track.east_m], last[..2]);
+    assert_eq!([goal.north_m, goal.east_m], last[..2]);
     let points: usize = map.tracks.iter().map(|own| own.line.east_m.len() - 1).sum();
     assert_eq!(points, planned.track.inputs.len());
     let numbers: Vec<u64> = map.tracks.iter().filter_map(|own| own.number).collect();
