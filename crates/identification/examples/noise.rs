@@ -4,8 +4,8 @@
 //! `cargo run --release -p identification --example noise -- <what> <runs> <seed> [<ship or disturbance> …]` with
 //! `size`: how often the exact model is rejected, and how often intervals hold the truth, of `prediction-error` and of
 //! `output-error`; `power`: how often a model that lacks two terms is rejected, and whether one of them is named first;
-//! `stated`: the same where the noise is stated; `short`: the same as `size` of runs of a quarter of the length; `pooled`: size of
-//! eight runs together.
+//! `stated`: the same where the noise is stated; `short`: the same as `size` of runs of a quarter of the length; `right` and
+//! `right-short`: both without intervals; `pooled`: size of eight runs together.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let wanted: Vec<&String> = arguments.iter().skip(3).collect();
     println!("{what}: {runs} runs of each, seed {seed}");
     // Short runs do the same maneuvers in a quarter of the time.
-    let share = if what == "short" { 4 } else { 1 };
+    let share = if what.ends_with("short") { 4 } else { 1 };
     for ship in [paper(share)?, twin(share)?] {
         let chosen = |name: &str| wanted.iter().any(|own| own.as_str() == name);
         let ships = ["paper", "twin"].into_iter().any(chosen);
@@ -268,7 +268,7 @@ impl Ship {
             _ => {
                 let stated = (what == "stated").then(|| sea.levels(self.vessel.sample_rate_hz));
                 let mut lines = self.verdicts(&runs, &truth, stated);
-                if !["power", "stated"].contains(&what) {
+                if ["size", "short"].contains(&what) {
                     lines.extend(self.coverage(&runs, &truth, Estimator::PredictionError));
                     lines.extend(self.coverage(&runs, &truth, Estimator::OutputError));
                 }

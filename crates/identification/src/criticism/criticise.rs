@@ -12,6 +12,7 @@ use super::problems::{Problems, Series, State, Subject};
 use super::refinement::Refinement;
 use super::score::Projected;
 use super::tested::{LEVEL, tested};
+use super::white_noise::{reject_under_white, under_white};
 use super::words::statements;
 use crate::sensitivity::Flow;
 
@@ -53,11 +54,14 @@ pub(super) fn verdicts(subject: &Subject, problems: &Problems, states: Vec<State
     let lifted = Lifted::new(subject.model);
     let draws = Draws::new(lifted.candidates.iter().map(|c| c.group.unknowns.len()).sum());
     let (sums, series) = problems.look(&lifted, &states);
-    let each = states.into_iter().zip(sums).zip(series).enumerate();
-    each.map(|(problem, ((state, sums), series))| {
+    let under_white = under_white(problems, &lifted, &draws, &states);
+    let each = states.into_iter().zip(sums).zip(series).zip(under_white).enumerate();
+    each.map(|(problem, (((state, sums), series), under_white))| {
         let projected = Projected::new(&sums?, state.parameters.len())?;
         let mut found = judged(subject, &lifted, &draws, &state, &projected, &series);
-        if subject.levels.is_none() && !found.whiteness.iter().all(is_white) {
+        let white = found.whiteness.iter().all(is_white);
+        let under_white = white && reject_under_white(&mut found, under_white);
+        if subject.levels.is_none() && !white {
             let rejected = found.rejected && white_once_named(problems, problem, &state, &lifted, &found);
             found.verdict = if rejected { Verdict::Rejected } else { Verdict::None };
             found.rejected = rejected;
@@ -69,7 +73,7 @@ pub(super) fn verdicts(subject: &Subject, problems: &Problems, states: Vec<State
         if !found.apart.is_empty() {
             (found.rejected, found.verdict) = (true, Verdict::Rejected);
         }
-        found.statements = statements(&found);
+        found.statements = statements(&found, under_white);
         Some(found).filter(Criticism::is_finite)
     })
     .collect()

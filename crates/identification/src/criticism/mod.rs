@@ -22,6 +22,7 @@ mod problems;
 mod refinement;
 mod score;
 mod tested;
+mod white_noise;
 mod words;
 
 pub(crate) use calibrated::{Calibrated, calibrated};

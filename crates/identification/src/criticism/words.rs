@@ -20,8 +20,9 @@ const OFF: f64 = 0.05;
 /// Recordings that are named at most.
 const NAMED: usize = 4;
 
-/// The verdict, what is most likely missing, what it cannot be told from, what the runs would have shown.
-pub(super) fn statements(found: &Criticism) -> Vec<String> {
+/// The verdict, what is most likely missing, what it cannot be told from, what the runs would have shown. `under_white`:
+/// whether the model is rejected under white noise, which is not the likeliest.
+pub(super) fn statements(found: &Criticism, under_white: bool) -> Vec<String> {
     let mut out = Vec::new();
     let Some(p) = found.p_value else {
         return vec!["structure: the runs tell of nothing that the model lacks".to_owned()];
@@ -31,8 +32,9 @@ pub(super) fn statements(found: &Criticism) -> Vec<String> {
         (Verdict::Rejected, Some(first)) if p < LEVEL => {
             let p = if p < 1e-4 { "p < 0.0001".to_owned() } else { format!("p {p:.4}") };
             let values = values(first);
+            let under = if under_white { ", under white noise" } else { "" };
             out.push(format!(
-                "model rejected ({p}): most likely missing: {}, {values} if added",
+                "model rejected ({p}{under}): most likely missing: {}, {values} if added",
                 first.told()
             ));
             let others: Vec<String> =

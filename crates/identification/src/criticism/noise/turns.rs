@@ -61,8 +61,13 @@ pub(crate) struct Noise {
 impl Noise {
     /// The kinds that may be the right ones.
     pub fn near(&self) -> impl Iterator<Item = &Guess> {
+        self.within(NEAR)
+    }
+
+    /// The kinds that are less likely than the best by no more than this in twice the log-likelihood.
+    pub fn within(&self, below: f64) -> impl Iterator<Item = &Guess> {
         let best = self.kinds.first().map_or(0.0, |(_, worth)| *worth);
-        self.kinds.iter().filter(move |(_, worth)| *worth >= best - NEAR).map(|(guess, _)| guess)
+        self.kinds.iter().filter(move |(_, worth)| *worth >= best - below).map(|(guess, _)| guess)
     }
 }
 

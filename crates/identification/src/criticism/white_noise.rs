@@ -1,0 +1,84 @@
+//! What tests say under white noise where another kind seems likelier: what is missing may look like noise that drifts.
+
+use super::chance::Draws;
+use super::found::{Absent, Criticism, Verdict};
+use super::library::Lifted;
+use super::noise::{Noise, NoiseKind};
+use super::problems::{Problems, State};
+use super::score::Projected;
+use super::tested::{LEVEL, tested};
+
+/// Twice the log-likelihood by which another kind may be ahead because something is missing.
+const TAKEN: f64 = 30.0;
+/// What probabilities under white noise are multiplied with: two tests are made.
+const TESTS: f64 = 2.0;
+
+/// Of every estimate what the tests say under white noise where that is not the likeliest kind but may be the right one.
+pub(super) fn under_white(
+    problems: &Problems,
+    lifted: &Lifted,
+    draws: &Draws,
+    states: &[State],
+) -> Vec<Option<Vec<Absent>>> {
+    let white = |state: &State| {
+        let likeliest = state.noise.as_ref().filter(|noise| noise.guess.kind != NoiseKind::White)?;
+        let guess = *likeliest.within(TAKEN).find(|own| own.kind == NoiseKind::White)?;
+        Some(Noise { guess, ..likeliest.clone() })
+    };
+    let under = |state: &State| State { parameters: state.parameters.clone(), noise: white(state) };
+    let own: Vec<State> = states.iter().map(under).collect();
+    if own.iter().all(|state| state.noise.is_none()) {
+        return vec![None; states.len()];
+    }
+    let (sums, _) = problems.look(lifted, &own);
+    let each = sums.into_iter().zip(&own);
+    each.map(|(sums, own)| Some(tested(lifted, draws, &Projected::new(&sums?, own.parameters.len())?).0))
+        .collect()
+}
+
+/// Rejects a model by what the tests say under white noise where they speak against it the more clearly; whether they do.
+pub(super) fn reject_under_white(found: &mut Criticism, white: Option<Vec<Absent>>) -> bool {
+    let Some(white) = white.and_then(|white| clearer(&found.absent, white)) else { return false };
+    (found.rejected, found.verdict) = (true, Verdict::Rejected);
+    (found.p_value, found.absent) = (Some(least(&white)), white);
+    true
+}
+
+fn clearer(likeliest: &[Absent], mut white: Vec<Absent>) -> Option<Vec<Absent>> {
+    white.iter_mut().for_each(|own| own.p_value = (TESTS * own.p_value).min(1.0));
+    Some(white).filter(|white| least(white) < least(likeliest).min(LEVEL))
+}
+
+fn least(found: &[Absent]) -> f64 {
+    found.iter().map(|own| own.p_value).fold(1.0, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a test says of one term.
+    fn told(p_value: f64) -> Vec<Absent> {
+        vec![Absent {
+            name: "v |v|".to_owned(),
+            degree: None,
+            unit: String::new(),
+            value: vec![1.0],
+            standard_error: vec![1.0],
+            visible_from: 1.0,
+            p_value,
+            evidence: 0.0,
+            candidate: true,
+        }]
+    }
+
+    #[test]
+    fn law_white_noise_rejects_at_half_the_level_and_where_it_is_the_clearer() {
+        let clearer =
+            |likeliest: f64, white: f64| clearer(&told(likeliest), told(white)).map(|found| found[0].p_value);
+        assert_eq!(clearer(0.3, 0.02), Some(0.04));
+        assert_eq!(clearer(0.3, 0.026), None);
+        assert_eq!(clearer(0.01, 0.006), None);
+        assert_eq!(clearer(0.01, 0.004), Some(0.008));
+    }
+}
