@@ -67,7 +67,7 @@ fn places_of_another_clock_are_refused() {
         refused_in(
             folder.path(),
             &[],
-            &["times of GPGGA", "not those of RMC", "the first in line 2", "s away"],
+            &["times of GPGGA", "differ from those of RMC", "the first in line 2", "s away"],
         );
     }
 }
