@@ -21,7 +21,11 @@ fn times_of_a_day_pass_midnight() {
         let made = timed("format = \"%H:%M:%S\"", top, |k| of_day(86_380 + k));
         healthy(&made, 61);
         assert_eq!(made.summary.recordings[0].rows.rollovers, 1);
-        assert!(made.line.contains("; 0 rows dropped") && made.line.contains("clock rollovers"), "{}", made.line);
+        assert!(
+            made.line.contains("; 0 rows dropped") && made.line.contains("clock rollovers"),
+            "{}",
+            made.line
+        );
     }
     // A row that comes late across midnight is put in order, and 61 rows are there.
     let late = |k: usize| of_day(86_380 + [k, 20, 19][if k == 19 { 1 } else { 2 * usize::from(k == 20) }]);

@@ -12,7 +12,7 @@ use crate::support::*;
 
 /// The small study on a land mask and depths of a grid, with all that a map may have.
 fn everything() -> Planned {
-    let grid = "file = \"land.geojson\"\nkind = \"land\"\n\n[[chart]]\nfile = \"depth.asc\"\nkind = \"depth\"\ncrs = \"WGS84\"";
+    let grid = "file = \"land.geojson\"\nkind = \"land\"\n\n[[chart]]\nfile = \"depth.asc\"\nkind = \"depth\"\ncrs = \"WGS84\"\nopen_sea = true";
     let limit = "[[speed_limit]]\ncorners = [[25.0, 59.98], [25.03, 59.98], [25.03, 60.02], [25.0, 60.02]]\n\
                  max_speed_m_s = 1.6\n[start]";
     let folder = small_with(&[("file = \"land.geojson\"\nkind = \"land\"", grid), ("[start]", limit)]);
