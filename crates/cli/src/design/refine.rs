@@ -166,7 +166,7 @@ fn not_refined(a: &Refine, why: Refusal) -> Failure {
         Refusal::Trial(why) => files(a).refused(why),
         Refusal::Limits(e) => Failure::invalid(a.limits.as_ref().unwrap_or(&a.dictionary), &e),
         Refusal::NotIdentifiable { parameter } => Failure::NoAnswer(format!(
-            "{}: the design's experiment: found one that does not tell `{parameter}` from the other parameters, expected a \
+            "{}: the design's experiment: found one that does not distinguish `{parameter}` from the other parameters, expected a \
              start that excites all; begin with another design",
             a.design.display()
         )),

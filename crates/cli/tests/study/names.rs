@@ -28,5 +28,5 @@ fn names_that_nothing_can_hold_are_refused_where_they_are_read() {
     }
     let folder = with(&[]);
     edit(&folder, "dictionary.toml", "name = \"decelerate\"", &format!("name = \"{}\"", "x".repeat(10_000)));
-    refused(&folder, 3, DICTIONARY, &["dictionary.toml", "10000 characters", "1 to 200 characters"]);
+    refused(&folder, 3, DICTIONARY, &["dictionary.toml", "10000 characters", "1 to 200 visible characters"]);
 }
