@@ -44,6 +44,8 @@ pub fn generated(paper: &Paper, count: usize) -> anyhow::Result<Candidates> {
             description: String::new(),
             duration_s: None,
             keeps: Kept::default(),
+            executed: maneuver::Executed::Inputs,
+            feedback: maneuver::Controller::default(),
             kind,
         }
     };
@@ -51,6 +53,7 @@ pub fn generated(paper: &Paper, count: usize) -> anyhow::Result<Candidates> {
         duration_s: Some(12.5),
         inputs_from: Source::Value,
         maneuvers: (0..count).map(maneuver).collect(),
+        tolerance: maneuver::Tolerance::default(),
         generate: None,
     };
     paper.candidates_of(&Generator::without_tables(&paper.vessel, &dictionary)?)

@@ -8,8 +8,10 @@ use crate::{Origin, Pose};
 /// The helmsman's view at the beginning of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// u, v \[m/s\], r \[rad/s\], as measured.
+    /// u, v \[m/s\], r \[rad/s\], as the logged sensors measure them.
     pub state: [f64; 3],
+    /// The same by sensors of the helmsman's own, without noise.
+    pub own: [f64; 3],
     /// Position and heading relative to the pose where the commands began.
     pub pose: Pose,
 }

@@ -96,7 +96,8 @@ impl Helmsman {
 
     /// The exogenous inputs of a sample: the commanded ones for `seen`, and the ones that follow from them.
     fn commands(&mut self, model: &Model, seen: [f64; 3], state: [f64; 3], rate_hz: f64) -> &[f64] {
-        self.command.command(&Seen { state: seen, pose: self.pose }, &mut self.row[..model.inputs]);
+        let seen = Seen { state: seen, own: state, pose: self.pose };
+        self.command.command(&seen, &mut self.row[..model.inputs]);
         model.complete(&mut self.row);
         self.pose.advance(state, 1.0 / rate_hz);
         &self.row

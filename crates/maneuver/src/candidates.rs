@@ -25,6 +25,8 @@ impl GenerateSpec {
                 description: "generated".into(),
                 duration_s: self.duration_s,
                 keeps: Kept::default(),
+                executed: crate::Executed::Inputs,
+                feedback: crate::Controller::default(),
                 kind: draw.kind(kind, index),
             }
         };

@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use super::generate_spec::GenerateSpec;
 use super::spec::ManeuverSpec;
+use crate::reached::Tolerance;
 
 /// `dictionary.toml` as written.
 #[derive(Clone, Debug, Deserialize)]
@@ -16,6 +17,9 @@ pub struct DictionaryFile {
     /// The parameters that turn maneuvers into inputs.
     #[serde(default)]
     pub inputs_from: Source,
+    /// By how much written motions may differ from what they are called.
+    #[serde(default)]
+    pub tolerance: Tolerance,
     /// The maneuvers, in order.
     #[serde(default, rename = "maneuver")]
     pub maneuvers: Vec<ManeuverSpec>,
@@ -33,6 +37,7 @@ impl DictionaryFile {
         let all: Vec<ManeuverSpec> =
             self.maneuvers.iter().cloned().chain(generated.into_iter().flatten()).collect();
         check_all(&all, self.duration_s)?;
+        self.tolerance.check()?;
         Ok(all)
     }
 

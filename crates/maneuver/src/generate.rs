@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use engine::{Helm, Streams, refuse_endless, simulate_command};
+use engine::{Helm, Streams, check_diverged, refuse_endless, simulate_command, simulate_one};
 use model::{Source, Vessel};
 use refusal::Invalid;
 
@@ -10,6 +10,9 @@ use super::settings::check_range;
 use super::signal::Wave;
 use super::spec::{Kind, ManeuverSpec};
 use crate::DictionaryFile;
+use crate::feedback::{Executed, Linearised, Nominal, Tracked};
+use crate::reached::{self, Aim, Tolerance};
+use crate::standard::{Approach, Orders, Standard};
 use crate::steady::{Motion, Steady};
 
 /// A maneuver turned into inputs.
@@ -34,6 +37,7 @@ pub struct Generator {
     written: usize,
     limits: Option<Limits>,
     default_s: Option<f64>,
+    tolerance: Tolerance,
     tables: BTreeMap<usize, PlayedTable>,
     helms: BTreeMap<usize, Helm>,
 }
@@ -67,6 +71,9 @@ impl Generator {
             if let Some(table) = PlayedTable::of(maneuver, vessel, &read)? {
                 tables.insert(index, table);
             }
+            if let Some(standard) = maneuver.kind.standard() {
+                standard.check_inputs(&maneuver.name, vessel)?;
+            }
         }
         Ok(Self {
             vessel: vessel.clone(),
@@ -75,6 +82,7 @@ impl Generator {
             written,
             limits,
             default_s: dictionary.duration_s,
+            tolerance: dictionary.tolerance,
             tables,
             helms: BTreeMap::new(),
         })
@@ -101,6 +109,11 @@ impl Generator {
     /// The maneuvers, in order.
     pub fn maneuvers(&self) -> &[ManeuverSpec] {
         &self.maneuvers
+    }
+
+    /// How many of them are written by hand; the others are generated.
+    pub fn written(&self) -> usize {
+        self.written
     }
 
     /// The limits that maneuver `index` has to keep, if it is generated.
@@ -150,25 +163,80 @@ impl Generator {
     /// A motion that the model cannot hold; a table of fewer samples.
     pub fn realize(&self, index: usize, samples: usize) -> Result<Realized, Invalid> {
         let maneuver = &self.maneuvers[index];
-        if let Some(table) = self.tables.get(&index) {
-            let inputs = table.first(samples)?.to_vec();
-            let plan = Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, 0);
-            return Ok(Realized { initial: plan.start(), inputs, helm: None });
-        }
-        let plan = Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, samples);
-        if let Some(helm) = self.helms.get(&index) {
-            return Ok(self.react(plan.start(), samples, helm));
-        }
         let named = |e: Invalid| Invalid { thing: format!("maneuver `{}`, {}", maneuver.name, e.thing), ..e };
-        let inputs = self.inputs(&plan, samples).map_err(named)?;
-        Ok(Realized { initial: plan.start(), inputs, helm: None })
+        let table = self.tables.get(&index);
+        let plan =
+            Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, if table.is_some() { 0 } else { samples });
+        let initial = plan.start();
+        if let Some(helm) = self.helms.get(&index) {
+            return Ok(self.react(initial, samples, helm.clone()));
+        }
+        if let Some(standard) = maneuver.kind.standard() {
+            let orders = self.orders(standard).map_err(named)?;
+            return Ok(self.react(initial, samples, Helm::new(orders)));
+        }
+        let inputs = match table {
+            Some(table) => table.first(samples)?.to_vec(),
+            None => self.inputs(&plan, samples).map_err(named)?,
+        };
+        let helm = match maneuver.executed {
+            Executed::Inputs => None,
+            Executed::Feedback => Some(self.tracked(index, initial, &inputs).map_err(named)?),
+        };
+        Ok(Realized { initial, inputs, helm })
     }
 
     /// The commands of `helm` to the undisturbed ship.
-    fn react(&self, initial: [f64; 3], samples: usize, helm: &Helm) -> Realized {
+    fn react(&self, initial: [f64; 3], samples: usize, helm: Helm) -> Realized {
         let (model, rate_hz) = (&self.vessel.model, self.vessel.sample_rate_hz);
-        let (rows, _) = simulate_command(model, &self.parameters, initial, samples, rate_hz, helm);
-        Realized { initial, inputs: model.inputs_of(&rows), helm: Some(helm.clone()) }
+        let (rows, _) = simulate_command(model, &self.parameters, initial, samples, rate_hz, &helm);
+        Realized { initial, inputs: model.inputs_of(&rows), helm: Some(helm) }
+    }
+
+    /// The orders of a standard maneuver, which begins as the model holds its approach.
+    fn orders(&self, standard: Standard) -> Result<Orders, Invalid> {
+        let (vessel, width) = (&self.vessel, self.vessel.model.inputs);
+        let mut inputs = vec![0.0; width + 1];
+        let motion = Motion { u: standard.speed_m_s(), v: None, r: 0.0 };
+        Steady::new(vessel, &self.parameters).solve(motion, &mut inputs)?;
+        inputs.truncate(width);
+        let mut linearised = Linearised::new(vessel, &self.parameters);
+        linearised.look([motion.u, 0.0, 0.0], &vessel.model.undisturbed(&inputs));
+        let (slopes, decay) = (linearised.by_inputs().to_vec(), linearised.decay());
+        let orders = Orders::new(standard, &Approach { vessel, inputs, slopes, decay });
+        let key = standard.settings().0;
+        orders.extremes().try_for_each(|inputs| check_range(vessel, &inputs, || format!("`{key}`")))?;
+        Ok(orders)
+    }
+
+    /// The controller that makes ships move as the nominal one does under `inputs`.
+    fn tracked(&self, index: usize, initial: [f64; 3], inputs: &[f64]) -> Result<Helm, Invalid> {
+        let (vessel, maneuver) = (&self.vessel, &self.maneuvers[index]);
+        let exogenous = vessel.model.undisturbed(inputs);
+        let states = simulate_one(&vessel.model, &self.parameters, initial, &exogenous);
+        if let Some(at) = check_diverged(states.iter().copied()) {
+            return Err(at.invalid("the motion to be held".to_owned()));
+        }
+        let coupled = !self.tables.contains_key(&index) && maneuver.kind.sway_is_free();
+        let nominal = Nominal { inputs, states: &states, coupled };
+        let tracked = Tracked::new(vessel, &self.parameters, &nominal, &maneuver.feedback)?;
+        Ok(Helm::new(tracked))
+    }
+
+    /// What written maneuver `index` is to reach, and what it reaches in `states`, (N+1) × 3; nothing of one that is
+    /// drawn, or whose inputs stand in a table.
+    pub fn reached(&self, index: usize, states: &[f64]) -> Vec<Aim> {
+        let (maneuver, rate_hz) = (&self.maneuvers[index], self.vessel.sample_rate_hz);
+        if index >= self.written || self.tables.contains_key(&index) || self.helms.contains_key(&index) {
+            return Vec::new();
+        }
+        if let Some(standard) = maneuver.kind.standard() {
+            return reached::of_standard(standard, states, rate_hz);
+        }
+        let samples = states.len() / 3 - 1;
+        let plan = Plan::new(&maneuver.kind, rate_hz, samples);
+        let wanted: Vec<[f64; 2]> = (0..samples).map(|k| plan.motion(k)).map(|own| [own.u, own.r]).collect();
+        reached::of_motion(&wanted, states, rate_hz, &self.tolerance)
     }
 
     fn inputs(&self, plan: &Plan, samples: usize) -> Result<Vec<f64>, Invalid> {
@@ -238,6 +306,12 @@ impl<'a> Plan<'a> {
             | Kind::SteadyTurn { speed_m_s, .. }
             | Kind::PseudoRandomBinary { speed_m_s, .. }
             | Kind::Inputs { speed_m_s, .. } => speed_m_s,
+            Kind::ZigZagTest(_)
+            | Kind::TurningCircle(_)
+            | Kind::PullOut(_)
+            | Kind::SpiralTest(_)
+            | Kind::ReverseSpiral(_)
+            | Kind::Stop(_) => self.kind.standard().map_or(0.0, |own| own.speed_m_s()),
             Kind::Combined { start_m_s, .. } => start_m_s.unwrap_or_else(|| self.motion(0).u),
         }
     }
@@ -317,6 +391,12 @@ impl<'a> Plan<'a> {
                 Motion { u: u.unwrap_or(0.0), v, r: r.unwrap_or(0.0) }
             }
             Kind::Inputs { speed_m_s: u, .. } => Motion { u, v: None, r: 0.0 },
+            Kind::ZigZagTest(_)
+            | Kind::TurningCircle(_)
+            | Kind::PullOut(_)
+            | Kind::SpiralTest(_)
+            | Kind::ReverseSpiral(_)
+            | Kind::Stop(_) => Motion { u: self.start_speed(), v: None, r: 0.0 },
         }
     }
 }

@@ -6,26 +6,35 @@
 mod candidates;
 mod dictionary;
 mod draw;
+mod feedback;
 mod generate;
 mod generate_spec;
 mod input_table;
 mod kept;
+pub mod merit;
 mod newton;
 mod played;
+mod reached;
 mod settings;
 mod shape;
 mod signal;
 mod spec;
 mod stamps;
+mod standard;
 mod steady;
 
 pub use dictionary::DictionaryFile;
+pub use feedback::{Controller, Executed};
 pub use generate::{Generator, Realized};
 pub use generate_spec::{CandidateKind, Exceeded, GenerateSpec, Limits};
 pub use input_table::{InputTable, Pace};
 pub use kept::Kept;
 pub use played::PlayedTable;
+pub use reached::{Aim, Tolerance};
 pub use shape::Shape;
 pub use signal::{Signal, SignalShape};
 pub use spec::{Kind, ManeuverSpec};
+pub use standard::{
+    Board, PullOut, ReverseSpiral, Sensors, SpiralTest, Standard, Stop, TurningCircle, ZigZagTest,
+};
 pub use steady::{Motion, Steady};

@@ -5,6 +5,8 @@ use serde::{Deserialize, Deserializer};
 use super::kept::Kept;
 use super::shape::Shape;
 use super::signal::{LONGEST_S, SWING_SAMPLES, Signal, check_period};
+use crate::feedback::{Controller, Executed};
+use crate::standard::{PullOut, ReverseSpiral, SpiralTest, Standard, Stop, TurningCircle, ZigZagTest};
 
 /// One maneuver.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +19,10 @@ pub struct ManeuverSpec {
     pub duration_s: Option<f64>,
     /// Ranges of its motion.
     pub keeps: Kept,
+    /// How a motion is carried out; standard maneuvers react by themselves.
+    pub executed: Executed,
+    /// The controller of a motion that is executed by feedback.
+    pub feedback: Controller,
     /// Its kind and parameters.
     pub kind: Kind,
 }
@@ -26,7 +32,7 @@ const FASTEST_M_S: f64 = 100.0;
 const FASTEST_RAD_S: f64 = 10.0;
 
 /// Keys of every kind of maneuver.
-const COMMON_KEYS: [&str; 5] = ["name", "kind", "description", "duration_s", "keeps"];
+const COMMON_KEYS: [&str; 7] = ["name", "kind", "description", "duration_s", "keeps", "executed", "feedback"];
 
 impl<'de> Deserialize<'de> for ManeuverSpec {
     /// The keys that all kinds share, then those of the kind: any other key is refused (which a flattened enum would
@@ -38,23 +44,39 @@ impl<'de> Deserialize<'de> for ManeuverSpec {
             #[serde(default)]
             description: String,
             duration_s: Option<f64>,
+            executed: Option<Executed>,
         }
         let mut table = toml::Table::deserialize(deserializer)?;
         let mut common = toml::Table::new();
-        for key in ["name", "description", "duration_s"] {
+        for key in ["name", "description", "duration_s", "executed"] {
             common.extend(table.remove(key).map(|value| (key.to_owned(), value)));
         }
         let refused = |e: toml::de::Error| D::Error::custom(with_common_keys(e.message()));
-        let keeps = table.remove("keeps");
-        let Common { name, description, duration_s } = common.try_into().map_err(refused)?;
+        let [keeps, feedback] = ["keeps", "feedback"].map(|key| table.remove(key));
+        let Common { name, description, duration_s, executed } = common.try_into().map_err(refused)?;
         let named = |e: toml::de::Error| {
             D::Error::custom(format!("{} (maneuver `{name}`)", with_common_keys(e.message())))
         };
-        let within =
-            |e: toml::de::Error| D::Error::custom(format!("{} (maneuver `{name}`, `keeps`)", e.message()));
-        let keeps = keeps.map(strictly).transpose().map_err(within)?.unwrap_or_default();
-        let kind = strictly(table).map_err(named)?;
-        Ok(Self { name, description, duration_s, keeps, kind })
+        let within = |key: &'static str| {
+            let name = &name;
+            move |e: toml::de::Error| {
+                D::Error::custom(format!("{} (maneuver `{name}`, `{key}`)", e.message()))
+            }
+        };
+        let keeps = keeps.map(strictly).transpose().map_err(within("keeps"))?.unwrap_or_default();
+        let kind: Kind = strictly(table).map_err(named)?;
+        let executed = executed.unwrap_or(Executed::Inputs);
+        let is_tracked = executed == Executed::Feedback;
+        if kind.standard().is_some() && is_tracked {
+            let remedy = "remove `executed`: standard maneuvers react to the ship by themselves";
+            return Err(D::Error::custom(format!("unexpected `executed` (maneuver `{name}`): {remedy}")));
+        }
+        if feedback.is_some() && !is_tracked {
+            let remedy = "add `executed = \"feedback\"`";
+            return Err(D::Error::custom(format!("unexpected `feedback` (maneuver `{name}`): {remedy}")));
+        }
+        let feedback = feedback.map(strictly).transpose().map_err(within("feedback"))?.unwrap_or_default();
+        Ok(Self { name, description, duration_s, keeps, executed, feedback, kind })
     }
 }
 
@@ -193,6 +215,18 @@ pub enum Kind {
         #[serde(default)]
         speed_m_s: f64,
     },
+    /// A zig-zag test δ/ψ.
+    ZigZagTest(ZigZagTest),
+    /// A turning circle.
+    TurningCircle(TurningCircle),
+    /// A pull-out.
+    PullOut(PullOut),
+    /// Dieudonné's direct spiral.
+    SpiralTest(SpiralTest),
+    /// A reverse spiral.
+    ReverseSpiral(ReverseSpiral),
+    /// A crash stop or an inertial stop.
+    Stop(Stop),
 }
 
 impl ManeuverSpec {
@@ -210,6 +244,10 @@ impl ManeuverSpec {
             self.above_zero("duration_s", self.duration(default_s).ok_or_else(missing)?)?;
         }
         self.keeps.check(&self.name)?;
+        self.feedback.check(&self.name)?;
+        if let Some(standard) = self.kind.standard() {
+            standard.check(&self.name, self.duration(default_s))?;
+        }
         for (key, value) in self.kind.numbers() {
             if !value.is_finite() {
                 return Err(self.invalid(key, value, "a finite number"));
@@ -329,6 +367,19 @@ impl ManeuverSpec {
 }
 
 impl Kind {
+    /// The standard maneuver that it is, if it is one.
+    pub fn standard(&self) -> Option<Standard<'_>> {
+        match self {
+            Self::ZigZagTest(own) => Some(Standard::ZigZagTest(own)),
+            Self::TurningCircle(own) => Some(Standard::TurningCircle(own)),
+            Self::PullOut(own) => Some(Standard::PullOut(own)),
+            Self::SpiralTest(own) => Some(Standard::SpiralTest(own)),
+            Self::ReverseSpiral(own) => Some(Standard::ReverseSpiral(own)),
+            Self::Stop(own) => Some(Standard::Stop(own)),
+            _ => None,
+        }
+    }
+
     /// Whether its beginning does not depend on its length.
     pub(super) fn is_unstretched(&self) -> bool {
         match *self {
@@ -379,6 +430,7 @@ impl Kind {
                 signals.chain(start_m_s.map(|start| ("start_m_s", start))).collect()
             }
             Self::Inputs { speed_m_s, .. } => keyed![speed_m_s],
+            _ => self.standard().map_or(Vec::new(), |own| own.numbers()),
         }
     }
 
@@ -388,6 +440,19 @@ impl Kind {
         let others = [("yaw_rate_rad_s", yaw_rate_rad_s), ("sway_m_s", sway_m_s)];
         let others = others.into_iter().filter_map(|(key, signal)| signal.map(|signal| (key, signal)));
         [("speed_m_s", speed_m_s)].into_iter().chain(others).collect()
+    }
+
+    /// Whether the sway speed is left to the drift of the turn.
+    pub(super) fn sway_is_free(&self) -> bool {
+        match self {
+            Self::ZigZag { sway_amplitude_m_s: sway, .. }
+            | Self::Spiral { sway_speed_m_s: sway, .. }
+            | Self::SteadyTurn { sway_speed_m_s: sway, .. }
+            | Self::PseudoRandomBinary { sway_amplitude_m_s: sway, .. } => sway.is_none(),
+            Self::Combined { sway_m_s, .. } => sway_m_s.is_none(),
+            Self::SwayZigZag { .. } => false,
+            _ => true,
+        }
     }
 
     /// Removes commanded sway, so that only the drift of the turn remains. A swing of the sway speed alone is

@@ -125,10 +125,14 @@ fn track_caption() -> Markup {
 }
 
 fn descriptions(maneuvers: &[&ManeuverTrace]) -> Markup {
-    let described: Vec<_> = maneuvers.iter().filter(|m| !m.description.is_empty()).collect();
+    let words = |own: &ManeuverTrace| {
+        let parts = [own.description.as_str(), own.reached.as_str()];
+        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ")
+    };
+    let described: Vec<_> = maneuvers.iter().filter(|own| !words(own).is_empty()).collect();
     html! {
         @if !described.is_empty() {
-            dl.names { @for maneuver in described { (entry(&maneuver.name, &maneuver.description)) } }
+            dl.names { @for maneuver in described { (entry(&maneuver.name, &words(maneuver))) } }
         }
     }
 }

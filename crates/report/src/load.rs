@@ -8,7 +8,7 @@ use engine::{Run, track};
 use study::campaign_file::CampaignFile;
 use study::documents::{EstimateDocument, IngestDocument, ValidationDocument};
 use study::scores;
-use study::trajectories::{Layout, TrajectoryReader};
+use study::trajectories::{Layout, REACHED, TrajectoryReader};
 
 use super::loader::{Loader, Sources, document_at};
 use super::trajectory::files::trajectory;
@@ -138,11 +138,15 @@ impl Loader<'_> {
         let (Some(vessel), true) = (vessel, artifact::is_written(&path)) else { return Ok(None) };
         let reader = TrajectoryReader::open(&path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
         self.made(name, what, reader.digest(), reader.provenance())?;
+        let reached = reader.provenance().settings.get(REACHED).cloned().unwrap_or_default();
         let mut traces = Vec::new();
         for block in 0..reader.blocks() {
             if traces.len() < MOST_TRACES {
                 traces.extend(reader.runs(block)?.iter().map(|run| trace(vessel, run)));
             }
+        }
+        for trace in &mut traces {
+            trace.reached = reached[&trace.name].as_str().unwrap_or_default().to_owned();
         }
         Ok(Some(traces))
     }
@@ -161,6 +165,7 @@ fn trace(vessel: &Vessel, run: &Run) -> ManeuverTrace {
     ManeuverTrace {
         name: run.segments[0].maneuver.clone(),
         description: String::new(),
+        reached: String::new(),
         t: (0..samples).map(|k| k as f64 / vessel.sample_rate_hz).collect(),
         inputs: (0..vessel.model.inputs).map(input).collect(),
         u: state(0),

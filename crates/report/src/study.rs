@@ -83,6 +83,8 @@ pub struct ManeuverTrace {
     pub name: String,
     /// What the dictionary says about it; may be empty.
     pub description: String,
+    /// What it was to reach, and did; may be empty.
+    pub reached: String,
     /// Times \[s\].
     pub t: Vec<f64>,
     /// Name, unit and values of every input.

@@ -181,6 +181,7 @@ impl CampaignFile {
         DictionaryFile {
             duration_s: None,
             inputs_from: self.validation.inputs_from,
+            tolerance: maneuver::Tolerance::default(),
             maneuvers: self.validation.maneuver.clone(),
             generate: None,
         }

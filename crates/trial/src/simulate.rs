@@ -134,10 +134,9 @@ impl<'s> Way<'_, 's, '_> {
         self.inputs.resize(piece.inputs.len() / piece.samples, 0.0);
         for _ in 0..piece.samples {
             let ([u, v, r], pose) = (self.ship.state, origin.sees(self.ship.pose));
-            let seen = Seen {
-                state: [u, side * v, side * r],
-                pose: Pose { x: pose.x, y: side * pose.y, psi: side * pose.psi },
-            };
+            let state = [u, side * v, side * r];
+            let pose = Pose { x: pose.x, y: side * pose.y, psi: side * pose.psi };
+            let seen = Seen { state, own: state, pose };
             command.command(&seen, &mut self.inputs);
             self.inputs.iter_mut().zip(signs).for_each(|(input, sign)| *input *= sign);
             self.advance(leg, true, Ship::command)?;

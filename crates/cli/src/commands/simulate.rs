@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::inputs;
 use crate::plan::MAIN;
 use crate::simulate::{
-    CampaignFlags, Files, check_campaign, logs, note_plays, write_campaign, write_maneuvers,
+    CampaignFlags, Files, check_campaign, check_maneuvers, logs, note_plays, write_campaign, write_maneuvers,
 };
 use crate::stage::{Summary, Task};
 use artifact::{Provenance, Shard, commit, gather};
@@ -21,8 +21,8 @@ use study::documents::{SIMULATED_FILE, SimulatedLogsDocument};
 use study::files::{generator, kept_to_data, read_campaign, read_dictionary, read_simulated};
 use study::logs_file::LogsFile;
 use study::track::read_planned;
-use study::trajectories::{DataLabel, ID, VERSION};
-use trial::campaign::{self, Maneuvers, Refusal, Settings};
+use study::trajectories::{DataLabel, ID, REACHED, VERSION};
+use trial::campaign::{self, Maneuvers, Reached, Refusal, Settings};
 
 /// Simulates a vessel's trajectories
 #[derive(Parser)]
@@ -50,6 +50,10 @@ pub struct Dictionary {
     /// Allow inputs and motion that the logs of a model from logs do not cover; moments, design and report say so
     #[arg(long)]
     beyond_range: bool,
+    /// Allow maneuvers that miss what they are called: a heading, a speed, a turn beyond `tolerance`; the table and the page
+    /// say so
+    #[arg(long)]
+    allow_unreached: bool,
     #[command(flatten)]
     sharding: Sharding,
 }
@@ -140,7 +144,7 @@ impl Task for Dictionary {
         provenance.settings.insert("model".into(), json!(source.name()));
         provenance.shard = self.sharding.shard;
         let maneuvers = Maneuvers::new(&vessel, &generator, source, "dictionary");
-        undisturbed(maneuvers, files, &out, &provenance, common)
+        undisturbed(maneuvers, files, &out, provenance, Some(self.allow_unreached), common)
     }
 }
 
@@ -153,28 +157,58 @@ impl Task for Validation {
         let generator = generator(&self.campaign, &vessel, &maneuvers, &mut provenance)?;
         let out = common.main_output("validation.parquet", [&self.vessel, &self.campaign])?;
         let maneuvers = Maneuvers::new(&vessel, &generator, Source::Value, "validation");
-        undisturbed(maneuvers, (&self.vessel, &self.campaign), &out, &provenance, common)
+        undisturbed(maneuvers, (&self.vessel, &self.campaign), &out, provenance, None, common)
     }
 }
 
-/// Simulates every maneuver on its own. `dictionary` alone says what is simulated.
+/// Notes what every maneuver of `dictionary` reached; refuses what it does not, unless that is allowed.
+fn note_reached(
+    reached: &[Reached],
+    dictionary: &Path,
+    is_allowed: bool,
+    provenance: &mut Provenance,
+) -> Result<(), Failure> {
+    let missed: Vec<_> = reached.iter().filter_map(Reached::missed).collect();
+    if let Some(first) = missed.first().filter(|_| !is_allowed) {
+        let others = match missed.len() - 1 {
+            0 => String::new(),
+            others => format!(" (and {others} more maneuvers)"),
+        };
+        return Err(Failure::NoAnswer(format!("{}: {first}{others}", dictionary.display())));
+    }
+    let words = reached.iter().filter_map(|own| Some((own.maneuver.clone(), json!(own.words()?))));
+    let words: serde_json::Map<_, _> = words.collect();
+    if !words.is_empty() {
+        provenance.settings.insert(REACHED.into(), words.into());
+    }
+    Ok(())
+}
+
+/// Simulates every maneuver on its own. `dictionary` alone says what is simulated. `unreached`: whether maneuvers may miss what
+/// they are called, where that is asked.
 fn undisturbed(
     maneuvers: Result<Maneuvers, Refusal>,
     (vessel, dictionary): (&Path, &Path),
     out: &Path,
-    provenance: &Provenance,
+    mut provenance: Provenance,
+    unreached: Option<bool>,
     common: &Common,
 ) -> Result<Summary, Failure> {
     let files = Files { vessel, ..Files::all(dictionary) };
     let maneuvers = maneuvers.map_err(|e| files.refused(e))?;
-    let tally = write_maneuvers(&maneuvers, &files, out, provenance, common.quiet)?;
+    check_maneuvers(&maneuvers, &files, out)?;
+    if let Some(is_allowed) = unreached {
+        let reached = maneuvers.reached().map_err(|e| files.refused(e))?;
+        note_reached(&reached, dictionary, is_allowed, &mut provenance)?;
+    }
+    let tally = write_maneuvers(&maneuvers, &files, out, &provenance, common.quiet)?;
     let mut told = json!({"maneuvers": tally.maneuvers, "samples": tally.samples});
     if tally.kept > 0 {
         let left_out = tally.left_out.iter().map(|(name, about)| (name.clone(), json!(about.count)));
         told["generated"] = json!(tally.kept);
         told["left_out"] = left_out.collect::<serde_json::Map<_, _>>().into();
     }
-    let said = format!("{tally}{}", shard_of(provenance));
+    let said = format!("{tally}{}", shard_of(&provenance));
     let statements = [maneuvers.tables(), study::beyond(vessel, out)?].concat();
     Ok(with(statements, out, said, told))
 }

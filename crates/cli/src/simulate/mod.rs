@@ -111,7 +111,6 @@ pub fn write_maneuvers(
     let count = maneuvers.count();
     let blocks = count.div_ceil(BLOCK);
     let mine = provenance.shard.map_or(0..blocks, |shard| shard.range(blocks));
-    check_maneuvers(maneuvers, files, out)?;
     let (layout, mut writer) = writer(out, maneuvers.vessel(), provenance)?;
     let progress = Progress::new("maneuvers", count.min(mine.len() * BLOCK), quiet);
     let mut tally = Tally::default();
@@ -134,7 +133,10 @@ pub fn write_maneuvers(
 }
 
 /// Refuses maneuvers whose runs do not fit into memory or folder.
-fn check_maneuvers(maneuvers: &Maneuvers, files: &Files, out: &Path) -> Result<(), Failure> {
+///
+/// # Errors
+/// A maneuver of zero samples, or unbounded; too little memory or disk.
+pub fn check_maneuvers(maneuvers: &Maneuvers, files: &Files, out: &Path) -> Result<(), Failure> {
     let (mut all, mut written, mut block) = (0, 0, 0);
     for start in (0..maneuvers.count()).step_by(BLOCK) {
         let rows = maneuvers.rows(start..maneuvers.count().min(start + BLOCK));

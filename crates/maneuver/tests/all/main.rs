@@ -2,5 +2,7 @@
 
 mod derived;
 mod equilibria;
+mod feedback;
 mod maneuvers;
 mod oracle;
+mod standard;

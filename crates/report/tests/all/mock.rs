@@ -87,6 +87,7 @@ fn trace(&(name, .., from, to, rate, sweeps): &Maneuver) -> ManeuverTrace {
     let inputs = vec![input("tau1", "N", surge), input("tau2", "N", sway), input("tau3", "N m", moment)];
     ManeuverTrace {
         name: name.to_owned(),
+        reached: String::new(),
         description: "as in the paper".to_owned(),
         t,
         inputs,

@@ -6,6 +6,9 @@ pub const ID: &str = "trajectories";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
 
+/// The setting of a dictionary's table that says what its maneuvers reached, by name.
+pub const REACHED: &str = "reached";
+
 /// Bytes that a row of simulated runs takes in a file at least: its states, as they are and as measured, and its pose, which
 /// no compression makes much smaller.
 pub const LEAST_ROW_BYTES: f64 = 72.0;

@@ -9,6 +9,6 @@ mod write;
 
 pub use kept::KeptRuns;
 pub use label::{DataLabel, label};
-pub use layout::{ID, LEAST_ROW_BYTES, Layout, SIMULATED_PER_SECOND, VERSION};
+pub use layout::{ID, LEAST_ROW_BYTES, Layout, REACHED, SIMULATED_PER_SECOND, VERSION};
 pub use read::{TrajectoryReader, refuse_shard};
 pub use write::{BlockBuilder, MeasuredBlock, rows_per_block};

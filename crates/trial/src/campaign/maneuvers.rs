@@ -1,8 +1,9 @@
 use std::ops::Range;
 
 use engine::{Helm, Run, Segment, check_diverged, simulate_command, simulate_one};
-use maneuver::{Exceeded, Generator, Kept, Realized};
+use maneuver::{Aim, Exceeded, Generator, Kept, Realized};
 use model::{DegreeOfFreedom, Source, Vessel};
+use rayon::prelude::*;
 use refusal::Invalid;
 
 use super::Refusal;
@@ -74,6 +75,21 @@ impl<'a> Maneuvers<'a> {
         Ok((runs, tally))
     }
 
+    /// What every maneuver that is written by hand is to reach, and what it does; none where it only plays a table.
+    ///
+    /// # Errors
+    /// As [`Maneuvers::simulate`].
+    pub fn reached(&self) -> Result<Vec<Reached>, Refusal> {
+        let one = |index: usize| {
+            let run = self.one(index, &mut Tally::default())?;
+            let aims = run.map_or(Vec::new(), |run| self.generator.reached(index, &run.states));
+            let seconds = self.generator.samples(index).map_err(Refusal::Dictionary)? as f64;
+            let seconds = seconds / self.vessel.sample_rate_hz;
+            Ok(Reached { maneuver: self.generator.maneuvers()[index].name.clone(), seconds, aims })
+        };
+        (0..self.generator.written()).into_par_iter().map(one).collect()
+    }
+
     /// Simulates a maneuver, unless it is generated and exceeds its limits.
     fn one(&self, index: usize, tally: &mut Tally) -> Result<Option<SimulatedRun>, Refusal> {
         match judge(self.vessel, self.generator, index).map_err(Refusal::Dictionary)? {
@@ -115,6 +131,38 @@ impl<'a> Maneuvers<'a> {
             initial: [states[0], states[1], states[2]],
         };
         SimulatedRun { run, states }
+    }
+}
+
+/// What a maneuver is to reach, and what it does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reached {
+    /// Its name.
+    pub maneuver: String,
+    /// Its duration \[s\].
+    pub seconds: f64,
+    /// What is wanted of it.
+    pub aims: Vec<Aim>,
+}
+
+impl Reached {
+    /// In words: `heading to starboard 23.1° (wanted 20.0°), …`; `None` where nothing is wanted.
+    pub fn words(&self) -> Option<String> {
+        let words: Vec<String> = self.aims.iter().map(ToString::to_string).collect();
+        (!words.is_empty()).then(|| words.join(", "))
+    }
+
+    /// The first aim that is missed, as a refusal of the maneuver.
+    pub fn missed(&self) -> Option<Invalid> {
+        let aim = self.aims.iter().find(|aim| !aim.is_met)?;
+        let [found, expected] = [aim.reached, aim.wanted].map(|value| aim.value(value));
+        Some(Invalid::new(
+            format!("maneuver `{}`, {}", self.maneuver, aim.what),
+            format!("{found} in {} s", self.seconds),
+            expected,
+            "lengthen it, change what is commanded or the model that its inputs come from, hold a motion with `executed = \
+             \"feedback\"`, or allow it with --allow-unreached",
+        ))
     }
 }
 

@@ -11,7 +11,7 @@ mod together;
 
 pub(crate) use designed::Parts;
 pub use designed::{Designed, check_shares};
-pub use maneuvers::{Judged, Maneuvers, judge};
+pub use maneuvers::{Judged, Maneuvers, Reached, judge};
 pub use plays::{Plan, Tables};
 pub(crate) use plays::{drawable, shared_out};
 pub(crate) use realizations::even_lengths;

@@ -1,0 +1,170 @@
+use engine::track;
+use refusal::Invalid;
+
+/// Half the time over which a heading is smoothed, as a part of the time in which the ship covers her length.
+const HALF: f64 = 0.3;
+
+/// The fewest samples in twice that time.
+const FEWEST: usize = 5;
+
+/// What a ship did in a maneuver: N+1 samples, evenly spaced.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    /// Samples per second \[Hz\].
+    pub rate_hz: f64,
+    /// Heading \[rad\], without jumps.
+    pub heading: Vec<f64>,
+    /// North and east of the midship point \[m\].
+    pub place: Vec<[f64; 2]>,
+    /// Surge speed \[m/s\].
+    pub surge: Vec<f64>,
+    /// Speed \[m/s\].
+    pub speed: Vec<f64>,
+    /// Yaw rate \[rad/s\].
+    pub yaw_rate: Vec<f64>,
+    /// Inputs of the samples, N × inputs.
+    pub inputs: Vec<f64>,
+}
+
+impl Record {
+    /// By dead reckoning from states u, v, r, (N+1) × 3.
+    pub fn of_states(states: &[f64], inputs: Vec<f64>, rate_hz: f64) -> Self {
+        let poses = track(states, rate_hz);
+        let states = states.as_chunks::<3>().0;
+        Self {
+            rate_hz,
+            heading: poses.iter().map(|pose| pose.psi).collect(),
+            place: poses.iter().map(|pose| [pose.x, pose.y]).collect(),
+            surge: states.iter().map(|state| state[0]).collect(),
+            speed: states.iter().map(|[u, v, _]| libm::hypot(*u, *v)).collect(),
+            yaw_rate: states.iter().map(|state| state[2]).collect(),
+            inputs,
+        }
+    }
+
+    /// The last sample.
+    pub(super) fn last(&self) -> usize {
+        self.heading.len() - 1
+    }
+
+    /// The sample at `seconds`, or the last.
+    pub(super) fn sample(&self, seconds: f64) -> usize {
+        ((seconds * self.rate_hz).round() as usize).min(self.last())
+    }
+
+    /// Changes of heading from sample `from`, to `side` (1 starboard, −1 port).
+    pub(super) fn turned(&self, from: usize, side: f64) -> Vec<f64> {
+        self.heading.iter().map(|psi| side * (psi - self.heading[from])).collect()
+    }
+}
+
+/// Smooths over a part of the time in which the ship covers her length.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Smoother {
+    /// Samples to either side.
+    half: usize,
+    rate_hz: f64,
+}
+
+impl Smoother {
+    /// For a ship of a length at a speed \[m, m/s\].
+    ///
+    /// # Errors
+    /// Samples that are too far apart.
+    pub fn new(length_m: f64, speed_m_s: f64, rate_hz: f64) -> Result<Self, Invalid> {
+        let half = (HALF * length_m / speed_m_s * rate_hz).floor() as usize;
+        if 2 * half + 1 < FEWEST {
+            let expected = (FEWEST / 2) as f64 * speed_m_s / (HALF * length_m);
+            return Err(Invalid::new(
+                "samples",
+                format!("{rate_hz} Hz, {:.2} s in a ship's length", length_m / speed_m_s),
+                format!("at least {expected:.3} Hz for figures of merit"),
+                "log more often",
+            ));
+        }
+        Ok(Self { half, rate_hz })
+    }
+
+    fn window(&self, at: usize, samples: usize) -> std::ops::Range<usize> {
+        at.saturating_sub(self.half)..(at + self.half + 1).min(samples)
+    }
+
+    /// Whether there is a whole window around `at`.
+    pub fn is_inside(&self, at: usize, samples: usize) -> bool {
+        at >= self.half && at + self.half < samples
+    }
+
+    /// When `values` first pass `level`: by a parabola through the samples around the first that does, in samples; `None`
+    /// where none does.
+    pub fn crossing(&self, values: &[f64], level: f64) -> Option<f64> {
+        let first = values.iter().position(|value| *value >= level)?;
+        Some(self.root(self.window(first, values.len()), first, values, level))
+    }
+
+    /// The same by the samples before the first within `near` of the level: what comes after it follows another law.
+    pub fn end(&self, values: &[f64], level: f64, near: f64) -> Option<f64> {
+        let first = values.iter().position(|value| *value >= level - near)?;
+        Some(self.root(first.saturating_sub(2 * self.half)..first + 1, first, values, level))
+    }
+
+    fn root(&self, range: std::ops::Range<usize>, first: usize, values: &[f64], level: f64) -> f64 {
+        let [a, b, c] = parabola(range, first, |k| values[k]);
+        let most = self.half as f64;
+        let mut away = 0.0;
+        for _ in 0..8 {
+            let step = (level - (a + away * (b + away * c))) / (b + 2.0 * away * c);
+            away = if step.is_finite() { (away + step).clamp(-most, most) } else { away };
+        }
+        (first as f64 + away).max(0.0)
+    }
+
+    /// A quantity at a time in samples, by a parabola.
+    pub fn at(&self, time: f64, samples: usize, of: impl Fn(usize) -> f64) -> f64 {
+        let nearest = (time.round().max(0.0) as usize).min(samples - 1);
+        let [a, b, c] = parabola(self.window(nearest, samples), nearest, of);
+        let away = time - nearest as f64;
+        a + away * (b + away * c)
+    }
+
+    /// The greatest of `values` within `range`: the top of a parabola around the largest sample; `None` at an end of the record.
+    pub fn peak(&self, values: &[f64], range: std::ops::Range<usize>) -> Option<f64> {
+        let mut top = range.clone().max_by(|a, b| values[*a].total_cmp(&values[*b]))?;
+        // With noise the largest sample may be off the top by many.
+        let mut value = values[top];
+        for _ in 0..4 {
+            if !self.is_inside(top, values.len()) {
+                return None;
+            }
+            let [a, b, c] = parabola(self.window(top, values.len()), top, |k| values[k]);
+            let away =
+                if c < 0.0 { (-0.5 * b / c).clamp(-(self.half as f64), self.half as f64) } else { 0.0 };
+            value = a + away * (b + away * c);
+            let next = (top as f64 + away.round()).max(0.0) as usize;
+            if next == top {
+                break;
+            }
+            top = next;
+        }
+        Some(value)
+    }
+
+    /// Samples per second.
+    pub fn seconds(&self, samples: f64) -> f64 {
+        samples / self.rate_hz
+    }
+}
+
+/// a + b t + c t² of least squares, t from `at`.
+fn parabola(range: std::ops::Range<usize>, at: usize, of: impl Fn(usize) -> f64) -> [f64; 3] {
+    let mut rows = [0.0; 9];
+    let mut right = [0.0; 3];
+    for k in range {
+        let t = k as f64 - at as f64;
+        let powers = [1.0, t, t * t];
+        for i in 0..3 {
+            right[i] += powers[i] * of(k);
+            (0..3).for_each(|j| rows[3 * i + j] += powers[i] * powers[j]);
+        }
+    }
+    numerics::solve(3, &mut rows, &mut right).map_or([of(at), 0.0, 0.0], |()| right)
+}

@@ -1,0 +1,329 @@
+use std::sync::Arc;
+
+use engine::{Command, Program, Seen};
+use model::Vessel;
+
+use super::spec::{Sensors, Settings, Standard, steps};
+use crate::feedback::{Gains, Loop};
+
+/// The approach of a standard maneuver.
+pub(crate) struct Approach<'a> {
+    /// The vessel.
+    pub vessel: &'a Vessel,
+    /// Inputs that hold it.
+    pub inputs: Vec<f64>,
+    /// Slopes of the increments of u, v, r in a sample by these inputs.
+    pub slopes: Vec<[f64; 3]>,
+    /// How fast u, v and r decay on it \[1/sample\].
+    pub decay: [f64; 3],
+}
+
+/// What is done until a condition is met, then what is next.
+#[derive(Clone, Debug)]
+struct Order {
+    act: Act,
+    until: Until,
+}
+
+#[derive(Clone, Debug)]
+enum Act {
+    /// These inputs.
+    Set(Vec<f64>),
+    /// So much of the greatest helm as holds this yaw rate \[rad/s\].
+    Turn(f64),
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Until {
+    /// So long after its beginning \[s\].
+    Seconds(f64),
+    /// The course has changed by so much, to starboard where positive \[rad\].
+    Heading(f64),
+    /// The speed is no greater \[m/s\].
+    Speed(f64),
+    /// The end of the maneuver.
+    End,
+}
+
+/// Orders in their sequence.
+#[derive(Clone, Debug)]
+pub(crate) struct Orders(Arc<Sequence>);
+
+#[derive(Debug)]
+struct Sequence {
+    orders: Vec<Order>,
+    /// The order that follows the last one.
+    again: Option<usize>,
+    /// The order at whose beginning the course is taken.
+    course_at: usize,
+    /// Helm for yaw rates.
+    turning: Option<Turning>,
+    delay_s: f64,
+    every_s: Option<f64>,
+    sensors: Sensors,
+    rate_hz: f64,
+}
+
+/// The helm that holds yaw rates.
+#[derive(Clone, Debug)]
+struct Turning {
+    amidships: Vec<f64>,
+    helm: Vec<f64>,
+    gains: Gains,
+    /// Increment of r in a sample by the greatest helm \[rad/s\].
+    authority: f64,
+}
+
+impl Orders {
+    /// The orders of `standard` from `approach`.
+    pub fn new(standard: Standard, approach: &Approach) -> Self {
+        let (held, helm) = (&approach.inputs, changes(standard.settings().1, approach.vessel));
+        let helm_of = |part: f64| Act::Set(held.iter().zip(&helm).map(|(u, h)| u + part * h).collect());
+        let mut own = Sequence {
+            orders: Vec::new(),
+            again: None,
+            course_at: 0,
+            turning: None,
+            delay_s: 0.0,
+            every_s: None,
+            sensors: Sensors::Own,
+            rate_hz: approach.vessel.sample_rate_hz,
+        };
+        match standard {
+            Standard::ZigZagTest(test) => {
+                own.hold(held, test.hold_s);
+                own.again = Some(own.course_at);
+                (own.delay_s, own.every_s, own.sensors) = (test.delay_s, test.every_s, test.sensors);
+                for side in [test.to.sign(), -test.to.sign()] {
+                    own.order(helm_of(side), Until::Heading(side * test.heading_rad));
+                }
+            }
+            Standard::TurningCircle(turn) => {
+                own.hold(held, turn.hold_s);
+                own.order(helm_of(turn.to.sign()), Until::End);
+            }
+            Standard::PullOut(turn) => {
+                own.hold(held, turn.hold_s);
+                own.order(helm_of(turn.to.sign()), Until::Seconds(turn.turn_s));
+                own.order(helm_of(0.0), Until::End);
+            }
+            Standard::SpiralTest(spiral) => {
+                for part in steps(spiral.steps, true) {
+                    own.order(helm_of(spiral.to.sign() * part), Until::Seconds(spiral.dwell_s));
+                }
+            }
+            Standard::ReverseSpiral(spiral) => {
+                own.sensors = spiral.sensors;
+                for part in steps(spiral.steps, false) {
+                    let rate = spiral.to.sign() * part * spiral.yaw_rate_rad_s;
+                    own.order(Act::Turn(rate), Until::Seconds(spiral.dwell_s));
+                }
+                let authority = helm.iter().zip(&approach.slopes).map(|(h, slope)| h * slope[2]).sum();
+                let (amidships, gains) = (held.clone(), Gains::of(approach.decay));
+                own.turning = Some(Turning { amidships, helm, gains, authority });
+            }
+            Standard::Stop(stop) => {
+                own.hold(held, stop.hold_s);
+                own.order(Act::Set(helm), Until::Speed(stop.end_m_s()));
+                own.order(Act::Set(vec![0.0; held.len()]), Until::End);
+            }
+        }
+        Self(Arc::new(own))
+    }
+
+    /// All settings of inputs that are ordered at some time, and the greatest helm to either side.
+    pub fn extremes(&self) -> impl Iterator<Item = Vec<f64>> {
+        let set = self.0.orders.iter().filter_map(|order| match &order.act {
+            Act::Set(inputs) => Some(inputs.clone()),
+            Act::Turn(_) => None,
+        });
+        let turning = self.0.turning.iter().flat_map(|own| [1.0, -1.0].map(|part| own.inputs(part)));
+        set.chain(turning)
+    }
+}
+
+impl Sequence {
+    fn order(&mut self, act: Act, until: Until) {
+        self.orders.push(Order { act, until });
+    }
+
+    fn hold(&mut self, inputs: &[f64], seconds: f64) {
+        if seconds > 0.0 {
+            self.order(Act::Set(inputs.to_vec()), Until::Seconds(seconds));
+            self.course_at = 1;
+        }
+    }
+}
+
+impl Turning {
+    fn inputs(&self, part: f64) -> Vec<f64> {
+        self.amidships.iter().zip(&self.helm).map(|(u, h)| u + part * h).collect()
+    }
+}
+
+/// `settings` as a row of inputs; inputs that follow others do so here, too.
+fn changes(settings: &Settings, vessel: &Vessel) -> Vec<f64> {
+    let inputs = vessel.model.input_variables();
+    let mut row: Vec<f64> =
+        inputs.iter().map(|own| settings.get(&own.name).copied().unwrap_or(0.0)).collect();
+    for (i, coupling) in vessel.couplings.iter().enumerate() {
+        if let Some((leader, factor)) = coupling {
+            row[i] = factor * row[*leader];
+        }
+    }
+    row
+}
+
+impl Program for Orders {
+    fn begin(&self) -> Box<dyn Command> {
+        Box::new(Helmsman {
+            program: Arc::clone(&self.0),
+            now: 0,
+            since_s: 0.0,
+            due_s: None,
+            sample: 0,
+            course: (self.0.course_at == 0).then_some(0.0),
+            heading: 0.0,
+            speed: None,
+            part: 0.0,
+            turning: Loop::default(),
+        })
+    }
+}
+
+/// Orders while they are carried out.
+struct Helmsman {
+    program: Arc<Sequence>,
+    /// The present order and when it began \[s\].
+    now: usize,
+    since_s: f64,
+    /// When the next one is executed, once that is known \[s\].
+    due_s: Option<f64>,
+    sample: usize,
+    /// Heading of the approach \[rad\]; `None` before its end.
+    course: Option<f64>,
+    /// Integral of the logged yaw rate \[rad\].
+    heading: f64,
+    /// Speed at the sample before \[m/s\].
+    speed: Option<f64>,
+    /// Part of the greatest helm that holds a yaw rate.
+    part: f64,
+    turning: Loop,
+}
+
+/// What is seen at the beginning of a sample, and what is expected within it.
+#[derive(Clone, Copy)]
+struct Look {
+    /// Its time and length \[s\].
+    at_s: f64,
+    length_s: f64,
+    heading: f64,
+    yaw_rate: f64,
+    speed: f64,
+    /// The change of the speed in a sample.
+    gain: f64,
+}
+
+impl Look {
+    /// When the condition is met within the sample, after `since_s`: heading and speed change evenly.
+    fn met(&self, until: Until, since_s: f64, course: f64) -> Option<f64> {
+        let (left, change) = match until {
+            Until::Seconds(seconds) => return Some(since_s + seconds),
+            Until::End => return None,
+            Until::Heading(to) => {
+                let side = to.signum();
+                (side * (to - (self.heading - course)), side * self.yaw_rate * self.length_s)
+            }
+            Until::Speed(most) => (self.speed - most, -self.gain),
+        };
+        match left {
+            _ if left <= 0.0 => Some(self.at_s.max(since_s)),
+            _ if left < change => Some((self.at_s + left / change * self.length_s).max(since_s)),
+            _ => None,
+        }
+    }
+}
+
+impl Helmsman {
+    /// When the present order ends, as far as that is known in this sample.
+    fn end_s(&mut self, look: &Look) -> f64 {
+        if let Some(due_s) = self.due_s {
+            return due_s;
+        }
+        let until = self.program.orders[self.now].until;
+        let Some(met_s) = look.met(until, self.since_s, self.course.unwrap_or(0.0)) else {
+            return f64::INFINITY;
+        };
+        if matches!(until, Until::Seconds(_)) {
+            return met_s;
+        }
+        // Rounding of times of samples must not cost a look.
+        let seen = |every: f64| (met_s / every - 1e-9).ceil() * every;
+        let due_s = self.program.every_s.map_or(met_s, seen) + self.program.delay_s;
+        self.due_s = Some(due_s);
+        due_s
+    }
+
+    /// Adds `weight` times the inputs of the present order.
+    fn add(&self, weight: f64, inputs: &mut [f64]) {
+        match (&self.program.orders[self.now].act, &self.program.turning) {
+            (Act::Set(own), _) => inputs.iter_mut().zip(own).for_each(|(to, u)| *to += weight * u),
+            (Act::Turn(_), Some(own)) => {
+                let rows = own.amidships.iter().zip(&own.helm);
+                inputs.iter_mut().zip(rows).for_each(|(to, (u, h))| *to += weight * (u + self.part * h));
+            }
+            (Act::Turn(_), None) => {}
+        }
+    }
+
+    /// The helm for the yaw rate of the present order.
+    fn turn(&mut self, yaw_rate: f64) {
+        if let (Act::Turn(rate), Some(own)) = (&self.program.orders[self.now].act, &self.program.turning) {
+            let wanted = self.turning.wanted(&own.gains, [0.0, 0.0, rate - yaw_rate]);
+            let part = wanted[2] / own.authority;
+            self.part = part.clamp(-1.0, 1.0);
+            if part == self.part {
+                self.turning.learn(&own.gains, [0.0, 0.0, rate - yaw_rate]);
+            }
+        }
+    }
+}
+
+impl Command for Helmsman {
+    /// An order that is executed within a sample has its part of the sample's inputs.
+    fn command(&mut self, seen: &Seen, inputs: &mut [f64]) {
+        let program = Arc::clone(&self.program);
+        let length_s = 1.0 / program.rate_hz;
+        let ([speed, _, yaw_rate], heading) = match program.sensors {
+            Sensors::Own => (seen.own, seen.pose.psi),
+            Sensors::Logged => (seen.state, self.heading),
+        };
+        let gain = self.speed.map_or(0.0, |before| speed - before);
+        let at_s = self.sample as f64 * length_s;
+        let look = Look { at_s, length_s, heading, yaw_rate, speed, gain };
+        inputs.fill(0.0);
+        self.turn(yaw_rate);
+        let mut from = 0.0;
+        loop {
+            let to = ((self.end_s(&look) - at_s) / length_s).clamp(from, 1.0);
+            if to > from {
+                self.add(to - from, inputs);
+            }
+            let next = if self.now + 1 < program.orders.len() { Some(self.now + 1) } else { program.again };
+            let Some(next) = next.filter(|_| to < 1.0) else {
+                if to < 1.0 {
+                    self.add(1.0 - to, inputs);
+                }
+                break;
+            };
+            (self.now, self.since_s, self.due_s, from) = (next, at_s + to * length_s, None, to);
+            if self.course.is_none() && next == program.course_at {
+                self.course = Some(heading + yaw_rate * to * length_s);
+            }
+            self.turn(yaw_rate);
+        }
+        self.sample += 1;
+        self.speed = Some(speed);
+        self.heading += length_s * yaw_rate;
+    }
+}

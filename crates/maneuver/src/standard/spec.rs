@@ -1,0 +1,230 @@
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+refusal::choices! {
+    /// A side of the ship.
+    pub enum Board {
+        /// To the right, looking ahead.
+        Starboard = "starboard",
+        /// To the left.
+        Port = "port",
+    }
+}
+
+impl Board {
+    /// 1 to starboard, −1 to port.
+    pub fn sign(self) -> f64 {
+        [1.0, -1.0][self as usize]
+    }
+}
+
+refusal::choices! {
+    /// What a helmsman or a controller reads.
+    pub enum Sensors {
+        /// Sensors of its own, without noise, which no log holds.
+        Own = "own",
+        /// The sensors whose readings are logged, with their noise; the heading is the integral of the yaw rate.
+        Logged = "logged",
+    }
+}
+
+fn starboard() -> Board {
+    Board::Starboard
+}
+
+fn own() -> Sensors {
+    Sensors::Own
+}
+
+/// Changes of inputs, in their units, by name.
+pub type Settings = BTreeMap<String, f64>;
+
+/// A zig-zag test δ/ψ: helm to one side until the heading has changed by ψ, then to the other side until it has changed
+/// by ψ to that side, and so on.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ZigZagTest {
+    /// Speed of the approach \[m/s\].
+    pub speed_m_s: f64,
+    /// Helm to starboard: changes of inputs from those of the approach.
+    pub helm: Settings,
+    /// Change of heading at which the helm goes over \[rad\].
+    pub heading_rad: f64,
+    /// Side of the first helm.
+    #[serde(default = "starboard")]
+    pub to: Board,
+    /// How long the approach is held first \[s\].
+    #[serde(default)]
+    pub hold_s: f64,
+    /// Time from an order to its execution \[s\].
+    #[serde(default)]
+    pub delay_s: f64,
+    /// Time between two looks at the compass \[s\]; by default it is watched all the time.
+    pub every_s: Option<f64>,
+    /// The compass.
+    #[serde(default = "own")]
+    pub sensors: Sensors,
+}
+
+/// A turning circle.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TurningCircle {
+    /// Speed of the approach \[m/s\].
+    pub speed_m_s: f64,
+    /// Helm to starboard: changes of inputs from those of the approach.
+    pub helm: Settings,
+    /// Side of the turn.
+    #[serde(default = "starboard")]
+    pub to: Board,
+    /// How long the approach is held first \[s\].
+    #[serde(default)]
+    pub hold_s: f64,
+    /// Change of heading to reach \[rad\]; the helm is held to the end.
+    #[serde(default = "one_and_a_half_turns")]
+    pub turn_rad: f64,
+}
+
+/// IMO MSC.137(76) asks for at least 540°.
+fn one_and_a_half_turns() -> f64 {
+    3.0 * std::f64::consts::PI
+}
+
+/// A pull-out: a turn, then the helm amidships.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PullOut {
+    /// Speed of the approach \[m/s\].
+    pub speed_m_s: f64,
+    /// Helm to starboard: changes of inputs from those of the approach.
+    pub helm: Settings,
+    /// Side of the turn.
+    #[serde(default = "starboard")]
+    pub to: Board,
+    /// How long the approach is held first \[s\].
+    #[serde(default)]
+    pub hold_s: f64,
+    /// How long the helm is held \[s\].
+    pub turn_s: f64,
+}
+
+/// Dieudonné's direct spiral: the helm in steps from one side to the other and back.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpiralTest {
+    /// Speed of the approach \[m/s\].
+    pub speed_m_s: f64,
+    /// Greatest helm to starboard: changes of inputs from those of the approach.
+    pub helm: Settings,
+    /// Side of the first helm.
+    #[serde(default = "starboard")]
+    pub to: Board,
+    /// Steps from amidships to the greatest helm.
+    #[serde(default = "four")]
+    pub steps: u32,
+    /// Time on a step \[s\].
+    pub dwell_s: f64,
+}
+
+/// A reverse spiral: yaw rates in steps from one side to the other, each held by the helm.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReverseSpiral {
+    /// Speed of the approach \[m/s\].
+    pub speed_m_s: f64,
+    /// Greatest helm to starboard: changes of inputs from those of the approach.
+    pub helm: Settings,
+    /// Greatest yaw rate \[rad/s\].
+    pub yaw_rate_rad_s: f64,
+    /// Side of the first turn.
+    #[serde(default = "starboard")]
+    pub to: Board,
+    /// Steps from straight ahead to the greatest yaw rate.
+    #[serde(default = "four")]
+    pub steps: u32,
+    /// Time on a step \[s\].
+    pub dwell_s: f64,
+    /// The yaw rate's sensor.
+    #[serde(default = "own")]
+    pub sensors: Sensors,
+}
+
+fn four() -> u32 {
+    4
+}
+
+/// A stop: inputs are set, until the ship has lost her way.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stop {
+    /// Speed of the approach \[m/s\].
+    pub speed_m_s: f64,
+    /// Settings of inputs, astern for a crash stop; all others, and all of them by default (an inertial stop), are zero.
+    #[serde(default)]
+    pub inputs: Settings,
+    /// How long the approach is held first \[s\].
+    #[serde(default)]
+    pub hold_s: f64,
+}
+
+/// Speed at the end of an inertial stop, which has no end otherwise, as a fraction of that of the approach.
+pub(crate) const INERTIAL_END: f64 = 0.05;
+
+impl Stop {
+    /// Speed at which the ship counts as stopped \[m/s\].
+    pub fn end_m_s(&self) -> f64 {
+        if self.inputs.is_empty() { INERTIAL_END * self.speed_m_s } else { 0.0 }
+    }
+}
+
+/// A standard maneuver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Standard<'a> {
+    /// A zig-zag test.
+    ZigZagTest(&'a ZigZagTest),
+    /// A turning circle.
+    TurningCircle(&'a TurningCircle),
+    /// A pull-out.
+    PullOut(&'a PullOut),
+    /// A direct spiral.
+    SpiralTest(&'a SpiralTest),
+    /// A reverse spiral.
+    ReverseSpiral(&'a ReverseSpiral),
+    /// A stop.
+    Stop(&'a Stop),
+}
+
+impl Standard<'_> {
+    /// Speed of the approach \[m/s\].
+    pub fn speed_m_s(&self) -> f64 {
+        match self {
+            Self::ZigZagTest(own) => own.speed_m_s,
+            Self::TurningCircle(own) => own.speed_m_s,
+            Self::PullOut(own) => own.speed_m_s,
+            Self::SpiralTest(own) => own.speed_m_s,
+            Self::ReverseSpiral(own) => own.speed_m_s,
+            Self::Stop(own) => own.speed_m_s,
+        }
+    }
+
+    /// Its helm to starboard or, of a stop, its settings, and their key.
+    pub(crate) fn settings(&self) -> (&'static str, &Settings) {
+        match self {
+            Self::ZigZagTest(own) => ("helm", &own.helm),
+            Self::TurningCircle(own) => ("helm", &own.helm),
+            Self::PullOut(own) => ("helm", &own.helm),
+            Self::SpiralTest(own) => ("helm", &own.helm),
+            Self::ReverseSpiral(own) => ("helm", &own.helm),
+            Self::Stop(own) => ("inputs", &own.inputs),
+        }
+    }
+}
+
+/// The steps of a spiral as fractions of its greatest: from 1 to −1 and, of a direct one, back.
+pub(crate) fn steps(steps: u32, and_back: bool) -> impl Iterator<Item = f64> {
+    let steps = i64::from(steps);
+    let down = move |k: i64| k as f64 / steps as f64;
+    let back = if and_back { 1 - steps..steps + 1 } else { 0..0 };
+    (-steps..=steps).rev().map(down).chain(back.map(down))
+}

@@ -1,0 +1,229 @@
+//! Standard maneuvers: orders that are executed where the ship has turned, and their figures of merit.
+
+use engine::simulate_command;
+use maneuver::merit::{Figure, Hull, Record, figures};
+use maneuver::{DictionaryFile, Generator};
+use model::{Source, Vessel, VesselFile};
+use serde_json::Value;
+
+/// The ship of scripts/independent/standard_maneuvers.py, in steps of 1/`rate` s.
+fn ship(rate: f64) -> Vessel {
+    let terms = |terms: &[(&str, &str, f64)]| {
+        let one = |(name, term, value): &(&str, &str, f64)| {
+            let value = value / rate;
+            format!("{{ parameter = \"{name}\", term = \"{term}\", value = {value:e}, nominal = {value:e} }}")
+        };
+        terms.iter().map(one).collect::<Vec<_>>().join(",\n    ")
+    };
+    let surge = terms(&[
+        ("a", "u |u|", -0.015),
+        ("b", "n", 0.0216),
+        ("c", "v r", 0.4),
+        ("d", "delta |delta|", -0.01),
+    ]);
+    let sway = terms(&[("e", "v", -0.25), ("f", "u r", -0.35), ("g", "u |u| delta", 0.02)]);
+    let yaw =
+        terms(&[("h", "r", -0.45), ("i", "u |u| delta", 0.06), ("j", "r |r|", -0.8), ("k", "v", -0.05)]);
+    let text = format!(
+        "name = \"coaster\"\nsample_rate_hz = {rate:.1}\n\
+         input = [{{ name = \"n\", unit = \"1\", range = [-1.5, 1.5] }},\n\
+         {{ name = \"delta\", unit = \"rad\", range = [-0.62, 0.62] }}]\n\
+         surge = [{surge}]\nsway = [{sway}]\nyaw = [{yaw}]\n"
+    );
+    Vessel::from_file(toml::from_str::<VesselFile>(&text).unwrap()).unwrap()
+}
+
+fn oracle() -> Value {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/oracle/standard_maneuvers.json");
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn generator(vessel: &Vessel, keys: &str, duration_s: f64) -> Generator {
+    let text = format!("[[maneuver]]\nname = \"m\"\nduration_s = {duration_s:.1}\nspeed_m_s = 1.2\n{keys}\n");
+    let file: DictionaryFile = toml::from_str(&text).unwrap_or_else(|e| panic!("{text}: {e}"));
+    Generator::without_tables(vessel, &file).unwrap()
+}
+
+/// Inputs and states of a standard maneuver.
+fn run(vessel: &Vessel, generator: &Generator) -> (Vec<f64>, Vec<f64>) {
+    let samples = generator.samples(0).unwrap();
+    let realized = generator.realize(0, samples).unwrap();
+    let parameters = vessel.parameters(Source::Value).unwrap();
+    let helm = realized.helm.unwrap();
+    simulate_command(&vessel.model, &parameters, realized.initial, samples, vessel.sample_rate_hz, &helm)
+}
+
+fn measured(vessel: &Vessel, keys: &str, duration_s: f64) -> Vec<Figure> {
+    let generator = generator(vessel, keys, duration_s);
+    let (inputs, states) = run(vessel, &generator);
+    let record = Record::of_states(&states, inputs, vessel.sample_rate_hz);
+    let standard = generator.maneuvers()[0].kind.standard().unwrap();
+    figures(standard, &record, &Hull { vessel, length_m: 7.0 }).unwrap()
+}
+
+fn value(figures: &[Figure], name: &str) -> f64 {
+    figures.iter().find(|figure| figure.name == name).unwrap_or_else(|| panic!("{name}")).value
+}
+
+fn zig_zag_keys(test: &Value) -> String {
+    let number = |key: &str| test[key].as_f64().unwrap();
+    let side = if number("first") > 0.0 { "starboard" } else { "port" };
+    format!(
+        "kind = \"zig-zag-test\"\nhelm = {{ delta = {} }}\nheading_rad = {}\nto = \"{side}\"\ndelay_s = {:.2}",
+        number("rudder"),
+        number("heading"),
+        number("delay_s")
+    )
+}
+
+#[test]
+fn oracle_zig_zags_overshoot_as_in_continuous_time() {
+    let oracle = oracle();
+    for rate in [200.0, 50.0] {
+        let vessel = ship(rate);
+        for test in oracle["zig_zags"].as_array().unwrap() {
+            let found = measured(&vessel, &zig_zag_keys(test), 120.0);
+            for (number, name) in ["overshoot_1", "overshoot_2"].iter().enumerate() {
+                let expected = test["overshoots_deg"][number].as_f64().unwrap();
+                let off = (value(&found, name) - expected).abs();
+                assert!(
+                    off < if rate > 100.0 { 0.01 } else { 0.04 },
+                    "{rate} Hz, {test}: {name} off by {off}°"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn oracle_circles_and_stops_are_as_in_continuous_time() {
+    let (oracle, vessel) = (oracle(), ship(200.0));
+    let length = oracle["length_m"].as_f64().unwrap();
+    for circle in oracle["circles"].as_array().unwrap() {
+        let side = if circle["side"].as_f64().unwrap() > 0.0 { "starboard" } else { "port" };
+        let rudder = circle["rudder"].as_f64().unwrap();
+        let keys = format!("kind = \"turning-circle\"\nhelm = {{ delta = {rudder} }}\nto = \"{side}\"");
+        let found = measured(&vessel, &keys, 250.0);
+        for (name, expected) in [
+            ("advance", "advance_m"),
+            ("transfer", "transfer_m"),
+            ("tactical_diameter", "tactical_diameter_m"),
+            ("steady_diameter", "steady_diameter_m"),
+        ] {
+            let off = value(&found, name) - circle[expected].as_f64().unwrap() / length;
+            assert!(off.abs() < 0.005, "{side}: {name} off by {off} L");
+        }
+        let off = value(&found, "steady_yaw_rate") - circle["steady_yaw_rate_deg_s"].as_f64().unwrap();
+        assert!(off.abs() < 0.01, "{side}: yaw rate off by {off}°/s");
+        let passes = |name: &str| found.iter().find(|own| own.name == name).unwrap().passes();
+        assert_eq!(
+            [passes("advance"), passes("tactical_diameter"), passes("transfer")],
+            [Some(true), Some(true), None]
+        );
+    }
+    for (stop, inputs) in oracle["stops"].as_array().unwrap().iter().zip(["{ n = -1.0, delta = 0.2 }", "{ }"])
+    {
+        let found = measured(&vessel, &format!("kind = \"stop\"\ninputs = {inputs}"), 1200.0);
+        for (name, key, scale) in [
+            ("track_reach", "track_reach_m", length),
+            ("head_reach", "head_reach_m", length),
+            ("lateral_deviation", "lateral_m", length),
+            ("stopping_time", "time_s", 1.0),
+        ] {
+            let off = value(&found, name) - stop[key].as_f64().unwrap() / scale;
+            assert!(off.abs() < 0.005 * scale.max(10.0) / length, "{name} off by {off}");
+        }
+    }
+}
+
+/// A standard normal number from two of an LCG.
+fn normal(state: &mut u64) -> f64 {
+    let mut uniform = || {
+        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((*state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    };
+    let (a, b) = (uniform(), uniform());
+    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+}
+
+#[test]
+fn law_noise_does_not_lengthen_overshoots() {
+    let (oracle, rate) = (oracle(), 35.0);
+    // 0.005 L/U a sample, as logs of a gyro have; headings with half a degree of noise.
+    let vessel = ship(rate);
+    let test = &oracle["zig_zags"][2];
+    let generator = generator(&vessel, &zig_zag_keys(test), 60.0);
+    let (inputs, states) = run(&vessel, &generator);
+    let record = Record::of_states(&states, inputs, rate);
+    let standard = generator.maneuvers()[0].kind.standard().unwrap();
+    let hull = Hull { vessel: &vessel, length_m: 7.0 };
+    let clean = value(&figures(standard, &record, &hull).unwrap(), "overshoot_1");
+    let (mut seed, mut sum, mut largest) = (7, 0.0, 0.0);
+    let runs = 200;
+    for _ in 0..runs {
+        let heading = record.heading.iter().map(|psi| psi + 0.5_f64.to_radians() * normal(&mut seed));
+        let noisy = Record { heading: heading.collect(), ..record.clone() };
+        sum += value(&figures(standard, &noisy, &hull).unwrap(), "overshoot_1") - clean;
+        let most = noisy.heading[..23 * rate as usize].iter().copied().fold(0.0, f64::max);
+        largest += most.to_degrees() - 20.0 - clean;
+    }
+    let (bias, largest) = (sum / f64::from(runs), largest / f64::from(runs));
+    assert!(bias.abs() < 0.15, "{bias}°");
+    assert!(largest > 0.7, "the largest sample is {largest}° too high");
+}
+
+#[test]
+fn law_orders_are_executed_within_samples() {
+    // The heading at which the helm goes over is the stated one at any rate of samples, and later by a period or a delay.
+    for rate in [2.0, 5.0, 20.0] {
+        let vessel = ship(rate);
+        let keys = "kind = \"zig-zag-test\"\nhelm = { delta = 0.35 }\nheading_rad = 0.35";
+        let over = |keys: &str| {
+            let generator = generator(&vessel, keys, 60.0);
+            let (inputs, states) = run(&vessel, &generator);
+            let amidships = inputs[0];
+            assert!(amidships > 0.0);
+            let changes = inputs.chunks(2).position(|row| row[1] < 0.35 - 1e-9).unwrap();
+            // The part of the sample before the order.
+            let part = (inputs[2 * changes + 1] + 0.35) / 0.7;
+            let heading: f64 = states.chunks(3).take(changes).map(|state| state[2] / rate).sum();
+            (heading + part * states[3 * changes + 2] / rate, (changes as f64 + part) / rate)
+        };
+        let (heading, seconds) = over(keys);
+        assert!((heading - 0.35).abs() < 1e-9, "{rate} Hz: {heading}");
+        let (_, delayed) = over(&format!("{keys}\ndelay_s = 1.3"));
+        assert!((delayed - seconds - 1.3).abs() < 1e-9, "{rate} Hz: {delayed}");
+        let (_, periodic) = over(&format!("{keys}\nevery_s = 0.7"));
+        assert!(periodic >= seconds && periodic < seconds + 0.7, "{rate} Hz: {periodic}");
+        assert!((periodic / 0.7 - (periodic / 0.7).round()).abs() < 1e-9, "{rate} Hz: {periodic}");
+    }
+}
+
+#[test]
+fn law_a_stable_ship_has_no_loop_in_either_spiral() {
+    let vessel = ship(10.0);
+    let direct = measured(
+        &vessel,
+        "kind = \"spiral-test\"\nhelm = { delta = 0.4 }\nsteps = 4\ndwell_s = 60.0",
+        1020.0,
+    );
+    assert!(value(&direct, "loop_width") < 0.01, "{direct:?}");
+    let reverse = measured(
+        &vessel,
+        "kind = \"reverse-spiral\"\nhelm = { delta = 0.6 }\nyaw_rate_rad_s = 0.05\nsteps = 3\ndwell_s = 60.0",
+        420.0,
+    );
+    assert!(value(&reverse, "loop_width") < 0.01, "{reverse:?}");
+    assert!(value(&reverse, "neutral_helm").abs() < 0.01, "{reverse:?}");
+}
+
+#[test]
+fn law_pull_outs_of_a_stable_ship_leave_no_turn() {
+    let vessel = ship(10.0);
+    for side in ["starboard", "port"] {
+        let keys = format!("kind = \"pull-out\"\nhelm = {{ delta = 0.35 }}\nto = \"{side}\"\nturn_s = 60.0");
+        let found = measured(&vessel, &keys, 160.0);
+        assert!(value(&found, "turning_yaw_rate").abs() > 2.0, "{found:?}");
+        assert!(value(&found, "residual_yaw_rate").abs() < 0.02, "{found:?}");
+    }
+}
