@@ -98,7 +98,7 @@ impl Limits {
     }
 
     /// Whether there is time left.
-    pub fn go_on(&self) -> bool {
+    pub fn keep_going(&self) -> bool {
         self.time.is_none_or(|time| self.started.elapsed() < time)
     }
 
@@ -124,7 +124,7 @@ impl Limits {
                 let seconds = limits.started.elapsed().as_secs_f64();
                 on_stderr(format_args!("plan: {seconds:.0} s, best {best}, at least {bound}"));
             }
-            limits.go_on()
+            limits.keep_going()
         })
     }
 }

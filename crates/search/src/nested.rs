@@ -192,7 +192,7 @@ impl<'a> Study<'a> {
                 break;
             }
             let all: Vec<&mut RidgePath> = paths.values_mut().collect();
-            all.into_par_iter().for_each(|path| path.go_on(*ridge));
+            all.into_par_iter().for_each(|path| path.fit_next(*ridge));
             choice.add(self.candidate(&paths, *ridge, &[]));
         }
         choice
@@ -218,7 +218,7 @@ impl<'a> Study<'a> {
             let moving: Vec<(&Vec<usize>, &mut RidgePath)> =
                 nested.paths.iter_mut().filter(|(set, _)| wanted(set)).collect();
             moving.into_par_iter().for_each(|(_, path)| {
-                path.go_on(*ridge);
+                path.fit_next(*ridge);
                 done(1);
             });
             if all {
@@ -270,7 +270,7 @@ impl<'a> Study<'a> {
 
 impl RidgePath<'_> {
     /// Fits at the next ridge.
-    pub fn go_on(&mut self, ridge: f64) {
+    pub fn fit_next(&mut self, ridge: f64) {
         let starts = self.starts.iter().chain(&self.last);
         self.last = minimum_from(&self.problem, starts, ridge, ALONG);
         self.thetas.push(self.last.as_ref().map(|beta| self.problem.theta(beta)));

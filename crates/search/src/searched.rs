@@ -263,7 +263,7 @@ impl Study<'_> {
     /// All terms, with the ridge at `chosen`; without each fold with the one that was chosen without it.
     fn by_ridge(&self, nested: &Nested, chosen: usize) -> Option<Found> {
         let mut whole = self.path(&[]);
-        self.ridges[..=chosen].iter().for_each(|ridge| whole.go_on(*ridge));
+        self.ridges[..=chosen].iter().for_each(|ridge| whole.fit_next(*ridge));
         let judged = |(fold, choice): (usize, &Choice)| {
             let (path, best) = (&nested.paths[&vec![fold]], choice.best());
             let theta = best.and_then(|best| path.thetas[best].clone());

@@ -57,18 +57,18 @@ impl ChartedTrial {
     }
 
     /// The trial of `brief` on the charts that `config`, which stands in `file`, names: read within the memory of `budget`, as
-    /// long as `go_on` says so. Their digests are noted in `provenance`.
+    /// long as `keep_going` says so. Their digests are noted in `provenance`.
     ///
     /// # Errors
     /// See [`ChartedTrial::read`]; the end of the time.
     pub fn on_charts(
         mut brief: Brief,
         (file, config): (&Path, &PlanFile),
-        (budget, go_on): (&Budget, &(dyn Fn() -> bool + Sync)),
+        (budget, keep_going): (&Budget, &(dyn Fn() -> bool + Sync)),
         provenance: &mut Provenance,
     ) -> Result<Self, PlanError> {
         let (plane, bounds) = brief.sight()?;
-        let means = Means { area: (&plane, &bounds), budget, go_on };
+        let means = Means { area: (&plane, &bounds), budget, keep_going };
         let charts = read_charts(file, config, &means, provenance).map_err(|error| match error {
             ChartsError::Refused(error) => PlanError::File(error),
             ChartsError::OutOfTime => VoyageError::OutOfTime("the reading of its charts").into(),

@@ -28,7 +28,8 @@ pub fn plan_problem(
     if demand.bytes() > u128::from(limits.memory_bytes) {
         return Err(too_large(file, &demand));
     }
-    let problem = parsed.into_problem_while(&|| limits.go_on()).map_err(|e| Failure::invalid(file, &e))?;
+    let problem =
+        parsed.into_problem_while(&|| limits.keep_going()).map_err(|e| Failure::invalid(file, &e))?;
     let problem = problem.ok_or_else(|| out_of_time(file, "the layout of the map"))?;
     let solution = plan(&problem, &limits.options(), &mut *limits.before_writing().watch())
         .map_err(|why| no_plan(file, &why))?;

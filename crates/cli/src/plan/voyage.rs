@@ -46,12 +46,16 @@ pub fn plan_voyage(
     provenance.settings.insert("seed".into(), json!(seed));
     let refuse = |error| refusals::plan(files, error);
     let (brief, config) = files.read(out, &mut provenance, seed)?;
-    let means = (budget(), &(|| limits.go_on()) as &(dyn Fn() -> bool + Sync));
+    let means = (budget(), &(|| limits.keep_going()) as &(dyn Fn() -> bool + Sync));
     let trial = ChartedTrial::on_charts(brief, (files.config, &config), means, &mut provenance);
     let trial = trial.map_err(refuse)?;
     files.check_inputs(&config, out, wanted.problem)?;
     let searched = limits.before_check();
-    let search = Search { options: limits.options(), watch: &|| searched.watch(), go_on: &|| limits.go_on() };
+    let search = Search {
+        options: limits.options(),
+        watch: &|| searched.watch(),
+        keep_going: &|| limits.keep_going(),
+    };
     let mut planned = trial.plan(&search, wanted.unsafe_too).map_err(refuse)?;
     planned.document.beyond = study::beyond(files.vessel, files.trajectories)?;
     let mut staged = stage(&planned, out, &provenance)?;

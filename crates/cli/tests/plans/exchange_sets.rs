@@ -262,7 +262,7 @@ fn law_damage_inside_records_is_seen_where_there_is_a_catalogue() {
         toml::from_str(&fs::read_to_string(folder.path().join("plan.toml")).unwrap()).unwrap();
     let budget = Budget::new(None);
     let (plane, bounds) = (Plane::new(25.0, 60.0).unwrap(), Bounds::new([-1e4; 2], [1e4; 2]).unwrap());
-    let means = Means { area: (&plane, &bounds), budget: &budget, go_on: &|| true };
+    let means = Means { area: (&plane, &bounds), budget: &budget, keep_going: &|| true };
     let read = || {
         let mut provenance = Provenance::default();
         read_charts(&folder.path().join("plan.toml"), &config, &means, &mut provenance).map(|_| ())

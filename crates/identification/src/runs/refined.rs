@@ -44,10 +44,10 @@ pub(super) fn refine(
     let mut all = Refined::default();
     for group in groups(&lengths) {
         let mut batch = Refinement::new(vessel, &runs[group.clone()], &iv[group], removal, noise);
-        batch.go_on(0..NEAR);
+        batch.refine(0..NEAR);
         all.near.extend_from_slice(&batch.found);
         if to_the_end {
-            batch.go_on(NEAR..ROUNDS);
+            batch.refine(NEAR..ROUNDS);
             all.last.extend(batch.found);
         }
     }
@@ -87,7 +87,7 @@ impl<'a> Refinement<'a> {
         }
     }
 
-    fn go_on(&mut self, rounds: Range<usize>) {
+    fn refine(&mut self, rounds: Range<usize>) {
         for round in rounds {
             if self.done.iter().all(|done| *done) {
                 break;

@@ -37,7 +37,7 @@ pub struct Means<'a> {
     /// The memory.
     pub budget: &'a Budget,
     /// Whether there is time left.
-    pub go_on: &'a (dyn Fn() -> bool + Sync),
+    pub keep_going: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// Why charts were not read.
@@ -90,7 +90,7 @@ pub fn read_charts(
             let named = path.canonicalize().ok().filter(|named| named.is_dir());
             let mut reader = CellReader { budget: means.budget, provenance, bytes, sets, named };
             for cell in cells {
-                if !(means.go_on)() {
+                if !(means.keep_going)() {
                     return Err(ChartsError::OutOfTime);
                 }
                 let (layer, told) = reader.cell(&cell, &rules)?;
@@ -109,7 +109,7 @@ pub fn read_charts(
 impl Charts {
     /// Counts what it takes to read a file of polygons or objects.
     fn check_file(&mut self, path: &Path, means: &Means) -> Result<(), ChartsError> {
-        if !(means.go_on)() {
+        if !(means.keep_going)() {
             return Err(ChartsError::OutOfTime);
         }
         if GridFormat::of(path).is_none() {
@@ -137,7 +137,8 @@ impl Charts {
     ) -> Result<(), ChartsError> {
         spec.check_keys(path, false)?;
         let area = Some(means.area);
-        let reading = Reading { area, bytes: means.budget.bytes() - self.taken(), go_on: means.go_on };
+        let reading =
+            Reading { area, bytes: means.budget.bytes() - self.taken(), keep_going: means.keep_going };
         if let Some(format) = GridFormat::of(path) {
             let grid = format.read(path, &spec.grid(path)?, &reading, provenance)?;
             let grid = grid.map_err(|e| self.unread(path, e, means))?;
