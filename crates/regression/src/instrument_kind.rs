@@ -1,5 +1,5 @@
 refusal::choices! {
-    /// What instruments are made of.
+    /// How instruments are formed.
     pub enum InstrumentKind {
         /// The nominal model simulated over the run's inputs from the run's initial state.
         Nominal = "nominal",

@@ -3,7 +3,7 @@ use std::ops::Range;
 
 use model::DegreeOfFreedom;
 use regression::pooled::{
-    Centring, CrossCorrelation, DegreeFit, Diagnosis, Filling, Part, PartView, Parts, PooledRuns, Recorded,
+    Centring, CrossCorrelation, DegreeFit, Diagnosis, Meat, Part, PartView, Parts, PooledRuns, Recorded,
     Regression, ResidualTests, Solution, Status, Strength, Whiteness, default_bandwidth, residuals_of,
     unidentified, weakest,
 };
@@ -317,7 +317,7 @@ struct Account<'a> {
     d: usize,
     centring: Centring,
     solution: Option<&'a Solution>,
-    filling: Option<Filling>,
+    meat: Option<Meat>,
     tests: ResidualTests,
     strength: Strength,
 }
@@ -332,7 +332,7 @@ impl<'a> Account<'a> {
             d,
             centring: sums.centring(),
             solution,
-            filling: solution.filter(|_| !own).map(|_| Filling::new(p, bandwidth)),
+            meat: solution.filter(|_| !own).map(|_| Meat::new(p, bandwidth)),
             tests: ResidualTests::new(bandwidth.max(1), p),
             strength: Strength::default(),
         }
@@ -350,8 +350,8 @@ impl<'a> Account<'a> {
             columns.iter_mut().zip(&row).for_each(|(column, z)| column.push(*z));
         }
         self.tests.add(&residuals, &columns);
-        if let Some(filling) = &mut self.filling {
-            filling.add(degree, &residuals, |row, out| centring.zeta(i, d, row, out));
+        if let Some(meat) = &mut self.meat {
+            meat.add(degree, &residuals, |row, out| centring.zeta(i, d, row, out));
         }
     }
 
@@ -365,8 +365,8 @@ impl<'a> Account<'a> {
     ) -> Degree {
         let (d, centring) = (self.d, self.centring);
         let searched = || found.searched.as_ref().map(|(searched, _)| searched.covariance_of(places));
-        let covariance = self.solution.and_then(|solution| match self.filling {
-            Some(filling) => Some(filling.covariance(&centring, solution, d)),
+        let covariance = self.solution.and_then(|solution| match self.meat {
+            Some(meat) => Some(meat.covariance(&centring, solution, d)),
             None => searched(),
         });
         Degree {
