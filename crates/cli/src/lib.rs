@@ -3,7 +3,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-pub mod beside;
+pub mod additional;
 mod changed;
 pub mod choice;
 pub mod cli;

@@ -1,5 +1,5 @@
 refusal::choices! {
-    /// How instruments are formed.
+    /// What instruments are made of.
     pub enum InstrumentKind {
         /// The nominal model simulated over the run's inputs from the run's initial state.
         Nominal = "nominal",

@@ -2,7 +2,8 @@ use model::{DegreeOfFreedom, Model};
 use refusal::Invalid;
 
 refusal::choices! {
-    /// How the instruments' mean is removed: whether a degree of freedom has no intercept, one per segment, or one.
+    /// How the instruments' mean is removed: how many intercepts a degree of freedom has, none, one per segment or
+    /// one.
     pub enum MeanRemoval {
         /// Not at all.
         None = "none",

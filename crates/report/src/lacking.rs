@@ -61,7 +61,7 @@ fn noise(found: &Criticism) -> Markup {
     html! {
         p.note {
             "Noise " (if found.stated_noise { "stated" } else { "found" })
-            @if let Some(own) = &found.noise { ", " (own.kind.told()) }
+            @if let Some(own) = &found.noise { ", " (own.kind.words()) }
             ": u " (three(found.noise_u)) " m/s, v "
             (three(found.noise_v)) " m/s, r " (three(found.noise_r)) " rad/s, current " (three(found.current_std)) " m/s"
             @if let Some(time) = found.current_time_s { " changing within " (three(time)) " s" }
@@ -85,6 +85,6 @@ fn noise(found: &Criticism) -> Markup {
 }
 
 fn others(noise: &FoundNoise) -> String {
-    let each = noise.others.iter().map(|own| format!("{} by {}", own.kind.told(), three(own.below)));
+    let each = noise.others.iter().map(|own| format!("{} by {}", own.kind.words(), three(own.below)));
     each.collect::<Vec<_>>().join(", ")
 }

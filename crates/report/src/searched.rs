@@ -34,7 +34,7 @@ fn about(found: &SearchDocument) -> Markup {
         found.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {} s", exact(s)));
     html! {
         p {
-            "Beside the terms of the vessel a library is fitted by the errors of free simulations over windows of "
+            "AdditionalUnknowns the terms of the vessel a library is fitted by the errors of free simulations over windows of "
             (exact(found.fitted_window_s)) " s that begin every " (exact(found.every_s)) " s, held back by a ridge. "
             (found.folds) " folds of whole recordings choose the ridge; the whole search is repeated without each fold and judged \
              by it, over " (windows) ". Fit: 100 (1 − RMSE/std) over all windows together."

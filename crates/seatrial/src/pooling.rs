@@ -2,7 +2,7 @@
 
 use identification::Estimator;
 use identification::pooled::{Grown, Judgement, Pool, PoolError, Resampling, grown, unstated};
-use identification::runs::Beside;
+use identification::runs::AdditionalUnknowns;
 use model::Vessel;
 use regression::pooled::{NominalModel, NominalSource, PooledRuns, Recorded};
 use study::pooled_set::PooledSet;
@@ -69,7 +69,8 @@ impl<'a> Pooling<'a> {
     ) -> Result<PooledSet, PoolError<R::Error>> {
         let Self { pool, judgement, .. } = self;
         let mut found = grown.judged(pool, runs, estimator, judgement, resampling)?;
-        if is_usual && estimator == Estimator::OutputError && pool.beside == Beside::default() {
+        if is_usual && estimator == Estimator::OutputError && pool.additional == AdditionalUnknowns::default()
+        {
             found.found.statements.insert(0, NO_NOISE.to_owned());
         }
         let own = pool.of(&found.vessel, pool.nominal.clone());

@@ -3,7 +3,7 @@
 use design::{Bounds, Criterion, Design, NoDesign, Options};
 use engine::Run;
 use identification::predictor::InitialState;
-use identification::runs::{Beside, RunError, RunEstimators};
+use identification::runs::{AdditionalUnknowns, RunError, RunEstimators};
 use identification::{Estimator, RunEstimate, RunScore, ValidationRuns};
 use maneuver::{DictionaryFile, Generator};
 use model::{Source, Vessel};
@@ -157,7 +157,7 @@ impl Study {
             estimators: vec![estimator],
             removal: MeanRemoval::Complete,
             initial: InitialState::Known,
-            beside: Beside::default(),
+            additional: AdditionalUnknowns::default(),
             levels: Some(self.campaign.levels(self.vessel.sample_rate_hz)),
         };
         let found: Vec<_> = runs.par_chunks(TOGETHER).map(|some| estimators.estimates(some)).collect();

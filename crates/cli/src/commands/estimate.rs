@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::beside::BesideFlags;
+use crate::additional::AdditionalFlags;
 use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::Parser;
 use engine::Run;
@@ -57,7 +57,7 @@ pub struct Arguments {
     #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
     mean_removal: MeanRemoval,
     #[command(flatten)]
-    beside: BesideFlags,
+    additional: AdditionalFlags,
     /// Delivers the model of this run, by name (`optimized/3`), as model.json; without it that of the only run
     #[arg(long, value_name = "RUN", conflicts_with_all = ["shard", "gather", "compare"])]
     model_of: Option<String>,
@@ -135,10 +135,10 @@ impl Arguments {
             estimators: if self.compare { Estimator::OF_RUNS.to_vec() } else { vec![estimator] },
             removal: self.mean_removal,
             initial,
-            beside: self.beside.unknown(),
+            additional: self.additional.unknown(),
             levels,
         };
-        self.beside.check(&estimators.estimators)?;
+        self.additional.check(&estimators.estimators)?;
         let asks = estimators.asks(self.criticise);
         self.settings(estimator, initial, asks, &mut provenance);
         let share = self.sharding.shard.map_or(1.0, |shard| 1.0 / f64::from(shard.count));
@@ -219,7 +219,7 @@ impl Arguments {
             settings.insert("initial_state".into(), json!(initial.name()));
         }
         settings.insert("mean_removal".into(), json!(self.mean_removal));
-        self.beside.note(settings);
+        self.additional.note(settings);
         provenance.shard = self.sharding.shard;
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use crate::beside::BesideFlags;
+use crate::additional::AdditionalFlags;
 use artifact::{Provenance, Staged, Work, commit, stage_set_document};
 use clap::Parser;
 use identification::predictor::InitialState;
@@ -48,7 +48,7 @@ pub struct Arguments {
     #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
     mean_removal: MeanRemoval,
     #[command(flatten)]
-    beside: BesideFlags,
+    additional: AdditionalFlags,
     /// Runs per design, instead of the campaign's
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_RUNS))]
     realizations: Option<u32>,
@@ -81,7 +81,7 @@ impl Task for Arguments {
 
 impl Arguments {
     fn computed(&self, common: &Common, out: &Path) -> Result<Summary, Failure> {
-        self.beside.check(&self.estimator)?;
+        self.additional.check(&self.estimator)?;
         let mut provenance = common.provenance("monte-carlo");
         let of = self.of.read(&mut provenance)?;
         let (files, config) = (of.files, &of.config);
@@ -146,7 +146,7 @@ impl Arguments {
             noted.insert("initial_state".into(), json!(InitialState::Known.name()));
         }
         noted.insert("mean_removal".into(), json!(self.mean_removal));
-        self.beside.note(noted);
+        self.additional.note(noted);
         match self.until {
             Some(width) => noted.insert("until".into(), json!(width)),
             None => noted.insert("realizations".into(), json!(settings.realizations)),
@@ -159,7 +159,7 @@ impl Arguments {
             estimators: distinct(self.estimator.iter().copied()),
             removal: self.mean_removal,
             initial: InitialState::Known,
-            beside: self.beside.unknown(),
+            additional: self.additional.unknown(),
             levels: Some(config.levels(vessel.sample_rate_hz)),
         }
     }

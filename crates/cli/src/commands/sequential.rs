@@ -6,7 +6,7 @@ use artifact::{Provenance, Work};
 use clap::Parser;
 use identification::Estimator;
 use identification::predictor::InitialState;
-use identification::runs::{Beside, RunEstimators};
+use identification::runs::{AdditionalUnknowns, RunEstimators};
 use numerics::LANES;
 use refusal::Invalid;
 use regression::MeanRemoval;
@@ -77,7 +77,7 @@ impl Task for Arguments {
             estimators: vec![Estimator::OutputError],
             removal: MeanRemoval::Complete,
             initial: InitialState::Known,
-            beside: Beside::default(),
+            additional: AdditionalUnknowns::default(),
             levels: Some(campaign.levels(vessel.sample_rate_hz)),
         };
         let segments = campaign.random.map_or(5, |random| random.segments as usize);

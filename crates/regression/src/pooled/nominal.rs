@@ -1,7 +1,7 @@
 use super::{Options, PooledSums, joined};
 
 refusal::choices! {
-    /// The source of the model that instruments are simulated with.
+    /// Where the model comes from that instruments are simulated with.
     pub enum NominalSource {
         /// The nominal values of the vessel.
         Given = "given",

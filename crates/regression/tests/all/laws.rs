@@ -164,8 +164,8 @@ proptest! {
         mixed[lane] = &run;
         for removal in REMOVALS {
             let alone = outcomes(&[&run], removal).swap_remove(0);
-            let beside = outcomes(&mixed, removal).swap_remove(lane);
-            prop_assert_eq!(format!("{alone:?}"), format!("{beside:?}"));
+            let among = outcomes(&mixed, removal).swap_remove(lane);
+            prop_assert_eq!(format!("{alone:?}"), format!("{among:?}"));
         }
     }
 

@@ -130,8 +130,8 @@ fn law_of_a_model_without_states_the_residual_is_a_difference_of_errors() {
         for (e, found) in found[0][d].iter().enumerate() {
             let pair = |k: usize, l: usize| zeta(k)[e / p] * zeta(l)[e % p];
             let own: f64 = (0..n).map(|k| 2.0 * pair(k, k)).sum();
-            let beside: f64 = (1..n).map(|k| pair(k, k - 1) + pair(k - 1, k)).sum();
-            let expected = noise.measurement[d].powi(2) * (own - beside) / n as f64;
+            let neighbours: f64 = (1..n).map(|k| pair(k, k - 1) + pair(k - 1, k)).sum();
+            let expected = noise.measurement[d].powi(2) * (own - neighbours) / n as f64;
             let size = noise.measurement[d].powi(2) * own.abs() / n as f64;
             assert!((found - expected).abs() < 1e-10 * size.max(1e-12), "{d} {e}");
         }

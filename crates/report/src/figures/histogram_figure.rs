@@ -27,7 +27,7 @@ pub struct HistogramPanel<'a> {
     pub label: &'a str,
     /// One value per run; none for a run without one.
     pub values: Vec<Option<f64>>,
-    /// Beside the bound: `98.6 % below 5`.
+    /// AdditionalUnknowns the bound: `98.6 % below 5`.
     pub note: Option<String>,
 }
 

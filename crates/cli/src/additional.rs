@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use clap::Args;
 use identification::Estimator;
-use identification::runs::{Beside, Intercepts, UnknownCurrent, UnknownWind};
+use identification::runs::{AdditionalUnknowns, Intercepts, UnknownCurrent, UnknownWind};
 use serde_json::{Value, json};
 
 use crate::choice::choice;
@@ -12,7 +12,7 @@ use crate::failure::Failure;
 
 /// The flags.
 #[derive(Args, Clone, Copy, Debug)]
-pub struct BesideFlags {
+pub struct AdditionalFlags {
     /// Forces that stay, as unknowns of `output-error` and `prediction-error`
     #[arg(long, value_parser = choice(&Intercepts::ALL, Intercepts::name, Intercepts::description), default_value_t = Intercepts::Each)]
     intercepts: Intercepts,
@@ -24,10 +24,14 @@ pub struct BesideFlags {
     unknown_wind: UnknownWind,
 }
 
-impl BesideFlags {
+impl AdditionalFlags {
     /// What they say.
-    pub fn unknown(self) -> Beside {
-        Beside { intercepts: self.intercepts, current: self.unknown_current, wind: self.unknown_wind }
+    pub fn unknown(self) -> AdditionalUnknowns {
+        AdditionalUnknowns {
+            intercepts: self.intercepts,
+            current: self.unknown_current,
+            wind: self.unknown_wind,
+        }
     }
 
     /// Refuses what none of the `estimators` takes.
@@ -66,7 +70,8 @@ impl BesideFlags {
 
     /// Notes what is not as usual.
     pub fn note(self, settings: &mut BTreeMap<String, Value>) {
-        let (usual, Beside { intercepts, current, wind }) = (Beside::default(), self.unknown());
+        let (usual, AdditionalUnknowns { intercepts, current, wind }) =
+            (AdditionalUnknowns::default(), self.unknown());
         if intercepts != usual.intercepts {
             settings.insert("intercepts".into(), json!(intercepts));
         }
