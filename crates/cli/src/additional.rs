@@ -1,4 +1,4 @@
-//! What estimates by simulation take as unknown: flags of all stages that make them.
+//! Flags for additional unknowns of estimates by simulation, for all stages that make such estimates.
 
 use std::collections::BTreeMap;
 
@@ -25,7 +25,7 @@ pub struct AdditionalFlags {
 }
 
 impl AdditionalFlags {
-    /// What they say.
+    /// The unknowns of the flags.
     pub fn unknown(self) -> AdditionalUnknowns {
         AdditionalUnknowns {
             intercepts: self.intercepts,
@@ -34,10 +34,10 @@ impl AdditionalFlags {
         }
     }
 
-    /// Refuses what none of the `estimators` takes.
+    /// Refuses flags that none of the `estimators` uses.
     ///
     /// # Errors
-    /// A flag for estimators that are not asked for.
+    /// A flag for estimators that are not requested.
     pub fn check(self, estimators: &[Estimator]) -> Result<(), Failure> {
         let simulated = estimators.contains(&Estimator::OutputError);
         let searched = estimators.iter().any(|estimator| estimator.searches());
@@ -68,7 +68,7 @@ impl AdditionalFlags {
         Ok(())
     }
 
-    /// Notes what is not as usual.
+    /// Notes values that are not the default.
     pub fn note(self, settings: &mut BTreeMap<String, Value>) {
         let (usual, AdditionalUnknowns { intercepts, current, wind }) =
             (AdditionalUnknowns::default(), self.unknown());

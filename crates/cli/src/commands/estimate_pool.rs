@@ -101,7 +101,7 @@ impl Task for Arguments {
 }
 
 impl Arguments {
-    /// The one that is asked for, or the usual one.
+    /// The requested estimator, or the default.
     fn estimator<R: Recorded<Error = artifact::Error>>(
         &self,
         pool: &Pool,
@@ -155,7 +155,7 @@ impl Arguments {
         made.map_err(|e| Failure::of_pool(e, self.flags.of.file()))??.publish_shard(shard, "resamples")
     }
 
-    /// The resamples of all shards; none where they are to be drawn.
+    /// The resamples of all shards; `None` if they are to be drawn.
     fn gathered(
         &self,
         vessel: &Vessel,

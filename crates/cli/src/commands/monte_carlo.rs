@@ -133,7 +133,7 @@ impl Arguments {
         Ok(Settings { realizations, ..settings })
     }
 
-    /// What the tally depends on besides the inputs.
+    /// The settings that the tally depends on besides the inputs.
     fn note(&self, settings: &Settings, provenance: &mut Provenance) {
         provenance.shard = self.sharding.shard;
         let noted = &mut provenance.settings;
@@ -170,7 +170,7 @@ impl Arguments {
         study.parts(self.sharding.shard.map_or(0..groups, |shard| shard.range(groups)), BLOCK)
     }
 
-    /// Refuses what does not fit into memory or folder.
+    /// Refuses work that does not fit into memory or on disk.
     fn check_room(&self, study: &MonteCarlo, file: &Path, out: &Path) -> Result<(), Failure> {
         let vessel = study.campaign.vessel();
         let layout = Layout::new(&vessel.model);
@@ -196,7 +196,7 @@ impl Arguments {
     }
 }
 
-/// Refuses a half-width that no number of runs reaches, or that says nothing.
+/// Refuses a half-width that no number of runs reaches, or that is trivial.
 fn reachable(width: f64) -> Result<(), Failure> {
     let least = needed_for(1.0) / (MOST_RUNS as f64).sqrt();
     if width >= least && width < 0.5 {
@@ -208,7 +208,7 @@ fn reachable(width: f64) -> Result<(), Failure> {
     )))
 }
 
-/// The campaign's validation maneuvers, as `simulate validation` makes them.
+/// The campaign's validation maneuvers, as `simulate validation` simulates them.
 fn validation<'a>(
     vessel: &'a Vessel,
     config: &CampaignFile,
@@ -223,7 +223,7 @@ fn validation<'a>(
     })
 }
 
-/// Gives the tally and what is kept their names, and says what it says.
+/// Publishes the tally and the kept tables, and summarises it.
 fn published(
     out: &Path,
     provenance: &Provenance,

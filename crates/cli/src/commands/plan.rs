@@ -1,4 +1,4 @@
-//! `plan`: one trajectory that uses every maneuver as often as the design wants.
+//! `plan`: one trajectory with every maneuver as often as the design requires.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ use clap::Parser;
     after_help = "Example:\n  plan --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
     --config pipelines/helsinki/plan.toml --out out/helsinki/plan.json\n  \
     plan --problem fixtures/lattice/channel.json --out plan.json\n\n\
-    AdditionalUnknowns the plan of a trial stand track.parquet, track.geojson, route.rtz, .gpx, .kml, .plan and .gpkg, map.json (what the map \
+    Beside the plan of a trial stand track.parquet, track.geojson, route.rtz, .gpx, .kml, .plan and .gpkg, map.json (what the map \
     shows) and map.svg.\n\n\
     --memory-mib counts every phase, and 24 MiB of the program's own; without it 4096 MiB at most."
 )]
@@ -40,7 +40,7 @@ pub struct Arguments {
     how: How,
 }
 
-/// How a trial is planned.
+/// Options of planning a trial.
 #[derive(clap::Args)]
 pub(super) struct How {
     /// Write a plan whose check runs aground or breaks the margin, too; every output is labelled as unsafe

@@ -2,7 +2,6 @@ use regression::pooled::whiteness;
 
 use super::agreement::apart;
 use super::chance::Draws;
-use super::each_with_noise::each_with_noise;
 use super::feedback::feedback;
 use super::found::{Criticism, FoundNoise, Verdict};
 use super::gate::{LAGS, is_white, white_once_named};
@@ -13,6 +12,7 @@ use super::refinement::Refinement;
 use super::score::Projected;
 use super::tested::{LEVEL, tested};
 use super::white_noise::{reject_under_white, under_white};
+use super::with_noise::each_with_noise;
 use super::words::statements;
 use crate::sensitivity::Flow;
 

@@ -130,7 +130,7 @@ fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
 
 impl RunInformation {
     /// E + P.
-    pub(crate) fn middle(&self) -> Vec<f64> {
+    pub(crate) fn meat(&self) -> Vec<f64> {
         sum(&self.measurement, &self.process)
     }
 }

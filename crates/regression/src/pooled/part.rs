@@ -56,6 +56,7 @@ impl Part {
         RunView::measured(&self.measured, &self.exogenous)
     }
 
+    /// The whole part, borrowed.
     pub fn whole(&self) -> PartView<'_> {
         PartView { label: &self.label, source: &self.source, run: self.view() }
     }
