@@ -74,7 +74,7 @@ impl ChartedTrial {
             ChartsError::OutOfTime => VoyageError::OutOfTime("the reading of its charts").into(),
         })?;
         (brief.layers, brief.chart_bytes) = (charts.layers, charts.bytes);
-        Ok(Self { brief, charts: charts.told })
+        Ok(Self { brief, charts: charts.summaries })
     }
 
     /// The cheapest plan that passes its check; with `unsafe_too`, if none does, one that does not.

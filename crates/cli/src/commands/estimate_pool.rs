@@ -95,8 +95,8 @@ impl Task for Arguments {
         let set = pooling.judged(grown, &runs, (estimator, self.estimator.is_none()), resampling);
         let set = set.map_err(|e| Failure::of_pool(e, self.flags.of.file()))?;
         set.write([&out, &model], &provenance)?;
-        let (said, told) = set.told();
-        Ok(Summary::of(&out, said, told))
+        let (said, details) = set.summary();
+        Ok(Summary::of(&out, said, details))
     }
 }
 

@@ -68,7 +68,7 @@ pub fn plan_voyage(
     }
     commit(staged)?;
     let document = &planned.document;
-    document.told().filter(|_| !limits.quiet).for_each(|chart| on_stderr(format_args!("plan: {chart}")));
+    document.messages().filter(|_| !limits.quiet).for_each(|chart| on_stderr(format_args!("plan: {chart}")));
     Ok(summary(out, document))
 }
 
@@ -125,7 +125,7 @@ fn summary(out: &Path, document: &PlanDocument) -> Summary {
         for (file, depths) in
             document.charts.iter().filter_map(|chart| Some((&chart.file, chart.depths.as_ref()?)))
         {
-            said += &format!("; {file}: {}", depths.told());
+            said += &format!("; {file}: {}", depths.words());
         }
         if !check.safe {
             said += &format!("; UNSAFE: {}", check.faults.join(", "));

@@ -76,7 +76,7 @@ pub(super) fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures)
 /// Unit and datum of the depths of each chart.
 fn measured(plan: &PlanDocument) -> Markup {
     let depths = plan.charts.iter().filter_map(|chart| Some((&chart.file, chart.depths.as_ref()?)));
-    let depths: Vec<String> = depths.map(|(file, depths)| format!("{file}: {}", depths.told())).collect();
+    let depths: Vec<String> = depths.map(|(file, depths)| format!("{file}: {}", depths.words())).collect();
     html! {
         @if !depths.is_empty() {
             p.note { b { "Depths and heights." } " " (depths.join("; ")) "." }
