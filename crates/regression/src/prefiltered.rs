@@ -1,8 +1,8 @@
 //! Instrumental variables with data prefiltered by the model's own low-pass filter.
 //!
 //! With measurement noise e the residual of the regression is about e(k+1) − a(k) e(k), a = 1 + ∂(φᵀθ)/∂(own state):
-//! it is mostly differences of noise. After filtering regressors, instruments and increments with f(k) = a(k) f(k−1)
-//! + s(k), the residual is e itself, and the estimate is close to that of least output error: the simplified refined
+//! it is mostly differences of noise. After filtering regressors, instruments and increments with f(k) = a(k) f(k−1) + s(k),
+//! the residual is e itself, and the estimate is close to that of least output error: the simplified refined
 //! instrumental variables of Young & Jakeman, *Int. J. Control* 29 (1979), with a state-dependent pole.
 
 use std::collections::BTreeMap;

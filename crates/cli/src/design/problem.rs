@@ -48,7 +48,7 @@ impl<'a> Problem<'a> {
         let (criterion, meat) = match name {
             CriterionName::DHessian => (Ok(Criterion::Information(dictionary.information.clone())), None),
             _ => {
-                let meat = moments.meat(estimated).map_err(invalid)?;
+                let meat = moments.middle(estimated).map_err(invalid)?;
                 let criterion = match name {
                     CriterionName::V => {
                         let g = moments.free_run_weights().map_err(invalid)?;

@@ -113,13 +113,13 @@ proptest! {
     #[test]
     fn law_sums_of_pieces_merge_into_those_of_the_whole(seed in 0u64..1000, cut in 1usize..99) {
         let run = random_run(seed, &[100], 0.05);
-        let (vessel, pieces) = (paper(), [run.piece(0, cut), run.piece(cut, 100)]);
+        let (vessel, segments) = (paper(), [run.segment(0, cut), run.segment(cut, 100)]);
         let whole = explicit(&run);
         let mut merged = Sums::default();
-        pieces.iter().for_each(|piece| merged.merge(&explicit(piece)));
+        segments.iter().for_each(|own| merged.merge(&explicit(own)));
         prop_assert_eq!(merged.samples, 100);
         let of = |run: &Recording| moments(&SideBySide::new(&[run]).batch(&vessel.model)).swap_remove(0);
-        let (all, parts) = (of(&run), pieces.each_ref().map(of));
+        let (all, parts) = (of(&run), segments.each_ref().map(of));
         prop_assert_eq!(all.samples, parts[0].samples + parts[1].samples);
         for d in 0..3 {
             let (merged, whole) = (&merged.degrees[d], &whole.degrees[d]);

@@ -1,6 +1,6 @@
 use std::iter::repeat_n;
 
-use artifact::{CHUNK_ROWS, Column, Error, Labels, Table, TableSchema, TableWriter};
+use artifact::{Column, Error, Labels, PIECE_ROWS, Table, TableSchema, TableWriter};
 use engine::track;
 use logs::RecordedRun;
 use trial::campaign::SimulatedRun;
@@ -153,7 +153,7 @@ fn lengths(run: &RecordedRun) -> impl Iterator<Item = usize> {
 
 fn chunks<T>(mut values: impl Iterator<Item = T>) -> impl Iterator<Item = Vec<T>> {
     std::iter::from_fn(move || {
-        let chunk: Vec<T> = values.by_ref().take(CHUNK_ROWS).collect();
+        let chunk: Vec<T> = values.by_ref().take(PIECE_ROWS).collect();
         (!chunk.is_empty()).then_some(chunk)
     })
 }
