@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use identification::predictor::InitialState;
-use identification::runs::{Beside, RunEstimators};
+use identification::runs::{AdditionalUnknowns, RunEstimators};
 use identification::{Estimator, ValidationRuns};
 use maneuver::Generator;
 use model::Source;
@@ -90,7 +90,7 @@ fn study<'a>(paper: &'a Paper, file: &CampaignFile) -> anyhow::Result<MonteCarlo
             estimators: vec![Estimator::Iv],
             removal: MeanRemoval::Complete,
             initial: InitialState::Known,
-            beside: Beside::default(),
+            additional: AdditionalUnknowns::default(),
             levels: Some(file.levels(vessel.sample_rate_hz)),
         },
         validation: validation.ok_or_else(|| anyhow::anyhow!("no validation maneuver"))?,

@@ -85,7 +85,7 @@ impl Chart {
         Ok(whole)
     }
 
-    /// [`Chart::new`] under a time limit; `None` once `go_on` returns false.
+    /// [`Chart::new`] under a time limit; `None` once `keep_going` returns false.
     ///
     /// # Errors
     /// As [`Chart::new`].
@@ -94,7 +94,7 @@ impl Chart {
         area: Bounds,
         layers: &[Layer],
         uncharted: Option<Uncharted>,
-        go_on: &dyn Fn() -> bool,
+        keep_going: &dyn Fn() -> bool,
     ) -> Result<Option<Self>, Invalid> {
         let uncharted = uncharted_of(layers, uncharted)?;
         let mut polygons = Vec::new();
@@ -108,7 +108,7 @@ impl Chart {
                 }
             };
             for area_of_file in &layer.areas {
-                if !go_on() {
+                if !keep_going() {
                     return Ok(None);
                 }
                 let placed = Polygon::place(area_of_file, &plane).ok_or_else(|| off_earth(area_of_file))?;
@@ -117,7 +117,7 @@ impl Chart {
             let lines = layer.contours.iter();
             contours.extend(lines.filter_map(|line| Contour::place(line, &plane, &area)));
             for marks in layer.marks.chunks(AT_ONCE) {
-                if !go_on() {
+                if !keep_going() {
                     return Ok(None);
                 }
                 let own = marks.iter().filter_map(|mark| Spot::place(mark, &plane));
@@ -127,7 +127,7 @@ impl Chart {
             }
         }
         let charted = match uncharted {
-            _ if !go_on() => return Ok(None),
+            _ if !keep_going() => return Ok(None),
             Uncharted::Obstacle => charted(&polygons, &grids),
             Uncharted::Water => Charted { polygons: Vec::new(), frontier: Vec::new() },
         };

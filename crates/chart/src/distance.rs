@@ -2,17 +2,17 @@
 
 /// Squared gap, in units of cells, from every cell to the nearest set cell: the least distance of any of
 /// their points, max(|Δcol| − 1, 0)² + max(|Δrow| − 1, 0)². Infinite where no cell is set. `each` is called
-/// with every row of `nx` columns in turn. `None` once `go_on`, which is checked at every row, returns false.
+/// with every row of `nx` columns in turn. `None` once `keep_going`, which is checked at every row, returns false.
 ///
 /// The gap between squares is the distance between centres after the set cells have grown by their eight
 /// neighbours, so the transform of centres stays exact.
 pub(crate) fn squared_gaps(
     set: impl Fn(usize) -> bool,
     [nx, ny]: [usize; 2],
-    go_on: &dyn Fn() -> bool,
+    keep_going: &dyn Fn() -> bool,
     mut each: impl FnMut(usize, &[f64]),
 ) -> Option<()> {
-    let vertical = vertical_gaps(set, [nx, ny], go_on)?;
+    let vertical = vertical_gaps(set, [nx, ny], keep_going)?;
     let mut envelope = Envelope::with_capacity(nx);
     let (mut grown, mut squared) = (vec![0.0; nx], vec![0.0; nx]);
     for (row, rows) in vertical.chunks(nx.max(1)).enumerate() {
@@ -23,7 +23,7 @@ pub(crate) fn squared_gaps(
         envelope.build(&grown);
         envelope.fill(&mut squared);
         each(row, &squared);
-        go_on().then_some(())?;
+        keep_going().then_some(())?;
     }
     Some(())
 }
@@ -40,7 +40,7 @@ fn between(rows: u32) -> f64 {
 fn vertical_gaps(
     set: impl Fn(usize) -> bool,
     [nx, ny]: [usize; 2],
-    go_on: &dyn Fn() -> bool,
+    keep_going: &dyn Fn() -> bool,
 ) -> Option<Vec<u32>> {
     let mut rows = vec![NONE; nx * ny];
     let mut since = vec![NONE; nx];
@@ -50,7 +50,7 @@ fn vertical_gaps(
             *s = if set(k) { 0 } else { s.saturating_add(1) };
             rows[k] = rows[k].min(*s);
         }
-        go_on().then_some(())
+        keep_going().then_some(())
     };
     (0..ny).try_for_each(&mut sweep)?;
     // After the first sweep a distance in the last row counts from below: it is too long for any row above,

@@ -15,7 +15,7 @@ impl Distances {
     /// Approximate bytes per cell, including those around the raster, while distances are computed.
     pub const FOUND_BYTES: u64 = 9;
 
-    /// [`Obstacles::new`] for a least depth \[m\], with distances up to `sight_m`; `None` once `go_on`
+    /// [`Obstacles::new`] for a least depth \[m\], with distances up to `sight_m`; `None` once `keep_going`
     /// returns false.
     ///
     /// # Errors
@@ -24,9 +24,9 @@ impl Distances {
         chart: &Chart,
         raster: Raster,
         [least_depth_m, sight_m]: [f64; 2],
-        go_on: &dyn Fn() -> bool,
+        keep_going: &dyn Fn() -> bool,
     ) -> Result<Option<Self>, Invalid> {
-        Self::of(chart, raster, [least_depth_m, sight_m], Activity::Maneuvers, go_on, |_, _| ())
+        Self::of(chart, raster, [least_depth_m, sight_m], Activity::Maneuvers, keep_going, |_, _| ())
     }
 
     /// [`Obstacles::in_transit`], in the same way.
@@ -37,9 +37,9 @@ impl Distances {
         chart: &Chart,
         raster: Raster,
         [least_depth_m, sight_m]: [f64; 2],
-        go_on: &dyn Fn() -> bool,
+        keep_going: &dyn Fn() -> bool,
     ) -> Result<Option<Self>, Invalid> {
-        Self::of(chart, raster, [least_depth_m, sight_m], Activity::Transit, go_on, |_, _| ())
+        Self::of(chart, raster, [least_depth_m, sight_m], Activity::Transit, keep_going, |_, _| ())
     }
 
     /// `each` is called with every cell's causes, and its squared gap to the nearest obstacle \[cells²\].
@@ -48,7 +48,7 @@ impl Distances {
         raster: Raster,
         [least_depth_m, margin_m]: [f64; 2],
         activity: Activity,
-        go_on: &dyn Fn() -> bool,
+        keep_going: &dyn Fn() -> bool,
         mut each: impl FnMut(Causes, f64),
     ) -> Result<Option<Self>, Invalid> {
         raster.check()?;
@@ -59,7 +59,7 @@ impl Distances {
         let whole = squared_gaps(
             |k| causes[k].any(),
             [wide.nx, wide.ny],
-            go_on,
+            keep_going,
             |wide_row, squared| {
                 let Some(row) = wide_row.checked_sub(pad).filter(|row| *row < raster.ny) else { return };
                 let own = &causes[wide_row * wide.nx + pad..][..raster.nx];

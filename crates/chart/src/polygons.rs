@@ -321,7 +321,7 @@ pub(crate) fn rings(
     for (k, ring) in polygon.iter().enumerate() {
         rings.push(positions(ring, || format!("feature {feature}, ring {k}"))?);
     }
-    match ring_fault_while(&rings, reading.go_on) {
+    match ring_fault_while(&rings, reading.keep_going) {
         Some(None) => Ok(rings),
         Some(Some(fault)) => Err(faulty(&format!("feature {feature}"), &fault).into()),
         None => Err(Unread::OutOfTime),

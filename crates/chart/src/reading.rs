@@ -12,7 +12,7 @@ pub struct Reading<'a> {
     /// Most bytes of memory.
     pub bytes: f64,
     /// Polled regularly; reading stops once it returns false.
-    pub go_on: &'a (dyn Fn() -> bool + Sync),
+    pub keep_going: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// Why a chart was not read.
@@ -34,14 +34,14 @@ pub enum Unread {
 impl Reading<'static> {
     /// The whole chart, in a gibibyte.
     pub fn whole() -> Self {
-        Self { area: None, bytes: f64::from(1 << 30), go_on: &|| true }
+        Self { area: None, bytes: f64::from(1 << 30), keep_going: &|| true }
     }
 }
 
 impl Reading<'_> {
     /// Stops reading at the time limit.
     pub(crate) fn check_time(&self) -> Result<(), Unread> {
-        if (self.go_on)() { Ok(()) } else { Err(Unread::OutOfTime) }
+        if (self.keep_going)() { Ok(()) } else { Err(Unread::OutOfTime) }
     }
 
     /// Refuses to use `bytes` for `found` if they exceed the limit.

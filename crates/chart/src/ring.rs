@@ -41,10 +41,10 @@ pub fn ring_fault(rings: &[Vec<[f64; 2]>]) -> Option<RingFault> {
     ring_fault_while(rings, &|| true).flatten()
 }
 
-/// [`ring_fault`] under a time limit; `None` once `go_on` returns false.
+/// [`ring_fault`] under a time limit; `None` once `keep_going` returns false.
 pub(crate) fn ring_fault_while(
     rings: &[Vec<[f64; 2]>],
-    go_on: &dyn Fn() -> bool,
+    keep_going: &dyn Fn() -> bool,
 ) -> Option<Option<RingFault>> {
     if rings.is_empty() {
         return Some(Some(RingFault::Empty { ring: 0 }));
@@ -53,7 +53,7 @@ pub(crate) fn ring_fault_while(
         return Some(Some(fault));
     }
     // A bow tie may have no area either, so crossings are checked before areas.
-    let crossing = crossing(rings, go_on)?;
+    let crossing = crossing(rings, keep_going)?;
     let flat = || rings.iter().position(|r| doubled_area(r) == 0.0).map(|ring| RingFault::Empty { ring });
     Some(crossing.or_else(flat))
 }
@@ -87,14 +87,14 @@ struct Edge {
 const AT_ONCE: u64 = 1 << 16;
 
 /// The first crossing; `None` if the time limit was reached.
-fn crossing(rings: &[Vec<[f64; 2]>], go_on: &dyn Fn() -> bool) -> Option<Option<RingFault>> {
+fn crossing(rings: &[Vec<[f64; 2]>], keep_going: &dyn Fn() -> bool) -> Option<Option<RingFault>> {
     let mut edges = edges(rings);
     edges.sort_by(|a, b| a.low.total_cmp(&b.low));
     let mut pairs = 0_u64;
     for (i, a) in edges.iter().enumerate() {
         for b in edges[i + 1..].iter().take_while(|b| b.low <= a.high) {
             pairs += 1;
-            if pairs.is_multiple_of(AT_ONCE) && !go_on() {
+            if pairs.is_multiple_of(AT_ONCE) && !keep_going() {
                 return None;
             }
             let apart = a.side[1] < b.side[0] || b.side[1] < a.side[0];

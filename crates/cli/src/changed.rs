@@ -1,4 +1,4 @@
-//! Whether the files that `--set` is about are files that the command line names.
+//! Checks that the files that `--set` changes are named on the command line.
 
 use std::path::Path;
 
@@ -8,14 +8,14 @@ use refusal::Invalid;
 
 use crate::failure::Failure;
 
-/// The hand-written files that a folder given as `--study` may hold.
+/// The hand-written files that a folder given as `--study` may contain.
 const IN_STUDIES: [&str; 4] = ["vessel", "dictionary", "campaign", "reference"];
 
-/// Refuses `changes` of a file that `matches` of `command` do not name, and a key that is there twice: a change that nothing
-/// applies would not be missed.
+/// Refuses `changes` of a file that `matches` of `command` do not name, and a key that is given twice: a change
+/// without effect would go unnoticed.
 ///
 /// # Errors
-/// Usage, with the nearest file.
+/// A usage error that suggests the nearest file.
 pub fn check_changes(command: &Command, matches: &ArgMatches, changes: &[Change]) -> Result<(), Failure> {
     let usage = |invalid: Invalid| Err(Failure::Usage(format!("--set: {invalid}")));
     let files: Vec<String> = command.get_arguments().flat_map(|arg| named(arg, matches)).collect();

@@ -1,4 +1,4 @@
-//! Choices that the science defines, as values of flags.
+//! Choices that the other crates define, as values of flags.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 

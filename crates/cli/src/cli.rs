@@ -54,7 +54,7 @@ pub struct Sharding {
 }
 
 impl Sharding {
-    /// Whether files are to be gathered instead of computed.
+    /// Whether shards are gathered instead of computed.
     pub fn gathers(&self) -> bool {
         !self.gather.is_empty()
     }
@@ -63,20 +63,19 @@ impl Sharding {
 /// The value of a flag that clap requires unless files are gathered.
 ///
 /// # Errors
-/// Usage, naming the flag.
+/// A usage error that names the flag.
 pub fn given<'a>(path: &'a Option<PathBuf>, flag: &str) -> Result<&'a Path, Failure> {
     path.as_deref()
         .ok_or_else(|| Failure::Usage(format!("--{flag}: found none, expected a path; name the file")))
 }
 
 impl Common {
-    /// What the hand-written files hold instead of their own values. A key that is there twice was refused before the stage
-    /// began.
+    /// Changes to values of the hand-written files. A key that is given twice was refused before the stage began.
     pub fn changes(&self) -> Changes {
         Changes::new(self.set.clone()).unwrap_or_default()
     }
 
-    /// Provenance of what stage `stage` writes, without inputs and settings yet.
+    /// Provenance of the files of stage `stage`, still without inputs and settings.
     pub fn provenance(&self, stage: &str) -> Provenance {
         Provenance {
             producer: format!("{stage} {}", env!("CARGO_PKG_VERSION")),
@@ -86,11 +85,11 @@ impl Common {
         }
     }
 
-    /// The main output: `--out`, or `name` in it where it is a folder. It may be none of `inputs`, and its folder must be there:
-    /// that it is not is no surprise for the end of the work.
+    /// The main output: `--out`, or `name` in it if it is a folder. It must not be one of `inputs`, and its folder
+    /// must exist, so that a missing folder is reported before the work.
     ///
     /// # Errors
-    /// Usage, naming the input that would be overwritten; no such folder.
+    /// A usage error that names the input that would be overwritten; no such folder.
     pub fn main_output<I: AsRef<Path>>(
         &self,
         name: &str,
@@ -105,10 +104,10 @@ impl Common {
         }
     }
 
-    /// [`Common::main_output`] of stages that make the folder.
+    /// [`Common::main_output`] for stages that create the folder.
     ///
     /// # Errors
-    /// Usage, naming the input that would be overwritten.
+    /// A usage error that names the input that would be overwritten.
     pub fn output_in_any_folder<I: AsRef<Path>>(
         &self,
         name: &str,
@@ -128,11 +127,11 @@ impl Common {
     }
 }
 
-/// Where `name` of the set whose main file is `out`, usually called `usual`, goes. It may be none of `inputs`: a model that is
-/// made from another would take its place.
+/// The path of `name` in the set with the main file `out`, usually called `usual`. It must not be one of `inputs`: a
+/// model that is made from another would overwrite it.
 ///
 /// # Errors
-/// Usage, naming the input that would be overwritten.
+/// A usage error that names the input that would be overwritten.
 pub fn member<I: AsRef<Path>>(
     out: &Path,
     usual: &str,
@@ -152,36 +151,36 @@ pub fn member<I: AsRef<Path>>(
     }
 }
 
-/// What a choice is called on the command line and in files.
+/// The name of a choice on the command line and in files.
 pub fn name_of(choice: impl ValueEnum) -> String {
     choice.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
 }
 
-/// The folder that `main` stands in.
+/// The folder of `main`.
 pub fn folder_of(main: &Path) -> &Path {
     main.parent().unwrap_or(Path::new(""))
 }
 
-/// Calls `write` with `folder` there: made if there is none, and then removed again where nothing was written.
+/// Calls `write` with an existing `folder`: created if missing, and removed again if nothing was written.
 ///
 /// # Errors
-/// A folder that cannot be made; those of `write`.
+/// A folder that cannot be created; those of `write`.
 pub fn in_folder<T>(folder: &Path, write: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     if folder.as_os_str().is_empty() || folder.is_dir() {
         return write();
     }
     std::fs::create_dir(folder).map_err(|e| artifact::Error::io(folder, "create", e))?;
     write().inspect_err(|_| {
-        // Only an empty folder goes; the failure itself is reported.
+        // Removes only an empty folder; the failure itself is reported.
         let _ = std::fs::remove_dir(folder);
     })
 }
 
-/// Refuses a folder that holds anything but files of these `names`: what is written there is to be taken whole. Names that begin
-/// with a dot count for nothing.
+/// Refuses a folder that contains anything but files of these `names`, since its contents are used as a whole. Names
+/// that begin with a dot are ignored.
 ///
 /// # Errors
-/// A folder that holds other files, or a file in its place.
+/// A folder that contains other files, or a file in its place.
 pub fn only_folder_of(folder: &Path, names: &[String]) -> Result<(), Failure> {
     let entries = match std::fs::read_dir(folder) {
         Ok(entries) => entries,
@@ -207,13 +206,13 @@ pub fn only_folder_of(folder: &Path, names: &[String]) -> Result<(), Failure> {
     }
 }
 
-/// The largest number that a flag takes: whatever it counts has an end.
+/// The largest number that a flag takes.
 const LARGEST: f64 = 1e12;
 
-/// Refuses a number that is not above zero, or that no study means.
+/// Refuses a number that is not positive, or unreasonably large.
 ///
 /// # Errors
-/// Usage, naming the flag.
+/// A usage error that names the flag.
 pub fn check_positive(flag: &str, value: Option<f64>) -> Result<(), Failure> {
     let refuse = |value: f64, expected: &str| {
         Err(Failure::Usage(format!("{flag}: found {value:?}, expected {expected}; correct it")))
@@ -230,7 +229,7 @@ pub fn check_positive(flag: &str, value: Option<f64>) -> Result<(), Failure> {
 /// `value`, which must not be below `least`.
 ///
 /// # Errors
-/// Usage, naming the flag.
+/// A usage error that names the flag.
 pub fn not_below(flag: &str, value: f64, least: f64) -> Result<f64, Failure> {
     if value.is_finite() && value >= least && value <= LARGEST {
         return Ok(value);
@@ -242,7 +241,7 @@ pub fn not_below(flag: &str, value: f64, least: f64) -> Result<f64, Failure> {
 /// Seconds in samples.
 ///
 /// # Errors
-/// Usage: less than a sample.
+/// A usage error: less than a sample.
 pub fn samples(flag: &str, seconds: f64, rate_hz: f64) -> Result<usize, Failure> {
     let samples = (seconds * rate_hz).round();
     if (1.0..1e9).contains(&samples) {

@@ -1,4 +1,4 @@
-//! Libraries that a C compiler of this machine builds, where there is one.
+//! Builds libraries with this machine's C compiler, if there is one.
 
 use std::fs;
 use std::io::{self, ErrorKind};
@@ -10,8 +10,8 @@ use tempfile::TempDir;
 
 use crate::failure::Failure;
 
-/// What `compiler` makes of the sources `files` (name and text) with `flags`; none where there is no such program. It works in a
-/// folder of its own that nobody else reads, whose name leaves no trace in what it makes.
+/// The library that `compiler` builds from the sources `files` (name and text) with `flags`; `None` if there is no
+/// such program. It works in a private folder whose name leaves no trace in the output.
 ///
 /// # Errors
 /// A folder that cannot be written, sources that do not compile.
@@ -33,7 +33,7 @@ pub fn compiled(
         .filter(|name| Path::new(name).extension().is_some_and(|e| e == "c"));
     let mut command = Command::new(compiler);
     command.args(flags).args(sources).args(["-o", "library", "-lm"]).current_dir(folder);
-    // What the compiler puts aside goes with the folder.
+    // The compiler's temporary files are removed with the folder.
     command.env("TMPDIR", folder);
     let output = match work.output(command) {
         Ok(output) => output,
@@ -50,7 +50,7 @@ pub fn compiled(
     Ok(Some(fs::read(folder.join("library")).map_err(io)?))
 }
 
-/// What is under way, for the case that the process is told to end.
+/// Work in progress, for signals that end the process.
 static UNDER_WAY: Mutex<Vec<UnderWay>> = Mutex::new(Vec::new());
 
 struct UnderWay {
@@ -64,7 +64,7 @@ pub(crate) fn abandon() {
     let under_way = under_way();
     for own in &*under_way {
         own.group.into_iter().for_each(end);
-        // What is just ending may still write a file.
+        // A process that is ending may still write a file.
         for _ in 0..50 {
             if fs::remove_dir_all(&own.folder).is_ok() || !own.folder.exists() {
                 break;
@@ -72,11 +72,11 @@ pub(crate) fn abandon() {
             std::thread::sleep(std::time::Duration::from_millis(10));
         }
     }
-    // Nothing is begun or ended any more.
+    // Keeps the lock, so that no work starts or ends any more.
     std::mem::forget(under_way);
 }
 
-/// A folder to compile in, noted while it is there.
+/// A folder to compile in, registered while it exists.
 struct Work {
     folder: TempDir,
 }
@@ -89,7 +89,7 @@ impl Work {
         Ok(Self { folder })
     }
 
-    /// What `command` says in the end.
+    /// The output of `command`.
     fn output(&self, mut command: Command) -> io::Result<Output> {
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         apart(&mut command);
@@ -97,7 +97,7 @@ impl Work {
         child.wait_with_output()
     }
 
-    /// Notes the child that `spawn` starts: not between the two is the process told to end.
+    /// Registers the child that `spawn` starts; no signal is handled in between.
     fn noted(&self, spawn: impl FnOnce() -> io::Result<Child>) -> io::Result<Child> {
         let mut under_way = under_way();
         let child = spawn()?;
@@ -128,7 +128,7 @@ fn private_folder() -> io::Result<TempDir> {
     tempfile::tempdir()
 }
 
-/// Starts `command` in a process group of its own, which can be ended as a whole.
+/// Starts `command` in its own process group, which can be ended as a whole.
 #[cfg(unix)]
 fn apart(command: &mut Command) {
     std::os::unix::process::CommandExt::process_group(command, 0);
@@ -141,7 +141,7 @@ fn apart(_: &mut Command) {}
 fn end(group: u32) {
     use rustix::process::{Pid, Signal, kill_process_group};
     if let Some(pid) = i32::try_from(group).ok().and_then(Pid::from_raw) {
-        // One that has ended is no longer there.
+        // The group may have ended already.
         let _ = kill_process_group(pid, Signal::KILL);
     }
 }

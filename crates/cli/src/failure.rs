@@ -1,4 +1,4 @@
-//! How a stage ends when it writes nothing: one line and an exit code.
+//! Failures of a stage that writes nothing: one line and an exit code.
 
 use std::convert::Infallible;
 use std::path::Path;
@@ -15,13 +15,13 @@ pub enum Failure {
     /// Input, output or numerics failed.
     #[error("{0}")]
     Failed(String),
-    /// The command line asks for something that cannot be.
+    /// The command line is invalid.
     #[error("{0}")]
     Usage(String),
     /// An input file was refused.
     #[error("{0}")]
     Refused(String),
-    /// The question has no answer: not identifiable, did not converge.
+    /// There is no result: not identifiable, did not converge.
     #[error("{0}")]
     NoAnswer(String),
 }
@@ -42,13 +42,13 @@ impl Failure {
         artifact::Error::refuse(file, thing, found, expected, remedy).into()
     }
 
-    /// That a run of `file` cannot be estimated.
+    /// A run of `file` cannot be estimated.
     pub fn of_run(error: &RunError, vessel_file: &Path, file: &Path) -> Self {
         let diverged = matches!(error, RunError::Diverged(_));
         Self::invalid(if diverged { vessel_file } else { file }, &error.invalid())
     }
 
-    /// That there are no instruments for runs of `file`.
+    /// There are no instruments for runs of `file`.
     pub fn lost(file: &Path, lost: &LostInstruments) -> Self {
         Self::NoAnswer(format!(
             "{}: {lost}: found no instruments, expected a nominal model that follows the data; cut shorter parts with \
@@ -57,7 +57,7 @@ impl Failure {
         ))
     }
 
-    /// That the runs of `file` give no pooled estimate.
+    /// The runs of `file` give no pooled estimate.
     pub fn of_pool<E>(error: PoolError<E>, file: &Path) -> Self
     where
         Self: From<E>,
@@ -95,7 +95,7 @@ impl Failure {
         }
     }
 
-    /// What is invalid in `file`.
+    /// Something in `file` is invalid.
     pub fn invalid(file: &Path, invalid: &Invalid) -> Self {
         artifact::Error::invalid(file, invalid.clone()).into()
     }

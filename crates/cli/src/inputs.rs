@@ -1,4 +1,4 @@
-//! Files that stages read. Each is noted, with its digest, in the provenance of what is made of it.
+//! Files that stages read. Each is noted, with its digest, in the provenance of the outputs.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ pub fn document<D: Document>(path: &Path, key: &str, provenance: &mut Provenance
     Ok(loaded.data)
 }
 
-/// Reads the hand-written file that is usually called `<key>.toml` as the input `key`.
+/// Reads the hand-written file usually called `<key>.toml` as the input `key`.
 ///
 /// # Errors
 /// A file that is refused.
@@ -43,7 +43,7 @@ pub fn trajectories(
     opened(path, key, vessel, provenance, TrajectoryReader::whole)
 }
 
-/// The same, refused where `check` does.
+/// The same, refused if `check` fails.
 fn opened(
     path: &Path,
     key: &str,
@@ -66,10 +66,10 @@ fn opened(
     Ok(reader)
 }
 
-/// Refuses trajectories of which `found` takes `bytes` of memory.
+/// Refuses trajectories if their `found` needs too many `bytes` of memory.
 ///
 /// # Errors
-/// Says how much there is.
+/// Not enough memory; names the limit.
 pub fn fits(file: &Path, found: &str, bytes: f64) -> Result<(), Failure> {
     let remedy = "cut it into smaller files, or raise --memory-mib";
     Ok(budget().memory(Work { file, thing: "rows", found, remedy }, bytes)?)
@@ -83,19 +83,19 @@ pub fn runs(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result
     all(path, &trajectories(path, "trajectories", vessel, provenance)?, vessel)
 }
 
-/// All runs of `reader`, which is that of `path`.
+/// All runs of `reader`, which reads `path`.
 ///
 /// # Errors
 /// They do not fit into memory; a block that is damaged.
 pub fn all(path: &Path, reader: &TrajectoryReader, vessel: &Vessel) -> Result<Vec<Run>, Failure> {
     let (rows, _) = reader.rows();
-    // As they are, as parts, and what these are made of.
+    // The runs, their parts, and the segments of these.
     let bytes = 4.0 * rows as f64 * Layout::new(&vessel.model).run_bytes();
     fits(path, &format!("{rows} rows"), bytes)?;
     Ok(reader.all()?)
 }
 
-/// Runs to be pooled, of which as many may come as their file has.
+/// Runs to be pooled, kept in their file.
 ///
 /// # Errors
 /// See [`trajectories`].

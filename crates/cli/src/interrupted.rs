@@ -1,12 +1,12 @@
-//! Ctrl-C and a request to end: unfinished files go, then the process ends as the signal says.
+//! Handles Ctrl-C and termination: removes unfinished files, then ends the process by the signal.
 
 use crate::said::on_stderr;
 
-/// From now on signals that ask to end remove what is unfinished first.
+/// Installs the handler, so that signals first remove unfinished files.
 #[cfg(unix)]
 pub fn listen() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    // Where the system gives no handler, the signal ends the process as ever; the next start sweeps what it leaves.
+    // Without a handler the signal ends the process as usual; the next start removes the files that it leaves.
     let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]) else { return };
     std::thread::spawn(move || {
         if let Some(signal) = signals.forever().next() {

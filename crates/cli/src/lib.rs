@@ -1,9 +1,9 @@
-//! The stages as programs: each parses, reads, calls the science and writes.
+//! The stages as programs: each parses, reads, calls the other crates and writes.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-pub mod beside;
+pub mod additional;
 mod changed;
 pub mod choice;
 pub mod cli;
@@ -30,8 +30,8 @@ pub mod verify;
 #[doc(hidden)]
 pub use mimalloc::MiMalloc;
 
-/// A program that does `$main`. Its allocator returns freed blocks of tables to the system: with the C library's memory grows with
-/// the number of runs.
+/// A program that calls `$main`. Its allocator returns freed blocks of tables to the system: with that of the C
+/// library, memory would grow with the number of runs.
 #[macro_export]
 macro_rules! program {
     ($main:expr) => {

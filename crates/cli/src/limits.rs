@@ -1,4 +1,4 @@
-//! Limits of a search: its engine, memory and time, and how it tells how far it is.
+//! Limits of a search: its engine, memory and time, and its progress reports.
 
 use std::time::{Duration, Instant};
 
@@ -11,12 +11,12 @@ use crate::said::on_stderr;
 use lattice::{Engine, Options, Progress};
 use trial::voyage::Watch;
 
-/// Share of the time after which a search ends, so that there is some to check its plan.
+/// Share of the time for a search, so that the rest is left to check its plan.
 const SEARCHED: f64 = 0.7;
-/// The same where there is nothing to check.
+/// The same if there is nothing to check.
 const FOUND: f64 = 0.95;
 
-/// MiB of work that takes so many bytes, with those of the program.
+/// MiB of memory for work that needs `bytes`, including the program itself.
 pub fn mib_with_program(bytes: u128) -> u128 {
     bytes.saturating_add(PROGRAM_BYTES.into()).div_ceil(1 << 20)
 }
@@ -43,10 +43,10 @@ enum EngineChoice {
 }
 
 impl LimitFlags {
-    /// What they say, from now on.
+    /// The limits of the flags, starting now.
     ///
     /// # Errors
-    /// A time that is none.
+    /// An invalid time.
     pub fn limits(&self, common: &Common) -> Result<Limits, Failure> {
         let time = match self.time_limit_s {
             Some(s) if !(s.is_finite() && s > 0.0 && s < 1e9) => {
@@ -69,8 +69,8 @@ impl LimitFlags {
     }
 }
 
-/// What chart, lattice, search and check may take beside the program: what there is, but no more than usual where nobody asks for more, for a search
-/// grows into all that it may have, and a plan should not depend on the machine.
+/// Memory of chart, lattice, search and check, without the program: by default no more than a fixed limit even if
+/// more is available, since a search uses all that it may have, and a plan should not depend on the machine.
 fn memory_bytes(common: &Common) -> u64 {
     let usual = common.memory_mib.map_or(Options::default().memory_bytes as f64, |_| f64::INFINITY);
     (budget().bytes().min(usual) as u64).saturating_sub(PROGRAM_BYTES)
@@ -83,11 +83,11 @@ pub struct Limits {
     pub engine: Engine,
     /// Memory it may take \[bytes\].
     pub memory_bytes: u64,
-    /// When it began, and when all phases together are to be over.
+    /// The start of all phases, for their common time limit.
     pub started: Instant,
     /// Time it may take.
     pub time: Option<Duration>,
-    /// Whether to tell no progress.
+    /// Whether to report no progress.
     pub quiet: bool,
 }
 
@@ -98,7 +98,7 @@ impl Limits {
     }
 
     /// Whether there is time left.
-    pub fn go_on(&self) -> bool {
+    pub fn keep_going(&self) -> bool {
         self.time.is_none_or(|time| self.started.elapsed() < time)
     }
 
@@ -107,24 +107,24 @@ impl Limits {
         Self { time: self.time.map(|time| time.mul_f64(SEARCHED)), ..*self }
     }
 
-    /// Limits of a search that leaves time to give its memory back and to write what it finds.
+    /// Limits of a search that leaves time to free its memory and to write its result.
     pub fn before_writing(&self) -> Self {
         Self { time: self.time.map(|time| time.mul_f64(FOUND)), ..*self }
     }
 
-    /// A watch that stops the search when its time is over, and tells progress every few seconds.
+    /// A watch that stops the search when its time is over, and reports progress every few seconds.
     pub fn watch(&self) -> Watch {
         let limits = *self;
-        let mut told = Instant::now();
+        let mut reported = Instant::now();
         Box::new(move |progress: Progress| {
-            if !limits.quiet && told.elapsed() > Duration::from_secs(2) {
-                told = Instant::now();
+            if !limits.quiet && reported.elapsed() > Duration::from_secs(2) {
+                reported = Instant::now();
                 let best = progress.best.map_or("none yet".to_owned(), |b| b.primary.to_string());
                 let bound = progress.lower_bound.primary;
                 let seconds = limits.started.elapsed().as_secs_f64();
                 on_stderr(format_args!("plan: {seconds:.0} s, best {best}, at least {bound}"));
             }
-            limits.go_on()
+            limits.keep_going()
         })
     }
 }

@@ -1,4 +1,4 @@
-//! What shells and manuals want to know about a command line.
+//! Shell completions and manual pages of a command line.
 
 use std::io::Write;
 use std::path::Path;
@@ -11,7 +11,7 @@ use clap_mangen::Man;
 use crate::failure::Failure;
 use crate::said::on_stdout;
 
-/// Prints what `shell` completes the command lines of `command` with.
+/// Prints the completions of `command` for `shell`.
 ///
 /// # Errors
 /// Output that fails.

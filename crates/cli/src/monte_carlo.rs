@@ -13,15 +13,15 @@ use crate::ordered::ordered;
 use crate::progress::Progress;
 use crate::simulate::Files;
 
-/// Groups of runs whose tables' rows make a block.
+/// Groups of runs per block of the tables.
 pub const BLOCK: usize = 64;
 
-/// Square root of the runs that a share needs for an interval of this half-width, at most.
+/// Upper bound on the square root of the runs that a share needs for an interval of this half-width.
 pub fn needed_for(width: f64) -> f64 {
     0.98 / width
 }
 
-/// Names the file that is at fault.
+/// A failure that names the file at fault.
 pub fn refused(files: &Files, error: StudyError) -> Failure {
     match error {
         StudyError::Trial(refusal) => files.refused(refusal),
@@ -31,7 +31,7 @@ pub fn refused(files: &Files, error: StudyError) -> Failure {
     }
 }
 
-/// What is done, and how it is told.
+/// The work and its progress reports.
 pub struct Done<'a> {
     /// The study.
     pub study: &'a MonteCarlo<'a>,
@@ -48,7 +48,7 @@ impl Done<'_> {
         Tally::new(&self.study.campaign.names(), &self.study.estimators.estimators)
     }
 
-    /// Realizes and counts `parts`; what is kept of each goes to `kept` in their order.
+    /// Realizes and counts `parts`; the kept rows of each are added to `kept` in order.
     ///
     /// # Errors
     /// A simulation that diverges; output that fails.
@@ -87,7 +87,8 @@ impl Done<'_> {
         })
     }
 
-    /// Goes on until no share's interval is wider than twice `width`; looks at fixed numbers of runs, each a tenth further.
+    /// Continues until no share's interval is wider than twice `width`; checks at fixed numbers of runs, each a tenth
+    /// larger.
     ///
     /// # Errors
     /// A simulation that diverges.
@@ -109,7 +110,7 @@ impl Done<'_> {
         Ok(tally)
     }
 
-    /// How long one thread takes for so many runs, to the order.
+    /// Seconds of one thread for `runs` runs, order of magnitude.
     fn seconds(&self, runs: usize) -> f64 {
         let searched =
             self.study.estimators.estimators.iter().filter(|e| !matches!(e, Estimator::Ls | Estimator::Iv));
@@ -118,5 +119,5 @@ impl Done<'_> {
     }
 }
 
-/// Seconds that a thread takes for a row that is simulated, estimated by regression and scored, to the order.
+/// Seconds per row and thread for simulation, estimation by regression and scoring, order of magnitude.
 const SECONDS_PER_ROW: f64 = 3e-8;

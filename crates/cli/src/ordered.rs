@@ -22,15 +22,16 @@ pub fn ordered<T: Send, E: Send>(
     Ok(())
 }
 
-/// Blocks of a table that make one block of the table computed from it, so that small rows do not end up in small blocks.
+/// Number of blocks of a table per block of the table computed from it, so that small rows do not end up in small
+/// blocks.
 const JOINED: usize = 8;
 
-/// Number of joined blocks that `blocks` make.
+/// Number of joined blocks of `blocks`.
 pub fn joined_blocks(blocks: usize) -> usize {
     blocks.div_ceil(JOINED)
 }
 
-/// Calls `work` in parallel on the blocks that make joined block `i` and puts their rows together.
+/// Calls `work` in parallel on the blocks of joined block `i` and concatenates their rows.
 ///
 /// # Errors
 /// The first failure in order.

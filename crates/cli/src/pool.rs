@@ -1,4 +1,4 @@
-//! What stages that pool sub-experiments read.
+//! Inputs of stages that pool sub-experiments.
 
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ use crate::cli::{not_below, samples};
 use crate::failure::Failure;
 use crate::inputs;
 
-/// The nominal model that is asked for.
+/// The requested nominal model.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Nominal {
     /// The nominal values of `vessel.toml`.
@@ -32,7 +32,7 @@ pub enum Nominal {
     File(PathBuf),
 }
 
-/// Which runs are meant.
+/// The selection of runs.
 #[derive(Clone, Debug, Args)]
 pub struct RunFlags {
     /// The runs
@@ -53,8 +53,8 @@ pub struct RunFlags {
 }
 
 impl RunFlags {
-    /// Reads the runs, which `recorded` gets, and which logged channels of them are constant. What is made of simulated logs
-    /// is labelled so.
+    /// Reads the runs with `recorded`, and finds their constant logged channels. Results from simulated logs are
+    /// labelled so.
     ///
     /// # Errors
     /// Files that are refused; names that no run has.
@@ -117,7 +117,7 @@ pub struct PoolFlags {
 }
 
 impl PoolFlags {
-    /// Notes a stage's `own` settings, and which runs were pooled in what parts; none that is empty or absent.
+    /// Notes a stage's `own` settings, and the pooled runs and their parts; omits empty or absent ones.
     pub fn note<const N: usize>(&self, own: [(&str, Value); N], provenance: &mut Provenance) {
         let pooled = [
             ("runs", json!(self.of.runs)),
@@ -136,11 +136,10 @@ impl PoolFlags {
         [&self.vessel].into_iter().chain(self.of.inputs())
     }
 
-    /// Reads the runs, which `recorded` gets, and what instruments are simulated with. What is made of simulated logs is
-    /// labelled so.
+    /// Reads the runs with `recorded`, and the model for instruments. Results from simulated logs are labelled so.
     ///
     /// # Errors
-    /// Values that cannot be; files that are refused; names that no run has.
+    /// Invalid values; files that are refused; names that no run has.
     pub fn read<'a, R: Recorded>(
         &self,
         vessel: &'a Vessel,
@@ -161,14 +160,14 @@ impl PoolFlags {
         Ok((runs, pool))
     }
 
-    /// Where instruments come from.
+    /// The source of instruments.
     pub fn nominal(&self) -> Nominal {
         self.nominal.clone().unwrap_or_default()
     }
 }
 
 impl Nominal {
-    /// What it is called in files.
+    /// Its name in files.
     pub fn source(&self) -> NominalSource {
         match self {
             Self::Given => NominalSource::Given,

@@ -1,4 +1,4 @@
-//! Progress of work that takes over a second, on stderr.
+//! Progress of work longer than a second, on stderr.
 
 use std::io::IsTerminal;
 use std::sync::Mutex;
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use crate::said::on_stderr;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Counts finished pieces of work: a bar on a terminal, a plain line now and then elsewhere, nothing within the first
+/// Counts finished units of work: a bar on a terminal, an occasional plain line elsewhere, nothing within the first
 /// second or when quiet.
 pub struct Progress {
     bar: ProgressBar,
@@ -21,7 +21,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
 
 impl Progress {
-    /// Progress over `total` pieces.
+    /// Progress over `total` units.
     pub fn new(label: &'static str, total: usize, quiet: bool) -> Self {
         let bar = ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::hidden());
         if let Ok(style) = ProgressStyle::with_template("{msg} [{bar:40}] {percent} % of {len}, {eta} left") {
@@ -31,7 +31,8 @@ impl Progress {
         Self { bar, label, quiet, started: Instant::now(), last_line: Mutex::new(None) }
     }
 
-    /// Tells how long `seconds` of one thread's work take on all of them, to the order, where that is over a minute.
+    /// Announces the duration of `seconds` of one thread's work on all threads, by order of magnitude, if that is
+    /// over a minute.
     #[must_use]
     pub fn foretold(self, seconds: f64) -> Self {
         let threads = rayon::current_num_threads();
@@ -42,7 +43,7 @@ impl Progress {
         self
     }
 
-    /// `count` more pieces are done.
+    /// Counts `count` more units as done.
     pub fn advance(&self, count: usize) {
         self.bar.inc(count as u64);
         if self.quiet || self.started.elapsed() < PATIENCE {
@@ -67,7 +68,7 @@ impl Progress {
     }
 }
 
-/// A time that nobody can know better than to its order.
+/// A time that is only known by order of magnitude.
 fn order_of(seconds: f64) -> String {
     let units = [(86_400.0, "days"), (3_600.0, "h"), (60.0, "min")];
     let (unit, name) = units.into_iter().find(|(unit, _)| seconds >= 2.0 * unit).unwrap_or((1.0, "s"));

@@ -1,4 +1,4 @@
-//! What programs print. Who closed the pipe, or has no room left, misses it; nothing else changes by that.
+//! Output of programs. A closed pipe or a full disk loses it, without any other effect.
 
 use std::fmt::Display;
 use std::io::{self, Write};

@@ -12,22 +12,21 @@ use crate::failure::Failure;
 use crate::ordered::ordered;
 use crate::stage::Summary;
 
-/// A table that is complete but not published, and what is in it.
+/// A table that is complete but not published, and its contents.
 pub struct Made<R> {
     /// The table.
     pub table: Staged,
-    /// Where it comes from.
+    /// Its provenance.
     pub provenance: Provenance,
     /// Its rows.
     pub rows: Vec<R>,
 }
 
 impl<R: Send + 'static> Made<R> {
-    /// Puts the files of all `shards` together and reads their rows. `given`: the inputs and settings that the whole is to be
-    /// told with.
+    /// Joins the files of all `shards` and reads their rows. `given`: the inputs and settings of the whole.
     ///
     /// # Errors
-    /// Files that are no shards of one table, or not all of them; shards of other inputs or settings.
+    /// Files that are not shards of one table, or not all of them; shards of other inputs or settings.
     pub fn gathered(
         shards: &[PathBuf],
         [out, document]: [&Path; 2],
@@ -46,7 +45,7 @@ impl<R: Send + 'static> Made<R> {
         Ok(Self { rows: all, provenance, table })
     }
 
-    /// Gives the table of a shard its name, and tells of its rows, which are `things`.
+    /// Publishes the table of a shard, and reports the number of its rows, which are `things`.
     ///
     /// # Errors
     /// Output that fails.
@@ -56,8 +55,8 @@ impl<R: Send + 'static> Made<R> {
         Ok(Summary::of(&out, format!("{count} {things}, shard {shard}"), json!({things: count})))
     }
 
-    /// Computes the rows of every block of this shard in parallel. The whole table names the document that [`publish`] puts
-    /// beside it.
+    /// Computes the rows of every block of this shard in parallel. The whole table names the document that
+    /// [`publish`] writes next to it.
     ///
     /// # Errors
     /// The first failure of `rows`, in the order of blocks; output that fails.
@@ -86,11 +85,11 @@ impl<R: Send + 'static> Made<R> {
     }
 }
 
-/// The rows of the files of all `shards` of a table, for work that `given` tells of and that needs them: each setting of either
-/// is one of the other.
+/// The rows of the files of all `shards` of a table, for work with the provenance `given`, which must have the same
+/// settings.
 ///
 /// # Errors
-/// Files that are no shards of one table, or not all of them; shards of other inputs or settings.
+/// Files that are not shards of one table, or not all of them; shards of other inputs or settings.
 pub fn rows_of_shards<R: 'static>(
     shards: &[PathBuf],
     columns: &Columns<R>,
@@ -116,7 +115,7 @@ fn of_shards<R: 'static>(
     Ok(readers.iter().map(rows).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }
 
-/// Gives `table` its name, and where it is whole, `document` beside it.
+/// Publishes `table` and, if it is whole, `document` next to it.
 ///
 /// # Errors
 /// Output that fails.

@@ -20,11 +20,11 @@ use crate::failure::Failure;
 use crate::interrupted::listen;
 use crate::said::{on_stderr, on_stdout};
 
-/// What every help ends with.
+/// The end of every help.
 const EXIT_CODES: &str =
     "Exit codes: 0 written, 1 failed, 2 wrong usage, 3 input refused, 4 no answer, 128 + N ended by signal N";
 
-/// What a stage says when it is done.
+/// The result of a stage.
 pub struct Summary {
     /// One line for people.
     pub line: String,
@@ -33,10 +33,10 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// That `out` is written, and what about it: `said` to people, the entries of `told` to programs.
-    pub fn of(out: &Path, said: impl Display, told: Value) -> Self {
+    /// The summary of the output `out`: `said` for people, the entries of `details` for programs.
+    pub fn of(out: &Path, said: impl Display, details: Value) -> Self {
         let mut json = json!({"out": out.to_string_lossy()});
-        if let (Value::Object(all), Value::Object(own)) = (&mut json, told) {
+        if let (Value::Object(all), Value::Object(own)) = (&mut json, details) {
             all.extend(own);
         }
         Self { line: format!("{}: {said}", out.display()), json }
@@ -45,14 +45,14 @@ impl Summary {
 
 /// The flags of a stage, parsed.
 pub trait Task {
-    /// Reads, calls the science, writes.
+    /// Reads, calls the other crates, writes.
     ///
     /// # Errors
-    /// Whatever leaves nothing written.
+    /// Any failure that leaves nothing written.
     fn run(&self, common: &Common) -> Result<Summary, Failure>;
 }
 
-/// A stage: its command line and what that becomes, or the stages below it.
+/// A stage: its command line and task, or its subcommands.
 pub struct Stage {
     command: fn() -> Command,
     parse: fn(&ArgMatches) -> Result<Box<dyn Task>, clap::Error>,
@@ -60,7 +60,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// The stage with the flags of `A`, besides those that all stages share.
+    /// The stage with the flags of `A` and those that all stages share.
     pub const fn of<A: Parser + Task + 'static>() -> Self {
         Self {
             command: || with_missing(A::command(), common_flags()),
@@ -69,7 +69,7 @@ impl Stage {
         }
     }
 
-    /// Nothing but the stages `below`, as the command line of `A` introduces them.
+    /// A group of the stages `below`, with the help of `A`.
     pub const fn group<A: CommandFactory>(below: &'static [Self]) -> Self {
         let command = || A::command().subcommand_required(true).arg_required_else_help(true);
         Self { command, parse: |_| Err(clap::Error::new(ErrorKind::MissingSubcommand)), below }
@@ -85,7 +85,7 @@ impl Stage {
         dressed(self.bare())
     }
 
-    /// Its command line and those below, without what [`dressed`] adds.
+    /// Its command line and subcommands, without the additions of [`dressed`].
     fn bare(&self) -> Command {
         let command = (self.command)().subcommands(self.below.iter().map(Self::bare));
         let alone = !command.is_subcommand_required_set();
@@ -117,19 +117,19 @@ impl Stage {
     }
 }
 
-/// The flags that all stages share; they stand behind those that a command has already.
+/// The flags that all stages share, listed after a command's own.
 fn common_flags() -> Vec<Arg> {
     let all = Common::augment_args(Command::new("common"));
     all.get_arguments().map(|arg| arg.clone().display_order(None)).collect()
 }
 
-/// `command` with those of `flags` that it does not have itself.
+/// `command` with those of `flags` that it does not have yet.
 fn with_missing(command: Command, flags: Vec<Arg>) -> Command {
     let known: Vec<_> = command.get_arguments().map(|arg| arg.get_id().clone()).collect();
     command.args(flags.into_iter().filter(|arg| !known.contains(arg.get_id())))
 }
 
-/// `command` with what all have: the flags that may stand before a subcommand, the version and the exit codes.
+/// `command` with the common parts: the flags that may precede a subcommand, the version and the exit codes.
 pub fn dressed(command: Command) -> Command {
     let command = with_missing(command, common_flags().into_iter().filter(Arg::is_global_set).collect());
     with_exit_codes(command.version(env!("CARGO_PKG_VERSION")).propagate_version(true))
@@ -143,10 +143,10 @@ fn with_exit_codes(command: Command) -> Command {
     command.after_help(help).mut_subcommands(with_exit_codes)
 }
 
-/// Parses `words`, the first of which is the program; or tells what is wrong with them.
+/// Parses `words`, the first of which is the program, or reports what is wrong with them.
 ///
 /// # Errors
-/// How the program ends: with the help or the version that was asked for, or with a refusal.
+/// The exit code of the program: after the requested help or version, or after a refusal.
 pub fn matches(
     command: &mut Command,
     words: impl IntoIterator<Item = OsString>,
@@ -158,7 +158,7 @@ pub fn matches(
     }
 }
 
-/// A flag of `command` itself before a subcommand, which would not see it.
+/// Refuses a flag of `command` itself before a subcommand, which would ignore it.
 fn misplaced(command: &Command, matches: &ArgMatches) -> Option<Failure> {
     let (name, below) = matches.subcommand()?;
     let given = |arg: &&Arg| matches.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine);
@@ -187,7 +187,7 @@ pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Refuses a processor that the loops over lanes were not compiled for.
+/// Refuses a processor for which the loops over lanes were not compiled.
 fn check_processor() -> Result<(), Failure> {
     let refused = |missing: &str| {
         Failure::Failed(format!(
@@ -197,10 +197,10 @@ fn check_processor() -> Result<(), Failure> {
     numerics::missing_instructions().map_or(Ok(()), |missing| Err(refused(missing)))
 }
 
-/// Prints the help that was asked for, or what is wrong with the command line, in one line.
+/// Prints the requested help, or what is wrong with the command line, in one line.
 fn usage(error: &clap::Error) -> ExitCode {
     if !error.use_stderr() {
-        // Whoever closed the pipe has read enough.
+        // A closed pipe is not an error.
         let _ = error.print();
         return ExitCode::SUCCESS;
     }
@@ -213,12 +213,12 @@ fn usage(error: &clap::Error) -> ExitCode {
     ended(&failure, asked_for_json())
 }
 
-/// Of a command line that could not be parsed.
+/// Whether a command line that could not be parsed has `--json`.
 fn asked_for_json() -> bool {
     std::env::args_os().any(|argument| argument == "--json")
 }
 
-/// What stands in clap's `message` above its usage.
+/// The part of clap's `message` above its usage.
 fn one_line(message: &str) -> String {
     let above = message.split("\n\nUsage:").next().unwrap_or_default();
     let above = above.split("\n\nFor more information").next().unwrap_or_default();
@@ -226,13 +226,13 @@ fn one_line(message: &str) -> String {
     format!("{}; see --help", words.join(" "))
 }
 
-/// A set of files gets its names within milliseconds: who holds a folder for longer does something else.
+/// Publishing a set of files takes milliseconds: a longer lock on a folder has another cause.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Most characters of a message.
+/// Maximum number of characters of a message.
 const LONGEST: usize = 490;
 
-/// Tells a failure.
+/// Reports a failure.
 pub fn ended(failure: &Failure, json: bool) -> ExitCode {
     let message = shortened(&failure.to_string(), LONGEST);
     on_stderr(format_args!("error: {message}"));
@@ -242,12 +242,12 @@ pub fn ended(failure: &Failure, json: bool) -> ExitCode {
     ExitCode::from(failure.exit_code())
 }
 
-/// Where a decoder panics on a damaged file, the refusal says so; its own words would be a second message.
+/// Silences panics of decoders on damaged files, which the refusal reports; their own message would be a second one.
 fn tell_panics_of_our_own() {
-    let told = std::panic::take_hook();
+    let default_hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         if !artifact::decoding() {
-            told(panic);
+            default_hook(panic);
         }
     }));
 }
@@ -257,8 +257,8 @@ fn start_threads(threads: Option<u32>) -> Result<(), Failure> {
     builder.build_global().map_err(|e| Failure::Failed(format!("threads: {e}")))
 }
 
-/// How long a folder is waited for that another process holds. Tests have less time: `SEATRIAL_PATIENCE_S`; release builds do not
-/// listen.
+/// Timeout for a folder that another process has locked. Tests shorten it by `SEATRIAL_PATIENCE_S`; release builds
+/// ignore that.
 fn patience() -> Patience {
     let wanted = std::env::var("SEATRIAL_PATIENCE_S").ok().filter(|_| cfg!(debug_assertions));
     let most = wanted.and_then(|seconds| seconds.parse().ok()).map_or(PATIENCE, Duration::from_secs);
@@ -268,8 +268,8 @@ fn patience() -> Patience {
     Patience { most, notify: tell }
 }
 
-/// Lets writing fail where a test wants it: `SEATRIAL_FAULT=kill:3` ends the process at the third place. Release builds do
-/// not listen.
+/// Injects faults into writing for tests: `SEATRIAL_FAULT=kill:3` ends the process at the third place. Release builds
+/// ignore it.
 fn inject_fault() {
     let wanted = std::env::var("SEATRIAL_FAULT").unwrap_or_default();
     let parsed = wanted.split_once(':').and_then(|(kind, count)| Some((kind, count.parse().ok()?)));

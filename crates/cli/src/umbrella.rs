@@ -1,4 +1,4 @@
-//! `seatrial`: every stage as a subcommand, and what shells and manuals want to know about them.
+//! `seatrial`: every stage as a subcommand, with completions and manual pages.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -1,4 +1,5 @@
-//! `seatrial verify`: whether the files in a folder are whole and belong together, and what was made of what.
+//! `seatrial verify`: checks that the files in a folder are complete and belong together, and shows their
+//! dependencies.
 
 use std::path::PathBuf;
 
@@ -25,7 +26,7 @@ pub struct Verify {
 }
 
 impl Verify {
-    /// Prints the graph and what is wrong.
+    /// Prints the graph and the errors.
     ///
     /// # Errors
     /// A folder that cannot be listed or has nothing to verify; files that are damaged or do not belong together.

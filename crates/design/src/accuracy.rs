@@ -1,36 +1,36 @@
-//! Standard errors relative to the parameters, and how long an experiment takes to reach them.
+//! Standard errors relative to the parameters, and the time that an experiment needs to reach them.
 
 use crate::dictionary::Dictionary;
 use crate::no_design::NoDesign;
 use crate::wanted::{AccuracyOf, OutOfReach, Wanted};
 use crate::{Bounds, Candidates, Covariance, CovarianceCriterion, Error, Norm, Options, solve_covariance};
 
-/// Rounds of the search for the least largest error.
+/// Iterations of the minimax search for the largest error.
 const ROUNDS: usize = 30;
 
-/// What predicts relative standard errors.
+/// Predicts relative standard errors.
 #[derive(Clone, Debug)]
 pub struct Errors<'a> {
     dictionary: &'a Dictionary,
-    middle: &'a Candidates,
+    meat: &'a Candidates,
     covariance: &'a Covariance,
     rows: Vec<usize>,
-    /// What the variances are relative to, one per parameter.
+    /// The squares that variances are relative to, one per parameter.
     squares: &'a [f64],
     of: AccuracyOf,
 }
 
 impl<'a> Errors<'a> {
-    /// `middle`: B_q of the dictionary's candidates. `squares`: of the parameters.
+    /// `meat`: B_q of the dictionary's candidates. `squares`: of the parameters.
     pub fn new(
         dictionary: &'a Dictionary,
-        middle: &'a Candidates,
+        meat: &'a Candidates,
         criterion: &'a CovarianceCriterion,
         squares: &'a [f64],
         of: AccuracyOf,
     ) -> Self {
         let (covariance, rows) = (&criterion.covariance, dictionary.parameter_rows());
-        Self { dictionary, middle, covariance, rows, squares, of }
+        Self { dictionary, meat, covariance, rows, squares, of }
     }
 
     /// The variance of every parameter relative to its square, per sample.
@@ -39,7 +39,7 @@ impl<'a> Errors<'a> {
         Some(self.rows.iter().zip(self.squares).map(|(row, s)| variances[*row].max(0.0) / s).collect())
     }
 
-    /// The squared accuracy for one sample; infinite where the shares excite not every parameter.
+    /// The squared accuracy for one sample; infinite if the shares do not excite every parameter.
     pub fn squared(&self, shares: &[f64]) -> f64 {
         let Some(relative) = self.relative(shares) else { return f64::INFINITY };
         match self.of {
@@ -53,7 +53,7 @@ impl<'a> Errors<'a> {
         (self.squared(shares) / (wanted.accuracy * wanted.accuracy)).ceil()
     }
 
-    /// [`Errors::samples`], where they are no more than the longest experiment has.
+    /// [`Errors::samples`], if the longest experiment has as many.
     ///
     /// # Errors
     /// [`NoDesign::OutOfReach`].
@@ -67,11 +67,11 @@ impl<'a> Errors<'a> {
         Err(NoDesign::OutOfReach(OutOfReach { wanted: *wanted, needed_s: samples / rate_hz, best }))
     }
 
-    /// Shares whose largest relative error is least, and a bound on its square for one sample that no shares are below
-    /// (proved where the criterion is concave): the weights of the sum of relative variances grow where they are largest.
+    /// Shares that minimise the largest relative error, and a lower bound on its square for one sample (proved if the
+    /// criterion is concave): the weights of the largest relative variances in their sum are increased.
     ///
     /// # Errors
-    /// As the solver.
+    /// Those of the solver.
     pub fn least_largest(&self, bounds: &Bounds, options: &Options) -> Result<(Vec<f64>, f64), NoDesign> {
         let mut weights = vec![1.0 / self.squares.len() as f64; self.squares.len()];
         let (mut best, mut bound): (Option<(f64, Vec<f64>)>, f64) = (None, 0.0);
@@ -98,7 +98,7 @@ impl<'a> Errors<'a> {
     fn reweighted(&self, weights: &[f64]) -> Result<Covariance, NoDesign> {
         let scaled: Vec<f64> = weights.iter().zip(self.squares).map(|(w, s)| w / s).collect();
         let rows = self.dictionary.by_row(&scaled);
-        let built = Covariance::new(&self.dictionary.information, self.middle, &rows, Norm::Trace);
+        let built = Covariance::new(&self.dictionary.information, self.meat, &rows, Norm::Trace);
         built.map_err(|e| self.dictionary.explain(e))
     }
 }

@@ -8,9 +8,9 @@ use crate::objective::Objective;
 /// State of the solver as argmin keeps it: the shares as parameter, −log|det| as cost.
 pub(crate) type State = IterState<Vec<f64>, (), (), (), (), f64>;
 
-/// Maximises an [`Objective`] over the simplex, or the part of it below upper bounds, by Newton steps on the support and
-/// the candidates that are most worth adding to it. An argmin [`Solver`]: its observers, checkpoints and limits apply. `P` is what the
-/// objective leaves where it is evaluated.
+/// Maximises an [`Objective`] over the simplex, or the part of it below upper bounds, by Newton steps on the support
+/// and the candidates with the largest gain. An argmin [`Solver`]: its observers, checkpoints and limits apply. `P`
+/// is the objective's workspace at an evaluated point.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ActiveSetNewton<P = Evaluation> {
     /// Stop at this relative gap.
@@ -65,7 +65,7 @@ impl<O: Objective> Solver<&O, State> for ActiveSetNewton<O::Point> {
     ) -> Result<(State, Option<KV>), Error> {
         let shares = state.take_param().ok_or_else(|| Error::msg("no shares"))?;
         let objective = *problem.problem.as_ref().ok_or_else(|| Error::msg("no problem"))?;
-        // It is another one after a checkpoint.
+        // After a checkpoint the iterate may be another one.
         let last = self.last.take().filter(|last| last.shares == shares);
         let last = last.or_else(|| Evaluated::of(objective, shares.clone()));
         let step = problem.problem("evaluations", |objective| {
@@ -105,7 +105,7 @@ impl<P> ActiveSetNewton<P> {
     }
 }
 
-/// Shares with what an objective says of them.
+/// Shares with the objective evaluated there.
 #[derive(Clone, Debug)]
 struct Evaluated<P> {
     shares: Vec<f64>,
@@ -123,8 +123,8 @@ impl<P: Default> Evaluated<P> {
     }
 }
 
-/// Cuts a support of more than `most`, which is far larger than an optimal one: multiplicative steps w_q ← w_q g_q^κ, then the
-/// largest shares, half as many as `most`. The point is kept where the cut would make it singular.
+/// Reduces a support of more than `most`, which is far larger than an optimal one: multiplicative steps w_q ← w_q
+/// g_q^κ, then the largest shares, half as many as `most`. The point is kept if the cut would make it singular.
 pub(crate) fn concentrate<O: Objective>(objective: &O, bounds: &Bounds, most: usize, shares: &mut Vec<f64>) {
     if shares.iter().filter(|w| **w > 0.0).count() <= most {
         return;
@@ -148,7 +148,7 @@ pub(crate) fn concentrate<O: Objective>(objective: &O, bounds: &Bounds, most: us
     }
 }
 
-/// One iteration: who takes part, in which direction, how far.
+/// One iteration: selects members, a direction and a step length.
 fn improve<O: Objective>(
     objective: &O,
     bounds: &Bounds,
@@ -182,7 +182,8 @@ fn improve<O: Objective>(
     None
 }
 
-/// The shares between their bounds, and those at a bound that are most worth leaving it: `JOINING` of either kind.
+/// The shares between their bounds, and those at a bound with the largest gain from leaving it: `JOINING` of either
+/// kind.
 fn members(bounds: &Bounds, shares: &[f64], sensitivities: &[f64], p: f64, tolerance: f64) -> Vec<usize> {
     let full = |q: usize| shares[q] > 0.0 && shares[q] >= bounds.upper(q);
     let level = bounds.level(sensitivities, shares, p);
@@ -212,7 +213,7 @@ impl Quadratic {
         direction.iter().zip(&self.gradient).map(|(d, g)| d * g).sum()
     }
 
-    /// A direction that maximises the model by a primal active-set method; regularised until it ascends.
+    /// A direction that maximises the model by a primal active-set method; regularised until it is one of ascent.
     fn ascent(&self) -> Option<Vec<f64>> {
         let k = self.shares.len();
         let scale = (0..k).map(|i| self.curvature[i * k + i].abs()).fold(0.0, f64::max);
@@ -234,7 +235,7 @@ impl Quadratic {
         let mut free: Vec<usize> = (0..k).collect();
         for _ in 0..2 * k + 8 {
             let Some(step) = self.equality_step(&free, &moved, damping) else { return moved };
-            let room = |i: usize, d: f64| {
+            let longest = |i: usize, d: f64| {
                 let q = free[i];
                 if d < 0.0 {
                     (self.shares[q] + moved[q]) / -d
@@ -244,7 +245,7 @@ impl Quadratic {
                     f64::INFINITY
                 }
             };
-            let limits: Vec<f64> = step.iter().enumerate().map(|(i, d)| room(i, *d)).collect();
+            let limits: Vec<f64> = step.iter().enumerate().map(|(i, d)| longest(i, *d)).collect();
             let length = limits.iter().copied().fold(1.0, f64::min).max(0.0);
             for (i, d) in free.iter().zip(&step) {
                 moved[*i] += length * d;

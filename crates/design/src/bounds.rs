@@ -10,10 +10,11 @@ pub struct Bounds(Option<Vec<f64>>);
 const AT_BOUND: f64 = 1e-14;
 
 impl Bounds {
-    /// 0 ≤ w_q ≤ `upper[q]`, one bound per candidate; a bound of 1 or more binds nothing.
+    /// 0 ≤ w_q ≤ `upper[q]`, one bound per candidate; a bound of 1 or more has no effect.
     ///
     /// # Errors
-    /// [`Error::Bound`] for a bound that is negative or not a number; [`Error::Infeasible`] where they sum to less than 1.
+    /// [`Error::Bound`] for a bound that is negative or not a number; [`Error::Infeasible`] if they sum to less than
+    /// 1.
     pub fn new(upper: &[f64]) -> Result<Self, Error> {
         if let Some(candidate) = upper.iter().position(|u| u.is_nan() || *u < 0.0) {
             return Err(Error::Bound { candidate, found: upper[candidate] });
@@ -26,7 +27,7 @@ impl Bounds {
         Ok(Self(upper.iter().any(|u| *u < 1.0).then_some(upper)))
     }
 
-    /// The bound of candidate `q`; infinite where there are no bounds.
+    /// The bound of candidate `q`; infinite without bounds.
     pub fn upper(&self, q: usize) -> f64 {
         self.0.as_ref().map_or(f64::INFINITY, |upper| upper[q])
     }
@@ -36,18 +37,18 @@ impl Bounds {
         self.0.is_some()
     }
 
-    /// Number of bounds, where there are any.
+    /// Number of bounds, if there are any.
     pub(crate) fn count(&self) -> Option<usize> {
         self.0.as_ref().map(Vec::len)
     }
 
-    /// max Σ g_q v_q over all feasible v, less Σ g_q w_q: by how much no feasible direction can ascend. Without bounds the
-    /// Kiefer–Wolfowitz gap max g_q − p.
+    /// max Σ g_q v_q over all feasible v, less Σ g_q w_q: an upper bound on the ascent in any feasible direction.
+    /// Without bounds the Kiefer–Wolfowitz gap max g_q − p.
     pub(crate) fn gap(&self, sensitivities: &[f64], shares: &[f64], degree: f64) -> f64 {
         match &self.0 {
             None => sensitivities.iter().copied().fold(f64::NEG_INFINITY, f64::max) - degree,
             Some(upper) => {
-                // Relative to the level that most of the shares have: no cancellation of large sums.
+                // Relative to the level of most shares, to avoid cancellation of large sums.
                 let level = self.level(sensitivities, shares, degree);
                 let mut best = 0.0;
                 let mut left = 1.0;
@@ -83,8 +84,8 @@ impl Bounds {
         if most.is_finite() { 0.5 * (least + most) } else { least }
     }
 
-    /// Scales weights to shares: min(u_q, t w_q) with the t that makes them sum to 1. What weights above zero have no room
-    /// for goes to the others in proportion to their bounds.
+    /// Scales weights to shares: min(u_q, t w_q) with the t that makes them sum to 1. What exceeds the bounds of
+    /// positive weights is spread over the others in proportion to their bounds.
     pub(crate) fn fill(&self, weights: &mut [f64]) -> bool {
         let Some(upper) = &self.0 else {
             let total: f64 = weights.iter().sum();
@@ -96,8 +97,8 @@ impl Bounds {
             let left = 1.0 - sum_where(upper, |q| full[q]);
             let free = sum_where(weights, |q| !full[q]);
             if free <= 0.0 {
-                let room = sum_where(upper, |q| !full[q]);
-                let factor = if room > 0.0 { left / room } else { 0.0 };
+                let capacity = sum_where(upper, |q| !full[q]);
+                let factor = if capacity > 0.0 { left / capacity } else { 0.0 };
                 (0..full.len()).for_each(|q| weights[q] = if full[q] { upper[q] } else { factor * upper[q] });
                 return true;
             }
@@ -112,26 +113,26 @@ impl Bounds {
         }
     }
 
-    /// Keeps the `count` largest of the weights below their bound, and more until what is kept has room for all; then
+    /// Keeps the `count` largest of the weights below their bound, and more until their bounds sum to 1; then
     /// [`Bounds::fill`].
     pub(crate) fn keep_largest(&self, weights: &mut [f64], count: usize) {
-        let mut room = sum_where(weights, |q| weights[q] >= self.upper(q));
+        let mut capacity = sum_where(weights, |q| weights[q] >= self.upper(q));
         let below: Vec<f64> =
             (0..weights.len()).map(|q| if weights[q] < self.upper(q) { weights[q] } else { 0.0 }).collect();
         for (place, q) in descending(&below).into_iter().enumerate() {
             if below[q] <= 0.0 {
                 break;
             }
-            if place >= count && room >= 1.0 {
+            if place >= count && capacity >= 1.0 {
                 weights[q] = 0.0;
             } else {
-                room += self.upper(q);
+                capacity += self.upper(q);
             }
         }
         self.fill(weights);
     }
 
-    /// Takes rounding out of shares that sum to about 1 and lie about within the bounds.
+    /// Removes rounding from shares that sum to about 1 and are about within the bounds.
     pub(crate) fn repair(&self, shares: &mut [f64]) {
         let Some(upper) = &self.0 else {
             self.fill(shares);
@@ -155,12 +156,13 @@ fn sum_where(values: &[f64], chosen: impl Fn(usize) -> bool) -> f64 {
     values.iter().enumerate().filter(|(q, _)| chosen(*q)).map(|(_, v)| v).sum()
 }
 
-/// Indices by falling value, the lower index first among equals.
+/// Indices by descending value, the lower index first among equals.
 fn descending(values: &[f64]) -> Vec<usize> {
     largest(0..values.len(), values, usize::MAX)
 }
 
-/// The `most` of `places` with the largest values, these first, the lower place first among equals.
+/// The `most` of the indices `places` with the largest values, in descending order, the lower index first among
+/// equals.
 pub(crate) fn largest(places: impl IntoIterator<Item = usize>, values: &[f64], most: usize) -> Vec<usize> {
     let mut order: Vec<usize> = places.into_iter().collect();
     order.sort_by(|a, b| values[*b].total_cmp(&values[*a]).then(a.cmp(b)));

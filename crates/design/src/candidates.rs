@@ -3,10 +3,10 @@ use std::ops::Range;
 use numerics::{add_rows, transposed};
 use thiserror::Error;
 
-/// Candidate information matrices that are no design problem.
+/// Candidate information matrices that do not define a design problem.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Error {
-    /// A candidate with another number of entries than the blocks have.
+    /// A candidate whose number of entries differs from that of the blocks.
     #[error("a candidate with {found} entries, expected {expected}")]
     Shape {
         /// Entries given.
@@ -20,7 +20,7 @@ pub enum Error {
         /// Its index.
         candidate: usize,
     },
-    /// No candidate.
+    /// There is no candidate.
     #[error("no candidate")]
     Empty,
     /// No mixture of the candidates excites a direction.
@@ -31,12 +31,12 @@ pub enum Error {
         /// The direction, in rows scaled to size one.
         direction: Vec<f64>,
     },
-    /// A covariance that is singular, so that its criterion is not defined.
+    /// A singular covariance, so that its criterion is not defined.
     #[error("row {row} of block {block} has no variance of its own")]
     SingularCovariance {
         /// Index of the block.
         block: usize,
-        /// Row of the block that the direction without variance has most of.
+        /// Dominant row of the block in the direction without variance.
         row: usize,
     },
     /// A weight that is negative or not finite.
@@ -55,7 +55,7 @@ pub enum Error {
         /// The bound.
         found: f64,
     },
-    /// Upper bounds that leave no shares that sum to 1.
+    /// Upper bounds without shares that sum to 1.
     #[error("the bounds sum to {total}")]
     Infeasible {
         /// Their sum.
@@ -76,7 +76,7 @@ pub struct Candidates {
 /// Candidates with rows and columns divided by factors.
 pub(crate) struct Balanced {
     pub candidates: Candidates,
-    /// What log|det| of the original is above theirs.
+    /// log|det| of the original less that of the balanced ones.
     pub offset: f64,
     /// One factor per row over all blocks.
     pub rows: Vec<f64>,
@@ -116,12 +116,12 @@ impl Candidates {
         Ok(())
     }
 
-    /// None yet, of the same dimensions.
+    /// No candidates, with the same dimensions.
     pub(crate) fn none(&self) -> Self {
         Self::new(self.dimensions.clone())
     }
 
-    /// Appends one of the same dimensions whose entries are finite.
+    /// Appends a candidate with the same dimensions and finite entries.
     pub(crate) fn append(&mut self, entries: &[f64]) {
         self.entries.extend_from_slice(entries);
     }
@@ -151,7 +151,7 @@ impl Candidates {
         &self.entries[q * self.size()..(q + 1) * self.size()]
     }
 
-    /// Per block: its rows n and where its entries are.
+    /// Per block: its rows n and the range of its entries.
     pub fn blocks(&self) -> impl Iterator<Item = (usize, Range<usize>)> + '_ {
         let mut start = 0;
         self.dimensions.iter().map(move |n| {
@@ -167,8 +167,8 @@ impl Candidates {
         add_rows(out, &self.entries, shares);
     }
 
-    /// Rows and columns scaled so that the mean candidate has rows and columns of size one, and what log|det| of the
-    /// original is above that of the scaled. Shares and sensitivities do not change.
+    /// Scales rows and columns so that the mean candidate has rows and columns of size one, and returns log|det| of
+    /// the original less that of the scaled ones. Shares and sensitivities do not change.
     ///
     /// # Errors
     /// [`Error::Empty`]; [`Error::Unexcited`] for a row that is zero in every candidate.
@@ -216,12 +216,12 @@ impl Candidates {
         out
     }
 
-    /// Refuses candidates, balanced, whose equal mixture leaves a direction without excitation.
+    /// Refuses balanced candidates whose equal mixture does not excite a direction.
     pub(crate) fn check_excitation(&self) -> Result<(), Error> {
         let mut sum = Vec::new();
         self.sum(&vec![1.0 / self.len() as f64; self.len()], &mut sum);
         for (block, (n, range)) in self.blocks().enumerate() {
-            // Rows belong to regressors: what no row combination reaches is a left singular direction.
+            // Rows belong to regressors: an unexcited combination of them is a left singular direction.
             let own = &sum[range];
             if numerics::condition(n, own) < 1e9 {
                 continue;
@@ -236,7 +236,7 @@ impl Candidates {
         Ok(())
     }
 
-    /// Over all candidates, of every row or every column of a block of n rows that stands in `range`.
+    /// Root mean squares over all candidates of every row or every column of the block of n rows in `range`.
     fn root_mean_squares(&self, n: usize, range: Range<usize>, by_row: bool) -> Vec<f64> {
         let mut squares = vec![0.0; n];
         let mut own = vec![0.0; n];
@@ -252,7 +252,7 @@ impl Candidates {
         squares.iter().map(|square| (square / self.len() as f64).sqrt()).collect()
     }
 
-    /// Divides the entries in `range` of every candidate, each by its own of `by`.
+    /// Divides the entries in `range` of every candidate by those of `by`.
     fn divide(&mut self, range: Range<usize>, by: &[f64]) {
         let size = self.size();
         for entries in self.entries.chunks_exact_mut(size) {

@@ -1,8 +1,8 @@
 use crate::Candidates;
 
 /// Whether the criterion is concave on the simplex: every matrix is symmetric positive semidefinite, possibly after
-/// multiplying its rows by positive numbers that are the same for all candidates (which moves log|det| by a constant).
-/// Then a small Kiefer–Wolfowitz gap bounds the distance to the global optimum.
+/// multiplying its rows by positive numbers that are the same for all candidates (which changes log|det| by a
+/// constant). Then a small Kiefer–Wolfowitz gap bounds the distance to the global optimum.
 pub fn is_concave(candidates: &Candidates) -> bool {
     candidates.blocks().all(|(n, range)| {
         let matrices = || (0..candidates.len()).map(|q| &candidates.candidate(q)[range.clone()]);

@@ -8,12 +8,12 @@ use serde::{Deserialize, Serialize};
 use crate::bounds::largest;
 use crate::{Design, Error, Objective, apportion};
 
-/// How to look for counts.
+/// Options of the search for counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CountOptions {
-    /// All counts are tried where there are no more than this.
+    /// All counts are tried if there are no more than this.
     pub exhaustive: u64,
-    /// Starts of the exchange besides the apportioned shares.
+    /// Additional starts of the exchange, besides the apportioned shares.
     pub random_starts: u32,
     /// Seed of the random starts.
     pub seed: u64,
@@ -44,18 +44,18 @@ pub struct Counted {
     pub value: f64,
     /// How they were found.
     pub method: Method,
-    /// How many counts were tried.
+    /// Number of counts that were tried.
     pub tried: u64,
-    /// Φ of the apportioned shares; minus infinity where that is not defined.
+    /// Φ of the apportioned shares; minus infinity if that is not defined.
     pub apportioned: f64,
 }
 
-/// Counts of `total` segments, at most `limits[q]` of candidate `q`, that make `objective` large; `shares` are the relaxed
-/// problem's.
+/// Counts of `total` segments, at most `limits[q]` of candidate `q`, that maximise `objective`; `shares` are the
+/// relaxed problem's.
 ///
 /// # Errors
-/// [`Error::Infeasible`] where the limits sum to less than `total`; [`Error::Shape`]; [`Error::Solver`] where no counts that
-/// were tried have a defined criterion.
+/// [`Error::Infeasible`] if the limits sum to less than `total`; [`Error::Shape`]; [`Error::Solver`] if the criterion
+/// is undefined for all counts that were tried.
 pub fn count_segments<O: Objective>(
     objective: &O,
     shares: &[f64],
@@ -70,9 +70,9 @@ pub fn count_segments<O: Objective>(
     if limits.len() != objective.len() || shares.len() != objective.len() {
         return Err(Error::Shape { found: limits.len().min(shares.len()), expected: objective.len() });
     }
-    let room: u128 = limits.iter().map(|a| u128::from(*a)).sum();
-    if total == 0 || room < u128::from(total) {
-        return Err(Error::Infeasible { total: room as f64 / total as f64 });
+    let capacity: u128 = limits.iter().map(|a| u128::from(*a)).sum();
+    if total == 0 || capacity < u128::from(total) {
+        return Err(Error::Infeasible { total: capacity as f64 / total as f64 });
     }
     let mut search = Search { objective, total, limits, at: O::Point::default(), tried: 0 };
     let start = search.apportioned(shares);
@@ -87,18 +87,18 @@ pub fn count_segments<O: Objective>(
 }
 
 impl Counted {
-    /// By how much at most, as a fraction of the experiment's time, these counts are worse than any shares within the gap
-    /// of `design`, the relaxed problem's: proved where that is proved global. `degree`: what the criterion gains per
-    /// log of time.
+    /// An upper bound on the loss of these counts, as a fraction of the experiment's time, against any shares within
+    /// the gap of `design`, the relaxed problem's: proved if that is proved global. `degree`: the criterion's gain
+    /// per log of time.
     pub fn loss_bound(&self, design: &Design, degree: f64) -> f64 {
         crate::design::loss(self.value, design, degree)
     }
 }
 
-/// Candidates that may come in by an exchange.
+/// Maximum number of incoming candidates of an exchange.
 const INCOMING: usize = 256;
 
-/// Candidates that the exhaustive search, one call deep per candidate, takes at most.
+/// Maximum number of candidates of the exhaustive search, which recurses once per candidate.
 const MOST_WALKED: usize = 1000;
 
 struct Search<'a, O: Objective> {
@@ -125,7 +125,7 @@ impl<O: Objective> Search<'_, O> {
         value.filter(|v| v.is_finite()).unwrap_or(f64::NEG_INFINITY)
     }
 
-    /// The shares apportioned, cut to the limits; what is cut goes where it is most lacking.
+    /// The apportioned shares, cut to the limits; the rest is added to the candidates that lack most.
     fn apportioned(&self, shares: &[f64]) -> Vec<u64> {
         let mut counts = apportion(shares, self.total);
         counts.iter_mut().zip(&self.limits).for_each(|(n, a)| *n = (*n).min(*a));
@@ -140,9 +140,9 @@ impl<O: Objective> Search<'_, O> {
         counts
     }
 
-    /// How many counts there are.
+    /// The number of possible counts.
     fn compositions(&self) -> f64 {
-        // As many as the exchange could ever visit is too many already.
+        // This many are too many in any case.
         if self.total > 100_000 {
             return if self.limits.len() == 1 { 1.0 } else { f64::INFINITY };
         }
@@ -168,20 +168,20 @@ impl<O: Objective> Search<'_, O> {
         ways[n].max(1.0)
     }
 
-    /// The best of all counts, the first in lexicographic order among equals.
+    /// The best of all counts, the lexicographically first among equals.
     fn all(&mut self) -> Option<(f64, Vec<u64>)> {
-        // What the candidates from q on have room for.
-        let mut room: Vec<u64> = vec![0; self.limits.len() + 1];
+        // The sum of the limits of the candidates from q on.
+        let mut capacity: Vec<u64> = vec![0; self.limits.len() + 1];
         for q in (0..self.limits.len()).rev() {
-            room[q] = room[q + 1].saturating_add(self.limits[q]);
+            capacity[q] = capacity[q + 1].saturating_add(self.limits[q]);
         }
         let mut walk =
             Walk { counts: vec![0; self.limits.len()], shares: vec![0.0; self.limits.len()], best: None };
-        self.descend(0, self.total, &room, &mut walk);
+        self.descend(0, self.total, &capacity, &mut walk);
         walk.best
     }
 
-    fn descend(&mut self, q: usize, left: u64, room: &[u64], walk: &mut Walk) {
+    fn descend(&mut self, q: usize, left: u64, capacity: &[u64], walk: &mut Walk) {
         let set = |walk: &mut Walk, n: u64, total: u64| {
             walk.counts[q] = n;
             walk.shares[q] = n as f64 / total as f64;
@@ -194,13 +194,13 @@ impl<O: Objective> Search<'_, O> {
             }
             return;
         }
-        for n in left.saturating_sub(room[q + 1])..=left.min(self.limits[q]) {
+        for n in left.saturating_sub(capacity[q + 1])..=left.min(self.limits[q]) {
             set(walk, n, self.total);
-            self.descend(q + 1, left - n, room, walk);
+            self.descend(q + 1, left - n, capacity, walk);
         }
     }
 
-    /// The best that exchanges reach from the apportioned shares and from random counts.
+    /// The best result of exchanges from the apportioned shares and from random counts.
     fn exchanges(&mut self, start: Vec<u64>, options: &CountOptions) -> Option<(f64, Vec<u64>)> {
         let mut best: Option<(f64, Vec<u64>)> = None;
         for number in 0..=options.random_starts {
@@ -218,7 +218,7 @@ impl<O: Objective> Search<'_, O> {
         best
     }
 
-    /// Moves about a third of the segments somewhere else.
+    /// Moves about a third of the segments to random candidates.
     fn shake(&self, counts: &mut [u64], rng: &mut ChaCha8Rng) {
         let mut pick = |places: &[usize]| places[(rng.next_u64() % places.len().max(1) as u64) as usize];
         for _ in 0..(self.total / 3).clamp(1, 1000) {
@@ -269,7 +269,7 @@ impl<O: Objective> Search<'_, O> {
         }
     }
 
-    /// Candidates with room, the most sensitive of them where there are many.
+    /// Candidates below their limits, the most sensitive ones if there are many.
     fn incoming(&mut self, counts: &[u64]) -> Vec<usize> {
         let mut open: Vec<usize> = (0..counts.len()).filter(|q| counts[*q] < self.limits[*q]).collect();
         if open.len() <= INCOMING {

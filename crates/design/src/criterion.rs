@@ -1,4 +1,4 @@
-//! The criterion that shares are best for.
+//! The criterion that shares are optimised for.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -30,17 +30,17 @@ impl CriterionName {
     /// All of them.
     pub const ALL: [Self; 5] = [Self::DHessian, Self::D, Self::A, Self::ARelative, Self::V];
 
-    /// On the command line.
+    /// The name on the command line.
     pub fn name(self) -> &'static str {
         ["d-hessian", "d", "a", "a-relative", "v"][self as usize]
     }
 
-    /// On a page.
+    /// The name in reports.
     pub fn title(self) -> &'static str {
         ["D", "covariance D", "covariance A", "covariance relative A", "covariance V"][self as usize]
     }
 
-    /// What it is, in a line.
+    /// Its meaning in one line.
     pub fn description(self) -> &'static str {
         match self {
             Self::DHessian => "log|det| of the information matrix (the paper's)",
@@ -52,7 +52,7 @@ impl CriterionName {
     }
 }
 
-/// What is maximised.
+/// The criterion that is maximised.
 #[derive(Clone, Debug)]
 pub enum Criterion {
     /// log|det| of the information matrix.
@@ -68,11 +68,11 @@ pub struct CovarianceCriterion {
     pub covariance: Covariance,
     /// Weights of the parameters' variances, in their order.
     pub weights: Vec<f64>,
-    /// G of the free runs whose error the criterion is of, where it is.
+    /// G of the free runs for a criterion of their error.
     g: Option<Vec<f64>>,
 }
 
-/// A criterion of the covariance after so many samples.
+/// The prediction of a criterion of the covariance for a number of samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Predicted {
     /// The norm of the covariance.
@@ -82,7 +82,7 @@ pub struct Predicted {
 }
 
 impl CovarianceCriterion {
-    /// What `samples` at `shares` of `dictionary` come to; `None` where the covariance is not defined.
+    /// The prediction for `samples` at `shares` of `dictionary`; `None` if the covariance is not defined.
     pub fn predicted(&self, dictionary: &Dictionary, shares: &[f64], samples: f64) -> Option<Predicted> {
         let variances = self.covariance.variances(shares)?;
         let rows = dictionary.parameter_rows();
@@ -97,29 +97,29 @@ impl CovarianceCriterion {
 }
 
 impl Candidates {
-    /// log|det| at `shares`, as scaled candidates have it; `None` where it is singular.
+    /// log|det| of the scaled candidates at `shares`; `None` if it is singular.
     pub fn log_det(&self, shares: &[f64]) -> Option<f64> {
         let (scaled, offset) = self.scaled().ok()?;
         scaled.evaluate(shares, &mut Evaluation::default()).map(|value| value + offset)
     }
 }
 
-/// Gap to which restricted shares are solved at best.
+/// Smallest gap to which restricted shares are solved.
 const RESTRICTED_TOLERANCE: f64 = 1e-7;
 
 impl Criterion {
-    /// A norm of the covariance. `middle`: B_q of the dictionary's candidates. `weights`: of the parameters' variances.
+    /// A norm of the covariance. `meat`: B_q of the dictionary's candidates. `weights`: of the parameters' variances.
     ///
     /// # Errors
-    /// A covariance that is singular, naming the parameter.
+    /// A singular covariance, naming the parameter.
     pub fn of_covariance(
         dictionary: &Dictionary,
-        middle: &Candidates,
+        meat: &Candidates,
         weights: Vec<f64>,
         norm: Norm,
     ) -> Result<Self, NoDesign> {
         let rows = dictionary.by_row(&weights);
-        let built = Covariance::new(&dictionary.information, middle, &rows, norm);
+        let built = Covariance::new(&dictionary.information, meat, &rows, norm);
         let covariance = built.map_err(|e| dictionary.explain(e))?;
         Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, g: None })))
     }
@@ -128,9 +128,9 @@ impl Criterion {
     ///
     /// # Errors
     /// As [`Criterion::of_covariance`].
-    pub fn of_free_runs(dictionary: &Dictionary, middle: &Candidates, g: Vec<f64>) -> Result<Self, NoDesign> {
+    pub fn of_free_runs(dictionary: &Dictionary, meat: &Candidates, g: Vec<f64>) -> Result<Self, NoDesign> {
         let g = [g];
-        let built = Covariance::of_matrices(&dictionary.information, middle, &g);
+        let built = Covariance::of_matrices(&dictionary.information, meat, &g);
         let covariance = built.map_err(|e| dictionary.explain(e))?;
         let weights = vec![1.0; dictionary.parameters()];
         let [g] = g;
@@ -140,7 +140,7 @@ impl Criterion {
     /// The best shares within `bounds`.
     ///
     /// # Errors
-    /// As the solvers.
+    /// Those of the solvers.
     pub fn solve(&self, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
         match self {
             Self::Information(candidates) => solve_within(candidates, bounds, options),
@@ -148,7 +148,7 @@ impl Criterion {
         }
     }
 
-    /// The design that keeps `restriction`, from `relaxed`, the one that need not. `parameters`: their number.
+    /// The design under `restriction`, starting from the unrestricted design `relaxed`. `parameters`: their number.
     ///
     /// # Errors
     /// As [`select`].
@@ -217,7 +217,7 @@ impl Criterion {
         }
     }
 
-    /// The value at `shares`; `None` where it is not defined.
+    /// The value at `shares`; `None` if it is not defined.
     pub fn value(&self, shares: &[f64]) -> Option<f64> {
         match self {
             Self::Information(candidates) => candidates.value(shares, &mut Evaluation::default()),
@@ -225,27 +225,26 @@ impl Criterion {
         }
     }
 
-    /// The value of one whole experiment among those of `dictionary`, from its own matrices; `None` where it is not defined.
+    /// The value of one whole experiment among those of `dictionary`, from its own matrices; `None` if it is not
+    /// defined.
     pub fn of_experiment(
         &self,
         dictionary: &Dictionary,
         information: &Candidates,
-        middle: Option<&Candidates>,
+        meat: Option<&Candidates>,
     ) -> Option<f64> {
         let Self::Covariance(c) = self else {
             let (scaled, offset) = information.scaled().ok()?;
             return scaled.value(&[1.0], &mut Evaluation::default()).map(|value| value + offset);
         };
         let covariance = match &c.g {
-            Some(g) => Covariance::of_matrices(information, middle?, std::slice::from_ref(g)),
-            None => {
-                Covariance::new(information, middle?, &dictionary.by_row(&c.weights), c.covariance.norm())
-            }
+            Some(g) => Covariance::of_matrices(information, meat?, std::slice::from_ref(g)),
+            None => Covariance::new(information, meat?, &dictionary.by_row(&c.weights), c.covariance.norm()),
         };
         covariance.ok()?.value(&[1.0], &mut CovariancePoint::default())
     }
 
-    /// g_q of every candidate at `shares`; `None` where the criterion is not defined.
+    /// g_q of every candidate at `shares`; `None` if the criterion is not defined.
     pub fn sensitivities(&self, shares: &[f64]) -> Option<Vec<f64>> {
         fn of<O: Objective>(objective: &O, shares: &[f64]) -> Option<Vec<f64>> {
             let mut at = O::Point::default();
@@ -257,7 +256,7 @@ impl Criterion {
         }
     }
 
-    /// What the criterion gains per log of time spent at fixed shares: p = Σ w_q g_q.
+    /// The criterion's gain per log of time at fixed shares: p = Σ w_q g_q.
     pub fn degree(&self) -> f64 {
         match self {
             Self::Information(candidates) => Objective::degree(candidates),
@@ -265,8 +264,8 @@ impl Criterion {
         }
     }
 
-    /// What a loss of the criterion is divided by to be one of time. For log|det| of the information, to which intercepts
-    /// add rows but no parameters that count, their number `parameters`; else the degree.
+    /// The divisor that turns a loss of the criterion into one of time: the degree, except for log|det| of the
+    /// information, where intercepts add rows but no parameters of interest: there the number of `parameters`.
     pub fn per_time(&self, parameters: usize) -> f64 {
         match self {
             Self::Information(_) => parameters as f64,

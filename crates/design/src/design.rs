@@ -8,12 +8,12 @@ use crate::{ActiveSetNewton, Bounds, Candidates, Covariance, Error, Objective, i
 /// Criteria that differ by less than this are the same: 1e-9 of the experiment's time.
 const DIGITS: f64 = 1e-9;
 
-/// How to solve.
+/// Options of the solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Relative Kiefer–Wolfowitz gap to stop at.
     pub tolerance: f64,
-    /// Starts besides equal shares.
+    /// Additional random starts, besides equal shares.
     pub random_starts: u32,
     /// Seed of the random starts.
     pub seed: u64,
@@ -27,7 +27,7 @@ impl Default for Options {
     }
 }
 
-/// What is known of the shares.
+/// Whether the shares are proved optimal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// Globally optimal to the gap: the problem is concave.
@@ -38,7 +38,7 @@ pub enum Status {
     Stalled,
 }
 
-/// Where one start ended.
+/// The result of one start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
     /// Shares.
@@ -51,7 +51,7 @@ pub struct Start {
     pub iterations: u64,
 }
 
-/// The best shares and what is known of them.
+/// The best shares and their certificate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
     /// Shares of the candidates; sum to 1.
@@ -64,14 +64,14 @@ pub struct Design {
     pub gap: f64,
     /// Optimal, stationary or stalled.
     pub status: Status,
-    /// Equal shares first, then the random starts. A start from a singular mixture is left out.
+    /// Equal shares first, then the random starts. A start from a singular mixture is omitted.
     pub starts: Vec<Start>,
 }
 
 /// Shares that maximise the D-criterion of the information matrix, from equal shares and from random starts.
 ///
 /// # Errors
-/// [`Error::Empty`]; [`Error::Unexcited`] where no mixture of the candidates is regular.
+/// [`Error::Empty`]; [`Error::Unexcited`] if no mixture of the candidates is regular.
 pub fn solve(candidates: &Candidates, options: &Options) -> Result<Design, Error> {
     solve_within(candidates, &Bounds::default(), options)
 }
@@ -79,7 +79,7 @@ pub fn solve(candidates: &Candidates, options: &Options) -> Result<Design, Error
 /// [`solve`] under upper bounds on the shares.
 ///
 /// # Errors
-/// As [`solve`]; [`Error::Shape`] for another number of bounds than candidates.
+/// As [`solve`]; [`Error::Shape`] if the number of bounds differs from that of candidates.
 pub fn solve_within(candidates: &Candidates, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
     let (scaled, offset) = candidates.scaled()?;
     scaled.check_excitation()?;
@@ -89,7 +89,7 @@ pub fn solve_within(candidates: &Candidates, bounds: &Bounds, options: &Options)
     Ok(design)
 }
 
-/// Shares that make a criterion of the covariance small, under upper bounds. [`Design::log_det`] is minus the norm.
+/// Shares that minimise a criterion of the covariance, under upper bounds. [`Design::log_det`] is minus the norm.
 ///
 /// # Errors
 /// As [`solve_within`].
@@ -101,10 +101,12 @@ pub fn solve_covariance(
     optimise(covariance, bounds, options, covariance.is_concave())
 }
 
-/// [`solve_covariance`] without bounds, from `shares` instead of equal and random ones: those of a problem nearly the same.
+/// [`solve_covariance`] without bounds, from `shares`, such as those of a similar problem, instead of equal and
+/// random ones.
 ///
 /// # Errors
-/// As there; [`Error::Shape`] for another number of shares than candidates, [`Error::Solver`] where they are singular.
+/// As there; [`Error::Shape`] if the number of shares differs from that of candidates, [`Error::Solver`] if they are
+/// singular.
 pub fn solve_covariance_from(
     covariance: &Covariance,
     shares: &[f64],
@@ -118,8 +120,8 @@ pub fn solve_covariance_from(
     from_points(covariance, &bounds, options, covariance.is_concave(), vec![from])
 }
 
-/// [`solve_covariance`] without bounds, from equal shares that multiplicative steps have cut to about `support` candidates:
-/// sooner done where far fewer than there are take part.
+/// [`solve_covariance`] without bounds, from equal shares reduced by multiplicative steps to about `support`
+/// candidates: faster if the optimal support is small.
 ///
 /// # Errors
 /// As there.
@@ -134,8 +136,8 @@ pub fn solve_covariance_among(
     solve_covariance_from(covariance, &shares, options)
 }
 
-/// By how much at most, as a fraction of the experiment's time, a criterion of `value` is below what any shares within the
-/// gap of `relaxed` have.
+/// An upper bound on the loss of a criterion of `value`, as a fraction of the experiment's time, against any shares
+/// within the gap of `relaxed`.
 pub(crate) fn loss(value: f64, relaxed: &Design, degree: f64) -> f64 {
     let gap = relaxed.gap.max(0.0);
     let above = if gap < 1.0 { -libm::log1p(-gap) } else { f64::INFINITY };
@@ -181,7 +183,8 @@ pub(crate) fn from_points<O: Objective>(
     Ok(Design { shares, log_det, sensitivities, gap, status, starts })
 }
 
-/// The best of the starts that converged; one that did not where it is better by more than digits, or none did.
+/// The best of the starts that converged; or one that did not, if it is better by more than [`DIGITS`] or none
+/// converged.
 fn best(starts: &[Start], tolerance: f64) -> Option<&Start> {
     let highest = |a: &&Start, b: &&Start| a.log_det.total_cmp(&b.log_det);
     let best = starts.iter().max_by(highest)?;
@@ -189,7 +192,7 @@ fn best(starts: &[Start], tolerance: f64) -> Option<&Start> {
     Some(converged.filter(|own| own.log_det > best.log_det - DIGITS).unwrap_or(best))
 }
 
-/// Equal shares and random ones, brought within the bounds.
+/// Equal and random shares, projected into the bounds.
 fn starting_points(count: usize, bounds: &Bounds, options: &Options) -> Result<Vec<Vec<f64>>, Error> {
     if let Some(found) = bounds.count().filter(|found| *found != count) {
         return Err(Error::Shape { found, expected: count });
@@ -236,7 +239,7 @@ fn run<O: Objective>(
     Ok(Start { log_det: -state.cost, shares, relative_gap, iterations })
 }
 
-/// `of` all the time on one of `count` candidates, for each of them.
+/// `of` the shares that are all on one candidate, for each of `count` candidates.
 pub(crate) fn alone(count: usize, of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     let mut shares = vec![0.0; count];
     let mut single = |q: usize| {
@@ -249,13 +252,13 @@ pub(crate) fn alone(count: usize, of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
 }
 
 impl Design {
-    /// Whether another start's search came to the same value.
+    /// Whether another start reached the same value.
     pub fn agrees(&self, start: &Start) -> bool {
         (self.log_det - start.log_det).abs() <= 1e-8 * self.log_det.abs().max(1.0)
     }
 
-    /// D-efficiency of other shares against these: |det M(w)/det M(w*)|^(1/`parameters`), the fraction of the experiment
-    /// time that these shares would need for the same information. 0 where a block is singular.
+    /// D-efficiency of other shares against these: |det M(w)/det M(w*)|^(1/`parameters`), the fraction of the
+    /// experiment time that these shares would need for the same information. 0 if a block is singular.
     pub fn efficiency(&self, candidates: &Candidates, shares: &[f64], parameters: usize) -> f64 {
         let Ok((scaled, offset)) = candidates.scaled() else { return 0.0 };
         self.efficiency_scaled(&scaled, offset, shares, parameters)

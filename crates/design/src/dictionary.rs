@@ -16,7 +16,7 @@ pub struct Degree {
     pub parameters: Vec<String>,
 }
 
-/// What the maneuvers of a dictionary tell an estimator about a model's parameters.
+/// The information of a dictionary's maneuvers about a model's parameters.
 #[derive(Clone, Debug)]
 pub struct Dictionary {
     /// The degrees of freedom.
@@ -27,18 +27,18 @@ pub struct Dictionary {
     pub sample_rate_hz: f64,
     /// Whether an intercept follows the parameters of every degree of freedom.
     pub intercepts: bool,
-    /// The information of one sample of every maneuver: the rows of the degrees of freedom one after the other, in a block
-    /// each or in one together.
+    /// The information of one sample of every maneuver: the rows of the degrees of freedom in order, in one block
+    /// each or in a common block.
     pub information: Candidates,
 }
 
 impl Dictionary {
-    /// Number of parameters, intercepts not counted.
+    /// Number of parameters, without intercepts.
     pub fn parameters(&self) -> usize {
         self.degrees.iter().map(|d| d.parameters.len()).sum()
     }
 
-    /// Names of the parameters, intercepts not among them.
+    /// Names of the parameters, without intercepts.
     pub fn parameter_names(&self) -> impl Iterator<Item = &str> {
         self.degrees.iter().flat_map(|d| d.parameters.iter().map(String::as_str))
     }
@@ -81,7 +81,7 @@ impl Dictionary {
         (&self.degrees[0], 0)
     }
 
-    /// What the parameters have to do with `error`, which is about the information's blocks and rows.
+    /// Expresses `error`, which is about blocks and rows of the information, in terms of the parameters.
     pub fn explain(&self, error: Error) -> NoDesign {
         let first_row = |block: usize| self.information.blocks().take(block).map(|(n, _)| n).sum::<usize>();
         match error {
@@ -89,7 +89,7 @@ impl Dictionary {
                 let size = |i: usize| direction.get(i).copied().unwrap_or(0.0).abs();
                 let largest = (0..direction.len()).max_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap_or(0);
                 let (degree, first) = self.degree(first_row(block) + largest);
-                // In a block of all degrees of freedom the direction's rows are those of all.
+                // In a common block, the direction's rows are those of all degrees of freedom.
                 let offset = first - first_row(block);
                 let own = |i: &usize| size(offset + *i);
                 let parameter =

@@ -12,12 +12,12 @@ pub enum NoDesign {
     Unexcited {
         /// Degree of freedom.
         degree: String,
-        /// The parameter that the direction has most of.
+        /// The dominant parameter of the direction.
         parameter: String,
-        /// What that parameter multiplies.
+        /// The regressor of that parameter.
         regressor: String,
     },
-    /// A covariance that is singular: the disturbances do not reach a parameter.
+    /// A singular covariance: the disturbances do not affect a parameter.
     #[error("the covariance gives `{parameter}` ({degree}) no variance of its own")]
     Singular {
         /// Degree of freedom.
@@ -25,10 +25,10 @@ pub enum NoDesign {
         /// The parameter.
         parameter: String,
     },
-    /// Not enough of the maneuvers exists.
+    /// Not enough of the maneuvers is available.
     #[error(transparent)]
     Scarce(#[from] Scarce),
-    /// A standard error that takes longer than there is time.
+    /// A standard error that the longest experiment cannot reach.
     #[error("{0}")]
     OutOfReach(OutOfReach),
     /// The problem or its search, without a parameter to name.

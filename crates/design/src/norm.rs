@@ -1,4 +1,4 @@
-/// What of a covariance matrix is made small.
+/// The norm of a covariance matrix that is minimised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Norm {
     /// log det: D-optimality.

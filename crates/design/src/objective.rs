@@ -2,10 +2,10 @@ use numerics::{dot, product, transposed};
 
 use crate::{Candidates, Evaluation};
 
-/// What is maximised over shares: a function Φ of the mixture of candidates with Φ(tw) = Φ(w) + degree · log t, so that
-/// Σ_q w_q g_q is the degree.
+/// The objective, maximised over shares: a function Φ of the mixture of candidates with Φ(tw) = Φ(w) + degree · log
+/// t, so that Σ_q w_q g_q is the degree.
 pub trait Objective {
-    /// The value and what the derivatives need, reused over evaluations.
+    /// The value and the workspace of the derivatives, reused over evaluations.
     type Point: Default;
 
     /// Number of candidates Q.
@@ -25,10 +25,10 @@ pub trait Objective {
     /// Exponent of multiplicative steps w_q ← w_q g_q^κ.
     fn exponent(&self) -> f64;
 
-    /// Φ(w) with the ingredients of the derivatives. `None` where it is not defined.
+    /// Φ(w), and the workspace of the derivatives. `None` if it is not defined.
     fn evaluate(&self, shares: &[f64], at: &mut Self::Point) -> Option<f64>;
 
-    /// Φ(w) alone. `None` where it is not defined.
+    /// Φ(w) alone. `None` if it is not defined.
     fn value(&self, shares: &[f64], at: &mut Self::Point) -> Option<f64>;
 
     /// g_q = ∂Φ/∂w_q at an evaluated point.

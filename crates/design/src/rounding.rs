@@ -1,5 +1,5 @@
-/// Whole numbers that sum to `total` and follow `shares` (sum 1) as the efficient apportionment of Pukelsheim & Rieder
-/// 1992 does: every share above zero gets at least one as long as there are enough.
+/// Rounds `shares` (sum 1) to whole numbers that sum to `total` by the efficient apportionment of Pukelsheim & Rieder
+/// 1992: every positive share gets at least one if `total` suffices.
 pub fn apportion(shares: &[f64], total: u64) -> Vec<u64> {
     let support = shares.iter().filter(|w| **w > 0.0).count() as f64;
     let multiplier = (total as f64 - support / 2.0).max(0.0);

@@ -1,6 +1,6 @@
 use thiserror::Error;
 
-/// Why an experiment cannot be made of what is available.
+/// Why the available maneuvers are not enough for an experiment.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum Scarce {
     /// Segments are limited, and the experiment has none.
@@ -18,7 +18,7 @@ pub enum Scarce {
     /// All maneuvers together have too few whole segments.
     #[error("{found} of {expected} whole segments are available")]
     Segments {
-        /// Whole segments that exist.
+        /// Whole segments that are available.
         found: u128,
         /// Whole segments of the experiment.
         expected: u64,

@@ -2,29 +2,30 @@
 
 use crate::{CountOptions, Counted, Criterion, Design, Error, apportion};
 
-/// The whole segments that are asked for.
+/// The requested whole segments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segments {
     /// Their number n.
     pub total: u64,
     /// Samples of each.
     pub samples: u64,
-    /// At most so many of every maneuver.
+    /// Maximum number of segments of every maneuver.
     pub limits: Option<Vec<u64>>,
 }
 
-/// Counts of whole segments, and what they are worth against the shares.
+/// Counts of whole segments, and their efficiency against the shares.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Whole {
     /// Segments of every maneuver.
     pub counts: Vec<u64>,
-    /// What the search found; none where so few segments are singular whichever they are: then the shares are apportioned.
+    /// The result of the search; `None` if all choices of so few segments are singular: then the shares are
+    /// apportioned.
     pub found: Option<Counted>,
     /// Efficiency of the counts against the shares.
     pub efficiency: f64,
-    /// The fraction of the experiment's time that the counts waste at most against the best shares.
+    /// Upper bound on the fraction of the experiment's time that the counts waste against the best shares.
     pub loss: f64,
-    /// What fraction of the time the counts need for what the shares give when apportioned.
+    /// The fraction of the time that the counts need for the information of the apportioned shares.
     pub apportioned: f64,
 }
 

@@ -1,16 +1,16 @@
-//! Few candidates, and none for less than a least share.
+//! Designs with few candidates, each with a least share.
 
 use crate::bounds::largest;
 use crate::design::{from_points, loss};
 use crate::subset::Subset;
 use crate::{Bounds, Design, Error, Method, Objective, Options};
 
-/// What shares have to keep besides their bounds.
+/// Restrictions on shares in addition to their bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Restriction {
-    /// At most so many candidates have a share.
+    /// Maximum number of candidates with a share.
     pub most: usize,
-    /// A candidate with a share has at least this.
+    /// Least share of a candidate that has one.
     pub least: f64,
 }
 
@@ -23,24 +23,24 @@ pub struct Selected {
     pub value: f64,
     /// g_q of every candidate.
     pub sensitivities: Vec<f64>,
-    /// By how much no feasible direction, without the restriction, can ascend.
+    /// Upper bound on the ascent in any feasible direction without the restriction.
     pub gap: f64,
     /// Whether every choice of candidates was tried, so that none is better.
     pub exhaustive: bool,
-    /// How many choices were tried.
+    /// Number of choices that were tried.
     pub tried: usize,
 }
 
 impl Selected {
-    /// By how much at most, as a fraction of the experiment's time, these shares are worse than any within the gap of
-    /// `relaxed`, the design without restriction: proved where that is proved global. `degree`: what the criterion gains per
-    /// log of time.
+    /// An upper bound on the loss of these shares, as a fraction of the experiment's time, against any within the gap
+    /// of `relaxed`, the design without restriction: proved if that is proved global. `degree`: the criterion's gain
+    /// per log of time.
     pub fn loss_bound(&self, relaxed: &Design, degree: f64) -> f64 {
         loss(self.value, relaxed, degree)
     }
 }
 
-/// Shares that keep a restriction, and what that costs.
+/// Shares under a restriction, and its cost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Restricted {
     /// The shares, as a design.
@@ -49,29 +49,30 @@ pub struct Restricted {
     pub method: Method,
     /// Choices of maneuvers that were tried.
     pub tried: usize,
-    /// The fraction of the experiment's time that the restriction costs at most; proved where the design without it is.
+    /// Upper bound on the fraction of the experiment's time that the restriction costs; proved if the design without
+    /// it is proved optimal.
     pub loss: f64,
 }
 
-/// All choices are tried where there are no more than this.
+/// All choices are tried if there are no more than this.
 const EXHAUSTIVE: f64 = 2000.0;
-/// Of the smallest shares, how many are tried to be dropped.
+/// Number of the smallest shares that are tried for dropping.
 const DROPPED: usize = 6;
-/// Exchanges at most.
+/// Maximum number of exchanges.
 const EXCHANGES: usize = 20;
 /// An exchange has to save more than this fraction of the time.
 const WORTHWHILE: f64 = 1e-3;
-/// Relative gap of the choices that are compared; the one that is taken is solved to the options' tolerance.
+/// Relative gap for comparing choices; the selected one is solved to the options' tolerance.
 const ROUGH: f64 = 1e-5;
 /// Unused candidates that are tried in an exchange, the most sensitive.
 const INCOMING: usize = 12;
 
-/// The best shares found that keep `restriction`: candidates are dropped from the support of `relaxed` one at a time, each
-/// time the one that costs least, then exchanged for others as long as that is better. All choices are tried where they are
-/// few and no least share is asked for.
+/// The best shares found under `restriction`: candidates are dropped from the support of `relaxed` one at a time,
+/// each time the one that costs least, then exchanged for others while that improves. All choices are tried if they
+/// are few and there is no least share.
 ///
 /// # Errors
-/// [`Error::Infeasible`] where no shares keep the bounds; [`Error::Solver`] where so few candidates excite not every
+/// [`Error::Infeasible`] if no shares satisfy the bounds; [`Error::Solver`] if so few candidates do not excite every
 /// direction.
 pub fn select<O: Objective>(
     objective: &O,
@@ -110,7 +111,7 @@ fn choices(n: usize, k: usize) -> f64 {
     (0..k).map(|i| (n - i) as f64 / (k - i) as f64).product()
 }
 
-/// Shares of a choice of candidates: all of the members' are above zero.
+/// Shares of a choice of candidates: those of the members are positive.
 struct Choice {
     members: Vec<usize>,
     shares: Vec<f64>,
@@ -141,7 +142,7 @@ impl<O: Objective> Search<'_, O> {
             && choice.shares.iter().all(|w| *w >= self.restriction.least - 1e-12)
     }
 
-    /// The best shares of `members`; `None` where they are singular or have no room.
+    /// The best shares of `members`; `None` if they are singular or infeasible.
     fn solve(&mut self, members: &[usize]) -> Option<Choice> {
         self.tried += 1;
         let upper: Vec<f64> = members.iter().map(|q| self.bounds.upper(*q)).collect();
@@ -163,7 +164,7 @@ impl<O: Objective> Search<'_, O> {
         })
     }
 
-    /// Without the member that costs least.
+    /// Drops the member that costs least.
     fn drop_one(&mut self, from: &Choice) -> Option<Choice> {
         let mut order: Vec<usize> = (0..from.members.len()).collect();
         order.sort_by(|a, b| from.shares[*a].total_cmp(&from.shares[*b]));
@@ -182,13 +183,14 @@ impl<O: Objective> Search<'_, O> {
         best
     }
 
-    /// The best exchange of a member for an unused candidate that is better, or the best addition where there is room.
+    /// The best improving exchange of a member for an unused candidate, or the best addition if the number of members
+    /// allows one.
     fn exchange(&mut self, from: &Choice) -> Option<Choice> {
         let unused = (0..self.objective.len()).filter(|q| !from.members.contains(q));
         let mut best: Option<Choice> = None;
         for new in largest(unused, &from.sensitivities, INCOMING) {
-            let room = from.members.len() < self.restriction.most;
-            for out in (0..from.members.len()).map(Some).chain(room.then_some(None)) {
+            let can_add = from.members.len() < self.restriction.most;
+            for out in (0..from.members.len()).map(Some).chain(can_add.then_some(None)) {
                 let kept = from.members.iter().enumerate().filter(|(i, _)| Some(*i) != out).map(|(_, q)| *q);
                 let mut members: Vec<usize> = kept.chain([new]).collect();
                 members.sort_unstable();

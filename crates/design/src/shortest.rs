@@ -1,4 +1,4 @@
-//! The shortest experiment of a wanted accuracy.
+//! The shortest experiment for a wanted accuracy.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,21 +7,21 @@ use crate::{
     Bounds, Criterion, Design, Dictionary, Error, Errors, Length, NoDesign, Options, Scarce, Stock, Wanted,
 };
 
-/// How long has an experiment to be?
+/// The question how long an experiment has to be.
 pub struct Question<'a> {
     /// The maneuvers.
     pub dictionary: &'a Dictionary,
-    /// Samples of each of them, as its matrices count it.
+    /// Samples of each of them, as in its matrices.
     pub lengths: &'a [f64],
     /// The criterion, one of the covariance.
     pub criterion: &'a Criterion,
-    /// What predicts the accuracy.
+    /// The prediction of the accuracy.
     pub errors: Errors<'a>,
     /// The accuracy.
     pub wanted: Wanted,
-    /// Whether the largest relative error is made small instead of the criterion.
+    /// Whether the largest relative error is minimised instead of the criterion.
     pub least_largest: bool,
-    /// How much of every maneuver exists.
+    /// The available amount of every maneuver.
     pub stock: Option<&'a Stock>,
 }
 
@@ -32,22 +32,23 @@ pub struct Shortest {
     pub design: Design,
     /// Samples of the experiment.
     pub samples: f64,
-    /// With the least largest error: its square for one sample that no shares are below, proved where the problem is convex.
+    /// If the largest error is minimised: a lower bound on its square for one sample, proved if the problem is
+    /// convex.
     pub bound: Option<f64>,
 }
 
 /// Other shares, to compare with.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rivals {
-    /// Of the paper's criterion for the same maneuvers, where there are any.
+    /// Those of the paper's criterion for the same maneuvers, if they exist.
     pub paper: Option<Vec<f64>>,
-    /// Designs at random, of which the median counts.
+    /// Random designs, of which the median is used.
     pub random: Vec<Vec<f64>>,
     /// Segments of each of these.
     pub random_segments: u32,
 }
 
-/// The answer in time, with rivals beside it.
+/// The answer in time, with rivals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accuracy {
     /// What was wanted.
@@ -94,11 +95,12 @@ pub struct AccuracyPoint {
 /// Durations of the curve.
 const POINTS: usize = 25;
 
-/// The part of the time that whole maneuvers take where predictions hold. Measured: trials then err by 0.8 to 1.0 of the
-/// prediction, at a quarter of that length by two to three times of it (docs/design.md).
+/// Share of the time on whole maneuvers from which predictions hold. Measured: the errors of trials are then 0.8 to
+/// 1.0 of the prediction, at a quarter of that length two to three times of it (docs/design.md).
 pub const MOST: f64 = 0.8;
 
-/// From how many samples on maneuvers of these `lengths` that make up [`MOST`] of the time are whole at `shares`.
+/// The number of samples from which on maneuvers of these `lengths` that take [`MOST`] of the time at `shares` are
+/// whole.
 pub fn holds_from(shares: &[f64], lengths: &[f64]) -> f64 {
     let used = shares.iter().zip(lengths).filter(|(share, _)| **share > 0.0);
     let mut needs: Vec<(f64, f64)> = used.map(|(share, length)| (length / share, *share)).collect();
@@ -115,7 +117,7 @@ impl Question<'_> {
     /// The answer.
     ///
     /// # Errors
-    /// An accuracy out of reach, telling the best; as the solvers.
+    /// An accuracy out of reach, with the best one; those of the solvers.
     pub fn shortest(&self, options: &Options) -> Result<Shortest, NoDesign> {
         if let Some(stock) = self.stock {
             return self.within_what_is_available(stock, options);
@@ -125,7 +127,7 @@ impl Question<'_> {
         Ok(Shortest { design, samples, bound })
     }
 
-    /// The best shares within bounds, and a bound on the least largest error where that is asked for.
+    /// The best shares within bounds, and a lower bound on the largest error if that is minimised.
     fn solve(&self, bounds: &Bounds, options: &Options) -> Result<(Design, Option<f64>), NoDesign> {
         let mut design = self.criterion.solve(bounds, options).map_err(|e| self.dictionary.explain(e))?;
         if !self.least_largest {
@@ -142,7 +144,7 @@ impl Question<'_> {
         Ok((design, Some(bound)))
     }
 
-    /// What limits the shares of an experiment of so many samples; `None` where not so much is available.
+    /// The bounds of the shares of an experiment of `samples` samples; `None` if not so much is available.
     fn bounds(&self, stock: &Stock, samples: f64) -> Result<Option<Bounds>, NoDesign> {
         let length = Length { samples: Some(samples), segments: None };
         match stock.within(self.dictionary, &length) {
@@ -152,7 +154,7 @@ impl Question<'_> {
         }
     }
 
-    /// By halving: the longest experiment that is available, then the shortest that is accurate enough.
+    /// By bisection: the longest experiment that is available, then the shortest that is accurate enough.
     fn within_what_is_available(&self, stock: &Stock, options: &Options) -> Result<Shortest, NoDesign> {
         let rate = self.dictionary.sample_rate_hz;
         let (mut longest, mut beyond) = (1.0, (self.wanted.longest_s * rate).floor() + 1.0);
@@ -184,7 +186,7 @@ impl Question<'_> {
         Ok(Shortest { design, samples: high, bound })
     }
 
-    /// `shortest` in time, beside rivals.
+    /// `shortest` in time, with `rivals`.
     pub fn compare(&self, shortest: &Shortest, rivals: &Rivals) -> Accuracy {
         let (rate, samples, wanted) = (self.dictionary.sample_rate_hz, shortest.samples, self.wanted);
         let (own, count) = (self.errors.squared(&shortest.design.shares), self.dictionary.maneuvers.len());
@@ -204,7 +206,7 @@ impl Question<'_> {
             }
         };
         let needs = |one: f64| one / (wanted.accuracy * wanted.accuracy) / rate;
-        let told = |one: Option<f64>| one.map(needs).filter(|s| s.is_finite());
+        let needed_s = |one: Option<f64>| one.map(needs).filter(|s| s.is_finite());
         Accuracy {
             wanted,
             samples: samples as u64,
@@ -212,9 +214,9 @@ impl Question<'_> {
             reached: (own / samples).sqrt(),
             holds_from_s: holds_from(&shortest.design.shares, self.lengths) / rate,
             bound_s: shortest.bound.map(needs),
-            paper_s: told(paper),
-            equal_s: told(Some(equal)),
-            random_s: told(random),
+            paper_s: needed_s(paper),
+            equal_s: needed_s(Some(equal)),
+            random_s: needed_s(random),
             random_segments: rivals.random_segments,
             curve: (0..POINTS).map(point).collect(),
         }

@@ -9,7 +9,7 @@ pub(crate) struct Spectrum {
     pub value: f64,
     /// ∂norm/∂C of each block.
     pub slopes: Vec<Vec<f64>>,
-    /// Those of a [`Norm::LogDet`].
+    /// The eigenvalues, for a [`Norm::LogDet`].
     blocks: Vec<Eigen>,
     norm: Norm,
 }
@@ -37,7 +37,7 @@ pub(crate) fn value(norm: Norm, blocks: &[Vec<f64>]) -> Option<f64> {
 }
 
 impl Spectrum {
-    /// `None` where the norm is not defined: no variance, or for log det an eigenvalue that is not positive.
+    /// `None` if the norm is not defined: no variance, or for log det an eigenvalue that is not positive.
     pub(crate) fn of(norm: Norm, matrices: &[Vec<f64>]) -> Option<Self> {
         match norm {
             Norm::LogDet => {
@@ -64,7 +64,7 @@ impl Spectrum {
     pub(crate) fn add_curvature(&self, changes: &[Vec<Vec<f64>>], first: &[f64], curvature: &mut [f64]) {
         let members = first.len();
         match self.norm {
-            // The trace is linear; only its logarithm bends.
+            // The trace is linear; only its logarithm is curved.
             Norm::Trace => {
                 for (q, a) in first.iter().enumerate() {
                     for (r, b) in first.iter().enumerate() {
@@ -84,7 +84,7 @@ impl Spectrum {
 impl Eigen {
     fn of(matrix: &[f64]) -> Self {
         let k = matrix.len().isqrt();
-        // What is not finite has no variance that is defined.
+        // Without finite entries the norm is not defined.
         let (values, vectors) = symmetric(k, matrix).unwrap_or_else(|| (vec![0.0; k], vec![0.0; k * k]));
         Self { k, values: values.into_iter().map(|v| v.max(0.0)).collect(), vectors }
     }

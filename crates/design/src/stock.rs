@@ -5,38 +5,38 @@ use serde::Deserialize;
 use crate::dictionary::Dictionary;
 use crate::scarce::Scarce;
 
-/// How much of every maneuver exists. Maneuvers in neither table are not limited.
+/// The available amount of every maneuver. Maneuvers in neither table are not limited.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stock {
-    /// Maneuver → at most so long \[s\].
+    /// Maneuver → maximum time \[s\].
     #[serde(default)]
     pub seconds: BTreeMap<String, f64>,
-    /// Maneuver → at most so many whole segments.
+    /// Maneuver → maximum number of whole segments.
     #[serde(default)]
     pub segments: BTreeMap<String, u64>,
 }
 
-/// The length of the experiment that shares are of.
+/// The length of the experiment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Length {
-    /// Its samples, where that is known.
+    /// Its samples, if known.
     pub samples: Option<f64>,
-    /// Whole segments and the samples of each, where there are to be any.
+    /// Whole segments and the samples of each, if requested.
     pub segments: Option<(u64, u64)>,
 }
 
 /// Upper bounds, one per maneuver in the dictionary's order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Available {
-    /// On the share; 1 where there is no limit.
+    /// On the share; 1 without a limit.
     pub shares: Vec<f64>,
-    /// On the count of whole segments; the number of segments where there is no limit.
+    /// On the count of whole segments; the number of segments without a limit.
     pub counts: Option<Vec<u64>>,
 }
 
 impl Stock {
-    /// What is available for an experiment of `length`.
+    /// The bounds for an experiment of `length`.
     ///
     /// # Errors
     /// [`Scarce`].
@@ -59,7 +59,7 @@ impl Stock {
             self.seconds.get(name),
             self.segments.get(name),
         ) {
-            // Rounding must not cost a segment that just fits.
+            // Rounding must not remove a segment that just fits.
             (Some(seconds), _) => (seconds * rate / each as f64 + 1e-9).floor() as u64,
             (_, Some(segments)) => *segments,
             _ => total,

@@ -1,6 +1,6 @@
-//! Shares over more candidates than memory holds: the best over few of them, and a pass over all for those that would improve
-//! it, until there are none (Dantzig & Wolfe 1960; for designs Böhning 1986, the vertex exchange). Every pass gives the
-//! Kiefer–Wolfowitz gap over all candidates.
+//! Shares over more candidates than fit into memory: the best over few of them, and a pass over all for those that
+//! would improve it, until there are none (column generation, Dantzig & Wolfe 1960; for designs Böhning 1986, the
+//! vertex exchange). Every pass gives the Kiefer–Wolfowitz gap over all candidates.
 
 use std::collections::BTreeSet;
 
@@ -12,47 +12,47 @@ use crate::{
     Bounds, Candidates, Design, Error, Evaluation, Objective, Options, Status, is_concave, solve_within,
 };
 
-/// Candidates that come in blocks, as often as they are asked for.
+/// Candidates that are read in blocks, repeatedly.
 pub trait Blocks: Sync {
-    /// Why a block cannot be had.
+    /// Why a block cannot be read.
     type Error: From<Error> + Send;
 
-    /// How many blocks there are.
+    /// Number of blocks.
     fn blocks(&self) -> usize;
 
     /// The candidates of block `i`, all of the same dimensions.
     ///
     /// # Errors
-    /// It cannot be had.
+    /// The block cannot be read.
     fn block(&self, i: usize) -> Result<Candidates, Self::Error>;
 }
 
 /// The best shares over all candidates of [`Blocks`].
 #[derive(Clone, Debug)]
 pub struct Streamed {
-    /// The candidates that the shares are of, by block and place in it, ascending; no other has any.
+    /// The candidates with a share, by block and index in it, ascending.
     pub members: Vec<(usize, usize)>,
     /// Shares of these. `gap` and `status` are those over all candidates.
     pub design: Design,
-    /// The mean of all candidates: what equal shares tell.
+    /// The mean of all candidates: the information of equal shares.
     pub mean: Candidates,
-    /// How many candidates there are.
+    /// Number of candidates.
     pub candidates: usize,
-    /// How often all of them were gone through.
+    /// Number of passes over all of them.
     pub passes: u32,
 }
 
-/// Candidates that the first shares are best over.
+/// Candidates of the first optimisation.
 const SAMPLE: usize = 2048;
 /// Candidates of a block, and of all, that may join after a pass.
 const JOINING: [usize; 2] = [16, 256];
-/// Passes at most.
+/// Maximum number of passes.
 const PASSES: u32 = 60;
 
-/// Shares that maximise the D-criterion over all of `source`, to the gap that `options` ask for.
+/// Shares that maximise the D-criterion over all of `source`, to the gap in `options`.
 ///
 /// # Errors
-/// A block that cannot be had; as [`crate::solve`].
+/// A block cannot be read; as [`crate::solve`].
 pub fn solve_streamed<S: Blocks>(source: &S, options: &Options) -> Result<Streamed, S::Error> {
     let Surveyed { mut working, mean, candidates } = Surveyed::of(source)?;
     let scaling = Scaling::of(&working.candidates);
@@ -79,10 +79,10 @@ pub fn solve_streamed<S: Blocks>(source: &S, options: &Options) -> Result<Stream
     }
 }
 
-/// Rounding leaves this relative gap over candidates that are alike.
+/// Relative gap due to rounding over equal candidates.
 const LEAST_GAP: f64 = 1e-12;
 
-/// Candidates that shares are best over, and where they come from.
+/// The working set of candidates, and their origins.
 struct Working {
     places: Vec<(usize, usize)>,
     candidates: Candidates,
@@ -99,7 +99,7 @@ impl Working {
         *self = Self { places, candidates };
     }
 
-    /// Takes those that are not there yet; whether there were any.
+    /// Adds those that are not in the set yet; returns whether there were any.
     fn join(&mut self, joining: Vec<Joining>) -> bool {
         let new = joining.into_iter().filter(|one| !self.places.contains(&one.place)).collect::<Vec<_>>();
         let own = self.places.iter().enumerate();
@@ -114,7 +114,7 @@ impl Working {
     }
 }
 
-/// What one pass over all candidates tells before any shares are known.
+/// The result of a first pass over all candidates, before any shares are known.
 struct Surveyed {
     working: Working,
     mean: Candidates,
@@ -160,7 +160,8 @@ impl Surveyed {
     }
 }
 
-/// So many places of `block`, evenly, and those that tell most of every row: a direction that few excite is not missed.
+/// `each` evenly spaced indices of `block`, and the candidates with most information about every row, so that a
+/// direction that few excite is not missed.
 fn sampled(block: &Candidates, each: usize) -> BTreeSet<usize> {
     let evenly = (0..block.len()).step_by(block.len().div_ceil(each).max(1));
     let size = |q: usize, entry: usize| block.candidate(q)[entry].abs();
@@ -171,7 +172,7 @@ fn sampled(block: &Candidates, each: usize) -> BTreeSet<usize> {
     evenly.chain(diagonal.filter_map(strongest)).collect()
 }
 
-/// Factors that make every block symmetric, where there are any.
+/// Factors that make every block symmetric, if there are any.
 struct Scaling(Option<Vec<Vec<f64>>>);
 
 impl Scaling {
@@ -192,7 +193,7 @@ impl Scaling {
     }
 }
 
-/// What a candidate's entries are multiplied with for its sensitivity.
+/// The weights of a candidate's entries in its sensitivity.
 struct Weights(Vec<f64>);
 
 impl Weights {
@@ -212,14 +213,14 @@ impl Weights {
     }
 }
 
-/// A candidate that is worth more time than the others.
+/// A candidate whose share should grow.
 struct Joining {
     sensitivity: f64,
     place: (usize, usize),
     entries: Vec<f64>,
 }
 
-/// What one pass over all candidates tells of some shares.
+/// The result of a pass over all candidates for some shares.
 struct Pass {
     largest: f64,
     joining: Vec<Joining>,

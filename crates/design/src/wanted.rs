@@ -38,7 +38,7 @@ pub struct Wanted {
 pub struct OutOfReach {
     /// What was wanted.
     pub wanted: Wanted,
-    /// How long that takes; infinite where no time is enough \[s\].
+    /// How long that takes; infinite if no time is enough \[s\].
     pub needed_s: f64,
     /// What the longest experiment reaches.
     pub best: f64,

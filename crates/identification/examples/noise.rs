@@ -1,10 +1,10 @@
-//! What verdicts and intervals are worth on runs of which nobody stated the noise: two ships under many disturbances, simulated
-//! again and again.
+//! How reliable verdicts and intervals are on runs whose noise is not stated: two ships under many disturbances,
+//! simulated repeatedly.
 //!
 //! `cargo run --release -p identification --example noise -- <what> <runs> <seed> [<ship or disturbance> …]` with
-//! `size`: how often the exact model is rejected, and how often intervals hold the truth, of `prediction-error` and of
-//! `output-error`; `power`: how often a model that lacks two terms is rejected, and whether one of them is named first;
-//! `stated`: the same where the noise is stated; `short`: the same as `size` of runs of a quarter of the length; `right` and
+//! `size`: how often the exact model is rejected, and how often intervals contain the truth, for `prediction-error`
+//! and `output-error`; `power`: how often a model that lacks two terms is rejected, and whether one of them is named
+//! first; `stated`: the same with stated noise; `short`: `size` for runs of a quarter of the length; `right` and
 //! `right-short`: both without intervals; `pooled`: size of eight runs together.
 
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ use engine::{Compiled, Run, RunView, Segment, Streams};
 use identification::Estimator;
 use identification::criticism::{Criticism, Subject, Verdict, criticise, criticise_each};
 use identification::predictor::{Drift, Flow, Gusts, InitialState, Levels};
-use identification::runs::{Beside, RunEstimators};
+use identification::runs::{AdditionalUnknowns, RunEstimators};
 use maneuver::{DictionaryFile, Generator};
 use model::{Model, Source, Term, Vessel};
 use numerics::statistics::wilson;
@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (runs, seed): (u32, u64) = (at(1).unwrap_or("40").parse()?, at(2).unwrap_or("1").parse()?);
     let wanted: Vec<&String> = arguments.iter().skip(3).collect();
     println!("{what}: {runs} runs of each, seed {seed}");
-    // Short runs do the same maneuvers in a quarter of the time.
+    // Short runs contain the same maneuvers in a quarter of the time.
     let share = if what.ends_with("short") { 4 } else { 1 };
     for ship in [paper(share)?, twin(share)?] {
         let chosen = |name: &str| wanted.iter().any(|own| own.as_str() == name);
@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 continue;
             }
             let begun = Instant::now();
-            for line in ship.told(&what, &sea, runs, seed) {
+            for line in ship.lines(&what, &sea, runs, seed) {
                 println!("{:<6}{name:<18}{line}", ship.name);
             }
             println!("{:<6}{name:<18}{:.1} s", ship.name, begun.elapsed().as_secs_f64());
@@ -59,16 +59,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// What disturbs runs.
+/// The disturbances of runs.
 #[derive(Clone, Copy, Default)]
 struct Sea {
-    /// What keys its draws.
+    /// The name that seeds its draws.
     name: &'static str,
     noise: [f64; 3],
-    /// Standard deviation, and the time over which the current drifts [s]: 0 where it is new at every sample, infinite where
-    /// it stays.
+    /// Standard deviation, and the time over which the current drifts [s]: 0 if it is new at every sample, infinite
+    /// if it is constant.
     current: Option<(f64, f64)>,
-    /// Accelerations, and over which time each drifts.
+    /// Accelerations, and the time over which each drifts.
     force: Option<([f64; 3], [f64; 3])>,
     /// Drift of the sensors.
     sensors: Option<([f64; 3], f64)>,
@@ -77,7 +77,7 @@ struct Sea {
 }
 
 impl Sea {
-    /// What disturbs, as one states it to the filter. What stays is left to the intercepts.
+    /// The disturbances as stated to the filter. Constant ones are left to the intercepts.
     fn levels(&self, rate: f64) -> Levels {
         let factor = |time: f64| correlation(rate, time);
         let flow = |(std, time): (f64, f64)| match time > 0.0 {
@@ -96,7 +96,7 @@ impl Sea {
     }
 }
 
-/// Of neighbouring samples of what drifts over `time` \[s\].
+/// Correlation of neighbouring samples of a process that drifts over `time` \[s\].
 fn correlation(rate: f64, time: f64) -> f64 {
     (-1.0 / (rate * time)).exp()
 }
@@ -104,7 +104,7 @@ fn correlation(rate: f64, time: f64) -> f64 {
 struct Ship {
     name: &'static str,
     vessel: Vessel,
-    /// What she has when the model lacks two terms.
+    /// The true model when the fitted one lacks two terms.
     richer: (Model, Vec<f64>),
     initial: [f64; 3],
     inputs: Vec<f64>,
@@ -255,7 +255,7 @@ impl Ship {
         }
     }
 
-    fn told(&self, what: &str, sea: &Sea, runs: u32, seed: u64) -> Vec<String> {
+    fn lines(&self, what: &str, sea: &Sea, runs: u32, seed: u64) -> Vec<String> {
         let truth: Vec<f64> = self.vessel.value.iter().copied().flatten().collect();
         let (model, theta) = match what {
             "power" | "stated" => (&self.richer.0, &self.richer.1),
@@ -316,7 +316,7 @@ impl Ship {
             estimators: vec![estimator],
             removal: MeanRemoval::Complete,
             initial: if self.known_start { InitialState::Known } else { InitialState::Estimated },
-            beside: Beside::default(),
+            additional: AdditionalUnknowns::default(),
             levels: None,
         };
         let rows: Vec<(Vec<f64>, Vec<f64>)> = runs

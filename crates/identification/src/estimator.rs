@@ -18,23 +18,24 @@ refusal::choices! {
 }
 
 impl Estimator {
-    /// Those that estimate a single run, in the order of a comparison.
+    /// Estimators of a single run, in the order of a comparison.
     pub const OF_RUNS: [Self; 5] =
         [Self::Ls, Self::Iv, Self::RefinedIv, Self::OutputError, Self::PredictionError];
-    /// Those that estimate from pooled sub-experiments.
+    /// Estimators from pooled sub-experiments.
     pub const POOLED: [Self; 6] =
         [Self::Ls, Self::Iv, Self::RefinedIv, Self::Auto, Self::OutputError, Self::PredictionError];
-    /// Those of them that are quick enough to be compared where nobody says which.
+    /// Those of them that are fast enough for a comparison by default.
     pub const COMPARED: [Self; 5] = [Self::Ls, Self::Iv, Self::RefinedIv, Self::Auto, Self::OutputError];
-    /// Those whose accuracy a design predicts.
+    /// Estimators whose accuracy a design predicts.
     pub const PREDICTED: [Self; 2] = [Self::Iv, Self::OutputError];
 
-    /// Whether instruments are simulated for it, so that collinear ones leave it without an answer.
+    /// Whether it uses simulated instruments, so that it has no estimate if they are collinear.
     pub fn by_instruments(self) -> bool {
         matches!(self, Self::Iv | Self::RefinedIv)
     }
 
-    /// Seconds that a thread takes for a row of a run, to the order: the paper's campaign of 800,000 rows on a server of 2024.
+    /// Seconds per row of a run and thread, order of magnitude: the paper's campaign of 800,000 rows on a server of
+    /// 2024.
     pub fn seconds_per_row(self) -> f64 {
         match self {
             Self::Ls | Self::Iv | Self::Auto => 2e-7,

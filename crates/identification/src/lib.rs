@@ -1,12 +1,13 @@
 //! Estimation of a vessel's parameters from measured runs, and validation of the estimates.
 //!
-//! Least squares and instrumental variables come from `regression`. What minimises errors of simulations and predictions, what a
-//! model is found to lack, and the statements about pooled estimates stand here. Symbols: see `docs/notation.md`.
+//! Least squares and instrumental variables come from `regression`. This crate has the estimators that minimise
+//! errors of simulations and predictions, the tests of what a model lacks, and the statements about pooled estimates.
+//! Symbols: see `docs/notation.md`.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod beside;
+mod additional;
 pub mod criticism;
 mod estimator;
 pub mod pooled;

@@ -14,24 +14,24 @@ pub const MOST_WITHOUT_ESTIMATE: f64 = 0.01;
 pub struct Contender {
     /// Which.
     pub estimator: Estimator,
-    /// Its errors, in the same order of runs for all contenders; none where there is no error to tell.
+    /// Its errors, in the same order of runs for all contenders; `None` without an error.
     pub errors: Vec<Option<f64>>,
     /// Runs without an estimate.
     pub without_estimate: usize,
 }
 
-/// What the runs say.
+/// The recommendation from the runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recommendation {
     /// The estimator of least median error among those that estimate nearly every run.
     pub least: Estimator,
     /// Its median error.
     pub median: f64,
-    /// The others of those.
+    /// The others among those.
     pub others: Vec<Other>,
 }
 
-/// An estimator beside that of least median error.
+/// An estimator compared with that of least median error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Other {
     /// Which.
@@ -43,7 +43,7 @@ pub struct Other {
 }
 
 impl Recommendation {
-    /// Compares the contenders run by run; `None` where each leaves too many runs without an estimate.
+    /// Compares the contenders run by run; `None` if each leaves too many runs without an estimate.
     pub fn new(contenders: &[Contender]) -> Option<Self> {
         let median = |c: &&Contender| quantile(&sorted(c.errors.iter().copied()), 0.5);
         let admitted: Vec<(&Contender, f64)> =
@@ -57,14 +57,14 @@ impl Recommendation {
         })
     }
 
-    /// The recommended estimator: that of least median error, where the runs can tell it from each of the others.
+    /// The recommended estimator: that of least median error, if the runs distinguish it from each of the others.
     pub fn estimator(&self) -> Option<Estimator> {
-        self.others.iter().all(Other::is_told_apart).then_some(self.least)
+        self.others.iter().all(Other::is_distinguished).then_some(self.least)
     }
 
     /// The estimator of least median error, and those that the runs cannot tell from it.
     pub fn candidates(&self) -> Vec<Estimator> {
-        let close = self.others.iter().filter(|other| !other.is_told_apart()).map(|other| other.estimator);
+        let close = self.others.iter().filter(|other| !other.is_distinguished()).map(|other| other.estimator);
         std::iter::once(self.least).chain(close).collect()
     }
 }
@@ -83,7 +83,7 @@ impl Other {
     }
 
     /// Whether its errors are the larger ones beyond chance: the interval of the difference lies above 0.
-    fn is_told_apart(&self) -> bool {
+    fn is_distinguished(&self) -> bool {
         self.interval[0] > 0.0
     }
 }

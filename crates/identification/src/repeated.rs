@@ -2,11 +2,11 @@
 
 use numerics::statistics::{mean, quantile, sorted, spread};
 
-/// Standard errors are trusted where they are this close to the spread that they predict, relatively.
+/// Standard errors are trusted if their relative difference from the spread that they predict is at most this.
 pub const TRUSTED: f64 = 0.15;
 
-/// One parameter over the runs that have an estimate. Relative figures are over the modulus of the truth, and absent where it
-/// is not known or 0.
+/// One parameter over the runs that have an estimate. Relative figures are over the modulus of the truth, and absent
+/// if it is unknown or 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RepeatedEstimates {
     /// Mean estimate.
@@ -35,7 +35,7 @@ impl RepeatedEstimates {
         }
     }
 
-    /// Predicted standard error over the spread: near 1 where standard errors can be trusted.
+    /// Predicted standard error over the spread: near 1 if standard errors can be trusted.
     pub fn se_ratio(&self) -> Option<f64> {
         let spread = self.spread.filter(|spread| *spread > 0.0)?;
         Some(self.predicted_se? / spread)

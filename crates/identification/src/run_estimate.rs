@@ -9,11 +9,11 @@ pub struct RunEstimate {
     pub run: i32,
     /// The estimator.
     pub estimator: Estimator,
-    /// Whether there is an estimate, and if not why.
+    /// Whether there is an estimate, and if not, why.
     pub status: EstimateStatus,
-    /// θ̂ (surge, sway, yaw) and its standard errors, where there is one.
+    /// θ̂ (surge, sway, yaw) and its standard errors, if there is one.
     pub estimate: Option<(Vec<f64>, Vec<f64>)>,
-    /// Condition number per degree of freedom; infinite where a direction is not excited.
+    /// Condition number per degree of freedom; infinite if a direction is not excited.
     pub condition: [f64; 3],
     /// Name of the parameter that dominates the weakest direction, per degree of freedom.
     pub weakest: [String; 3],

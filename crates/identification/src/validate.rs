@@ -12,7 +12,7 @@ pub enum FreeRun {
 }
 
 impl FreeRun {
-    /// The 2-norm of the three errors, as numbers; `None` where it diverged.
+    /// The 2-norm of the three errors, as numbers; `None` if it diverged.
     pub fn norm(&self) -> Option<f64> {
         match self {
             Self::Rmse(rmse) => Some(rmse_norm(*rmse)),
@@ -39,7 +39,7 @@ pub fn free_runs(
     free_runs_over(model, parameters, Number::numbers(exogenous), reference)
 }
 
-/// The same: compiled here, not in every crate that calls it.
+/// The same, compiled here and not in every crate that calls it.
 fn free_runs_over(
     model: &Model,
     parameters: &[Lane],
@@ -83,7 +83,7 @@ where
     })
 }
 
-/// Sums of squared errors of u, v and r, and a number above zero where one of them was beyond every bound.
+/// Sums of squared errors of u, v and r, and a positive number if one of them exceeded the bound.
 #[inline(always)]
 fn squared_errors<const G: usize, E: Number>(
     model: &mut Compiled<Wide<G>>,
@@ -112,7 +112,7 @@ where
     (squares, beyond)
 }
 
-/// The 2-norm over the parameters of (θ̂ − θ)/θ. `None` where a true value is zero.
+/// The 2-norm over the parameters of (θ̂ − θ)/θ. `None` if a true value is zero.
 pub fn parameter_error(estimate: &[f64], truth: &[f64]) -> Option<f64> {
     if truth.contains(&0.0) {
         return None;

@@ -5,7 +5,7 @@ use numerics::{GROUPS, LANES, Lane, Wide};
 use crate::validate::{free_runs_of, rmse_norm};
 use crate::{EstimateStatus, Estimator, FreeRun, RunEstimate, ScoreStatus, parameter_error};
 
-/// What an estimate is worth in free simulation over the validation runs.
+/// The score of an estimate in free simulations over the validation runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunScore {
     /// The design of the run that was estimated.
@@ -14,17 +14,17 @@ pub struct RunScore {
     pub run: i32,
     /// The estimator.
     pub estimator: Estimator,
-    /// What became of its model.
+    /// The status of its model.
     pub status: ScoreStatus,
-    /// ‖(θ̂ − θ)/θ‖, where there is an estimate and the truth is known.
+    /// ‖(θ̂ − θ)/θ‖, if there is an estimate and the truth is known.
     pub parameter_error: Option<f64>,
-    /// RMSE in u, v \[m/s\] and r \[rad/s\], where the simulation did not diverge.
+    /// RMSE in u, v \[m/s\] and r \[rad/s\], if the simulation did not diverge.
     pub rmse: [Option<f64>; 3],
     /// Their norm.
     pub simulation_error: Option<f64>,
 }
 
-/// What is scored: whose it is, and θ̂ where there is one.
+/// A candidate to be scored: its origin, and θ̂ if there is one.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate<'a> {
     /// The design of the run that was estimated.
@@ -33,7 +33,7 @@ pub struct Candidate<'a> {
     pub run: i32,
     /// The estimator.
     pub estimator: Estimator,
-    /// Whether there is an estimate, and if not why.
+    /// Whether there is an estimate, and if not, why.
     pub status: EstimateStatus,
     /// θ̂: surge, sway, yaw.
     pub parameters: Option<&'a [f64]>,
@@ -54,7 +54,7 @@ pub struct ValidationRuns<'a> {
 }
 
 impl<'a> ValidationRuns<'a> {
-    /// Of `runs`; without any there is nothing to score.
+    /// From `runs`; `None` without any.
     pub fn new(vessel: &'a Vessel, runs: Vec<Run>) -> Option<Self> {
         (!runs.is_empty()).then_some(Self { vessel, runs })
     }
@@ -64,12 +64,12 @@ impl<'a> ValidationRuns<'a> {
         self.runs.iter().map(|run| run.samples() as u64).sum()
     }
 
-    /// Scores of `estimates`; parameter errors where the `truth` is known.
+    /// Scores of `estimates`; parameter errors if the `truth` is known.
     pub fn score(&self, estimates: &[RunEstimate], truth: Option<&[f64]>) -> Vec<RunScore> {
         self.scores(&estimates.iter().map(Candidate::from).collect::<Vec<_>>(), truth)
     }
 
-    /// [`Self::score`] of what is known of estimates.
+    /// [`Self::score`] of candidates.
     pub fn scores(&self, candidates: &[Candidate], truth: Option<&[f64]>) -> Vec<RunScore> {
         let some = |chunk: &[Candidate]| match chunk.len() {
             0..=LANES => self.score_groups::<1>(chunk, truth),

@@ -25,7 +25,7 @@ pub(crate) fn search(
         if watch.lower >= search.upper() {
             break;
         }
-        if !watch.go_on(1) {
+        if !watch.keep_going(1) {
             return Verdict::stopped(search.plan, watch.lower, Limit::Time);
         }
         if search.nodes.bytes() + search.queue.bytes() > memory || !search.nodes.has_capacity() {

@@ -42,7 +42,7 @@ pub(crate) fn search(
             }
             followed += 1;
             let is_full = nodes.bytes() + queued * QUEUED_BYTES > memory;
-            if (followed > width && total > 0) || is_full || !watch.go_on(1) {
+            if (followed > width && total > 0) || is_full || !watch.keep_going(1) {
                 break;
             }
             nodes.at_mut(index).closed = true;

@@ -52,7 +52,7 @@ impl<T: Copy + Default> ByNode<T> {
         let mut offsets = vec![0; nodes + 1];
         for (node, _) in entries() {
             offsets[node as usize + 1] += 1;
-            watch.go_on(1).then_some(())?;
+            watch.keep_going(1).then_some(())?;
         }
         for node in 0..nodes {
             offsets[node + 1] += offsets[node];
@@ -63,7 +63,7 @@ impl<T: Copy + Default> ByNode<T> {
             let at = &mut next[node as usize];
             sorted[*at as usize] = entry;
             *at += 1;
-            watch.go_on(1).then_some(())?;
+            watch.keep_going(1).then_some(())?;
         }
         Some(Self { offsets, entries: sorted })
     }

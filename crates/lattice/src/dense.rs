@@ -134,7 +134,7 @@ impl<'a, D: Stored> Dense<'a, D> {
                     return Ended::Goal(node, key);
                 }
             }
-            if !watch.go_on(1) {
+            if !watch.keep_going(1) {
                 return Ended::Stopped;
             }
             if self.relax(&mut queue, key, vector, node).is_none() {

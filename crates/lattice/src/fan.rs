@@ -83,7 +83,7 @@ impl<const W: usize> Fans<W> {
         let mut onward = fan(graph, &classes, |class| class == Class::Onward);
         let mut arcs = Vec::new();
         for node in 0..graph.len() as u32 {
-            if !watch.go_on(1) {
+            if !watch.keep_going(1) {
                 return None;
             }
             arcs.clear();

@@ -145,11 +145,11 @@ impl ProblemFile {
         Demand::new(lattice, &self.actions().0)
     }
 
-    /// [`Self::into_problem`] with a poll; `None` once `go_on` returns false.
+    /// [`Self::into_problem`] with a poll; `None` once `keep_going` returns false.
     ///
     /// # Errors
     /// As [`Self::into_problem`].
-    pub fn into_problem_while(&self, go_on: &dyn Fn() -> bool) -> Result<Option<Problem>, Invalid> {
+    pub fn into_problem_while(&self, keep_going: &dyn Fn() -> bool) -> Result<Option<Problem>, Invalid> {
         SchemaId { schema: self.schema.clone() }.check()?;
         self.check_map()?;
         self.check_moves()?;
@@ -158,8 +158,8 @@ impl ProblemFile {
         let (actions, moves) = self.actions();
         // Refuses a bad start or goal before the map is processed, and moves with it.
         crate::validate::ends(&lattice, pose(self.start), &Goal::Poses(vec![pose(self.goal)]))?;
-        let Some(free) = self.free_cells(&moves, go_on) else { return Ok(None) };
-        let mut poll = Poll::new(go_on);
+        let Some(free) = self.free_cells(&moves, keep_going) else { return Ok(None) };
+        let mut poll = Poll::new(keep_going);
         let allowed = |id: crate::MoveId, i: usize, j: usize| {
             poll.proceed() && free[id.action][id.index][j * lattice.nx + i]
         };
@@ -189,9 +189,13 @@ impl ProblemFile {
     }
 
     /// By action, move and cell: whether the swept boxes are free. `None` if cancelled.
-    fn free_cells(&self, moves: &[&[MoveFile]], go_on: &dyn Fn() -> bool) -> Option<Vec<Vec<Vec<bool>>>> {
+    fn free_cells(
+        &self,
+        moves: &[&[MoveFile]],
+        keep_going: &dyn Fn() -> bool,
+    ) -> Option<Vec<Vec<Vec<bool>>>> {
         let cells = FreeCells::new(self.lattice);
-        let of = |one: &MoveFile| go_on().then(|| cells.of(&self.bounds, &self.obstacles, &one.swept));
+        let of = |one: &MoveFile| keep_going().then(|| cells.of(&self.bounds, &self.obstacles, &one.swept));
         let of_action = |moves: &&[MoveFile]| moves.iter().map(of).collect();
         moves.iter().map(of_action).collect()
     }

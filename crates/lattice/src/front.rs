@@ -28,7 +28,7 @@ pub fn front(
     let mut watch = Watch::new(problem, options.poll_every, keep_going);
     let reach = Reach::new(problem, &mut watch)?;
     let Some(graph) = Graph::new(problem, &reach, &mut watch) else {
-        return watch.go_on(0).then(|| points(problem, &vec![None; vectors as usize]));
+        return watch.keep_going(0).then(|| points(problem, &vec![None; vectors as usize]));
     };
     drop(reach);
     let step = layered::step(&graph);

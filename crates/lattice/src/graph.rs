@@ -45,7 +45,7 @@ impl<'a> Graph<'a> {
         for (node, &pose) in poses.iter().enumerate() {
             nodes[pose as usize] = node as u32;
         }
-        if !watch.go_on(all as u64) {
+        if !watch.keep_going(all as u64) {
             return None;
         }
         let is_goal: Vec<bool> = poses.iter().map(|&pose| is_goal(problem, pose)).collect();
@@ -60,7 +60,7 @@ impl<'a> Graph<'a> {
             let mut arcs = ByNode::with_capacity(self.len(), self.arc_count());
             for node in 0..self.len() as u32 {
                 arcs.push(self.ways(node));
-                watch.go_on(1).then_some(())?;
+                watch.keep_going(1).then_some(())?;
             }
             self.arcs.get_or_init(|| arcs);
         }
@@ -68,7 +68,7 @@ impl<'a> Graph<'a> {
             let back = backward(self.laid_out(), self.len(), watch)?;
             self.back.get_or_init(|| back);
         }
-        watch.go_on(self.len() as u64).then_some(())
+        watch.keep_going(self.len() as u64).then_some(())
     }
 
     fn laid_out(&self) -> &ByNode<Arc> {
@@ -169,7 +169,7 @@ pub(crate) fn reached(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>>
     reached[start] = true;
     let mut stack = vec![start as u32];
     while let Some(pose) = stack.pop() {
-        if !watch.go_on(1) {
+        if !watch.keep_going(1) {
             return None;
         }
         for arc in problem.arcs(pose as usize) {
@@ -191,7 +191,7 @@ fn homing(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>> {
     let mut stack: Vec<u32> = goals.iter().map(|&pose| problem.lattice().number(pose) as u32).collect();
     stack.iter().for_each(|&pose| homing[pose as usize] = true);
     while let Some(pose) = stack.pop() {
-        if !watch.go_on(1) {
+        if !watch.keep_going(1) {
             return None;
         }
         for arc in problem.arcs_into(pose as usize) {

@@ -118,7 +118,7 @@ impl Search<'_> {
             self.plan = found.or(self.plan.take());
             self.note(watch);
         }
-        watch.go_on(0).then_some(())
+        watch.keep_going(0).then_some(())
     }
 
     /// A table per action that tracks its own count, as far as memory allows.

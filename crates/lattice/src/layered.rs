@@ -200,7 +200,7 @@ impl<'a, const W: usize> Layered<'a, W> {
                 }
                 at_goal(block, new, level);
             }
-            if !watch.go_on(self.touched.len() as u64) {
+            if !watch.keep_going(self.touched.len() as u64) {
                 return Level::Stopped;
             }
             self.leave(block);

@@ -120,7 +120,7 @@ fn exhaustive(graph: &Graph, options: &Options, has_plan: bool, watch: &mut Watc
 /// Bounds and beams, and if they leave a gap the exhaustive search.
 pub(crate) fn bounds_first(graph: &Graph, options: &Options, watch: &mut Watch) -> Verdict {
     let root = lagrangian::search(graph, memory(graph, options), Depth::Root, watch);
-    if root.stopped_by.is_none() || !watch.go_on(0) {
+    if root.stopped_by.is_none() || !watch.keep_going(0) {
         return root;
     }
     let verdict = exhaustive(graph, options, root.plan.is_some(), watch);

@@ -94,7 +94,7 @@ impl Table {
             graph.goals.iter().for_each(|&goal| self.values[goal as usize] = 0);
         }
         for node in 0..self.nodes as u32 {
-            watch.go_on(1).then_some(())?;
+            watch.keep_going(1).then_some(())?;
             for index in graph.range(node) {
                 let arc = graph.arc(index);
                 let (key, Some(slot)) = graph.price(arc.step) else { continue };
@@ -138,7 +138,7 @@ impl Table {
             }
         }
         while let Some((key, node)) = queue.pop() {
-            watch.go_on(1).then_some(())?;
+            watch.keep_going(1).then_some(())?;
             if self.values[base + node as usize] - least != key as i64 {
                 continue;
             }

@@ -63,7 +63,7 @@ impl<'a, 'b> Watch<'a, 'b> {
     }
 
     /// Counts work; returns false once the search is cancelled.
-    pub fn go_on(&mut self, work: u64) -> bool {
+    pub fn keep_going(&mut self, work: u64) -> bool {
         self.work += work;
         if !self.stopped && self.work - self.polled_at >= self.every {
             self.polled_at = self.work;
@@ -87,7 +87,7 @@ const AT_ONCE: usize = 1 << 18;
 pub(crate) fn filled<T: Copy>(count: usize, value: T, watch: &mut Watch) -> Option<Vec<T>> {
     let mut all = Vec::with_capacity(count);
     while all.len() < count {
-        watch.go_on(AT_ONCE as u64).then_some(())?;
+        watch.keep_going(AT_ONCE as u64).then_some(())?;
         all.resize((all.len() + AT_ONCE).min(count), value);
     }
     Some(all)
@@ -95,23 +95,23 @@ pub(crate) fn filled<T: Copy>(count: usize, value: T, watch: &mut Watch) -> Opti
 
 /// Polls a callback every few thousand calls, and remembers a cancellation.
 pub struct Poll<'a> {
-    go_on: &'a dyn Fn() -> bool,
+    keep_going: &'a dyn Fn() -> bool,
     times: u32,
     /// Whether the callback returned false.
     pub stopped: bool,
 }
 
 impl<'a> Poll<'a> {
-    /// Polls `go_on`.
-    pub fn new(go_on: &'a dyn Fn() -> bool) -> Self {
-        Self { go_on, times: 0, stopped: false }
+    /// Polls `keep_going`.
+    pub fn new(keep_going: &'a dyn Fn() -> bool) -> Self {
+        Self { keep_going, times: 0, stopped: false }
     }
 
     /// Returns false once cancelled.
     pub fn proceed(&mut self) -> bool {
         self.times = self.times.wrapping_add(1);
         if self.times.is_multiple_of(1 << 16) {
-            self.stopped |= !(self.go_on)();
+            self.stopped |= !(self.keep_going)();
         }
         !self.stopped
     }

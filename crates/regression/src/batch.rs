@@ -3,16 +3,16 @@ use std::ops::Range;
 use model::Model;
 use numerics::{LANES, Lane, Number, Numbers};
 
-/// [`LANES`] runs of N samples side by side. All row-major. What the runs share (`X` = `f64`) is one number per entry
-/// instead of a lane; the results are the same bits.
+/// [`LANES`] runs of N samples side by side. All row-major. Data shared by the runs (`X` = `f64`) is one number per
+/// entry instead of a lane; the results have the same bits.
 #[derive(Clone, Copy, Debug)]
 pub struct Batch<'a, X = Lane> {
     /// The model structure.
     pub model: &'a Model,
     /// Measured states u, v \[m/s\], r \[rad/s\]: (N+1) × 3.
     pub measured: &'a [Lane],
-    /// States that the instruments are formed with: (N+1) × 3. Of a nominal simulation for instrumental variables, the
-    /// measured ones themselves for least squares.
+    /// The states that the instruments are evaluated at: (N+1) × 3. For instrumental variables those of a nominal
+    /// simulation, for least squares the measured ones.
     pub instrument_states: &'a [X],
     /// Inputs and measured disturbances: N × exogenous.
     pub exogenous: &'a [X],
@@ -20,14 +20,15 @@ pub struct Batch<'a, X = Lane> {
     pub segments: [&'a [usize]; LANES],
 }
 
-/// A batch by what its runs share: passes over one are compiled here, not in every crate and test that calls them.
+/// A batch with its number type erased, so that passes are compiled here and not in every crate and test that calls
+/// them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum AnyBatch<'a> {
     Lanes(Batch<'a, Lane>),
     Shared(Batch<'a, f64>),
 }
 
-/// What a pass over a batch of either kind comes to, [`numerics::vectorized!`].
+/// The result of a pass over a batch of either kind, [`numerics::vectorized!`].
 macro_rules! over_batch {
     ($any:expr, |$batch:ident| $pass:expr) => {
         match $any {
@@ -49,7 +50,7 @@ impl<'a> AnyBatch<'a> {
 }
 
 impl<'a, X: Number> Batch<'a, X> {
-    /// The same batch, `X` told.
+    /// This batch with its number type erased.
     pub(crate) fn any(&self) -> AnyBatch<'a> {
         let Self { model, measured, segments, .. } = *self;
         match (X::numbers(self.instrument_states), X::numbers(self.exogenous)) {
@@ -71,7 +72,7 @@ impl<X> Batch<'_, X> {
     }
 }
 
-/// Samples `range`, `N` at a time: (first, count).
+/// Splits `range` into blocks of `N` samples: (first, count).
 pub(crate) fn parts<const N: usize>(range: Range<usize>) -> impl Iterator<Item = (usize, usize)> {
     let end = range.end;
     range.step_by(N).map(move |k| (k, N.min(end - k)))

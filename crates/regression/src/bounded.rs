@@ -1,19 +1,20 @@
 //! Normal equations whose solution stays within bounds.
 //!
-//! The solution is that of the box-constrained linear complementarity problem: every parameter either solves its own equation,
-//! or lies at a bound that its equation pulls it beyond. With the regressors as instruments this is the least-squares estimate
-//! within the bounds. With other instruments nothing is minimised: parameters at a bound are held, and their equations left out.
+//! The solution is that of the box-constrained linear complementarity problem: every parameter either solves its own
+//! equation, or lies at a bound that the solution of its equation is beyond. With the regressors as instruments this
+//! is the least-squares estimate within the bounds. With other instruments nothing is minimised: parameters at a
+//! bound are fixed, and their equations left out.
 
 use std::collections::BTreeMap;
 
 use numerics::times;
 
-/// Most often that a parameter is held or let go; a problem with one solution takes far fewer.
+/// Maximum number of pivots; a problem with a unique solution takes far fewer.
 const FLIPS: usize = 1000;
-/// Share of an equation's terms below which what is left of it is rounding.
+/// Share of an equation's terms below which its residual is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Where a parameter is.
+/// Whether a parameter is free or fixed at a bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
     Free,
@@ -26,20 +27,21 @@ pub struct Equations<'a> {
     pub a: &'a [f64],
     /// b: p entries.
     pub b: &'a [f64],
-    /// Lower and upper bound by the place of the parameter, infinite at open ends; those of others are not bounded.
+    /// Lower and upper bound by the index of the parameter, infinite at open ends; the other parameters are not
+    /// bounded.
     pub bounds: &'a BTreeMap<usize, [f64; 2]>,
 }
 
-/// θ and the gain within the bounds, from what they would be without, `theta`; or the index of a parameter that is not
-/// excited. `solve` solves the equations of some parameters with right-hand sides of their own. Parameters are held and let go
-/// one by one, the first that asks for it first: Murty's method, which ends where there is one solution only.
+/// Estimates θ and the gain within the bounds, starting from the unbounded solution `theta`. Parameters are fixed and
+/// freed one by one, the first violation first: Murty's method, which terminates if the solution is unique.
 ///
-/// `theta` has p entries. The gain is p × p, row-major: empty where `theta` is the solution, else 0 in rows and columns of what is held.
-/// `solve` is handed the places of n parameters and their n right-hand sides. It answers with their values and the n × n inverse of
-/// their block of A, or with the place among them of one that is not excited.
+/// `theta` has p entries. The gain is p × p, row-major: empty if `theta` is the solution, else 0 in the rows and
+/// columns of fixed parameters. `solve` is called with the indices of n parameters and their n right-hand sides. It
+/// returns their values and the n × n inverse of their block of A, or the position among them of one that is not
+/// excited.
 ///
 /// # Errors
-/// The place of a parameter that is not excited, or of one that has bounds where no solution is found.
+/// The index of a parameter that is not excited, or of a bounded one if no solution is found.
 pub fn bounded(
     equations: &Equations,
     mut theta: Vec<f64>,
@@ -60,7 +62,8 @@ pub fn bounded(
     equations.bounds.keys().next().map_or(Err(0), |i| Err(*i))
 }
 
-/// Where parameter `i` should be: a free one beyond a bound at the bound, a held one that its equation pulls back free.
+/// The state that parameter `i` should have: a free one beyond a bound is fixed there, a fixed one is freed if its
+/// equation points inside.
 fn wanted(equations: &Equations, theta: &[f64], place: Place, i: usize, [low, high]: [f64; 2]) -> Place {
     match place {
         Place::Free if theta[i] < low => Place::Held(low),
@@ -74,7 +77,7 @@ fn wanted(equations: &Equations, theta: &[f64], place: Place, i: usize, [low, hi
     }
 }
 
-/// What is left of equation `i`, b − Aθ, and what of it is rounding.
+/// The residual b − Aθ of equation `i`, and the part of it that is rounding.
 fn pull(equations: &Equations, theta: &[f64], i: usize) -> (f64, f64) {
     let p = theta.len();
     let terms = equations.a[i * p..(i + 1) * p].iter().zip(theta).map(|(a, t)| a * t);
@@ -82,7 +85,7 @@ fn pull(equations: &Equations, theta: &[f64], i: usize) -> (f64, f64) {
     (equations.b[i] - terms.sum::<f64>(), ROUNDING * sizes)
 }
 
-/// θ and the gain with some parameters held.
+/// θ and the gain with some parameters fixed.
 fn solved(
     equations: &Equations,
     places: &[Place],
@@ -106,7 +109,7 @@ fn solved(
     Ok((theta, gain))
 }
 
-/// Rows of a p × p gain that are not zero, by its entries: parameters that are estimated and not held.
+/// The number of nonzero rows of a p × p gain, given by its entries: parameters that are estimated and not fixed.
 pub(crate) fn estimated(p: usize, gain: impl Fn(usize) -> f64) -> usize {
     (0..p).filter(|row| (row * p..(row + 1) * p).any(|k| gain(k) != 0.0)).count()
 }

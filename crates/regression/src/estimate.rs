@@ -21,7 +21,7 @@ pub struct Estimate {
     pub standard_errors: Vec<f64>,
 }
 
-/// What the estimation of one run came to.
+/// The outcome of the estimation from one run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     /// An estimate.
@@ -32,24 +32,24 @@ pub enum Outcome {
     TooShort,
 }
 
-/// What an estimate needs to know of the instruments alone: computed once for all batches that share model, instrument
-/// states, inputs and segments.
+/// The part of an estimate that depends on the instruments alone: computed once for all batches that share model,
+/// instrument states, inputs and segments.
 pub struct Instruments {
     removal: MeanRemoval,
-    /// By first sample and end of a group; lanes with the same group share the pass over the data. A group is summed in
-    /// one piece, so that a run's numbers do not depend on where its neighbours' segments start.
+    /// By first sample and end of a group; lanes with the same group share the pass over the data. A group is summed
+    /// as a whole, so that a run's result does not depend on where its neighbours' segments start.
     sums: BTreeMap<(usize, usize), LaneSums>,
     /// Per run its groups with the instruments' means, one per parameter.
     means: [Vec<Group>; LANES],
     squares: InstrumentSquares,
-    /// ζ, where runs share it.
+    /// ζ, if the runs share it.
     kept: Kept,
     /// Which degrees of freedom have a term 1, whose parameter is the intercept.
     constant: [bool; 3],
 }
 
 impl Instruments {
-    /// The instruments of `batch`; what was measured does not matter.
+    /// The instruments of `batch`; its measured states are not used.
     pub fn new<X: Number>(batch: &Batch<X>, removal: MeanRemoval) -> Self {
         let (mut sums, kept) = (BTreeMap::new(), Kept::of(batch.any()));
         let means: [Vec<Group>; LANES] = std::array::from_fn(|lane| {
@@ -69,8 +69,8 @@ impl Instruments {
         Self { removal, sums, means, squares, kept, constant }
     }
 
-    /// Estimates every run of a batch with these instruments: instrumental variables, or least squares where they are the
-    /// measured states.
+    /// Estimates every run of a batch with these instruments: instrumental variables, or least squares if they are
+    /// the measured states.
     pub fn estimate<X: Number>(&self, batch: &Batch<X>) -> Vec<Outcome> {
         self.fit(batch).0
     }
@@ -82,7 +82,7 @@ impl Instruments {
         outcomes.into_iter().zip((0..LANES).map(excitation)).collect()
     }
 
-    /// Estimates, and the equations that they solve.
+    /// The estimates and their normal equations.
     fn fit<X: Number>(&self, batch: &Batch<X>) -> (Vec<Outcome>, [Normal<Lane>; 3]) {
         let groups = self.groups(batch);
         let centred = self.removal != MeanRemoval::None;
@@ -106,7 +106,7 @@ impl Instruments {
         (unsolved.into_iter().enumerate().map(found).collect(), normals)
     }
 
-    /// All sums of a batch. Groups of runs with fewer than others are empty.
+    /// All sums of a batch. Runs with fewer groups than others have empty ones.
     fn groups<X: Number>(&self, batch: &Batch<X>) -> Vec<[DegreeSums<Lane>; 3]> {
         let sums: BTreeMap<_, LaneSums> = self
             .sums
@@ -139,7 +139,7 @@ impl Instruments {
         })
     }
 
-    /// How many intercepts degree of freedom `d` of a lane has.
+    /// The number of intercepts of degree of freedom `d` of a lane.
     fn intercepts_of(&self, d: usize, lane: usize) -> usize {
         if self.removal != MeanRemoval::None && !self.constant[d] { self.means[lane].len() } else { 0 }
     }
@@ -184,14 +184,14 @@ impl Instruments {
                 let gamma0 = residuals.lag0[d] / freedom[d];
                 let within = |gamma1: f64, gamma0: f64| gamma1.max(-0.5 * gamma0).min(0.5 * gamma0);
                 let gamma1 = (residuals.lag1[d] / freedom[d]).each(gamma0, within);
-                let mut middle = vec![Lane::ZERO; p * p];
+                let mut meat = vec![Lane::ZERO; p * p];
                 for i in 0..p {
                     for (j, (squares, neighbours)) in (i..p).zip(pairs.by_ref()) {
-                        middle[i * p + j] = gamma0 * *squares + gamma1 * *neighbours;
-                        middle[j * p + i] = middle[i * p + j];
+                        meat[i * p + j] = gamma0 * *squares + gamma1 * *neighbours;
+                        meat[j * p + i] = meat[i * p + j];
                     }
                 }
-                let variance = |row: &[Lane]| quadratic(row, &middle).each(Lane::ZERO, f64::max);
+                let variance = |row: &[Lane]| quadratic(row, &meat).each(Lane::ZERO, f64::max);
                 errors.extend(inverse.chunks_exact(p.max(1)).map(|row| variance(row).sqrt()));
             }
             errors
@@ -216,7 +216,7 @@ pub(crate) struct Run {
     pub centred: bool,
 }
 
-/// θ̂ of one run and what its covariance needs.
+/// θ̂ of one run and the terms of its covariance.
 pub(crate) struct Solved {
     pub theta: Vec<f64>,
     inverses: Vec<Vec<f64>>,
@@ -252,7 +252,7 @@ impl Run {
         Ok(solved)
     }
 
-    /// How many intercepts degree of freedom `d` has.
+    /// The number of intercepts of degree of freedom `d`.
     fn intercepts_of(&self, d: usize) -> usize {
         let constant = self.groups.first().is_some_and(|sums| sums.degrees[d].known.constant);
         if self.centred && !constant { self.groups.len() } else { 0 }
@@ -266,11 +266,11 @@ impl Solved {
     }
 
     /// From A⁻¹ B A⁻ᵀ with B of each degree of freedom, p × p.
-    pub(crate) fn spread(&self, middles: &[Vec<f64>; 3]) -> Vec<f64> {
+    pub(crate) fn spread(&self, meats: &[Vec<f64>; 3]) -> Vec<f64> {
         let mut standard_errors = Vec::with_capacity(self.theta.len());
-        for (inverse, middle) in self.inverses.iter().zip(middles) {
+        for (inverse, meat) in self.inverses.iter().zip(meats) {
             let p = inverse.len().isqrt();
-            let variance = |row: &[f64]| quadratic(row, middle).max(0.0);
+            let variance = |row: &[f64]| quadratic(row, meat).max(0.0);
             standard_errors.extend(inverse.chunks_exact(p).map(|row| variance(row).sqrt()));
         }
         standard_errors

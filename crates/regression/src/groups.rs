@@ -17,7 +17,7 @@ pub(crate) struct Constants<'a, const N: usize> {
     groups: Groups<'a>,
     signals: Vec<[Lane; N]>,
     next: [usize; LANES],
-    /// The samples with this one among them are the next that differ from those before.
+    /// The next sample at which a constant changes.
     changes: usize,
 }
 
@@ -26,7 +26,7 @@ impl<'a, const N: usize> Constants<'a, N> {
         Self { groups, signals: vec![[Lane::ZERO; N]; signals], next: [0; LANES], changes: 0 }
     }
 
-    /// The constants of the samples from `k` on; they are asked for one after the other.
+    /// The constants of the samples from `k` on; called with ascending `k`.
     pub(crate) fn at(&mut self, k: usize) -> &[[Lane; N]] {
         if self.changes < k + N {
             self.changes = usize::MAX;
@@ -35,8 +35,8 @@ impl<'a, const N: usize> Constants<'a, N> {
         &self.signals
     }
 
-    /// The constants at the first of the samples `range`, and until where they hold: over one or more times `N` samples, or over fewer
-    /// to the end of `range`, and zero beyond.
+    /// The constants at the first of the samples `range`, and the end of their validity: after a multiple of `N`
+    /// samples, or at the end of `range`, and zero beyond.
     pub(crate) fn over(&mut self, range: Range<usize>) -> (usize, &[[Lane; N]]) {
         self.at(range.start);
         if range.len() < N {
@@ -50,7 +50,7 @@ impl<'a, const N: usize> Constants<'a, N> {
 
     fn enter(&mut self, k: usize, lane: usize) {
         let groups = self.groups[lane];
-        // A group that began among the last samples holds for all of these.
+        // A group that began among the last samples applies to all of these.
         if let Some(i) = self.next[lane].checked_sub(1) {
             self.hold(lane, 0, &groups[i]);
         }
@@ -66,7 +66,7 @@ impl<'a, const N: usize> Constants<'a, N> {
         }
     }
 
-    /// Lets `group` hold for `lane` from sample `from` of these on.
+    /// Applies `group` to `lane` from sample `from` of these on.
     fn hold(&mut self, lane: usize, from: usize, group: &Group) {
         for (signal, value) in self.signals.iter_mut().zip(&group.constants) {
             signal[from..].iter_mut().for_each(|at| at[lane] = *value);

@@ -1,10 +1,10 @@
-/// Blocks of samples that are left out, one after the other.
+/// Number of blocks of samples that are left out in turn.
 pub const BLOCKS: usize = 10;
-/// Student's t of nine degrees of freedom over the normal distribution's, for intervals of 95 %.
+/// Quantile of Student's t with nine degrees of freedom over that of the normal distribution, for 95 % intervals.
 const STUDENT: f64 = 2.262_157_163 / 1.959_963_985;
 
-/// Covariance of an estimate by what it changes where a block is left out, as `without` says; in units in which 1.96 standard
-/// errors are an interval of 95 %. None where that is not a number.
+/// Jackknife covariance of an estimate, from its changes `without` each block, scaled so that 1.96 standard errors
+/// give a 95 % interval. `None` if it is not finite.
 pub fn jackknife<B>(
     blocks: impl ExactSizeIterator<Item = B>,
     without: impl Fn(B) -> Option<Vec<f64>>,

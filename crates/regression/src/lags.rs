@@ -7,6 +7,6 @@ pub(crate) struct Lags {
 }
 
 impl Lags {
-    /// Sums over no sample.
+    /// Sums over no samples.
     pub(crate) const ZERO: Self = Self { lag0: [Lane::ZERO; 3], lag1: [Lane::ZERO; 3] };
 }

@@ -16,7 +16,8 @@ pub(crate) struct LaneSums {
 }
 
 impl LaneSums {
-    /// What depends on the instruments alone, over samples `range`; zero elsewhere. `kept` is ζ of all samples, where it was kept.
+    /// The sums that depend on the instruments alone, over samples `range`; the others are zero. `kept` is ζ of all
+    /// samples, if stored.
     pub(crate) fn of_instruments(batch: AnyBatch, kept: &Kept, range: Range<usize>) -> Self {
         let mut sums = Self::zero(batch.model(), range);
         over_batch!(batch, |batch| {
@@ -25,7 +26,7 @@ impl LaneSums {
         sums
     }
 
-    /// These sums of instruments with all the others.
+    /// Adds the sums that depend on the measured states.
     pub(crate) fn with_measured(&self, batch: AnyBatch, kept: &Kept) -> Self {
         let mut sums = self.clone();
         over_batch!(batch, |batch| {
@@ -34,7 +35,7 @@ impl LaneSums {
         sums
     }
 
-    /// Nothing but the number of samples.
+    /// Zero sums with the number of samples.
     fn zero(model: &Model, range: Range<usize>) -> Self {
         let mut degrees = model.degrees.each_ref().map(DegreeSums::of);
         let count = Lane::splat(range.len() as f64);
@@ -48,12 +49,12 @@ impl LaneSums {
         Sums { samples: self.range.len() as u64, degrees }
     }
 
-    /// The sums of all lanes, where all have the same samples.
+    /// The sums of all lanes, which have the same samples.
     pub(crate) fn whole(self) -> [DegreeSums<Lane>; 3] {
         self.degrees
     }
 
-    /// These sums in one lane of `degrees`, which hold those of others in other lanes.
+    /// Writes these sums into one lane of `degrees`.
     pub(crate) fn put(&self, lane: usize, degrees: &mut [DegreeSums<Lane>; 3]) {
         degrees.iter_mut().zip(&self.degrees).for_each(|(own, other)| own.take(lane, other));
     }
@@ -71,7 +72,7 @@ impl DegreeSums<Lane> {
         }
     }
 
-    /// Takes one lane of `other`.
+    /// Copies one lane of `other`.
     fn take(&mut self, lane: usize, other: &Self) {
         for (own, other) in [
             (&mut self.a, &other.a),

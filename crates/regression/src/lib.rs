@@ -1,9 +1,9 @@
-//! Least squares and instrumental variables: of runs side by side, and pooled.
+//! Least squares and instrumental variables: per run, several at once, and pooled.
 //!
-//! Per degree of freedom the increment of the measured state is regressed on the model's terms,
-//! Δy(k) = y(k+1) − y(k) = φ(k)ᵀθ + c, with instruments ζ(k): the same terms of another signal, usually the nominal
-//! model simulated over the same inputs. φ̃ = \[φ; 1\] and ζ̃ = \[ζ; 1\] are the lifted ones: an intercept c does what
-//! subtracting the instruments' mean does. One pass over the data gives [`Sums`] that add over sub-experiments.
+//! Per degree of freedom the increment of the measured state is regressed on the model's terms, Δy(k) = y(k+1) − y(k)
+//! = φ(k)ᵀθ + c, with instruments ζ(k): the same terms of another signal, usually the nominal model simulated with
+//! the same inputs. φ̃ = \[φ; 1\] and ζ̃ = \[ζ; 1\] are augmented: an intercept c is equivalent to subtracting the
+//! instruments' mean. One pass over the data gives [`Sums`], which add over sub-experiments.
 //!
 //! Runs are computed [`numerics::LANES`] at a time. Symbols: see `docs/notation.md`.
 

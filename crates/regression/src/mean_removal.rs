@@ -2,7 +2,8 @@ use model::{DegreeOfFreedom, Model};
 use refusal::Invalid;
 
 refusal::choices! {
-    /// How the instruments' mean is removed: how many intercepts a degree of freedom has, none, one per segment or one.
+    /// How the instruments' mean is removed: how many intercepts a degree of freedom has, none, one per segment or
+    /// one.
     pub enum MeanRemoval {
         /// Not at all.
         None = "none",
@@ -14,7 +15,7 @@ refusal::choices! {
 }
 
 impl MeanRemoval {
-    /// Refuses intercepts of every segment beside a term 1 of `model`: the constant cannot be told from them.
+    /// Refuses an intercept per segment if `model` has a term 1: the constant cannot be distinguished from them.
     ///
     /// # Errors
     /// Names the parameter.

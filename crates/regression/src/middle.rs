@@ -1,10 +1,10 @@
-//! The middle matrix of the covariance of an instrumental-variable estimate, predicted from stated disturbances.
+//! The meat of the sandwich covariance of an instrumental-variable estimate, predicted from stated disturbances.
 //!
-//! To first order around the undisturbed motion x̄ the residual is
-//! ε_d(k) = e_d(k+1) − e_d(k) − Σ_i J_di(k) (e_i(k) + c_i(k)), J_di = θ_dᵀ ∂φ_d/∂x_i at x̄(k): the measurement error e enters the
-//! increment and the regressors, the current c (none in r) the motion. The vessel's own drift under the current cancels.
-//! Σ_k ζ̃ ε is therefore a sum over independent draws: of e_d(k) times ζ̃(k−1) − (1 + J_dd(k)) ζ̃(k), and of every other
-//! draw times J_di(k) ζ̃(k).
+//! To first order about the undisturbed motion x̄ the residual is ε_d(k) = e_d(k+1) − e_d(k) − Σ_i J_di(k) (e_i(k) +
+//! c_i(k)), J_di = θ_dᵀ ∂φ_d/∂x_i at x̄(k): the measurement error e enters the increment and the regressors, the
+//! current c (none in r) the motion. The vessel's own drift under the current cancels. Σ_k ζ̃ ε is therefore a sum
+//! over independent draws: of e_d(k) times ζ̃(k−1) − (1 + J_dd(k)) ζ̃(k), and of every other draw times J_di(k)
+//! ζ̃(k).
 
 use engine::Compiled;
 use numerics::lanes::lane_of;
@@ -12,7 +12,7 @@ use numerics::{LANES, Lane};
 
 use crate::Batch;
 
-/// Standard deviations of what disturbs a run, white per sample.
+/// Standard deviations of the disturbances of a run, white per sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     /// Of the measured u, v \[m/s\] and r \[rad/s\].
@@ -22,7 +22,8 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Per state the variance of what degree of freedom `d` sees through its slope: errors of the other states, and the current.
+    /// Per state the variance that enters degree of freedom `d` through its slope: errors of the other states, and
+    /// the current.
     #[inline(always)]
     pub(crate) fn others(&self, d: usize) -> [f64; 3] {
         let measurement = |i: usize| if i == d { 0.0 } else { self.measurement[i].powi(2) };
@@ -31,10 +32,10 @@ impl Noise {
     }
 }
 
-/// B = (1/N) Σ over draws of variance × ggᵀ, g what multiplies the draw in Σ ζ̃ ε: per lane and degree of freedom p̃ × p̃,
-/// row-major, symmetric, rows and columns by instrument. `theta`: parameters of the motion; the motion is the batch's
-/// measured states, which must be undisturbed. The draws before the first and after the last regressor belong to the
-/// batch: B of a whole run is exact, sums over maneuvers leave out that neighbours share a draw.
+/// B = (1/N) Σ over draws of variance × ggᵀ, g the factor of the draw in Σ ζ̃ ε: per lane and degree of freedom p̃ ×
+/// p̃, row-major, symmetric, rows and columns by instrument. `theta`: parameters of the motion; the motion is the
+/// batch's measured states, which must be undisturbed. The draws before the first and after the last regressor belong
+/// to the batch: B of a whole run is exact, sums over maneuvers ignore that neighbours share a draw.
 pub fn middle(batch: &Batch, theta: &[f64], noise: &Noise) -> Vec<Vec<Vec<f64>>> {
     let theta: Vec<Lane> = theta.iter().copied().map(Lane::splat).collect();
     let mut own = Compiled::new(batch.model, &theta);
@@ -95,7 +96,7 @@ fn draws(
     degrees
 }
 
-/// Variance of what multiplies ζ̃(k) alone: errors of the other states and the current.
+/// Variance of the draws that multiply ζ̃(k) alone: errors of the other states and the current.
 #[inline(always)]
 fn others(d: usize, slopes: &[Lane; 3], noise: &Noise) -> Lane {
     let mut sum = Lane::ZERO;

@@ -1,9 +1,9 @@
-//! Instrumental variables through the model's own low-pass filter.
+//! Instrumental variables with data prefiltered by the model's own low-pass filter.
 //!
-//! With measurement noise e the residual of the regression is about e(k+1) − a(k) e(k), a = 1 + ∂(φᵀθ)/∂(own state): it
-//! is mostly differences of noise. Passed through the filter f(k) = a(k) f(k−1) + s(k), regressors, instruments and
-//! increments leave e itself, and the estimate comes close to that of least output error: the simplified refined
-//! instrumental variables of Young & Jakeman, *Int. J. Control* 29 (1979), with a pole that follows the states.
+//! With measurement noise e the residual of the regression is about e(k+1) − a(k) e(k), a = 1 + ∂(φᵀθ)/∂(own state):
+//! it is mostly differences of noise. After filtering regressors, instruments and increments with f(k) = a(k) f(k−1) + s(k),
+//! the residual is e itself, and the estimate is close to that of least output error: the simplified refined
+//! instrumental variables of Young & Jakeman, *Int. J. Control* 29 (1979), with a state-dependent pole.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -16,10 +16,10 @@ use crate::estimate::{Run, Solved, ranges};
 use crate::jackknife::{BLOCKS, jackknife};
 use crate::{Batch, DegreeSums, Estimate, MeanRemoval, Noise, Outcome, Sums};
 
-/// Estimates every run of `batch`, whose instrument states were simulated with `parameters`, one lane each: these set the
-/// filter's poles, kept between 0 and 1 − 1/N. The filter starts at rest with every group of samples that has an intercept
-/// of its own. Standard errors follow from `noise` where it is stated (a draw at a joint of groups counts for each of them),
-/// else from what the estimate changes where one of ten blocks of a group's samples is left out.
+/// Estimates every run of `batch`, whose instrument states were simulated with `parameters`, one lane each: these set
+/// the filter's poles, clamped between 0 and 1 − 1/N. The filter starts at rest with every group of samples that has
+/// its own intercept. Standard errors follow from `noise` if it is stated (a draw at the boundary of two groups
+/// counts for both), else from the jackknife over ten blocks of a group's samples.
 pub fn estimate_prefiltered(
     batch: &Batch,
     parameters: &[Lane],
@@ -40,24 +40,24 @@ pub fn estimate_prefiltered(
     };
     let runs: Vec<Run> = (0..LANES).map(run).collect();
     let solved: Vec<Result<Solved, Outcome>> = runs.iter().map(Run::solution).collect();
-    let mut middles = [const { Middles([const { Vec::new() }; 3]) }; LANES];
+    let mut meats = [const { Meats([const { Vec::new() }; 3]) }; LANES];
     for (range, signals) in &signals {
         let own = |lane: usize| ranges(batch, removal, lane).position(|other| other == *range);
-        signals.add_middles(&mut middles, &runs, &solved, noise, own);
+        signals.add_meats(&mut meats, &runs, &solved, noise, own);
     }
-    let finish = |(solved, middles): (Result<Solved, Outcome>, Middles)| {
+    let finish = |(solved, meats): (Result<Solved, Outcome>, Meats)| {
         solved.map_or_else(std::convert::identity, |solved| {
-            let standard_errors = solved.spread(&middles.0);
+            let standard_errors = solved.spread(&meats.0);
             Outcome::Identified(Estimate { parameters: solved.theta, standard_errors })
         })
     };
-    solved.into_iter().zip(middles).map(finish).collect()
+    solved.into_iter().zip(meats).map(finish).collect()
 }
 
-/// cov Σ ζᶜε of one run, p × p per degree of freedom; empty before anything was added.
-struct Middles([Vec<f64>; 3]);
+/// cov Σ ζᶜε of one run, p × p per degree of freedom; empty until something is added.
+struct Meats([Vec<f64>; 3]);
 
-impl Middles {
+impl Meats {
     fn add(&mut self, d: usize, own: impl Iterator<Item = f64>) {
         if self.0[d].is_empty() {
             self.0[d].extend(own);
@@ -97,8 +97,8 @@ impl Block {
         Self { products: vec![Lane::ZERO; p * p], scores: vec![Lane::ZERO; p] }
     }
 
-    /// What A times the change of a run's estimate is where this block is left out: m with (I − A_b A⁻¹) m = Σ_b ζᶜε. Σ_b ζᶜε where
-    /// the block alone determines a parameter.
+    /// A times the change of a run's estimate without this block: m with (I − A_b A⁻¹) m = Σ_b ζᶜε. Σ_b ζᶜε if the
+    /// block alone determines a parameter.
     fn left_out(&self, lane: usize, inverse: &[f64]) -> Option<Vec<f64>> {
         let p = self.scores.len();
         let mut left = product(p, &lane_of(&self.products, lane), inverse);
@@ -118,10 +118,11 @@ impl Signals {
         Self { degrees }
     }
 
-    /// Adds what these samples contribute to `middles`, for runs with an estimate of which they are a group, as `group` says.
-    fn add_middles(
+    /// Adds the contribution of these samples, one group, to the `meats` of the runs that have an estimate and this
+    /// group.
+    fn add_meats(
         &self,
-        middles: &mut [Middles; LANES],
+        meats: &mut [Meats; LANES],
         runs: &[Run],
         solved: &[Result<Solved, Outcome>],
         noise: Option<&Noise>,
@@ -145,16 +146,16 @@ impl Signals {
             let means = &means;
             let own = (0..LANES).filter(|lane| own[*lane]);
             if let Some(noise) = noise {
-                let middle = numerics::vectorized!(degree.responses(d, means, noise));
-                own.for_each(|lane| middles[lane].add(d, middle.iter().map(|m| m[lane])));
+                let meat = numerics::vectorized!(degree.responses(d, means, noise));
+                own.for_each(|lane| meats[lane].add(d, meat.iter().map(|m| m[lane])));
             } else {
                 let blocks = numerics::vectorized!(degree.blocks(&theta, means));
                 for lane in own {
                     if let Ok(solved) = &solved[lane] {
                         let left_out = |block: &Block| block.left_out(lane, solved.inverse(d));
-                        let middle =
+                        let meat =
                             jackknife(blocks.iter(), left_out).unwrap_or_else(|| vec![f64::NAN; p * p]);
-                        middles[lane].add(d, middle.into_iter());
+                        meats[lane].add(d, meat.into_iter());
                     }
                 }
             }
@@ -220,16 +221,16 @@ impl Degree {
         blocks
     }
 
-    /// cov Σ ζᶜε from stated noise, to first order, p × p. With η(k) = ζᶜ(k) + a(k+1) η(k+1), Σ ζᶜε is Σ η times the residuals before
-    /// the filter (see [`crate::middle`]): a draw of the own state's measurement counts ζᶜ, of others and of the current slope
-    /// times η.
+    /// cov Σ ζᶜε from stated noise, to first order, p × p. With η(k) = ζᶜ(k) + a(k+1) η(k+1), Σ ζᶜε is Σ η times the
+    /// residuals before the filter (see [`crate::middle`]): a draw of the own state's measurement error is multiplied
+    /// by ζᶜ, of others and of the current by slope times η.
     #[inline(always)]
     fn responses(&self, d: usize, means: &[Lane], noise: &Noise) -> Vec<Lane> {
         let p = self.parameters;
         let own = Lane::splat(noise.measurement[d].powi(2));
         let others = noise.others(d).map(Lane::splat);
         let (mut pole, mut eta) = (Lane::ZERO, vec![Lane::ZERO; p]);
-        let (mut centred, mut middle) = (eta.clone(), vec![Lane::ZERO; p * p]);
+        let (mut centred, mut meat) = (eta.clone(), vec![Lane::ZERO; p * p]);
         for k in (0..self.poles.len()).rev() {
             for i in 0..p {
                 centred[i] = self.centred(k, i, means[i]);
@@ -247,15 +248,15 @@ impl Degree {
             for i in 0..p {
                 let (by_own, by_others) = (own * centred[i], share * eta[i]);
                 for j in 0..p {
-                    middle[i * p + j] += by_own * centred[j] + by_others * eta[j];
+                    meat[i * p + j] += by_own * centred[j] + by_others * eta[j];
                 }
             }
         }
-        middle
+        meat
     }
 }
 
-/// Fills the signals with samples `range`.
+/// Filters the samples `range`.
 #[inline(always)]
 fn filter(
     degrees: &mut [Degree; 3],

@@ -1,7 +1,8 @@
-//! The covariance of the residuals' part in an estimate.
+//! The contribution of the residuals to the covariance of an estimate.
 //!
-//! θ̂ − θ = A⁻¹ Σ ζᶜ(k) ε(k). The residual contains e(k+1) − e(k), so it is correlated with its neighbours: it is taken as
-//! a moving average of order one with autocovariances γ₀, γ₁, and |γ₁| ≤ γ₀/2 as every such process has.
+//! θ̂ − θ = A⁻¹ Σ ζᶜ(k) ε(k). The residual contains e(k+1) − e(k), so it is correlated with its neighbours: it is
+//! modelled as a moving average of order one with autocovariances γ₀, γ₁, where |γ₁| ≤ γ₀/2 as for every such
+//! process.
 
 use numerics::Lane;
 
@@ -17,7 +18,7 @@ pub(crate) struct InstrumentSquares {
 }
 
 impl InstrumentSquares {
-    /// `kept` is ζ, where it was kept. `means`: the instruments' means per run and group.
+    /// `kept` is ζ, if stored. `means`: the instruments' means per run and group.
     pub(crate) fn over(batch: AnyBatch, kept: &Kept, means: Groups) -> Self {
         let model = batch.model();
         let triangles = model.degrees.iter().map(|d| d.terms.len() * (d.terms.len() + 1) / 2).sum();
@@ -30,8 +31,8 @@ impl InstrumentSquares {
     }
 }
 
-/// What the residuals of `theta` come to, one lane per parameter. `kept` is ζ, where it was kept. `intercepts`: three per run and
-/// group.
+/// The sums of the residuals of `theta`, one lane per parameter. `kept` is ζ, if stored. `intercepts`: three per run
+/// and group.
 pub(crate) fn residuals(batch: AnyBatch, kept: &Kept, theta: &[Lane], intercepts: Groups) -> Lags {
     let mut lags = Lags::ZERO;
     over_batch!(batch, |batch| {

@@ -6,11 +6,11 @@ use numerics::{LANES, Lane, Number, times};
 use crate::DegreeSums;
 use crate::bounded::{Equations, bounded};
 
-/// How well one degree of freedom of one run was excited: the normal matrix Σ ζᶜφᵀ, each row and column divided by the
+/// The excitation of one degree of freedom of one run: the normal matrix Σ ζᶜφᵀ, each row and column divided by the
 /// root sum of squares of its centred instrument and regressor, so that its entries are correlations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Excitation {
-    /// Largest over smallest singular value; infinite where a direction is not excited.
+    /// Largest over smallest singular value; infinite if a direction is not excited.
     pub condition: f64,
     /// Index, within the degree of freedom, of the parameter that dominates the weakest direction.
     pub weakest: usize,
@@ -27,10 +27,11 @@ pub struct Direction {
 
 /// Condition number of the scaled normal matrix from which a direction counts as not excited.
 const SINGULAR: f64 = 1e10;
-/// A centred sum of squares below this share of the plain one is rounding: the signal is constant.
+/// A centred sum of squares below this share of the raw one is rounding: the signal is constant.
 const CONSTANT: f64 = 1e-12;
 
-/// Pivot of the scaled normal matrix below which rows are exchanged: it is 1 at most where instruments and regressors are the same.
+/// Pivot of the scaled normal matrix below which rows are exchanged: it is at most 1 if instruments and regressors
+/// are the same.
 const SMALL: f64 = 1e-3;
 
 /// Solutions of one degree of freedom of [`LANES`] runs.
@@ -42,7 +43,7 @@ pub(crate) struct SolvedLanes {
     pub unexcited: [Option<usize>; LANES],
 }
 
-/// The normal equations of one degree of freedom, centred per group of samples, of one run or of some side by side.
+/// The normal equations of one degree of freedom, centred per group of samples, of one run or of several in lanes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Normal<X = f64> {
     /// Σ ζᶜφᵀ, p × p.
@@ -53,11 +54,11 @@ pub(crate) struct Normal<X = f64> {
     pub zeta: Vec<X>,
     /// The same of the regressors.
     pub phi: Vec<X>,
-    /// Within which the solution stays, by place.
+    /// The bounds of the solution, by index.
     pub bounds: BTreeMap<usize, [f64; 2]>,
 }
 
-/// Normal equations in the making, group by group.
+/// Normal equations while they are accumulated, group by group.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NormalSums<X = f64> {
     /// With sums of squares instead of their roots.
@@ -95,7 +96,7 @@ impl<X: Number> NormalSums<X> {
 }
 
 impl<X: Number> Normal<X> {
-    /// From the sums of the groups that share an intercept; `centred` says whether there is one at all.
+    /// From the sums of the groups that share an intercept; `centred` says whether there is an intercept.
     pub(crate) fn new<'a>(groups: impl Iterator<Item = &'a DegreeSums<X>>, centred: bool) -> Self
     where
         X: 'a,
@@ -141,8 +142,8 @@ impl Normal<Lane> {
         Normal { a, b, zeta, phi, bounds: bounds.clone() }
     }
 
-    /// θ and A⁻¹ of every lane, or the index of a parameter that is not excited. A lane is solved by itself where its neighbours
-    /// would wait for it: equations that are close to singular, estimates at a bound.
+    /// θ and A⁻¹ of every lane, or the index of a parameter that is not excited. Lanes that would delay their
+    /// neighbours are solved by themselves: nearly singular equations, estimates at a bound.
     pub(crate) fn solve_lanes(&self) -> SolvedLanes {
         let (mut solved, regular) = numerics::vectorized!(self.in_order());
         for lane in 0..LANES {
@@ -162,7 +163,8 @@ impl Normal<Lane> {
         solved
     }
 
-    /// All lanes as if there were no bounds, rows taken as they come, and a number above zero for those that are far from singular.
+    /// Solves all lanes without bounds and without row exchanges, and returns a positive number for lanes that are
+    /// far from singular.
     #[inline(always)]
     fn in_order(&self) -> (SolvedLanes, Lane) {
         let p = self.b.len();
@@ -171,7 +173,7 @@ impl Normal<Lane> {
         let mut inverse = scaled.clone();
         let before = moduli(&scaled);
         numerics::inverse_in_order(p, &mut scaled, &mut inverse);
-        // No norm of a matrix is larger than the sum of all moduli.
+        // The spectral norm of a matrix is at most the sum of its moduli.
         let condition = before * moduli(&inverse);
         let far = |condition: f64, _| if condition <= SINGULAR { 1.0 } else { 0.0 };
         let regular = (0..p).fold(condition.each(condition, far), |regular, i| {
@@ -221,7 +223,7 @@ impl Normal {
         Self { a, b, zeta: of(&self.zeta), phi: of(&self.phi), bounds: BTreeMap::new() }
     }
 
-    /// The same as if there were no bounds.
+    /// The same without bounds.
     fn unbounded(&self) -> Result<(Vec<f64>, Vec<f64>), usize> {
         let p = self.b.len();
         let mut scaled = self.scaled()?;
@@ -252,7 +254,7 @@ impl Normal {
         }
     }
 
-    /// The matrix of correlations; zeros where an instrument or regressor never varies.
+    /// The matrix of correlations; zeros if an instrument or regressor never varies.
     pub(crate) fn regular_scaled(&self) -> Vec<f64> {
         let p = self.b.len();
         let entry = |k: usize| {
@@ -294,7 +296,7 @@ mod tests {
     #[test]
     fn law_a_lane_whose_pivot_is_small_is_solved_by_itself_and_disturbs_no_other() {
         let regular = equations([0.9, 0.2, -0.3, 0.8]);
-        // Its first pivot is nothing, and it is as well conditioned as can be.
+        // Its first pivot is zero, and it is perfectly conditioned.
         let turned = equations([0.0, 1.0, 1.0, 0.0]);
         let singular = equations([1.0, 1.0, 1.0, 1.0]);
         let alone = side_by_side([&regular; LANES]).solve_lanes();

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use model::Degree;
 use numerics::Number;
 
-/// Sums over regression pairs of all degrees of freedom. The sums of two pieces of data add to those of both.
+/// Sums over regression pairs of all degrees of freedom. The sums of two data sets add to those of both.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sums {
     /// Number of pairs N.
@@ -23,16 +23,16 @@ pub struct DegreeSums<X = f64> {
     pub instrument_squares: Vec<X>,
     /// Σ φ_i², p.
     pub regressor_squares: Vec<X>,
-    /// What is known of the parameters.
+    /// The constraints on the parameters.
     pub known: Known,
 }
 
-/// What estimates from sums have to know of the parameters of a degree of freedom.
+/// The constraints on the parameters of a degree of freedom.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Known {
     /// Whether one of the terms is 1: then its parameter is the intercept, and no mean is removed.
     pub constant: bool,
-    /// Within which estimates stay, by place; see [`model::Degree::bounds`].
+    /// The bounds of estimates, by index; see [`model::Degree::bounds`].
     pub bounds: BTreeMap<usize, [f64; 2]>,
 }
 
@@ -72,7 +72,7 @@ fn add(own: &mut [f64], other: &[f64]) {
 }
 
 impl<X: Number> DegreeSums<X> {
-    /// Sums over no sample, of `p` parameters.
+    /// Sums over no samples, of `p` parameters.
     pub(crate) fn zero(p: usize) -> Self {
         let zeros = |count: usize| vec![X::ZERO; count];
         Self {
@@ -84,7 +84,7 @@ impl<X: Number> DegreeSums<X> {
         }
     }
 
-    /// Sums over no sample, of the parameters of `degree`.
+    /// Sums over no samples, of the parameters of `degree`.
     pub(crate) fn of(degree: &Degree) -> Self {
         Self { known: Known::of(degree), ..Self::zero(degree.terms.len()) }
     }
@@ -94,7 +94,7 @@ impl<X: Number> DegreeSums<X> {
         self.instrument_squares.len()
     }
 
-    /// Adds a sample: ζ and φ of p entries, the 1 that lifts both, and Δy.
+    /// Adds a sample: ζ and φ of p entries, the 1 that augments both, and Δy.
     #[inline(always)]
     pub(crate) fn add_sample(&mut self, zeta: &[X], phi: &[X], one: X, increment: X) {
         let p = zeta.len();
@@ -122,13 +122,13 @@ impl<X: Number> DegreeSums<X> {
 }
 
 impl<X: Number> DegreeSums<X> {
-    /// Σζ/N; zero where there is no intercept.
+    /// Σζ/N; zero without an intercept.
     pub(crate) fn instrument_means(&self, centred: bool) -> impl Iterator<Item = X> {
         let (p, share) = (self.parameters(), self.share(centred));
         (0..p).map(move |i| share * self.a[i * (p + 1) + p])
     }
 
-    /// (ΣΔy − Σφᵀθ)/N; zero where there is no intercept.
+    /// (ΣΔy − Σφᵀθ)/N; zero without an intercept.
     pub(crate) fn intercept(&self, theta: &[X], centred: bool) -> X {
         self.share(centred) * self.residual(theta)
     }
@@ -141,7 +141,7 @@ impl<X: Number> DegreeSums<X> {
         self.b[p] - predicted
     }
 
-    /// 1/N, what a sum counts in a mean; zero where no mean is removed.
+    /// 1/N, or zero if no mean is removed.
     pub(crate) fn share(&self, centred: bool) -> X {
         let n = self.a.last().copied().unwrap_or(X::ZERO);
         if !centred || self.known.constant {

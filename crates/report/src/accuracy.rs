@@ -5,7 +5,7 @@ use super::number::three;
 use super::parts::Figures;
 use study::documents::{Accuracy, AccuracyOf, AccuracyPoint, DesignDocument};
 
-/// How long the experiment has to be, and what other designs would need.
+/// The required length of the experiment, and that of other designs.
 pub(super) fn accuracy_of(design: &DesignDocument, figures: &mut Figures) -> Markup {
     let Some(found) = &design.accuracy else { return html! {} };
     let title = match found.of {

@@ -11,7 +11,7 @@ use super::study::Study;
 use super::table::Table;
 use study::documents::{DesignDocument, Reference, Sequence, SequencePart};
 
-/// How long to run each maneuver, and how far the others are from being worth their time.
+/// The time of each maneuver, and the efficiency of the unused ones.
 pub(super) fn allocation(study: &Study, figures: &mut Figures) -> Section {
     let body = match &study.design {
         Some(design) => designed(study, design, figures),
@@ -54,7 +54,7 @@ fn order(sequence: &Sequence) -> String {
     sequence.parts.iter().map(part).collect::<Vec<_>>().join(", ")
 }
 
-/// The published share of a maneuver. One that is not listed has none, unless the listed ones make up the whole.
+/// The published share of a maneuver. An unlisted one has none, unless the listed ones sum to the whole.
 fn published_share(reference: Option<&Reference>, name: &str) -> Option<f64> {
     let shares = &reference?.shares;
     let whole = shares.values().sum::<f64>() > 0.995;

@@ -7,7 +7,7 @@ use study::documents::{AverageSummary, AverageTerm};
 /// Terms beyond this many are not listed.
 const MOST_TERMS: usize = 120;
 
-/// What the models of an average have in common: how often each term was chosen.
+/// The terms of the models of an average, with how often each was chosen.
 pub(super) fn averaged(found: &AverageSummary) -> Markup {
     let of_library: Vec<&AverageTerm> = found.terms.iter().filter(|term| !term.base).collect();
     let counts: Vec<(u64, usize)> = (1..=found.models)

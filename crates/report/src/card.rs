@@ -1,6 +1,6 @@
 use maud::{Markup, Render, html};
 
-/// A key figure with what it is of, and lines below it.
+/// A key figure with its caption, and lines below it.
 pub(super) fn card(what: &str, figure: impl Render, of: impl Render, others: &[String]) -> Markup {
     html! {
         div.card {

@@ -6,7 +6,7 @@ use super::study::Study;
 use super::table::Table;
 use study::documents::{DesignDocument, Start};
 
-/// How good the design is known to be.
+/// The certificate of the design.
 pub(super) fn certificate(study: &Study) -> Section {
     let body = match &study.design {
         Some(design) => certified(design),

@@ -13,7 +13,7 @@ use study::documents::{CompareDocument, ComparedErrors, Traced, traces as column
 /// Windows beyond this many are not drawn.
 const MOST_WINDOWS: usize = 24;
 
-/// Reads `compare.json` and `compare.parquet`, where there are both.
+/// Reads `compare.json` and `compare.parquet`, if both exist.
 pub(super) fn load(loader: &mut Loader) -> Result<Option<(CompareDocument, Vec<Traced>)>, Error> {
     let found = loader.document("compare.json", "the model on recordings that it was not fitted to")?;
     let Some(found) = found else { return Ok(None) };
@@ -57,7 +57,7 @@ fn models(found: &CompareDocument) -> Markup {
     html! { (errors(named, |m| &m.errors)) }
 }
 
-/// Adds what the errors are.
+/// Adds columns of errors.
 fn errors<'a, R: Copy>(table: Table<R>, of: impl Fn(R) -> &'a ComparedErrors + Copy) -> Table<R> {
     table
         .number("Fit u", move |row| fit(of(row).fit_u))
@@ -90,7 +90,7 @@ fn differences(found: &CompareDocument) -> Markup {
     }
 }
 
-/// A row per window, as far as they are drawn.
+/// A row per drawn window.
 fn over_time(trace: &[Traced], figures: &mut Figures) -> Markup {
     let windows: Vec<&[Traced]> =
         trace.chunk_by(|a, b| a.source == b.source && a.window == b.window).collect();

@@ -7,7 +7,7 @@ use super::study::Study;
 use super::table::Table;
 use study::documents::{DesignScores, Published, PublishedShare, Reference, ValidationDocument};
 
-/// Our shares under the bounds, quantiles and failures per design, beside the published shares.
+/// Our shares under the bounds, quantiles and failures per design, next to the published shares.
 pub(super) fn comparison(study: &Study) -> Section {
     let heading = if study.reference.is_some() { "Result beside the published one" } else { "Result" };
     let body = html! {
@@ -22,13 +22,13 @@ pub(super) fn comparison(study: &Study) -> Section {
     Section::new("comparison", "Result", heading, body)
 }
 
-/// What published numbers were used for.
+/// The use of the published numbers.
 pub(super) fn use_of_published(reference: &Reference) -> &str {
     let none = "Published numbers are shown for comparison and used for nothing else.";
     reference.used.as_deref().unwrap_or(none)
 }
 
-/// What a row says of a design, and what is published of it.
+/// A row's value for a design, and the published one.
 type Line<'a> = (&'a str, fn(&DesignScores) -> String, Option<fn(&Published) -> PublishedShare>);
 
 fn table(scored: &[&DesignScores], validation: &ValidationDocument, reference: Option<&Reference>) -> Markup {

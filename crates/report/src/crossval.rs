@@ -6,7 +6,7 @@ use super::parts::{Section, missing, statements};
 use super::table::Table;
 use study::documents::{CrossvalDocument, EstimatorScore};
 
-/// The estimators beside each other on recordings that were left out, and the recommended one recording by recording.
+/// The estimators compared on recordings that were left out, and the recommended one recording by recording.
 pub(super) fn cross_validation(measured: &Measured) -> Section {
     let body = match &measured.crossval {
         None => missing("Cross-validation is", "crossval.json", "validate cross"),

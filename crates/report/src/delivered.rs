@@ -8,7 +8,7 @@ use crate::figures::text::signed;
 use refusal::listed;
 use study::documents::{CrossvalDocument, Estimator, ModelDegree, ModelDocument, ModelParameter};
 
-/// Parameters of the model that the estimate delivers, and whether its estimator is the one to recommend.
+/// Parameters of the resulting model, and whether its estimator is the recommended one.
 pub(super) fn delivered(measured: &Measured) -> Section {
     let body = match &measured.model {
         None if measured.trust.is_some() => html! {
@@ -31,7 +31,7 @@ fn heading(model: Option<&ModelDocument>) -> String {
     })
 }
 
-/// Whether cross-validation recommends the estimator that the model is by.
+/// Whether cross-validation recommends the estimator of the model.
 fn chosen(own: Estimator, crossval: Option<&CrossvalDocument>) -> Markup {
     let Some(found) = crossval else {
         return html! { p { "Estimated by " (own) ". No cross-validation says which estimator to take." } };
@@ -50,7 +50,7 @@ fn chosen(own: Estimator, crossval: Option<&CrossvalDocument>) -> Markup {
     }
 }
 
-/// That no estimator is recommended, and where the model's own stands.
+/// Says that no estimator is recommended, and the rank of the model's own.
 fn undecided(own: Estimator, candidates: &[Estimator]) -> String {
     let rest: Vec<String> = candidates.iter().skip(1).map(Estimator::to_string).collect();
     match candidates.iter().position(|candidate| *candidate == own) {
@@ -78,7 +78,7 @@ fn undecided(own: Estimator, candidates: &[Estimator]) -> String {
 #[derive(Clone, Copy)]
 struct Row<'a> {
     degree: &'a ModelDegree,
-    /// None: the constant.
+    /// `None`: the constant.
     parameter: Option<&'a ModelParameter>,
 }
 
@@ -127,8 +127,7 @@ impl<'a> Row<'a> {
     }
 }
 
-/// Water and wind that were found with the model, if any were unknown.
-/// What was found around every part, a row each.
+/// Water and wind that were found with the model, if any were unknown, a row per part.
 fn surroundings(model: &ModelDocument) -> Markup {
     let Some(first) = model.surroundings.first() else { return html! {} };
     let named = Table::of(&model.surroundings)

@@ -1,8 +1,8 @@
-//! `map.svg` comes from a file and goes onto the page as it is, so it may hold shapes and text only.
+//! `map.svg` comes from a file and is put on the page unchanged, so it may contain only shapes and text.
 
-/// Elements that a map may have: those that are written into one.
+/// The allowed elements of a map: those that this crate writes.
 const ELEMENTS: [&str; 8] = ["svg", "g", "title", "desc", "path", "rect", "circle", "text"];
-/// Attributes that it may have: none of them loads, links, runs or names anything.
+/// The allowed attributes: none of them loads, links, runs or names anything.
 const ATTRIBUTES: [&str; 25] = [
     "aria-label",
     "cx",
@@ -32,7 +32,7 @@ const ATTRIBUTES: [&str; 25] = [
 ];
 const NAMESPACE: &str = "http://www.w3.org/2000/svg";
 
-/// What a page must not take over from `svg`; none where it is one plain drawing with balanced tags.
+/// The reason to refuse `svg`; `None` if it is one plain drawing with balanced tags.
 pub(crate) fn refused(svg: &str) -> Option<String> {
     if !svg.starts_with("<svg ") || !svg.trim_end().ends_with("</svg>") {
         return Some("text that is not one <svg> element".to_owned());
@@ -51,7 +51,7 @@ pub(crate) fn refused(svg: &str) -> Option<String> {
     open.last().map(|name| format!("<{name}> without its end"))
 }
 
-/// Follows one tag.
+/// Processes one tag.
 fn enter<'a>(tag: &'a str, open: &mut Vec<&'a str>) -> Result<(), String> {
     if let Some(name) = tag.strip_prefix('/') {
         return if open.pop() == Some(name) { Ok(()) } else { Err(format!("</{name}> out of place")) };

@@ -10,7 +10,7 @@ use study::documents::{
     EstimatorSummary, ParameterSummary, ValidationDocument,
 };
 
-/// Every estimator on the same runs, where they were compared; then other studies' comparisons.
+/// Every estimator on the same runs, if they were compared; then other studies' comparisons.
 pub(super) fn estimators(study: &Study) -> Option<Section> {
     let own = study.validation.as_ref().is_some_and(|v| v.compared.is_some());
     if !own && study.scenarios.is_empty() {
@@ -41,7 +41,7 @@ fn designs(scores: &[EstimatorScores]) -> Vec<&str> {
     optimized_first(first, |d| &d.design).into_iter().map(|d| d.design.as_str()).collect()
 }
 
-/// What the validation recommends for the design that is shown first.
+/// The recommendation of the validation for the design that is shown first.
 fn recommended(validation: &ValidationDocument) -> Markup {
     match recommendation(validation) {
         Some(found) if found.candidates.is_empty() => html! { p.missing { (found.statement) } },
@@ -59,7 +59,7 @@ pub(super) fn recommendation(validation: &ValidationDocument) -> Option<&Estimat
 /// Scores and estimates of one estimator.
 type Both<'a> = (Estimator, &'a DesignScores, &'a DesignSummary);
 
-/// The estimators that have scores and estimates of a design.
+/// The estimators with scores and estimates of a design.
 fn of_both<'a>(
     design: &str,
     estimates: &'a [EstimatorSummary],
@@ -123,7 +123,7 @@ fn trust(design: &str, document: &EstimateDocument) -> Markup {
     }
 }
 
-/// Whether standard errors are not to be trusted.
+/// Whether standard errors cannot be trusted.
 fn off(parameter: &ParameterSummary) -> bool {
     parameter.se_trusted == Some(false)
 }

@@ -7,7 +7,7 @@ use super::study::{Study, optimized_first};
 use super::table::{Table, grouped};
 use study::documents::{DesignDocument, EstimateDocument, MomentsDocument};
 
-/// How well every degree of freedom was excited, and how far the maneuvers are from stationary.
+/// The excitation of every degree of freedom, and the nonstationarity of the maneuvers.
 pub(super) fn excitation(study: &Study) -> Section {
     let conditions = match &study.estimate {
         Some(estimate) => conditioning(estimate),

@@ -10,7 +10,7 @@ use study::documents::{
     ValidationDocument, Voyage,
 };
 
-/// What the page is.
+/// The kind of the page.
 pub(super) fn kind(study: &Study) -> &'static str {
     if study.data.is_some() {
         "Report on simulated logs"
@@ -57,14 +57,14 @@ fn answer(study: &Study) -> String {
     }
     match (&study.validation, &study.design) {
         (Some(validation), _) if !validation.designs.is_empty() => compared(study, validation),
-        (_, Some(design)) => format!("{} {}", mix(design), worth(design)),
+        (_, Some(design)) => format!("{} {}", mix(design), waste_of_equal_shares(design)),
         _ if plan(study).is_some() => plan(study).map(planned).unwrap_or_default(),
         _ => "Nothing has been designed or validated yet. The sections below say which files are missing."
             .to_owned(),
     }
 }
 
-/// What designing in rounds is worth.
+/// The gain of designing in rounds.
 fn in_rounds(found: &SequentialDocument) -> String {
     let arm = |arm: Arm| found.stopping.iter().find(|s| s.arm == arm);
     let mut said = String::new();
@@ -94,7 +94,7 @@ fn plan(study: &Study) -> Option<&PlanDocument> {
     study.trajectory.as_ref()?.main.as_ref().map(|main| &main.plan)
 }
 
-/// Both sentences about a trial that has been planned and no more.
+/// Both sentences about a trial that has only been planned.
 fn planned(plan: &PlanDocument) -> String {
     let cost = self::cost(plan.cost, plan.cost_unit);
     let proof = gap(plan).map_or(", and no plan costs less".to_owned(), |gap| format!(", {gap}"));
@@ -116,7 +116,7 @@ fn planned(plan: &PlanDocument) -> String {
     )
 }
 
-/// How far the simulated plan stays from obstacles.
+/// The clearance of the simulated plan from obstacles.
 fn clear(check: &Check) -> String {
     clearance(check).map_or("touches an obstacle".to_owned(), |distance| format!("{distance} clear"))
 }
@@ -144,18 +144,18 @@ fn compared(study: &Study, validation: &ValidationDocument) -> String {
     format!("{parameters} {simulation}")
 }
 
-/// What the other designs reach with their parameters.
+/// The parameter errors of the other designs.
 fn counterparts(others: &[&DesignScores], same_length: bool) -> String {
     let length = if same_length { " of the same length" } else { "" };
-    let told =
+    let sentence =
         |d: &&DesignScores| format!("; {} experiments{length} do so in {}", d.design, parameter_share(d));
-    others.iter().map(told).collect()
+    others.iter().map(sentence).collect()
 }
 
-/// What they reach in free simulation.
+/// Their errors in free simulation.
 fn against(others: &[&DesignScores]) -> String {
-    let told = |d: &&DesignScores| format!("{} ({})", simulation_share(d), d.design);
-    let each: Vec<String> = others.iter().map(told).collect();
+    let sentence = |d: &&DesignScores| format!("{} ({})", simulation_share(d), d.design);
+    let each: Vec<String> = others.iter().map(sentence).collect();
     if each.is_empty() {
         return String::new();
     }
@@ -177,8 +177,8 @@ fn mix(design: &DesignDocument) -> String {
     )
 }
 
-/// How much time equal shares waste.
-fn worth(design: &DesignDocument) -> String {
+/// The time that equal shares waste.
+fn waste_of_equal_shares(design: &DesignDocument) -> String {
     let Some(efficiency) = design.efficiency.as_ref().map(|e| e.equal_shares) else { return String::new() };
     if efficiency > 0.0 && efficiency.is_finite() {
         let part = percent(efficiency);

@@ -14,7 +14,7 @@ pub(super) struct ErrorFigure<'a> {
 }
 
 impl<'a> ErrorFigure<'a> {
-    /// For half of the page, in `<file>.svg`: `title` says what and in which unit, and the axis ends at `limit`.
+    /// For half of the page, in `<file>.svg`: `title` has quantity and unit, and the axis ends at `limit`.
     pub(super) const fn half(file: &'a str, title: &'a str, limit: f64) -> Self {
         let axis = HistogramAxis { title, limit, bins: 50, bound: None, width: 460.0 };
         Self { file, caption: title, axis }
@@ -33,27 +33,27 @@ impl<'a> ErrorFigure<'a> {
         ]
     }
 
-    /// With a caption of its own.
+    /// Sets a caption.
     pub(super) const fn captioned(self, caption: &'a str) -> Self {
         Self { caption, ..self }
     }
 
-    /// With a line below which a run counts as good.
+    /// Adds a line below which a run counts as good.
     pub(super) const fn bounded(self, bound: Option<f64>) -> Self {
         Self { axis: HistogramAxis { bound, ..self.axis }, ..self }
     }
 
-    /// Draws and places the figure; the caption accounts for what no bar shows.
+    /// Draws and places the figure; the caption accounts for runs that no bar shows.
     pub(super) fn place(&self, panels: &[HistogramPanel<'_>], figures: &mut Figures) -> Markup {
-        let told: Vec<String> = panels.iter().map(|panel| self.left_out(panel)).collect();
+        let left_out: Vec<String> = panels.iter().map(|panel| self.left_out(panel)).collect();
         let caption = html! {
             b { (self.caption) }
-            " Values at or above " (exact(self.axis.limit)) " are truncated into the last bar (" (told.join("; ")) ")."
+            " Values at or above " (exact(self.axis.limit)) " are truncated into the last bar (" (left_out.join("; ")) ")."
         };
         figures.place(self.file, histogram_pair(&self.axis, panels), &caption)
     }
 
-    /// What the last bar holds and what no bar shows: `optimized: 3 of 500 runs truncated, 0 without a value`.
+    /// The runs in the last bar and those that no bar shows: `optimized: 3 of 500 runs truncated, 0 without a value`.
     fn left_out(&self, panel: &HistogramPanel<'_>) -> String {
         let counted = Histogram::new(&panel.values, self.axis.limit, self.axis.bins);
         let (runs, Histogram { beyond, missing, .. }) = (counted.runs(), &counted);

@@ -1,4 +1,4 @@
-//! What a model lacks, or would have to lack to be noticed.
+//! What a model lacks, and detection limits.
 
 use maud::{Markup, html};
 use study::documents::{Absent, Criticism, FoundNoise, Verdict};
@@ -7,10 +7,10 @@ use super::number::{probability, three, unit};
 use super::parts::coded;
 use super::table::Table;
 
-/// Candidates that are shown whatever the data say of them.
+/// Number of candidates that are always shown.
 const SHOWN: usize = 5;
 
-/// What was looked for, the likeliest first; those that the data do not speak for are folded away.
+/// The candidates, the likeliest first; those without evidence are folded.
 pub(super) fn lacking(found: &Criticism) -> Markup {
     let likely = found.absent.iter().take_while(|a| found.rejected && a.candidate).count();
     let (first, others) = found.absent.split_at(likely.max(SHOWN).min(found.absent.len()));
@@ -56,12 +56,12 @@ fn added(absent: &Absent) -> String {
     each.map(|(value, error)| format!("{} ± {}", three(*value), three(*error))).collect::<Vec<_>>().join(", ")
 }
 
-/// The noise that the errors were made white with: its kind, its levels, and by how much others are less likely.
+/// The noise that the errors were whitened with: its kind, its levels, and by how much others are less likely.
 fn noise(found: &Criticism) -> Markup {
     html! {
         p.note {
             "Noise " (if found.stated_noise { "stated" } else { "found" })
-            @if let Some(own) = &found.noise { ", " (own.kind.told()) }
+            @if let Some(own) = &found.noise { ", " (own.kind.words()) }
             ": u " (three(found.noise_u)) " m/s, v "
             (three(found.noise_v)) " m/s, r " (three(found.noise_r)) " rad/s, current " (three(found.current_std)) " m/s"
             @if let Some(time) = found.current_time_s { " changing within " (three(time)) " s" }
@@ -85,6 +85,6 @@ fn noise(found: &Criticism) -> Markup {
 }
 
 fn others(noise: &FoundNoise) -> String {
-    let each = noise.others.iter().map(|own| format!("{} by {}", own.kind.told(), three(own.below)));
+    let each = noise.others.iter().map(|own| format!("{} by {}", own.kind.words(), three(own.below)));
     each.collect::<Vec<_>>().join(", ")
 }

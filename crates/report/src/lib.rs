@@ -1,7 +1,7 @@
 //! Figures as SVG, a plan for QGIS, and one self-contained HTML page about a study.
 //!
-//! A [`Study`] holds whatever exists; [`render`] shows that and says what is missing and which stage makes it. The page
-//! has no script and no outside resource. The same study gives the same bytes.
+//! A [`Study`] holds the results that exist; [`render`] shows them and says what is missing and which stage makes it.
+//! The page has no script and no outside resource. The same study gives the same bytes.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

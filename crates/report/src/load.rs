@@ -17,10 +17,10 @@ use super::{ManeuverTrace, Scenario, Study};
 /// Maneuvers beyond this many are not drawn.
 const MOST_TRACES: usize = 400;
 
-/// Reads whatever of a study exists.
+/// Reads the existing results of a study.
 ///
 /// # Errors
-/// A file that exists and is refused; a study without folder, a folder without any result.
+/// An existing file is refused; a study without a folder, a folder without any result.
 pub fn load(sources: &Sources) -> Result<Study, Error> {
     if !sources.study.is_dir() {
         let remedy = "name the folder of its hand-written files with --study";
@@ -89,7 +89,7 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
     Ok(Study { files: loader.files, ..study })
 }
 
-/// What the stages wrote into `folder` about its estimators.
+/// The stages' documents on estimators in `folder`.
 fn scenario(folder: &Path, allow_mixed: bool) -> Result<Scenario, Error> {
     let [first, second] = ["estimate.json", "validation.json"].map(|name| folder.join(name));
     let (estimate, validation) =
@@ -111,7 +111,7 @@ fn scenario(folder: &Path, allow_mixed: bool) -> Result<Scenario, Error> {
 }
 
 impl Loader<'_> {
-    /// What `ingest` says that the logs are.
+    /// The label of the logs by `ingest`.
     fn label(&mut self) -> Result<Option<String>, Error> {
         let ingest = document_at::<IngestDocument>(self.sources.results.join("ingest.json"))?;
         Ok(ingest.and_then(|ingest| ingest.data.data).map(|label| label.to_string()))

@@ -1,4 +1,4 @@
-//! The files of a study: where they are, and a list of those that were read.
+//! The files of a study: their locations, and a list of those that were read.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -9,19 +9,19 @@ use study::documents::Reference;
 use study::files::{DictionaryFile, Vessel, read_reference, read_vessel};
 use study::role_of;
 
-/// Where a study's files are.
+/// The locations of a study's files.
 pub struct Sources {
     /// The hand-written files.
     pub study: PathBuf,
-    /// The maneuvers, where they are not the study's own `dictionary.toml`.
+    /// The maneuvers, if not the study's own `dictionary.toml`.
     pub dictionary: Option<PathBuf>,
-    /// What the stages wrote.
+    /// The folder that the stages wrote into.
     pub results: PathBuf,
     /// Results of other studies whose estimators are to be shown side by side.
     pub scenarios: Vec<PathBuf>,
     /// Whether files of different studies may be shown together; the page says so.
     pub allow_mixed: bool,
-    /// What took the place of the hand-written files' own values when the results were made.
+    /// Changes to values of the hand-written files when the results were made.
     pub changes: Changes,
 }
 
@@ -30,18 +30,18 @@ pub(super) fn existing(path: PathBuf) -> Option<PathBuf> {
     Some(path).filter(|path| artifact::is_written(path))
 }
 
-/// A document with where it comes from; none where there is no file.
+/// A document with its provenance; `None` if there is no file.
 pub(super) fn document_at<D: Document>(path: PathBuf) -> Result<Option<Loaded<D>>, Error> {
     existing(path).map(read_document).transpose()
 }
 
-/// Reads files, keeps a list of them, and sees to it that they belong together.
+/// Reads files, lists them, and checks that they belong together.
 pub(super) struct Loader<'a> {
     pub(super) sources: &'a Sources,
     pub(super) files: Vec<(String, String, String)>,
-    /// What the study's files tell of its hand-written files, of its design, and so on.
+    /// Provenance of the study's files: its hand-written files, its design, and so on.
     known: Provenance,
-    /// The same for each folder below the results, which has estimates and scores of its own.
+    /// The same for each folder below the results, which has its own estimates and scores.
     below: BTreeMap<PathBuf, Provenance>,
 }
 
@@ -52,7 +52,7 @@ impl<'a> Loader<'a> {
         Self { sources, files: Vec::new(), known, below: BTreeMap::new() }
     }
 
-    /// The roles that several files play, where that is allowed.
+    /// The roles that several files have, if that is allowed.
     pub(super) fn mixed(&self) -> Vec<String> {
         let all = std::iter::once(&self.known).chain(self.below.values());
         let roles = all.filter_map(|known| known.settings.get(MIXED)?.as_array()).flatten();
@@ -64,7 +64,7 @@ impl<'a> Loader<'a> {
         self.files.push((name.to_owned(), what.to_owned(), digest.to_string()));
     }
 
-    /// Notes a file of the results and refuses it if it was made of other files than those before it.
+    /// Notes a file of the results and refuses it if it was made from other files than the previous ones.
     pub(super) fn made(
         &mut self,
         name: &str,
@@ -77,7 +77,7 @@ impl<'a> Loader<'a> {
         self.known(name).made(role_of(name), &path, digest, from)
     }
 
-    /// What is known of the folder of `name`.
+    /// The provenance of the folder of `name`.
     fn known(&mut self, name: &str) -> &mut Provenance {
         match Path::new(name).parent().filter(|folder| *folder != Path::new("")) {
             None => &mut self.known,
@@ -96,7 +96,7 @@ impl<'a> Loader<'a> {
         Ok(Some(vessel))
     }
 
-    /// The maneuvers; a file that was named must be there.
+    /// The maneuvers; a named file must exist.
     pub(super) fn dictionary(&mut self) -> Result<Option<DictionaryFile>, Error> {
         match &self.sources.dictionary {
             Some(path) => self.toml_at(path, "dictionary.toml", "the maneuvers").map(Some),
@@ -121,7 +121,7 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// What was published elsewhere.
+    /// The published results.
     pub(super) fn reference(&mut self) -> Result<Option<Reference>, Error> {
         let Some(path) = existing(self.sources.study.join("reference.toml")) else { return Ok(None) };
         let reference = read_reference(&path, role_of("reference.toml"), &mut self.known)?;
@@ -133,7 +133,7 @@ impl<'a> Loader<'a> {
         Ok(self.loaded(name, what)?.map(|loaded| loaded.data))
     }
 
-    /// A document with where it comes from.
+    /// A document with its provenance.
     pub(super) fn loaded<D: Document>(&mut self, name: &str, what: &str) -> Result<Option<Loaded<D>>, Error> {
         let loaded = document_at::<D>(self.sources.results.join(name))?;
         if let Some(loaded) = &loaded {

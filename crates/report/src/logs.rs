@@ -6,7 +6,7 @@ use super::parts::{Section, missing};
 use super::table::{Table, grouped};
 use study::documents::{IngestDocument, RecordingSummary, WarningSummary};
 
-/// What was read from the logs: per recording its rows, the consistency of its velocities, and its channels.
+/// The logs: per recording its rows, the consistency of its velocities, and its channels.
 pub(super) fn logs(measured: &Measured) -> Section {
     let body = match &measured.ingest {
         None => missing("The quality of the logs is", "ingest.json", "ingest"),
@@ -46,7 +46,7 @@ fn recordings(found: &IngestDocument) -> Table<&RecordingSummary> {
         })
 }
 
-/// Values that were left out of all recordings, and recordings of which no estimate is made unless asked.
+/// Values that were omitted from all recordings, and recordings that are not used for estimates by default.
 fn left_out(found: &IngestDocument) -> Markup {
     let omitted = found.omitted();
     let doubtful = || found.recordings.iter().filter(|recording| !recording.doubtful.is_empty());
@@ -62,23 +62,23 @@ fn left_out(found: &IngestDocument) -> Markup {
     }
 }
 
-/// What is odd about channels, with the recordings that it is so in.
+/// Warnings about channels, with the recordings concerned.
 fn warnings(found: &IngestDocument) -> Markup {
-    let mut told: Vec<(&WarningSummary, Vec<&str>)> = Vec::new();
+    let mut grouped: Vec<(&WarningSummary, Vec<&str>)> = Vec::new();
     for recording in &found.recordings {
         for warning in &recording.warnings {
             let same = |(known, _): &&mut (&WarningSummary, Vec<&str>)| {
                 known.kind == warning.kind && known.channel == warning.channel
             };
-            match told.iter_mut().find(same) {
+            match grouped.iter_mut().find(same) {
                 Some((_, recordings)) => recordings.push(&recording.name),
-                None => told.push((warning, vec![&recording.name])),
+                None => grouped.push((warning, vec![&recording.name])),
             }
         }
     }
-    html! { @if !told.is_empty() {
+    html! { @if !grouped.is_empty() {
         h3 { "Warnings" }
-        ul { @for (warning, recordings) in &told { li {
+        ul { @for (warning, recordings) in &grouped { li {
             (warning.text) " (" (recordings[0])
             @if recordings.len() > 1 { " and " (recordings.len() - 1) " more recordings" }
             ")"

@@ -13,7 +13,7 @@ use study::documents::{
     ModelDocument, SearchDocument, SelectionScores, Traced, TrustDocument,
 };
 
-/// What there is about measured logs.
+/// The results from measured logs.
 #[derive(Clone, Debug, Default)]
 pub struct Measured {
     /// `ingest.json`.
@@ -32,8 +32,8 @@ pub struct Measured {
     pub next: Option<NextTrial>,
 }
 
-/// Reads `ingest.json`, `trust.json`, `crossval.json`, `compare.json` and `search.json`; none where there is none of the last
-/// four.
+/// Reads `ingest.json`, `trust.json`, `crossval.json`, `compare.json` and `search.json`; `None` if the last four are
+/// all missing.
 pub(super) fn load(loader: &mut Loader) -> Result<Option<Measured>, Error> {
     let crossval = loader.document("crossval.json", "free simulation over recordings left out")?;
     let trust = loader.document("trust.json", "how far the pooled estimate can be trusted")?;
@@ -82,11 +82,11 @@ impl Measured {
 
     /// The answer in a few sentences.
     pub(super) fn answer(&self, selection: Option<&SelectionStudy>) -> String {
-        let mut told = Vec::new();
+        let mut sentences = Vec::new();
         if let (Some((score, errors)), Some(crossval)) = (self.best(), &self.crossval) {
             let over =
                 crossval.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {s} s"));
-            told.push(format!(
+            sentences.push(format!(
                 "Fitted by {} to the other recordings, the model follows those left out, over {over}, with a fit of {} in \
                  surge, {} in sway and {} in yaw rate.",
                 score.name,
@@ -96,7 +96,7 @@ impl Measured {
             ));
         }
         if let Some(errors) = self.searched.as_ref().and_then(|found| found.nested.search) {
-            told.push(format!(
+            sentences.push(format!(
                 "A structure found by a search follows recordings that were left out of the whole search with a fit of {}, {} \
                  and {}.",
                 fit(errors.fit_u),
@@ -105,7 +105,7 @@ impl Measured {
             ));
         }
         if let Some(found) = selection {
-            told.push(format!(
+            sentences.push(format!(
                 "Of models from {} sub-experiments, 90 % have an error norm below {} where the design picks them; picked at \
                  random the bound is {}.",
                 found.summary.picks,
@@ -116,14 +116,14 @@ impl Measured {
         let degrees = || self.trust.iter().flat_map(|trust| &trust.degrees);
         let refused: Vec<String> = degrees().filter_map(|d| d.reason.clone()).collect();
         if !refused.is_empty() {
-            told.push(format!("Not identifiable: {}.", listed(&refused)));
+            sentences.push(format!("Not identifiable: {}.", listed(&refused)));
         }
         let unsure = |d: &&DegreeTrust| d.reason.is_none() && d.condition_index.is_none_or(|c| c > COLLINEAR);
         let collinear: Vec<String> = degrees().filter(unsure).map(|d| d.weakest.clone()).collect();
         if !collinear.is_empty() {
-            told.push(format!("Use it for similar motion only: {}.", listed(&collinear)));
+            sentences.push(format!("Use it for similar motion only: {}.", listed(&collinear)));
         }
-        told.join(" ").replace('`', "")
+        sentences.join(" ").replace('`', "")
     }
 
     /// Key figures.

@@ -1,4 +1,4 @@
-//! The next trial of a ship that was logged: what to sail, and what that is worth.
+//! The next trial of a ship with logs: the design, and its predicted value.
 
 use std::fmt::Display;
 
@@ -15,26 +15,26 @@ use super::parts::{Section, coded, missing};
 use super::planned_trial::{PlannedTrial, map};
 use super::table::Table;
 
-/// What there is about the next trial.
+/// The results for the next trial.
 #[derive(Clone, Debug)]
 pub struct NextTrial {
-    /// `next/model.json`: the model that it is designed with.
+    /// `next/model.json`: the model for its design.
     pub model: ModelDocument,
-    /// `next/search.json`: how that was found.
+    /// `next/search.json`: how that model was found.
     pub searched: Option<SearchDocument>,
     /// `next/design.json`.
     pub design: DesignDocument,
-    /// `next/tally.json`: what is estimated from simulations of it.
+    /// `next/tally.json`: estimates from simulations of it.
     pub tally: Option<TallyDocument>,
-    /// `next/plan.json` and its map: where it is sailed.
+    /// `next/plan.json` and its map: its plan on a chart.
     pub planned: Option<PlannedTrial>,
 }
 
 /// The folder of the results.
 const FOLDER: &str = "next";
 
-/// Reads what is in the folder `next` of the results; none without a design. A model begins a study of its own: its files have
-/// to belong together, not to the logs' other files.
+/// Reads what is in the folder `next` of the results; `None` without a design. The model starts a separate study: its
+/// files have to belong together, not to the logs' other files.
 pub(super) fn load(loader: &mut Loader) -> Result<Option<NextTrial>, Error> {
     let mut known = Provenance { allow_mixed: loader.sources.allow_mixed, ..Provenance::default() };
     let Some(design) = read(loader, &mut known, "design", "the next trial's shares")? else {
@@ -70,7 +70,8 @@ fn read<D: artifact::Document>(
     Ok(Some(read.data))
 }
 
-/// What to sail next, how well the parameters are known then, and how far models follow; `sailed` tells where.
+/// The design of the next trial, the expected accuracy of the parameters, and errors of models; `sailed` shows the
+/// plan.
 pub(super) fn next_trial(next: &NextTrial, sailed: Option<Markup>) -> Section {
     let body = html! {
         p {
@@ -112,16 +113,16 @@ fn shares(next: &NextTrial) -> Markup {
     }
 }
 
-/// How a quantile is told.
-type Told = fn(&Quantiles) -> String;
+/// Formats a quantile.
+type FormatQuantile = fn(&Quantiles) -> String;
 
 /// Errors of free simulations by model.
 #[derive(Clone, Copy)]
 struct Followed<'a> {
     what: &'a str,
     measured: Option<FreeRunErrors>,
-    /// And which quantile of them.
-    simulated: Option<(&'a DesignScores, Told)>,
+    /// Scores, and the quantile to show.
+    simulated: Option<(&'a DesignScores, FormatQuantile)>,
 }
 
 impl Followed<'_> {
@@ -137,7 +138,7 @@ impl Followed<'_> {
     }
 }
 
-/// What errors of the parameters do to free simulations, beside the errors that the model has anyway.
+/// The effect of parameter errors on free simulations, next to the errors of the model itself.
 fn free_runs(next: &NextTrial) -> Markup {
     let Some(tally) = &next.tally else {
         return missing("What the trial's estimates are worth is", "next/tally.json", "monte-carlo");
@@ -151,7 +152,8 @@ fn free_runs(next: &NextTrial) -> Markup {
             "optimized" => ["estimated anew from this trial, median", "… 90 % quantile"],
             _ => ["from random maneuvers, median", "… 90 % quantile"],
         };
-        let row = |what, value: Told| Followed { what, measured: None, simulated: Some((scores, value)) };
+        let row =
+            |what, value: FormatQuantile| Followed { what, measured: None, simulated: Some((scores, value)) };
         match scores.not_identifiable == scores.runs {
             true => vec![row("from random maneuvers: no trial tells all parameters", median)],
             false => vec![row(half, median), row(most, q90)],
@@ -197,12 +199,12 @@ fn parameters(next: &NextTrial) -> Markup {
         .number("Value", |(_, p)| three(p.value))
         .number("Interval, logs", |(_, p)| interval(p))
         .number("Predicted, this trial", |(_, p)| after(p));
-    let told = duration_s(next).map(|s| format!(" of {} s", exact(s)));
+    let duration = duration_s(next).map(|s| format!(" of {} s", exact(s)));
     html! {
         h3 { "What the parameters would be known to" }
         (table)
         p.note {
-            "Predicted standard errors are those of estimates from this trial" (or_nothing(told))
+            "Predicted standard errors are those of estimates from this trial" (or_nothing(duration))
             " alone, under the noise that its campaign states; – where it holds constant what they stand before. Intervals from \
              the logs hold 95\u{a0}% of the searches over recordings drawn again, or are 1.96 standard errors wide on either side; – \
              where parameters have no errors."
@@ -210,7 +212,7 @@ fn parameters(next: &NextTrial) -> Markup {
     }
 }
 
-/// What the logs tell about a parameter.
+/// The interval of a parameter from the logs.
 fn interval(p: &ModelParameter) -> String {
     let by_errors = || p.standard_error.map(|error| [p.value - 1.96 * error, p.value + 1.96 * error]);
     let ends = p.low.zip(p.high).map(|(low, high)| [low, high]).or_else(by_errors);

@@ -4,7 +4,7 @@ use super::parts::{Section, entry};
 use super::study::Study;
 use super::table::Table;
 
-/// What the words mean.
+/// The notation.
 pub(super) fn notation(study: &Study) -> Section {
     let body = if study.measured.is_some() { of_logs() } else { of_trials() };
     let states = entry(
@@ -38,7 +38,7 @@ fn of_logs() -> Markup {
     }
 }
 
-/// Where the numbers come from.
+/// The sources of the numbers.
 pub(super) fn files(study: &Study) -> Section {
     let body = html! {
         @if study.files.is_empty() {

@@ -7,7 +7,7 @@ use study::documents::{DesignScores, Quantiles};
 
 const MISSING: &str = "–";
 
-/// `value` with three significant digits: `−0.0600`, `125`, `1.40·10⁻⁵`; a dash where it is not finite.
+/// `value` with three significant digits: `−0.0600`, `125`, `1.40·10⁻⁵`; a dash if it is not finite.
 pub(super) fn three(value: f64) -> String {
     if !value.is_finite() {
         return MISSING.to_owned();
@@ -24,7 +24,7 @@ pub(super) fn three_or_dash(value: Option<f64>) -> String {
     three(value.unwrap_or(f64::NAN))
 }
 
-/// What there is, or a dash.
+/// The value, or a dash.
 pub(super) fn or_dash(value: Option<impl Display>) -> String {
     value.map_or(MISSING.to_owned(), |value| value.to_string())
 }
@@ -53,7 +53,7 @@ pub(super) fn fit(fit: Option<f64>) -> String {
     percent(fit.map_or(f64::NAN, |fit| fit / 100.0))
 }
 
-/// A share with its 95 % interval: `98.6 % (97.9 to 99.1 %)`; without where there is none.
+/// A share with its 95 % interval: `98.6 % (97.9 to 99.1 %)`; without it if there is none.
 pub(super) fn percent_within(share: f64, interval: Option<[f64; 2]>) -> String {
     let Some([low, high]) = interval else { return percent(share) };
     let bare = |share: f64| percent(share).replace("\u{a0}%", "");

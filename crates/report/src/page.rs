@@ -37,7 +37,7 @@ pub struct Rendered {
 
 const STYLE: &str = include_str!("style.css");
 
-/// Renders the page. What `study` lacks is named on it.
+/// Renders the page, which names the results that `study` lacks.
 pub fn render(study: &Study) -> Rendered {
     let mut figures = Figures::default();
     let mut sections = match (&study.measured, &study.sequential, &study.design) {
@@ -91,7 +91,7 @@ fn document(study: &Study, sections: &[Section]) -> Markup {
     whole(&format!("{} – {}", study.name, kind(study)), &headline(study), sections, style)
 }
 
-/// The whole document: title, what stands above all sections, these, and a style of their own.
+/// The whole document: title, head, sections, and an additional style.
 pub(super) fn whole(title: &str, head: &Markup, sections: &[Section], style: Option<&str>) -> Markup {
     html! {
         (DOCTYPE)

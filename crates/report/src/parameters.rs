@@ -9,7 +9,7 @@ use super::study::{Study, optimized_first};
 use super::table::Table;
 use crate::figures::{ErrorRow, relative_errors};
 
-/// What the estimates say about every parameter.
+/// The estimates of every parameter.
 pub(super) fn parameters(study: &Study, figures: &mut Figures) -> Section {
     let body = match (&study.estimate, &study.vessel) {
         (Some(estimate), vessel) => estimated(&Shown::of(estimate, study), vessel.as_ref(), figures),
@@ -27,14 +27,14 @@ struct Shown<'a> {
     estimator: Estimator,
     mean_removal: MeanRemoval,
     designs: &'a [DesignSummary],
-    /// Why these, where several estimators were compared.
+    /// The reason for these, if several estimators were compared.
     why: Option<String>,
-    /// Whether all runs were pooled: then the trust in the estimate says what the model lacks.
+    /// Whether all runs were pooled: then the section on trust says what the model lacks.
     pooled: bool,
 }
 
 impl<'a> Shown<'a> {
-    /// By the estimator that the validation recommends; else by the one that leads.
+    /// The estimates by the recommended estimator; else by the best one.
     fn of(estimate: &'a EstimateDocument, study: &Study) -> Self {
         let best = study.validation.as_ref().and_then(recommendation).and_then(|found| found.estimator);
         let compared = estimate.compared.as_deref().unwrap_or(&[]);
@@ -91,7 +91,7 @@ fn facts(estimate: &Shown, designs: &[&DesignSummary]) -> Markup {
     }
 }
 
-/// By how many runs the model is rejected.
+/// The number of runs that reject the model.
 fn rejected(design: &DesignSummary) -> String {
     match design.rejected {
         Some(rejected) => {

@@ -1,11 +1,11 @@
-//! What sections are made of.
+//! Building blocks of sections.
 
 use maud::{Markup, PreEscaped, Render, html};
 
 /// A section of the page.
 pub(super) struct Section {
     pub(super) id: &'static str,
-    /// In the list of contents.
+    /// The title in the table of contents.
     pub(super) title: &'static str,
     pub(super) content: Markup,
 }
@@ -16,7 +16,7 @@ impl Section {
     }
 }
 
-/// A section of its own within a [`Section`].
+/// A subsection of a [`Section`].
 pub(super) fn section(id: &str, heading: &str, body: impl Render) -> Markup {
     html! { section id=(id) { h2 { (heading) } (body) } }
 }
@@ -30,17 +30,17 @@ pub(super) fn missing(what: &str, file: &str, stage: &str) -> Markup {
     }
 }
 
-/// A term of a list with what it is.
+/// A term of a list with its meaning.
 pub(super) fn entry(term: impl Render, meaning: impl Render) -> Markup {
     html! { div { dt { (term) } dd { (meaning) } } }
 }
 
-/// Statements in which names stand between backticks.
+/// Statements with names in backticks.
 pub(super) fn statements(said: &[String]) -> Markup {
     html! { @for statement in said { p.note { (coded(statement)) } } }
 }
 
-/// Where maneuvers leave what the logs of the model cover, if they do.
+/// Warns of maneuvers that leave the range of the model's logs.
 pub(super) fn beyond(said: &[String]) -> Markup {
     html! {
         @if !said.is_empty() {
@@ -49,7 +49,7 @@ pub(super) fn beyond(said: &[String]) -> Markup {
     }
 }
 
-/// Words in which names stand between backticks.
+/// Text with names in backticks.
 pub(super) fn coded(text: &str) -> Markup {
     html! { @for (i, piece) in text.split('`').enumerate() { @if i % 2 == 1 { code { (piece) } } @else { (piece) } } }
 }
@@ -71,7 +71,7 @@ impl Figures {
         self.placed(name, svg, caption, "figure wide")
     }
 
-    /// As [`Figures::place`], for a drawing that comes in parts, too: these stand beside each other where there is room.
+    /// As [`Figures::place`], also for a drawing in parts, which are side by side if the page is wide enough.
     pub(super) fn place_parted(
         &mut self,
         name: &str,

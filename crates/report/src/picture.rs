@@ -1,11 +1,11 @@
 //! A plan's map above histograms, as one picture for a front page.
 
-/// Width and height of the map's place, of a histogram's, and the gap between, in units of the picture.
+/// Width and height of the map, of a histogram, and the gap between, in units of the picture.
 const MAP: [u32; 2] = [1140, 760];
 const HISTOGRAM: [u32; 2] = [560, 470];
 const GAP: u32 = 20;
 
-/// `map` above, `histograms` beside each other below, on white: whole `<svg>` elements as this crate draws them.
+/// `map` above, `histograms` side by side below, on white: whole `<svg>` elements as this crate draws them.
 pub fn picture(map: &str, histograms: &[&str; 2]) -> String {
     let (width, height) = (MAP[0] + 2 * GAP, MAP[1] + HISTOGRAM[1] + 3 * GAP);
     let below = MAP[1] + 2 * GAP;
@@ -21,7 +21,7 @@ pub fn picture(map: &str, histograms: &[&str; 2]) -> String {
     )
 }
 
-/// `figure` in a place of its own; its `viewBox` scales it.
+/// `figure` at a position and size; its `viewBox` scales it.
 fn placed(figure: &str, at: [u32; 2], size: [u32; 2]) -> String {
     let place = format!("<svg x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" ", at[0], at[1], size[0], size[1]);
     figure.trim_end().replacen("<svg ", &place, 1) + "\n"

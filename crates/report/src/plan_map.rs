@@ -1,4 +1,4 @@
-//! `map.svg`: the plan on its chart, as `map.json` says.
+//! `map.svg`: the plan on its chart, from `map.json`.
 
 use refusal::Invalid;
 use study::documents::{
@@ -11,7 +11,7 @@ use crate::figures::map as figure;
 /// The map as SVG.
 ///
 /// # Errors
-/// As [`figure::map_figure`].
+/// Those of [`figure::map_figure`].
 pub fn plan_map(document: &MapDocument) -> Result<String, Invalid> {
     figure::map_figure(&map(document))
 }
@@ -77,7 +77,7 @@ fn raster(own: &MapRaster) -> figure::Raster {
     figure::Raster { origin: [own.west_m, own.south_m], cell_m: own.cell_m, nx, ny }
 }
 
-/// Of each cell whether it is in the set.
+/// For each cell whether it is in the set.
 fn set(runs: &MapRuns) -> Vec<bool> {
     let runs = runs.0.iter().enumerate();
     runs.flat_map(|(index, run)| std::iter::repeat_n(index % 2 == 1, *run as usize)).collect()
@@ -122,7 +122,7 @@ fn spot(own: &MapSpot) -> figure::Spot {
     figure::Spot { at: place(own.place), symbol, depth_m: own.depth_m, title: own.title.clone() }
 }
 
-/// In the colour of its maneuver among `names`.
+/// A track in the colour of its maneuver among `names`.
 fn track(own: &MapTrack, names: &[&String]) -> figure::Track {
     let maneuver = names.iter().position(|name| own.maneuver.as_ref() == Some(name));
     let style = match (own.kind, maneuver) {

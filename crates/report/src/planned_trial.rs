@@ -7,7 +7,7 @@ use super::drawing::refused;
 use super::loader::{Loader, document_at};
 use super::plan_map::plan_map;
 
-/// Bytes that a cell of a map takes while it is drawn, about.
+/// Approximate bytes per cell of a map while it is drawn.
 const CELL_BYTES: f64 = 24.0;
 
 /// A plan with its map.
@@ -19,11 +19,12 @@ pub struct PlannedTrial {
     pub plan: PlanDocument,
     /// The map: drawn from `map.json`, or `map.svg`, free of scripts and links.
     pub map: Option<String>,
-    /// Files of this study that are not those that the plan was made from.
+    /// Files of this study that differ from those that the plan was made from.
     pub stale: Vec<String>,
 }
 
-/// The map `name` of the results, noted: drawn from its document, else as it stands in the drawing; none where there is neither.
+/// The map `name` of the results, drawn from its document, else read as a drawing, and notes the file; `None` if
+/// there is neither.
 pub(crate) fn map(loader: &mut Loader, name: &str) -> Result<Option<String>, Error> {
     let drawn = drawn(loader, &format!("{name}.json"))?;
     let name = format!("{name}.svg");
@@ -45,7 +46,7 @@ pub(crate) fn map(loader: &mut Loader, name: &str) -> Result<Option<String>, Err
     Ok(Some(svg))
 }
 
-/// The drawing of the document `name`, noted; none where there is no such file.
+/// Draws the document `name`, and notes the file; `None` if there is no such file.
 fn drawn(loader: &mut Loader, name: &str) -> Result<Option<String>, Error> {
     let path = loader.sources.results.join(name);
     let Some(loaded) = document_at::<MapDocument>(path.clone())? else { return Ok(None) };

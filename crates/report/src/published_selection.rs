@@ -12,7 +12,7 @@ use study::documents::{
 };
 use study::selection::Row;
 
-/// The selection study beside a published one: a table, and the figures cut where the published ones are. None unless
+/// The selection study compared with a published one: a table, and figures with the published limits. `None` unless
 /// there are both.
 pub(super) fn published_selection(study: &Study, figures: &mut Figures) -> Option<Section> {
     let (found, reference) = (study.selection.as_ref()?, study.reference.as_ref()?);
@@ -40,7 +40,7 @@ fn norm(row: &Row) -> Option<f64> {
     row.rmse.map(|errors| errors.iter().map(|e| e * e).sum::<f64>().sqrt())
 }
 
-/// What a row says of a design, and what is published of it.
+/// A row's value for a design, and the published one.
 type Line<'a> =
     (&'a str, &'a dyn Fn(&SelectionScores) -> String, Option<fn(&PublishedPicks) -> Option<String>>);
 
@@ -71,11 +71,11 @@ fn table(found: &SelectionStudy, limits: &PublishedSelection) -> Markup {
     ];
     let labelled = Table::of(lines).name("norm of RMSE", |(label, ..)| label);
     let table = found.summary.designs.iter().fold(labelled, |table, d| {
-        let told = if d.design == "optimized" { &limits.optimized } else { &limits.random };
+        let published = if d.design == "optimized" { &limits.optimized } else { &limits.random };
         table.number(&d.design, |(_, ours, _)| ours(d)).classed(
             "number published",
             "published",
-            |(.., theirs)| or_dash(theirs.and_then(|theirs| theirs(told))),
+            |(.., theirs)| or_dash(theirs.and_then(|theirs| theirs(published))),
         )
     });
     table.render()

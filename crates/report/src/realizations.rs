@@ -6,7 +6,7 @@ use super::parts::{Section, statements};
 use super::study::{Study, optimized_first};
 use super::table::Table;
 
-/// What many realizations in memory say, by design and estimator; where they are not those that the validation tells of.
+/// Statistics of many realizations in memory, by design and estimator, unless they are those of the validation.
 pub(super) fn realizations(study: &Study) -> Option<Section> {
     let tally = study.tally.as_ref()?;
     let counted: u64 = tally.tally.counted.iter().map(|counted| counted.runs).sum();

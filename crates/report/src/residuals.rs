@@ -8,7 +8,7 @@ use crate::figures::{CorrelationCell, CorrelationRow, correlations};
 /// Inputs beyond this many are not drawn.
 const MOST_INPUTS: usize = 7;
 
-/// How the model's errors correlate with themselves and with inputs: one-step residuals, then free-run errors.
+/// Correlations of the model's errors with themselves and with inputs: one-step residuals, then free-run errors.
 pub(super) fn residuals(found: &[ErrorCorrelations], figures: &mut Figures) -> Markup {
     let of = |kind: ErrorKind| found.iter().filter(|own| own.of == kind).collect::<Vec<_>>();
     html! {

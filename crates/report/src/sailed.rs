@@ -8,7 +8,7 @@ use crate::figures::{Track, TrackLine, palette, tracks};
 /// Recordings beyond this many are not drawn.
 const MOST: usize = 24;
 
-/// What follows without a gap of one recording: the track as measured, and a simulated one for every window.
+/// A gapless section of a recording: the measured track, and a simulated one for every window.
 #[derive(Default)]
 struct Sailed<'a> {
     source: &'a str,
@@ -22,7 +22,7 @@ struct Sailed<'a> {
 pub(super) fn sailed(windows: &[&[Traced]], figures: &mut Figures) -> Markup {
     let mut all: Vec<Sailed> = Vec::new();
     for window in windows {
-        match all.last_mut().filter(|sailed| sailed.goes_on(window)) {
+        match all.last_mut().filter(|sailed| sailed.continues_with(window)) {
             Some(sailed) => sailed.add(window),
             None => {
                 let mut sailed = Sailed { source: &window[0].source, ..Sailed::default() };
@@ -51,8 +51,8 @@ fn cell<'a>(name: &'a str, axes: &'a [[Vec<f64>; 2]]) -> Track<'a> {
 }
 
 impl<'a> Sailed<'a> {
-    /// Whether `window` begins as measured where this ends.
-    fn goes_on(&self, window: &[Traced]) -> bool {
+    /// Whether `window` continues this section.
+    fn continues_with(&self, window: &[Traced]) -> bool {
         let last = self.last.map(|row| row.measured);
         self.source == window[0].source && last == Some(window[0].measured)
     }
@@ -73,7 +73,7 @@ impl<'a> Sailed<'a> {
     }
 }
 
-/// Poses over `window` from `start` on, with these velocities.
+/// Poses over `window` from `start`, with these velocities.
 fn followed(start: Pose, window: &[Traced], velocities: impl Fn(&Traced) -> [f64; 3]) -> Vec<Pose> {
     let states: Vec<f64> = window.iter().flat_map(velocities).collect();
     let step = window.get(1).map_or(1.0, |row| row.t - window[0].t);
@@ -107,14 +107,14 @@ mod tests {
         let (whole, first, second) = (rows(0, 0, 40), rows(0, 0, 25), rows(1, 25, 15));
         let mut joined = Sailed { source: "turn", ..Sailed::default() };
         joined.add(&first);
-        assert!(joined.goes_on(&second) && !joined.goes_on(&whole));
+        assert!(joined.continues_with(&second) && !joined.continues_with(&whole));
         joined.add(&second);
         let alone = followed(Pose::default(), &whole, |row| row.measured);
         assert_eq!(joined.measured.len(), alone.len());
         for (a, b) in joined.measured.iter().zip(&alone) {
             assert!((a.x - b.x).abs() < 1e-12 && (a.y - b.y).abs() < 1e-12, "{a:?} {b:?}");
         }
-        // A model without error sails what was measured.
+        // A model without error follows the measured track.
         let end = joined.simulated[1].last().unwrap();
         assert!((end.x - alone[40].x).abs() < 1e-12 && (end.psi - alone[40].psi).abs() < 1e-12);
     }

@@ -13,7 +13,7 @@ use study::documents::{
 /// Terms beyond this many are not listed: those of the base structure first, then those that were chosen most often.
 const MOST_TERMS: usize = 40;
 
-/// How the structure was searched for: candidates, the score on recordings that the search has not seen, terms.
+/// The search for the structure: candidates, the score on recordings that the search has not seen, terms.
 pub(super) fn searched(found: Option<&SearchDocument>, figures: &mut Figures) -> Option<Section> {
     let found = found?;
     let body = html! {
@@ -52,14 +52,14 @@ struct Judged {
 
 fn nested(found: &SearchDocument) -> Markup {
     let nested = &found.nested;
-    let beside = [("whole search", &nested.search), ("base structure", &nested.base)];
+    let consecutive = [("whole search", &nested.search), ("base structure", &nested.base)];
     let overlapping =
         [("whole search", &nested.search_overlapping), ("base structure", &nested.base_overlapping)];
     let average = nested.average.as_ref();
     let mean =
         |of: fn(&NestedAverage) -> &Option<FreeRunErrors>| average.map(|own| ("average of models", of(own)));
-    let [beside, overlapping] =
-        [(beside, mean(|own| &own.errors)), (overlapping, mean(|own| &own.overlapping))]
+    let [consecutive, overlapping] =
+        [(consecutive, mean(|own| &own.errors)), (overlapping, mean(|own| &own.overlapping))]
             .map(|(rows, mean)| rows.into_iter().chain(mean));
     let judged = |windows: &'static str| {
         move |(name, errors): (&'static str, &'_ Option<FreeRunErrors>)| Judged {
@@ -68,7 +68,7 @@ fn nested(found: &SearchDocument) -> Markup {
             errors: *errors,
         }
     };
-    let rows: Vec<Judged> = beside
+    let rows: Vec<Judged> = consecutive
         .map(judged("side by side"))
         .chain(overlapping.map(judged("one at every quarter of another")))
         .collect();

@@ -12,7 +12,7 @@ use refusal::listed;
 use study::documents::{Quantiles, SelectionDocument, SelectionScores};
 use study::selection::{self, Row};
 
-/// What there is about a selection study.
+/// The results of a selection study.
 #[derive(Clone, Debug)]
 pub struct SelectionStudy {
     /// `selection.json`.
@@ -24,7 +24,7 @@ pub struct SelectionStudy {
 /// The figures end at this many standard deviations of a state.
 const LIMIT: f64 = 3.0;
 
-/// Reads `selection.json` and `selection.parquet`, where both exist.
+/// Reads `selection.json` and `selection.parquet`, if both exist.
 pub(super) fn load(loader: &mut Loader) -> Result<Option<SelectionStudy>, Error> {
     if existing(loader.sources.results.join("selection.parquet")).is_none() {
         return Ok(None);
@@ -77,7 +77,7 @@ impl SelectionStudy {
     }
 }
 
-/// How many realizations the numbers are drawn from, and what counts as degenerate.
+/// The number of realizations, and the definition of degenerate.
 fn sample(summary: &SelectionDocument) -> String {
     let counts: Vec<String> =
         summary.designs.iter().map(|d| format!("{} {}", d.realizations, d.design)).collect();
@@ -94,13 +94,13 @@ fn round_limit(std: f64) -> f64 {
     format!("{:.1e}", LIMIT * std).parse().unwrap_or(LIMIT * std)
 }
 
-/// What a column says of a design.
+/// A column's cell for a design.
 type Cell<'a> = &'a dyn Fn(&SelectionScores) -> String;
 
 fn table(summary: &SelectionDocument) -> Table<&SelectionScores> {
-    let told = |value: Option<f64>, printed: String| value.map_or("∞".to_owned(), |_| printed);
-    let median = |errors: &Quantiles| told(errors.median, median(errors));
-    let q90 = |errors: &Quantiles| told(errors.q90, q90(errors));
+    let or_infinite = |value: Option<f64>, printed: String| value.map_or("∞".to_owned(), |_| printed);
+    let median = |errors: &Quantiles| or_infinite(errors.median, median(errors));
+    let q90 = |errors: &Quantiles| or_infinite(errors.q90, q90(errors));
     let columns: [(&str, Cell<'_>); 5] = [
         ("median", &|d| median(&d.overlapping.error_norm)),
         ("90 %", &|d| q90(&d.overlapping.error_norm)),

@@ -6,7 +6,7 @@ use super::parts::{Figures, Section};
 use super::table::{Table, grouped};
 use crate::figures::{AccuracyCurve, accuracy};
 
-/// Trials designed in rounds beside trials designed once: at equal time, and when they stop.
+/// Trials designed in rounds compared with trials designed once: at equal time, and when they stop.
 pub(super) fn sequential(found: &SequentialDocument, figures: &mut Figures) -> Vec<Section> {
     let (stops, compares) = match found.statements.split_last() {
         Some((last, others)) => (std::slice::from_ref(last), others),
@@ -36,7 +36,7 @@ fn capital(said: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// What an arm is called.
+/// The label of an arm.
 fn label(arm: Arm) -> &'static str {
     match arm {
         Arm::Sequential => "in rounds",

@@ -4,9 +4,9 @@ use maud::{Markup, html};
 
 use study::documents::DesignDocument;
 
-/// A dictionary of more maneuvers than this is not shown whole.
+/// A dictionary with more maneuvers is not shown completely.
 const MOST: usize = 40;
-/// Below this share a maneuver counts as not used.
+/// A maneuver with a smaller share counts as not used.
 const LEAST: f64 = 5e-4;
 
 /// Whether the design spends time on maneuver `name`.
@@ -15,7 +15,7 @@ pub(super) fn used(design: &DesignDocument, name: &str) -> bool {
 }
 
 /// The names that the page shows, in their order: all of a small dictionary; of a large one those in use and those
-/// closest to being worth their time, or just the first without a design.
+/// with the highest efficiency, or just the first without a design.
 pub(super) fn shown<'a>(
     names: impl Iterator<Item = &'a str>,
     design: Option<&DesignDocument>,
@@ -32,7 +32,7 @@ pub(super) fn shown<'a>(
     ranked.into_iter().map(|index| names[index]).collect()
 }
 
-/// Says that a large dictionary is not shown whole.
+/// Says that a large dictionary is not shown completely.
 pub(super) fn omission(all: usize, shown: usize) -> Markup {
     html! {
         @if shown < all {

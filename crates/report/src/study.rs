@@ -7,7 +7,7 @@ use study::scores;
 
 use super::planned_trial::PlannedTrial;
 
-/// Everything that the page can show. What is absent is said to be missing.
+/// Everything that the page can show. Absent results are reported as missing.
 #[derive(Clone, Debug, Default)]
 pub struct Study {
     /// Name of the study: `paper`.
@@ -36,7 +36,7 @@ pub struct Study {
     pub reference: Option<Reference>,
     /// Models from picked sub-experiments; absent in a study without.
     pub selection: Option<super::SelectionStudy>,
-    /// What is known from measured logs; absent in a study of simulated trials.
+    /// Results from measured logs; absent in a study of simulated trials.
     pub measured: Option<super::Measured>,
     /// Trials designed in rounds against trials designed once.
     pub sequential: Option<SequentialDocument>,
@@ -44,9 +44,9 @@ pub struct Study {
     pub scenarios: Vec<Scenario>,
     /// The planned trajectory; absent in a study that plans none.
     pub trajectory: Option<Trajectory>,
-    /// What the data are labelled as: `simulated logs`; absent for those of real ships and for simulation studies.
+    /// The label of the data: `simulated logs`; absent for those of real ships and for simulation studies.
     pub data: Option<String>,
-    /// The roles that files of different studies play, where such were allowed.
+    /// The roles of files from different studies, if those were allowed.
     pub mixed: Vec<String>,
     /// Name of a file, what it is, its digest.
     pub files: Vec<(String, String, String)>,
@@ -63,12 +63,12 @@ pub struct Scenario {
     pub validation: ValidationDocument,
 }
 
-/// What there is about a planned trajectory.
+/// The results for a planned trajectory.
 #[derive(Clone, Debug, Default)]
 pub struct Trajectory {
-    /// `plan.json`; absent where only `plan.toml` asks for it.
+    /// `plan.json`; absent if only `plan.toml` exists.
     pub main: Option<PlannedTrial>,
-    /// `plan-*/plan.json`: the same trial planned otherwise.
+    /// `plan-*/plan.json`: variants of the plan.
     pub variants: Vec<PlannedTrial>,
     /// `planned/estimate.json`: estimates from simulated trials of the plan.
     pub estimate: Option<EstimateDocument>,
@@ -81,7 +81,7 @@ pub struct Trajectory {
 pub struct ManeuverTrace {
     /// Name in the dictionary.
     pub name: String,
-    /// What the dictionary says about it; may be empty.
+    /// Its description in the dictionary; may be empty.
     pub description: String,
     /// What it was to reach, and did; may be empty.
     pub reached: String,
@@ -104,7 +104,7 @@ pub struct ManeuverTrace {
 /// The design that is shown first wherever designs are compared.
 const FIRST: &str = "optimized";
 
-/// `designs` in their order, but the optimized one first.
+/// `designs` in their order, except that the optimized one comes first.
 pub(super) fn optimized_first<T>(designs: &[T], name: impl Fn(&T) -> &str) -> Vec<&T> {
     let mut ordered: Vec<&T> = designs.iter().collect();
     ordered.sort_by_key(|design| name(design) != FIRST);

@@ -2,7 +2,7 @@
 
 use maud::{Markup, PreEscaped, Render, html};
 
-/// A table that is written column by column: each has a head, and says what stands in a row.
+/// A table that is written column by column: each has a head and a function for its cells.
 pub(super) struct Table<R> {
     class: Option<&'static str>,
     head: String,
@@ -31,13 +31,13 @@ impl<R: Copy> Table<R> {
         Self { class: Some(class), ..self }
     }
 
-    /// Says by this class for which rows something holds.
+    /// Marks the rows for which `holds` is true with this class.
     pub(super) fn mark(mut self, class: &'static str, holds: impl Fn(R) -> bool) -> Self {
         self.rows.iter_mut().for_each(|row| _ = row.classes.get_or_insert_default());
         self.set_off(class, holds)
     }
 
-    /// Gives this class to the rows for which something holds, and nothing to the others.
+    /// Gives this class to the rows for which `holds` is true, and none to the others.
     pub(super) fn set_off(mut self, class: &'static str, holds: impl Fn(R) -> bool) -> Self {
         for row in self.rows.iter_mut().filter(|row| holds(row.of)) {
             row.classes.get_or_insert_default().push(class);
@@ -45,13 +45,13 @@ impl<R: Copy> Table<R> {
         self
     }
 
-    /// A column of what the rows are called.
+    /// A column with the names of the rows.
     pub(super) fn name<C: Render>(self, head: impl Render, cell: impl Fn(R) -> C) -> Self {
         let name = |row| html! { th scope="row" { (cell(row)) } };
         self.with(html! { th scope="col" { (head) } }, name)
     }
 
-    /// A column of words.
+    /// A column of text.
     pub(super) fn text<C: Render>(self, head: impl Render, cell: impl Fn(R) -> C) -> Self {
         let text = |row| html! { td { (cell(row)) } };
         self.with(html! { th scope="col" { (head) } }, text)
@@ -95,7 +95,7 @@ impl<R> Render for Table<R> {
     }
 }
 
-/// What lies within each of `outer`: with it, and whether it is the first there.
+/// The elements within each of `outer`: with it, and whether it is the first there.
 pub(super) fn grouped<'a, A, B>(
     outer: impl IntoIterator<Item = &'a A>,
     inner: impl Fn(&'a A) -> &'a [B],

@@ -7,7 +7,7 @@ use super::parts::{Section, coded, missing, statements};
 use super::table::Table;
 use study::documents::{ConstrainedParameter, DegreeTrust, SourceErrors, TrustDocument};
 
-/// How far the pooled estimate can be trusted.
+/// The diagnostics of the pooled estimate.
 pub(super) fn trust(measured: &Measured) -> Section {
     let body = match &measured.trust {
         None => missing("Trust is", "trust.json", "estimate pool"),
@@ -24,7 +24,7 @@ pub(super) fn trust(measured: &Measured) -> Section {
     Section::new("trust", "Trust", "Trust in the estimate from all recordings", body)
 }
 
-/// What was not estimated by itself.
+/// The parameters that were fixed, tied or bounded.
 fn constrained(all: &[ConstrainedParameter]) -> Markup {
     let how = |p: &ConstrainedParameter| match (&p.tied_to, p.factor) {
         (Some(to), Some(factor)) if factor != 1.0 => format!("{} times {to}", three(factor)),
@@ -84,7 +84,7 @@ fn tests(found: &TrustDocument) -> Markup {
     }
 }
 
-/// How residuals correlate with an instrument.
+/// The correlation of residuals with an instrument.
 fn leak(degree: &DegreeTrust) -> Markup {
     match &degree.instrument_residual {
         Some(c) => html! {
@@ -121,7 +121,7 @@ fn parameters(degree: &DegreeTrust) -> Markup {
     }
 }
 
-/// Correlations between the estimates, `entries` as many rows as parameters; none with those that a bound holds.
+/// Correlations between the estimates, `entries` as many rows as parameters; none with those at a bound.
 fn correlation(degree: &DegreeTrust, entries: &[f64]) -> Markup {
     let own = &degree.parameters;
     let rows = own.iter().zip(entries.chunks(own.len().max(1)));

@@ -1,5 +1,6 @@
-//! How often the intervals that a search for few terms prints hold what is true: recordings of a known ship are simulated again and
-//! again, in gusts and with noise, searched through, and the intervals of the base structure's parameters counted.
+//! Coverage of the intervals that a search for few terms prints: recordings of a known ship are simulated repeatedly,
+//! in gusts and with noise, and searched, and the intervals of the base structure's parameters that contain the truth
+//! are counted.
 //!
 //! ```text
 //! cargo run --release -p search --example compact_intervals -- [realizations] [resamples] [white|gusts] [seed]
@@ -36,7 +37,7 @@ yaw = [
     { parameter = "N_delta", term = "u |u| delta", nominal = 0.05 },
 ]
 "#;
-/// Terms of which the ship has none: 28, to third order.
+/// Terms that the ship does not have: 28, to third order.
 const OTHERS: [&str; 3] = [
     "u; u^3; v^2; r^2; u v^2; u r^2; u |u| delta^2; |v| |r|",
     "r; u v; v |r|; |v| r; v^3; r^3; v r^2; v^2 r; u^2 v; u^2 r",
@@ -44,13 +45,13 @@ const OTHERS: [&str; 3] = [
 ];
 const RECORDINGS: u32 = 12;
 const SAMPLES: usize = 60;
-/// Standard deviations of the noise of u, v \[m/s\] and r \[rad/s\], and of what a sample's gusts add to them.
+/// Standard deviations of the noise of u, v \[m/s\] and r \[rad/s\], and of the increments that gusts add per sample.
 const NOISE: [f64; 3] = [0.004, 0.004, 0.002];
 const GUSTS: [f64; 3] = [0.002, 0.002, 0.001];
-/// How much of a gust is left after a sample: a time of 8 s.
+/// Share of a gust that remains after a sample: a time constant of 8 s.
 const LASTING: f64 = 0.88;
 
-/// Of what the ship's recordings are disturbed.
+/// The disturbances of the ship's recordings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Disturbed {
     /// By white noise of the sensors.
@@ -65,7 +66,7 @@ pub fn ship() -> Vessel {
     Vessel::from_file(file).unwrap_or_else(|e| panic!("the ship of the example: {e}"))
 }
 
-/// The recordings of a realization: zig-zags of other rudder angles, periods and speeds each.
+/// The recordings of a realization: zig-zags with different rudder angles, periods and speeds.
 pub fn recorded(vessel: &Vessel, disturbed: Disturbed, streams: &Streams, realization: u32) -> Vec<Run> {
     let run = |number: u32| {
         let mut normals = vec![0.0; 6 * (SAMPLES + 1)];
@@ -102,7 +103,7 @@ pub fn recorded(vessel: &Vessel, disturbed: Disturbed, streams: &Streams, realiz
     (0..RECORDINGS).map(run).collect()
 }
 
-/// By parameter of the base structure, in how many of so many realizations its interval holds the truth.
+/// Per parameter of the base structure, the number of realizations whose interval contains the truth.
 pub fn covered(realizations: u32, resamples: u32, disturbed: Disturbed, seed: u64) -> Vec<(String, u32)> {
     let vessel = ship();
     let lists = OTHERS.map(|terms| terms.split(';').map(|term| term.trim().to_owned()).collect::<Vec<_>>());

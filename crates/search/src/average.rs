@@ -15,9 +15,9 @@ use crate::scores::{scores_of_mean, together};
 /// How many models are averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AverageOptions {
-    /// Their number, two at least.
+    /// Their number, at least two.
     pub models: u32,
-    /// What keys the draws of recordings that each structure is found on.
+    /// The seed of the draws of recordings that each structure is found on.
     pub seed: u64,
 }
 
@@ -26,7 +26,7 @@ pub struct AverageOptions {
 pub struct Averaged {
     /// The models, in the order of their draws.
     pub members: Vec<Member>,
-    /// RMSE of their mean trajectory over the recordings; none where a model diverges.
+    /// RMSE of their mean trajectory over the recordings; `None` if a model diverges.
     pub output_rmse: Option<[f64; 3]>,
 }
 
@@ -35,24 +35,24 @@ pub struct Averaged {
 pub struct Member {
     /// Its structure.
     pub model: Model,
-    /// The model of it, fitted to all recordings.
+    /// The model with this structure, fitted to all recordings.
     pub delivered: Delivered,
     /// The recordings that its structure was found on.
     pub found_on: Vec<String>,
 }
 
-/// A model, and what its structure was found on.
+/// A model, and the recordings that its structure was found on.
 pub(crate) type Drawn = (Fitted, Vec<String>);
 
-/// The models of all recordings, and those without each fold: none where one cannot be found.
+/// The models of all recordings, and those without each fold: `None` if one cannot be found.
 pub(crate) struct Averages {
     all: Vec<Drawn>,
     pub by_folds: Vec<Option<Vec<Fitted>>>,
 }
 
 impl Study<'_> {
-    /// Finds as many models as are `wanted`, each structure on some of the recordings and fitted to all; again without each
-    /// fold. The ridge and the base structure's fit are those that were found before. None where a model cannot be found.
+    /// Finds the `wanted` number of models, each structure on some of the recordings and fitted to all; again without
+    /// each fold. The ridge and the base structure's fit were found before. `None` if a model cannot be found.
     pub fn averages(
         &self,
         nested: &Nested,
@@ -106,7 +106,7 @@ impl Study<'_> {
 }
 
 impl Averages {
-    /// The models as they are handed over.
+    /// The models with their errors, for the result.
     pub fn delivered(self, recordings: &[Recording], parts: &[Part]) -> Averaged {
         let (fitted, found_on): (Vec<Fitted>, Vec<Vec<String>>) = self.all.into_iter().unzip();
         let all: Vec<&Recording> = recordings.iter().collect();
@@ -120,13 +120,13 @@ impl Averages {
     }
 }
 
-/// How many of `recordings` a structure is found on: seven tenths.
+/// The number of recordings that a structure is found on: seven tenths.
 pub(crate) fn share(recordings: usize) -> usize {
     (7 * recordings + 5) / 10
 }
 
-/// Seven tenths of `recordings`, of each kind as large a share as can be, in their order. Depends on the stream and the number
-/// alone.
+/// Seven tenths of `recordings`, with the same share of each kind as far as possible, in their order. Depends on the
+/// stream and the number alone.
 fn draw<'a>(recordings: &[&'a Recording], streams: &Streams, number: u32) -> Vec<&'a Recording> {
     let all = recordings.len();
     let mut rest: Vec<usize> = (0..all).collect();
@@ -135,9 +135,9 @@ fn draw<'a>(recordings: &[&'a Recording], streams: &Streams, number: u32) -> Vec
         let place = streams.choices(number, channel, rest.len() as u32, 1)[0];
         order.push(rest.swap_remove(place as usize));
     }
-    // Those of one kind stay in the order that they were drawn in.
+    // Recordings of one kind stay in the order of the draw.
     order.sort_by_key(|i| recordings[*i].kind());
-    // Evenly along that order, so that each kind gives its share; where it begins is drawn too.
+    // Evenly spaced in that order, so that each kind has its share, with a random offset.
     let first = streams.choices(number, all as u32, all as u32, 1)[0] as usize;
     let before = |place: usize| (place * share(all) + first) / all;
     let mut drawn: Vec<usize> =
@@ -173,7 +173,7 @@ mod tests {
             let place = |own: &&Recording| all.iter().position(|other| other.name == own.name).unwrap();
             drawn.iter().for_each(|own| seen[place(own)] += 1);
         }
-        // 278 each, give or take four standard deviations.
+        // 278 each, within four standard deviations.
         assert!(seen.iter().all(|n| (240..=316).contains(n)), "{seen:?}");
         let again = draw(&all, &streams, 7);
         assert!(again.iter().zip(draw(&all, &streams, 7)).all(|(a, b)| a.name == b.name));

@@ -9,23 +9,23 @@ use crate::nested::{Fitted, Study};
 use crate::recording::{Laid, Recording};
 use crate::scores::varying;
 
-/// How often recordings are drawn again and searched anew.
+/// The bootstrap of a search: recordings are resampled and searched again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BootstrapOptions {
-    /// Number of resamples, two at least.
+    /// Number of resamples, at least two.
     pub resamples: u32,
-    /// What keys the draws.
+    /// The seed of the draws.
     pub seed: u64,
 }
 
-/// What searches over recordings that were drawn again found.
+/// The result of searches over resampled recordings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resampled {
-    /// How many found a model.
+    /// Searches that found a model.
     pub searches: u64,
-    /// How many found none.
+    /// Searches that found none.
     pub failed: u64,
-    /// By name of the parameters that some of these models have.
+    /// By name, the parameters that some of these models have.
     pub parameters: BTreeMap<String, ResampledParameter>,
 }
 
@@ -41,8 +41,8 @@ pub struct ResampledParameter {
 }
 
 impl Study<'_> {
-    /// Searches for few terms over recordings that are drawn with replacement, as many of every kind as there are: ridge,
-    /// terms and parameters anew each time. None where fewer than two of these searches find a model.
+    /// Searches for few terms over recordings that are drawn with replacement, the same number of every kind: ridge,
+    /// terms and parameters are found again each time. `None` if fewer than two of these searches find a model.
     pub fn resampled(&self, wanted: BootstrapOptions, done: &(dyn Fn(usize) + Sync)) -> Option<Resampled> {
         let streams = Streams::new(wanted.seed, "bootstrap over recordings");
         let one = |number: u32| {
@@ -60,7 +60,7 @@ impl Study<'_> {
         })
     }
 
-    /// The model of few terms that the recordings at `drawn` lead to.
+    /// The model of few terms that a search over the recordings at `drawn` finds.
     fn searched_again(&self, drawn: &[usize]) -> Option<Fitted> {
         let recordings: Vec<Recording> = drawn.iter().map(|i| self.recordings[*i].clone()).collect();
         let again = Study {
@@ -83,7 +83,7 @@ impl Study<'_> {
     }
 }
 
-/// What `found` say of every parameter that one of them has.
+/// The quantiles over `found` of every parameter that one of them has.
 fn summed_up(found: &[Fitted]) -> BTreeMap<String, ResampledParameter> {
     let mut values: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for own in found {
@@ -103,12 +103,12 @@ fn summed_up(found: &[Fitted]) -> BTreeMap<String, ResampledParameter> {
     values.into_iter().map(summary).collect()
 }
 
-/// Distinct recordings below which no resample is searched: with fewer no fold can be left out.
+/// Least number of distinct recordings of a resample: with fewer, no fold can be left out.
 const DISTINCT: usize = 3;
-/// Draws after which a resample is what it is.
+/// Maximum number of draws for a resample with enough distinct recordings.
 const DRAWS: u32 = 1000;
 
-/// Places among `recordings` of as many of every kind as there are, drawn with replacement. Depends on the stream and the
+/// Indices of `recordings` drawn with replacement, the same number of every kind. Depends on the stream and the
 /// number alone.
 fn draw(recordings: &[Recording], streams: &Streams, number: u32) -> Vec<usize> {
     let mut order: Vec<usize> = (0..recordings.len()).collect();
@@ -131,8 +131,8 @@ fn draw(recordings: &[Recording], streams: &Streams, number: u32) -> Vec<usize> 
     drawn
 }
 
-/// The folds of the recordings at `drawn`, in ascending order: one that was drawn several times is in one fold, or what is left
-/// out would be fitted too.
+/// The folds of the recordings at `drawn`, in ascending order: one that was drawn several times is in one fold, since
+/// otherwise the models would be fitted to the recordings that are left out.
 fn dealt(recordings: &[Recording], drawn: &[usize], count: usize) -> Vec<usize> {
     let mut distinct = drawn.to_vec();
     distinct.dedup();
@@ -174,7 +174,7 @@ mod tests {
             let distinct = drawn.chunk_by(|a, b| a == b).count();
             assert_eq!(folds.iter().max().unwrap() + 1, 6.min(distinct));
         }
-        // 600 each, give or take four standard deviations.
+        // 600 each, within four standard deviations.
         assert!(seen.iter().all(|n| (500..=700).contains(n)), "{seen:?}");
         assert_eq!(draw(&all, &streams, 7), draw(&all, &streams, 7));
         assert_ne!(draw(&all, &streams, 7), draw(&all, &streams, 8));

@@ -9,15 +9,15 @@ use crate::nested::{Fitted, Study, widened};
 use crate::problem::{Problem, Slopes};
 use crate::recording::Recording;
 
-/// Of a refit on the way.
+/// For refits during the search.
 const REFIT: Ending = Ending { steps: 2, enough: 1e-3 };
-/// Of the model with the terms that were chosen, when it is judged.
+/// For the model with the chosen terms, when it is scored.
 const JUDGED: Ending = Ending { steps: 12, enough: 1e-4 };
-/// Terms that are added before the model is linearised anew.
+/// Terms that are added before the model is linearised again.
 const BEFORE: usize = 3;
-/// Additions that lower no loss after which the search ends.
+/// The search ends after this many additions without a lower loss.
 const PATIENCE: usize = 12;
-/// Relative decrease of the loss that counts as none.
+/// A smaller relative decrease of the loss does not count.
 const NONE: f64 = 1e-4;
 
 /// A number of terms and how folds that are left out are followed with that many.
@@ -40,7 +40,7 @@ pub struct SizeScore {
 pub(crate) struct Compact {
     /// Numbers of terms in the order of additions.
     pub sizes: Vec<SizeScore>,
-    /// Places in the library of the terms that were chosen.
+    /// Indices in the library of the chosen terms.
     pub places: Vec<usize>,
 }
 
@@ -58,23 +58,23 @@ impl Size {
     }
 }
 
-/// What one fold tells about all terms where they were linearised, per error.
-struct Told {
+/// The loss of one fold, linearised in all terms, per error.
+struct Linearised {
     errors: f64,
     loss: f64,
     slopes: Slopes,
 }
 
 impl Study<'_> {
-    /// The fewest terms with which folds left out are followed within a standard error of the best; base terms stay. Only
-    /// recordings of `folds` are looked at. None where nothing can be fitted.
+    /// The fewest terms whose loss on left-out folds is within a standard error of the least; base terms stay. Only
+    /// recordings of `folds` are used. `None` if nothing can be fitted.
     pub fn compact(&self, base: &[f64], folds: &[Vec<&Recording>], ridge: f64) -> Option<Compact> {
         let wide = widened(self.base, self.library, base);
         let sizes = self.forward(folds, self.base_places(), &wide, ridge);
         let best = sizes.iter().min_by(|a, b| a.total().total_cmp(&b.total()))?;
         let names: Vec<&str> = self.library.parameter_names().collect();
         let errors: f64 = folds.iter().flatten().map(|r| r.errors()).sum();
-        let told: Vec<SizeScore> = sizes
+        let scores: Vec<SizeScore> = sizes
             .iter()
             .map(|size| {
                 let more: Vec<f64> =
@@ -88,9 +88,9 @@ impl Study<'_> {
                 }
             })
             .collect();
-        let chosen = told.iter().position(|size| size.excess <= size.standard_error)?;
+        let chosen = scores.iter().position(|size| size.excess <= size.standard_error)?;
         let places = sizes[chosen].places.clone();
-        Some(Compact { sizes: told, places })
+        Some(Compact { sizes: scores, places })
     }
 
     /// The model of the terms at `places`, fitted to all of `folds`.
@@ -113,8 +113,8 @@ impl Study<'_> {
         Some(Fitted { model, theta })
     }
 
-    /// Adds terms to those at `start` one by one, each time the one with which the folds are best followed when they are left out,
-    /// by a quadratic model of the errors that is made anew every few terms. `theta` is where it begins.
+    /// Forward selection: adds terms to those at `start` one by one, each time the one with the least loss of the
+    /// left-out folds, by a quadratic model of the errors that is renewed every few terms. It starts at `theta`.
     fn forward(&self, folds: &[Vec<&Recording>], start: Vec<usize>, theta: &[f64], ridge: f64) -> Vec<Size> {
         let all: Vec<&Recording> = folds.iter().flatten().copied().collect();
         let whole = Problem::new(self.library, &all, self.rate_hz).by_effect(theta, &self.known());
@@ -129,11 +129,12 @@ impl Study<'_> {
             let Some(fitted) = minimum(&problem, from, ridge, REFIT) else { break };
             beta = vec![0.0; whole.sizes.len()];
             places.iter().zip(&fitted).for_each(|(i, b)| beta[*i] = *b);
-            let told: Option<Vec<Told>> = folds.iter().map(|own| told(&whole.only(own), &beta)).collect();
-            let Some(told) = told else { break };
+            let linearised: Option<Vec<Linearised>> =
+                folds.iter().map(|own| linearise(&whole.only(own), &beta)).collect();
+            let Some(linearised) = linearised else { break };
             let held = whole.held(&beta);
             for _ in 0..BEFORE {
-                let Some(size) = addition(&told, &places, &beta, &held, ridge) else { return sizes };
+                let Some(size) = addition(&linearised, &places, &beta, &held, ridge) else { return sizes };
                 places = size.places.clone();
                 if size.total() < best.0 * (1.0 - NONE) {
                     best = (size.total(), sizes.len() + 1);
@@ -145,23 +146,29 @@ impl Study<'_> {
     }
 }
 
-fn told(problem: &Problem, beta: &[f64]) -> Option<Told> {
+fn linearise(problem: &Problem, beta: &[f64]) -> Option<Linearised> {
     let looked = problem.look(beta)?;
     let slopes = problem.slopes(beta, &looked)?;
-    Some(Told { errors: problem.errors(), loss: looked.loss, slopes })
+    Some(Linearised { errors: problem.errors(), loss: looked.loss, slopes })
 }
 
-/// `places` with the term that leaves the least loss of the folds left out; none where all are there. What is `held` at a bound
-/// stays.
-fn addition(told: &[Told], places: &[usize], beta: &[f64], held: &[bool], ridge: f64) -> Option<Size> {
+/// `places` with the term that gives the least loss of the left-out folds; `None` if there is no other term.
+/// Parameters `held` at a bound stay there.
+fn addition(
+    linearised: &[Linearised],
+    places: &[usize],
+    beta: &[f64],
+    held: &[bool],
+    ridge: f64,
+) -> Option<Size> {
     let p = beta.len();
     let moving: Vec<usize> = places.iter().copied().filter(|i| !held[*i]).collect();
     let mut candidates: Vec<Size> = (0..p)
         .filter(|i| !places.contains(i))
-        .map(|added| Size { places: Vec::new(), added, losses: Vec::with_capacity(told.len()) })
+        .map(|added| Size { places: Vec::new(), added, losses: Vec::with_capacity(linearised.len()) })
         .collect();
-    for (fold, own) in told.iter().enumerate() {
-        let others = Others::new(told, fold, &moving, beta, ridge)?;
+    for (fold, own) in linearised.iter().enumerate() {
+        let others = Others::new(linearised, fold, &moving, beta, ridge)?;
         for size in &mut candidates {
             size.losses.push(others.loss(own, &moving, size.added));
         }
@@ -172,23 +179,29 @@ fn addition(told: &[Told], places: &[usize], beta: &[f64], held: &[bool], ridge:
     Some(best)
 }
 
-/// All folds but one: their curvature H with the ridge, and the solution with the terms that there are.
+/// All folds but one: their curvature H with the ridge, and the solution with the present terms.
 struct Others {
     p: usize,
     curvature: Vec<f64>,
     descent: Vec<f64>,
-    /// H⁻¹ of these terms.
+    /// H⁻¹ of the present terms.
     inverse: Vec<f64>,
     /// Their step.
     step: Vec<f64>,
 }
 
 impl Others {
-    fn new(told: &[Told], fold: usize, places: &[usize], beta: &[f64], ridge: f64) -> Option<Self> {
+    fn new(
+        linearised: &[Linearised],
+        fold: usize,
+        places: &[usize],
+        beta: &[f64],
+        ridge: f64,
+    ) -> Option<Self> {
         let (p, m) = (beta.len(), places.len());
         let (mut curvature, mut descent) = (vec![0.0; p * p], vec![0.0; p]);
-        for (_, other) in told.iter().enumerate().filter(|(i, _)| *i != fold) {
-            let Told { errors, slopes, .. } = other;
+        for (_, other) in linearised.iter().enumerate().filter(|(i, _)| *i != fold) {
+            let Linearised { errors, slopes, .. } = other;
             curvature.iter_mut().zip(&slopes.curvature).for_each(|(sum, own)| *sum += errors * own);
             descent.iter_mut().zip(&slopes.descent).for_each(|(sum, own)| *sum += errors * own);
             (0..p).for_each(|i| curvature[i * p + i] += errors * ridge);
@@ -203,7 +216,7 @@ impl Others {
     }
 
     /// Loss of the fold `own` with the terms at `places` and `added`, by the bordered inverse.
-    fn loss(&self, own: &Told, places: &[usize], added: usize) -> f64 {
+    fn loss(&self, own: &Linearised, places: &[usize], added: usize) -> f64 {
         let p = self.p;
         let border: Vec<f64> = places.iter().map(|i| self.curvature[i * p + added]).collect();
         let moved = times(&self.inverse, &border);

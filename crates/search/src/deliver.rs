@@ -32,7 +32,7 @@ fn keep<T: Clone>(all: &[T], kept: impl Fn(usize) -> bool) -> Vec<T> {
     all.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, own)| own.clone()).collect()
 }
 
-/// Calls `look` with the number of the recording, state, inputs and the state's increment of every sample.
+/// Calls `look` with the index of the recording, the state, the inputs and the state's increment of every sample.
 fn each(recordings: &[Recording], width: usize, mut look: impl FnMut(usize, [f64; 3], &[f64], [f64; 3])) {
     for (i, recording) in recordings.iter().enumerate() {
         for part in &recording.whole {
@@ -45,11 +45,11 @@ fn each(recordings: &[Recording], width: usize, mut look: impl FnMut(usize, [f64
     }
 }
 
-/// Share of a term's square beside the terms before it below which it is a combination of these, but for rounding.
+/// A term is a combination of those before it, up to rounding, if the rest of its square is below this share.
 const COMBINED: f64 = 1e-10;
 
-/// Parameters of `model` whose terms are combinations of earlier terms of their degree of freedom in every sample, by their names:
-/// no recording tells them apart.
+/// Names of the parameters of `model` whose terms are combinations of earlier terms of their degree of freedom in
+/// every sample, so that no recording can distinguish them.
 pub(crate) fn combined(model: &Model, recordings: &[Recording]) -> Vec<String> {
     let mut compiled = Compiled::new(model, &vec![0.0; model.parameters()]);
     let layout = model.layout();
@@ -69,7 +69,8 @@ pub(crate) fn combined(model: &Model, recordings: &[Recording]) -> Vec<String> {
     found.collect()
 }
 
-/// Columns of which the sums of products are `a`, of `n` rows, that follow from those before them, by Cholesky's method.
+/// The columns that depend linearly on those before them, from their n × n sums of products `a`, by Cholesky's
+/// method.
 fn dependent(n: usize, a: &[f64]) -> Vec<usize> {
     let (mut rows, mut found): (Vec<(usize, Vec<f64>)>, Vec<usize>) = (Vec::new(), Vec::new());
     for i in 0..n {
@@ -116,7 +117,7 @@ pub(crate) fn delivered(
     Delivered {
         theta,
         constant: [0, 1, 2].map(|d| structure.constant[d] + intercepts[d]),
-        // A ridge or a choice of terms leaves no standard errors that hold.
+        // After a ridge or a selection of terms no standard errors are valid.
         covariance: None,
         least_squares: None,
         increment_std,
@@ -127,7 +128,7 @@ pub(crate) fn delivered(
     }
 }
 
-/// What the increments gain on the terms: their standard deviations over all, and their means by recording.
+/// The residuals of the increments: their standard deviations over all recordings, and their means per recording.
 fn gained(structure: &Model, recordings: &[Recording], theta: &[f64]) -> ([f64; 3], Vec<RecordingConstant>) {
     let model = Model { constant: [0.0; 3], ..structure.clone() };
     let mut compiled = Compiled::new(&model, theta);
@@ -161,7 +162,7 @@ mod tests {
 
     #[test]
     fn law_a_column_that_follows_from_those_before_it_is_told_and_no_other() {
-        // In rows: 1, 2, their sum, something else, nothing, twice the first.
+        // In rows: 1, 2, their sum, something else, zero, twice the first.
         let columns =
             [[1.0, 2.0, 4.0], [0.5, -1.0, 3.0], [1.5, 1.0, 7.0], [0.0, 0.3, 0.0], [0.0; 3], [2.0, 4.0, 8.0]];
         let sums: Vec<f64> = columns.iter().flat_map(|a| columns.iter().map(move |b| dot(a, b))).collect();

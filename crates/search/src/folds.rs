@@ -2,8 +2,9 @@ use std::cmp::Reverse;
 
 use crate::recording::Recording;
 
-/// The fold of each of `recordings`: those of one kind are dealt out one to each fold in turn, so that each has some of every
-/// kind, the longest first and each to the fold that has the fewest samples so far, so that folds are about as long.
+/// The fold of each of `recordings`. Those of one kind are dealt out one to each fold in turn, so that each fold has
+/// some of every kind. The longest come first, each to the fold with the fewest samples so far, so that folds are
+/// about equally long.
 pub(crate) fn folds(recordings: &[&Recording], count: usize) -> Vec<usize> {
     let samples = |i: &usize| recordings[*i].samples();
     let kind = |i: &usize| recordings[*i].kind();

@@ -1,18 +1,18 @@
 use numerics::{LANES, Lane};
 use pulp::{Simd, WithSimd};
 
-/// Rows that are multiplied at once: as many as the caches hold.
+/// Rows that are multiplied at once: as many as fit the caches.
 const ROWS: usize = 48;
 /// Rows and columns of a tile, whose sums stay in registers.
 const TILE: usize = 4;
 
-/// Σ x xᵀ over rows of many signals. The sums go by tiles, so that each number that is loaded is used four times.
+/// Σ x xᵀ over rows of many signals. It is summed in tiles, so that each loaded number is used four times.
 pub(crate) struct Gram {
     signals: usize,
-    /// By signal its last rows.
+    /// The last rows of each signal.
     rows: Vec<f64>,
     filled: usize,
-    /// Columns × columns, of which tiles from the diagonal on are summed up.
+    /// Columns × columns, of which only tiles on and above the diagonal are summed.
     sums: Vec<f64>,
 }
 
@@ -34,7 +34,7 @@ impl Gram {
         self.rows[first..first + LANES].copy_from_slice(&value.0);
     }
 
-    /// Goes to the next row: every signal was set in this one.
+    /// Moves to the next row, after every signal was set.
     #[inline(always)]
     pub fn advance(&mut self) {
         self.filled += 1;
@@ -90,8 +90,8 @@ impl WithSimd for Multiply<'_> {
     }
 }
 
-/// Products of four signals with four. Every lane has a sum of its own, whatever the width of the processor's vectors:
-/// the same bits everywhere.
+/// Products of four signals with four. Every lane has its own sum regardless of the width of the processor's vectors,
+/// so that the bits are the same everywhere.
 #[inline(always)]
 fn tile<S: Simd>(simd: S, own: [&[S::f64s]; TILE], others: [&[S::f64s]; TILE]) -> [[f64; TILE]; TILE] {
     let vectors = own[0].len() / ROWS;

@@ -85,14 +85,14 @@ pub struct NestedRecording {
     pub average_norm: Option<f64>,
 }
 
-// Serde hands over a reference.
+// Serde passes a reference.
 #[allow(clippy::trivially_copy_pass_by_ref)]
 fn is_zero(count: &u64) -> bool {
     *count == 0
 }
 
 impl Margin {
-    /// Of pairs of norms: one's own and the other's.
+    /// From pairs of norms: the own one and the other.
     pub(crate) fn of(pairs: &[[Option<f64>; 2]]) -> Option<Self> {
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
         let [low, median, high] = paired_median(pairs.iter().copied())?;

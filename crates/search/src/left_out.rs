@@ -6,7 +6,7 @@ use crate::nested::{Fitted, Study};
 use crate::recording::{Laid, Recording};
 use crate::scores::{scores, scores_of_mean, together, varying};
 
-/// What is judged by a fold that was left out of it.
+/// The models that are scored on the fold that was left out of them.
 pub(crate) struct Judged {
     pub ridge: Option<f64>,
     pub model: Option<Fitted>,
@@ -24,11 +24,12 @@ struct LeftOut<'a> {
 }
 
 impl Study<'_> {
-    /// The models that were found without each fold, on that fold; so the means of several, where there are `averages`.
+    /// Scores the models that were found without each fold on that fold; likewise the means of several models, if
+    /// there are `averages`.
     pub fn judged(&self, by_folds: &[Judged], averages: Option<&[Option<Vec<Fitted>>]>) -> NestedScore {
         let all = self.left_out(by_folds, averages, Laid::SideBySide);
         let norm = |score: Option<Score>| score?.norm(self.std);
-        let told = |LeftOut { recording, fold, search, base, average }: &LeftOut| NestedRecording {
+        let nested = |LeftOut { recording, fold, search, base, average }: &LeftOut| NestedRecording {
             source: recording.name.clone(),
             fold: *fold as u64,
             search: own(*search, recording),
@@ -63,7 +64,7 @@ impl Study<'_> {
                 over_search: paired(|one| one.average, |one| one.search),
                 over_base: paired(|one| one.average, |one| one.base),
             }),
-            recordings: all.iter().map(told).collect(),
+            recordings: all.iter().map(nested).collect(),
         }
     }
 
@@ -103,7 +104,7 @@ fn own(score: Option<Score>, recording: &Recording) -> Option<FreeRunErrors> {
     score?.errors(varying(std::iter::once(recording), Laid::SideBySide))
 }
 
-/// All together against `std`; none where one has no model.
+/// All together against `std`; `None` if one has no model.
 fn whole(scores: impl Iterator<Item = Option<Score>>, std: [f64; 3]) -> Option<FreeRunErrors> {
     let all: Vec<Score> = scores.collect::<Option<_>>()?;
     together(all.iter()).errors(std)

@@ -1,8 +1,8 @@
-//! A model that generalises, found from recordings alone.
+//! Search for a model that generalises, from recordings alone.
 //!
-//! Beside the base structure a library of terms is fitted by the errors of free simulations over overlapping windows, each
-//! term held back by a ridge Λβ² on its scaled parameter β. Λ is chosen by cross-validation over whole recordings, each fold
-//! on a path of its own, and the whole algorithm is judged once more by recordings that it has not seen.
+//! In addition to the base structure, a library of terms is fitted by the errors of free simulations over overlapping
+//! windows, with a ridge penalty Λβ² on each scaled parameter β. Λ is chosen by cross-validation over whole
+//! recordings, each fold on its own path. The whole algorithm is then scored on recordings that it has not seen.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

@@ -1,19 +1,19 @@
 use model::{DerivedSpec, Formula, Model};
 use refusal::Invalid;
 
-/// Channels that are made of those of a model.
+/// Channels that are derived from those of a model.
 pub(crate) struct Made<'a> {
     pub model: &'a Model,
     specs: Vec<DerivedSpec>,
 }
 
 impl<'a> Made<'a> {
-    /// None so far.
+    /// No derived channels yet.
     pub fn new(model: &'a Model) -> Self {
         Self { model, specs: Vec::new() }
     }
 
-    /// The model with them.
+    /// The model with the derived channels.
     ///
     /// # Errors
     /// A channel that cannot be computed.
@@ -21,7 +21,7 @@ impl<'a> Made<'a> {
         self.model.with_derived(&self.specs)
     }
 
-    /// The place of the channel that is computed by `formula`: the model's own, or a new one of this name.
+    /// The index of the channel that is computed by `formula`: the model's own, or a new one with this name.
     pub fn channel(&mut self, mut name: String, unit: String, formula: String) -> usize {
         let own = Formula::parse(&formula).ok();
         if let Some(known) = self.model.derived.iter().find(|known| Some(&known.formula) == own.as_ref()) {
@@ -34,8 +34,8 @@ impl<'a> Made<'a> {
         self.model.variables.len() + self.specs.len() - 1
     }
 
-    /// Whether the model computes as much as `formula` but for a number.
-    pub fn knows(&self, formula: &str) -> bool {
+    /// Whether the model computes `formula` up to a factor.
+    pub fn computes(&self, formula: &str) -> bool {
         let own = Formula::parse(formula);
         own.is_ok_and(|own| self.model.derived.iter().any(|known| known.formula.is_multiple_of(&own)))
     }

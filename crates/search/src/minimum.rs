@@ -7,20 +7,20 @@ use regression::{Equations, bounded};
 use crate::problem::{Looked, Problem, Slopes};
 use crate::recording::Recording;
 
-/// Damping of the first step, and beyond which none helps, in shares of the curvature.
+/// Damping of the first step, and the largest one that is tried, as shares of the curvature.
 const DAMPING: [f64; 2] = [1e-6, 1e6];
 
 /// When a search ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ending {
-    /// Most slopes that are worth computing.
+    /// Maximum number of steps.
     pub steps: usize,
-    /// Relative decrease of the loss that is not worth another.
+    /// The search ends at a smaller relative decrease of the loss.
     pub enough: f64,
 }
 
-/// Minimises loss(β) + ridge |β|² within the bounds of β from `start` by Levenberg and Marquardt's method. None where the start
-/// leaves the limits.
+/// Minimises loss(β) + ridge |β|² within the bounds of β from `start` by Levenberg and Marquardt's method. `None` if
+/// the start is outside the limits.
 pub(crate) fn minimum(problem: &Problem, start: Vec<f64>, ridge: f64, ending: Ending) -> Option<Vec<f64>> {
     let cost = |beta: &[f64], looked: &Looked| cost(beta, looked, ridge);
     let mut beta = problem.within(start);
@@ -52,7 +52,7 @@ fn cost(beta: &[f64], looked: &Looked, ridge: f64) -> f64 {
     looked.loss + ridge * beta.iter().map(|b| b * b).sum::<f64>()
 }
 
-/// The minimum from whichever of `starts` costs least: a path that went astray comes back.
+/// The minimum from the one of `starts` that costs least, so that a path recovers from a bad fit.
 pub(crate) fn minimum_from<'s>(
     problem: &Problem,
     starts: impl Iterator<Item = &'s Vec<f64>>,
@@ -64,8 +64,8 @@ pub(crate) fn minimum_from<'s>(
     minimum(problem, start.clone(), ridge, ending)
 }
 
-/// β + (H + ridge I + damping diag H)⁻¹ (g − ridge β), or where that leaves the bounds the least of the same quadratic within
-/// them; terms without effect stay.
+/// β + (H + ridge I + damping diag H)⁻¹ (g − ridge β), or the minimum of the same quadratic within the bounds if that
+/// leaves them; terms without effect stay.
 fn stepped(problem: &Problem, beta: &[f64], slopes: &Slopes, [ridge, damping]: [f64; 2]) -> Option<Vec<f64>> {
     let p = beta.len();
     let mut matrix = slopes.curvature.clone();
@@ -84,7 +84,7 @@ fn stepped(problem: &Problem, beta: &[f64], slopes: &Slopes, [ridge, damping]: [
     moved.iter().all(|b| b.is_finite()).then_some(moved)
 }
 
-/// β and the step that solves its equations within `bounds` of β; `step` is the one without.
+/// β and the step that solves its equations within `bounds` of β; `step` is the unbounded one.
 fn limited(
     matrix: &[f64],
     right: &[f64],
@@ -107,7 +107,7 @@ fn limited(
     let (step, _) = bounded(&equations, step, solve).ok()?;
     let mut moved: Vec<f64> = beta.iter().zip(&step).map(|(b, s)| b + s).collect();
     for (i, ends) in bounds {
-        // At a bound exactly, not but for rounding.
+        // Exactly at a bound, without rounding.
         let at = (0..2).find(|end| step[*i] == left[i][*end]);
         moved[*i] = at.map_or(moved[*i].clamp(ends[0], ends[1]), |end| ends[end]);
     }
@@ -117,8 +117,8 @@ fn limited(
 /// Weight of the penalty that keeps collinear terms of the base structure in place.
 const NEARLY_NONE: f64 = 1e-8;
 
-/// θ of `model` by output errors over `recordings`, nearly without a penalty, from least squares or, where that diverges, from
-/// nothing at all.
+/// θ of `model` by output errors over `recordings`, nearly without a penalty, from least squares or, if that
+/// diverges, from zero.
 pub(crate) fn started(
     model: &Model,
     recordings: &[&Recording],

@@ -11,19 +11,19 @@ use crate::problem::{Problem, limit};
 use crate::recording::{Laid, Recording};
 use crate::scores::{mean_fit, scores, standard_error, together};
 
-/// Of a path's fits: the next ridge starts where they end.
+/// For the fits of a path: the next ridge starts where they end.
 const ALONG: Ending = Ending { steps: 2, enough: 1e-3 };
-/// Of the base structure.
+/// For the base structure.
 const BASE: Ending = Ending { steps: 20, enough: 1e-5 };
-/// Candidates worse than the best after which no smaller ridge is tried: with few recordings a large ridge may be the best of
-/// its neighbours, and yet not of all.
+/// No smaller ridge is tried after this many candidates worse than the best: with few recordings a large ridge may be
+/// better than its neighbours without being the best of all.
 const WORSE: usize = 3;
 
-/// Difference in mean fit \[%\] that tells nothing. On the Esso Osaka, in five ways to deal its recordings, and on the KVLCC2 0.05
-/// and 0 left recordings followed better than 0.2 did, by 0.1 to 0.3.
+/// Differences in mean fit \[%\] below this count as ties. On the Esso Osaka, with five ways to deal its recordings,
+/// and on the KVLCC2 the fits with 0.05 and 0 were better than with 0.2, by 0.1 to 0.3.
 const TIE: f64 = 0.05;
 
-/// What is searched through.
+/// The models and recordings of a search.
 pub(crate) struct Study<'a> {
     /// Both with intercepts; the base's terms come first in each degree of freedom of the library.
     pub base: &'a Model,
@@ -33,7 +33,7 @@ pub(crate) struct Study<'a> {
     pub folds: &'a [usize],
     pub ridges: &'a [f64],
     pub rate_hz: f64,
-    /// Of u, v, r over windows side by side, over those that overlap, and over those that choose the ridge.
+    /// Of u, v, r over consecutive windows, over those that overlap, and over those that choose the ridge.
     pub std: [f64; 3],
     pub overlapping_std: [f64; 3],
     pub choosing_std: [f64; 3],
@@ -41,20 +41,20 @@ pub(crate) struct Study<'a> {
     pub whole_runs: bool,
 }
 
-/// Of the model that is delivered.
+/// For the resulting model.
 const DELIVERED: Ending = Ending { steps: 20, enough: 1e-6 };
 
-/// Fits without some folds, from the largest ridge on, each from the one before unless the base structure or least squares
-/// is nearer.
+/// Fits without some folds, from the largest ridge on, each started from the one before, unless the base structure or
+/// least squares costs less.
 pub(crate) struct RidgePath<'a> {
     problem: Problem<'a>,
     pub limit: [f64; 3],
-    /// Of the base structure, fitted to the same.
+    /// The base structure, fitted to the same recordings.
     pub base: Option<Vec<f64>>,
-    /// That in scaled parameters of the library, the library's least squares, and nothing.
+    /// Starts in scaled parameters of the library: that, the library's least squares, and zero.
     starts: Vec<Vec<f64>>,
     last: Option<Vec<f64>>,
-    /// By ridge; none where the fit failed.
+    /// By ridge; `None` if the fit failed.
     pub thetas: Vec<Option<Vec<f64>>>,
 }
 
@@ -72,7 +72,7 @@ pub struct Candidate {
     pub rejected: u64,
 }
 
-/// Candidates in the order that they were tried in, until it was clear which is best.
+/// Candidates in the order in which they were tried, until the best is clear.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Choice {
     pub candidates: Vec<Candidate>,
@@ -80,7 +80,7 @@ pub(crate) struct Choice {
 }
 
 impl Choice {
-    /// The place of the best; of those that can hardly be told from it, the one with the largest ridge.
+    /// The index of the best; among ties, the one with the largest ridge.
     pub fn best(&self) -> Option<usize> {
         let (_, highest) = self.highest()?;
         let as_good = |c: &Candidate| c.score.is_some_and(|score| score >= highest - TIE);
@@ -105,7 +105,7 @@ pub(crate) struct Fitted {
     pub theta: Vec<f64>,
 }
 
-/// What the whole algorithm finds, and what it finds when a fold is left out.
+/// The choice by the whole algorithm, and its choices without each fold.
 pub(crate) struct Nested<'a> {
     pub all: Choice,
     pub without: Vec<Choice>,
@@ -113,7 +113,7 @@ pub(crate) struct Nested<'a> {
 }
 
 impl<'a> Study<'a> {
-    /// Numbers of the folds.
+    /// Indices of the folds.
     pub fn all_folds(&self) -> std::ops::Range<usize> {
         0..self.folds.iter().max().map_or(0, |last| last + 1)
     }
@@ -123,7 +123,7 @@ impl<'a> Study<'a> {
         self.picked(|own| own == fold)
     }
 
-    /// The folds but the one at `without`.
+    /// The folds except the one at `without`.
     pub fn others(&self, without: Option<usize>) -> Vec<Vec<&'a Recording>> {
         self.all_folds().filter(|fold| Some(*fold) != without).map(|fold| self.within(fold)).collect()
     }
@@ -133,8 +133,8 @@ impl<'a> Study<'a> {
         self.recordings.iter().zip(self.folds).filter(|(_, fold)| keep(**fold)).map(|(r, _)| r).collect()
     }
 
-    /// The path of what is left without some folds, before its first ridge: the base structure by least squares, then by
-    /// output errors.
+    /// The path without some folds, before its first ridge: fits the base structure by least squares, then by output
+    /// errors.
     pub fn path(&self, without: &[usize]) -> RidgePath<'a> {
         let recordings = self.picked(|fold| !without.contains(&fold));
         let base = started(self.base, &recordings, self.rate_hz, BASE);
@@ -146,13 +146,13 @@ impl<'a> Study<'a> {
             None => problem,
         };
         let [wide, simple] = [wide, simple].map(|theta| theta.map(|theta| problem.beta(&theta)));
-        // From nothing at all no simulation diverges.
+        // From zero no simulation diverges.
         let none = vec![0.0; self.library.parameters()];
         let starts = wide.into_iter().chain(simple).chain([none]).collect();
         RidgePath { problem, limit: limit(&recordings), base, starts, last: None, thetas: Vec::new() }
     }
 
-    /// The ridge that was chosen without the fold at `without`, and the base structure as it is fitted to the others.
+    /// The ridge that was chosen without the fold at `without`, and the base structure fitted to the others.
     pub fn given(&self, nested: &Nested, chosen: usize, without: Option<usize>) -> Option<(f64, Vec<f64>)> {
         let Some(fold) = without else {
             return Some((self.ridges[chosen], self.base_of_all()?));
@@ -167,7 +167,7 @@ impl<'a> Study<'a> {
         started(self.base, &self.picked(|_| true), self.rate_hz, BASE)
     }
 
-    /// Places in the library of the base structure's parameters.
+    /// Indices in the library of the base structure's parameters.
     pub fn base_places(&self) -> Vec<usize> {
         let (own, all) = (self.base.layout(), self.library.layout());
         let intercept = |d: usize| all.terms(d).end..all.degree(d).end;
@@ -192,14 +192,14 @@ impl<'a> Study<'a> {
                 break;
             }
             let all: Vec<&mut RidgePath> = paths.values_mut().collect();
-            all.into_par_iter().for_each(|path| path.go_on(*ridge));
+            all.into_par_iter().for_each(|path| path.fit_next(*ridge));
             choice.add(self.candidate(&paths, *ridge, &[]));
         }
         choice
     }
 
-    /// Chooses the ridge by recordings that are left out; again without each fold, by the folds that remain. A fit without two
-    /// folds serves both.
+    /// Chooses the ridge by recordings that are left out; again without each fold, by the remaining folds. A fit
+    /// without two folds serves both.
     pub fn nested(&self, done: &(dyn Fn(usize) + Sync)) -> Nested<'a> {
         let count = self.all_folds().end;
         let sets: Vec<Vec<usize>> = (0..count)
@@ -218,7 +218,7 @@ impl<'a> Study<'a> {
             let moving: Vec<(&Vec<usize>, &mut RidgePath)> =
                 nested.paths.iter_mut().filter(|(set, _)| wanted(set)).collect();
             moving.into_par_iter().for_each(|(_, path)| {
-                path.go_on(*ridge);
+                path.fit_next(*ridge);
                 done(1);
             });
             if all {
@@ -233,7 +233,7 @@ impl<'a> Study<'a> {
         nested
     }
 
-    /// How the last fits of `paths` follow the folds but those `without`, each left out in turn.
+    /// Scores the last fits of `paths` on the folds except those `without`, each left out in turn.
     fn candidate(&self, paths: &BTreeMap<Vec<usize>, RidgePath>, ridge: f64, without: &[usize]) -> Candidate {
         let (mut all, mut rejected) = (Vec::new(), 0_u64);
         for fold in self.all_folds().filter(|fold| !without.contains(fold)) {
@@ -253,8 +253,8 @@ impl<'a> Study<'a> {
         }
     }
 
-    /// How the last fit of `path` follows windows of the recordings of `fold`; none where it diverges over some window, or
-    /// over some run where whole runs are scored.
+    /// Scores the last fit of `path` on windows of the recordings of `fold`; `None` if it diverges over a window, or
+    /// over a run if whole runs are scored.
     fn followed(&self, path: &RidgePath, fold: usize) -> Option<Vec<Score>> {
         let (theta, recordings) = (path.last_theta()?, self.within(fold));
         let over = |laid| {
@@ -270,13 +270,13 @@ impl<'a> Study<'a> {
 
 impl RidgePath<'_> {
     /// Fits at the next ridge.
-    pub fn go_on(&mut self, ridge: f64) {
+    pub fn fit_next(&mut self, ridge: f64) {
         let starts = self.starts.iter().chain(&self.last);
         self.last = minimum_from(&self.problem, starts, ridge, ALONG);
         self.thetas.push(self.last.as_ref().map(|beta| self.problem.theta(beta)));
     }
 
-    /// The last fit once more, to its end.
+    /// The last fit, run to convergence.
     pub fn delivered(&self, ridge: f64) -> Option<Fitted> {
         let beta = minimum(&self.problem, self.last.clone()?, ridge, DELIVERED)?;
         Some(Fitted { model: self.problem.model.clone(), theta: self.problem.theta(&beta) })

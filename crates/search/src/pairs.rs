@@ -1,8 +1,8 @@
 use crate::made::Made;
 use crate::roles::Roles;
 
-/// Roles of what thrusters on port and starboard do together and against each other: of thrusts their sum and difference; of
-/// propeller speeds n the sum, and sum and difference of n |n|, which thrusts go with.
+/// Adds the roles of the sums and differences of pairs of thrusters: of thrusts their sum and difference; of
+/// propeller speeds n the sum, and the sum and difference of n |n|, to which thrusts are proportional.
 pub(crate) fn with_pairs(made: &mut Made, mut roles: Roles) -> Roles {
     for [port, starboard] in roles.pairs.clone() {
         let [p, s] = [port, starboard].map(|variable| made.model.variables[variable].name.as_str());
@@ -35,7 +35,7 @@ mod tests {
     use crate::roles::{NamedRoles, Roles};
     use model::{Model, Vessel, VesselFile};
 
-    /// A ship of two thrusters and one more, whose terms are `further`.
+    /// A ship with two thrusters and a third one with the terms `further`.
     fn ship(names: [&str; 2], unit: &str, further: &str) -> Model {
         let input = |name: &str, unit: &str| format!("[[input]]\nname = \"{name}\"\nunit = \"{unit}\"\n");
         let text = format!(
@@ -72,7 +72,7 @@ mod tests {
         let roles = Roles::new(&model, &NamedRoles::default()).unwrap();
         let (made, roles) = with_channels(&model, &roles).unwrap();
         assert_eq!(roles.differences.len(), 1);
-        // A reflection swaps the two: sums stay, the difference turns.
+        // A reflection swaps the two: sums stay, the difference changes its sign.
         let values = |port: f64, starboard: f64| {
             let mut row = [vec![0.0, port, starboard], vec![0.0; made.derived.len()]].concat();
             made.derive(&mut row);

@@ -10,38 +10,38 @@ use regression::pooled::Part;
 use crate::gram::Gram;
 use crate::recording::Recording;
 
-/// RMS of a window's errors over the states' standard deviations from which on its errors count linearly, not squared: a
-/// single window may hold a quarter of all squared errors.
+/// If the RMS of a window's errors over the states' standard deviations exceeds this, they count linearly instead of
+/// squared: a single window may have a quarter of all squared errors.
 const USUAL: f64 = 0.2;
-/// A simulation that exceeds this many times the largest state that was measured has failed.
+/// A simulation has failed if it exceeds the largest measured state times this.
 const BEYOND: f64 = 5.0;
-/// By which factor parameters of the base structure are held back less than others, whose ridge counts as its square.
+/// Factor by which parameters of the base structure are penalised less than others; its square multiplies the ridge.
 const KNOWN: f64 = 0.03;
-/// In how many pieces Jacobians are made at most: more than threads, and the same for any number of them.
-const PIECES: usize = 16;
+/// Maximum number of chunks of windows for Jacobians: more than threads, and the same for any number of threads.
+const CHUNKS: usize = 16;
 
 /// Output errors of free simulations over windows, as a function of scaled parameters β: θ = β · size.
 #[derive(Clone)]
 pub(crate) struct Problem<'a> {
     pub model: &'a Model,
-    /// Longest first, so that neighbours are about as long.
+    /// Longest first, so that neighbours are about equally long.
     windows: Vec<RunView<'a>>,
     std: [f64; 3],
     limit: [f64; 3],
     /// 0 for a term that is always 0.
     pub sizes: Vec<f64>,
-    /// Within which θ stays, infinite at open ends; empty without bounds.
+    /// Bounds of θ, infinite at open ends; empty without bounds.
     bounds: Vec<[f64; 2]>,
     /// Number of errors.
     residuals: f64,
-    /// Every how many samples the curvature is summed up.
+    /// Interval in samples at which the curvature is summed.
     thin: usize,
 }
 
-/// A point, as simulated.
+/// A point after simulation.
 #[derive(Clone, Debug)]
 pub(crate) struct Looked {
-    /// Mean over all errors of Huber's loss of their window.
+    /// Mean over all errors of the Huber loss of their window.
     pub loss: f64,
     /// By window.
     weights: Vec<f64>,
@@ -73,7 +73,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Errors of single samples, whose minimum is least squares of the increments.
+    /// The errors of single steps, whose minimum is the least-squares fit of the increments.
     pub fn increments(model: &'a Model, recordings: &[&'a Recording], rate_hz: f64) -> Self {
         let whole = recordings.iter().flat_map(|r| &r.whole).map(Part::view);
         let samples = whole.flat_map(|whole| (0..whole.samples()).map(move |k| whole.part(k..k + 1)));
@@ -88,9 +88,9 @@ impl<'a> Problem<'a> {
         Self { sizes: self.sizes.clone(), std: self.std, limit: self.limit, thin: self.thin, ..own }
     }
 
-    /// The same errors as a function of parameters that are scaled by their effect: at `theta` the curvature along each of them
-    /// alone is 1, so that a ridge Λ would shrink it by 1/(1 + Λ). Along those that are `known` it is more, and they are
-    /// hardly held back. As it was where nothing can be simulated at `theta`.
+    /// The same errors as a function of parameters scaled by their effect: at `theta` the curvature along each of
+    /// them alone is 1, so that a ridge Λ would shrink it by 1/(1 + Λ). For `known` ones it is larger, so that they
+    /// are hardly penalised. Unchanged if the simulation at `theta` fails.
     pub fn by_effect(mut self, theta: &[f64], known: &[bool]) -> Self {
         let beta = self.beta(theta);
         let Some(slopes) = self.look(&beta).and_then(|looked| self.slopes(&beta, &looked)) else {
@@ -115,7 +115,7 @@ impl<'a> Problem<'a> {
         self.residuals
     }
 
-    /// θ, within its bounds: at a bound to the bit where β is.
+    /// θ, within its bounds: exactly at a bound if β is.
     pub fn theta(&self, beta: &[f64]) -> Vec<f64> {
         let mut theta: Vec<f64> = beta.iter().zip(&self.sizes).map(|(beta, size)| beta * size).collect();
         for (i, [low, high]) in self.bounds.iter().enumerate() {
@@ -129,14 +129,14 @@ impl<'a> Problem<'a> {
         theta
     }
 
-    /// Bounds of scaled parameter `i`. That of a term without effect goes nowhere.
+    /// Bounds of scaled parameter `i`. A term without effect cannot move.
     fn ends(&self, i: usize) -> [f64; 2] {
         let open = [f64::NEG_INFINITY, f64::INFINITY];
         let bounds = self.bounds.get(i).filter(|_| self.sizes[i] > 0.0);
         bounds.map_or(open, |bounds| bounds.map(|end| end / self.sizes[i]))
     }
 
-    /// Bounds of the scaled parameters that have some.
+    /// The bounded scaled parameters.
     pub fn bounded(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
         let all = (0..self.bounds.len()).map(|i| (i, self.ends(i)));
         all.filter(|(_, ends)| ends.iter().any(|end| end.is_finite()))
@@ -160,7 +160,7 @@ impl<'a> Problem<'a> {
         theta.iter().zip(&self.sizes).map(scaled).collect()
     }
 
-    /// Simulates; none where a simulation leaves the limits.
+    /// Simulates; `None` if a simulation exceeds the limits.
     pub fn look(&self, beta: &[f64]) -> Option<Looked> {
         let theta: Vec<Lane> = self.theta(beta).into_iter().map(Lane::splat).collect();
         let groups: Vec<&[RunView]> = self.windows.chunks(LANES).collect();
@@ -183,14 +183,14 @@ impl<'a> Problem<'a> {
         loss.is_finite().then_some(Looked { loss, weights })
     }
 
-    /// Curvature and descent where `looked` was looked at.
+    /// Curvature and descent at the point `looked`.
     pub fn slopes(&self, beta: &[f64], looked: &Looked) -> Option<Slopes> {
         let p = beta.len();
         let theta: Vec<Lane> = self.theta(beta).into_iter().map(Lane::splat).collect();
         let groups: Vec<(&[RunView], &[f64])> =
             self.windows.chunks(LANES).zip(looked.weights.chunks(LANES)).collect();
-        let pieces: Vec<_> = groups.chunks(groups.len().div_ceil(PIECES).max(1)).collect();
-        let parts: Vec<_> = pieces.par_iter().map(|groups| self.piece(&theta, groups)).collect();
+        let chunks: Vec<_> = groups.chunks(groups.len().div_ceil(CHUNKS).max(1)).collect();
+        let parts: Vec<_> = chunks.par_iter().map(|groups| self.chunk_sums(&theta, groups)).collect();
         let (mut curvature, mut descent) = (vec![0.0; p * p], vec![0.0; p]);
         for (own, slope) in parts {
             curvature.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
@@ -206,7 +206,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Σ s sᵀ, at some samples, and Σ s e of `groups`, by θ.
-    fn piece(&self, theta: &[Lane], groups: &[(&[RunView], &[f64])]) -> (Vec<f64>, Vec<Lane>) {
+    fn chunk_sums(&self, theta: &[Lane], groups: &[(&[RunView], &[f64])]) -> (Vec<f64>, Vec<Lane>) {
         let p = theta.len();
         let unknowns = [theta, &[Lane::ZERO; 3]].concat();
         let free: Vec<usize> = (0..p).collect();
@@ -215,7 +215,7 @@ impl<'a> Problem<'a> {
         for (windows, weights) in groups {
             let runs = SideBySide::of(windows);
             let recordings = Recordings::of(self.model, &runs);
-            // Lanes beyond the last window repeat it.
+            // Unused lanes repeat the last window.
             let weight = Lane(std::array::from_fn(|lane| weights.get(lane).map_or(0.0, |w| w.sqrt())));
             let scales = self.std.map(|std| if std > 0.0 { std.recip() } else { 0.0 });
             free_sweep(
@@ -254,7 +254,7 @@ fn total(lane: Lane) -> f64 {
     lane.0.iter().sum()
 }
 
-/// Squared errors of u, v, r of up to [`LANES`] windows; none of one that leaves `limit`.
+/// Squared errors of u, v, r of up to [`LANES`] windows; `None` for one that exceeds `limit`.
 pub(crate) fn squares(
     model: &Model,
     theta: &[Lane],
@@ -265,7 +265,7 @@ pub(crate) fn squares(
     errors(&states(model, theta, &runs), &runs, limit)
 }
 
-/// Those of the mean trajectory of several models with their parameters; none of a window of which one leaves `limit`.
+/// Squared errors of the mean trajectory of several models; `None` for a window in which one of them exceeds `limit`.
 pub(crate) fn squares_of_mean(
     models: &[(&Model, Vec<Lane>)],
     windows: &[RunView],
@@ -295,7 +295,7 @@ fn errors(states: &[Lane], runs: &SideBySide, limit: [f64; 3]) -> Vec<Option<[f6
     for (i, (state, measured)) in states.iter().zip(&runs.measured).enumerate().skip(3) {
         let (k, d) = (i / 3, i % 3);
         for (lane, sum) in sums.iter_mut().enumerate().filter(|(lane, _)| k <= runs.samples[*lane]) {
-            // What is no number is beyond too.
+            // NaN exceeds it too.
             let within = state[lane].abs() <= limit[d];
             *sum = sum.filter(|_| within).map(|mut sum: [f64; 3]| {
                 sum[d] += (measured[lane] - state[lane]).powi(2);
@@ -306,7 +306,7 @@ fn errors(states: &[Lane], runs: &SideBySide, limit: [f64; 3]) -> Vec<Option<[f6
     sums
 }
 
-/// How far a state may go.
+/// The limits of the states.
 pub(crate) fn limit(recordings: &[&Recording]) -> [f64; 3] {
     let mut largest = [0.0_f64; 3];
     for row in recordings.iter().flat_map(|r| &r.whole).flat_map(|p| p.measured.as_chunks::<3>().0) {

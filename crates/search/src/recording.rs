@@ -6,21 +6,21 @@ use regression::pooled::{Part, PooledRuns};
 pub struct Cut {
     /// Samples of a window that is fitted.
     pub window: usize,
-    /// Samples from the start of one to that of the next.
+    /// Samples from the start of one window to that of the next.
     pub every: usize,
     /// Samples of a window that models are scored on; none: whole runs.
     pub scored: Option<usize>,
 }
 
-/// How windows that models are scored on lie.
+/// The layout of the windows that models are scored on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Laid {
-    /// Side by side from where a run begins, as everybody else compares models.
+    /// Consecutive from the start of a run, as in other comparisons of models.
     SideBySide,
     /// One begins at every quarter of another, so that a score hardly depends on where the first begins.
     Overlapping,
-    /// The same where windows are scored. Where whole runs are, windows of the length that is fitted, or a run that is shorter:
-    /// a ridge that is chosen over whole runs is too large, because a few long ones decide.
+    /// The same if windows are scored. If whole runs are, windows of the fitted length, or a shorter run: a ridge
+    /// chosen over whole runs is too large, because a few long ones dominate.
     Choosing,
 }
 
@@ -28,23 +28,23 @@ pub(crate) enum Laid {
 #[derive(Clone, Debug)]
 pub(crate) struct Recording {
     pub name: String,
-    /// Runs that follow each other are one.
+    /// Its runs, with consecutive ones joined.
     pub whole: Vec<Part>,
     cut: Cut,
 }
 
 impl Recording {
-    /// All of `runs`.
+    /// All recordings of `runs`.
     pub fn all(runs: &PooledRuns, cut: Cut) -> Vec<Self> {
         runs.windows(None).into_iter().map(|(name, whole)| Self::new(name, whole, cut)).collect()
     }
 
-    /// That of this name, of runs that follow each other.
+    /// The recording with this name and the runs `whole`.
     pub fn new(name: String, whole: Vec<Part>, cut: Cut) -> Self {
         Self { name, whole, cut }
     }
 
-    /// Its windows to score, all of one length; whole runs where they have none.
+    /// Its windows to score, all of one length; whole runs without a length.
     pub fn scored(&self, laid: Laid) -> impl Iterator<Item = RunView<'_>> + Clone {
         let Cut { window, scored, .. } = self.cut;
         self.whole.iter().flat_map(move |whole| {
@@ -59,7 +59,7 @@ impl Recording {
         })
     }
 
-    /// Its windows to fit, overlapping. The last ones are shorter, so that the recording's end counts too.
+    /// Its windows to fit, overlapping. The last ones are shorter, so that the end of the recording counts too.
     pub fn overlapping(&self) -> impl Iterator<Item = RunView<'_>> {
         let Cut { window, every, .. } = self.cut;
         self.whole.iter().flat_map(move |whole| {
@@ -81,7 +81,7 @@ impl Recording {
         self.overlapping().map(|window| 3 * window.samples()).sum::<usize>() as f64
     }
 
-    /// What kind of trial it is: its name up to the first digit or sign, or its maneuver's.
+    /// The kind of trial: its name up to the first digit or sign, or its maneuver's.
     pub fn kind(&self) -> &str {
         let end = self.name.find(|c: char| !c.is_alphabetic()).unwrap_or(self.name.len());
         &self.name[..end]

@@ -1,34 +1,34 @@
 use model::Model;
 use refusal::Invalid;
 
-/// What the channels of a model are to the library: indices of its variables.
+/// The roles of a model's channels in the library: indices of its variables.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Roles {
-    /// Rudders, or what steers like one.
+    /// Rudders, or channels that steer like one.
     pub rudders: Vec<usize>,
     /// Propeller speeds with their signs.
     pub propellers: Vec<usize>,
-    /// Propeller speeds where they go ahead, else 0.
+    /// Propeller speeds when ahead, else 0.
     pub ahead: Vec<usize>,
-    /// Propeller speeds where they go astern, else 0.
+    /// Propeller speeds when astern, else 0.
     pub astern: Vec<usize>,
-    /// Thrusts, where no propeller speed is known.
+    /// Thrusts, if no propeller speed is known.
     pub thrusts: Vec<usize>,
     /// Thrusters on either side, port and starboard: propeller speeds or thrusts.
     pub pairs: Vec<[usize; 2]>,
-    /// By what thrusters on port exceed those on starboard.
+    /// Differences of thrusters: port less starboard.
     pub differences: Vec<usize>,
     /// Speed of the relative wind.
     pub wind: Option<usize>,
-    /// Where the relative wind comes from, from the bow to starboard.
+    /// Direction that the relative wind comes from, from the bow to starboard.
     pub wind_from: Option<usize>,
-    /// Disturbances that a reflection leaves as they are.
+    /// Disturbances that a reflection does not change.
     pub even: Vec<usize>,
     /// Disturbances whose sign a reflection changes.
     pub odd: Vec<usize>,
 }
 
-/// Roles as they are named by the user: names of channels. Empty ones are found by unit and name.
+/// Roles as named by the user: names of channels. Empty ones are inferred from unit and name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct NamedRoles {
     /// See [`Roles::rudders`].
@@ -43,7 +43,7 @@ pub struct NamedRoles {
     pub thrusts: Vec<String>,
     /// See [`Roles::pairs`].
     pub ports: Vec<String>,
-    /// As many on the other side, in the same order.
+    /// The same number on the other side, in the same order.
     pub starboards: Vec<String>,
     /// See [`Roles::wind`].
     pub wind: Option<String>,
@@ -55,7 +55,7 @@ pub struct NamedRoles {
     pub odd: Vec<String>,
 }
 
-/// How channels of port and starboard are told apart by their names.
+/// The parts of names that distinguish channels of port and starboard.
 const SIDES: [[&str; 2]; 5] =
     [["port", "starboard"], ["port", "stbd"], ["left", "right"], ["_p", "_s"], ["_l", "_r"]];
 /// Units of propeller speeds.
@@ -64,14 +64,14 @@ const SPEEDS: [&str; 5] = ["1/s", "rpm", "1/min", "rad/s", "Hz"];
 const FORCES: [&str; 2] = ["N", "kN"];
 
 impl Roles {
-    /// Those that are `named`; others by the units and names of the channels: radians steer, 1/s and rpm are propellers, N and
-    /// kN are thrusts, and thrusters of one unit that differ by their side alone, or that `model` ties to each other, are pairs.
-    /// Measured disturbances that are called wind are its speed and its angle by their units; of others `…_x` is even, the
-    /// rest odd; other inputs may act on everything.
+    /// Takes the `named` roles and infers the others from the units and names of the channels. Radians are rudders,
+    /// 1/s and rpm propellers, N and kN thrusts. Thrusters of one unit whose names differ only in the side, or that
+    /// `model` ties to each other, are pairs. Measured disturbances called wind are its speed and angle by their
+    /// units; of others `…_x` is even, the rest odd. Other inputs may act on all degrees of freedom.
     ///
     /// # Errors
-    /// A name that no channel has; ports without as many starboards; a wind of which only the speed or only the angle is
-    /// named, and the other is not found.
+    /// A name that no channel has; unequal numbers of ports and starboards; a wind with only its speed or only its
+    /// angle named, if the other is not found.
     pub fn new(model: &Model, named: &NamedRoles) -> Result<Self, Invalid> {
         let names = || model.variables.iter().skip(3).map(|v| v.name.as_str());
         let place = |name: &String| {
@@ -105,14 +105,15 @@ impl Roles {
                 roles.guess(model, variable);
             }
         }
-        // Without a channel for either direction the speeds themselves stand for both.
+        // Without channels for ahead and astern the speeds themselves stand for both.
         if roles.ahead.is_empty() && roles.astern.is_empty() {
             roles.ahead.clone_from(&roles.propellers);
         }
         match (roles.wind, roles.wind_from, &named.wind, &named.wind_from) {
             (Some(_), None, Some(name), _) => return Err(half_a_wind(name, "--wind-from", "direction")),
             (None, Some(_), _, Some(name)) => return Err(half_a_wind(name, "--wind", "speed")),
-            // Found by its name alone, it is a disturbance like any other: a reflection leaves a speed and turns an angle.
+            // If found by its name alone, it is a disturbance like any other: a reflection keeps a speed and changes
+            // the sign of an angle.
             (speed, None, ..) => roles.even.extend(speed),
             (None, angle, ..) => roles.odd.extend(angle),
             _ => {}
@@ -179,14 +180,14 @@ impl Roles {
         } else if unit == "rad" || unit == "deg" {
             self.rudders.push(variable);
         } else if !measured || name.ends_with("_x") {
-            // Whatever an unknown input does, it may do to every degree of freedom.
+            // An unknown input may act on every degree of freedom.
             self.even.push(variable);
         } else {
             self.odd.push(variable);
         }
     }
 
-    /// Whether a measured disturbance is the wind's speed or angle, which it then is.
+    /// Takes a measured disturbance as the wind's speed or angle; returns whether it is one.
     fn blows(&mut self, name: &str, unit: &str, variable: usize) -> bool {
         let component = name.ends_with("_x") || name.ends_with("_y");
         let role = match unit {
@@ -202,7 +203,7 @@ impl Roles {
     }
 }
 
-/// Two channels as port and starboard, where their names differ by the side alone.
+/// Two channels as port and starboard, if their names differ only in the side.
 fn sides(model: &Model, one: usize, other: usize) -> Option<[usize; 2]> {
     let [one_name, other_name] = [one, other].map(|i| model.variables[i].name.to_lowercase());
     let named = |port: &str, starboard: &str| {
@@ -217,7 +218,7 @@ fn sides(model: &Model, one: usize, other: usize) -> Option<[usize; 2]> {
     }
 }
 
-/// Whether the model ties what `starboard` does to what `port` does: alike ahead, and the other way round in yaw.
+/// Whether the model ties the effects of `starboard` to those of `port`: equal ahead, and opposite in yaw.
 fn mirrored(model: &Model, port: usize, starboard: usize) -> bool {
     let tied = |d: usize, sign: f64| {
         model.degrees[d].terms.iter().any(|term| {

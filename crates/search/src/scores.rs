@@ -13,7 +13,7 @@ pub(crate) fn varying<'r>(recordings: impl Iterator<Item = &'r Recording> + Clon
     deviations(recordings.flat_map(move |r| r.scored(laid)).map(|window| window.measured))
 }
 
-/// How `model` with `theta` follows each of `recordings`; a window of which it leaves `limit` counts as diverged.
+/// Scores `model` with `theta` on each of `recordings`; a window in which it exceeds `limit` counts as diverged.
 pub(crate) fn scores(
     model: &Model,
     theta: &[f64],
@@ -25,7 +25,7 @@ pub(crate) fn scores(
     scored(recordings, laid, |windows| squares(model, &theta, windows, limit))
 }
 
-/// How the mean trajectory of several `models` with their θ follows them.
+/// Scores the mean trajectory of several `models` with their θ.
 pub(crate) fn scores_of_mean(
     models: &[(&Model, &[f64])],
     recordings: &[&Recording],
@@ -73,7 +73,7 @@ pub(crate) fn together<'s>(scores: impl Iterator<Item = &'s Score>) -> Score {
     })
 }
 
-/// Mean fit of the states that vary \[%\]; none where a window diverged or there is none.
+/// Mean fit of the states that vary \[%\]; `None` if a window diverged or there is no window.
 pub(crate) fn mean_fit(score: &Score, std: [f64; 3]) -> Option<f64> {
     mean_of(&score.errors(std)?)
 }

@@ -19,7 +19,7 @@ use crate::recording::{Cut, Laid, Recording};
 use crate::scores::{scores, varying};
 use crate::words;
 
-/// How a model is searched for.
+/// Options of a search for a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SearchOptions {
     /// Windows that are fitted and scored.
@@ -28,18 +28,18 @@ pub struct SearchOptions {
     pub folds: usize,
     /// Ridges Λ from the largest on.
     pub ridges: Vec<f64>,
-    /// Whether few terms are wanted instead of all that the ridge holds back.
+    /// Whether few terms are selected instead of penalising all by the ridge.
     pub compact: bool,
-    /// How often recordings are drawn again and searched anew, where few terms are wanted.
+    /// The bootstrap over recordings, with few terms.
     pub bootstrap: Option<BootstrapOptions>,
-    /// Whether several models of few terms are wanted besides, to be averaged.
+    /// Several additional models of few terms, to be averaged.
     pub average: Option<AverageOptions>,
     /// The sampling rate \[Hz\].
     pub rate_hz: f64,
 }
 
 impl SearchOptions {
-    /// Fits of a search, at most.
+    /// Maximum number of fits of a search.
     pub fn fits(&self) -> usize {
         let each = 1 + self.average.map_or(0, |own| own.models as usize);
         let resamples = self.bootstrap.map_or(0, |own| own.resamples as usize);
@@ -52,56 +52,56 @@ impl SearchOptions {
     }
 }
 
-/// What was found.
+/// The result of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Searched {
-    /// The structure: the base's terms, then those of the library that were not always 0.
+    /// The structure: the base's terms, then those of the library that are not always 0.
     pub model: Model,
-    /// The model of it.
+    /// The model with this structure.
     pub delivered: Delivered,
-    /// Samples that it was fitted to.
+    /// The number of samples it was fitted to.
     pub samples: u64,
     /// Windows that models were scored on.
     pub windows: u64,
     /// Standard deviations of u, v, r over these.
     pub std: [f64; 3],
-    /// Candidates in the order that they were tried in.
+    /// Candidates in the order in which they were tried.
     pub candidates: Vec<Candidate>,
-    /// The place of the one that was chosen.
+    /// The index of the chosen one.
     pub chosen: usize,
-    /// Numbers of terms in the order of additions, where few are wanted.
+    /// Numbers of terms in the order of additions, with few terms.
     pub sizes: Vec<SizeScore>,
-    /// In how many of the searches without a fold each parameter was chosen too, by its name, where few are wanted.
+    /// By name, the number of searches without a fold that chose each parameter too, with few terms.
     pub chosen_by_folds: BTreeMap<String, u64>,
     /// The whole search and the base structure on recordings that were left out of both.
     pub nested: NestedScore,
-    /// What searches over recordings that were drawn again found, where that was wanted.
+    /// The bootstrap, if requested.
     pub resampled: Option<Resampled>,
-    /// Names of parameters whose terms no recording tells from others.
+    /// Names of parameters whose terms no recording distinguishes from others.
     pub combined: Vec<String>,
-    /// Several models of few terms, where an average is wanted.
+    /// Several models of few terms, if an average is requested.
     pub average: Option<Averaged>,
-    /// What to know, in words.
+    /// Remarks on the result, in words.
     pub statements: Vec<String>,
 }
 
 /// Why there is no model.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SearchError {
-    /// Too few to leave out.
+    /// Too few recordings to leave one out.
     #[error("{recordings} recordings for {folds} folds")]
     FewRecordings {
-        /// Recordings that there are.
+        /// Number of recordings.
         recordings: usize,
-        /// Folds that were asked for.
+        /// Requested folds.
         folds: usize,
     },
     /// Too few to draw some of them for each model of an average.
     #[error("{recordings} recordings for an average")]
     FewForAverage {
-        /// Recordings that there are.
+        /// Number of recordings.
         recordings: usize,
-        /// The least number.
+        /// Least number of recordings.
         needed: usize,
     },
     /// A model of the average diverges.
@@ -113,26 +113,26 @@ pub enum SearchError {
     /// No run is as long as a window.
     #[error("no run is as long as a window")]
     NoWindow,
-    /// All were rejected.
-    #[error("all of {candidates} candidates diverge in some fold{}", told(recordings))]
+    /// All candidates were rejected.
+    #[error("all of {candidates} candidates diverge in some fold{}", left_out_in(recordings))]
     AllDiverge {
-        /// How many were tried.
+        /// Number of candidates that were tried.
         candidates: usize,
-        /// Recordings on which the last of them diverges when they are left out of it.
+        /// Recordings on which the last of them diverges when they are left out.
         recordings: Vec<String>,
     },
-    /// The best is useless.
+    /// The best model is useless.
     #[error("the best candidate has a mean fit of {0:.1} %, no better than the mean of the data")]
     Useless(f64),
 }
 
-fn told(recordings: &[String]) -> String {
+fn left_out_in(recordings: &[String]) -> String {
     let named: Vec<String> = recordings.iter().map(|name| format!("`{name}`")).collect();
     if named.is_empty() { String::new() } else { format!(", left out in it: {}", listed(&named)) }
 }
 
-/// Finds a model of `runs`: all terms of `library` beside those of `base`, held back by a ridge that is chosen by leaving out
-/// recordings. `done` is called with the number of fits that are done.
+/// Finds a model of `runs`: all terms of `library` in addition to those of `base`, with a ridge penalty that is
+/// chosen by leaving out recordings. `done` is called with the number of fits that are done.
 ///
 /// # Errors
 /// See [`SearchError`].
@@ -223,12 +223,13 @@ pub fn search(
 struct Found {
     all: Fitted,
     by_folds: Vec<Judged>,
-    /// Where few terms are wanted, see [`Searched`].
+    /// With few terms, see [`Searched`].
     sizes: Vec<SizeScore>,
     chosen_by_folds: BTreeMap<String, u64>,
 }
 
-/// The least number of recordings of which each model of an average can draw as many as there are folds, without any fold.
+/// The least number of recordings from which each model of an average can draw as many as there are folds, without
+/// any fold.
 fn needed(folds: usize) -> usize {
     let left = |recordings: usize| recordings - recordings.div_ceil(folds);
     (folds..).find(|recordings| share(left(*recordings)) >= folds.max(3)).unwrap_or(usize::MAX)
@@ -260,10 +261,10 @@ impl Study<'_> {
         self.all_folds().flat_map(of).collect()
     }
 
-    /// All terms, with the ridge at `chosen`; without each fold with the one that was chosen without it.
+    /// All terms, with the ridge at `chosen`; without each fold, with the ridge that was chosen without it.
     fn by_ridge(&self, nested: &Nested, chosen: usize) -> Option<Found> {
         let mut whole = self.path(&[]);
-        self.ridges[..=chosen].iter().for_each(|ridge| whole.go_on(*ridge));
+        self.ridges[..=chosen].iter().for_each(|ridge| whole.fit_next(*ridge));
         let judged = |(fold, choice): (usize, &Choice)| {
             let (path, best) = (&nested.paths[&vec![fold]], choice.best());
             let theta = best.and_then(|best| path.thetas[best].clone());

@@ -1,9 +1,9 @@
 use crate::made::Made;
 use crate::roles::Roles;
 
-/// What the library makes of the relative wind's speed W and the angle γ that it comes from: how it is called, by which powers of
-/// cos γ and sin γ the square of W is multiplied, and whether a reflection between port and starboard leaves it as it is. They
-/// span all harmonics of γ up to the third: cos 2γ is 2 cos² γ − 1, and so on.
+/// Channels that the library derives from the relative wind's speed W and the angle γ that it comes from: name, the
+/// powers of cos γ and sin γ that multiply the square of W, and whether a reflection between port and starboard
+/// leaves it unchanged. They span all harmonics of γ up to the third: cos 2γ is 2 cos² γ − 1, and so on.
 const PRODUCTS: [(&str, i32, i32, bool); 7] = [
     ("square", 0, 0, true),
     ("cos", 1, 0, true),
@@ -14,8 +14,8 @@ const PRODUCTS: [(&str, i32, i32, bool); 7] = [
     ("sin_3", 0, 3, false),
 ];
 
-/// Roles of what the library makes of the wind, as they are without one. What the model has already but for a number is not
-/// made again.
+/// Adds the roles of the channels derived from the wind, if there is one. A channel that the model has already, up to
+/// a factor, is not derived again.
 pub(crate) fn with_wind(made: &mut Made, mut roles: Roles) -> Roles {
     let (Some(wind), Some(from)) = (roles.wind, roles.wind_from) else { return roles };
     let [wind, from] = [wind, from].map(|variable| &made.model.variables[variable]);
@@ -26,7 +26,7 @@ pub(crate) fn with_wind(made: &mut Made, mut roles: Roles) -> Roles {
             _ => format!(" {function}({})^{power}", from.name),
         };
         let formula = format!("{}^2{}{}", wind.name, factor("cos", cosines), factor("sin", sines));
-        if made.knows(&formula) {
+        if made.computes(&formula) {
             continue;
         }
         let (name, unit) = (format!("{}_{called}", wind.name), format!("({})^2", wind.unit));
@@ -43,7 +43,7 @@ mod tests {
     use crate::roles::NamedRoles;
     use model::{Model, Vessel, VesselFile};
 
-    /// A ship of one rudder in a measured wind, with further tables.
+    /// A ship with one rudder in a measured wind, with further tables.
     fn ship(further: &str) -> Model {
         let text = format!(
             "name = \"ship\"\nsample_rate_hz = 1.0\n[[input]]\nname = \"delta\"\nunit = \"rad\"\n\

@@ -8,28 +8,28 @@ use refusal::listed;
 
 use numerics::statistics::median;
 
-/// Where whole runs are scored.
+/// A remark if whole runs are scored.
 pub(crate) const CHOSEN_ON_WINDOWS: &str =
     "the ridge was chosen over windows of the length that is fitted, though whole runs are scored";
 
-/// What is known of the errors of the parameters of the model `found`: what searches over resampled recordings found, or nothing.
+/// The errors of the parameters of the model `found`, in words: from searches over resampled recordings, or none.
 pub(crate) fn errors(resampled: Option<&Resampled>, found: &Fitted) -> String {
     let Some(Resampled { searches, failed, parameters }) = resampled else {
         return "held back by a ridge; predictions have bands, parameters have no errors".to_owned();
     };
     let named = found.model.parameter_names().filter_map(|name| Some((name, parameters.get(name)?)));
-    let told = named.map(|(name, own)| {
+    let intervals = named.map(|(name, own)| {
         let times = if own.chosen < *searches { format!(", in {}", own.chosen) } else { String::new() };
         format!("`{name}` {:.3e} to {:.3e}{times}", own.low, own.high)
     });
     let none = if *failed > 0 { format!(" ({failed} more found no model)") } else { String::new() };
-    let all = told.collect::<Vec<_>>().join("; ");
+    let all = intervals.collect::<Vec<_>>().join("; ");
     format!(
         "{searches} searches over recordings drawn again{none}: 95 % of them, and how many chose a term if not all: {all}"
     )
 }
 
-/// What was chosen and how good it is.
+/// The choice and its score.
 pub(crate) fn statements(
     candidates: &[Candidate],
     chosen: usize,
@@ -86,7 +86,7 @@ pub(crate) fn statements(
     out
 }
 
-/// Which terms no recording tells from others.
+/// Names the terms that no recording distinguishes from others.
 pub(crate) fn combined(names: &[String]) -> Option<String> {
     let named: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     (!named.is_empty()).then(|| {
@@ -98,7 +98,7 @@ pub(crate) fn combined(names: &[String]) -> Option<String> {
     })
 }
 
-/// Which parameters their bounds hold.
+/// Names the parameters at a bound.
 fn at_bounds(found: &Fitted) -> Option<String> {
     let bounds = found.model.bounds()?;
     let own = found.model.parameter_names().zip(&found.theta).zip(bounds);
@@ -109,12 +109,13 @@ fn at_bounds(found: &Fitted) -> Option<String> {
     (!held.is_empty()).then(|| format!("held at a bound: {}", held.join(", ")))
 }
 
-/// Norm of RMSE/std from which on a model is of no use: that of the mean of the data is √3.
+/// A model is useless from this norm of RMSE/std on: that of the mean of the data is √3.
 const USELESS: f64 = 1.0;
-/// By how many times the others' median the error of a recording exceeds it that contradicts them.
+/// A recording contradicts the others if its error exceeds this many times their median.
 const CONTRADICTS: f64 = 4.0;
 
-/// Which recordings contradict the others: models of those are of no use for it, or diverge, while they follow each other.
+/// Names the recordings that contradict the others: models of the others are useless for them, or diverge, but fit
+/// each other.
 fn contradicting(nested: &NestedScore) -> Option<String> {
     let norms: Vec<f64> = nested.recordings.iter().filter_map(|own| own.search_norm).collect();
     let usual = median(norms)?;
@@ -136,7 +137,7 @@ fn contradicting(nested: &NestedScore) -> Option<String> {
     })
 }
 
-/// What averaging brings on recordings that were left out.
+/// The gain of averaging on recordings that were left out.
 fn averaged(found: &NestedAverage) -> Vec<String> {
     let mut out = vec![match &found.errors {
         Some(own) => format!("the average with recordings left out: fit {}", fits(own)),
@@ -149,23 +150,26 @@ fn averaged(found: &NestedAverage) -> Vec<String> {
         format!("the average over windows that begin at every quarter of one: fit {}", fits(own))
     }));
     let pairs = [(&found.over_search, "the single model"), (&found.over_base, "the base structure")];
-    let told = |(margin, than): (&Option<Margin>, &str)| {
+    let sentence = |(margin, than): (&Option<Margin>, &str)| {
         margin.as_ref().map(|margin| format!("the average is {}", against(margin, than)))
     };
-    out.extend(pairs.into_iter().filter_map(told));
+    out.extend(pairs.into_iter().filter_map(sentence));
     out
 }
 
 fn against(margin: &Margin, than: &str) -> String {
     let Margin { pairs, median, interval } = margin;
-    let told = match interval {
+    let verdict = match interval {
         [Some(low), _] if *low > 0.0 => "better than",
         [_, Some(high)] if *high < 0.0 => "worse than",
-        // No interval is as sure as asked for.
+        // There are too few pairs for a 95 % interval.
         [None, None] => "too few recordings to tell it from",
         _ => "not told apart from",
     };
-    format!("{told} {than}: {}", identification::pooled::lies_above(*median, *interval, *pairs, "recordings"))
+    format!(
+        "{verdict} {than}: {}",
+        identification::pooled::lies_above(*median, *interval, *pairs, "recordings")
+    )
 }
 
 fn fits(errors: &FreeRunErrors) -> String {

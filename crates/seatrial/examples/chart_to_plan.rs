@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let config = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../pipelines/helsinki/plan.toml"));
     let mut trial = ChartedTrial::read(config, vessel, dictionary, None)?;
-    // A quick look: each maneuver once, and a check in few currents.
+    // For a quick example: each maneuver once, and a check with few currents.
     trial.brief.task.maneuvers.iter_mut().for_each(|maneuver| maneuver.count = Some(1));
     (trial.brief.task.safety.runs, trial.brief.task.safety.vessels) = (Some(48), Some(24));
 

@@ -1,4 +1,5 @@
-//! Logs to a delivered model: recordings of a ship's instruments, one model of them, and what it is worth on one that was left out.
+//! From logs to a model: recordings of a ship's instruments, one model of them, and its errors on a recording that
+//! was left out.
 
 use std::error::Error;
 use std::path::Path;
@@ -18,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
 
-    // One recording is left out, to try the model on it.
+    // One recording is left out for validation.
     let mut fitted = ingested.pooled()?;
     let mut left_out = fitted.clone();
     fitted.select(&[], &["b".to_owned()])?;

@@ -28,18 +28,18 @@ pub enum PlanError {
 /// A trial to be planned on charts.
 #[derive(Clone, Debug)]
 pub struct ChartedTrial {
-    /// What is asked of which vessel, with the charts and a run of every maneuver.
+    /// The task and the vessel, with the charts and a run of every maneuver.
     pub brief: Brief,
-    /// What became of the charts' objects and depths.
+    /// The treatment of the charts' objects and depths.
     pub charts: Vec<PlanChart>,
 }
 
 impl ChartedTrial {
-    /// The trial that `plan.toml` at `file` asks of `vessel`, on the charts and in the tide that it names. `dictionary` has a
-    /// run of every maneuver; `design` its shares, for counts that `plan.toml` does not state.
+    /// The trial of `vessel` in `plan.toml` at `file`, on the charts and in the tide that it names. `dictionary` has
+    /// a run of every maneuver; `design` its shares, for counts that `plan.toml` does not state.
     ///
     /// # Errors
-    /// Files that are refused; a trial without place on its charts.
+    /// Files that are refused; a trial that does not fit its charts.
     pub fn read(
         file: &Path,
         vessel: Vessel,
@@ -56,31 +56,31 @@ impl ChartedTrial {
         Self::on_charts(brief, (file, &config), (budget(), &|| true), &mut provenance)
     }
 
-    /// The trial of `brief` on the charts that `config`, which stands in `file`, names: read within the memory of `budget`, as
-    /// long as `go_on` says so. Their digests are noted in `provenance`.
+    /// The trial of `brief` on the charts in `config`, the contents of `file`: read within the memory of `budget`,
+    /// while `keep_going` returns true. Their digests are noted in `provenance`.
     ///
     /// # Errors
     /// See [`ChartedTrial::read`]; the end of the time.
     pub fn on_charts(
         mut brief: Brief,
         (file, config): (&Path, &PlanFile),
-        (budget, go_on): (&Budget, &(dyn Fn() -> bool + Sync)),
+        (budget, keep_going): (&Budget, &(dyn Fn() -> bool + Sync)),
         provenance: &mut Provenance,
     ) -> Result<Self, PlanError> {
         let (plane, bounds) = brief.sight()?;
-        let means = Means { area: (&plane, &bounds), budget, go_on };
+        let means = Means { area: (&plane, &bounds), budget, keep_going };
         let charts = read_charts(file, config, &means, provenance).map_err(|error| match error {
             ChartsError::Refused(error) => PlanError::File(error),
             ChartsError::OutOfTime => VoyageError::OutOfTime("the reading of its charts").into(),
         })?;
         (brief.layers, brief.chart_bytes) = (charts.layers, charts.bytes);
-        Ok(Self { brief, charts: charts.told })
+        Ok(Self { brief, charts: charts.summaries })
     }
 
-    /// The cheapest plan that passes its check; with `unsafe_too` one that does not, where none does.
+    /// The cheapest plan that passes its check; with `unsafe_too`, if none does, one that does not.
     ///
     /// # Errors
-    /// No plan, or none in time; one that lasts longer than its slot.
+    /// No plan, or none in time; a plan longer than its slot.
     pub fn plan(self, search: &Search, unsafe_too: bool) -> Result<Planned, PlanError> {
         let mut prepared = Prepared::new(self.brief, search)?;
         let (solved, sailing) = prepared.plan(search, unsafe_too)?;
@@ -97,24 +97,24 @@ impl ChartedTrial {
 /// A plan on a chart.
 #[derive(Clone, Debug)]
 pub struct Planned {
-    /// Chart, lattice and rehearsed legs.
+    /// Chart, lattice and settled legs.
     pub prepared: Prepared,
-    /// What was searched, and what was found.
+    /// The problem and its solution.
     pub solved: Solved,
-    /// The plan as simulated at sea, and its check.
+    /// The simulated plan, and its check.
     pub sailing: Sailing,
     /// `plan.json`.
     pub document: PlanDocument,
 }
 
 impl Planned {
-    /// What a map of the plan shows; none without a part at sea.
+    /// The map of the plan; `None` without a part at sea.
     pub fn map(&self) -> Option<MapDocument> {
         let Self { prepared, solved, sailing, document } = self;
         Some(map_of(&SailedPlan { prepared, solved, sailing }, document, document.voyage.as_ref()?))
     }
 
-    /// The plan as routes and tracks in formats of others; none without a part at sea.
+    /// The plan as routes and tracks in other formats; `None` without a part at sea.
     pub fn routes(&self) -> Option<Routes<'_>> {
         Some(Routes {
             plane: self.prepared.chart.plane(),

@@ -7,13 +7,13 @@ use study::documents::CompareDocument;
 use validation::comparison::{CompareOptions, Contestant, Ship, Standing, Traced, compare};
 use validation::crossval::CrossError;
 
-/// A model beside least squares of the same data, the mean of the recordings, and another model.
+/// Compares a model with least squares of the same data, the mean of the recordings, and another model.
 pub struct Comparison<'a> {
     /// The model, or several whose trajectories are averaged.
     pub model: &'a Tried,
     /// Another model of the same channels.
     pub other: Option<&'a Vessel>,
-    /// Length of the windows that are simulated, in samples; whole runs without it.
+    /// Length of the simulated windows in samples; whole runs without it.
     pub window: Option<usize>,
 }
 

@@ -1,15 +1,15 @@
 //! seatrial in memory: plan a trial, simulate it, identify a ship's model.
 //!
-//! - [`Study`] is a simulation study: what the maneuvers of a dictionary tell about a vessel's parameters, the best trial of them,
-//!   disturbed realizations of it, their estimates and what these are worth. [`MonteCarlo`] repeats the last three.
-//! - [`Logs`] become runs, [`Pooling`] makes one model of them, [`StructureSearch`] finds its structure, and [`Comparison`] tries
-//!   it on other recordings.
-//! - [`ChartedTrial`] is planned as one walk over a chart, proved to be the cheapest and checked at sea.
+//! - [`Study`] is a simulation study: the information of a dictionary's maneuvers about a vessel's parameters, the best trial
+//!   of them, disturbed realizations of it, their estimates and scores. [`MonteCarlo`] repeats the last three.
+//! - [`Logs`] become runs, [`Pooling`] makes one model of them, [`StructureSearch`] finds its structure, and [`Comparison`]
+//!   validates it on other recordings.
+//! - [`ChartedTrial`] is planned as one walk over a chart, proved to be the cheapest and checked in simulation.
 //!
-//! The programs do the same by the same functions, from file to file. Nothing here reads a command line, prints or starts
-//! threads of its own: what is done in parallel runs on rayon's global pool. `examples/` has a program of each kind.
+//! The programs call the same functions, from file to file. Nothing here reads a command line, prints or starts threads:
+//! parallel work runs on rayon's global pool. `examples/` has a program of each kind.
 //!
-//! Types of the crates below stand under their own names; whatever their fields are made of is found in these crates.
+//! Types of the crates below are re-exported under their own names; types of their fields are found in these crates.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

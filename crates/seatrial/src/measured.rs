@@ -22,13 +22,13 @@ use study::trajectories::DataLabel;
 pub struct Logs {
     /// Its keys; the design of simulated logs is their label.
     pub config: IngestFile,
-    /// What is made of their channels.
+    /// The use of their channels.
     pub plan: Plan,
     /// The recordings, each with its files.
     pub sources: Vec<Source>,
     /// The folder that the files' names are relative to.
     pub folder: PathBuf,
-    /// What the logs are labelled as, where they are not those of a real ship.
+    /// The label of the logs, if they are not those of a real ship.
     pub label: Option<DataLabel>,
     /// `ingest.toml`.
     file: PathBuf,
@@ -37,7 +37,7 @@ pub struct Logs {
 }
 
 impl Logs {
-    /// The logs that `ingest.toml` at `file` describes, beside it; of the channels those that `vessel` needs.
+    /// The logs that `ingest.toml` at `file` describes, next to it, with the channels that `vessel` needs.
     ///
     /// # Errors
     /// Files that are refused; channels that nothing provides.
@@ -47,8 +47,8 @@ impl Logs {
         Self::of(file, config, Some((vessel, "the vessel")), None, &mut provenance)
     }
 
-    /// The logs that `config`, which stands in `file`, describes, in `folder` or beside it; of the channels those that the vessel
-    /// needs, which messages call so, or all. What simulated logs are made of is noted in `provenance`.
+    /// The logs that `config`, the contents of `file`, describes, in `folder` or next to `file`, with the channels
+    /// that the named vessel needs, or all. The sources of simulated logs are noted in `provenance`.
     ///
     /// # Errors
     /// See [`Logs::read`].
@@ -77,7 +77,7 @@ impl Logs {
     /// Reads all recordings into memory.
     ///
     /// # Errors
-    /// Files that are refused; no sub-experiment that is long enough.
+    /// Files that are refused; no sub-experiment long enough.
     pub fn ingested(&self) -> Result<Ingested, Error> {
         let scratch = Arc::new(Scratch::new(Path::new(""), BLOCK, f64::INFINITY));
         let segmentation = self.config.segmentation();
@@ -94,7 +94,7 @@ impl Logs {
         Ok(Ingested { runs, document: self.document(totals, recordings)? })
     }
 
-    /// `ingest.json` of recordings that became `totals`.
+    /// `ingest.json` of recordings with these `totals`.
     ///
     /// # Errors
     /// No run at all.
@@ -123,12 +123,12 @@ impl Logs {
     }
 }
 
-/// What became of logs.
+/// Ingested logs.
 #[derive(Clone, Debug)]
 pub struct Ingested {
     /// The runs that recordings were cut into.
     pub runs: Vec<Run>,
-    /// `ingest.json`: the recordings, and how good their data are.
+    /// `ingest.json`: the recordings, and the quality of their data.
     pub document: IngestDocument,
 }
 
@@ -136,7 +136,7 @@ impl Ingested {
     /// The runs, by their recordings.
     ///
     /// # Errors
-    /// Recordings that contradict themselves: see `doubtful` in the document.
+    /// Inconsistent recordings: see `doubtful` in the document.
     pub fn pooled(self) -> Result<PooledRuns, Error> {
         Doubtful::among(&self.document.recordings).check(Path::new("logs"), |_| true)?;
         Ok(PooledRuns::new(self.runs, &self.document.recordings_by_run()))

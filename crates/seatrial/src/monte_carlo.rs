@@ -16,26 +16,25 @@ use crate::simulation::StudyError;
 /// Runs that are simulated, estimated and scored together.
 const TOGETHER: usize = 8 * LANES;
 
-/// The same where minima are searched for, at most: few searches take long, and of many runs they fill the lanes among
-/// themselves.
+/// Maximum of the same for estimators that search: few searches take long, and those of many runs fill the lanes.
 const SEARCHED: usize = 64 * LANES;
 
-/// A campaign, how its runs are estimated and what their models are worth.
+/// A campaign, the estimation of its runs and the validation of their models.
 pub struct MonteCarlo<'a> {
     /// The runs.
     pub campaign: Campaign<'a>,
-    /// What is made of each.
+    /// The estimators of each run.
     pub estimators: RunEstimators<'a>,
-    /// What the estimated models are simulated over.
+    /// The validation runs.
     pub validation: ValidationRuns<'a>,
-    /// The true parameters, where they are known.
+    /// The true parameters, if known.
     pub truth: Option<Vec<f64>>,
 }
 
-/// What some runs became.
+/// The results of some runs.
 #[derive(Default)]
 pub struct Realized {
-    /// The runs that were to be kept.
+    /// The runs to be kept.
     pub runs: Vec<SimulatedRun>,
     /// Their estimates, run by run by every estimator.
     pub estimates: Vec<RunEstimate>,
@@ -44,15 +43,15 @@ pub struct Realized {
 }
 
 impl Realized {
-    /// Of scores alone.
+    /// A result with scores alone.
     pub fn scored(scores: Vec<RunScore>) -> Self {
         Self { scores, ..Self::default() }
     }
 }
 
 impl MonteCarlo<'_> {
-    /// Groups of runs of one design that are simulated side by side, all designs one after the other: what is shared between
-    /// machines.
+    /// Number of groups of runs of one design that are simulated in lanes, all designs in order: the unit of
+    /// sharding.
     pub fn groups(&self) -> usize {
         self.campaign.designs() * self.campaign.realizations().div_ceil(LANES)
     }
@@ -87,7 +86,7 @@ impl MonteCarlo<'_> {
         })
     }
 
-    /// How many of so many `runs` go together, so that every thread has some.
+    /// The number of `runs` per task, so that every thread has some.
     fn together(&self, runs: usize) -> usize {
         let searching = |e: &Estimator| matches!(e, Estimator::OutputError | Estimator::PredictionError);
         let most = if self.estimators.estimators.iter().any(searching) { SEARCHED } else { TOGETHER };
@@ -104,8 +103,8 @@ impl MonteCarlo<'_> {
         Ok(Realized { runs: kept, estimates, scores })
     }
 
-    /// The scores that [`Self::realize`] makes, alone. Where instruments alone are asked for, runs stay side by side from their
-    /// first sample to their score.
+    /// Only the scores of [`Self::realize`]. If only instruments are requested, runs stay in lanes from their first
+    /// sample to their score.
     ///
     /// # Errors
     /// See [`Self::realize`].
@@ -171,7 +170,7 @@ impl MonteCarlo<'_> {
     }
 }
 
-/// What `of` makes of `runs`, so many `together`, on all threads; in their order.
+/// The results of `of` for `runs`, `together` at a time, on all threads; in their order.
 fn parts_of<T: Send>(runs: Range<usize>, together: usize, of: impl Fn(Range<usize>) -> T + Sync) -> Vec<T> {
     let starts: Vec<usize> = runs.clone().step_by(together).collect();
     starts.into_par_iter().map(|start| of(start..runs.end.min(start + together))).collect()

@@ -2,31 +2,31 @@
 
 use identification::Estimator;
 use identification::pooled::{Grown, Judgement, Pool, PoolError, Resampling, grown, unstated};
-use identification::runs::Beside;
+use identification::runs::AdditionalUnknowns;
 use model::Vessel;
 use regression::pooled::{NominalModel, NominalSource, PooledRuns, Recorded};
 use study::pooled_set::PooledSet;
 use validation::comparison::Magnitudes;
 
-/// How one model is made of several runs.
+/// Options of a model from several runs.
 #[derive(Clone)]
 pub struct Pooling<'a> {
-    /// The vessel, how means are removed, what instruments are simulated with, what is unknown.
+    /// The vessel, the removal of means, the model of the instruments, the additional unknowns.
     pub pool: Pool<'a>,
-    /// Where the nominal model of instruments comes from.
+    /// The source of the nominal model of instruments.
     pub nominal: NominalSource,
-    /// How often sub-experiments are drawn again, and the seed of that.
+    /// Number of resamples of sub-experiments, and their seed.
     pub judgement: Judgement,
-    /// Terms that are added at most where the model is found to lack them.
+    /// Maximum number of missing terms that are added.
     pub most_added: usize,
 }
 
-/// Where nobody asked for an estimator.
+/// A remark if no estimator was requested.
 const NO_NOISE: &str = "estimated by `output-error`: no noise known here describes the errors, and filters for another one predict worse; \
      --estimator takes others";
 
 impl<'a> Pooling<'a> {
-    /// As usual for `vessel`: instruments by its nominal values, no terms added, nothing drawn again.
+    /// Defaults for `vessel`: instruments by its nominal values, no added terms, no resamples.
     pub fn new(vessel: &'a Vessel) -> Self {
         let judgement = Judgement { replicates: 0, seed: 1 };
         Self { pool: Pool::new(vessel), nominal: NominalSource::Given, judgement, most_added: 0 }
@@ -39,10 +39,10 @@ impl<'a> Pooling<'a> {
         self
     }
 
-    /// The model of `runs`, by the estimator that is `asked` for or the usual one of measured logs.
+    /// The model of `runs`, by the requested estimator `asked`, or the default for measured logs.
     ///
     /// # Errors
-    /// Parameters that the runs do not determine; a search that leads nowhere; runs that cannot be read again.
+    /// Parameters that the runs do not determine; a failed search; runs that cannot be read again.
     pub fn model<R: Recorded>(
         &self,
         runs: &PooledRuns<R>,
@@ -56,7 +56,7 @@ impl<'a> Pooling<'a> {
         self.judged(grown, runs, (estimator, asked.is_none()), Resampling::Drawn(&|_| ()))
     }
 
-    /// The model of `runs` with the terms that `grown` says; and whether the estimator was the usual one.
+    /// The model of `runs` with the terms of `grown`; and whether the estimator was the default.
     ///
     /// # Errors
     /// See [`Pooling::model`].
@@ -69,7 +69,8 @@ impl<'a> Pooling<'a> {
     ) -> Result<PooledSet, PoolError<R::Error>> {
         let Self { pool, judgement, .. } = self;
         let mut found = grown.judged(pool, runs, estimator, judgement, resampling)?;
-        if is_usual && estimator == Estimator::OutputError && pool.beside == Beside::default() {
+        if is_usual && estimator == Estimator::OutputError && pool.additional == AdditionalUnknowns::default()
+        {
             found.found.statements.insert(0, NO_NOISE.to_owned());
         }
         let own = pool.of(&found.vessel, pool.nominal.clone());

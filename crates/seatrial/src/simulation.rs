@@ -1,9 +1,9 @@
-//! A whole simulation study in memory, from a vessel and its maneuvers to what the estimates are worth.
+//! A whole simulation study in memory, from a vessel and its maneuvers to the scores of estimates.
 
 use design::{Bounds, Criterion, Design, NoDesign, Options};
 use engine::Run;
 use identification::predictor::InitialState;
-use identification::runs::{Beside, RunError, RunEstimators};
+use identification::runs::{AdditionalUnknowns, RunError, RunEstimators};
 use identification::{Estimator, RunEstimate, RunScore, ValidationRuns};
 use maneuver::{DictionaryFile, Generator};
 use model::{Source, Vessel};
@@ -19,10 +19,10 @@ use trial::campaign::{Campaign, Designed, Maneuvers, Refusal, SimulatedRun};
 use trial::moments::{Estimated, Moments, Pool, Prediction, structure};
 use trial::voyage::Shares;
 
-/// Why a study has no answer.
+/// Why a study has no result.
 #[derive(Clone, Debug, Error)]
 pub enum StudyError {
-    /// A value that has no meaning.
+    /// An invalid value.
     #[error(transparent)]
     Invalid(#[from] Invalid),
     /// A trial that cannot be simulated.
@@ -42,8 +42,8 @@ impl From<NominalDiverged> for StudyError {
     }
 }
 
-/// A whole simulation study in memory: what the maneuvers tell, the design, disturbed realizations of it and of random
-/// experiments, their estimates and what these are worth. The programs do the same steps from file to file, with the same
+/// A whole simulation study in memory: the information of the maneuvers, the design, disturbed realizations of it and
+/// of random experiments, their estimates and scores. The programs do the same steps from file to file, with the same
 /// numbers.
 pub struct Study {
     vessel: Vessel,
@@ -64,7 +64,7 @@ impl Study {
     /// The study of `campaign` with the maneuvers of `dictionary`.
     ///
     /// # Errors
-    /// Numbers without meaning; a maneuver whose inputs stand in a table.
+    /// Invalid numbers; a maneuver with inputs from a table.
     pub fn new(
         vessel: Vessel,
         dictionary: &DictionaryFile,
@@ -85,15 +85,16 @@ impl Study {
         &self.campaign
     }
 
-    /// Every maneuver of the dictionary on its own, undisturbed, but generated ones that exceed their limits.
+    /// Every maneuver of the dictionary on its own, undisturbed, except generated ones that exceed their limits.
     ///
     /// # Errors
-    /// A maneuver that the model cannot hold or that diverges.
+    /// A maneuver that does not fit the model or that diverges.
     pub fn dictionary(&self) -> Result<Vec<Run>, StudyError> {
         undisturbed(&self.vessel, &self.generator, self.vessel.best_known(), "dictionary")
     }
 
-    /// What each maneuver tells about the parameters: M = mean of φ̃ζ̃ᵀ per degree of freedom. `runs`: one per maneuver.
+    /// The information of each maneuver about the parameters: M = mean of φ̃ζ̃ᵀ per degree of freedom. `runs`: one
+    /// per maneuver.
     ///
     /// # Errors
     /// A nominal model that diverges; a maneuver that is too short.
@@ -135,7 +136,7 @@ impl Study {
     /// Disturbed realizations of the experiment that `designed` states, and of random ones.
     ///
     /// # Errors
-    /// A design of other maneuvers; a maneuver that the model cannot hold; a simulation that diverges.
+    /// A design of other maneuvers; a maneuver that does not fit the model; a simulation that diverges.
     pub fn simulate(&self, designed: &Designed) -> Result<Vec<SimulatedRun>, StudyError> {
         let sea = self.campaign.sea(&self.vessel)?;
         let campaign = Campaign::new(sea, &self.generator, designed, &self.campaign.settings(None))?;
@@ -157,7 +158,7 @@ impl Study {
             estimators: vec![estimator],
             removal: MeanRemoval::Complete,
             initial: InitialState::Known,
-            beside: Beside::default(),
+            additional: AdditionalUnknowns::default(),
             levels: Some(self.campaign.levels(self.vessel.sample_rate_hz)),
         };
         let found: Vec<_> = runs.par_chunks(TOGETHER).map(|some| estimators.estimates(some)).collect();
@@ -168,7 +169,7 @@ impl Study {
     /// Parameter error of every estimate, and its model's error in free simulation of the campaign's validation maneuvers.
     ///
     /// # Errors
-    /// Validation maneuvers that the model cannot hold or that diverge; none of them.
+    /// Validation maneuvers that do not fit the model or that diverge; no validation maneuvers.
     pub fn score(&self, estimates: &[RunEstimate]) -> Result<Vec<RunScore>, StudyError> {
         let validation = Generator::without_tables(&self.vessel, &self.campaign.validation_dictionary())?;
         let runs = undisturbed(&self.vessel, &validation, Source::Value, "validation")?;
@@ -178,8 +179,8 @@ impl Study {
         Ok(scores.collect::<Vec<_>>().concat())
     }
 
-    /// What the scores of each design say together: above all the shares of realizations below the campaign's bounds, with
-    /// their intervals.
+    /// Statistics of the scores of each design: above all the shares of realizations below the campaign's bounds,
+    /// with their intervals.
     pub fn worth(&self, scores: &[RunScore]) -> Vec<DesignScores> {
         summarize(scores, self.campaign.bounds())
     }
@@ -189,7 +190,7 @@ impl Study {
 const TOGETHER: usize = 64;
 
 impl Optimum {
-    /// The experiment that it states.
+    /// The experiment of this design.
     pub fn designed(&self) -> Designed {
         let shares = self.maneuvers.iter().cloned().zip(self.design.shares.iter().copied());
         Designed { shares: shares.collect(), order: None }

@@ -9,20 +9,20 @@ use study::TermLists;
 use study::documents::{AverageDocument, ModelDocument, SearchDocument};
 use validation::comparison::Magnitudes;
 
-/// Where a search begins, and the terms that it goes through.
+/// The start of a search, and its candidate terms.
 #[derive(Clone, Debug)]
 pub struct StructureSearch {
-    /// The vessel, whose terms the search begins with, and the channels that the terms need: runs have all of them.
+    /// The vessel, whose terms the search begins with, and the channels that the terms need: runs need all of them.
     pub vessel: Vessel,
-    /// Its model with all terms that are searched through.
+    /// Its model with all candidate terms.
     pub library: Model,
 }
 
 impl StructureSearch {
-    /// Through the library of terms that the channels of `vessel` suggest in these roles.
+    /// A search over the library of terms for the channels of `vessel` in these roles.
     ///
     /// # Errors
-    /// Roles of channels that there are not.
+    /// Roles of channels that do not exist.
     pub fn by_roles(vessel: Vessel, roles: &NamedRoles) -> Result<Self, Invalid> {
         let roles = Roles::new(&vessel.model, roles)?;
         let (model, roles) = with_channels(&vessel.model, &roles)?;
@@ -30,10 +30,10 @@ impl StructureSearch {
         Ok(Self { vessel: Vessel { model, ..vessel }, library })
     }
 
-    /// Through these terms.
+    /// A search over these terms.
     ///
     /// # Errors
-    /// A term of channels that there are not.
+    /// A term with channels that do not exist.
     pub fn by_terms(vessel: Vessel, TermLists { surge, sway, yaw }: &TermLists) -> Result<Self, Invalid> {
         let library = listed(&vessel.model, [surge, sway, yaw])?;
         Ok(Self { vessel, library })
@@ -61,13 +61,13 @@ impl StructureSearch {
     }
 }
 
-/// What a search found.
+/// The result of a search.
 #[derive(Clone, Debug)]
 pub struct FoundStructure {
-    /// `search.json`: how it was found, and how far it can be trusted.
+    /// `search.json`: how it was found, and its validation.
     pub search: SearchDocument,
     /// `model.json`.
     pub model: ModelDocument,
-    /// `average.json`, where several models were asked for.
+    /// `average.json`, if several models were requested.
     pub average: Option<AverageDocument>,
 }

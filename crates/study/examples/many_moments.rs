@@ -1,5 +1,5 @@
-//! Writes `moments.json` and the table beside it, as `moments --table` does, of so many maneuvers that are drawn at random:
-//! `many_moments 1000000 FOLDER`. What `design` needs for a table of a size is measured with it.
+//! Writes `moments.json` and its table, as `moments --table` does, for random maneuvers: `many_moments 1000000
+//! FOLDER`. It serves to measure the time and memory of `design` for a table of a size.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use study::documents::MomentsDocument;
 use study::moments_table::{BLOCK, columns, table_of};
 use trial::moments::{DegreeMoments, ManeuverMoments, Moments};
 
-/// φ̃φ̃ᵀ, averaged over three samples, of regressors drawn as powers of a few numbers.
+/// φ̃φ̃ᵀ, averaged over three samples, of regressors that are powers of a few random numbers.
 fn maneuver(streams: &Streams, number: u32, degrees: &[Degree]) -> ManeuverMoments {
     let mut normals = [0.0; 27];
     streams.normals(number, 0, &mut normals);

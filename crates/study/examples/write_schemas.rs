@@ -1,5 +1,5 @@
-//! Writes the JSON Schema of every document and of `ingest.toml` into a folder, and the page of the latter's keys into `docs` beside
-//! it: `cargo run -p study --example write_schemas -- schemas`.
+//! Writes the JSON Schema of every document and of `ingest.toml` into a folder, and the page of the latter's keys
+//! into `docs` next to it: `cargo run -p study --example write_schemas -- schemas`.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -1,4 +1,4 @@
-//! Where what a model simulated leaves what the model was fitted on.
+//! Warnings about simulations that leave the range of the data that the model was fitted on.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use validation::comparison::{Counter, Outside, Validity};
 use crate::files::read_model;
 use crate::trajectories::{Layout, TrajectoryReader};
 
-/// What to know of the runs in `out` that the model in the file `model` simulated; nothing where it is a vessel.toml.
+/// Warnings about the runs in `out` that the model in the file `model` simulated; empty for a vessel.toml.
 ///
 /// # Errors
 /// Files that cannot be read.
@@ -20,7 +20,7 @@ pub fn beyond(model: &Path, out: &Path) -> Result<Vec<String>, Error> {
     let reader = TrajectoryReader::open(out, &layout, rate_hz)?;
     let (mut counter, mut validity) = (Counter::new(&model.covered), None);
     let mut magnitudes = model.magnitudes;
-    // A disturbance whose value in simulations is stated is not less than it should be.
+    // A disturbance with a stated value in simulations is not too small.
     for channel in magnitudes.iter_mut().flat_map(|known| &mut known.channels) {
         let place = vessel.model.variables.iter().position(|variable| variable.name == channel.name);
         if place.is_some_and(|place| vessel.model.simulated.contains_key(&place)) {

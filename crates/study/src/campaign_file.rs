@@ -24,11 +24,11 @@ pub struct CampaignFile {
     pub current: Current,
     /// The measurement noise.
     pub measurement: Measurement,
-    /// A wind-like force, if there is to be one.
+    /// A wind-like force, if any.
     pub wind: Option<Wind>,
-    /// The random design, if there is to be one.
+    /// The random design, if any.
     pub random: Option<RandomSpec>,
-    /// What estimates are validated on.
+    /// The validation of estimates.
     pub validation: ValidationSpec,
 }
 
@@ -40,7 +40,7 @@ pub struct RandomSpec {
     pub segments: u32,
 }
 
-/// What estimates are validated on, and what counts as good.
+/// The validation maneuvers, and the bounds of good estimates.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ValidationSpec {
@@ -51,12 +51,12 @@ pub struct ValidationSpec {
     /// Which parameters turn the maneuvers into inputs.
     #[serde(default)]
     pub inputs_from: Source,
-    /// The maneuvers, each a run of its own.
+    /// The maneuvers, each a separate run.
     pub maneuver: Vec<ManeuverSpec>,
 }
 
 impl CampaignFile {
-    /// Refuses numbers without meaning.
+    /// Refuses invalid numbers.
     ///
     /// # Errors
     /// Names the key.
@@ -83,7 +83,7 @@ impl CampaignFile {
         Disturbances { current: self.current, measurement: self.measurement }
     }
 
-    /// What the shares of good estimates are counted against.
+    /// The bounds of good estimates.
     pub fn bounds(&self) -> Bounds {
         Bounds {
             parameter_error: self.validation.parameter_error_bound,
@@ -131,7 +131,7 @@ impl CampaignFile {
         }
     }
 
-    /// The noise of every sample; `None` where the current lasts. What wind adds is not in it.
+    /// The noise of every sample; `None` if the current is correlated. Without the wind.
     pub fn noise(&self) -> Option<Noise> {
         let m = self.measurement;
         let current = match self.current {
@@ -142,10 +142,10 @@ impl CampaignFile {
         Some(Noise { measurement: [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s], current })
     }
 
-    /// The noise of every sample, for studies that predict the errors of output-error estimates from it.
+    /// The noise of every sample, for predictions of the errors of output-error estimates.
     ///
     /// # Errors
-    /// Disturbances that no errors are predicted for: wind, a lasting current, a velocity without noise.
+    /// Disturbances without such predictions: wind, a correlated current, a velocity without noise.
     pub fn predictable_noise(&self) -> Result<Noise, Invalid> {
         let Some(noise) = self.noise().filter(|_| self.wind.is_none()) else {
             return Err(Invalid::new(
@@ -166,10 +166,10 @@ impl CampaignFile {
         Ok(noise)
     }
 
-    /// [`CampaignFile::noise`] for what is predicted for white noise alone; `remedy` for other disturbances.
+    /// [`CampaignFile::noise`] for predictions that need white noise; `remedy` for other disturbances.
     ///
     /// # Errors
-    /// A current that lasts.
+    /// A correlated current.
     pub fn white_noise(&self, remedy: &str) -> Result<Noise, Invalid> {
         let expected = "`none` or `white`, which the covariance of the estimate is predicted for";
         let lasting = || Invalid::new("`current.kind`", "a current that lasts", expected, remedy);

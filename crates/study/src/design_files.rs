@@ -1,4 +1,4 @@
-//! The hand-written files of a design: what is available, limits.
+//! The hand-written files of a design: the stock of maneuvers, limits.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,11 +12,11 @@ use trial::refining::{STATES, StatedLimits};
 use crate::documents::IngestDocument;
 use crate::invalid;
 
-/// Reads how much of every maneuver exists and notes the file's digest: tables `seconds` and `segments` in TOML or JSON, or the
-/// segments that `ingest.json` counts.
+/// Reads the available amount of every maneuver and notes the file's digest: tables `seconds` and `segments` in TOML
+/// or JSON, or the segments that `ingest.json` counts.
 ///
 /// # Errors
-/// A file that is refused, a maneuver that is not among `maneuvers` or that is limited twice, a negative time.
+/// A file that is refused, a maneuver that is not in `maneuvers` or that is limited twice, a negative time.
 pub fn read_stock(path: &Path, maneuvers: &[String], provenance: &mut Provenance) -> Result<Stock, Error> {
     let json = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
     let stock = if json {
@@ -73,7 +73,7 @@ struct LimitsFile {
 /// Reads `limits.toml` and notes its digest. `inputs`: their names.
 ///
 /// # Errors
-/// A file that is refused; a limit of an unknown input, or one that is not above 0.
+/// A file that is refused; a limit of an unknown input, or one that is not positive.
 pub fn read_limits(path: &Path, inputs: &[&str], provenance: &mut Provenance) -> Result<StatedLimits, Error> {
     let LimitsFile { u_m_s, v_m_s, r_rad_s, inputs: amplitudes, rates } =
         provenance.read_toml("limits", "limits", path)?;

@@ -1,4 +1,5 @@
-//! Recordings of logs that contradict themselves, or of which much was left out: no estimate is made of them unless asked.
+//! Recordings of logs that are inconsistent, or of which much was left out: they are not used for estimates by
+//! default.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,26 +9,26 @@ use serde_json::json;
 
 use crate::documents::RecordingSummary;
 
-/// Name of the setting that holds them.
+/// Name of the setting with them.
 const DOUBTFUL: &str = "doubtful";
 
-/// The numbers of their runs, by the recordings' names. Trajectories tell of them in their settings, and so does what is made of
-/// these.
+/// The numbers of their runs, by the recordings' names. They are in the settings of trajectories and of the results
+/// from these.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Doubtful(BTreeMap<String, Vec<i32>>);
 
 impl Doubtful {
-    /// Those among `recordings`.
+    /// The doubtful ones of `recordings`.
     pub fn among(recordings: &[RecordingSummary]) -> Self {
         let doubtful = recordings.iter().filter(|recording| !recording.doubtful.is_empty());
         let runs = |recording: &RecordingSummary| recording.runs.iter().map(|run| *run as i32).collect();
         Self(doubtful.map(|recording| (recording.name.clone(), runs(recording))).collect())
     }
 
-    /// Those that what was written with `provenance` tells of.
+    /// The doubtful recordings in `provenance`.
     pub fn of(provenance: &Provenance) -> Self {
-        let told = provenance.settings.get(DOUBTFUL).cloned();
-        Self(told.and_then(|told| serde_json::from_value(told).ok()).unwrap_or_default())
+        let noted = provenance.settings.get(DOUBTFUL).cloned();
+        Self(noted.and_then(|noted| serde_json::from_value(noted).ok()).unwrap_or_default())
     }
 
     /// Notes them, if there are any, in `provenance`.

@@ -1,4 +1,4 @@
-//! Models that are exported: a `model.json` with all that is known of it, or a `vessel.toml`.
+//! Models that are exported: a `model.json` with its errors and ranges, or a `vessel.toml`.
 
 use std::path::Path;
 
@@ -9,7 +9,8 @@ use model::Source;
 use crate::documents::ModelDocument;
 use crate::files::{read_model, read_vessel};
 
-/// Reads the model in `path` for other tools and notes its digest: with the values of `source`, or the best known.
+/// Reads the model in `path` for other tools and notes its digest: with the values of `source`, or the best
+/// available.
 ///
 /// # Errors
 /// See [`read_vessel`]; a parameter without such a value.
@@ -33,7 +34,7 @@ pub fn read_portable(
     Portable::new(&vessel, source, &known, origin).map_err(|e| crate::invalid(path, &e))
 }
 
-/// Standard errors, what the data covered, what to know before using the model.
+/// Standard errors, the ranges of the data, and warnings about the model.
 fn knowledge(model: &ModelDocument) -> Knowledge {
     let parameters = model.degrees.iter().flat_map(|degree| &degree.parameters);
     Knowledge {

@@ -14,12 +14,12 @@ use crate::plan::PlanFile;
 use crate::sequential::SequentialFile;
 use crate::tried::is_average;
 
-// What the hand-written files mean.
+// Types of the hand-written files.
 pub use maneuver::DictionaryFile;
 pub use model::{Variable, Vessel};
 
-/// Reads `vessel.toml`, or the `model.json` that stands in its place, and notes its digest. A model is where a new study begins:
-/// what it was made of is no part of that.
+/// Reads `vessel.toml`, or a `model.json` in its place, and notes its digest. A model starts a new study: its own
+/// inputs are not part of that.
 pub fn read_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
     if is_model(path) {
         let model = read_document::<ModelDocument>(path).map_err(|e| not_one(path).unwrap_or(e))?;
@@ -30,8 +30,8 @@ pub fn read_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, E
     Vessel::from_file(file).map_err(|e| crate::invalid(path, &e))
 }
 
-/// As [`read_followed`], for stages that simulate trials or judge what was simulated: these tell nothing of disturbances that
-/// they hold constant.
+/// As [`read_followed`], for stages that simulate trials or score simulated ones, which have no information about
+/// disturbances that they hold constant.
 pub fn read_simulated(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
     read_followed(path, provenance).map(Vessel::with_disturbances_held)
 }
@@ -43,7 +43,7 @@ pub fn read_followed(path: &Path, provenance: &mut Provenance) -> Result<Vessel,
     Ok(if is_model(path) { Vessel { value: truth, ..vessel } } else { vessel })
 }
 
-/// The vessel at `path`, kept to what the data covered where it is a model, unless it may go `beyond` that.
+/// The vessel at `path`; if it is a model, limited to the ranges of its data, unless it may go `beyond` them.
 ///
 /// # Errors
 /// A file that cannot be read.
@@ -55,12 +55,12 @@ pub fn kept_to_data(path: &Path, vessel: Vessel, beyond: bool) -> Result<Vessel,
     })
 }
 
-/// The `model.json` that stands in a vessel's place; none of a `vessel.toml`.
+/// The `model.json` in a vessel's place; `None` for a `vessel.toml`.
 pub fn read_model(path: &Path) -> Result<Option<ModelDocument>, Error> {
     is_model(path).then(|| read_document(path).map(|read| read.data)).transpose()
 }
 
-/// What is said of an average, whose models are of no one structure.
+/// Refuses an average, whose models do not have one structure.
 fn not_one(path: &Path) -> Option<Error> {
     is_average(path).then(|| {
         let found = "average/1, several models whose trajectories are averaged";
@@ -116,7 +116,7 @@ pub fn read_sequential(path: &Path, provenance: &mut Provenance) -> Result<Seque
     Ok(file)
 }
 
-/// Turns the maneuvers of `file`, which stands in `path`, into a generator; notes the digests of its input files.
+/// Turns the maneuvers of `file`, read from `path`, into a generator; notes the digests of its input files.
 pub fn generator(
     path: &Path,
     vessel: &Vessel,
@@ -145,8 +145,8 @@ pub fn generator(
     Ok(generator)
 }
 
-/// What a file of this name is for those that are made of it: one of [`artifact::STUDY_ROLES`]; the name itself where no one
-/// file plays its role.
+/// The role of a file of this name for files made from it: one of [`artifact::STUDY_ROLES`]; the name itself if its
+/// role is not unique.
 pub fn role_of(name: &str) -> &str {
     match name {
         "vessel.toml" => "vessel",
@@ -160,11 +160,11 @@ pub fn role_of(name: &str) -> &str {
     }
 }
 
-/// The file that is called `name` beside a main file that is called `usual`, beside `main`: where `main` is called otherwise,
-/// so is the file, so that two sets in one folder share none.
+/// The path of `name` in the set of the main file `main`, usually called `usual`: if `main` has another name, so has
+/// the file, so that two sets in one folder share none.
 ///
-/// `estimate.json` stands beside `estimates.parquet`, `estimate-2.json` beside `estimates-2.parquet`, and `tank-estimate.json`
-/// beside `tank.parquet`.
+/// `estimate.json` belongs to `estimates.parquet`, `estimate-2.json` to `estimates-2.parquet`, and
+/// `tank-estimate.json` to `tank.parquet`.
 pub fn beside(main: &Path, usual: &str, name: &str) -> PathBuf {
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let (own, usual) = (stem(main), stem(Path::new(usual)));

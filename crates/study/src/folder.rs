@@ -1,4 +1,4 @@
-//! A folder of results: whether its files are whole and belong together, and what was made of what.
+//! A folder of results: checks that its files are complete and belong together, and their dependencies.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,21 +13,21 @@ use crate::{refuse, role_of};
 /// The files of a folder and of those below it.
 #[derive(Default)]
 pub struct Folder {
-    /// Of each file, in their order: what it says about itself, or what is wrong with it.
+    /// Each file in order, with its own metadata, or its error.
     files: Vec<(PathBuf, Result<Inspected, Error>)>,
-    /// What interrupted runs left in it, and in those below it.
+    /// Leftovers of interrupted runs in it, and in those below it.
     left: Vec<(PathBuf, Leftovers)>,
     /// Names of files by their digests.
     names: BTreeMap<Digest, String>,
-    /// What is wrong, a line each.
+    /// The errors, one line each.
     pub faults: Vec<String>,
 }
 
 impl Folder {
-    /// Looks at all files below `root`, and at the hand-written ones of the `study` that they are of.
+    /// Inspects all files below `root`, and the hand-written ones of their `study`.
     ///
     /// # Errors
-    /// A folder that cannot be listed, has no file of any stage, or is no study's.
+    /// A folder that cannot be listed, has no file of any stage, or is not a study's.
     pub fn read(root: &Path, study: Option<&Path>) -> Result<Self, Error> {
         let mut folder = Self::default();
         let known = study.map_or(Ok(Provenance::default()), |study| folder.written(study))?;
@@ -47,14 +47,14 @@ impl Folder {
         self.files.len()
     }
 
-    /// A line for each file: what it is and what it was made of; and for each folder in which interrupted runs left something.
+    /// A line for each file: its kind and its inputs; and for each folder with leftovers of interrupted runs.
     pub fn lines(&self, root: &Path) -> impl Iterator<Item = String> {
         let files = self.files.iter().map(move |(path, found)| self.line(root, path, found));
         let left = self.left.iter().flat_map(|(folder, left)| told_of_leftovers(folder, left));
         files.chain(left).map(|line| shortened(&one_line(&line), LONGEST))
     }
 
-    /// What the hand-written files tell.
+    /// The provenance of the hand-written files.
     fn written(&mut self, study: &Path) -> Result<Provenance, Error> {
         let mut known = Provenance::default();
         for role in STUDY_ROLES {
@@ -72,7 +72,7 @@ impl Folder {
         Ok(known)
     }
 
-    /// Looks at all files below `folder`, those of a folder before those in folders of it.
+    /// Inspects all files below `folder`, those of a folder before those in its subfolders.
     fn look(&mut self, folder: &Path) -> Result<(), Error> {
         let fails = |e| Error::io(folder, "list", e);
         let entries = std::fs::read_dir(folder).map_err(fails)?;
@@ -89,8 +89,8 @@ impl Folder {
         folders.iter().filter(|path| !path.is_symlink()).try_for_each(|path| self.look(path))
     }
 
-    /// What a run that was interrupted left is no file of the folder. Of a set that is half named the names mean the new files
-    /// here, and the old ones elsewhere.
+    /// Leftovers of an interrupted run are not files of the folder. In a half-renamed set the names mean the new
+    /// files here, and the old ones elsewhere.
     fn look_for_leftovers(&mut self, folder: &Path, paths: &[PathBuf]) {
         if !paths.iter().any(|path| is_unfinished(path)) {
             return;
@@ -105,7 +105,7 @@ impl Folder {
         self.left.push((folder.to_owned(), left));
     }
 
-    /// Whether what was written together is together; no file that was looked at is read again for that.
+    /// Checks that files written together are together, without reading inspected files again.
     fn check_sets(&mut self) {
         let found =
             self.files.iter().filter_map(|(path, found)| Some((path.clone(), found.as_ref().ok()?.digest)));
@@ -126,8 +126,8 @@ impl Folder {
         }
     }
 
-    /// Notes what is wrong: files that are damaged, and files that were made of different ones. Each folder has estimates and
-    /// scores of its own and shares the rest with the folder above it, where that has files.
+    /// Notes what is wrong: damaged files, and files that were made from different ones. Each folder has its own
+    /// estimates and scores and shares the rest with its parent folder, if that has files.
     fn compare(&mut self, root: &Path, written: &Provenance) {
         let mut known: BTreeMap<&Path, Provenance> = BTreeMap::new();
         for (path, found) in &self.files {
@@ -149,7 +149,7 @@ impl Folder {
             let own = if known.contains_key(folder) { None } else { Some(above()) };
             let own = known.entry(folder).or_insert_with(|| own.unwrap_or_default());
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            // What stands in the folder is no mixture, whatever else plays its role there: `estimates-2.parquet`.
+            // Another file with the same role in the folder is no error: `estimates-2.parquet`.
             let mut from = found.provenance.clone();
             from.inputs.retain(|_, digest| !self.names.contains_key(digest));
             from.origins.retain(|_, digest| !self.names.contains_key(digest));
@@ -179,7 +179,7 @@ impl Folder {
     }
 }
 
-/// Most characters of a line.
+/// Maximum number of characters of a line.
 const LONGEST: usize = 490;
 
 fn told_of_leftovers(folder: &Path, left: &Leftovers) -> impl Iterator<Item = String> {

@@ -1,4 +1,4 @@
-//! The tables that are kept of realizations beside their tally.
+//! The tables of realizations that are kept in addition to their tally.
 
 use std::path::Path;
 
@@ -27,7 +27,7 @@ refusal::choices! {
 }
 
 impl Keep {
-    /// Whether what `least` stands for is kept.
+    /// Whether at least `least` is kept.
     pub fn keeps(self, least: Self) -> bool {
         self as u8 >= least as u8
     }
@@ -44,7 +44,7 @@ pub struct Kept {
 }
 
 impl Kept {
-    /// No rows yet; of trajectories those of `first` runs per design, or of all.
+    /// Empty tables; trajectories of the `first` runs per design, or of all.
     ///
     /// # Errors
     /// Output that fails.
@@ -80,7 +80,7 @@ impl Kept {
         })
     }
 
-    /// How many runs of each design are to come with their trajectories.
+    /// The number of runs of each design that need trajectories.
     pub fn first(&self) -> usize {
         self.first
     }
@@ -90,7 +90,7 @@ impl Kept {
         self.estimates.is_none() && self.runs.is_none()
     }
 
-    /// Takes the next rows, and the runs that are to come with their trajectories.
+    /// Adds the next rows, and the runs that need trajectories.
     ///
     /// # Errors
     /// Output that fails.
@@ -118,7 +118,7 @@ impl Kept {
         Ok(())
     }
 
-    /// The files beside the tally; `samples`: of the validation runs.
+    /// The files in addition to the tally; `samples`: of the validation runs.
     ///
     /// # Errors
     /// Output that fails.

@@ -1,4 +1,5 @@
-//! The contracts of a study: JSON documents, Parquet tables and hand-written TOML files, and what they mean to the science.
+//! The contracts of a study: JSON documents, Parquet tables and hand-written TOML files, and their conversion to the
+//! types of the scientific crates.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

@@ -7,7 +7,7 @@ use model::Vessel;
 use refusal::{Invalid, check_name, check_numbers};
 use serde::Deserialize;
 
-/// `logs.toml` as written: who sails what, on which day, with which instruments.
+/// `logs.toml` as written: maneuvers, days and instruments.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LogsFile {
@@ -15,19 +15,19 @@ pub struct LogsFile {
     pub seed: u64,
     /// Samples per second: those of the vessel.
     pub sample_rate_hz: f64,
-    /// Samples per sub-experiment that velocities from differences are to have; two rows more are logged.
+    /// Samples per sub-experiment after differencing to velocities; two more rows are logged.
     pub samples: u32,
     /// Sub-experiments per maneuver.
     pub repeats: u32,
-    /// Whether every other repeat is run to the other side.
+    /// Whether every other repeat is mirrored.
     #[serde(default)]
     pub alternate_sides: bool,
     /// Relative scatter of a repeat's forces.
     #[serde(default)]
     pub scatter_std: f64,
-    /// Heading at the start of every recording \[rad\]; without it each starts on a course of its own.
+    /// Heading at the start of every recording \[rad\]; without it each starts on a different course.
     pub course_rad: Option<f64>,
-    /// Maneuver → how long it goes on before logging begins \[s\].
+    /// Maneuver → its duration before logging begins \[s\].
     #[serde(default)]
     pub settle_s: BTreeMap<String, f64>,
     /// Position.
@@ -36,14 +36,14 @@ pub struct LogsFile {
     pub heading: Compass,
     /// Azimuth thrusters.
     pub thruster: Vec<Actuator>,
-    /// What the wind acts on.
+    /// The hull that the wind acts on.
     pub hull: Option<Hull>,
     /// The days; a maneuver on several has its repeats dealt out in turn.
     pub day: Vec<Day>,
 }
 
 impl LogsFile {
-    /// Refuses numbers without meaning, and names that are not among `maneuvers`.
+    /// Refuses invalid numbers, and names that are not among `maneuvers`.
     ///
     /// # Errors
     /// Names the key.
@@ -100,7 +100,7 @@ impl LogsFile {
         Ok(())
     }
 
-    /// Rows of all logs of those of `maneuvers` that a day has, with what goes before the logging.
+    /// Rows of all logs of those `maneuvers` that are on a day, including the time before logging.
     pub fn rows(&self, maneuvers: &[&str], rate_hz: f64) -> f64 {
         let on_a_day =
             |name: &&&str| self.day.iter().any(|day| day.maneuvers.iter().any(|own| own == **name));
@@ -109,8 +109,8 @@ impl LogsFile {
         maneuvers.iter().filter(on_a_day).map(rows).sum()
     }
 
-    /// The vessel, moved by `parameters`, with its thrusters and sensors; `units` are what newtons and newton metres are
-    /// multiplied by to be its inputs.
+    /// The vessel with `parameters`, its thrusters and sensors; `units` are factors from newtons and newton metres to
+    /// its inputs.
     pub fn chain<'a>(&'a self, vessel: &'a Vessel, parameters: &'a [f64], units: [f64; 3]) -> Chain<'a> {
         Chain {
             model: &vessel.model,
@@ -126,7 +126,7 @@ impl LogsFile {
         }
     }
 
-    /// What is recorded, how often, and on which days.
+    /// The schedule of recordings: repeats and days.
     pub fn schedule(&self) -> Schedule {
         Schedule {
             samples: self.samples,

@@ -1,4 +1,4 @@
-//! `moments.parquet`: the moments of so many maneuvers that a document does not hold them.
+//! `moments.parquet`: the moments of too many maneuvers for a document.
 
 use std::path::{Path, PathBuf};
 
@@ -13,10 +13,10 @@ use crate::beside;
 pub const ID: &str = "moments-table";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
-/// Maneuvers that are written together.
+/// Maneuvers per block.
 pub const BLOCK: usize = 4096;
 
-/// The table that stands beside the document `moments`.
+/// The table of the document `moments`.
 pub fn table_of(moments: &Path) -> PathBuf {
     beside(moments, "moments.json", "moments.parquet")
 }
@@ -45,14 +45,14 @@ pub fn columns(degrees: &[Degree]) -> Columns<ManeuverMoments> {
     })
 }
 
-/// The moments of a table, block by block, as what an estimate by instrumental variables learns from each maneuver.
+/// The moments of a table, block by block, as information of each maneuver for an estimate by instrumental variables.
 pub struct MomentsTable {
     reader: TableReader,
     head: Moments,
     estimated: Estimated,
 }
 
-/// Why a block of the table cannot be had, or why it allows no design.
+/// Why a block of the table cannot be read, or allows no design.
 #[derive(Debug)]
 pub enum TableError {
     /// It cannot be read, or is refused.
@@ -68,10 +68,10 @@ impl From<design::Error> for TableError {
 }
 
 impl MomentsTable {
-    /// Opens the table beside the document `moments`, which says `head` and lists no maneuver.
+    /// Opens the table of the document `moments`, which has `head` and lists no maneuver.
     ///
     /// # Errors
-    /// No such table, or one of other columns; an estimate that more is needed for.
+    /// No such table, or one with other columns; an estimate that needs more.
     pub fn open(moments: &Path, head: Moments, estimated: Estimated) -> Result<Self, Error> {
         let reader = TableReader::open(table_of(moments), ID, VERSION)?;
         reader.require(&columns(&head.degrees).schema().columns)?;
@@ -103,7 +103,7 @@ impl MomentsTable {
     /// The document's moments with these maneuvers of the table.
     ///
     /// # Errors
-    /// A block that is damaged.
+    /// A damaged block.
     pub fn with(&self, places: &[(usize, usize)]) -> Result<Moments, Error> {
         let mut moments = self.head.clone();
         for own in places.chunk_by(|a, b| a.0 == b.0) {

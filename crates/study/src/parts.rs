@@ -1,4 +1,4 @@
-//! Documents that were made in shards.
+//! Documents made in shards.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use crate::documents::MomentsDocument;
 /// The documents of all `shards`, in the order of their numbers.
 ///
 /// # Errors
-/// Files that are not all shards of one document.
+/// Files that are not all the shards of one document.
 pub(crate) fn all<D: Document>(shards: &[PathBuf]) -> Result<Vec<(&Path, Loaded<D>)>, Error> {
     let read = |path| Ok::<_, Error>((path, read_part::<D>(path)?));
     let mut all: Vec<(&Path, Loaded<D>)> =
@@ -19,7 +19,7 @@ pub(crate) fn all<D: Document>(shards: &[PathBuf]) -> Result<Vec<(&Path, Loaded<
     Ok(all)
 }
 
-/// The moments of all `shards` together. `given`: the inputs that they are to be made of.
+/// The moments of all `shards` together. `given`: their expected inputs.
 ///
 /// # Errors
 /// Files that are not all shards of one document; shards of other inputs.

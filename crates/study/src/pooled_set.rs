@@ -1,4 +1,4 @@
-//! The files of a pooled estimate, which are written together.
+//! The set of files of a pooled estimate.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use crate::documents::{EstimateDocument, ModelDocument, TrustDocument};
 use crate::{beside, estimates};
 
-/// What the table is usually called.
+/// The usual name of the table.
 pub const MAIN: &str = "estimates.parquet";
 
 /// A row of estimates.parquet, estimate.json, trust.json and model.json.
@@ -23,14 +23,14 @@ pub struct PooledSet {
     pub row: RunEstimate,
     /// Its summary.
     pub estimate: EstimateDocument,
-    /// How far it can be trusted.
+    /// The diagnostics of the estimate.
     pub trust: TrustDocument,
-    /// The model; none unless all degrees of freedom have an estimate.
+    /// The model; `None` unless all degrees of freedom have an estimate.
     pub model: Option<ModelDocument>,
 }
 
 impl PooledSet {
-    /// What `estimator` found from `pool` with instruments from `nominal`, with so many resamples.
+    /// The result of `estimator` from `pool` with instruments from `nominal`, with its number of resamples.
     pub fn new(
         pool: &Pool,
         nominal: NominalSource,
@@ -63,14 +63,14 @@ impl PooledSet {
         staged.push(stage_set_document(&summary, provenance, &self.estimate, &staged)?);
         commit(staged)?;
         if self.model.is_none() {
-            // That of an earlier estimate is not this one's; there may be none.
+            // The file of an earlier estimate does not belong to this one; it may not exist.
             let _ = std::fs::remove_file(path);
         }
         Ok(())
     }
 
-    /// What it says in a line, and to programs.
-    pub fn told(&self) -> (String, Value) {
+    /// The summary in a line, and as JSON.
+    pub fn summary(&self) -> (String, Value) {
         let TrustDocument { estimator, parts, sources, samples, statements, .. } = &self.trust;
         let refused: Vec<&str> = self.trust.degrees.iter().filter_map(|d| d.reason.as_deref()).collect();
         let rest = match refused.as_slice() {

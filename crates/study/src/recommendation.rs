@@ -5,7 +5,7 @@ use crate::estimates::distinct;
 use crate::scores::{Row, estimators};
 use ::refusal::listed;
 
-/// Which estimator to use for each design, where the rows are of several.
+/// The recommended estimator for each design, if the rows are of several.
 pub fn recommendations(rows: &[Row]) -> Option<Vec<EstimatorRecommendation>> {
     let designs = distinct(rows.iter().map(|row| row.design.as_str()));
     let of = |design: &&str| {

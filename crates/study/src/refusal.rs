@@ -3,7 +3,7 @@ use std::path::Path;
 use artifact::Error;
 use refusal::Invalid;
 
-/// What is invalid in `file`.
+/// A refusal of what is invalid in `file`.
 pub fn invalid(file: &Path, invalid: &Invalid) -> Error {
     Error::invalid(file, invalid.clone())
 }

@@ -1,4 +1,4 @@
-//! The table of resamples: the bootstrap of a pooled estimate, when it is done in shards.
+//! The table of resamples: the bootstrap of a pooled estimate, if it is computed in shards.
 
 use std::path::Path;
 
@@ -10,21 +10,21 @@ use model::Vessel;
 pub const ID: &str = "resamples";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
-/// What the table is usually called.
+/// The usual name of the table.
 pub const MAIN: &str = "resamples.parquet";
 
-/// Fewest resamples in a block: from eight times as many resamples as shards on, none of these is empty.
+/// Least number of resamples in a block: with at least eight times as many resamples as shards, no shard is empty.
 const FEWEST: u32 = 8;
-/// Most blocks; a footer lists them all.
+/// Maximum number of blocks; a footer lists them all.
 const MOST: u32 = 2048;
 
-/// Blocks that `replicates` resamples are in, and how many are in one.
+/// The number of blocks of `replicates` resamples, and the resamples per block.
 pub fn blocks(replicates: u32) -> (usize, u32) {
     let each = replicates.div_ceil(MOST).max(FEWEST);
     (replicates.div_ceil(each) as usize, each)
 }
 
-/// The columns for `vessel`: its parameters, null where the resample has no estimate.
+/// The columns for `vessel`: its parameters, null if the resample has no estimate.
 pub fn columns(vessel: &Vessel) -> Columns<Row> {
     let columns = Columns::new(ID, VERSION).integer(
         "resample",
@@ -56,11 +56,11 @@ pub fn check(rows: &[Row], replicates: u32, file: &Path) -> Result<(), Error> {
     match found.find(|(found, expected)| found != expected) {
         None => Ok(()),
         Some((found, expected)) => {
-            let told = |number: Option<u32>| {
+            let text = |number: Option<u32>| {
                 number.map_or("no more".to_owned(), |number| format!("resample {number}"))
             };
             let remedy = "write the shards again";
-            Err(crate::refuse(file, "`resample`", &told(found), &told(expected), remedy))
+            Err(crate::refuse(file, "`resample`", &text(found), &text(expected), remedy))
         }
     }
 }

@@ -43,7 +43,7 @@ pub fn columns() -> Columns<Row> {
 /// Reads the whole table.
 ///
 /// # Errors
-/// Missing columns, damaged blocks; scores that are none.
+/// Missing columns, damaged blocks; invalid scores.
 pub fn rows(reader: &TableReader) -> Result<Vec<Row>, Error> {
     let blank = Row {
         design: String::new(),
@@ -69,18 +69,18 @@ pub fn estimators(rows: &[Row]) -> Vec<Estimator> {
     distinct(rows.iter().map(|row| row.estimator))
 }
 
-/// The estimator that stands for a study: the only one, or `iv` where several are compared.
+/// The leading estimator of a study: the only one, or `iv` if several are compared.
 pub fn leading(rows: &[Row]) -> Option<Estimator> {
     let known = estimators(rows);
     known.iter().find(|e| **e == Estimator::Iv).or(known.first()).copied()
 }
 
-/// What the scores of each design say together, in the order of the rows, by the [`leading`] estimator.
+/// Statistics of the scores of each design, in the order of the rows, by the [`leading`] estimator.
 pub fn summarize(rows: &[Row], bounds: Bounds) -> Vec<DesignScores> {
     leading(rows).map_or(Vec::new(), |estimator| by_estimator(rows, estimator, bounds))
 }
 
-/// The same for every estimator, where there are several.
+/// The same for every estimator, if there are several.
 pub fn compare(rows: &[Row], bounds: Bounds) -> Option<Vec<EstimatorScores>> {
     let all = estimators(rows);
     let of = |estimator: &Estimator| EstimatorScores {

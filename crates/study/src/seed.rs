@@ -1,14 +1,14 @@
 use artifact::Provenance;
 
-/// Name of the setting that holds the seed which runs were simulated with.
+/// Name of the setting with the seed of simulated runs.
 pub const SEED: &str = "seed";
 
-/// The seed that runs were simulated with; none of measured ones.
+/// The seed of simulated runs; `None` for measured ones.
 pub fn seed(provenance: &Provenance) -> Option<u64> {
     provenance.settings.get(SEED)?.as_u64()
 }
 
-/// Notes in `provenance` the seed that its input `of` was simulated with.
+/// Notes in `provenance` the seed of its simulated input `of`.
 pub fn note_seed(of: &Provenance, provenance: &mut Provenance) {
     if let Some(seed) = of.settings.get(SEED) {
         provenance.settings.insert(SEED.into(), seed.clone());

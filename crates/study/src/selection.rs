@@ -75,7 +75,7 @@ fn errors(
     })
 }
 
-/// What `found` says, with instruments from `nominal`.
+/// The document of `found`, with instruments from `nominal`.
 pub fn document(
     pool: &Pool,
     nominal: NominalSource,

@@ -6,10 +6,10 @@ use artifact::{Error, Loaded, Provenance};
 
 use crate::documents::TallyDocument;
 
-/// What the tally is usually called.
+/// The usual name of the tally.
 pub const MAIN: &str = "tally.json";
 
-/// The tally that all `shards` make together, whatever their order.
+/// The merged tally of all `shards`, in any order.
 ///
 /// # Errors
 /// Files that are not all shards of one tally.

@@ -36,9 +36,9 @@ struct Row {
     maneuver: String,
     /// Whether it is an informative one.
     informative: bool,
-    /// What [`FLOATS`] lists.
+    /// The values of [`FLOATS`].
     floats: [f64; FLOATS.len()],
-    /// The vessel's inputs; none at the end, where the trial is over.
+    /// The vessel's inputs; `None` in the last row.
     inputs: Vec<Option<f64>>,
 }
 
@@ -109,16 +109,17 @@ pub fn stage_track(
 pub struct Track {
     /// N × inputs, row-major.
     pub inputs: Vec<f64>,
-    /// First sample and name of every stretch that is one informative maneuver or what lies between two.
+    /// First sample and name of every informative maneuver and of every section between two.
     pub stretches: Vec<(usize, String)>,
     /// State at the start.
     pub initial: [f64; 3],
 }
 
-/// Reads the track beside `plan`, a `plan.json`.
+/// Reads the track of `plan`, a `plan.json`.
 ///
 /// # Errors
-/// A plan of a lattice problem, which has no track; a track that was not written with the plan; as [`read_track`].
+/// A plan of a lattice problem, which has no track; a track that was not written with the plan; those of
+/// [`read_track`].
 pub fn read_planned(plan: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Track, Error> {
     let document = read_document::<PlanDocument>(plan)?;
     if document.data.voyage.is_none() {
@@ -141,7 +142,7 @@ pub fn read_planned(plan: &Path, vessel: &Vessel, provenance: &mut Provenance) -
 /// Reads `track.parquet`.
 ///
 /// # Errors
-/// A file that is no track of this vessel.
+/// A file that is not a track of this vessel.
 pub fn read_track(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Track, Error> {
     let reader = TableReader::open(path, TRACK, TRACK_VERSION)?;
     let rows = columns(vessel).read(&reader, &Row::blank(vessel))?;

@@ -1,4 +1,4 @@
-//! What `validate compare` tries: a model, or several whose trajectories are averaged.
+//! The subject of `validate compare`: a model, or several whose trajectories are averaged.
 
 use std::path::Path;
 
@@ -10,13 +10,13 @@ use validation::comparison::{Known, Magnitudes, Ship, Standing};
 
 use crate::documents::{AverageDocument, ModelDocument};
 
-/// Whether a file is an average; none that is damaged, which its reader refuses.
+/// Whether a file is an average; false for a damaged one, which its reader refuses.
 pub(crate) fn is_average(path: &Path) -> bool {
     let average = |kind: &str| kind.starts_with(&format!("{}/", AverageDocument::ID));
     inspect(path).ok().flatten().is_some_and(|own| average(&own.schema))
 }
 
-/// A `model.json` or an `average.json`, with what its models come to.
+/// A `model.json` or an `average.json`, with its models.
 pub struct Tried {
     models: Vec<ModelDocument>,
     vessels: Vec<Vessel>,
@@ -44,10 +44,10 @@ impl Tried {
         Self::all(models, output_rmse).map_err(|e| crate::invalid(path, &e))
     }
 
-    /// A model that was just delivered.
+    /// From a model in memory.
     ///
     /// # Errors
-    /// A model that is of no vessel.
+    /// A model that does not give a valid vessel.
     pub fn of(model: ModelDocument) -> Result<Self, Invalid> {
         let output_rmse = model.output_rmse();
         Self::all(vec![model], output_rmse)
@@ -62,7 +62,7 @@ impl Tried {
         Ok(Self { models, vessels, output_rmse, by_least_squares })
     }
 
-    /// As what it takes part.
+    /// Its standing in the comparison.
     pub fn standing(&self) -> Standing {
         if self.models.len() > 1 { Standing::Average } else { Standing::Model }
     }
@@ -77,16 +77,16 @@ impl Tried {
         &self.vessels[0]
     }
 
-    /// The same structure by least squares of the same data, where that is known.
+    /// The same structure by least squares of the same data, if available.
     pub fn by_least_squares(&self) -> Option<&Vessel> {
         self.by_least_squares.as_ref()
     }
 
-    /// What is known of its errors.
+    /// Its estimated errors.
     pub fn known(&self) -> Option<Known<'_>> {
         let rmse = self.output_rmse?;
         match self.models.as_slice() {
-            // Errors on recordings that were left out hold all there is, so that parameters need no covariance.
+            // Errors on left-out recordings include all sources, so that no covariance of the parameters is needed.
             [model] => match (&model.covariance, model.left_out_rmse) {
                 (None, None) => None,
                 (None, Some(rmse)) => Some(Known { covariance: None, rmse }),
@@ -96,12 +96,12 @@ impl Tried {
         }
     }
 
-    /// What it was fitted on; all models of an average were fitted to the same.
+    /// The ranges that it was fitted on; all models of an average were fitted to the same data.
     pub fn covered(&self) -> &[Covered] {
         &self.models[0].covered
     }
 
-    /// How large the motions were that it was fitted to.
+    /// The magnitudes of the motions that it was fitted to.
     pub fn magnitudes(&self) -> Option<&Magnitudes> {
         self.models[0].magnitudes.as_ref()
     }

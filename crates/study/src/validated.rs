@@ -5,7 +5,7 @@ use crate::recommendation::recommendations;
 use crate::scores::{Row, compare, summarize};
 use crate::seed::seed;
 
-/// `validation.json` of `rows`, scored over `samples` samples of validation runs and made as `provenance` says.
+/// `validation.json` of `rows`, scored over `samples` samples of validation runs with `provenance`.
 pub fn validated(rows: &[Row], bounds: Bounds, samples: u64, provenance: &Provenance) -> ValidationDocument {
     ValidationDocument {
         bounds,

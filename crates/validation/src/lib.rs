@@ -1,6 +1,6 @@
-//! Models on recordings that they were not fitted to: left out of an estimate ([`crossval`]), left over where few sub-experiments
-//! were picked ([`selection`]), or any that are given ([`comparison`]). And what the scores of many runs say together
-//! ([`tally`]).
+//! Validation of models on recordings that they were not fitted to: left out of an estimate ([`crossval`]), not
+//! picked from many sub-experiments ([`selection`]), or given ([`comparison`]). And statistics of the scores of many
+//! runs ([`tally`]).
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

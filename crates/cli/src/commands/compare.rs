@@ -39,14 +39,14 @@ pub struct Arguments {
     window_s: Option<f64>,
 }
 
-/// What the document is usually called.
+/// The usual name of the document.
 const MAIN: &str = "compare.json";
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
         let model = Tried::read(&self.model, &mut provenance)?;
-        // What the model was fitted to is no part of what it is tried on, but the ship is the same.
+        // The files that the model was fitted to are not inputs of the comparison, but the ship is the same.
         provenance.forget(&["dictionary", "campaign", "moments", "design", "validation", "estimates"]);
         let vessel = model.vessel();
         let other = self.against(vessel, &mut provenance)?;
@@ -67,8 +67,8 @@ impl Task for Arguments {
         let main = stage_set_document(&out, &provenance, &document, &members)?;
         commit([main].into_iter().chain(members).collect())?;
         let (windows, statements) = (document.windows, &document.statements);
-        let told = json!({"windows": windows, "statements": statements});
-        Ok(Summary::of(&out, format!("{windows} windows; {}", statements.join("; ")), told))
+        let details = json!({"windows": windows, "statements": statements});
+        Ok(Summary::of(&out, format!("{windows} windows; {}", statements.join("; ")), details))
     }
 }
 

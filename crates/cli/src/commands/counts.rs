@@ -1,4 +1,4 @@
-//! How many sub-experiments of each maneuver `validate selection` picks.
+//! The number of sub-experiments of each maneuver that `validate selection` picks.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,11 +10,11 @@ use study::documents::DesignDocument;
 use crate::failure::Failure;
 use crate::inputs;
 
-/// How many sub-experiments of each maneuver to pick: as `--counts label=n` says, or the counts of `design.json`, and no more
-/// than there are.
+/// The number of sub-experiments of each maneuver to pick: from `--counts label=n`, or from `design.json`, and no
+/// more than available.
 ///
 /// # Errors
-/// Usage: a count that is none, or for a maneuver that there is not. Refused: a design without counts; more than there are.
+/// Usage: an invalid count, or one for an unknown maneuver. Refused: a design without counts; more than available.
 pub fn counts(
     design: Option<&Path>,
     written: &[String],

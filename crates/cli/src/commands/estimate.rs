@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::beside::BesideFlags;
+use crate::additional::AdditionalFlags;
 use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::Parser;
 use engine::Run;
@@ -57,7 +57,7 @@ pub struct Arguments {
     #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
     mean_removal: MeanRemoval,
     #[command(flatten)]
-    beside: BesideFlags,
+    additional: AdditionalFlags,
     /// Delivers the model of this run, by name (`optimized/3`), as model.json; without it that of the only run
     #[arg(long, value_name = "RUN", conflicts_with_all = ["shard", "gather", "compare"])]
     model_of: Option<String>,
@@ -71,13 +71,13 @@ pub struct Arguments {
     sharding: Sharding,
 }
 
-/// What the table is usually called.
+/// The usual name of the table.
 pub const MAIN: &str = "estimates.parquet";
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
-        let vessel = self.told(read_followed(&self.vessel, &mut provenance)?)?;
+        let vessel = self.determined(read_followed(&self.vessel, &mut provenance)?)?;
         self.mean_removal.check(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let inputs = [&self.vessel].into_iter().chain(&self.trajectories).chain(&self.sharding.gather);
         let out = common.main_output(MAIN, inputs)?;
@@ -93,9 +93,9 @@ impl Task for Arguments {
 }
 
 impl Arguments {
-    /// The vessel as the runs tell of it: simulated ones, which are given with their true states, tell nothing of disturbances
-    /// that they hold constant.
-    fn told(&self, vessel: Vessel) -> Result<Vessel, Failure> {
+    /// The vessel with the parameters that the runs can determine: simulated runs, which have their true states, have
+    /// no information about disturbances that they hold constant.
+    fn determined(&self, vessel: Vessel) -> Result<Vessel, Failure> {
         if vessel.model.simulated.is_empty() {
             return Ok(vessel);
         }
@@ -126,7 +126,7 @@ impl Arguments {
             Doubtful::of(reader.provenance()).check(file, |_| true)?;
         }
         let initial = if reader.true_states() { InitialState::Known } else { InitialState::Estimated };
-        // Noise that nobody stated is found with the parameters.
+        // Noise that is not stated is found with the parameters.
         let unstated = !reader.true_states() && levels.is_none();
         let usual = if unstated { Estimator::PredictionError } else { Estimator::Iv };
         let estimator = self.estimator.unwrap_or(usual);
@@ -135,10 +135,10 @@ impl Arguments {
             estimators: if self.compare { Estimator::OF_RUNS.to_vec() } else { vec![estimator] },
             removal: self.mean_removal,
             initial,
-            beside: self.beside.unknown(),
+            additional: self.additional.unknown(),
             levels,
         };
-        self.beside.check(&estimators.estimators)?;
+        self.additional.check(&estimators.estimators)?;
         let asks = estimators.asks(self.criticise);
         self.settings(estimator, initial, asks, &mut provenance);
         let share = self.sharding.shard.map_or(1.0, |shard| 1.0 / f64::from(shard.count));
@@ -175,7 +175,7 @@ impl Arguments {
         Ok((made, model))
     }
 
-    /// The model of the run that is asked for, or of the only one.
+    /// The model of the requested run, or of the only one.
     fn model(
         &self,
         estimators: &RunEstimators,
@@ -205,7 +205,7 @@ impl Arguments {
         }
     }
 
-    /// What the estimates depend on besides the inputs.
+    /// The settings that the estimates depend on besides the inputs.
     fn settings(&self, estimator: Estimator, initial: InitialState, asks: bool, provenance: &mut Provenance) {
         let settings = &mut provenance.settings;
         if asks {
@@ -219,12 +219,12 @@ impl Arguments {
             settings.insert("initial_state".into(), json!(initial.name()));
         }
         settings.insert("mean_removal".into(), json!(self.mean_removal));
-        self.beside.note(settings);
+        self.additional.note(settings);
         provenance.shard = self.sharding.shard;
     }
 }
 
-/// The place of the run that is called `wanted`: by design and number, or by a number that one run alone has.
+/// The index of the run named `wanted`: by design and number, or by a unique number.
 fn place_of(wanted: &str, rows: &[Row], name: impl Fn(&Row) -> String) -> Result<usize, Invalid> {
     let called = |row: &Row| name(row) == wanted || row.run.to_string() == wanted;
     let places: Vec<usize> = (0..rows.len()).filter(|i| called(&rows[*i])).collect();
@@ -239,7 +239,7 @@ fn place_of(wanted: &str, rows: &[Row], name: impl Fn(&Row) -> String) -> Result
     Err(Invalid::new(format!("run `{wanted}`"), found, expected, remedy))
 }
 
-/// The run at this place among all.
+/// The run at this index.
 fn run_at(reader: &TrajectoryReader, place: usize) -> Result<Option<Run>, Failure> {
     let mut before = 0;
     for block in 0..reader.blocks() {
@@ -265,7 +265,7 @@ fn gathered(
     })
 }
 
-/// What disturbs the runs, where that is stated.
+/// The disturbances of the runs, if stated.
 fn levels(a: &Arguments, vessel: &Vessel, provenance: &mut Provenance) -> Result<Option<Levels>, Failure> {
     let Some(file) = a.campaign.as_deref() else { return Ok(None) };
     let levels = read_campaign(file, provenance)?.levels(vessel.sample_rate_hz);
@@ -318,7 +318,7 @@ fn publish(
         }
     }
     if also_model.is_empty() && left && provenance.shard.is_none() {
-        // That of an earlier estimate is not this one's.
+        // The file of an earlier estimate does not belong to this one.
         let _ = std::fs::remove_file(path);
     }
     let single = estimates::estimators(&rows).len() < 2;

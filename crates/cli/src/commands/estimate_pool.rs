@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::beside::BesideFlags;
+use crate::additional::AdditionalFlags;
 use artifact::{Provenance, Shard, TableReader};
 use clap::Parser;
 use identification::Estimator;
@@ -45,7 +45,7 @@ pub struct Arguments {
     #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description))]
     estimator: Option<Estimator>,
     #[command(flatten)]
-    beside: BesideFlags,
+    additional: AdditionalFlags,
     /// Resamples of the bootstrap over sub-experiments
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     bootstrap: Option<u32>,
@@ -64,9 +64,9 @@ impl Task for Arguments {
         let out = common.main_output(main, self.flags.inputs().chain(&self.sharding.gather))?;
         let model = member(&out, MAIN, "model.json", self.flags.inputs())?;
         let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::kept_runs)?;
-        let pool = Pool { beside: self.beside.unknown(), ..pool };
+        let pool = Pool { additional: self.additional.unknown(), ..pool };
         let estimator = self.estimator(&pool, &runs)?;
-        self.beside.check(&[estimator])?;
+        self.additional.check(&[estimator])?;
         let judgement = Judgement { replicates: self.bootstrap.unwrap_or(0), seed: common.seed.unwrap_or(1) };
         let (replicates, threads) = (judgement.replicates, rayon::current_num_threads());
         let bytes = pool.bytes(&runs, estimator, replicates, threads);
@@ -95,13 +95,13 @@ impl Task for Arguments {
         let set = pooling.judged(grown, &runs, (estimator, self.estimator.is_none()), resampling);
         let set = set.map_err(|e| Failure::of_pool(e, self.flags.of.file()))?;
         set.write([&out, &model], &provenance)?;
-        let (said, told) = set.told();
-        Ok(Summary::of(&out, said, told))
+        let (said, details) = set.summary();
+        Ok(Summary::of(&out, said, details))
     }
 }
 
 impl Arguments {
-    /// The one that is asked for, or the usual one.
+    /// The requested estimator, or the default.
     fn estimator<R: Recorded<Error = artifact::Error>>(
         &self,
         pool: &Pool,
@@ -129,7 +129,7 @@ impl Arguments {
             ("add_terms", json!(Some(self.add_terms).filter(|most| *most > 0))),
         ];
         self.flags.note(settings, provenance);
-        self.beside.note(&mut provenance.settings);
+        self.additional.note(&mut provenance.settings);
     }
 
     /// Draws the resamples of `shard`.
@@ -155,7 +155,7 @@ impl Arguments {
         made.map_err(|e| Failure::of_pool(e, self.flags.of.file()))??.publish_shard(shard, "resamples")
     }
 
-    /// The resamples of all shards; none where they are to be drawn.
+    /// The resamples of all shards; `None` if they are to be drawn.
     fn gathered(
         &self,
         vessel: &Vessel,

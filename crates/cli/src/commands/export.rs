@@ -55,12 +55,12 @@ impl Task for Arguments {
             }
             None => String::new(),
         };
-        let told = json!({"files": names, "renamed": portable.renamed(), "built": library.is_some()});
+        let details = json!({"files": names, "renamed": portable.renamed(), "built": library.is_some()});
         let files = portable.files(self.to, library).map_err(refused)?;
         in_folder(out, || {
             let staged = names.iter().zip(&files).map(|(name, bytes)| Staged::bytes(out.join(name), bytes));
             Ok(commit(staged.collect::<Result<_, _>>()?)?)
         })?;
-        Ok(Summary::of(out, format!("{}{built}", portable.summary()), told))
+        Ok(Summary::of(out, format!("{}{built}", portable.summary()), details))
     }
 }

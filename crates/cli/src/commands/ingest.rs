@@ -50,7 +50,7 @@ impl Task for Arguments {
         let files = logs.sources.iter().flat_map(|source| source.files.iter().flatten());
         let read = files.map(|file| logs.folder.join(file)).chain([self.config.clone()]);
         let out = common.main_output("trajectories.parquet", read.chain(self.vessel.clone()))?;
-        // Logs are what they are, whatever model is fitted to them: the vessel only names the channels that are wanted.
+        // Logs do not depend on the model that is fitted to them: the vessel only names the required channels.
         if let Some(vessel) = provenance.inputs.remove("vessel") {
             provenance.inputs.insert("channels".to_owned(), vessel);
         }
@@ -69,7 +69,7 @@ impl Task for Arguments {
 }
 
 impl Arguments {
-    /// Where the summary of the table `out` stands.
+    /// The path of the summary of the table `out`.
     fn summary_file(&self, out: &Path) -> Result<PathBuf, Failure> {
         let summary = beside(out, "trajectories.parquet", "ingest.json");
         if summary == self.config {
@@ -86,7 +86,7 @@ fn layout(plan: &Plan) -> Layout {
     Layout { exogenous, derived: plan.derived.clone() }
 }
 
-/// What became of all recordings.
+/// The result for all recordings.
 struct Ingested {
     totals: Totals,
     recordings: Vec<RecordingSummary>,
@@ -94,20 +94,20 @@ struct Ingested {
     logs: Vec<(String, Digest)>,
 }
 
-/// Bytes of channels that are held in memory; what is more is put aside.
+/// Bytes of channels that are held in memory; more is spilled to disk.
 const HELD: f64 = 48e6;
 
-/// Bytes of logs that are read side by side.
+/// Bytes of logs that are read in parallel.
 const SIDE_BY_SIDE: u64 = 64 << 20;
 
-/// How much larger a log is that was compressed.
+/// Assumed compression ratio of a compressed log.
 const COMPRESSED: u64 = 8;
 
-/// Bytes of logs that a thread reads, puts on one clock and encodes in a second, to the order: an hour of 30 channels at
-/// 100 Hz on a server of 2024 (156 MB in 1.6 s).
+/// Bytes of logs per second that a thread reads, puts on one clock and encodes, order of magnitude: an hour of 30
+/// channels at 100 Hz on a server of 2024 (156 MB in 1.6 s).
 const READ_PER_SECOND: f64 = 1e8;
 
-/// Bytes of text in the logs of a recording, to the order where they are compressed.
+/// Bytes of text in the logs of a recording, approximate if they are compressed.
 fn size(folder: &Path, source: &Source) -> u64 {
     let of = |file: &String| {
         let length = std::fs::metadata(folder.join(file)).map_or(0, |about| about.len());
@@ -116,7 +116,7 @@ fn size(folder: &Path, source: &Source) -> u64 {
     source.files.iter().flatten().map(of).sum()
 }
 
-/// Which of `sources` are read side by side: together they are no larger than [`SIDE_BY_SIDE`], or one alone.
+/// Groups of `sources` that are read in parallel: together no larger than [`SIDE_BY_SIDE`], or one alone.
 fn groups(folder: &Path, sources: &[Source]) -> Vec<Range<usize>> {
     let (mut groups, mut bytes): (Vec<Range<usize>>, u64) = (Vec::new(), 0);
     for (i, source) in sources.iter().enumerate() {
@@ -167,7 +167,7 @@ fn all(logs: &Logs, out: &Path, quiet: bool, writer: &mut TableWriter) -> Result
         Ok::<(), Failure>(())
     };
     for group in groups(folder, sources) {
-        // Recordings that are read side by side share the memory.
+        // Recordings that are read in parallel share the memory.
         let side_by_side = group.len().min(rayon::current_num_threads());
         let share = 1.0 / side_by_side as f64;
         let plan = plan.clone().within(share * (budget().bytes() - held), share * disk);
@@ -207,10 +207,10 @@ fn summary(out: &Path, document: &IngestDocument) -> Summary {
         maneuvers.len(),
         recordings.len(),
     );
-    let told = json!({
+    let details = json!({
         "runs": runs, "samples": samples, "recordings": recordings.len(), "maneuvers": maneuvers.len(),
         "dropped_rows": dropped, "splits": splits, "short_segments": short, "left_out_s": left_out_s, "warnings": warnings,
         "omitted": omitted.as_slice(), "doubtful": names,
     });
-    Summary::of(out, line, told)
+    Summary::of(out, line, details)
 }

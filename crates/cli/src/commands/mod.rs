@@ -1,4 +1,4 @@
-//! The stages as programs: their flags, and what is read, called and written.
+//! The stages as programs: their flags, inputs, calls and outputs.
 
 mod compare;
 pub mod counts;
@@ -32,9 +32,9 @@ pub const SIMULATE: Stage = Stage::group::<simulate::Arguments>(&[
 ]);
 /// Measured logs to trajectories.
 pub const INGEST: Stage = Stage::of::<ingest::Arguments>();
-/// What each maneuver tells about the parameters.
+/// The information of each maneuver about the parameters.
 pub const MOMENTS: Stage = Stage::of::<moments::Arguments>();
-/// How long to run each maneuver, and with which inputs.
+/// The time of each maneuver, and its inputs.
 pub const DESIGN: Stage =
     Stage::of::<crate::design::Arguments>().with(&[Stage::of::<crate::design::refine::Refine>()]);
 /// Parameters of every run, or of all runs together.
@@ -42,7 +42,7 @@ pub const ESTIMATE: Stage = Stage::of::<estimate::Arguments>()
     .with(&[Stage::of::<estimate_pool::Arguments>(), Stage::of::<search::Arguments>()]);
 /// A campaign's runs, estimated and scored in memory.
 pub const MONTE_CARLO: Stage = Stage::of::<monte_carlo::Arguments>();
-/// How far the estimated models can be trusted.
+/// Validation of the estimated models.
 pub const VALIDATE: Stage = Stage::of::<validate::Arguments>().with(&[
     Stage::of::<compare::Arguments>(),
     Stage::of::<cross::Arguments>(),
@@ -51,7 +51,7 @@ pub const VALIDATE: Stage = Stage::of::<validate::Arguments>().with(&[
 /// A study over a grid of its values.
 pub const SWEEP: Stage =
     Stage::group::<sweep::Arguments>(&[Stage::of::<sweep::Cells>(), Stage::of::<sweep::Collect>()]);
-/// One trajectory that uses every maneuver as often as the design wants.
+/// One trajectory with every maneuver as often as the design requires.
 pub const PLAN: Stage = Stage::of::<plan::Arguments>().with(&[Stage::of::<plan_resume::Arguments>()]);
 /// Trials designed in rounds.
 pub const SEQUENTIAL: Stage = Stage::of::<sequential::Arguments>();

@@ -1,4 +1,4 @@
-//! `moments`: what each maneuver tells about the parameters.
+//! `moments`: the information of each maneuver about the parameters.
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -119,11 +119,11 @@ impl Task for Arguments {
     }
 }
 
-/// Rows whose moments a thread computes in a second, to the order: the paper's campaign on a server of 2024, a million rows in
-/// 1.6 s, with the disturbances' matrices in 1.9, with those of `output-error` in 2.7.
+/// Rows per second whose moments a thread computes, order of magnitude: the paper's campaign on a server of 2024, a
+/// million rows in 1.6 s, with the disturbances' matrices in 1.9, with those of `output-error` in 2.7.
 const ROWS_PER_SECOND: f64 = 5e5;
 
-/// What is read, and how.
+/// The inputs, and how they are read.
 struct Reading<'a> {
     a: &'a Arguments,
     vessel: &'a Vessel,
@@ -146,7 +146,7 @@ impl Reading<'_> {
         pool.finish(&self.vessel.model).map_err(refused)
     }
 
-    /// Writes the moments of all maneuvers into the table beside `out`, as they come.
+    /// Writes the moments of all maneuvers into the table next to `out`, as they are computed.
     fn table(&self, out: &Path, provenance: &Provenance, head: &MomentsDocument) -> Result<Summary, Failure> {
         let columns = moments_table::columns(&head.0.degrees);
         let writer = TableWriter::create(table_of(out), columns.schema(), provenance)?;
@@ -199,7 +199,7 @@ impl Reading<'_> {
         ordered(blocks, work, |found| found.into_iter().try_for_each(|(pooled, more)| take(pooled, more)))
     }
 
-    /// Refuses runs that make one sum together where each is to stand alone.
+    /// Refuses runs that would be pooled if each must be separate.
     fn pooled(&self, maneuver: &str, flag: &str) -> Failure {
         let (found, expected) = ("more than one run, which make one sum", "one simulated run per maneuver");
         let thing = format!("maneuver `{maneuver}`");
@@ -207,7 +207,7 @@ impl Reading<'_> {
     }
 }
 
-/// The disturbances to expect, and the model of free simulations, where they are asked for.
+/// The expected disturbances, and the model of free simulations, if requested.
 fn predicted(
     a: &Arguments,
     vessel: &Vessel,
@@ -228,8 +228,8 @@ fn predicted(
     Ok((Some(expected), Some(model)))
 }
 
-/// The noise of every sample. The measured regressors as instruments may have none: a covariance does not tell how far least
-/// squares is off.
+/// The noise of every sample. Not for the measured regressors as instruments: a covariance does not contain the bias
+/// of least squares.
 fn noise(a: &Arguments, campaign: &Path, config: &CampaignFile) -> Result<regression::Noise, Failure> {
     let refused = |e: Invalid| Failure::invalid(campaign, &e);
     let noise = config.white_noise("leave out --campaign").map_err(refused)?;
@@ -244,7 +244,7 @@ fn noise(a: &Arguments, campaign: &Path, config: &CampaignFile) -> Result<regres
     Ok(noise)
 }
 
-/// The nominal parameters that `--nominal` asks for, without intercepts.
+/// The nominal parameters of `--nominal`, without intercepts.
 fn nominal_of(
     a: &Arguments,
     nominal: &Nominal,

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use crate::beside::BesideFlags;
+use crate::additional::AdditionalFlags;
 use artifact::{Provenance, Staged, Work, commit, stage_set_document};
 use clap::Parser;
 use identification::predictor::InitialState;
@@ -48,7 +48,7 @@ pub struct Arguments {
     #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
     mean_removal: MeanRemoval,
     #[command(flatten)]
-    beside: BesideFlags,
+    additional: AdditionalFlags,
     /// Runs per design, instead of the campaign's
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_RUNS))]
     realizations: Option<u32>,
@@ -81,7 +81,7 @@ impl Task for Arguments {
 
 impl Arguments {
     fn computed(&self, common: &Common, out: &Path) -> Result<Summary, Failure> {
-        self.beside.check(&self.estimator)?;
+        self.additional.check(&self.estimator)?;
         let mut provenance = common.provenance("monte-carlo");
         let of = self.of.read(&mut provenance)?;
         let (files, config) = (of.files, &of.config);
@@ -133,7 +133,7 @@ impl Arguments {
         Ok(Settings { realizations, ..settings })
     }
 
-    /// What the tally depends on besides the inputs.
+    /// The settings that the tally depends on besides the inputs.
     fn note(&self, settings: &Settings, provenance: &mut Provenance) {
         provenance.shard = self.sharding.shard;
         let noted = &mut provenance.settings;
@@ -146,7 +146,7 @@ impl Arguments {
             noted.insert("initial_state".into(), json!(InitialState::Known.name()));
         }
         noted.insert("mean_removal".into(), json!(self.mean_removal));
-        self.beside.note(noted);
+        self.additional.note(noted);
         match self.until {
             Some(width) => noted.insert("until".into(), json!(width)),
             None => noted.insert("realizations".into(), json!(settings.realizations)),
@@ -159,7 +159,7 @@ impl Arguments {
             estimators: distinct(self.estimator.iter().copied()),
             removal: self.mean_removal,
             initial: InitialState::Known,
-            beside: self.beside.unknown(),
+            additional: self.additional.unknown(),
             levels: Some(config.levels(vessel.sample_rate_hz)),
         }
     }
@@ -170,7 +170,7 @@ impl Arguments {
         study.parts(self.sharding.shard.map_or(0..groups, |shard| shard.range(groups)), BLOCK)
     }
 
-    /// Refuses what does not fit into memory or folder.
+    /// Refuses work that does not fit into memory or on disk.
     fn check_room(&self, study: &MonteCarlo, file: &Path, out: &Path) -> Result<(), Failure> {
         let vessel = study.campaign.vessel();
         let layout = Layout::new(&vessel.model);
@@ -196,7 +196,7 @@ impl Arguments {
     }
 }
 
-/// Refuses a half-width that no number of runs reaches, or that says nothing.
+/// Refuses a half-width that no number of runs reaches, or that is trivial.
 fn reachable(width: f64) -> Result<(), Failure> {
     let least = needed_for(1.0) / (MOST_RUNS as f64).sqrt();
     if width >= least && width < 0.5 {
@@ -208,7 +208,7 @@ fn reachable(width: f64) -> Result<(), Failure> {
     )))
 }
 
-/// The campaign's validation maneuvers, as `simulate validation` makes them.
+/// The campaign's validation maneuvers, as `simulate validation` simulates them.
 fn validation<'a>(
     vessel: &'a Vessel,
     config: &CampaignFile,
@@ -223,7 +223,7 @@ fn validation<'a>(
     })
 }
 
-/// Gives the tally and what is kept their names, and says what it says.
+/// Publishes the tally and the kept tables, and summarises it.
 fn published(
     out: &Path,
     provenance: &Provenance,

@@ -1,4 +1,4 @@
-//! `plan`: one trajectory that uses every maneuver as often as the design wants.
+//! `plan`: one trajectory with every maneuver as often as the design requires.
 
 use std::path::{Path, PathBuf};
 
@@ -40,7 +40,7 @@ pub struct Arguments {
     how: How,
 }
 
-/// How a trial is planned.
+/// Options of planning a trial.
 #[derive(clap::Args)]
 pub(super) struct How {
     /// Write a plan whose check runs aground or breaks the margin, too; every output is labelled as unsafe

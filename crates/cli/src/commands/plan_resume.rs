@@ -1,4 +1,4 @@
-//! `plan resume`: the rest of a trial, from wherever the ship is.
+//! `plan resume`: the rest of a trial, from the ship's position.
 
 use std::path::PathBuf;
 

@@ -11,7 +11,7 @@ use report::results::{Folders, tables};
 use report::{Sources, load, picture, render, render_sweep};
 use serde_json::json;
 
-/// Inputs that an output could replace: folders alone are read.
+/// Inputs that an output could overwrite: none, since only folders are read.
 const NO_FILES: [&Path; 0] = [];
 
 /// Writes the results of many studies as tables in Markdown

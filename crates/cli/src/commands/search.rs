@@ -103,7 +103,7 @@ struct RoleFlags {
     odd: Vec<String>,
 }
 
-/// What the document is usually called.
+/// The usual name of the document.
 const MAIN: &str = "search.json";
 
 impl Task for Arguments {
@@ -159,7 +159,7 @@ impl Task for Arguments {
         let main = stage_set_document(&out, &provenance, &search, &members)?;
         commit([main].into_iter().chain(members).collect())?;
         if left {
-            // The average of an earlier search is not this one's.
+            // The average of an earlier search does not belong to this one.
             let _ = std::fs::remove_file(several);
         }
         Ok(Summary::of(
@@ -171,13 +171,13 @@ impl Task for Arguments {
 }
 
 impl Arguments {
-    /// How often recordings are drawn again; only a search for few terms is repeated.
+    /// The bootstrap over recordings, only for a search for few terms.
     fn bootstrap(&self, common: &Common) -> Option<BootstrapOptions> {
         let wanted = BootstrapOptions { resamples: self.bootstrap, seed: common.seed.unwrap_or(1) };
         (self.compact && self.bootstrap > 0).then_some(wanted)
     }
 
-    /// Where the search begins, and the terms that it goes through.
+    /// The start of the search, and its candidate terms.
     fn begun(&self, vessel: Vessel, provenance: &mut Provenance) -> Result<StructureSearch, Failure> {
         let Some(path) = &self.terms else {
             let begun = StructureSearch::by_roles(vessel, &self.roles.named());

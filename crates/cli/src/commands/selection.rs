@@ -22,7 +22,7 @@ use crate::progress::Progress;
 use crate::sharded::{self, Made};
 use crate::stage::{Summary, Task};
 
-/// The estimators that sums per sub-experiment are enough for.
+/// The estimators that only need sums per sub-experiment.
 const ESTIMATORS: [Estimator; 3] = [Estimator::Ls, Estimator::Iv, Estimator::Auto];
 
 /// Models from sub-experiments that a design picked against random picks; writes selection.parquet, selection.json
@@ -54,7 +54,7 @@ pub struct Arguments {
     sharding: Sharding,
 }
 
-/// What the table is usually called.
+/// The usual name of the table.
 const MAIN: &str = "selection.parquet";
 
 impl Task for Arguments {
@@ -97,7 +97,7 @@ impl Task for Arguments {
 }
 
 impl Arguments {
-    /// Where the figures of a published selection study end.
+    /// The limits of the figures of a published selection study.
     fn published(&self, provenance: &mut Provenance) -> Result<Option<PublishedLimits>, Failure> {
         let Some(file) = &self.reference else { return Ok(None) };
         let reference = read_reference(file, "reference", provenance)?;
@@ -144,8 +144,8 @@ fn publish(
     let Made { table, provenance, rows } = made;
     let out = table.path().to_owned();
     let document = document(&rows);
-    let told = json!({"ratio_q90": document.ratio_q90, "statements": document.statements});
+    let details = json!({"ratio_q90": document.ratio_q90, "statements": document.statements});
     let said = document.statements.join("; ");
     sharded::publish(table, file, &provenance, || Ok(document))?;
-    Ok(Summary::of(&out, said, told))
+    Ok(Summary::of(&out, said, details))
 }

@@ -6,7 +6,7 @@ use artifact::{Provenance, Work};
 use clap::Parser;
 use identification::Estimator;
 use identification::predictor::InitialState;
-use identification::runs::{Beside, RunEstimators};
+use identification::runs::{AdditionalUnknowns, RunEstimators};
 use numerics::LANES;
 use refusal::Invalid;
 use regression::MeanRemoval;
@@ -47,7 +47,7 @@ pub struct Arguments {
     sharding: Sharding,
 }
 
-/// What the table is usually called.
+/// The usual name of the table.
 const MAIN: &str = "sequential.parquet";
 
 impl Task for Arguments {
@@ -77,7 +77,7 @@ impl Task for Arguments {
             estimators: vec![Estimator::OutputError],
             removal: MeanRemoval::Complete,
             initial: InitialState::Known,
-            beside: Beside::default(),
+            additional: AdditionalUnknowns::default(),
             levels: Some(campaign.levels(vessel.sample_rate_hz)),
         };
         let segments = campaign.random.map_or(5, |random| random.segments as usize);
@@ -104,7 +104,8 @@ impl Task for Arguments {
 }
 
 impl Arguments {
-    /// Refuses more realizations than fit into memory: their rows are kept for the summary while they are made columns.
+    /// Refuses more realizations than fit into memory: their rows are kept for the summary while they are converted
+    /// to columns.
     fn check_room(&self, config: &SequentialFile) -> Result<(), Failure> {
         let (realizations, rounds) = (config.realizations, config.rounds);
         let rows = f64::from(realizations) * Arm::ALL.len() as f64 * f64::from(rounds);
@@ -140,9 +141,9 @@ fn publish(
     let said: Vec<String> =
         trial.statement().into_iter().chain(document.statements.iter().cloned()).collect();
     let said = said.join("; ");
-    let told = json!({"realizations": count, "statements": document.statements});
+    let details = json!({"realizations": count, "statements": document.statements});
     sharded::publish(table, file, &provenance, || Ok(document))?;
-    Ok(Summary::of(&out, format!("{count} realizations; {said}"), told))
+    Ok(Summary::of(&out, format!("{count} realizations; {said}"), details))
 }
 
 /// The rows of this shard, or all.
@@ -156,7 +157,7 @@ fn realized(
     let together = together(count);
     let groups = (count as usize).div_ceil(together);
     let mine = provenance.shard.map_or(groups, |shard| shard.range(groups).len());
-    // Every round of every arm is simulated and estimated from its start.
+    // Every round of every arm is simulated and estimated from the beginning.
     let each = Arm::ALL.len() as f64 * trial.ends().iter().sum::<usize>() as f64;
     let seconds = (mine * together) as f64 * each * Estimator::OutputError.seconds_per_row();
     let progress = Progress::new("realizations", mine * together, quiet).foretold(seconds);
@@ -170,8 +171,8 @@ fn realized(
     })
 }
 
-/// Realizations that are computed together. The more there are, the fewer lanes are empty while some searches go on; as few as
-/// fill the lanes once where there are few, so that shards and threads have their part.
+/// Realizations that are computed together. With more of them, fewer lanes are idle while some searches continue;
+/// with few realizations only one group of lanes, so that all shards and threads have work.
 fn together(count: u32) -> usize {
     (count as usize / (8 * LANES)).clamp(1, 4) * LANES
 }

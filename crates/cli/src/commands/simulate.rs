@@ -161,6 +161,7 @@ impl Task for Validation {
     }
 }
 
+<<<<<<< HEAD
 /// Notes what every maneuver of `dictionary` reached; refuses what it does not, unless that is allowed.
 fn note_reached(
     reached: &[Reached],
@@ -186,6 +187,9 @@ fn note_reached(
 
 /// Simulates every maneuver on its own. `dictionary` alone says what is simulated. `unreached`: whether maneuvers may miss what
 /// they are called, where that is asked.
+=======
+/// Simulates every maneuver of `dictionary` on its own.
+>>>>>>> 1cbb523ce8bf90aa314e4769d0b781db6c4577b8
 fn undisturbed(
     maneuvers: Result<Maneuvers, Refusal>,
     (vessel, dictionary): (&Path, &Path),
@@ -196,6 +200,7 @@ fn undisturbed(
 ) -> Result<Summary, Failure> {
     let files = Files { vessel, ..Files::all(dictionary) };
     let maneuvers = maneuvers.map_err(|e| files.refused(e))?;
+<<<<<<< HEAD
     check_maneuvers(&maneuvers, &files, out)?;
     if let Some(is_allowed) = unreached {
         let reached = maneuvers.reached().map_err(|e| files.refused(e))?;
@@ -203,14 +208,18 @@ fn undisturbed(
     }
     let tally = write_maneuvers(&maneuvers, &files, out, &provenance, common.quiet)?;
     let mut told = json!({"maneuvers": tally.maneuvers, "samples": tally.samples});
+=======
+    let tally = write_maneuvers(&maneuvers, &files, out, provenance, common.quiet)?;
+    let mut details = json!({"maneuvers": tally.maneuvers, "samples": tally.samples});
+>>>>>>> 1cbb523ce8bf90aa314e4769d0b781db6c4577b8
     if tally.kept > 0 {
         let left_out = tally.left_out.iter().map(|(name, about)| (name.clone(), json!(about.count)));
-        told["generated"] = json!(tally.kept);
-        told["left_out"] = left_out.collect::<serde_json::Map<_, _>>().into();
+        details["generated"] = json!(tally.kept);
+        details["left_out"] = left_out.collect::<serde_json::Map<_, _>>().into();
     }
     let said = format!("{tally}{}", shard_of(&provenance));
     let statements = [maneuvers.tables(), study::beyond(vessel, out)?].concat();
-    Ok(with(statements, out, said, told))
+    Ok(with(statements, out, said, details))
 }
 
 impl Task for Campaign {
@@ -259,7 +268,7 @@ impl Task for Plan {
     }
 }
 
-/// What the campaign `config` runs; its seed and the shard are noted.
+/// The settings of the campaign `config`; notes its seed and the shard.
 fn settings(
     config: &CampaignFile,
     sharding: &Sharding,
@@ -278,13 +287,13 @@ fn gathered(sharding: &Sharding, out: &Path) -> Result<Summary, Failure> {
     Ok(Summary::of(out, format!("gathered {shards} shards"), json!({"shards": shards})))
 }
 
-/// What was written, and what to know of it.
-fn with(statements: Vec<String>, out: &Path, said: impl Display, mut told: Value) -> Summary {
+/// The summary of the output, with statements.
+fn with(statements: Vec<String>, out: &Path, said: impl Display, mut details: Value) -> Summary {
     if statements.is_empty() {
-        return Summary::of(out, said, told);
+        return Summary::of(out, said, details);
     }
-    told["statements"] = json!(statements);
-    Summary::of(out, format!("{said}; {}", statements.join("; ")), told)
+    details["statements"] = json!(statements);
+    Summary::of(out, format!("{said}; {}", statements.join("; ")), details)
 }
 
 fn disturbed(
@@ -296,13 +305,13 @@ fn disturbed(
 ) -> Result<Summary, Failure> {
     let runs = write_campaign(campaign, files, out, provenance, common.quiet)?;
     let samples = campaign.samples();
-    let told = json!({"runs": runs, "samples": samples});
+    let details = json!({"runs": runs, "samples": samples});
     let said = format!("{runs} runs of {samples} samples{}", shard_of(provenance));
     let statements = [campaign.statements().to_vec(), study::beyond(files.vessel, out)?].concat();
-    Ok(with(statements, out, said, told))
+    Ok(with(statements, out, said, details))
 }
 
-/// Which part of the whole this is, for people.
+/// The shard, for the summary.
 fn shard_of(provenance: &Provenance) -> String {
     provenance.shard.map_or(String::new(), |shard: Shard| format!(", shard {shard}"))
 }

@@ -1,4 +1,4 @@
-//! `sweep`: the cells of a grid over a study, and what they say together.
+//! `sweep`: the cells of a grid over a study, and their summary.
 
 use std::path::PathBuf;
 
@@ -57,8 +57,8 @@ impl Task for Cells {
         let found = cells(&self.config, &file, &mut provenance)?;
         commit(vec![stage_document(&out, &provenance, &found)?])?;
         let refused = found.cells.iter().filter(|cell| cell.refused.is_some()).count();
-        let told = json!({"cells": found.cells.len(), "refused": refused});
-        Ok(Summary::of(&out, format!("{} cells, {refused} refused", found.cells.len()), told))
+        let details = json!({"cells": found.cells.len(), "refused": refused});
+        Ok(Summary::of(&out, format!("{} cells, {refused} refused", found.cells.len()), details))
     }
 }
 
@@ -69,7 +69,7 @@ impl Task for Collect {
         let grid: CellsDocument = inputs::document(&self.cells, "cells", &mut provenance)?;
         let found = collected(&grid, &self.tallies, &mut provenance)?;
         commit(vec![stage_document(&out, &provenance, &found)?])?;
-        let told = json!({"cells": found.cells.len(), "refused": found.refused.len()});
-        Ok(Summary::of(&out, found.statements.join(" ").trim_end_matches('.'), told))
+        let details = json!({"cells": found.cells.len(), "refused": found.refused.len()});
+        Ok(Summary::of(&out, found.statements.join(" ").trim_end_matches('.'), details))
     }
 }

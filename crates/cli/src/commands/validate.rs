@@ -1,4 +1,4 @@
-//! `validate`: how far the estimated models can be trusted.
+//! `validate`: validation of the estimated models.
 
 use std::path::{Path, PathBuf};
 
@@ -45,11 +45,11 @@ pub struct Arguments {
     sharding: Sharding,
 }
 
-/// What the table is usually called.
+/// The usual name of the table.
 const MAIN: &str = "scores.parquet";
 
-/// Samples of validation runs that a thread simulates and compares in a second, to the order: the paper's on a server of 2024
-/// (0.04 s for a thousand estimates and a thousand samples).
+/// Samples of validation runs per second that a thread simulates and compares, order of magnitude: the paper's on a
+/// server of 2024 (0.04 s for a thousand estimates and a thousand samples).
 const SIMULATED_PER_SECOND: f64 = 2.5e7;
 
 impl Task for Arguments {

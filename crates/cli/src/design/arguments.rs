@@ -91,7 +91,7 @@ pub struct Arguments {
     pub(super) segment_samples: Option<u64>,
 }
 
-/// What disturbs an output-error estimate.
+/// The disturbances of an output-error estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum OutputNoise {
     /// Measurement errors and the current
@@ -100,7 +100,7 @@ enum OutputNoise {
     Measurement,
 }
 
-/// Parameters that errors are relative to, in a line.
+/// The parameters that errors are relative to, in one line.
 fn relative_to(source: Source) -> &'static str {
     match source {
         Source::Nominal => "The nominal ones",
@@ -111,7 +111,7 @@ fn relative_to(source: Source) -> &'static str {
 }
 
 impl Arguments {
-    /// Refuses numbers that mean nothing.
+    /// Refuses invalid numbers.
     pub(super) fn check(&self) -> Result<(), Failure> {
         check_positive("--tolerance", Some(self.tolerance))?;
         check_positive("--duration-s", self.duration_s)?;
@@ -119,7 +119,7 @@ impl Arguments {
         check_positive("--accuracy", self.accuracy)
     }
 
-    /// The criterion's name, the one that is asked for or the usual one.
+    /// The name of the requested criterion or the default.
     pub(super) fn criterion_name(&self) -> Result<CriterionName, Failure> {
         let usage = |found: &str, expected: &str| {
             Err(Failure::Usage(format!("--criterion: found {found}, expected {expected}; take another")))
@@ -142,7 +142,7 @@ impl Arguments {
         }
     }
 
-    /// The estimator whose covariance the criterion is of.
+    /// The estimator whose covariance the criterion uses.
     pub(super) fn estimated(&self) -> Estimated {
         match self.estimator {
             Estimator::OutputError => Estimated::OutputError { current: self.noise == OutputNoise::All },
@@ -170,20 +170,20 @@ impl Arguments {
         }
     }
 
-    /// What --accuracy asks for.
+    /// The accuracy of --accuracy.
     pub(super) fn wanted(&self, accuracy: f64) -> Wanted {
         let of = if self.per_parameter { AccuracyOf::PerParameter } else { AccuracyOf::Overall };
         Wanted { accuracy, of, longest_s: LONGEST_S }
     }
 
-    /// The experiment's length, as far as it is told.
+    /// The experiment's length, as far as it is given.
     pub(super) fn length(&self, dictionary: &Dictionary) -> Length {
         let segments = self.segments.zip(self.segment_samples);
         let counted = segments.map(|(n, samples)| n as f64 * samples as f64);
         Length { samples: self.duration_s.map(|s| s * dictionary.sample_rate_hz).or(counted), segments }
     }
 
-    /// What the result depends on besides the inputs; a criterion only where it is not the default.
+    /// The settings that the result depends on besides the inputs; a criterion only if it is not the default.
     pub(super) fn settings(&self, seed: u64, provenance: &mut Provenance) {
         let settings = &mut provenance.settings;
         settings.insert("seed".into(), json!(seed));

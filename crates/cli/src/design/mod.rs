@@ -1,4 +1,4 @@
-//! `design`: how long to run each maneuver, and `design refine`: the input signals themselves.
+//! `design`: the time of each maneuver, and `design refine`: the input signals themselves.
 
 mod arguments;
 mod problem;

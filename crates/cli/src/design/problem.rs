@@ -1,4 +1,4 @@
-//! What `design` is asked, read and checked.
+//! The problem of `design`, read and checked.
 
 use artifact::Provenance;
 use design::{
@@ -28,10 +28,10 @@ pub(super) struct Problem<'a> {
     pub name: CriterionName,
     pub estimated: Estimated,
     pub criterion: Criterion,
-    /// How much of every maneuver exists.
+    /// The available amount of every maneuver.
     pub stock: Option<Stock>,
     /// Of a criterion of the covariance.
-    middle: Option<Candidates>,
+    meat: Option<Candidates>,
 }
 
 impl<'a> Problem<'a> {
@@ -45,36 +45,36 @@ impl<'a> Problem<'a> {
         let invalid = |e: Invalid| Failure::invalid(&a.moments, &e);
         let dictionary = moments.dictionary(estimated).map_err(invalid)?;
         let weights = weights(a, name, moments, &dictionary)?;
-        let (criterion, middle) = match name {
+        let (criterion, meat) = match name {
             CriterionName::DHessian => (Ok(Criterion::Information(dictionary.information.clone())), None),
             _ => {
-                let middle = moments.middle(estimated).map_err(invalid)?;
+                let meat = moments.middle(estimated).map_err(invalid)?;
                 let criterion = match name {
                     CriterionName::V => {
                         let g = moments.free_run_weights().map_err(invalid)?;
-                        Criterion::of_free_runs(&dictionary, &middle, g)
+                        Criterion::of_free_runs(&dictionary, &meat, g)
                     }
-                    CriterionName::D => Criterion::of_covariance(&dictionary, &middle, weights, Norm::LogDet),
-                    _ => Criterion::of_covariance(&dictionary, &middle, weights, Norm::Trace),
+                    CriterionName::D => Criterion::of_covariance(&dictionary, &meat, weights, Norm::LogDet),
+                    _ => Criterion::of_covariance(&dictionary, &meat, weights, Norm::Trace),
                 };
-                (criterion, Some(middle))
+                (criterion, Some(meat))
             }
         };
         let criterion = criterion.map_err(|e| no_design(&a.moments, None, e))?;
         let stock = a.available.as_ref().map(|path| read_stock(path, &dictionary.maneuvers, provenance));
         let stock = stock.transpose()?;
-        Ok(Self { a, seed, moments, dictionary, name, estimated, criterion, stock, middle })
+        Ok(Self { a, seed, moments, dictionary, name, estimated, criterion, stock, meat })
     }
 
     pub fn refuse(&self, why: NoDesign) -> Failure {
         no_design(&self.a.moments, self.a.available.as_deref(), why)
     }
 
-    /// A design of the shortest experiment for the accuracy that is asked for.
+    /// A design of the shortest experiment for the requested accuracy.
     pub fn shortest(&self, options: &Options) -> Result<Option<(Design, Accuracy)>, Failure> {
         let a = self.a;
-        let (Some(accuracy), Criterion::Covariance(own), Some(middle)) =
-            (a.accuracy, &self.criterion, &self.middle)
+        let (Some(accuracy), Criterion::Covariance(own), Some(meat)) =
+            (a.accuracy, &self.criterion, &self.meat)
         else {
             return Ok(None);
         };
@@ -85,7 +85,7 @@ impl<'a> Problem<'a> {
             dictionary: &self.dictionary,
             lengths: &lengths,
             criterion: &self.criterion,
-            errors: Errors::new(&self.dictionary, middle, own, &squares, wanted.of),
+            errors: Errors::new(&self.dictionary, meat, own, &squares, wanted.of),
             wanted,
             least_largest: a.per_parameter && a.criterion.is_none(),
             stock: self.stock.as_ref(),
@@ -96,7 +96,7 @@ impl<'a> Problem<'a> {
         Ok(Some((shortest.design, accuracy)))
     }
 
-    /// Few maneuvers, or long ones, where they are asked for. `duration_s`: of the experiment, where known.
+    /// A design with few maneuvers, or long ones, if requested. `duration_s`: of the experiment, if known.
     pub fn few(
         &self,
         relaxed: &Design,
@@ -125,7 +125,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Order and lengths of the maneuvers of `design`, where they are asked for.
+    /// Order and lengths of the maneuvers of `design`, if requested.
     pub fn arranged(
         &self,
         design: &Design,

@@ -1,4 +1,4 @@
-//! `design refine`: the input signals of an experiment themselves, from a design as a start.
+//! `design refine`: optimises the input signals of an experiment, starting from a design.
 
 use std::path::PathBuf;
 
@@ -76,7 +76,7 @@ impl Task for Refine {
         let document = files.document();
         let [csv, dictionary, design] = &others;
         let refined = files.dictionary();
-        // The refined design goes with the refined dictionary, no longer with that which it began with.
+        // The refined design belongs to the refined dictionary, no longer to the original one.
         let mut of_design = provenance.clone();
         of_design.inputs.insert("dictionary".into(), Digest::of_bytes(refined.as_bytes()));
         let mut staged = vec![
@@ -86,11 +86,11 @@ impl Task for Refine {
         ];
         staged.insert(0, stage_set_document(&out, &provenance, &document, &staged)?);
         commit(staged)?;
-        let told = json!({
+        let details = json!({
             "before": document.before.value, "after": document.after.value, "worth": document.worth,
             "iterations": document.iterations, "settled": document.settled,
         });
-        Ok(Summary::of(&out, &document.statement, told))
+        Ok(Summary::of(&out, &document.statement, details))
     }
 }
 
@@ -123,7 +123,7 @@ fn search(
     Refinement::search(vessel, start, limits, a.iterations as usize, &watch).map_err(refused)
 }
 
-/// The experiment that a campaign would make of the design.
+/// The experiment of the design in a campaign.
 fn plan(
     a: &Refine,
     vessel: &Vessel,
@@ -142,7 +142,7 @@ fn files(a: &Refine) -> Files<'_> {
     Files { vessel: &a.vessel, dictionary: &a.dictionary, campaign, sea, design: &a.design }
 }
 
-/// Disturbances that a covariance is predicted for.
+/// The disturbances of the predicted covariance.
 fn noise(config: &CampaignFile) -> Result<Noise, Invalid> {
     let noise = config.white_noise("name a campaign with one of these")?;
     if noise.current == 0.0 && noise.measurement == [0.0; 3] {
@@ -152,7 +152,7 @@ fn noise(config: &CampaignFile) -> Result<Noise, Invalid> {
     Ok(noise)
 }
 
-/// What the result depends on besides the inputs.
+/// The settings that the result depends on besides the inputs.
 fn settings(a: &Refine, found: &Refinement, provenance: &mut Provenance) {
     let settings = &mut provenance.settings;
     settings.insert("simulate_with".into(), json!(found.start.source));

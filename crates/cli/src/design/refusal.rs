@@ -4,7 +4,7 @@ use design::{NoDesign, Scarce};
 
 use crate::failure::Failure;
 
-/// Why there is no design of the moments in `moments`, where what is available stands in `available`.
+/// Why there is no design of the moments in `moments`, with the stock in the file `available`.
 pub(super) fn no_design(moments: &Path, available: Option<&Path>, why: NoDesign) -> Failure {
     let file = moments.display();
     match why {
@@ -27,7 +27,7 @@ pub(super) fn no_design(moments: &Path, available: Option<&Path>, why: NoDesign)
     }
 }
 
-/// Why no experiment can be made of what is available.
+/// Why the available maneuvers are not enough for an experiment.
 pub(super) fn scarce(file: &Path, why: Scarce) -> Failure {
     let usage = |table: &str, flags: &str| {
         Failure::Usage(format!(

@@ -25,7 +25,7 @@ impl Task for Arguments {
         let moments = loaded.data.moments().map_err(|e| Failure::invalid(&self.moments, &e))?;
         let mut provenance = common.provenance("design");
         provenance.made("moments", &self.moments, loaded.digest, &loaded.provenance)?;
-        // Moments of simulated logs say so, and so does the design.
+        // The label of simulated logs is copied from the moments to the design.
         let label = loaded.provenance.settings.get_key_value("data");
         provenance.settings.extend(label.map(|(k, v)| (k.clone(), v.clone())));
         let seed = common.seed.unwrap_or(1);
@@ -41,12 +41,12 @@ impl Task for Arguments {
 }
 
 impl Arguments {
-    /// How shares are searched.
+    /// Options of the search for shares.
     fn options(&self, seed: u64) -> Options {
         Options { tolerance: self.tolerance, random_starts: self.starts, seed, ..Options::default() }
     }
 
-    /// The maneuvers of the table that have a share, and what was found over all of it.
+    /// The maneuvers of the table that have a share, and the result over the whole table.
     fn streamed(&self, head: Moments, seed: u64) -> Result<(Moments, Streamed), Failure> {
         let limits = [
             (self.available.is_some(), "--available"),
@@ -77,7 +77,7 @@ impl Arguments {
     }
 }
 
-/// The design of `moments`: criterion, what is available, shares, counts, order.
+/// The design of `moments`: criterion, stock, shares, counts, order.
 fn design(
     a: &Arguments,
     (seed, streamed): (u64, Option<Streamed>),
@@ -104,7 +104,7 @@ fn design(
         None => (criterion.solve(&bounds, &options).map_err(refuse)?, None),
     };
     let relaxed = match &streamed {
-        // The same shares; how good they are among all.
+        // The same shares, with the certificate over all candidates.
         Some(Streamed { design, .. }) => Design { gap: design.gap, status: design.status, ..relaxed },
         None => relaxed,
     };
@@ -137,7 +137,7 @@ fn design(
     .into())
 }
 
-/// Most segments of every maneuver: none of those that a restricted design does not use.
+/// Maximum number of segments of every maneuver: zero for those that a restricted design does not use.
 fn limits(available: Option<&Available>, restricted: Option<&Design>, total: u64) -> Option<Vec<u64>> {
     let limits = available.and_then(|available| available.counts.clone());
     let Some(design) = restricted else { return limits };
@@ -157,10 +157,10 @@ fn summary(out: &Path, document: &DesignDocument) -> Summary {
         ))
     });
     let (all, status) = (document.shares.len(), document.status);
-    let told = json!({"status": status, "relative_gap": gap, "used": used});
+    let details = json!({"status": status, "relative_gap": gap, "used": used});
     Summary::of(
         out,
         format!("{used} of {all} maneuvers, {status}{within}{}", too_short.unwrap_or_default()),
-        told,
+        details,
     )
 }

@@ -22,27 +22,27 @@ pub struct VoyageFiles<'a> {
     pub trajectories: &'a Path,
     /// `design.json`, for counts that follow from its shares.
     pub design: Option<&'a Path>,
-    /// Whether inputs may leave what the logs of a model cover.
+    /// Whether inputs may leave the range of the model's logs.
     pub beyond_range: bool,
-    /// The plan whose rest is wanted.
+    /// The plan to be resumed.
     pub resumed: Option<Resumed<'a>>,
 }
 
-/// A plan that was begun.
+/// A plan that was started.
 pub struct Resumed<'a> {
     /// `plan.json`.
     pub plan: &'a Path,
     /// Steps that are done.
     pub done: usize,
-    /// Where the ship is.
+    /// The ship's position.
     pub from: &'a Place,
 }
 
-/// What a plan is usually called.
+/// The usual name of a plan.
 pub const MAIN: &str = "plan.json";
 
-/// What is written beside `plan.json`.
-const BESIDE: [&str; 9] = [
+/// The files written next to `plan.json`.
+const ADDITIONAL: [&str; 9] = [
     "track.parquet",
     "track.geojson",
     "route.rtz",
@@ -55,7 +55,7 @@ const BESIDE: [&str; 9] = [
 ];
 
 impl VoyageFiles<'_> {
-    /// Reads everything for a plan that is to be written to `out` but its charts, and `plan.toml`, which names them.
+    /// Reads everything for a plan to be written to `out`, except its charts, and `plan.toml`, which names them.
     pub(super) fn read(
         &self,
         out: &Path,
@@ -82,7 +82,7 @@ impl VoyageFiles<'_> {
         Ok((Brief { vessel, task, layers, chart_bytes, dictionary, design, seed }, config))
     }
 
-    /// Refuses to write over an input: any of them beside `out`, and charts under its own name.
+    /// Refuses to overwrite an input: those next to `out`, and charts by the name of an output.
     pub(super) fn check_inputs(
         &self,
         config: &PlanFile,
@@ -95,7 +95,7 @@ impl VoyageFiles<'_> {
         let inputs: Vec<PathBuf> =
             charts.chain(others.into_iter().flatten().map(Path::to_path_buf)).collect();
         let outputs: Vec<PathBuf> =
-            BESIDE.iter().map(|name| beside(out, MAIN, name)).chain([out.to_path_buf()]).collect();
+            ADDITIONAL.iter().map(|name| beside(out, MAIN, name)).chain([out.to_path_buf()]).collect();
         if let Some(problem) = problem {
             let existing = problem.canonicalize().ok();
             let is = |path: &&PathBuf| {
@@ -121,9 +121,9 @@ impl VoyageFiles<'_> {
     }
 }
 
-/// Refuses a main output under the name of one beside it.
+/// Refuses a main output with the name of an additional one.
 fn check_names(out: &Path) -> Result<(), Failure> {
-    let name = BESIDE.iter().find(|name| out.file_name().is_some_and(|own| own == **name));
+    let name = ADDITIONAL.iter().find(|name| out.file_name().is_some_and(|own| own == **name));
     name.map_or(Ok(()), |name| {
         let message =
             format!("--out: found {name}, which is written beside it, expected another name; take plan.json");

@@ -1,4 +1,4 @@
-//! `plan --problem`: a lattice problem as it stands in a file.
+//! `plan --problem`: a lattice problem from a file.
 
 use std::path::Path;
 
@@ -28,7 +28,8 @@ pub fn plan_problem(
     if demand.bytes() > u128::from(limits.memory_bytes) {
         return Err(too_large(file, &demand));
     }
-    let problem = parsed.into_problem_while(&|| limits.go_on()).map_err(|e| Failure::invalid(file, &e))?;
+    let problem =
+        parsed.into_problem_while(&|| limits.keep_going()).map_err(|e| Failure::invalid(file, &e))?;
     let problem = problem.ok_or_else(|| out_of_time(file, "the layout of the map"))?;
     let solution = plan(&problem, &limits.options(), &mut *limits.before_writing().watch())
         .map_err(|why| no_plan(file, &why))?;
@@ -37,12 +38,12 @@ pub fn plan_problem(
     commit(vec![stage_document(out, &provenance, &document)?])?;
     let PlanDocument { status, cost, lower_bound, gap, .. } = &document;
     let steps = document.steps.len();
-    let told =
+    let details =
         json!({"status": status, "cost": cost, "lower_bound": lower_bound, "gap": gap, "steps": steps});
-    Ok(Summary::of(out, format!("{}, cost {cost}, {steps} steps", known(&document)), told))
+    Ok(Summary::of(out, format!("{}, cost {cost}, {steps} steps", known(&document)), details))
 }
 
-/// What is known of a plan; a feasible one with its gap.
+/// The status of a plan; a feasible one with its gap.
 pub(super) fn known(document: &PlanDocument) -> String {
     match document.status {
         PlanStatus::Optimal => document.status.name().to_owned(),

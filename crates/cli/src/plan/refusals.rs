@@ -1,4 +1,4 @@
-//! What the science refuses, with the file that it stands in and the flag that helps.
+//! Refusals of the other crates, with the file at fault and the flag that helps.
 
 use std::fmt::Display;
 use std::path::Path;
@@ -52,7 +52,7 @@ fn voyage(files: &VoyageFiles, error: VoyageError) -> Failure {
     }
 }
 
-/// What the check of a plan found broken.
+/// The requirements that the check of a plan found violated.
 fn unsafe_plan(config: &Path, check: &Check) -> Failure {
     let (least, margin) = (check.clearance_m.min(check.clearance_quantiles_m[0]), check.margin_m);
     Failure::NoAnswer(format!(
@@ -85,13 +85,13 @@ pub(super) fn no_plan(file: &Path, why: &NoPlan) -> Failure {
     }
 }
 
-/// The time was over in `phase`, before there was a plan that is checked.
+/// The time limit was reached in `phase`, before there was a checked plan.
 pub(super) fn out_of_time(file: &Path, phase: &str) -> Failure {
     let remedy = "raise --time-limit-s, or reduce the lattice or `safety.runs`";
     no_answer(file, &format!("none in time, which ended in {phase}"), remedy)
 }
 
-/// A lattice that is not even laid out.
+/// A lattice too large to build.
 pub(super) fn too_large(file: &Path, demand: &Demand) -> Failure {
     let Demand { poses, moves } = demand;
     does_not_fit(file, &format_args!("{poses} poses with up to {moves} moves"), demand.bytes())

@@ -21,20 +21,21 @@ use crate::failure::Failure;
 use crate::said::on_stderr;
 use crate::stage::Summary;
 
-/// What is to be written.
+/// The outputs.
 pub struct Wanted<'a> {
     /// `plan.json`.
     pub out: &'a Path,
     /// The lattice problem that was solved.
     pub problem: Option<&'a Path>,
-    /// Plans, too, that fail their check.
+    /// Whether to write plans that fail their check.
     pub unsafe_too: bool,
 }
 
-/// Plans a trial and writes `plan.json`; beside it track, routes and map.
+/// Plans a trial and writes `plan.json`, and next to it track, routes and map.
 ///
 /// # Errors
-/// Files that are refused; no plan, or none that passes its check unless those are wanted; output that fails.
+/// Files that are refused; no plan, or none that passes its check unless unsafe ones are requested; output that
+/// fails.
 pub fn plan_voyage(
     files: &VoyageFiles,
     wanted: &Wanted,
@@ -46,12 +47,16 @@ pub fn plan_voyage(
     provenance.settings.insert("seed".into(), json!(seed));
     let refuse = |error| refusals::plan(files, error);
     let (brief, config) = files.read(out, &mut provenance, seed)?;
-    let means = (budget(), &(|| limits.go_on()) as &(dyn Fn() -> bool + Sync));
+    let means = (budget(), &(|| limits.keep_going()) as &(dyn Fn() -> bool + Sync));
     let trial = ChartedTrial::on_charts(brief, (files.config, &config), means, &mut provenance);
     let trial = trial.map_err(refuse)?;
     files.check_inputs(&config, out, wanted.problem)?;
     let searched = limits.before_check();
-    let search = Search { options: limits.options(), watch: &|| searched.watch(), go_on: &|| limits.go_on() };
+    let search = Search {
+        options: limits.options(),
+        watch: &|| searched.watch(),
+        keep_going: &|| limits.keep_going(),
+    };
     let mut planned = trial.plan(&search, wanted.unsafe_too).map_err(refuse)?;
     planned.document.beyond = study::beyond(files.vessel, files.trajectories)?;
     let mut staged = stage(&planned, out, &provenance)?;
@@ -63,11 +68,11 @@ pub fn plan_voyage(
     }
     commit(staged)?;
     let document = &planned.document;
-    document.told().filter(|_| !limits.quiet).for_each(|chart| on_stderr(format_args!("plan: {chart}")));
+    document.messages().filter(|_| !limits.quiet).for_each(|chart| on_stderr(format_args!("plan: {chart}")));
     Ok(summary(out, document))
 }
 
-/// All that is written.
+/// All outputs.
 fn stage(planned: &Planned, out: &Path, provenance: &Provenance) -> Result<Vec<Staged>, Failure> {
     let (map, others) = rayon::join(
         || stage_map(planned, out, provenance),
@@ -97,7 +102,7 @@ fn stage_track_and_routes(
     std::iter::once(Ok(track)).chain(files.into_iter().map(stage)).collect()
 }
 
-/// What a map shows, and the map that is drawn from that.
+/// The map document, and the map that is drawn from it.
 fn stage_map(planned: &Planned, out: &Path, provenance: &Provenance) -> Result<Vec<Staged>, Failure> {
     let Some(map) = planned.map() else { return Ok(Vec::new()) };
     let svg = plan_map(&map).map_err(|e| Failure::Failed(format!("map: {e}")))?;
@@ -109,7 +114,7 @@ fn summary(out: &Path, document: &PlanDocument) -> Summary {
     let PlanDocument { status, cost, cost_unit, lower_bound, gap, .. } = document;
     let steps = document.steps.len();
     let mut said = format!("{}, {cost} {}, {steps} steps", known(document), cost_unit.name());
-    let mut told =
+    let mut details =
         json!({"status": status, "cost": cost, "lower_bound": lower_bound, "gap": gap, "steps": steps});
     if let Some(Voyage { duration_s, check, .. }) = &document.voyage {
         let more = if check.clearance_m >= check.sight_m { "more than " } else { "" };
@@ -117,8 +122,10 @@ fn summary(out: &Path, document: &PlanDocument) -> Summary {
         if check.left_area > 0 {
             said += &format!(", {} of {} runs outside of the area", check.left_area, check.runs);
         }
-        for told in document.charts.iter().filter_map(|chart| Some((&chart.file, chart.depths.as_ref()?))) {
-            said += &format!("; {}: {}", told.0, told.1.told());
+        for (file, depths) in
+            document.charts.iter().filter_map(|chart| Some((&chart.file, chart.depths.as_ref()?)))
+        {
+            said += &format!("; {file}: {}", depths.words());
         }
         if !check.safe {
             said += &format!("; UNSAFE: {}", check.faults.join(", "));
@@ -126,9 +133,9 @@ fn summary(out: &Path, document: &PlanDocument) -> Summary {
         let own = json!({"duration_s": duration_s, "clearance_m": check.clearance_m, "safe": check.safe,
             "faults": check.faults, "aground": check.aground, "runs": check.runs, "left_area": check.left_area,
             "rounds": check.rounds});
-        if let (Value::Object(all), Value::Object(own)) = (&mut told, own) {
+        if let (Value::Object(all), Value::Object(own)) = (&mut details, own) {
             all.extend(own);
         }
     }
-    Summary::of(out, said, told)
+    Summary::of(out, said, details)
 }

@@ -14,7 +14,7 @@ use crate::cli::given;
 use crate::failure::Failure;
 use crate::inputs;
 
-/// The files that a campaign is made of.
+/// The input files of a campaign.
 #[derive(Clone, Debug, Args)]
 pub struct CampaignFlags {
     /// The vessel
@@ -31,7 +31,7 @@ pub struct CampaignFlags {
     design: Option<PathBuf>,
 }
 
-/// What these files say.
+/// The contents of these files.
 pub struct CampaignInputs<'a> {
     /// Their names, for messages.
     pub files: Files<'a>,
@@ -44,7 +44,7 @@ pub struct CampaignInputs<'a> {
 }
 
 impl CampaignFlags {
-    /// All that are given.
+    /// All given files.
     pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
         [&self.vessel, &self.dictionary, &self.campaign, &self.design].into_iter().flatten()
     }
@@ -52,7 +52,7 @@ impl CampaignFlags {
     /// The files, for messages.
     ///
     /// # Errors
-    /// Usage, naming the one that is missing.
+    /// A usage error that names the missing one.
     fn files(&self) -> Result<Files<'_>, Failure> {
         let campaign = given(&self.campaign, "campaign")?;
         Ok(Files {
@@ -79,10 +79,10 @@ impl CampaignFlags {
 }
 
 impl CampaignInputs<'_> {
-    /// The runs that `settings` ask for.
+    /// The runs of `settings`.
     ///
     /// # Errors
-    /// A vessel without true parameters; a design of other maneuvers; a maneuver that the model cannot hold.
+    /// A vessel without true parameters; a design of other maneuvers; a maneuver that does not fit the model.
     pub fn campaign(&self, settings: &Settings) -> Result<Campaign<'_>, Failure> {
         let sea = self.config.sea(&self.vessel).map_err(|e| Failure::invalid(self.files.vessel, &e))?;
         let campaign = Campaign::new(sea, &self.dictionary, &self.design.designed(), settings);
@@ -90,7 +90,7 @@ impl CampaignInputs<'_> {
     }
 }
 
-/// Notes what became of maneuvers whose inputs stand in tables, where there are any.
+/// Notes how maneuvers with inputs from tables were played, if there are any.
 pub fn note_plays(campaign: &Campaign, provenance: &mut Provenance) {
     if !campaign.statements().is_empty() {
         provenance.settings.insert("plays".into(), campaign.statements().into());

@@ -1,4 +1,4 @@
-//! Logs as a ship's instruments would have written them, for studies whose real logs cannot be had.
+//! Logs as a ship's instruments would write them, for studies without access to the real logs.
 
 use std::path::Path;
 
@@ -22,10 +22,10 @@ pub struct Files<'a> {
     pub logs: &'a Path,
 }
 
-/// Simulates the logs that `config` asks for.
+/// Simulates the logs of `config`.
 ///
 /// # Errors
-/// What [`LogsFile::check`] refuses, a vessel without true parameters or without the forces of azimuth thrusters for
+/// Those of [`LogsFile::check`], a vessel without true parameters or without the forces of azimuth thrusters as
 /// inputs; see [`Logbook`].
 pub fn simulate(
     files: &Files,
@@ -52,7 +52,7 @@ pub fn simulate(
     })
 }
 
-/// Refuses logs that do not fit into memory, where all of them are until they are written.
+/// Refuses logs that do not fit into memory, where all are held until they are written.
 fn check_room(file: &Path, config: &LogsFile, maneuvers: &[&str], rate_hz: f64) -> Result<(), Failure> {
     /// Characters of a cell with its separator.
     const CELL: f64 = 14.0;
@@ -62,7 +62,7 @@ fn check_room(file: &Path, config: &LogsFile, maneuvers: &[&str], rate_hz: f64) 
     Ok(budget().memory(Work { file, thing: "`repeats`", found: &found, remedy }, CELL * cells)?)
 }
 
-/// Writes the logs and, beside them, `out`: all or nothing.
+/// Writes the logs and `out` next to them: all or nothing.
 ///
 /// # Errors
 /// Output that fails.

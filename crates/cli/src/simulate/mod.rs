@@ -24,7 +24,7 @@ pub struct Files<'a> {
     pub vessel: &'a Path,
     /// `dictionary.toml`.
     pub dictionary: &'a Path,
-    /// What says how many runs there are, and how long.
+    /// The file with the number and length of the runs.
     pub campaign: &'a Path,
     /// `campaign.toml`, for its disturbances.
     pub sea: &'a Path,
@@ -38,7 +38,7 @@ impl<'a> Files<'a> {
         Self { vessel: file, dictionary: file, campaign: file, sea: file, design: file }
     }
 
-    /// Names the file that is at fault.
+    /// A failure that names the file at fault.
     pub fn refused(&self, refusal: Refusal) -> Failure {
         let thing = |ordered| if ordered { "`data.sequence`" } else { "`data.shares`" };
         match refusal {
@@ -65,8 +65,8 @@ impl<'a> Files<'a> {
     }
 }
 
-/// Refuses `work` that simulates `rows` rows, every thread at most `block` at a time, and writes at least `written` of them,
-/// where they do not fit into memory or folder.
+/// Refuses `work` that simulates `rows` rows, every thread at most `block` at a time, and writes at least `written`
+/// of them, if they do not fit into memory or on disk.
 fn check_room(
     work: Work,
     [rows, block, written]: [f64; 3],
@@ -78,7 +78,7 @@ fn check_room(
     Ok(budget().memory(work, at_once * Layout::new(&vessel.model).working_bytes())?)
 }
 
-/// Refuses a campaign of `runs` runs of `samples` samples that `file` asks for, where they do not fit.
+/// Refuses the campaign of `file` with `runs` runs of `samples` samples if it does not fit.
 pub fn check_campaign(
     file: &Path,
     runs: f64,
@@ -97,7 +97,7 @@ pub fn check_campaign(
 /// Maneuvers per block.
 const BLOCK: usize = 64;
 
-/// Simulates the maneuvers of `shard` (or all) into `out`, and says what was left out.
+/// Simulates the maneuvers of `shard` (or all) into `out`, and reports what was left out.
 ///
 /// # Errors
 /// See [`Maneuvers::simulate`]; limits that no generated maneuver keeps; output that fails.
@@ -132,11 +132,16 @@ pub fn write_maneuvers(
     Ok(tally)
 }
 
+<<<<<<< HEAD
 /// Refuses maneuvers whose runs do not fit into memory or folder.
 ///
 /// # Errors
 /// A maneuver of zero samples, or unbounded; too little memory or disk.
 pub fn check_maneuvers(maneuvers: &Maneuvers, files: &Files, out: &Path) -> Result<(), Failure> {
+=======
+/// Refuses maneuvers whose runs do not fit into memory or on disk.
+fn check_maneuvers(maneuvers: &Maneuvers, files: &Files, out: &Path) -> Result<(), Failure> {
+>>>>>>> 1cbb523ce8bf90aa314e4769d0b781db6c4577b8
     let (mut all, mut written, mut block) = (0, 0, 0);
     for start in (0..maneuvers.count()).step_by(BLOCK) {
         let rows = maneuvers.rows(start..maneuvers.count().min(start + BLOCK));
@@ -149,7 +154,7 @@ pub fn check_maneuvers(maneuvers: &Maneuvers, files: &Files, out: &Path) -> Resu
     check_room(work, [all as f64, block as f64, written as f64], maneuvers.vessel(), out)
 }
 
-/// Simulates the runs of `shard` (or all) into `out`; how many they are.
+/// Simulates the runs of `shard` (or all) into `out`; returns their number.
 ///
 /// # Errors
 /// A simulation that diverges; output that fails.

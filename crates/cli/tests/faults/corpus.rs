@@ -1,4 +1,4 @@
-//! Damage that was a fault once: it stays refused, and in plain words.
+//! Damage that once caused a bug: it stays refused, in plain words.
 
 use artifact::Column;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, ParquetMetaDataWriter};
@@ -10,7 +10,7 @@ use crate::support::craft;
 
 /// A damaged input.
 struct Case {
-    /// How the command line begins.
+    /// The start of the command line.
     line: &'static str,
     file: &'static str,
     from: &'static str,
@@ -74,7 +74,7 @@ fn what_was_a_fault_once_is_none() {
     }
 }
 
-/// Values of a table whose squares are infinite; what blamed the output for them blames the table.
+/// Values of a table whose squares are infinite: the refusal names the table, not the output.
 #[test]
 fn magnitudes_that_no_ship_has_are_put_down_to_the_table() {
     for (line, file, kind, column, value) in [
@@ -104,8 +104,7 @@ fn magnitudes_that_no_ship_has_are_put_down_to_the_table() {
     }
 }
 
-/// Errors of a model that a prior holds where simulations all but diverge have squares that are no numbers; the output was blamed
-/// for what was made of them.
+/// Squared errors of a model that a prior keeps near divergence overflow; the output was blamed for them.
 #[test]
 fn errors_beyond_numbers_are_no_criticism() {
     let line = "estimate pool --vessel vessel.toml --trajectories campaign.parquet";
@@ -126,7 +125,7 @@ fn with_negative_offset(metadata: ParquetMetaData) -> ParquetMetaData {
     metadata.into_builder().set_row_groups(groups).build()
 }
 
-/// The decoder panics on it, and its words stood before the refusal.
+/// The decoder panics on it, and its message preceded the refusal.
 #[test]
 fn bytes_that_the_decoder_panics_on_are_refused_in_one_line() {
     let line = "moments --vessel vessel.toml --trajectories";

@@ -1,4 +1,4 @@
-//! Damage to texts, documents and bytes that looks drawn and is the same in every run.
+//! Pseudo-random damage to texts, documents and bytes, the same in every run.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use crate::places::unsealed;
 pub use crate::support::draw::Draw;
 use crate::tables;
 
-/// What stands in place of a number or a text.
+/// Replacements of a number or a text.
 const STRANGE: [&str; 30] = [
     "0",
     "-1",
@@ -42,7 +42,7 @@ const STRANGE: [&str; 30] = [
     "1979-05-27",
 ];
 
-/// `bytes` of a file called `name`, damaged as whoever writes such files by hand or by program would.
+/// `bytes` of a file called `name`, damaged as an author or a program might.
 pub fn damaged(draw: &mut Draw, name: &str, bytes: &[u8]) -> Vec<u8> {
     if name.ends_with(".parquet") {
         return tables::damaged(draw, name, bytes);
@@ -93,7 +93,7 @@ fn damaged_text(draw: &mut Draw, text: &str) -> String {
         2 => lines.swap(one, other),
         3 => return text.chars().take(draw.below(text.len())).collect(),
         4 => {
-            // A key misspelled, or a section turned into a table of its own.
+            // A misspelled key, or a section turned into a separate table.
             longer = lines[one].replacen(['e', '['], "", 1);
             lines[one] = &longer;
         }

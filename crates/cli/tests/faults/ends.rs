@@ -1,4 +1,4 @@
-//! How runs end, and what is wrong with how they end.
+//! How runs end, and checks of that.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -10,10 +10,10 @@ use std::time::{Duration, Instant};
 use crate::places::{Place, is_unfinished};
 use crate::support::{SEATRIAL, is_progress};
 
-/// A run may take so long, or tell how long it takes, and so much memory.
+/// Limit of a run's time, unless it reports progress, and of its memory.
 const LIMIT: Duration = Duration::from_secs(45);
 const MEMORY_KIB: u64 = 1 << 20;
-/// Most characters of what it says.
+/// Maximum number of characters of its messages.
 const LONGEST: usize = 500;
 
 /// What must not happen.
@@ -26,15 +26,15 @@ pub enum Wrong {
     Lines,
     /// One of more than 500 characters.
     Long,
-    /// A fault of the system where there was none.
+    /// A system failure without one.
     Code,
     /// A refusal without found, expected and remedy, in words of the programming language, or that blames an output.
     Words,
-    /// Files that no run has finished, or outputs of a run that failed.
+    /// Unfinished files, or outputs of a failed run.
     Left,
-    /// Files of two runs side by side.
+    /// Files of two runs in one set.
     Mixed,
-    /// Another exit code than documented, no output of a success, an input that was changed.
+    /// An undocumented exit code, a success without output, a changed input.
     Other,
 }
 
@@ -51,13 +51,13 @@ const WRONGS: [(Wrong, &str); 10] = [
     (Wrong::Other, "other faults"),
 ];
 
-/// In place of the exit code of a run that was stopped at work that it tells the end of.
+/// Instead of the exit code of a run that was stopped while it reported progress.
 pub const AT_WORK: i32 = -1;
 
-/// A fault of ours, and what is known of it.
+/// A bug, and its details.
 pub type Fault = (Wrong, String);
 
-/// What came of cases.
+/// The results of cases.
 #[derive(Default)]
 pub struct Tally {
     /// Damaged inputs and command lines.
@@ -66,15 +66,15 @@ pub struct Tally {
     pub faults: u64,
     /// How the cases ended.
     pub codes: BTreeMap<i32, u64>,
-    /// Cases that were stopped at long work that tells its end.
+    /// Cases that were stopped at long work with progress.
     pub at_work: u64,
-    /// After how many faults the old files were there, and the new.
+    /// The number of faults that left the old files, and the new.
     pub left: [u64; 2],
     pub wrong: Vec<Fault>,
     pub seconds: f64,
 }
 
-/// What came of all cases of this process.
+/// The results of all cases of this process.
 static ALL: Mutex<Tally> = Mutex::new(Tally {
     cases: 0,
     faults: 0,
@@ -117,13 +117,13 @@ impl Tally {
         }
     }
 
-    /// Tells what is wrong at once: a long run need not be waited for.
+    /// Reports an error at once, without waiting for a long run.
     fn wrong(&mut self, name: &str, (wrong, told): Fault) {
         println!("{wrong:?}: {name}: {told}");
         self.wrong.push((wrong, format!("{name}: {told}")));
     }
 
-    /// Prints what came of the cases of `name` and of all so far, and fails if something is wrong.
+    /// Prints the results of the cases of `name` and of all so far, and fails if something is wrong.
     pub fn check(self, name: &str) {
         println!("{name}: {self}");
         let mut all = ALL.lock().unwrap();
@@ -149,12 +149,12 @@ impl fmt::Display for Tally {
     }
 }
 
-/// How a process ended, and what it said on stderr.
+/// How a process ended, and its stderr.
 pub struct Ended {
     pub status: Option<ExitStatus>,
-    /// But for progress.
+    /// Stderr without progress.
     pub told: String,
-    /// Whether it told of progress.
+    /// Whether it reported progress.
     pub is_at_work: bool,
 }
 
@@ -179,7 +179,7 @@ fn start_within(place: &Place, line: &str, fault: &str, memory_kib: u64) -> Chil
         .unwrap()
 }
 
-/// Waits for a process, not for ever.
+/// Waits for a process, with a timeout.
 pub fn wait(place: &Place, child: Child) -> Ended {
     wait_for(place, child, LIMIT)
 }
@@ -234,7 +234,7 @@ impl Ended {
     }
 }
 
-/// Whether the system ended a process that took more processor time than it may.
+/// Whether the system ended a process for its processor time.
 fn is_out_of_time(status: ExitStatus) -> bool {
     use std::os::unix::process::ExitStatusExt;
     const XCPU: i32 = 24;
@@ -248,7 +248,7 @@ pub fn ends(place: &Place, line: &str) -> Result<i32, Fault> {
 
 /// The same in less time and memory.
 pub fn ends_within(place: &Place, line: &str, limit: Duration, memory_kib: u64) -> Result<i32, Fault> {
-    // An output that stands wherever it is told to.
+    // An output with its own path.
     let exported = line.split_whitespace().skip_while(|word| *word != "--export-problem").nth(1);
     let exported = exported.map(|name| place.path().join(name));
     let inputs = || {
@@ -262,7 +262,7 @@ pub fn ends_within(place: &Place, line: &str, limit: Duration, memory_kib: u64) 
     if code == AT_WORK {
         return Ok(code);
     }
-    // Nothing is wrong with the system but that a name may be that of no file.
+    // The only possible system error is a name without a file.
     let no_file = [": found No such file", ": found no folder", ": found Not a directory"];
     if code == 1 && !no_file.iter().any(|found| ended.told.contains(found)) {
         return Err((Wrong::Code, format!("exit code 1: {}", ended.told)));
@@ -305,7 +305,7 @@ fn badly_said(code: i32, told: &str) -> Option<&'static str> {
     }
 }
 
-/// Reads outputs as whoever comes next would.
+/// Reads outputs as the next stage would.
 pub fn read<'a>(place: &Place, names: impl Iterator<Item = &'a str>) -> Result<(), Fault> {
     for name in names.filter(|name| !is_unfinished(name)) {
         let read = artifact::inspect(&place.path().join("out").join(name));

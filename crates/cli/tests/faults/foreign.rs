@@ -1,4 +1,4 @@
-//! Documents and tables of strangers: texts and sizes without bounds.
+//! Foreign documents and tables: texts and sizes without bounds.
 
 use std::fs::{self, File};
 
@@ -8,7 +8,7 @@ use tempfile::TempDir;
 use crate::places::unsealed;
 use crate::support::{DESIGN, MOMENTS, Ran, put, run, with};
 
-/// Must be refused in one line below 500 characters without marks that nobody sees.
+/// Must be refused in one line below 500 characters without invisible characters.
 #[track_caller]
 fn refused_shortly(ran: Ran, pieces: &[&str]) {
     let told = ran.refuses(3, pieces).stderr;
@@ -123,14 +123,14 @@ fn a_table_that_lies_about_its_rows_takes_no_memory() {
     }
 }
 
-/// A footer of a list of so many blocks, as none is so short.
+/// A footer with more blocks than its length allows.
 #[test]
 fn a_footer_that_lies_about_its_blocks_takes_no_memory() {
     let (folder, bytes) = dictionary();
     let (body, metadata) = footer(&bytes);
     let end = bytes.len() - 8;
     let mut lying = bytes[body..end].to_vec();
-    // The list of blocks is the field behind the number of rows.
+    // The list of blocks is the field after the number of rows.
     let mut before = vec![0x16];
     let mut rows = 2 * u64::try_from(metadata.file_metadata().num_rows()).unwrap();
     while rows > 0x7f {

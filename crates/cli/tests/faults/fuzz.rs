@@ -1,6 +1,6 @@
-//! Inputs damaged at random: no panic, no endless run, one line, nothing left behind.
+//! Inputs damaged at random: no panic, no endless run, one line, no files left.
 //!
-//! The cases are the same in every run. `make faults CASES=100000` tries more of them and prints what came of them.
+//! The cases are the same in every run. `make faults CASES=100000` tries more of them and prints the results.
 //! SEATRIAL_CASE=1:5388 tries one of them again, its kind before the colon, and keeps its folder.
 
 use std::collections::BTreeMap;
@@ -19,7 +19,7 @@ use crate::places::{Place, unsealed};
 use crate::readers::{READERS, strange};
 use crate::support::SEATRIAL;
 
-/// Values of flags, and words that are none.
+/// Values of flags, valid and invalid.
 const WORDS: [&str; 34] = [
     "0",
     "1",
@@ -70,13 +70,13 @@ pub fn flags(line: &str) -> Vec<(String, bool)> {
             let name = line.split([' ', '=']).next().unwrap_or_default();
             (format!("--{name}"), line[name.len()..].starts_with(" <"))
         };
-        // A help or a version is no work.
+        // Help and version do no work.
         lines.map(flag).filter(|(name, _)| !["--help", "--version"].contains(&&**name)).collect()
     };
     known.entry(words.join(" ")).or_insert_with(asked).clone()
 }
 
-/// Up to three flags of the stage with values drawn, seldom something else.
+/// Up to three flags of the stage with random values, rarely something else.
 fn strange_words(draw: &mut Draw, line: &str) -> String {
     let flags = flags(line);
     let word = |draw: &mut Draw| {
@@ -95,7 +95,7 @@ fn count(part: u64) -> u64 {
     asked().unwrap_or(250) / part
 }
 
-/// The one case that is to be tried again, if it is of `kind`: from it to the next.
+/// The range of the one case to retry, if it is of `kind`.
 fn again(kind: u64) -> Option<Range<u64>> {
     let wanted = std::env::var("SEATRIAL_CASE").ok()?;
     let (own, case) = wanted.split_once(':')?;
@@ -103,8 +103,8 @@ fn again(kind: u64) -> Option<Range<u64>> {
     Some(if own.parse() == Ok(kind) { case..case + 1 } else { 0..0 })
 }
 
-/// Runs the cases of one kind on all processors: `damage` changes a file, all of which are put back, and says what else stands
-/// on the command line.
+/// Runs the cases of one kind on all processors: `damage` changes a file and returns additional words of the command
+/// line; all files are restored afterwards.
 fn try_all(
     (name, kind, grounds): (&str, u64, &'static [Ground]),
     count: u64,
@@ -146,7 +146,7 @@ fn try_all(
     tally.check(name);
 }
 
-/// Half of the damaged files are vouched for by what was written with them.
+/// Half of the damaged files have matching digests in the documents written with them.
 fn damage(draw: &mut Draw, place: &mut Place, name: &str, bytes: &[u8]) {
     place.put(name, bytes);
     if draw.below(2) == 0 {

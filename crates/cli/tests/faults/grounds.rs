@@ -20,9 +20,9 @@ pub struct Stage {
     pub line: &'static str,
     /// Its main output.
     pub out: &'static str,
-    /// What turned into what makes another result of the same files.
+    /// A replacement in the line that gives another result from the same files.
     pub other: [&'static str; 2],
-    /// What of what it reads is damaged.
+    /// The inputs that are damaged.
     pub reads: &'static [&'static str],
 }
 
@@ -32,7 +32,7 @@ impl Stage {
         format!("{} --out {folder}{} --allow-mixed", self.line, self.out)
     }
 
-    /// The one that makes another result.
+    /// The command line with the other result.
     pub fn other_into(&self, folder: &str) -> String {
         let [from, to] = self.other;
         assert!(self.line.contains(from), "{}: no `{from}`", self.line);
@@ -195,7 +195,7 @@ static PAPER: [Stage; 20] = [
     ),
 ];
 
-/// A plan round an island, on polygons, on a grid, and of a problem alone.
+/// A plan round an island, on polygons, on a grid, and of a problem file.
 static PLANS: [Stage; 6] = [
     stage(
         "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml",
@@ -296,11 +296,11 @@ static LOGS: [Stage; 9] = [
     ),
 ];
 
-/// A study with all that its stages read.
+/// A study with all inputs of its stages.
 pub struct Ground {
     pub stages: &'static [Stage],
     pub files: Files,
-    /// Processor time that a run may take \[s\], where that is bounded.
+    /// Limit of processor time of a run \[s\], if any.
     pub seconds: Option<u32>,
 }
 
@@ -356,7 +356,7 @@ fn varied(folder: &TempDir, name: &str, other: &str, from: &str, to: &str) {
     edit(folder, other, from, to);
 }
 
-/// Outputs that no stage reads, some of which stand beside what others read.
+/// Outputs that no stage reads, some of them next to files that others read.
 const LAST: [&str; 4] = ["refined.json", "simulated.json", "report.html", ""];
 
 /// Runs every stage in `folder`.
@@ -455,7 +455,7 @@ fn logs() -> Ground {
         "kind = \"decelerate\" #",
     );
     varied(&folder, "ingest.toml", "ingest-2.toml", "max_gap_s = 0.3", "max_gap_s = 0.4");
-    // As a ship's own: nothing beside them vouches for them.
+    // As from a real ship: without documents that have their digests.
     fs::create_dir(folder.path().join("logs")).unwrap();
     drop(run(&folder, &format!("{} --out logs/", LOGS[0].line)).succeeds());
     fs::remove_file(folder.path().join("logs/simulated.json")).unwrap();
@@ -463,7 +463,7 @@ fn logs() -> Ground {
     made(&folder, &LOGS)
 }
 
-/// The first recording as a table of another program, and what is in it.
+/// The first recording as a table of another program, and its contents.
 fn tables(folder: &TempDir) {
     drop(run(folder, &LOGS[1].line_into("")).succeeds());
     let whole = craft::read(&folder.path().join("trajectories.parquet"), "trajectories");

@@ -1,4 +1,4 @@
-//! Processes that are ended at any moment, and two that write the same files.
+//! Processes that are killed at any moment, and two that write the same files.
 
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -7,7 +7,7 @@ use crate::asked;
 use crate::ends::{Fault, Tally, Wrong, start, wait};
 use crate::points::{Watched, for_every_stage};
 
-/// Signals with the exit codes of processes that hear them; those of one that does not hear are the system's.
+/// Signals with the exit codes of processes that handle them; without a handler the code is the system's.
 const SIGNALS: [(&str, Option<i32>, i32); 4] =
     [("KILL", None, 9), ("INT", Some(130), 2), ("TERM", Some(143), 15), ("HUP", Some(129), 1)];
 
@@ -26,7 +26,8 @@ fn killed(watched: &Watched, line: &str, after: Duration, which: usize) -> Resul
     if !status.success() && !heard && status.signal() != Some(number) {
         return Err((Wrong::Other, format!("{signal}: {status}: {}", ended.told)));
     }
-    // Whoever is asked to end leaves nothing of its own; whoever is killed leaves it to the next that comes to its end.
+    // A process that handles the signal removes its unfinished files; those of a killed one are removed by the next
+    // run that finishes.
     let left = watched.unfinished();
     if status.success() && !left.is_empty() || heard && !left.is_subset(&before) {
         return Err((Wrong::Left, format!("{signal}: {status}: it left {left:?}, found {before:?}")));
@@ -45,7 +46,7 @@ fn law_processes_that_are_ended_at_any_moment_leave_the_old_files_or_the_new() {
         let whole = started.elapsed();
         let mut tally = Tally::default();
         for i in 0..each {
-            // Spread over the whole run by the golden section.
+            // Spread over the whole run by the golden ratio.
             let share = ((i as f64 + stage as f64 / 7.0) * 0.618_034).fract();
             let line = [&watched.line, &watched.other][i as usize % 2];
             let which = (i as usize / 2 + stage) % SIGNALS.len();

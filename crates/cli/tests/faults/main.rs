@@ -1,6 +1,6 @@
-//! Faults on purpose, through the real binary: damaged inputs, failing and killed writing, full disks, closed outputs, two
-//! writers at once. CI tries a bounded, fixed part of it; `make faults CASES=100000` tries more of the same and says what
-//! came of it.
+//! Fault injection through the real binary: damaged inputs, failing and killed writing, full disks, closed outputs,
+//! two writers at once. CI tries a bounded, fixed part of it; `make faults CASES=100000` tries more of the same and
+//! prints the results.
 
 #[path = "../../../enc/tests/all/made.rs"]
 mod made;
@@ -27,7 +27,7 @@ mod sets;
 mod strangers;
 mod tables;
 
-/// The cases that `make faults CASES=100000` asks for: damaged inputs, and a tenth as many kills and failing places.
+/// The number of cases of `make faults CASES=100000`: damaged inputs, and a tenth as many kills and failing places.
 pub fn asked() -> Option<u64> {
     std::env::var("SEATRIAL_CASES").ok().and_then(|cases| cases.parse().ok())
 }

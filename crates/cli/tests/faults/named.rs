@@ -1,4 +1,4 @@
-//! Cases that were reported once, each as it was reported, where no other topic's tests have them.
+//! Cases that were reported once, as reported, unless tests of another topic have them.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};

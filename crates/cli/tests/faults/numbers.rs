@@ -1,4 +1,4 @@
-//! Every number of a hand-written file, and every flag, with numbers that no study means: refused by name or used, in little
+//! Every number of a hand-written file, and every flag, with unreasonable numbers: refused by name or used, in little
 //! time and memory.
 
 use std::num::NonZeroUsize;
@@ -15,20 +15,20 @@ use crate::fuzz::flags;
 use crate::grounds::{GROUNDS, Ground, Stage, all};
 use crate::places::Place;
 
-/// A run may take so long, on a machine that does other things as well, and so much memory.
+/// Limit of a run's time, on a busy machine, and of its memory.
 const LIMIT: Duration = Duration::from_secs(20);
 const MEMORY_KIB: u64 = 1 << 20;
 
-/// Most characters of a message.
+/// Maximum number of characters of a message.
 const LONGEST: usize = 500;
 
 const NUMBERS: [&str; 8] =
     ["-1", "0", "1e-300", "1e25", "1.8446744073709552e19", "9223372036854775807", "nan", "inf"];
 
-/// Cases that are tried where not all of them are asked for.
+/// Number of cases unless all are requested.
 const SOME: usize = 120;
 
-/// Numbers that the small studies do not state: the file and where they stand in it.
+/// Numbers that the small studies do not state: the file and their position in it.
 const UNSTATED: [(&str, &str); 57] = [
     ("vessel.toml", "sample_rate_hz"),
     ("vessel.toml", "constant.0"),
@@ -89,7 +89,7 @@ const UNSTATED: [(&str, &str); 57] = [
     ("reference.toml", "selection.realizations"),
 ];
 
-/// What is changed before a stage runs.
+/// The change before a stage runs.
 #[derive(Debug)]
 enum Change {
     /// A number of a file, by its place in it.
@@ -115,7 +115,7 @@ fn cases() -> Vec<Case> {
             .into_iter()
             .flat_map(|name| keys(ground, name).into_iter().map(move |key| Change::Key(name, key)));
         let flags = flags(stage.line).into_iter().filter(|(_, with_value)| *with_value);
-        // What is written, and threads that no machine has.
+        // Outputs, and the number of threads.
         let other = ["--out", "--threads", "--export-problem"];
         let flags = flags.filter(|(flag, _)| !other.contains(&flag.as_str()));
         let changes = keys.chain(flags.map(|(flag, _)| Change::Flag(flag)));

@@ -1,4 +1,4 @@
-//! Outputs with no room, and nobody who listens.
+//! Outputs on full disks, and closed pipes.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -17,7 +17,7 @@ fn script(watched: &Watched, text: &str) -> Output {
     command.current_dir(watched.place.path()).env("RUST_BACKTRACE", "0").output().unwrap()
 }
 
-/// On a disk of so many KiB, which holds the old result: the new one, or a failure that leaves the old one.
+/// Runs on a disk of `kib` KiB with the old result: it ends with the new one, or fails and leaves the old one.
 fn on_small_disk(watched: &Watched, kib: u64) -> Result<bool, Fault> {
     let text = format!(
         "mount -t tmpfs -o size={kib}k tmpfs out || exit 99; cp -r old/. out/ || exit 98; \"$0\" \"$@\"; code=$?; \
@@ -33,7 +33,7 @@ fn on_small_disk(watched: &Watched, kib: u64) -> Result<bool, Fault> {
     command.args(["-m", "sh", "-c", &text, SEATRIAL]).args(watched.line.split_whitespace());
     let output = command.current_dir(folder).env("RUST_BACKTRACE", "0").output().unwrap();
     let told = String::from_utf8_lossy(&output.stderr);
-    // A slow machine tells of progress.
+    // A slow machine reports progress.
     let told: Vec<&str> = told.lines().filter(|line| !is_progress(line)).collect();
     let told = told.join("\n");
     let found = files(&folder.join("seen"));
@@ -81,7 +81,7 @@ fn law_a_full_disk_leaves_the_old_files_or_the_new() {
         let (old, new) = (pages(&watched.before), pages(&watched.after));
         let mut tally = Tally::default();
         for step in 0..steps {
-            // From nothing beside the old result to all that the new one needs.
+            // From no space besides the old result to all that the new one needs.
             let kib = 4 * (old + 2 + (new + 4) * step / steps);
             tally.fault(&watched.line, on_small_disk(&watched, kib));
         }

@@ -15,7 +15,7 @@ use crate::support::listing;
 pub struct Place {
     pub folder: TempDir,
     pub ground: &'static Ground,
-    /// What is other than on the ground.
+    /// The files that differ from the ground.
     touched: Vec<String>,
 }
 
@@ -34,7 +34,7 @@ impl Place {
         self.folder.path()
     }
 
-    /// What a file has on the ground.
+    /// The contents of a file on the ground.
     pub fn original(&self, name: &str) -> &'static [u8] {
         self.ground.files.get(name).unwrap_or_else(|| panic!("no {name}"))
     }
@@ -45,7 +45,7 @@ impl Place {
         self.touched.push(name.to_owned());
     }
 
-    /// Lets the documents that vouch for a file vouch for what it is now.
+    /// Updates the digests of a changed file in the documents that have them.
     pub fn vouch(&mut self, name: &str) {
         let hex = |bytes: &[u8]| Digest::of_bytes(bytes).hex();
         let before = hex(self.original(name));
@@ -69,12 +69,12 @@ impl Place {
         all
     }
 
-    /// What stands in `out`.
+    /// The files in `out`.
     pub fn outputs(&self) -> Files {
         files(&self.path().join("out"))
     }
 
-    /// Makes `out` what it was.
+    /// Restores `out`.
     pub fn put_outputs(&self, wanted: &Files) {
         let out = self.path().join("out");
         for name in self.outputs().keys().filter(|name| !wanted.contains_key(*name)) {
@@ -96,7 +96,7 @@ impl Place {
     }
 }
 
-/// Takes the seal off, so that what follows is looked at; the file keeps its length.
+/// Removes the seal, so that further checks run; the file keeps its length.
 pub fn unsealed(bytes: &[u8]) -> Vec<u8> {
     let mut out = bytes.to_vec();
     for seal in [&b"\"seal\":\"blake3:"[..], &b"\"seal\": \"blake3:"[..]] {
@@ -109,7 +109,7 @@ pub fn unsealed(bytes: &[u8]) -> Vec<u8> {
     out
 }
 
-/// Whether a file is one that no process has finished.
+/// Whether a file is unfinished.
 pub fn is_unfinished(name: &str) -> bool {
     name.rsplit('/').next().is_some_and(|name| name.starts_with(".unfinished"))
 }

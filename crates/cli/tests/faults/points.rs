@@ -11,12 +11,12 @@ use crate::ends::{Fault, Tally, Wrong, read, start, wait};
 use crate::grounds::{Files, Ground, Stage, all};
 use crate::places::{Place, is_unfinished};
 
-/// A stage that is run over what another run of it left.
+/// A stage that is run over the result of another run.
 pub struct Watched {
     pub place: Place,
     pub line: String,
     pub other: String,
-    /// What the other run leaves, and this one.
+    /// The files of the other run, and of this one.
     pub before: Files,
     pub after: Files,
 }
@@ -36,12 +36,12 @@ impl Watched {
         Self { place, line, other, before, after }
     }
 
-    /// Files in `out` that no run has finished.
+    /// Unfinished files in `out`.
     pub fn unfinished(&self) -> BTreeSet<String> {
         self.place.outputs().into_keys().filter(|name| is_unfinished(name)).collect()
     }
 
-    /// What readers find in `out`: of a set that is half named, what will have the names.
+    /// The files in `out` as readers see them: of a half-renamed set, the new files.
     fn read(&self) -> Files {
         let names: BTreeSet<String> =
             self.place.outputs().into_keys().chain(self.after.keys().cloned()).collect();
@@ -50,8 +50,8 @@ impl Watched {
         found.collect()
     }
 
-    /// That `out` holds one of the two results whole, as readers find it, or where nothing else may be there as it stands; and
-    /// whether it is the new one.
+    /// Checks that `out` has one of the two results complete, as readers see it, or exactly, if nothing else may be
+    /// there; returns whether it is the new one.
     pub fn is_new(&self, and_nothing_else: bool) -> Result<bool, Fault> {
         let mut found = if and_nothing_else { self.place.outputs() } else { self.read() };
         let left = self.unfinished();
@@ -80,8 +80,8 @@ impl Watched {
         }
     }
 
-    /// Runs the line with a fault at its `count`-th place over the old result: whether it came to its end, and whether it left
-    /// the new one.
+    /// Runs the line with a fault at its `count`-th place over the old result: returns whether it finished, and
+    /// whether it left the new one.
     fn at(&self, kind: &str, count: u32) -> Result<[bool; 2], Fault> {
         self.place.put_outputs(&self.before);
         let ended = wait(&self.place, start(&self.place, &self.line, &format!("{kind}:{count}")));
@@ -89,7 +89,7 @@ impl Watched {
         if kind == "error" {
             match ended.judged()? {
                 0 => {}
-                // Who is told of an error has time to clean up.
+                // A process that sees an error has time to clean up.
                 1 if !self.is_new(true)? => {}
                 code => return Err((Wrong::Other, format!("exit code {code}: {}", ended.told))),
             }
@@ -106,7 +106,7 @@ impl Watched {
         Ok([success, new])
     }
 
-    /// Tries places: all of them, or those that a search for the last one comes by, which are close where names are given.
+    /// Tries places: all of them, or those visited by a bisection for the last one, which are dense near the renames.
     fn try_places(&self, every: bool) -> Tally {
         let mut tally = Tally::default();
         let mut at = |kind: &str, count: u32| {
@@ -134,7 +134,7 @@ impl Watched {
     }
 }
 
-/// Does `work` for every stage on all processors, and says what came of it.
+/// Does `work` for every stage on all processors, and prints the results.
 pub fn for_every_stage(name: &str, work: impl Fn(usize, &'static Ground, &'static Stage) -> Tally + Sync) {
     let started = Instant::now();
     let (stages, next, found) = (all(), AtomicUsize::new(0), Mutex::new(Tally::default()));

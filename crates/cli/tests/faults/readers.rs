@@ -1,5 +1,5 @@
-//! Small logs and charts in every format that is read, and the stages that read them: what comes from elsewhere is read within
-//! its means, whatever stands in it.
+//! Small logs and charts in every supported format, and the stages that read them: foreign files are read within
+//! limits of time and memory, whatever their contents.
 
 use std::fs;
 use std::path::Path;
@@ -52,7 +52,7 @@ macro_rules! plan {
     };
 }
 
-/// A file that is damaged most of the time, and seldom what says how to read it.
+/// Mostly a data file is damaged, rarely its configuration.
 static STAGES: [Stage; 20] = [
     ingest!("csv", "a.csv", "a.csv", "a.csv", "ingest.toml"),
     ingest!("dated", "a.csv", "a.csv", "ingest.toml"),
@@ -91,7 +91,7 @@ fn write(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) {
     fs::write(path, bytes).unwrap();
 }
 
-/// What the logs hold: columns in SI units, one row a second.
+/// The logs: columns in SI units, one row per second.
 const COLUMNS: [&str; 5] = ["t", "u", "v", "r", "n"];
 
 fn rows() -> Vec<[f64; 5]> {
@@ -207,7 +207,7 @@ fn bag() -> Vec<u8> {
     bytes
 }
 
-/// A start that is nowhere deep enough: a plan is refused as soon as its chart has been read.
+/// A start without enough depth: the plan is refused as soon as its chart is read.
 fn plan_toml(chart: &str) -> String {
     let chart = SMALL.replace("file = \"land.geojson\"\nkind = \"land\"", chart);
     let deep = "margin_m = 20.0\ntransit_depth_m = 500.0\ntrial_depth_m = 500.0";
@@ -252,7 +252,7 @@ fn charts(folder: &TempDir) {
     put(folder, "README", "Logs and charts of tests.\n");
 }
 
-/// What a stranger's file may hold in place of `bytes`.
+/// A foreign file in place of `bytes`.
 pub fn strange(draw: &mut Draw, name: &str, bytes: &[u8]) -> Vec<u8> {
     let is_text = [".csv", ".asc", ".toml", ".geojson"].iter().any(|end| name.ends_with(end));
     match draw.below(8) {
@@ -307,8 +307,8 @@ fn healthy_logs_and_charts_of_every_format_are_read() {
     }
 }
 
-/// Logs and charts that were faults of other tools or of this one, where they are at hand: each folder of SEATRIAL_CORPUS
-/// has an `ingest.toml` or a `plan.toml`.
+/// Logs and charts that caused bugs of other tools or of this one, if available: each folder of SEATRIAL_CORPUS has
+/// an `ingest.toml` or a `plan.toml`.
 #[test]
 fn what_is_kept_elsewhere_is_read_within_its_means() {
     let Ok(corpus) = std::env::var("SEATRIAL_CORPUS") else {

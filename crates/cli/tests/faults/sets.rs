@@ -1,4 +1,4 @@
-//! Stages that are killed, fail, or are pointed where no file belongs: what stands in the folder afterwards belongs together.
+//! Stages that are killed, fail, or write to invalid paths: the files in the folder belong together afterwards.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,4 +1,4 @@
-//! What a stranger left in a folder: journals of sets that he made up, pipes under the names of files, locks.
+//! Foreign files in a folder: forged journals of sets, pipes with names of files, locks.
 
 #![cfg(unix)]
 
@@ -19,7 +19,7 @@ use crate::support::{DESIGN, ESTIMATE, MADE, SEATRIAL, put, run, with};
 
 const THESIS: &str = "ten years of work";
 
-/// A journal with the seal that it would have if it had been written here.
+/// A journal with a valid seal.
 fn sealed(renames: &str) -> String {
     let blank = format!("blake3:{}", "0".repeat(64));
     let text = format!("{{\"schema\": \"set/1\", \"seal\": \"{blank}\", \"renames\": [{renames}]}}");
@@ -27,8 +27,8 @@ fn sealed(renames: &str) -> String {
     text.replacen(&blank, &seal.to_string(), 1)
 }
 
-/// Journals that want files renamed: as they were before they had seals, and with a seal that fits. `home` is a folder beside
-/// that of the journal, and `elsewhere` in it a link to that.
+/// Journals that ask for renames: in the old format without seals, and with a valid seal. `home` is a folder next to
+/// that of the journal, and `elsewhere` in the latter a link to it.
 fn journals(home: &Path) -> Vec<String> {
     let digest = Digest::of_bytes(THESIS.as_bytes());
     let home = home.display();
@@ -43,13 +43,13 @@ fn journals(home: &Path) -> Vec<String> {
     let entry = |(from, to): &(String, String), digest| {
         sealed(&format!("{{\"from\": \"{from}\", \"to\": \"{to}\", \"digest\": \"{digest}\"}}"))
     };
-    // Of a file beside it that it knows, a sealed journal may say that it is given back: that is no attack.
+    // A sealed journal may restore a file next to it: that is no attack.
     let fitting = renames.iter().filter(|(from, _)| from != "thesis.docx").map(|own| entry(own, digest));
     let other = entry(&renames[3], Digest::of_bytes(b"another"));
     plain.chain(fitting).chain([other]).collect()
 }
 
-/// Plants every journal in `folder`, what they want renamed, and the link.
+/// Plants every journal in `folder`, the files to rename, and the link.
 fn plant(folder: &Path, home: &Path) {
     symlink(home, folder.join("elsewhere")).unwrap();
     symlink(home.join("thesis.docx"), folder.join("linked.docx")).unwrap();
@@ -59,7 +59,7 @@ fn plant(folder: &Path, home: &Path) {
     }
 }
 
-/// Whether all that strangers wanted renamed is where it was.
+/// Whether all files to rename are where they were.
 fn untouched(folder: &Path, home: &Path) -> bool {
     let is_there = |path: &Path| fs::read(path).is_ok_and(|bytes| bytes == THESIS.as_bytes());
     let alone = fs::read_dir(home).unwrap().count() == 1;
@@ -69,7 +69,7 @@ fn untouched(folder: &Path, home: &Path) -> bool {
             .all(|p| is_there(p))
 }
 
-/// A folder beside `folder` with a thesis.
+/// A folder next to `folder` with a thesis.
 fn home_of(folder: &Path) -> std::path::PathBuf {
     let home = folder.join("home");
     fs::create_dir(&home).unwrap();
@@ -107,7 +107,7 @@ fn verify_obeys_no_journal_and_says_that_it_is_none() {
     fs::create_dir(&folder).unwrap();
     fs::copy(top.path().join("design.json"), folder.join("design.json")).unwrap();
     plant(&folder, &home);
-    // One with a seal that fits, and plain names, cannot be told from ours: a run that was interrupted.
+    // One with a valid seal and plain names cannot be distinguished from an interrupted run.
     let said = run(&top, "verify results");
     assert_eq!(said.code, Some(3), "{said}");
     assert!(format!("{}{}", said.stdout, said.stderr).contains("a run that was interrupted"), "{said}");
@@ -158,7 +158,7 @@ fn verify_renames_nothing_of_a_set_that_is_half_named() {
     assert!(!said.stdout.contains("interrupted") && !said.stdout.contains("leftover"), "{said}");
 }
 
-/// Puts a pipe, which nobody writes, in place of a file.
+/// Replaces a file by a pipe without a writer.
 fn make_pipe(path: &Path) {
     let _ = fs::remove_file(path);
     assert!(Command::new("mkfifo").arg(path).status().unwrap().success());

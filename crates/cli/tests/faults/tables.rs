@@ -6,7 +6,7 @@ use crate::damage::{Draw, damaged_bytes};
 use crate::places::unsealed;
 use crate::support::craft::{self, Whole};
 
-/// What kind of table a file is, by what its name begins with.
+/// The kind of a table by the prefix of its name.
 const KINDS: [(&str, &str); 5] = [
     ("estimates", "estimates"),
     ("scores", "scores"),
@@ -38,7 +38,7 @@ pub fn damaged(draw: &mut Draw, name: &str, bytes: &[u8]) -> Vec<u8> {
         let column = draw.below(whole.schema.columns.len());
         let name = whole.schema.columns.get(column).map_or(String::new(), |column| column.name.clone());
         let rows = whole.blocks.iter().map(rows).min().unwrap_or(0);
-        // In half of the cases no value besides is replaced.
+        // In half of the cases no additional value is replaced.
         let name = if draw.below(2) == 0 || rows == 0 { String::new() } else { name };
         whole.write_foreign(&path, &name, draw.below(rows), value);
     } else {

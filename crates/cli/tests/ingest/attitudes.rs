@@ -4,8 +4,8 @@ use crate::runner::*;
 
 const CONFIG: [&str; 2] = ["--config", "ingest.toml"];
 
-/// Ten samples a second of a ship at 2 m/s that swings about a heading of a radian and heels a little: position, velocities
-/// along the ship's axes and along north and east, its attitude as a quaternion.
+/// Ten samples a second of a ship at 2 m/s that oscillates about a heading of a radian and heels a little: position,
+/// velocities along the ship's axes and along north and east, its attitude as a quaternion.
 fn swinging(rows: usize) -> String {
     let (mut x, mut y) = (0.0, 0.0);
     let mut csv = "t,x,y,u,v,north,east,r,w,qx,qy,qz\n".to_owned();
@@ -29,7 +29,7 @@ fn swinging(rows: usize) -> String {
     csv
 }
 
-/// A configuration for [`swinging`] with these channels beside positions and attitude.
+/// A configuration for [`swinging`] with these channels in addition to positions and attitude.
 fn with(channels: &[(&str, &str, &str)]) -> String {
     let channel = |(column, channel, unit): &(&str, &str, &str)| {
         format!("{{ column = \"{column}\", channel = \"{channel}\", unit = \"{unit}\" }}, ")
@@ -88,7 +88,7 @@ fn velocities_along_the_axes_of_the_earth_are_refused_as_such_of_the_ship_and_tu
 
 #[test]
 fn an_unwrapped_angle_in_radians_is_no_angle_in_degrees() {
-    // A direction that goes round and round, a azimuth in degrees that is said to be in radians.
+    // A direction that keeps rotating, an azimuth in degrees declared as radians.
     let row = |k: usize| {
         let t = 0.5 * k as f64;
         format!("{t},1,0.1,0.01,{},{},{}\n", 60 + k % 3, 0.2 * t, if k % 60 < 30 { 10.0 } else { -10.0 })

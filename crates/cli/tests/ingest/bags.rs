@@ -83,7 +83,7 @@ fn bags_of_one_run_are_one_recording() {
 fn several_publishers_of_a_topic_are_refused_until_one_is_named() {
     let channels = [("/gps_bow", 3), ("/gps_stern", 7)]
         .map(|(name, id)| channel(id, 0, "/s", "json", &[["callerid", name]]));
-    // The other one stands at the stern and has another speed.
+    // The other one is at the stern and has another speed.
     let both = (0..61).flat_map(|k| [message(3, k, &motion_in_json(k)), message(7, k, &motion_in_json(0))]);
     let both = bag(&[channels.to_vec(), both.collect()].concat());
     let pieces = ["publishers of topic `/s`", "`3` (callerid /gps_bow)", "/gps_stern", "`publisher = "];
@@ -145,7 +145,7 @@ fn lengths_that_lie_and_chunks_that_never_end_are_refused() {
     let end = lying.len() - 11;
     lying[end..end + 4].fill(0xFF);
     refused_soon(bag(&[lying]), &["a.mcap: file", "an end within a record"]);
-    // 100 MB of nothing in 3 kB, by runs of one byte: a record that nobody asks for.
+    // 100 MB of zeros in 3 kB, by runs of one byte: a record that is not requested.
     let size = 800 * (1 << 17) + 9_u64;
     let mut data = b"\x28\xB5\x2F\xFD\0\x38".to_vec();
     data.extend([[9 << 3, 0, 0].to_vec(), vec![0x80], (size - 9).to_le_bytes().to_vec()].concat());

@@ -1,4 +1,4 @@
-//! Channels that the vessel's file derives, beside those of the configuration.
+//! Channels that the vessel's file derives, in addition to those of the configuration.
 
 use crate::runner::*;
 

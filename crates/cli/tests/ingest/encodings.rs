@@ -1,4 +1,4 @@
-//! Text as it comes: encodings, ends of lines, what stands for no value, cells too many.
+//! Text in practice: encodings, line ends, missing values, too many cells.
 
 use std::fs;
 

@@ -1,5 +1,5 @@
-//! Healthy logs with one fault at random: the motion comes out as it was, or the log is refused, or what came out says what is
-//! wrong. `SEATRIAL_CASES` says how many of each kind are tried.
+//! Healthy logs with one fault at random: the motion is right, or the log is refused, or the output says what is
+//! wrong. `SEATRIAL_CASES` sets the number of each kind.
 
 use study::documents::WarningKind;
 
@@ -49,10 +49,10 @@ fn table() -> Vec<[f64; 8]> {
     rows.map(|([u, v, r, psi, delta, n], [x, y])| [x, y, u, v, r, psi, delta, n]).collect()
 }
 
-/// A log and what reads it.
+/// A log and its configuration.
 struct Log {
     rows: Vec<[f64; 8]>,
-    /// Keys of each channel beside those that [`CHANNELS`] say.
+    /// Keys of each channel in addition to [`CHANNELS`].
     keys: [String; 8],
     units: [&'static str; 8],
     /// Whether the places are read.
@@ -128,8 +128,8 @@ fn cases(kind: u64, case: impl Fn(&mut Random, &str)) {
     }
 }
 
-/// Places of `count` rows in a row.
-fn stretch(random: &mut Random, count: usize) -> std::ops::Range<usize> {
+/// Indices of `count` consecutive rows.
+fn row_range(random: &mut Random, count: usize) -> std::ops::Range<usize> {
     let first = random.below(62 - count);
     first..first + count
 }
@@ -160,7 +160,7 @@ fn numbers_that_stand_for_no_value_are_never_silent() {
         }
         for _ in 0..=random.below(3) {
             let count = 1 + random.below(3);
-            stretch(random, count).for_each(|row| log.rows[row][column] = none);
+            row_range(random, count).for_each(|row| log.rows[row][column] = none);
         }
         let channel = CHANNELS[column][1];
         not_silent(log.folder().path(), &[channel], &format!("{case}: {none} in {channel}"));
@@ -178,7 +178,7 @@ fn fixes_at_0_n_0_e_are_never_silent() {
             "6006.0000000,N,00000.0000000,E",
         ];
         let wrong = random.pick(&places);
-        for row in stretch(random, fixes) {
+        for row in row_range(random, fixes) {
             for body in &mut epochs[row].bodies {
                 *body = replaced(body, wrong);
             }
@@ -211,7 +211,7 @@ fn places_that_jump_are_never_silent() {
         let (metres, course) =
             (10_f64.powf(random.within(1.0, 5.0)), random.within(0.0, std::f64::consts::TAU));
         let fixes = [1, 2, 3, 5, 30][random.below(5)];
-        for row in stretch(random, fixes) {
+        for row in row_range(random, fixes) {
             log.rows[row][0] += metres * course.cos();
             log.rows[row][1] += metres * course.sin();
         }

@@ -1,4 +1,5 @@
-//! Logs as ships bring them (`fixtures/field`, written by scripts/field_logs.py): from file to trajectories, and what is refused.
+//! Logs as recorded on ships (`fixtures/field`, written by scripts/field_logs.py): from file to trajectories, and
+//! what is refused.
 
 use std::fs;
 
@@ -63,7 +64,7 @@ fn a_survey_vessels_sentences_become_trajectories() {
 
 #[test]
 fn a_bag_of_topics_on_their_own_clocks_becomes_trajectories() {
-    // The propeller's topic begins half a second late.
+    // The propeller's topic begins half a second later.
     let made = check("robot", 0.5, 239, [0.02, 0.001, 0.005]);
     let rates = |name: &str| {
         let recording = &made.summary.recordings[0];

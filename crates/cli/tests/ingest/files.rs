@@ -1,4 +1,4 @@
-//! What is read, left out and counted.
+//! Values that are read, left out and counted.
 
 use std::io::Write;
 
@@ -162,7 +162,7 @@ fn what_a_long_recording_puts_aside_changes_no_byte_and_leaves_no_file() {
         assert_eq!(ran.code, Some(0), "{}{}", ran.stdout, ran.stderr);
         ["made.parquet", "made-ingest.json"].map(|name| std::fs::read(folder.path().join(name)).unwrap())
     };
-    // The one fits what is held in memory; of the other twelve pieces are, and a piece is half a megabyte.
+    // One fits the memory limit; the other needs twelve chunks of half a megabyte.
     assert!(made(&[]) == made(&["--memory-mib", "48"]));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
 }

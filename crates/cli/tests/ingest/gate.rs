@@ -1,4 +1,4 @@
-//! What of a log counts for no value, and what is made of a log of which much did not.
+//! Values of a log that count as missing, and logs with many of them.
 
 use std::path::Path;
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::known::*;
 use crate::runner::*;
 
-/// Channel, reason and count of what was left out of the first recording.
+/// Channel, reason and count of the values that were left out of the first recording.
 fn omitted(made: &Made) -> Vec<(String, String, u64)> {
     let all = made.summary.recordings[0].omitted.iter();
     all.map(|one| (one.channel.clone(), one.reason.to_string(), one.count)).collect()
@@ -155,7 +155,7 @@ fn what_is_held_or_at_rest_is_not_frozen() {
 
 #[test]
 fn what_all_sensors_repeat_at_once_is_frozen() {
-    // A logger that hangs for 15 s while the ship moves: no sensor tells that the others stood still.
+    // A logger that hangs for 15 s while the ship moves: no sensor shows that the others stood still.
     let line = |k: u32| {
         let (t, from) = (f64::from(k) / 8.0, f64::from(if (160..280).contains(&k) { 160 } else { k }));
         let noise = |d: f64| 0.02 * (from * from * (1.3 + d)).sin();
@@ -164,7 +164,8 @@ fn what_all_sensors_repeat_at_once_is_frozen() {
     };
     let log = "t,u,v,r,n\n".to_owned() + &(0..800).map(line).collect::<String>();
     let made = read(folder(&[("ingest.toml", &config("")), ("a.csv", &log)]).path());
-    // What goes on nearly as it stood cannot be told from what became steady; one channel's gap splits the recording.
+    // A channel that continues nearly as it stood cannot be distinguished from a steady one; one channel's gap splits
+    // the recording.
     let found = omitted(&made);
     assert!(found.len() >= 2 && found.iter().all(|own| own.1 == "frozen" && own.2 == 119), "{}", made.line);
     assert!(made.line.contains("1 gaps that split a recording"), "{}", made.line);
@@ -187,7 +188,7 @@ fn the_vessels_range_counts_with_half_of_its_width_more() {
     assert_eq!(omitted(&ingest(log.path(), &["--config", "ingest.toml", "--vessel", "vessel.toml"])), vec![]);
 }
 
-/// Runs `seatrial` in `folder`; its exit code and what it said.
+/// Runs `seatrial` in `folder`; its exit code and output.
 fn stage(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_seatrial"));
     let ran = command.args(arguments).current_dir(folder).output().unwrap();

@@ -1,4 +1,4 @@
-//! Logs of a motion that is known at every moment, as sentences or CSV, and what `ingest` makes of them.
+//! Logs of a known motion, as sentences or CSV, and their ingestion.
 #![allow(dead_code)]
 
 use std::path::Path;
@@ -79,7 +79,7 @@ pub fn clock_from(start: usize, second: usize) -> String {
     format!("{:02}{:02}{:02}.00", now / 3600, now / 60 % 60, now % 60)
 }
 
-/// What was logged in one second.
+/// The sentences of one second.
 pub struct Epoch {
     /// Which.
     pub second: usize,
@@ -115,8 +115,8 @@ pub fn nmea(epochs: &[Epoch]) -> String {
     lines.collect()
 }
 
-/// What reads [`epochs`] from `*.nmea`: sentences of kind `clock` tell the time, `heading` is the heading's column; `file` are more
-/// keys of its `[[file]]`.
+/// The configuration for [`epochs`] from `*.nmea`: sentences of kind `clock` have the time, `heading` is the
+/// heading's column; `file` are more keys of its `[[file]]`.
 pub fn nmea_config(clock: &str, heading: &str, file: &str) -> String {
     format!(
         "sample_rate_hz = 1.0\nmax_gap_s = 1.5\naverage_s = 1.0\nvelocities = {{ method = \"smoother\", window_s = 5.0 }}\n\
@@ -130,7 +130,7 @@ pub fn nmea_config(clock: &str, heading: &str, file: &str) -> String {
     )
 }
 
-/// The columns of [`rows`] but for the time.
+/// The columns of [`rows`] without the time.
 pub const COLUMNS: [&str; 6] = ["u", "v", "r", "psi", "delta", "n"];
 
 /// Surge, sway \[m/s\], yaw rate \[rad/s\], heading, rudder \[deg\], propeller \[1/min\], one row a second from 0 to `seconds`.
@@ -153,7 +153,8 @@ pub fn csv(seconds: usize, time: impl Fn(usize) -> String) -> String {
     format!("t,{}\n{}", COLUMNS.join(","), lines.collect::<String>())
 }
 
-/// What reads [`csv`] from files `pattern`; `time` are the keys of its clock beside the column, `top` those before the files.
+/// The configuration for [`csv`] from files `pattern`; `time` are the keys of its clock besides the column, `top`
+/// those before the files.
 pub fn table_config(pattern: &str, time: &str, top: &str) -> String {
     format!(
         "sample_rate_hz = 1.0\nmax_gap_s = 1.5\n{top}\n[[file]]\npattern = [\"{pattern}\"]\n\
@@ -164,7 +165,7 @@ pub fn table_config(pattern: &str, time: &str, top: &str) -> String {
     )
 }
 
-/// Root mean squares of what the states are off the motion, `from` seconds after which the rows begin.
+/// Root mean squares of the states less the motion; the rows begin `from` seconds after it.
 pub fn off(made: &Made, from: f64) -> [f64; 3] {
     let times = made.f64("t");
     ["y_u", "y_v", "y_r"].map(|name| {
@@ -175,7 +176,7 @@ pub fn off(made: &Made, from: f64) -> [f64; 3] {
     })
 }
 
-/// Must be the motion within 0.02 m/s and 0.002 rad/s, in `rows` rows.
+/// Asserts that the states are the motion within 0.02 m/s and 0.002 rad/s, in `rows` rows.
 #[track_caller]
 pub fn healthy(made: &Made, rows: usize) {
     let [u, v, r] = off(made, 0.0);
@@ -183,7 +184,7 @@ pub fn healthy(made: &Made, rows: usize) {
     assert_eq!(made.rows, rows, "{}", made.line);
 }
 
-/// Runs `ingest` on what stands in `folder`, with its `ingest.toml`.
+/// Runs `ingest` on the files in `folder`, with its `ingest.toml`.
 #[track_caller]
 pub fn read(folder: &Path) -> Made {
     ingest(folder, &["--config", "ingest.toml"])

@@ -1,4 +1,5 @@
-//! Measured logs that are not part of the project: `../shared/data` beside it. Without them these tests say so and pass.
+//! Measured logs that are not part of the project: `../shared/data` next to it. Without them these tests say so and
+//! pass.
 
 use std::path::{Path, PathBuf};
 
@@ -37,7 +38,7 @@ fn all_logs_of_the_esso_osaka_model_are_taken() {
     let sum = |f: &dyn Fn(&RecordingSummary) -> u64| recordings.iter().map(f).sum::<u64>();
     assert_eq!(sum(&|r| r.rows.empty), 327, "zigzag_31-Jul-2020_13_50_28 ends in empty rows");
     assert_eq!(sum(&|r| r.rows.repeated + r.rows.without_time + r.rows.cut + r.splits), 0);
-    // Windows of a minute: what is left of each recording is shorter.
+    // Windows of a minute: the rest of each recording is shorter.
     assert_eq!(made.rows as u64, made.summary.samples + made.summary.runs);
     for r in recordings {
         let whole = (r.duration_s / 60.0 + 1e-6).floor() as u64;

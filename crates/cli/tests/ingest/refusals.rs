@@ -1,4 +1,4 @@
-//! What is refused: one line that names file, thing, found, expected and remedy; nothing is written.
+//! Refusals: one line that names file, thing, found, expected and remedy; nothing is written.
 
 use std::fs;
 use std::io::Write;

@@ -1,4 +1,4 @@
-//! Runs `ingest` and reads what it wrote.
+//! Runs `ingest` and reads its output.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,7 +14,7 @@ pub fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
 }
 
-/// What the program said.
+/// The output of the program.
 pub struct Ran {
     pub code: Option<i32>,
     pub stdout: String,
@@ -35,7 +35,7 @@ pub fn run(folder: &Path, arguments: &[&str]) -> Ran {
     Ran { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
 }
 
-/// What was written.
+/// The written files.
 pub struct Made {
     pub columns: BTreeMap<String, Column>,
     pub units: BTreeMap<String, String>,
@@ -64,7 +64,7 @@ impl Made {
     }
 }
 
-/// Runs `ingest` with `--config CONFIG` and more, writing into a folder of its own, and reads all of it.
+/// Runs `ingest` with `--config CONFIG` and more, writing into a separate folder, and reads all of it.
 #[track_caller]
 pub fn ingest(folder: &Path, more: &[&str]) -> Made {
     let out = tempfile::tempdir().unwrap();
@@ -76,7 +76,7 @@ pub fn ingest(folder: &Path, more: &[&str]) -> Made {
     made(&target, ran.stdout)
 }
 
-/// What was written into `target` and beside it, when the program said `line`.
+/// The files written into `target` and next to it, when the program printed `line`.
 pub fn made(target: &Path, line: String) -> Made {
     let reader = TableReader::open(target, "trajectories", 1).unwrap();
     assert_eq!(reader.blocks(), 1);

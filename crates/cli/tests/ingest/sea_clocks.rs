@@ -1,4 +1,4 @@
-//! Clocks as receivers have them: cold starts, no date, late sentences, midnights, leap seconds, weeks that begin anew.
+//! Clocks of receivers: cold starts, no date, late sentences, midnights, leap seconds, week rollovers.
 
 use crate::known::*;
 use crate::runner::*;
@@ -230,7 +230,7 @@ fn with_fault(draw: &mut Draw) -> (String, Vec<Epoch>, &'static str) {
     let start = if draw.below(2) == 0 { 86_400 - draw.between(1, 60) } else { draw.below(86_000) };
     let mut all = from(start, "310725", "010825");
     let place = usize::from(clock == "GGA");
-    // Nobody can know what a log lacks at its ends.
+    // Rows missing at the ends of a log cannot be detected.
     let at = draw.between(5, 50);
     let what = ["late", "void", "cold", "back", "lost", "ahead", "early"][draw.below(7)];
     match what {

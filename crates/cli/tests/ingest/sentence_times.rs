@@ -1,4 +1,4 @@
-//! Fields keep the time of their own sentence, whatever the order of sentences.
+//! Fields keep the time of their own sentence, for any order of sentences.
 
 use crate::known::*;
 use crate::runner::*;
@@ -46,7 +46,7 @@ fn a_place_that_comes_late_keeps_its_time() {
 
 #[test]
 fn places_faster_than_the_clock_keep_their_times() {
-    // Of every fifth second alone the clock tells the time.
+    // Only every fifth second has a clock sentence.
     let mut all = epochs(60);
     for epoch in all.iter_mut().filter(|epoch| epoch.second % 5 > 0) {
         epoch.bodies.remove(0);

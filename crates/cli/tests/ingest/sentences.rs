@@ -1,4 +1,4 @@
-//! Sentences as they come off a line: without ends of lines, without checksums, in other encodings, among others.
+//! Sentences as received: without ends of lines, without checksums, in other encodings, among others.
 
 use crate::known::*;
 use crate::runner::*;
@@ -96,7 +96,7 @@ fn law_a_line_that_spoils_sentences_is_never_silent() {
         let share = 0.02 * draw.share();
         let count = log.lines().count();
         for (k, line) in log.lines().enumerate() {
-            // Nobody can know what a log lacks at its ends.
+            // Rows missing at the ends of a log cannot be detected.
             if !(14..count - 14).contains(&k) || draw.share() >= share {
                 text += &format!("{line}\r\n");
                 continue;

@@ -1,4 +1,4 @@
-//! Text files as they come: without header, with other decimals, blanks or lines before the header.
+//! Text files in practice: without header, with other decimals, blanks or lines before the header.
 
 use crate::runner::*;
 

@@ -49,16 +49,16 @@ fn truth(name: &str, t: f64) -> f64 {
     }
 }
 
-/// Every run must be the motion from some second on: states within 0.02 m/s and 0.002 rad/s, inputs within 2 % of their range.
-/// Parts of the log have no quiet stretches to make up for quick ones: 0.03 m/s.
-/// Gives the second from which each run is the motion.
+/// Every run must be the motion from some second on: states within 0.02 m/s and 0.002 rad/s, inputs within 2 % of
+/// their range. Parts of the log have no quiet segments to compensate for fast ones: 0.03 m/s. Returns the second
+/// from which each run is the motion.
 #[track_caller]
 fn the_motion(made: &Made) -> Vec<usize> {
     assert_eq!(COLUMNS.len(), 6);
     let own = |run: i32, speed: f64| {
         let rows = made.rows_of(run);
         let off = |name: &str, from: usize| {
-            // Slopes of places are worse at the ends, where there are neighbours on one side alone.
+            // Slopes of places are worse at the ends, with neighbours on one side only.
             let inner = &rows[2..rows.len() - 2];
             let known = inner.iter().filter(|row| made.f64(name)[**row].is_finite());
             let squares: Vec<f64> = known

@@ -1,4 +1,4 @@
-//! A healthy log with one fault: what comes of it must be right, or refused, or counted by name.
+//! A healthy log with one fault: the result must be right, or the fault refused or counted by name.
 //!
 //! Each kind of fault is tried 25 times; SEATRIAL_CASES=1000 tries it more often, SEATRIAL_CASE=7:12 tries case 12 of kind 7
 //! alone, keeps its folder and prints where it is.
@@ -17,10 +17,10 @@ pub use crate::draw::Draw;
 use crate::known;
 use crate::runner::{Made, Ran, made, run};
 
-/// What became of a log.
+/// The outcome of a log.
 #[derive(Debug)]
 pub enum Verdict {
-    /// All rows, and what is in them is the known motion.
+    /// All rows, with the known motion.
     Healthy,
     /// Refused in one line, this one; nothing written.
     Refused(String),
@@ -61,7 +61,7 @@ impl Faulty {
         Self { what: what.into(), ..self }
     }
 
-    /// Writes its files and judges what `ingest` makes of them.
+    /// Writes its files and judges the result of `ingest`.
     fn judged(&self, folder: &Path) -> Verdict {
         for (name, bytes) in &self.files {
             let path = folder.join(name);
@@ -72,8 +72,8 @@ impl Faulty {
     }
 }
 
-/// What `ingest` makes of the logs in `folder`, which would be `rows` rows of the known motion; `named` are words one of
-/// which a count or a warning must have where they are not.
+/// The outcome of `ingest` on the logs in `folder`, which would be `rows` rows of the known motion; otherwise a count
+/// or a warning must have one of the words `named`.
 pub fn verdict(folder: &Path, rows: usize, named: &[&str]) -> Verdict {
     let out = tempfile::tempdir().unwrap();
     let target = out.path().join("trajectories.parquet");
@@ -88,7 +88,7 @@ pub fn verdict(folder: &Path, rows: usize, named: &[&str]) -> Verdict {
 fn of_refused(ran: Ran, wrote: bool) -> Verdict {
     let line = ran.stderr.trim_end().rsplit('\n').next().unwrap_or_default().to_owned();
     let parts = ["error: ", ": found ", ", expected ", "; "].iter().all(|part| line.contains(part));
-    // Paths of temporary folders come on top.
+    // Paths of temporary folders are extra.
     match parts && !wrote && line.chars().count() <= 600 && !line.contains("panicked") {
         true => Verdict::Refused(line),
         false => Verdict::Silent(format!("no good refusal: {}", ran.stderr)),
@@ -125,7 +125,7 @@ pub fn said(recording: &RecordingSummary) -> Vec<String> {
     omitted.chain(warnings).chain(rows).chain(splits).chain(missing).collect()
 }
 
-/// How far the states, the heading and the inputs may be off: m/s, m/s, rad/s, rad, rad, 1/s.
+/// Tolerances of the states, the heading and the inputs: m/s, m/s, rad/s, rad, rad, 1/s.
 const BOUNDS: [(&str, f64); 6] =
     [("y_u", 0.02), ("y_v", 0.02), ("y_r", 0.002), ("psi", 0.01), ("delta", 0.01), ("n", 0.05)];
 
@@ -141,7 +141,7 @@ fn truth(name: &str, t: f64) -> f64 {
     }
 }
 
-/// What is beyond the bounds: each run may begin at any whole second of the motion.
+/// The deviations beyond the tolerances: each run may begin at any whole second of the motion.
 fn off(made: &Made, rows: usize) -> Option<String> {
     let runs = made.i32("run").iter().copied().collect::<std::collections::BTreeSet<_>>();
     runs.into_iter().find_map(|run| {
@@ -152,12 +152,13 @@ fn off(made: &Made, rows: usize) -> Option<String> {
     })
 }
 
-/// The worst of what rows `own` are off the motion from second `from` on, in bounds, and in words where it is beyond one.
+/// The largest deviation of rows `own` from the motion from second `from` on, in tolerances, and in words if it
+/// exceeds one.
 fn beyond(made: &Made, own: &[usize], from: f64) -> (f64, Option<String>) {
     let times = made.f64("t");
     let of = |(name, bound): &(&str, f64)| {
         let values = made.columns.get(*name)?.as_f64()?;
-        // The inputs of the last row of a run hold for no sample, and may be unknown.
+        // The inputs of the last row of a run belong to no sample, and may be unknown.
         let rows = if ["delta", "n"].contains(name) { &own[..own.len() - 1] } else { own };
         let squares = rows.iter().map(|row| {
             let turns = std::f64::consts::TAU;
@@ -178,7 +179,7 @@ fn count() -> u64 {
     std::env::var("SEATRIAL_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(25)
 }
 
-/// The one case that is to be tried again, if it is of `kind`.
+/// The one case to retry, if it is of `kind`.
 fn again(kind: u64) -> Option<Range<u64>> {
     let wanted = std::env::var("SEATRIAL_CASE").ok()?;
     let (own, case) = wanted.split_once(':')?;
@@ -186,7 +187,7 @@ fn again(kind: u64) -> Option<Range<u64>> {
     Some(if own.parse() == Ok(kind) { case..case + 1 } else { 0..0 })
 }
 
-/// What became of the cases of a kind.
+/// The outcomes of the cases of a kind.
 #[derive(Debug, Default)]
 pub struct Tally {
     pub healthy: usize,
@@ -242,7 +243,7 @@ pub fn none_is_silent(kind: u64, fault: impl Fn(&mut Draw) -> Faulty + Sync) -> 
 fn law_a_row_of_a_table_that_is_lost_is_never_silent() {
     let config = known::table_config("*.csv", "unit = \"s\"", "");
     none_is_silent(1, |draw| {
-        // Nobody can know of rows before the first or after the last.
+        // Rows missing before the first or after the last cannot be detected.
         let (first, lost) = (draw.between(2, 60), draw.between(1, 6));
         let log = known::csv(60, |k| format!("{k}"));
         let lines = log.lines().enumerate().filter(|(k, _)| *k < first || *k >= first + lost);

@@ -3,7 +3,7 @@
 use crate::known::{csv, table_config};
 use crate::silent::{Faulty, none_is_silent};
 
-/// What reads the healthy table, with these keys of its clock and before its files.
+/// A faulty table, with these keys of its clock and before its files.
 fn faulty(time: &str, top: &str, log: impl Into<Vec<u8>>, rows: usize) -> Faulty {
     Faulty::new(&table_config("*.csv", time, top), "a.csv", log, rows)
 }
@@ -54,7 +54,7 @@ fn law_cells_that_are_none_or_too_many_are_never_silent() {
         let lines = table.lines().enumerate();
         let table: String =
             lines.map(|(k, text)| if k == line { with(text) } else { text.to_owned() } + "\n").collect();
-        // What the first or the last row lacks is beyond the ends of the log: nobody can know of it.
+        // Values missing from the first or last row are at the ends of the log and cannot be detected.
         faulty("unit = \"s\"", "", table, 61)
             .named(&["splits", "without_time", "no value"])
             .what(format!("`{word}` in line {line}, column {column}"))

@@ -1,11 +1,11 @@
-//! Files of formats that are not read, whatever they are called.
+//! Files of unsupported formats, under any name.
 
 use std::fs;
 
 use crate::known::*;
 use crate::runner::*;
 
-/// What other formats begin with, and what they are called.
+/// The first bytes of other formats, and their names.
 fn strangers() -> Vec<(Vec<u8>, &'static str)> {
     let filled = |head: &[u8]| [head, &[7; 600]].concat();
     let mut tar = vec![b'a'; 700];

@@ -1,4 +1,4 @@
-//! Clocks that begin anew, have a second 60, are set late or printed without zeros; recordings in several files.
+//! Clocks that restart, have a second 60, are set late or printed without zeros; recordings in several files.
 
 use crate::known::*;
 use crate::runner::*;
@@ -196,7 +196,7 @@ fn files_of_one_run_are_one_recording() {
             (1, "trial", 4)
         );
     }
-    // Names that count another way than the times do.
+    // Names in another order than the times.
     let parts = parts(&[30], |k| k.to_string());
     let config = config("unit = \"s\"");
     let other = [("ingest.toml", config.as_str()), ("trial_b.csv", &parts[0]), ("trial_a.csv", &parts[1])];

@@ -1,4 +1,4 @@
-//! One sensor for each channel of sentences: several talkers, headings that are none, two sensors under one name.
+//! One sensor for each channel of sentences: several talkers, missing headings, two sensors under one name.
 
 use tempfile::TempDir;
 
@@ -47,7 +47,7 @@ fn a_heading_of_two_talkers_is_refused() {
 fn a_preferred_talker_counts_and_the_next_fills_its_gaps() {
     let second = |body: &str| {
         let with = with_second(body, 0.0);
-        // The first is silent for eight seconds of its own.
+        // The first is silent for eight seconds.
         let silent = shown(body).is_some_and(|own| (90.0..110.0).contains(&own));
         with.into_iter().filter(|body| !(silent && body.starts_with("HEHDT"))).collect()
     };

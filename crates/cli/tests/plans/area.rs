@@ -1,4 +1,4 @@
-//! Areas that are polygons: the hull stays within them, and what is none is refused.
+//! Areas that are polygons: the hull stays within them, and invalid ones are refused.
 
 use crate::geometry::{Polygon, polygons_of};
 use crate::planned::*;

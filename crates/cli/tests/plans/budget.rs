@@ -1,4 +1,4 @@
-//! What a plan takes is told before the work, and every phase of it ends in time.
+//! The memory of a plan is reported before the work, and every phase of it ends in time.
 
 use std::collections::BTreeMap;
 
@@ -57,7 +57,8 @@ fn law_a_plan_goes_through_with_the_memory_that_its_refusal_tells() {
         let number = ran.stderr.split("which take ").nth(1).and_then(|after| after.split(' ').next());
         number.and_then(|text| text.parse().ok()).unwrap_or_else(|| panic!("{ran}"))
     };
-    // Rasters are known before the rehearsals, legs after them, the check when there is a plan.
+    // The size of rasters is known before the simulation of legs, that of legs after it, that of the check when there
+    // is a plan.
     let mut needed = 25;
     for _ in 0..4 {
         let ran = tried(needed);
@@ -91,7 +92,7 @@ pub fn peak_mib(folder: &TempDir, line: &str) -> (Option<i32>, f64) {
     }
 }
 
-/// A vessel of which hardly anything is known: after the first round there is no plan, so that of the first one is taken.
+/// A vessel with very uncertain parameters: after the first round there is no plan, so the first one is used.
 #[cfg(target_os = "linux")]
 #[test]
 fn law_a_plan_that_is_kept_although_unsafe_keeps_to_the_memory() {

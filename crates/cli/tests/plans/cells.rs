@@ -14,7 +14,7 @@ const CELL: &str = "ZZ5BAY01.000";
 const DEPTHS: (&str, &str) =
     ("margin_m = 20.0", "margin_m = 20.0\ntransit_depth_m = 6.0\ntrial_depth_m = 6.0");
 
-/// The small study on the cell of the bay with its updates; `keys` stand beside its name.
+/// The small study on the cell of the bay with its updates; `keys` follow its name.
 fn bay(keys: &str) -> TempDir {
     let folder = small_with(&[(OWN_CHART, &format!("file = \"{CELL}\"\n{keys}")), DEPTHS]);
     for suffix in ["000", "001", "002"] {
@@ -89,7 +89,7 @@ fn the_passage_tells_the_water_under_the_keel_and_the_nearest_danger() {
         assert!(number(&leg["nearest"]["distance_m"]) >= 20.0, "{leg}");
         assert!(leg["nearest"]["what"].as_str().is_some_and(|what| !what.is_empty()), "{leg}");
     }
-    // No charted danger is nearer to the track than the least that the passage tells, with 50 m of doubt.
+    // No charted danger is nearer to the track than the least distance in the passage plan, less 50 m of uncertainty.
     let least =
         legs.iter().map(|leg| leg["nearest"]["distance_m"].as_f64().unwrap()).fold(f64::INFINITY, f64::min);
     for danger in [[25.01, 60.005], [24.994, 60.0055], [24.99, 59.996], [24.992, 60.004]] {
@@ -194,7 +194,7 @@ fn keys_that_say_nothing_about_a_cell_are_refused() {
     refused(&small_with(&[high]), 3, PLAN, &["plan.toml", "hull.air_draught_m"]);
 }
 
-/// The figure: a plan among the wrecks of Chesapeake Bay keeps from each what its rule says.
+/// The figure: a plan among the wrecks of Chesapeake Bay keeps clear of each by its rule.
 #[test]
 fn a_plan_on_a_whole_cell_keeps_from_every_danger_what_its_rule_says() {
     let cell = repository().join("../shared/data/charts/enc/US4MD81M.000");

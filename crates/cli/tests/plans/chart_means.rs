@@ -1,4 +1,4 @@
-//! What charts take is bounded: grids are read by the window of the area, and refused before they are laid out.
+//! The memory of charts is bounded: grids are read in the window of the area, and refused before allocation.
 
 use std::io::{Seek, SeekFrom, Write};
 
@@ -7,7 +7,8 @@ use crate::planned::*;
 use crate::support::*;
 use crate::units::{METRES, SHOAL, over_a_shoal};
 
-/// A tile of 10,000 × 10,000 cells, of which the area has some thousands: the file is 200 MB of nothing but for the shoal.
+/// A tile of 10,000 × 10,000 cells, of which the area has some thousands: the file has 200 MB of zeros except for the
+/// shoal.
 #[cfg(target_os = "linux")]
 #[test]
 fn law_of_a_vast_tile_the_window_is_read() {
@@ -34,7 +35,7 @@ fn law_of_a_vast_tile_the_window_is_read() {
     run(&folder, PLAN).refuses(4, &SHOAL);
 }
 
-/// 16,000 × 16,000 cells within the area: more than fits is refused before any is read, for the file has none of them.
+/// 16,000 × 16,000 cells within the area: refused before any is read; the file does not contain them.
 #[test]
 fn a_grid_of_more_cells_than_fit_is_refused_before_it_is_read() {
     let cell_deg = 2.5e-6;

@@ -60,7 +60,7 @@ fn projected_coordinates_in_geojson_are_refused_as_mixed() {
     refused(&folder, 3, PLAN, &["land.geojson", "`crs`", "EPSG:3067", "ogr2ogr"]);
 }
 
-/// Whoever starts on the island is refused, however its chart is encoded, and whatever degrees it names.
+/// A start on the island is refused for any encoding of its chart, and any degrees that it names.
 #[test]
 fn islands_are_read_in_any_encoding_and_any_degrees_near_those_of_wgs84() {
     let ashore = ("longitude_deg = 24.985", "longitude_deg = 25.0");

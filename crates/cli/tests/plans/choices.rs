@@ -48,7 +48,7 @@ fn law_turns_as_secondary_never_turn_more_than_seconds_do() {
         assert_eq!(seconds.number("/cost"), clearance.number("/cost"));
         assert!(turns.turns() <= seconds.turns(), "{} {}", turns.turns(), seconds.turns());
         assert_eq!(turns.number("/secondary/value"), turns.turns() as f64);
-        // Durations on the lattice are those of legs rehearsed one by one; at sea they differ by a little.
+        // Durations on the lattice are those of legs simulated one by one; those of the whole plan differ a little.
         assert!(seconds.number("/voyage/duration_s") <= 1.1 * turns.number("/voyage/duration_s"));
         assert!(seconds.number("/secondary/value") <= 1.1 * turns.number("/voyage/duration_s"));
         for planned in [&seconds, &turns, &clearance] {
@@ -91,9 +91,9 @@ fn counts_follow_from_the_designs_shares_and_the_time_for_maneuvers() {
     let shares = json(&folder, "design.json")["data"]["shares"].take();
     run(&folder, &format!("{PLAN} --design design.json")).succeeds();
     let planned = Planned::of(&folder);
-    // Pieces of one period: 60 s, and 120 s for the 110 s that are asked for.
-    for (name, piece) in [("zig-zag-steep", 60.0), ("sway-zig-zag", 120.0)] {
-        let expected = (shares[name].as_f64().unwrap() * 700.0 / piece).round();
+    // Segments of one period: 60 s, and 120 s for the requested 110 s.
+    for (name, segment_s) in [("zig-zag-steep", 60.0), ("sway-zig-zag", 120.0)] {
+        let expected = (shares[name].as_f64().unwrap() * 700.0 / segment_s).round();
         assert!(expected >= 1.0, "{shares}");
         assert_eq!(planned.number(&format!("/counts/{name}")), expected, "{shares}");
     }

@@ -1,4 +1,4 @@
-//! Plans on cells as they come: updates anywhere in an exchange set, catalogues with checksums, whole folders.
+//! Plans on cells in practice: updates anywhere in an exchange set, catalogues with checksums, whole folders.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -54,7 +54,7 @@ fn stand(folder: &TempDir, place: &str, bytes: &[u8]) {
     fs::write(path, bytes).unwrap();
 }
 
-/// Cell and updates, each in the folder that `place` says.
+/// Cell and updates, each in the folder of `place`.
 fn bay_in(folder: &TempDir, place: impl Fn(usize) -> String) {
     for (number, suffix) in ["000", "001", "002"].into_iter().enumerate() {
         stand(folder, &format!("{}{STEM}.{suffix}", place(number)), &of_bay(suffix));
@@ -77,7 +77,7 @@ fn exchange_set(folder: &TempDir, change: impl Fn(&str, Vec<u8>) -> Vec<u8>) {
 
 const IN_SET: &str = "ENC_ROOT/US/ZZ5BAY01/2/0/ZZ5BAY01.000";
 
-/// What is told of the first chart of a plan.
+/// The notes on the first chart of a plan.
 fn notes(folder: &TempDir) -> String {
     let chart = &Planned::of(folder).plan["charts"][0];
     chart["notes"].as_array().into_iter().flatten().filter_map(Value::as_str).collect::<Vec<_>>().join("; ")
@@ -97,7 +97,7 @@ impl Draw {
     }
 }
 
-/// Wherever the updates stand, they are applied: the ship does not start over the wreck.
+/// Updates are applied wherever they are: the ship does not start over the wreck.
 #[test]
 fn law_a_shoal_of_an_update_is_seen_wherever_the_update_stands() {
     for seed in 0..25 {
@@ -140,7 +140,7 @@ fn law_a_shoal_of_an_update_is_seen_wherever_the_update_stands() {
             let listed: Vec<(&str, &str)> = listed.iter().map(|(file, crc)| (&**file, &**crc)).collect();
             stand(&folder, &format!("{root}catalog.031"), &catalogue(&listed));
         }
-        // Around it: another cell, its update, an update of an older edition, and one of the updates once more.
+        // Next to it: another cell, its update, an update of an older edition, and one of the updates once more.
         let other = |suffix: &str| {
             changed(changed(of_bay(suffix), STEM.as_bytes(), b"ZZ5BAY99"), b"7.5\x1f", b"9.5\x1f")
         };
@@ -262,7 +262,7 @@ fn law_damage_inside_records_is_seen_where_there_is_a_catalogue() {
         toml::from_str(&fs::read_to_string(folder.path().join("plan.toml")).unwrap()).unwrap();
     let budget = Budget::new(None);
     let (plane, bounds) = (Plane::new(25.0, 60.0).unwrap(), Bounds::new([-1e4; 2], [1e4; 2]).unwrap());
-    let means = Means { area: (&plane, &bounds), budget: &budget, go_on: &|| true };
+    let means = Means { area: (&plane, &bounds), budget: &budget, keep_going: &|| true };
     let read = || {
         let mut provenance = Provenance::default();
         read_charts(&folder.path().join("plan.toml"), &config, &means, &mut provenance).map(|_| ())
@@ -316,7 +316,7 @@ fn a_turbine_beside_the_start_is_in_the_way_and_one_on_land_is_not() {
     assert_eq!((&class["ignored"], &class["reasons"]["on land"]), (&1.into(), &1.into()));
 }
 
-/// Tells of where a file is looked for that is not there.
+/// The refusal of a missing file says where it was searched.
 #[test]
 fn a_cell_that_is_not_there_is_refused_as_before() {
     let folder = study_on("ZZ5BAY01.000", 6.0);

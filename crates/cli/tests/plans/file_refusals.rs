@@ -212,7 +212,7 @@ fn counts_that_want_a_design_say_so() {
     refused_or_planned(&folder, &line);
 }
 
-/// A time too short for one use leaves the other maneuver, or says which counts are left.
+/// A time too short for one use leaves the other maneuver, or is refused with the remaining counts.
 fn refused_or_planned(folder: &tempfile::TempDir, line: &str) {
     let ran = run(folder, line).succeeds();
     assert_eq!(json(folder, "plan.json")["data"]["counts"]["sway-zig-zag"], 1, "{ran}");
@@ -308,7 +308,7 @@ fn inputs_are_not_overwritten() {
     for input in ["vessel.toml", "plan.toml", "dictionary.parquet"] {
         refused(&small(), 2, &PLAN.replace("--out plan.json", &format!("--out {input}")), &["--out", input]);
     }
-    // A chart under the name of what is written beside plan.json.
+    // A chart with the name of a file written next to plan.json.
     let folder = small_with(&[("land.geojson", "track.geojson")]);
     std::fs::rename(folder.path().join("land.geojson"), folder.path().join("track.geojson")).unwrap();
     refused(&folder, 2, PLAN, &["--out", "track.geojson"]);

@@ -69,7 +69,7 @@ impl Sums {
         Self([5, 4, 4].map(|n| vec![vec![0.0; n]; n]))
     }
 
-    /// Adds a stretch, `times` over: instruments are `ship` under the same inputs from the same state.
+    /// Adds a segment, `times` times: instruments are `ship` under the same inputs from the same state.
     pub fn add(&mut self, ship: &Ship, states: &[Three], inputs: &[Three], times: f64) {
         let instruments = ship.simulate(states[0], inputs);
         for ((state, instrument), row) in states.iter().zip(&instruments).zip(inputs) {

@@ -41,7 +41,7 @@ fn law_a_track_across_the_antimeridian_is_cut_there() {
     assert!(parts.iter().flat_map(|part| part.windows(2)).all(|w| (w[0][0] - w[1][0]).abs() < 1.0));
 }
 
-/// At 80 degrees north, 1 km east of the area's middle, true north is 0.3 degrees off the grid's.
+/// At 80 degrees north, 1 km east of the area's centre, true north is 0.3 degrees off the grid's.
 #[test]
 fn headings_are_true_and_not_the_grids() {
     let land = ISLAND.replace("24.998", "24.994").replace("25.002", "25.006");

@@ -45,7 +45,7 @@ pub struct Basin {
 }
 
 impl Basin {
-    /// 60 × 60 cells of 0.001 degrees from 24.88 E 60.08 N: 20 m deep, 3 m about the middle, one cell without data.
+    /// 60 × 60 cells of 0.001 degrees from 24.88 E 60.08 N: 20 m deep, 3 m near the centre, one cell without data.
     pub fn with_a_shoal() -> Self {
         let cell = |k: usize| {
             let (row, column) = (k / 60, k % 60);
@@ -65,7 +65,7 @@ impl Basin {
     }
 }
 
-/// How depths become the numbers of a file.
+/// The encoding of depths as numbers of a file.
 #[derive(Clone, Debug)]
 pub struct Packed {
     pub numbers: Numbers,
@@ -75,7 +75,7 @@ pub struct Packed {
     pub up: bool,
     pub scale: f64,
     pub offset: f64,
-    /// What stands for no data.
+    /// The value for no data.
     pub missing: f64,
 }
 
@@ -106,7 +106,7 @@ pub fn ascii(basin: &Basin, packed: &Packed, no_data: &str) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// A GeoTIFF in strips of seven rows; `metadata` as GDAL writes it, `keys` beside those of WGS84.
+/// A GeoTIFF in strips of seven rows; `metadata` as GDAL writes it, `keys` in addition to those of WGS84.
 pub fn tiff(
     basin: &Basin,
     packed: &Packed,
@@ -193,7 +193,7 @@ pub fn netcdf(basin: &Basin, packed: &Packed, said: &[(&str, Said)], southward: 
     out
 }
 
-/// All of such a file that stands before its numbers, of `rows` and `columns`.
+/// The header of such a file, of `rows` and `columns`.
 pub fn netcdf_before(
     basin: &Basin,
     [rows, columns]: [usize; 2],

@@ -1,4 +1,4 @@
-//! How the vessel is handled: what follows from it, and what it cannot do.
+//! The handling of the vessel: its consequences and limits.
 
 use crate::planned::*;
 use crate::support::*;
@@ -14,7 +14,7 @@ fn handling_that_is_left_out_follows_from_the_vessel_and_both_are_told() {
     for key in ["crawl_m_s", "acceleration_m_s2", "response_s", "lookahead_m"] {
         assert_eq!(used[key], derived[key], "{handling}");
     }
-    // One and a half lengths of 30 m at 1.5 m/s. Turns of four lengths' radius, and how far ahead they can follow: 2/(3√3) of it.
+    // One and a half lengths of 30 m at 1.5 m/s. Turns of four lengths' radius, and their lookahead: 2/(3√3) of it.
     assert_eq!(used["response_s"], 30.0);
     let ahead_m = 4.0 * 30.0 * 2.0 / (3.0 * 3.0_f64.sqrt());
     assert!((used["lookahead_m"].as_f64().unwrap() - ahead_m).abs() < 1e-9, "{handling}");
@@ -29,7 +29,7 @@ fn a_vessel_that_cannot_hold_its_track_is_refused_in_one_line() {
         edit(&folder, "vessel.toml", "unit = \"kN m\"", &format!("unit = \"kN m\"\n{keys}"));
         folder
     };
-    // Hardly any moment, and one that comes far too late.
+    // Hardly any yaw moment, and one that responds far too late.
     for (keys, pieces) in [
         ("range = [-1e-6, 1e-6]", ["plan.toml", "`handling.turn_rate_rad_s`", "the nominal vessel"]),
         (

@@ -132,7 +132,7 @@ fn law_informative_steps_are_primitives_of_the_list() {
             let moved = [&own["di"], &own["dj"], &own["to_h"]].map(|n| n.as_i64().unwrap());
             assert_eq!(moved, [to_i - i, to_j - j, to_h], "{step}");
             assert!(own["fits"].as_u64() > Some(0) && own["maneuver_s"] == leg["maneuver_s"], "{own}");
-            // At least one of those who rehearse it is in the strongest current, which nobody corrects in a maneuver.
+            // At least one of the sampled vessels is in the strongest current, which is not corrected in a maneuver.
             let drift =
                 own["maneuver_s"].as_f64().unwrap() * planned.number("/voyage/check/unknown_current_m_s");
             assert!(own["spread_m"].as_f64().unwrap() > 0.5 * drift, "{own}");
@@ -216,7 +216,7 @@ fn speeds(planned: &Planned) -> impl Iterator<Item = (f64, [f64; 3])> {
 fn the_vessel_is_about_as_fast_as_its_mode_under_way_when_a_leg_begins() {
     for planned in all() {
         for (wanted, [u, v, r]) in speeds(planned).filter(|(wanted, _)| *wanted > 0.0) {
-            // The tolerances that plan.toml leaves as they are.
+            // The default tolerances of plan.toml.
             let settled = (u - wanted).abs() < 0.1 && v.abs() < 0.25 && r.abs() < 0.0075;
             assert!(settled, "{wanted}: {u} {v} {r}");
         }
@@ -257,7 +257,7 @@ fn oracle_the_hull_keeps_the_clearance_that_the_check_tells() {
         }
         let told = planned.number("/voyage/check/clearance_m");
         assert_eq!(planned.voyage()["check"]["clear"], true);
-        // What is told is a lower bound, up to two diagonals of raster cells (30 m) below the truth.
+        // The reported distance is a lower bound, up to two diagonals of raster cells (30 m) below the truth.
         assert!(told <= least + 0.5 && least < told + 85.0, "{told} of {least}");
         assert!(least >= 50.0 && planned.number("/voyage/check/shortfall_m") == 0.0, "{least}");
     }

@@ -1,4 +1,4 @@
-//! The library's plan beside the program's.
+//! The library's plan equals the program's.
 
 use seatrial::{ChartedTrial, Generator, Search, Vessel, undisturbed};
 use study::documents::PlanDocument;

@@ -1,4 +1,4 @@
-//! What the planned track tells of the parameters, summed up again from its rows.
+//! The information of the planned track, summed again from its rows.
 
 use approx::assert_relative_eq;
 
@@ -70,7 +70,7 @@ fn oracle_predicted_information_adds_up_pieces_of_the_dictionary() {
             sums.add(&ship, &states, &inputs, count.as_f64().unwrap());
         }
         let told = |key: &str| planned.number(&format!("/voyage/information/{key}"));
-        // The pieces alone hardly excite surge: the determinant loses digits.
+        // The segments alone hardly excite surge: the determinant loses digits.
         assert_relative_eq!(told("predicted_log_det"), sums.log_det(), max_relative = 1e-5);
         let efficiency = ((told("realised_log_det") - sums.log_det()) / 13.0).exp();
         assert_relative_eq!(told("efficiency"), efficiency, max_relative = 1e-5);

@@ -12,7 +12,7 @@ use crate::support::*;
 
 pub const SOLVE: &str = "plan --problem problem.json --out plan.json";
 
-/// The problems of the repository and, where they are, the shared ones.
+/// The problems of the repository and, if available, the shared ones.
 fn problems() -> Vec<PathBuf> {
     let shared = repository().join("../shared/data/lattice");
     let folders = [repository().join("fixtures/lattice"), shared];
@@ -28,10 +28,10 @@ fn problems() -> Vec<PathBuf> {
     files
 }
 
-/// Makes the plan's moves one after the other on the problem's map: what they cost.
+/// Replays the plan's moves on the problem's map, and returns their cost.
 ///
 /// # Panics
-/// At the first move that the problem does not allow, and where the plan does not end as it should.
+/// At the first move that the problem does not allow, and at a wrong end.
 pub fn replay(problem: &Value, plan: &Value) -> f64 {
     let numbers =
         |v: &Value| -> Vec<i64> { v.as_array().unwrap().iter().map(|n| n.as_i64().unwrap()).collect() };

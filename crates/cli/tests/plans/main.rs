@@ -1,5 +1,5 @@
-//! `plan`, and what follows from its files, through the real binaries. What the tests compare with is computed here
-//! anew: replays of plans, the vessel's motion, its information, the chart.
+//! `plan`, and the use of its files, through the real binaries. The expected values are computed independently:
+//! replays of plans, the vessel's motion, its information, the chart.
 
 #[path = "../../../enc/tests/all/made.rs"]
 mod made;

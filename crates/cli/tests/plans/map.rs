@@ -1,4 +1,4 @@
-//! `map.json`: all that the map takes, for whoever draws it again.
+//! `map.json`: everything needed to draw the map again.
 
 use std::collections::BTreeSet;
 
@@ -46,7 +46,7 @@ fn a_map_has_shades_limits_and_an_origin() {
     assert_eq!(depths, [(MapClass::Depth, Some(3.0)), (MapClass::Depth, Some(20.0))]);
     assert_eq!((map.speed_limits.len(), map.areas.len(), map.margins.len()), (1, 1, 2));
     assert!(map.areas.iter().all(|area| area.class == MapClass::Land));
-    // The origin is the middle of the area; the track begins where the plan does, and goes through every sample.
+    // The origin is the centre of the area; the track begins where the plan does, and goes through every sample.
     assert!((map.longitude_deg - 25.0).abs() < 1e-9 && (map.latitude_deg - 60.0).abs() < 1e-9);
     let [start, goal] = [map.start.unwrap(), map.goal.unwrap()];
     let [first, .., last] = &planned.track.pose[..] else { panic!("no track") };
@@ -83,7 +83,7 @@ fn runs_that_do_not_fill_their_raster_are_refused_and_so_are_lines_with_a_loose_
     );
 }
 
-/// What of `value` breaks `schema`, whose definitions are `all`.
+/// The violations of `schema`, with the definitions `all`, in `value`.
 fn broken(value: &Value, schema: &Value, all: &Value, path: &str) -> Vec<String> {
     if let Some(name) = schema["$ref"].as_str().and_then(|own| own.strip_prefix("#/$defs/")) {
         return broken(value, &all[name], all, path);

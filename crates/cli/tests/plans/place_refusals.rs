@@ -1,4 +1,4 @@
-//! Trials that cannot be: no water, no room, no way. Exit code 4, or 3 where plan.toml itself makes no sense.
+//! Infeasible trials: no water, no space, no way. Exit code 4, or 3 if plan.toml itself is invalid.
 
 use crate::planned::*;
 use crate::support::*;
@@ -64,7 +64,7 @@ fn places_off_the_chart_are_refused() {
 
 #[test]
 fn a_start_without_room_to_turn_says_where_the_nearest_room_is() {
-    // A pond: room for the hull at rest, none for a turn of 30 m and a margin, nor a way ahead.
+    // A pond: space for the hull at rest, but not for a turn of 30 m and a margin, or a way ahead.
     let folder = small_with(&[(START, &at(25.0, 60.0))]);
     put(&folder, "land.geojson", &ring(25.0006, 60.0005, 0.0006, 0.004));
     let ran = run(&folder, PLAN);

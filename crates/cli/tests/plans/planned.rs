@@ -1,4 +1,4 @@
-//! Studies that are planned, and what `plan` writes of them.
+//! Planned studies, and the files of `plan`.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ use crate::support::*;
 pub const PLAN: &str =
     "plan --vessel vessel.toml --trajectories dictionary.parquet --config plan.toml --out plan.json";
 
-/// What `plan` writes.
+/// The files that `plan` writes.
 pub const PLANNED: [&str; 10] = [
     "plan.json",
     "track.parquet",
@@ -27,7 +27,7 @@ pub const PLANNED: [&str; 10] = [
     "map.svg",
 ];
 
-/// A plan of two maneuvers around an island, in a moment.
+/// A plan of two maneuvers around an island, which is fast.
 pub const SMALL: &str = r#"cell_m = 120.0
 headings = 4
 uncharted = "water"
@@ -247,7 +247,7 @@ impl Track {
         begins.chain([last]).collect()
     }
 
-    /// Rows of every stretch that is one informative maneuver.
+    /// Rows of every informative maneuver.
     pub fn stretches(&self) -> Vec<std::ops::Range<usize>> {
         let mut found: Vec<std::ops::Range<usize>> = Vec::new();
         for row in (0..self.inputs.len()).filter(|row| self.informative[*row]) {

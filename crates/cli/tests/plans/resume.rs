@@ -24,11 +24,11 @@ fn planned() -> TempDir {
     folder
 }
 
-/// Where step `k` begins, as `--from`.
+/// The start of step `k`, as `--from`.
 fn begin(plan: &Value, k: usize) -> String {
     let leg = &plan["data"]["voyage"]["legs"][k];
     let mode = plan["data"]["steps"][k]["from"]["mode"].as_str().unwrap();
-    // Without rest in the study's own words: a place at rest names no mode.
+    // A position at rest names no mode.
     let mode = if mode == "at rest" { String::new() } else { format!(",{mode}") };
     format!("{},{},{}{mode}", leg["longitude_deg"], leg["latitude_deg"], leg["heading_deg"])
 }
@@ -68,7 +68,7 @@ fn law_the_rest_begins_where_the_ship_is() {
         let [x, y] = local_m(at, found);
         assert!(x.hypot(y) < 0.01, "{x} {y}");
         assert_eq!(rest["data"]["counts"], plan["data"]["counts"]);
-        // Home is where the whole trial began, to a node of the moved lattice.
+        // Home is the start of the whole trial, up to a node of the moved lattice.
         let end = rest["data"]["voyage"]["passage"]["legs"].as_array().unwrap().last().unwrap();
         let end = ["longitude_deg", "latitude_deg"].map(|key| end[key].as_f64().unwrap());
         let [x, y] = local_m([24.985, 60.0], end);

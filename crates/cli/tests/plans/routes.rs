@@ -1,4 +1,4 @@
-//! Routes and tracks for others, read back by readers that are not ours.
+//! Routes and tracks in other formats, read back by foreign readers.
 
 use geojson::{FeatureCollection, GeometryValue};
 use rusqlite::Connection;
@@ -26,7 +26,7 @@ fn metres(a: [f64; 2], b: [f64; 2]) -> f64 {
     x.hypot(y)
 }
 
-/// The waypoints of the passage that the plan tells.
+/// The waypoints of the passage in the plan.
 fn waypoints(planned: &Planned) -> Vec<[f64; 2]> {
     let passage = &planned.plan["voyage"]["passage"];
     let place = |own: &serde_json::Value| [number(own, "longitude_deg"), number(own, "latitude_deg")];
@@ -54,7 +54,7 @@ fn law_the_passage_goes_from_node_to_node_and_turns_between_them() {
         for (leg, place) in passage.iter().zip(&places[1..]) {
             assert!(is_node(*place) || leg["turn_radius_m"].is_number(), "{leg}");
         }
-        // Every maneuver that goes somewhere stands in the passage, in the order of the plan.
+        // Every maneuver that moves is in the passage, in the order of the plan.
         let told: Vec<&str> = passage
             .iter()
             .flat_map(|leg| leg["then"].as_array().unwrap().iter().rev().chain([&leg["what"]]))
@@ -79,7 +79,7 @@ fn law_the_track_keeps_within_the_cross_track_distances() {
         let places = waypoints(planned);
         let passage = planned.plan["voyage"]["passage"]["legs"].as_array().unwrap();
         for place in &planned.track.place {
-            // Within the corridor of some leg: beside it, or off one of its ends.
+            // Within the corridor of some leg: abeam of it, or off one of its ends.
             let within = places.windows(2).zip(passage).any(|(ends, leg)| {
                 let ([x, y], [to_x, to_y]) = (local_m(ends[0], *place), local_m(ends[0], ends[1]));
                 let length = to_x.hypot(to_y);
@@ -233,7 +233,7 @@ fn the_geopackage_has_the_passage_and_the_track_as_styled_layers() {
         for style in texts("SELECT styleQML FROM layer_styles") {
             assert_eq!(read(&style).name, "qgis");
         }
-        // What follows a geometry's header: extent, kind, count and points.
+        // The data after a geometry's header: extent, kind, count and points.
         let points = |layer: &str, before: usize| -> Vec<Vec<[f64; 2]>> {
             let mut query = package.prepare(&format!("SELECT geom FROM {layer} ORDER BY fid")).unwrap();
             let blobs = query.query_map([], |row| row.get::<_, Vec<u8>>(0)).unwrap().map(Result::unwrap);

@@ -1,4 +1,4 @@
-//! What the check of a plan finds, what follows from it, and what is charted as a point or a line.
+//! The check of a plan, its consequences, and dangers charted as a point or a line.
 
 use std::fs;
 
@@ -9,11 +9,11 @@ use crate::planned::*;
 use crate::support::*;
 use crate::xml::read;
 
-/// Beside the island: where the small plan begins.
+/// Next to the island: the start of the small plan.
 const START: &str = "longitude_deg = 24.985\nlatitude_deg = 60.0";
 const OWN_CHART: &str = "[[chart]]\nfile = \"land.geojson\"\nkind = \"land\"";
 
-/// The small study with a vessel of which hardly anything is known.
+/// The small study with a vessel with very uncertain parameters.
 fn strained() -> TempDir {
     small_with(&[("runs = 4", "runs = 1000\nparameter_error = 0.9"), ("margin_m = 20.0", "margin_m = 60.0")])
 }
@@ -78,8 +78,8 @@ fn law_the_interval_of_the_share_aground_is_wilsons() {
             assert!(((p - share).powi(2) - z2 * p * (1.0 - p) / n).abs() < 1e-9, "{check}");
         }
         assert!(interval[0] <= share && share <= interval[1] && check["seed"] == 1);
-        // Were going aground as probable as the bound, none in so many would be this improbable: half of 5 % in the first
-        // round, half of that in the next.
+        // If going aground were as probable as the bound, no case in so many runs would have this probability: half
+        // of 5 % in the first round, half of that in the next.
         let doubt = 0.05 * 0.5_f64.powf(number("rounds"));
         for (bound, independent) in [("aground_bound", n), ("aground_bound_by_vessels", number("vessels"))] {
             assert!(((1.0 - number(bound)).powf(independent) - doubt).abs() < 1e-9, "{check}");
@@ -96,7 +96,7 @@ fn the_check_sails_no_true_parameters_but_draws_them_within_the_stated_error() {
             serde_json::from_value(planned.voyage()["check"]["clearance_quantiles_m"].clone()).unwrap();
         (planned.number("/voyage/check/clearance_m"), all)
     };
-    // The vessel's true parameters are not the nominal ones, and would lead elsewhere.
+    // The vessel's true parameters are not the nominal ones, and would give another track.
     let (clearance, runs) = quantiles("0.0");
     assert_eq!(runs, [clearance; 3]);
     let (clearance, runs) = quantiles("0.5");
@@ -109,7 +109,7 @@ fn the_areas_edge_is_no_obstacle_and_nobody_crosses_it() {
         (START, "longitude_deg = 24.9815\nlatitude_deg = 59.994"),
         ("runs = 4", "runs = 32\nparameter_error = 0.5"),
     ]);
-    // The island is farther away than anything is measured.
+    // The island is beyond the measured distances.
     let far = [("24.998", "25.0165"), ("25.002", "25.0185"), ("59.999", "60.0065"), ("60.001", "60.0085")];
     let land = far.iter().fold(ISLAND.to_owned(), |land, (from, to)| land.replace(from, to));
     put(&folder, "land.geojson", &land);
@@ -139,7 +139,8 @@ fn law_as_many_runs_leave_what_is_read_of_the_chart_as_drift_off_it() {
     let planned = Planned::of(&folder);
     let check = &planned.voyage()["check"];
     assert!(check["aground"] == 0 && check["clearance_m"] == check["sight_m"], "{check}");
-    // Without corrections a vessel of known parameters goes the nominal way and drifts: there is nothing else to touch.
+    // Without corrections a vessel with known parameters follows the nominal track and drifts: there is no other
+    // deviation.
     let lattice = |key: &str| planned.number(&format!("/voyage/lattice/{key}"));
     let first = [lattice("longitude_deg"), lattice("latitude_deg")];
     let edges = |nodes: &str| [-500.0, lattice("cell_m") * lattice(nodes) + 500.0];
@@ -174,7 +175,7 @@ fn east_north_m(from: [f64; 2], [lon, lat]: [f64; 2]) -> [f64; 2] {
     [east, north].map(|angle| 6_371_000.0 * angle)
 }
 
-/// The small study with a chart `[[chart]]` of dangers beside the land, at a place near its start.
+/// The small study with a chart `[[chart]]` of dangers in addition to the land, at a place near its start.
 fn dangers(keys: &str, depth: &str) -> TempDir {
     let chart = format!("{OWN_CHART}\n[[chart]]\nfile = \"wrecks.geojson\"\n{keys}");
     let folder = small_with(&[

@@ -1,4 +1,4 @@
-//! The same files, whatever the number of threads.
+//! The same files for any number of threads.
 
 use crate::planned::*;
 use crate::support::*;
@@ -25,7 +25,8 @@ fn law_same_seed_same_bytes_other_seed_other_currents() {
     assert!(first == seeded(7), "the same seed gives other bytes");
     let differ: Vec<&str> =
         (0..PLANNED.len()).filter(|i| first[*i] != second[*i]).map(|i| PLANNED[i]).collect();
-    // Others rehearse and sail: the check, the corridors and the map tell of them, and a leg may have to be longer.
+    // Other vessels are sampled: the check, the corridors and the map depend on them, and a leg may have to be
+    // longer.
     assert!(["plan.json", "route.rtz", "map.svg"].iter().all(|name| differ.contains(name)), "{differ:?}");
 }
 

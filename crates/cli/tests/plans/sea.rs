@@ -71,7 +71,7 @@ fn law_simulated_inputs_are_the_tracks_and_start_at_its_state() {
 
 #[test]
 fn law_shards_of_the_planned_trial_gather_to_the_same_bytes() {
-    // More runs than one block holds.
+    // More runs than one block has.
     let folder = sailed(150);
     run(&folder, SIMULATE).succeeds();
     let whole = bytes(&folder, "planned.parquet");

@@ -1,4 +1,4 @@
-//! Slots that a trial has to take place in: by times, and by daylight.
+//! Time slots of trials: by times, and by daylight.
 
 use crate::planned::*;
 use crate::support::*;

@@ -1,4 +1,4 @@
-//! Maneuvers whose inputs stand in tables, sailed on a chart.
+//! Maneuvers with inputs from tables, planned on a chart.
 
 use crate::planned::*;
 use crate::support::*;
@@ -30,7 +30,7 @@ fn law_a_table_is_sailed_whole_as_it_is_written() {
     let stretches = planned.track.stretches();
     let own: Vec<_> = stretches.iter().filter(|s| planned.track.maneuver[s.start] == "recorded").collect();
     assert_eq!(own.len(), 1);
-    // It may be sailed to the other side.
+    // It may be mirrored.
     let side = (planned.track.inputs[own[0].start + 10][2] / rows[10][2]).signum();
     let sailed = planned.track.inputs[own[0].clone()].iter().map(|[x, y, n]| [*x, side * y, side * n]);
     assert_eq!(sailed.collect::<Vec<_>>(), rows);

@@ -1,4 +1,4 @@
-//! Trials in a tide: depths, currents and the slot that a table gives.
+//! Trials in a tide: depths, currents and the slot from a table.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use tempfile::TempDir;
 use crate::planned::*;
 use crate::support::*;
 
-/// Five metres of water everywhere, the island in the middle.
+/// Five metres of water everywhere, the island in the centre.
 const DEPTH: &str = r#"{"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {"DRVAL1": 5.0}, "geometry":
     {"type": "Polygon", "coordinates": [[[24.9, 59.9], [25.1, 59.9], [25.1, 60.1], [24.9, 60.1], [24.9, 59.9]]]}}]}"#;
 

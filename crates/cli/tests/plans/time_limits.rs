@@ -1,4 +1,4 @@
-//! Searches that are stopped claim nothing that is wrong.
+//! Stopped searches make no wrong claims.
 
 use std::sync::LazyLock;
 

@@ -1,4 +1,4 @@
-//! Depths count in the unit, scale and direction that a chart states, whatever its format.
+//! Depths are read in the unit, scale and direction that a chart states, in any format.
 
 use tempfile::TempDir;
 
@@ -16,10 +16,11 @@ const DEPTHS: (&str, &str) =
     ("margin_m = 20.0", "margin_m = 20.0\ntransit_depth_m = 5.0\ntrial_depth_m = 8.0");
 const MANEUVERS: (&str, &str) = (", { name = \"sway-zig-zag\", count = 1 }", "");
 const OWN_CHART: &str = "[[chart]]\nfile = \"land.geojson\"\nkind = \"land\"";
-/// What is said of a start over the shoal: 3 m is too little, and the water around it deep enough.
+/// The refusal of a start over the shoal: 3 m is too little, and the water around it deep enough.
 pub const SHOAL: [&str; 3] = ["`start`", "m from an obstacle", "the nearest clear node is"];
 
-/// A study whose start lies over a shoal of 3 m in the middle of a basin of 20 m, on the chart `name`, said to be `keys`.
+/// A study whose start lies over a shoal of 3 m in the middle of a basin of 20 m, on the chart `name`, declared by
+/// `keys`.
 pub fn over_a_shoal(name: &str, keys: &str, chart: &[u8]) -> TempDir {
     let own = format!("[[chart]]\nfile = \"{name}\"\n{keys}");
     let folder =
@@ -64,7 +65,7 @@ const UNITS: [(f64, &str, u16, &[&str]); 6] = [
     (1.8288, "fathom", 9014, &["fathom", "Fathoms"]),
 ];
 
-/// Numbers from 0 up to `most`, in an order that looks like none.
+/// Pseudo-random numbers from 0 up to `most`.
 struct Drawn(u64);
 
 impl Drawn {
@@ -78,7 +79,7 @@ impl Drawn {
     }
 }
 
-/// A chart of the shoal: its name, what plan.toml says of it, and its bytes.
+/// A chart of the shoal: its name, its keys in plan.toml, and its bytes.
 fn drawn(format: usize, drawn: &mut Drawn) -> (&'static str, String, Vec<u8>) {
     let basin = Basin::with_a_shoal();
     let (metres, name, code, words) = drawn.of(&UNITS);
@@ -178,7 +179,7 @@ fn depths_of_a_geotiff_with_a_scale_are_what_it_says() {
     unread("own.tif", "kind = \"depth\"", &chart, &["UNITTYPE", "`ft`"]);
 }
 
-/// GDAL writes what an ASCII grid has no place for into a file beside it.
+/// GDAL writes metadata that does not fit an ASCII grid into a file next to it.
 #[test]
 fn what_stands_beside_a_grid_is_not_passed_over() {
     let basin = Basin::with_a_shoal();
@@ -230,7 +231,7 @@ fn units_and_directions_of_a_netcdf_grid_that_are_not_as_declared_are_refused() 
     shoal("own.nc", depth, &chart("units", "M"));
 }
 
-/// The shoal is 3 m deep, or has no valid depth: either way nobody starts there.
+/// The shoal is 3 m deep, or has no valid depth: no start there in either case.
 #[test]
 fn depths_outside_of_the_valid_range_count_as_without_data() {
     let basin = Basin::with_a_shoal();
@@ -259,7 +260,7 @@ fn units_of_what_has_none_are_refused() {
     unread("own.geojson", "kind = \"objects\"\ndepth_unit = \"m\"", b"{}", &["`depth_unit`"]);
 }
 
-/// What was used is in plan.json, in the summary and on the page.
+/// The unit and datum are in plan.json, in the summary and on the page.
 #[test]
 fn unit_and_datum_are_told_wherever_the_plan_is() {
     let basin = Basin::with_a_shoal();

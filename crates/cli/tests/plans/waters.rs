@@ -9,7 +9,7 @@ use crate::geometry::{Polygon, local_m, moved, polygons, utm_m};
 use crate::planned::*;
 use crate::support::*;
 
-/// A shared chart, or why it is not there.
+/// A shared chart, or a note that it is missing.
 fn chart(name: &str) -> Option<PathBuf> {
     let path = repository().join("../shared/data/charts").join(name);
     if !path.is_file() {
@@ -40,7 +40,7 @@ fn tacoma(charts: &str) -> Planned {
     Planned::of(&folder)
 }
 
-/// Depth areas and what stands for land.
+/// Depth areas and the areas used as land.
 fn tacoma_polygons(path: &Path) -> Planned {
     let file = path.display();
     tacoma(&format!(
@@ -191,7 +191,7 @@ fn turkus_two_thousand_islands_load_and_are_planned_among() {
     }
 }
 
-/// Whether a polygon may hold a place of the track: one of every half minute is within 3 km of it or inside.
+/// Whether a polygon may contain a position of the track: one of every half minute is within 3 km of it or inside.
 fn touches(polygon: &Polygon, planned: &Planned) -> bool {
     planned.track.place.iter().step_by(30).any(|place| polygon.is_within(*place, 3000.0))
 }

@@ -8,7 +8,7 @@ use crate::support::*;
 use crate::{CROSS, POOL};
 
 const PRESET: &str = include_str!("../../../model/presets/ljungberg-model-ship.toml");
-/// A few runs, judged by a vessel that they were not simulated with.
+/// A few runs, scored with a vessel that they were not simulated with.
 const FEW: &str = "--runs random/0,random/1,optimized/2 --allow-mixed";
 
 /// Writes the preset that vessel.toml names, the lines after `term` of each parameter replaced.
@@ -200,7 +200,7 @@ fn a_search_keeps_what_is_fixed_tied_and_bounded_to_the_bit() {
         assert_eq!(tied["value"].as_f64().unwrap(), 0.06 * to["value"].as_f64().unwrap());
         assert_eq!((&bound["value"], &bound["at_bound"]), (&json!(0.0), &json!(true)));
         assert_eq!((&bound["bounds"], &bound["standard_error"]), (&json!([0.0, null]), &Value::Null));
-        // Neither a ridge nor few terms leave standard errors that hold.
+        // Neither a ridge nor few terms give valid standard errors.
         assert!(to["standard_error"].is_null() && model["data"]["covariance"].is_null(), "{to}");
         let terms = |d: usize| model["data"]["degrees"][d]["parameters"].as_array().unwrap().clone();
         let count = |d: usize, term: &str| terms(d).iter().filter(|p| p["term"] == term).count();
@@ -219,7 +219,7 @@ fn every_fold_of_a_search_keeps_to_a_bound() {
         run(&folder, SEARCHED).succeeds();
         of_base(&folder)
     };
-    // Where a bound holds the parameter in all folds, the base structure is as good as with it fixed there.
+    // If the parameter is at its bound in all folds, the base structure is as good as with it fixed there.
     let (bounded, fixed) = (fit("nominal = -0.5\nbounds = [-inf, -0.5]"), fit("value = -0.5\nfixed = true"));
     assert!((bounded - fixed).abs() < 0.01, "{bounded} {fixed}");
     let free = fit("nominal = -0.5");

@@ -137,7 +137,7 @@ fn resamples_that_are_not_those_asked_for_are_refused() {
         ),
         (format!("{line} --bootstrap 21 {both}"), vec!["part-1.parquet", "`bootstrap`", "found 20", "21"]),
         (format!("{line} --bootstrap 20 --seed 5 {both}"), vec!["part-1.parquet", "`seed`", "found 1", "5"]),
-        // A setting that is noted only where it is given.
+        // A setting that is only noted if given.
         (
             format!("{POOL} --estimator ls --bootstrap 20 --part-s 25 {both}"),
             vec!["part-1.parquet: settings.runs: found [\"random/0\",\"random/1\"], expected nothing"],
@@ -203,7 +203,8 @@ fn estimates_that_do_not_fit_into_memory_are_refused_before_the_work() {
     }
 }
 
-/// A term that stands twice in surge cannot be told from itself; the dictionary's first two maneuvers go straight ahead.
+/// A duplicate term in surge cannot be distinguished from itself; the dictionary's first two maneuvers go straight
+/// ahead.
 #[test]
 fn what_is_not_excited_is_not_answered_and_the_rest_is() {
     let folder = with(&["dictionary.parquet", "campaign.parquet"]);
@@ -225,7 +226,7 @@ fn what_is_not_excited_is_not_answered_and_the_rest_is() {
     assert!(parameters[0]["mean"].is_null() && parameters.last().unwrap()["mean"].is_f64());
 }
 
-/// Without damping in sway the small study's model is wrong, and told so; what it lacks is added.
+/// Without damping in sway the small study's model is wrong, and is rejected; the missing term is added.
 #[test]
 fn terms_that_the_model_lacks_are_added_and_delivered() {
     let folder = with(&["campaign.parquet"]);

@@ -1,4 +1,4 @@
-//! `model.json`: what is delivered is what was validated, and every stage takes it for a vessel.
+//! `model.json`: the delivered model is the validated one, and every stage accepts it as a vessel.
 
 use serde_json::Value;
 
@@ -83,7 +83,7 @@ fn a_model_stands_for_a_vessel_in_every_stage() {
         .succeeds();
     run(&folder, "estimate --model model.json --trajectories v.parquet --estimator ls --out e.parquet")
         .succeeds();
-    // Least squares of the same runs finds the same model, whatever constant was known before.
+    // Least squares of the same runs finds the same model, for any constant known before.
     let again = |model: &str, out: &str| {
         format!("{} --estimator ls", MODEL.replace("vessel.toml", model).replace("estimates", out))
     };
@@ -136,7 +136,7 @@ fn where_a_model_leaves_what_it_was_fitted_on_is_told() {
     let outside = data["outside"].as_array().unwrap();
     assert!(outside.iter().any(|o| o["name"] == "u" && o["samples"].as_u64().unwrap() > 0), "{outside:?}");
     let statements = data["statements"].to_string();
-    // No trial is designed there unless that is asked for, and then it is said to the end.
+    // No trial is designed there unless requested, and then the results say so.
     let simulate = "simulate dictionary --dictionary dictionary.toml --out dictionary.parquet";
     let narrow = format!("{simulate} --vessel narrow.json");
     let pieces = ["maneuver `", "0.7980 to 0.9020, about what the logs of the model cover", "--beyond-range"];
@@ -260,7 +260,7 @@ fn the_page_shows_what_is_left_of_errors_tracks_and_the_delivered_model() {
     let kinds = ["one-step residual", "free-run error"];
     assert_eq!(of, kinds.map(|kind| ["u", "v", "r"].map(|state| (kind, state))).concat());
     for own in correlations {
-        // Measurement noise enters two increments: law, −1/2 where it is all there is.
+        // Measurement noise enters two increments: law, −1/2 without any other error.
         let first = own["own"][0].as_f64().unwrap();
         match own["of"] == kinds[0] {
             true => assert!((-0.6..-0.3).contains(&first), "{own}"),
@@ -323,7 +323,7 @@ fn law_estimates_that_correlate_and_are_badly_known_are_told_and_no_others() {
     assert!(expected > 0 && told == expected.min(4), "{expected} {told} {statements}");
 }
 
-/// Every run in water and wind of its own; what was found of them stands in the model and on the page.
+/// Every run in its own water and wind, whose estimates are in the model and on the page.
 #[test]
 fn unknown_water_and_wind_are_told_of_run_by_run() {
     let folder = with(&["campaign.parquet"]);

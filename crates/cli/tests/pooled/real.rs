@@ -1,4 +1,5 @@
-//! Measured logs that are not part of the project: `../shared/data` beside it. Without them these tests say so and pass.
+//! Measured logs that are not part of the project: `../shared/data` next to it. Without them these tests say so and
+//! pass.
 
 use std::process::Command;
 
@@ -56,7 +57,7 @@ fn recordings_left_out_of_the_esso_osaka_are_followed_better_than_the_baseline()
     let said = run(&folder, &line).succeeds();
     let data = json(&folder, "crossval.json")["data"].clone();
     assert_eq!((&data["folds"], &data["candidates"][0]), (&23.into(), &"output-error".into()));
-    // The difference between the estimators is within chance: 23 recordings cannot tell them apart.
+    // The difference between the estimators is within chance: 23 recordings cannot distinguish them.
     assert_eq!((&data["recommended"], data["candidates"].as_array().unwrap().len()), (&Value::Null, 3));
     assert!(said.stdout.contains("none recommended: output-error (fit u "), "{said}");
     for estimator in ["ls", "iv", "output-error"] {
@@ -136,7 +137,7 @@ fn surge_of_the_kvlcc2_is_not_identifiable_by_instruments() {
     }
 }
 
-/// No noise known here describes what a model errs by that is not the ship's.
+/// No known kind of noise describes the errors of a wrong model.
 #[test]
 fn where_nobody_asks_for_an_estimator_logs_without_a_known_noise_get_the_one_that_predicts_best() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
@@ -262,7 +263,7 @@ fn the_next_trial_of_a_logged_ship_is_designed_from_its_model_within_what_the_lo
         let (model, design) = (json(&folder, "model.json"), json(&folder, "design.json"));
         let errors = design["data"]["covariance"]["standard_errors"].as_object().unwrap();
         assert!(errors.values().all(|error| error.as_f64().unwrap() > 0.0), "{errors:?}");
-        // Wind is not simulated: its parameters stay what the logs say.
+        // Wind is not simulated: its parameters keep the values from the logs.
         assert!(errors.contains_key("N_uudelta") && !errors.keys().any(|name| name.contains("wind")));
         let made = craft::read(&folder.path().join("dictionary.parquet"), "trajectories");
         for channel in model["data"]["inputs"].as_array().unwrap() {

@@ -1,4 +1,4 @@
-//! `estimate search`: a structure found from runs, and what is refused.
+//! `estimate search`: a structure found from runs, and refusals.
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -10,7 +10,7 @@ const SEARCH: &str = "estimate search --vessel vessel.toml --trajectories campai
      --every-s 10 --window-s 25 --folds 3";
 const RUNS: &str = "--runs random/0,random/1,random/2,random/3,optimized/0,optimized/1";
 
-/// A campaign whose sensors and current err by `std`.
+/// A campaign with sensor noise and current of `std`.
 pub fn measured(std: &str) -> TempDir {
     let folder = with(&["design.json"]);
     let campaign = std::fs::read_to_string(folder.path().join("campaign.toml")).unwrap();
@@ -40,7 +40,7 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     run(&folder, &line).succeeds();
     let exact = json(&folder, "search.json")["data"]["nested"].clone();
     assert!(mean(&exact["search"]) > mean(&exact["base"]) - 1.0, "{exact}");
-    // Without its quadratic companion, which would stand for it.
+    // Without the quadratic term, which would replace it.
     without(&folder, &["X_u", "X_uu"]);
     let said = run(&folder, &format!("{line} --allow-mixed")).succeeds();
     let document = json(&folder, "search.json");
@@ -54,7 +54,7 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     assert!(found["base"] == false && found["value"].as_f64().unwrap() < 0.0, "{found}");
     let recordings = nested["recordings"].as_array().unwrap();
     assert_eq!(recordings.len(), 6);
-    // A list of terms takes the library's place.
+    // A list of terms replaces the library.
     put(&folder, "terms.toml", "surge = [\"u\", \"u |u|\", \"1\"]\n");
     run(&folder, &format!("{line} --allow-mixed --terms terms.toml")).succeeds();
     let listed = json(&folder, "search.json")["data"]["terms"].as_array().unwrap().len();
@@ -64,10 +64,10 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     put(&folder, "terms.toml", "surge = [\"u w\"]\n");
     refused(&folder, 3, &format!("{line} --allow-mixed --terms terms.toml"), &["terms.toml", "`w`"]);
     run(&folder, &format!("{line} --allow-mixed")).succeeds();
-    // Recordings that were left out speak for the model, which has none that is as long as a stretch.
+    // The model is validated by recordings that were left out; none is as long as a stretch.
     let model = json(&folder, "model.json");
     assert_eq!(model["data"]["rejected"], false);
-    // A ridge leaves no errors of parameters that hold, and says so.
+    // With a ridge there are no valid standard errors, and the model says so.
     assert!(model["data"]["covariance"].is_null(), "{model}");
     assert!(terms.iter().all(|term| term["low"].is_null() && term["high"].is_null()), "{terms:?}");
     let told = "held back by a ridge; predictions have bands, parameters have no errors";
@@ -85,7 +85,7 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     let line =
         "validate compare --model model.json --trajectories campaign.parquet --window-s 25 --allow-mixed";
     run(&folder, &format!("{line} --out compare.json")).succeeds();
-    // Bands come from the errors on what was left out, and hold most of what was fitted.
+    // Bands are from the errors on left-out recordings, and contain most of the fitted samples.
     let bands = json(&folder, "compare.json")["data"]["bands"].clone();
     for inside in ["inside_u", "inside_v", "inside_r"] {
         assert!(bands[inside].as_f64().unwrap() > 0.85, "{bands}");
@@ -97,7 +97,7 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     assert_eq!(values, terms.iter().map(|t| &t["value"]).collect::<Vec<_>>());
 }
 
-/// She never goes astern, so that |u| v is u v in every sample: no design would tell them apart either.
+/// She never goes astern, so that |u| v is u v in every sample: no design would distinguish them either.
 #[test]
 fn terms_that_no_recording_tells_apart_are_fixed_and_said_and_the_next_design_does_without() {
     let folder = with(&[]);
@@ -146,7 +146,7 @@ fn law_the_ridge_is_chosen_on_windows_whatever_the_score_is_taken_on() {
         run(&folder, &format!("{} {RUNS} --out search.json", line(flags))).succeeds();
         json(&folder, "search.json")["data"].clone()
     };
-    // Windows as long as those that are fitted, and whole runs, of which none diverges.
+    // Windows as long as those that are fitted, and whole runs, none of which diverges.
     let (windows, whole) = (found(" --window-s 20"), found(""));
     assert_eq!(windows["candidates"], whole["candidates"]);
     assert!(windows["ridge"] == whole["ridge"] && windows["nested"] != whole["nested"]);
@@ -258,7 +258,7 @@ fn several_models_are_found_averaged_and_tried_together() {
     run(&folder, &format!("{line} --average 3 --seed 2")).succeeds();
     let others = json(&folder, "average.json")["data"]["members"].clone();
     assert!((0..3).any(|i| others[i]["found_on"] != members[i]["found_on"]), "{others}");
-    // An average of an earlier search does not stay beside one without.
+    // An average of an earlier search is removed by a search without one.
     run(&folder, &line).succeeds();
     assert!(!folder.path().join("average.json").exists());
 }
@@ -378,7 +378,7 @@ fn zig_zags(all: impl Iterator<Item = (String, f64)>) -> String {
 #[test]
 fn a_fold_that_diverges_is_rejected_and_counted_never_a_number() {
     let folder = with(&[]);
-    // Whatever is fitted to the slow ones, five times their speed is far below that of the fast one.
+    // The limit of five times the speed of the slow ones is far below that of the fast one.
     let slow = (0..5).map(|i| (format!("slow-{i}"), 0.1 + 0.005 * f64::from(i)));
     put(&folder, "dictionary.toml", &zig_zags(slow.chain([("fast".to_owned(), 1.2)])));
     run(&folder, DICTIONARY).succeeds();

@@ -55,7 +55,7 @@ fn law_shards_gather_to_the_bytes_of_the_whole() {
     let line = SELECTION.replace("40", "71");
     let other = format!("{line} --gather part-1.parquet part-2.parquet --out refused.parquet");
     run(&folder, &other).refuses(3, &["part-1.parquet", "`realizations`", "found 70", "71"]);
-    // What the shards were made without is another setting too.
+    // Runs left out of the shards are another setting too.
     let other = other.replace("71", "70").replace("--gather", "--leave-out random/1 --gather");
     run(&folder, &other).refuses(3, &["part-1.parquet", "`leave_out`", "found nothing", "random/1"]);
 }

@@ -1,4 +1,4 @@
-//! Logs of which nobody stated the noise, some of them of no use: what is said of the model then, and what is not.
+//! Logs without stated noise, some of them useless: statements about the model.
 
 use crate::support::{json, put, run, written};
 use tempfile::TempDir;
@@ -6,16 +6,16 @@ use tempfile::TempDir;
 const RATE_HZ: f64 = 8.0;
 const SAMPLES: usize = 900;
 
-/// What a log of the paper's ship was recorded with.
+/// The conditions of a log of the paper's ship.
 #[derive(Clone, Copy)]
 struct Log {
     /// Standard deviation of the sensors.
     noise: f64,
-    /// What waves of 3 s add to every state at each sample.
+    /// Increments of every state per sample by waves of 3 s.
     waves: f64,
     /// Whether the thrusters run.
     driven: bool,
-    /// How many times the drag of the paper's ship she has.
+    /// Her drag relative to the paper's ship.
     drag: f64,
     seed: u64,
 }
@@ -93,7 +93,7 @@ const EACH: &str = "estimate --vessel vessel.toml --trajectories logs.parquet --
 /// All runs together.
 const ALL: &str = "estimate pool --vessel vessel.toml --trajectories logs.parquet --estimator prediction-error --out estimates.parquet";
 
-/// What is said of the pooled model.
+/// The statements about the pooled model.
 fn statements(folder: &TempDir) -> String {
     run(folder, ALL).succeeds();
     json(folder, "trust.json")["data"]["statements"].to_string()
@@ -116,7 +116,7 @@ fn the_noise_of_a_healthy_log_is_found_and_its_model_is_not_rejected() {
     }
     let said = statements(&folder);
     assert!(said.contains("model not rejected") && said.contains("turns: white noise"), "{said}");
-    // It is the estimator that logs get where nobody asks for one.
+    // It is the default estimator for logs.
     let model = || json(&folder, "model.json")["data"].clone();
     let asked = model();
     run(&folder, &ALL.replace(" --estimator prediction-error", "")).succeeds();

@@ -38,7 +38,7 @@ fn every_number_has_a_unit_and_every_unit_a_number() {
         let units: BTreeSet<String> = document["units"].as_object().unwrap().keys().cloned().collect();
         let strange: Vec<&String> = found.difference(&units).collect();
         assert!(strange.is_empty(), "{name}: {strange:?} without unit");
-        // What may be null is a number elsewhere, what is tied has a factor, and some noise drifts.
+        // Fields that may be null are numbers elsewhere, tied parameters have a factor, and some noise drifts.
         let elsewhere = ["ratio_q90", "current_time_s", "factor", "std", "time_s"];
         let unused: Vec<&String> =
             units.difference(&found).filter(|unit| !elsewhere.contains(&unit.as_str())).collect();

@@ -41,7 +41,7 @@ fn golden_numbers_of_the_small_study() {
     assert_eq!(frozen.len(), found.len());
     for (name, value) in &found {
         let (found, frozen) = (value.as_f64().unwrap(), frozen[name].as_f64().unwrap());
-        // Shares come from a search that stops at a gap: they are known to its square root.
+        // Shares come from a search that stops at a gap: they are accurate to its square root.
         let tolerance = if name.contains("shares") { 1e-6 } else { 1e-9 };
         assert!(
             (found - frozen).abs() <= tolerance * frozen.abs(),

@@ -34,7 +34,7 @@ pub const STAGES: [&str; 7] = [
     "report --study . --results . --out report.html",
 ];
 
-/// What the study of the model ship is written in.
+/// The hand-written files of the study of the model ship.
 const WRITTEN: [&str; 5] = ["vessel.toml", "dictionary.toml", "logs.toml", "ingest.toml", "reference.toml"];
 
 /// The study of the model ship with two repeats.

@@ -25,7 +25,7 @@ fn an_unknown_maneuver_on_a_day_is_refused_with_the_nearest() {
 
 #[test]
 fn thrusters_that_cannot_make_the_forces_are_refused() {
-    // Both at one place: a sway force brings a moment with it that spirals do not want.
+    // Both at one position: a sway force causes a moment that spirals must not have.
     let folder = small();
     edit(&folder, "logs.toml", "position_m = [-0.4, -0.1]", "position_m = [-0.4, 0.1]");
     refused(&folder, 3, LOGS, &["logs.toml", "[[thruster]]", "tau3", "maneuver `"]);

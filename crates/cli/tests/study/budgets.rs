@@ -1,4 +1,4 @@
-//! Work that would not end, or not fit: refused before it begins.
+//! Work that would not finish or fit is refused before it begins.
 
 use crate::support::*;
 

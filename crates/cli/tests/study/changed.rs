@@ -1,4 +1,4 @@
-//! `--set`: values that take the place of the hand-written files' own.
+//! `--set`: values that override those of the hand-written files.
 
 use serde_json::json;
 use study::documents::TallyDocument;
@@ -46,7 +46,7 @@ fn what_was_set_is_written_and_belongs_to_the_study() {
     let unset = with(&["moments.json"]);
     assert_ne!(whole["inputs"]["vessel"], json(&unset, "moments.json")["inputs"]["vessel"]);
     assert_eq!(json(&unset, "moments.json")["settings"].get("set"), None);
-    // What is set to the same value in two orders and spellings is the same study.
+    // The same values in two orders and spellings are the same study.
     let again = "--set dictionary.duration_s=20.0 --set vessel.value.X_u=-5e-2";
     run(&folder, &DICTIONARY.replace("--out dictionary", &format!("{again} --out again"))).succeeds();
     let told = |name| craft::read(&folder.path().join(name), "trajectories").provenance.inputs;

@@ -1,4 +1,4 @@
-//! What the JSON documents promise: units, schemas, nothing unknown.
+//! Contracts of the JSON documents: units, schemas, no unknown fields.
 
 use std::collections::BTreeSet;
 
@@ -64,7 +64,7 @@ fn a_number_without_unit_is_found() {
     assert_eq!(without_unit(&json!({"units": units, "data": data})), ["error", "list.deep"]);
 }
 
-/// Fields that only some flags write have units too: those stand in the schema.
+/// Fields that only some flags write have units too, in the schema.
 #[test]
 fn every_unit_is_that_of_a_number() {
     let folder = folder();
@@ -99,7 +99,7 @@ fn json_schemas_are_those_of_the_documents() {
         let kept: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(kept, schema, "{} has drifted; {remedy}", path.display());
     }
-    // That of ingest.toml is checked where the keys of ingest.toml are.
+    // The schema of ingest.toml is checked with its keys.
     let of_document = |file: &std::fs::DirEntry| !file.file_name().to_string_lossy().contains("-toml.");
     let kept = std::fs::read_dir(&folder).unwrap().flatten().filter(of_document).count();
     assert_eq!(kept, schemas().len(), "schemas/ has a file of no document; {remedy}");
@@ -108,7 +108,7 @@ fn json_schemas_are_those_of_the_documents() {
 #[test]
 fn schemas_name_every_field_and_refuse_others() {
     let folder = folder();
-    // The other documents' stages have the same test beside their own.
+    // The stages of other documents have the same test with their own.
     let made = |id: &str| DOCUMENTS.contains(&format!("{id}.json").as_str());
     for (id, schema) in schemas().into_iter().filter(|(id, _)| made(id)) {
         let document = json(&folder, &format!("{id}.json"));

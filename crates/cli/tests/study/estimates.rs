@@ -1,4 +1,4 @@
-//! What the estimates say: bias, mean removal, and runs that are not identifiable.
+//! Properties of estimates: bias, mean removal, and runs that are not identifiable.
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -27,7 +27,7 @@ fn median_error(folder: &TempDir, name: &str) -> f64 {
     number(&design(&json(folder, "validation.json"), name)["parameter_error"]["median"])
 }
 
-/// Per parameter, how many of its standard errors the mean of the estimates is off the truth.
+/// Per parameter, the deviation of the mean estimate from the truth in standard errors.
 fn bias(folder: &TempDir) -> Vec<f64> {
     let estimate = json(folder, "estimate.json");
     let parameters = design(&estimate, "optimized")["parameters"].as_array().unwrap().clone();
@@ -71,8 +71,8 @@ fn the_settings_of_the_estimator_are_written_down() {
     assert_eq!(table.provenance.settings["mean_removal"], "batch");
 }
 
-/// Undisturbed runs, one per maneuver: those straight ahead tell nothing about sway and yaw; the others, being without
-/// noise, tell the truth exactly.
+/// Undisturbed runs, one per maneuver: those straight ahead have no information about sway and yaw; the others,
+/// without noise, give the truth exactly.
 #[test]
 fn law_runs_straight_ahead_are_not_identifiable_and_rich_ones_without_noise_give_the_truth() {
     let folder = with(&["dictionary.parquet", "validation.parquet"]);

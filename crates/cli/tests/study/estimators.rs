@@ -136,7 +136,7 @@ fn law_compared_estimates_have_the_same_bytes_for_all_threads_and_shards() {
     assert!(bytes(&folder, "estimates.parquet") == whole && bytes(&folder, "estimate.json") == document);
 }
 
-/// Where nobody says what disturbs the runs, they are asked themselves.
+/// Without stated disturbances, they are found from the runs.
 #[test]
 fn prediction_error_finds_what_disturbs_the_runs() {
     let folder = with(&["campaign.parquet"]);
@@ -167,7 +167,8 @@ fn names_and_silent_sensors_are_refused() {
     refused(&folder, 3, CAMPAIGN, &["campaign.toml"]);
 }
 
-/// Straight ahead no sensitivity tells of sway and yaw; runs of too few samples are refused as for every estimator.
+/// Straight ahead there is no sensitivity to sway and yaw; runs of too few samples are refused as for every
+/// estimator.
 #[test]
 fn unexcited_runs_are_counted_and_runs_that_are_too_short_refused() {
     let folder = with(&["dictionary.parquet"]);
@@ -184,7 +185,7 @@ fn unexcited_runs_are_counted_and_runs_that_are_too_short_refused() {
     assert_eq!(summary["data"]["designs"][0]["not_converged"], count("not converged"));
 }
 
-/// A model that is unstable whatever its parameters' signs leaves every start diverging.
+/// A model that is unstable for any signs of its parameters diverges from every start.
 #[test]
 fn searches_that_end_nowhere_are_counted_and_reported() {
     let folder = with(&["campaign.parquet", "validation.parquet"]);
@@ -263,7 +264,7 @@ fn runs_are_asked_what_the_model_lacks_where_disturbances_are_stated() {
     assert!(ran.stdout.contains(" reject the model"), "{ran}");
 }
 
-/// Estimates that are told nothing of water and wind stand among the results, each with what it took as unknown.
+/// Estimates with unknown water and wind are among the results, each with its unknowns.
 #[test]
 fn results_name_what_was_unknown() {
     let folder = with(&["campaign.parquet", "validation.parquet"]);

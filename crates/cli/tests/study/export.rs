@@ -1,4 +1,5 @@
-//! Models for other tools: what is written there computes what `simulate` does, and is refused where it would not.
+//! Models for other tools: exported code computes the same as `simulate`, and models for which it would not are
+//! refused.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -54,7 +55,7 @@ impl Ground {
         simulate_one(&self.vessel.model, &parameters, INITIAL, &self.inputs)
     }
 
-    /// Runs `program` in `folder` with the inputs on stdin; what it says on stdout.
+    /// Runs `program` in `folder` with the inputs on stdin; returns its stdout.
     fn driven(&self, program: &str, arguments: &[&str], folder: &Path) -> String {
         let inputs = fs::File::open(self.folder.path().join("inputs.csv")).unwrap();
         let states = INITIAL.map(|state| format!("{state:?}"));
@@ -179,7 +180,7 @@ fn law_the_unit_steps_as_simulate_does_and_takes_no_other_step() {
     let host = Command::new("cc").args(["-O1", "host.c", "-o", "host", "-ldl"]).current_dir(folder).status();
     assert!(host.unwrap().success());
     let simulated = ground.simulated();
-    // Inputs that are held for several steps are the inputs of each.
+    // Inputs that are held for several steps apply to each.
     let held: Vec<f64> = ground.inputs.chunks(3).step_by(4).flat_map(|row| row.repeat(4)).collect();
     let parameters = ground.vessel.parameters(Source::Value).unwrap();
     let slower = simulate_one(&ground.vessel.model, &parameters, INITIAL, &held);

@@ -1,4 +1,4 @@
-//! Studies of too few runs for an interval: it is absent, and why is said.
+//! Studies of too few runs for an interval: it is absent, with the reason.
 
 use crate::support::*;
 

@@ -27,7 +27,7 @@ fn fixtures(part: &str) -> PathBuf {
     repository().join("fixtures").join(part)
 }
 
-/// A number of a document by its JSON pointer, and what it is called in the golden file.
+/// A number of a document by its JSON pointer, and its name in the golden file.
 const NUMBERS: [(&str, &str, &str); 10] = [
     ("design log det", "design.json", "/data/log_det"),
     ("design efficiency of equal shares", "design.json", "/data/efficiency/equal_shares"),
@@ -125,7 +125,7 @@ fn fixtures_are_small() {
     }
 }
 
-/// Run on request only: freezes what the stages make today.
+/// Run on request only: freezes the present results of the stages.
 #[test]
 #[ignore = "writes fixtures/golden and fixtures/schema; `make golden` runs it"]
 fn write_fixtures_again() {

@@ -1,4 +1,4 @@
-//! The library in memory beside the programs' files.
+//! The library in memory compared with the programs' files.
 
 use artifact::{Document, TableReader, read_document};
 use seatrial::{CampaignFile, DictionaryFile, Estimator, Logs, Pooling, Study as InMemory, Vessel};

@@ -1,4 +1,4 @@
-//! A small study through the real binaries: what the stages write, refuse and repeat.
+//! A small study through the real binaries: outputs, refusals and repeatability of the stages.
 
 #[path = "../support/mod.rs"]
 mod support;

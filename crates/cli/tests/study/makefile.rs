@@ -1,4 +1,4 @@
-//! `make` and `sweep` with names that a shell or Snakemake would take for something else.
+//! `make` and `sweep` with names that a shell or Snakemake would misinterpret.
 
 use std::process::Command;
 

@@ -1,4 +1,4 @@
-//! Files of different studies: refused, or labelled where that was asked for.
+//! Files of different studies: refused, or labelled if requested.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use tempfile::TempDir;
 
 use crate::support::*;
 
-/// A study whose estimates were made with another campaign than the one that stands beside them.
+/// A study whose estimates were made with another campaign than the one next to them.
 fn mixed() -> TempDir {
     let folder = with(&MADE);
     edit(&folder, "campaign.toml", "seed = 1", "seed = 2");

@@ -1,8 +1,8 @@
-//! Names that routes, figures and pages cannot hold, refused by whoever reads them first.
+//! Names that routes, figures and pages cannot hold, refused by the first stage that reads them.
 
 use crate::support::*;
 
-/// What a name may not have, as TOML writes it, and what is said of it.
+/// Invalid parts of a name in TOML, and their refusals.
 const STRANGE: [(&str, &str); 5] = [
     ("a\\uFFFFb", "U+FFFF"),
     ("a\\nb", "U+000A"),

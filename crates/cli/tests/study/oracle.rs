@@ -129,7 +129,7 @@ fn moments(folder: &Path) -> PathBuf {
     out
 }
 
-/// Entries below a thousandth of what their row and column could give count as that large.
+/// Entries below a thousandth of what their row and column could give are compared at that scale.
 #[test]
 fn oracle_moments_and_designs_of_the_papers_study() {
     let folder = TempDir::new().unwrap();

@@ -1,5 +1,5 @@
-//! The paper's own study: the shares of its reading, what its trials give, a reading that leaves what is printed. And what a wanted
-//! accuracy is worth.
+//! The paper's own study: the shares by our reading of it, the results of its trials, and a reading that departs from
+//! the printed text. And the validity of a predicted accuracy.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,7 +13,7 @@ const READING: &str = include_str!("../../../../fixtures/oracle/reading.json");
 const SETTINGS: &str = "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml \
                         --design design.json --out tally.json";
 
-/// The study of pipelines/paper with so many trials of each design.
+/// The study of pipelines/paper with `runs` trials of each design.
 fn paper(runs: u64) -> TempDir {
     let folder = written(runs);
     let dictionary = repository().join("pipelines/paper/dictionary.toml");
@@ -25,7 +25,7 @@ fn shares(design: &Value) -> BTreeMap<String, f64> {
     serde_json::from_value(design.clone()).unwrap()
 }
 
-/// What `tally.json` says of a design.
+/// The scores of a design in `tally.json`.
 fn scored(folder: &TempDir, name: &str) -> Value {
     let tally = json(folder, "tally.json");
     let designs = tally["data"]["scores"][0]["designs"].as_array().unwrap();
@@ -45,7 +45,7 @@ fn oracle_the_papers_shares_are_those_of_other_code_and_near_what_it_prints() {
     }
     let apart: f64 = found.iter().map(|(name, share)| (share - printed[name]).abs()).sum();
     assert!(apart < 0.05, "{apart}: {found:?}");
-    // What the page shows as published is the same.
+    // The page shows the same published values.
     let reference = fs::read_to_string(repository().join("pipelines/paper/reference.toml")).unwrap();
     let reference: toml::Table = toml::from_str(&reference).unwrap();
     let published = |name: &String| reference["shares"].get(name).and_then(toml::Value::as_float);

@@ -1,4 +1,4 @@
-//! A ship with a propeller and a rudder in its stream, by channels that are derived from both.
+//! A ship with a propeller and a rudder in its slipstream, by channels that are derived from both.
 
 use engine::simulate_one;
 use tempfile::TempDir;
@@ -109,7 +109,7 @@ fn trajectories_with_other_derived_channels_are_refused() {
     refused(&folder, 3, &format!("{MOMENTS} --allow-mixed"), &pieces);
 }
 
-/// The made-up ship without what its maneuvers do not excite, and its maneuvers.
+/// The made-up ship without the terms that its maneuvers do not excite, and its maneuvers.
 fn logged() -> TempDir {
     let (folder, fixtures) = (tempfile::tempdir().unwrap(), repository().join("fixtures/propeller"));
     std::fs::copy(fixtures.join("dictionary.toml"), folder.path().join("dictionary.toml")).unwrap();
@@ -154,7 +154,7 @@ fn the_next_trial_is_designed_from_the_model_that_logs_give() {
             assert!((ship - found).abs() <= 1e-6 || ship.is_nan(), "{name}: {found}, not {ship}");
         }
     }
-    // As the page wants them: in a folder of their own.
+    // In a separate folder, as the page expects.
     std::fs::create_dir(folder.path().join("next")).unwrap();
     std::fs::copy(folder.path().join("model.json"), folder.path().join("next/model.json")).unwrap();
     let moments = "moments --vessel model.json --trajectories next.parquet --campaign campaign.toml";
@@ -206,7 +206,8 @@ fn law_derived_channels_without_a_column_are_computed() {
     assert_eq!(with_columns, computed);
 }
 
-/// Trials are simulated in still air, which tells nothing of what a wind does: its parameter is known, and the others are estimated.
+/// Trials are simulated in still air, which has no information about wind: its parameter is fixed, and the others are
+/// estimated.
 #[test]
 fn what_simulated_trials_hold_constant_is_not_estimated_from_them() {
     let folder = logged();

@@ -15,7 +15,7 @@ const REFINE: &str = "design refine --vessel vessel.toml --dictionary dictionary
 const LIMITS: &str =
     "u_m_s = 1.2\nv_m_s = 0.3\nr_rad_s = 0.7\n[inputs]\ntau1 = 6500.0\ntau2 = 1600.0\ntau3 = 800.0\n";
 
-/// A folder with a design and limits, and a folder for what is refined.
+/// A folder with a design and limits, and a folder for the result.
 fn designed() -> TempDir {
     static MADE: OnceLock<Study> = OnceLock::new();
     let make = || {
@@ -58,11 +58,11 @@ fn refined_inputs_are_worth_more_keep_the_limits_and_run_as_a_campaign() {
     let design = json(&folder, "refined/design.json")["data"].clone();
     assert_eq!(design["shares"]["refined"], 1.0);
     assert_eq!(design["covariance"]["standard_errors"], found["after"]["standard_errors"]);
-    // What only a choice of shares has is absent.
+    // Fields that only a design of shares has are absent.
     for key in ["sensitivities", "dimension", "gap", "relative_gap", "efficiency", "mean_removal", "starts"] {
         assert!(design.get(key).is_none(), "{key}: {design}");
     }
-    // What a campaign simulates is what was refined.
+    // A campaign simulates the refined experiment.
     run(
         &folder,
         "simulate campaign --vessel vessel.toml --dictionary refined/refined-dictionary.toml --campaign campaign.toml --design \

@@ -1,4 +1,4 @@
-//! Tables and documents that are refused: what is in them, and what accidents do to them.
+//! Tables and documents that are refused: for their contents, and after damage.
 
 use std::fs;
 
@@ -68,7 +68,7 @@ fn runs_of_one_number_are_refused_whichever_blocks_they_stand_in() {
         table.blocks.extend(again.blocks);
         table
     });
-    // Of which design depends on which blocks are read first.
+    // Which design is named depends on which blocks are read first.
     let pieces = ["campaign.parquet: design ", ", run 0: found it twice, from rows "];
     refused(&folder, 3, ESTIMATE, &pieces);
     let path = folder.path().join("estimates.parquet");
@@ -257,7 +257,7 @@ fn damaged(folder: &TempDir, name: &str, bytes: &[u8], stage: &str) {
     refused(folder, 3, stage, &[name]);
 }
 
-/// Who reads what.
+/// The reader of each file.
 const READERS: [(&str, &str); 5] = [
     ("dictionary.parquet", MOMENTS),
     ("moments.json", DESIGN),

@@ -1,4 +1,4 @@
-//! Command lines, shards and outputs that are refused or fail, and what is then left behind.
+//! Command lines, shards and outputs that are refused or fail, and the files they leave.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use tempfile::TempDir;
 
 use crate::support::*;
 
-/// What each stage reads.
+/// The inputs of each stage.
 const READ: [&str; 7] = [
     "dictionary.parquet",
     "moments.json",

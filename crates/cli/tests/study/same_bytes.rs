@@ -1,4 +1,4 @@
-//! The same inputs and seed give the same bytes, whatever the threads and however the work was sharded.
+//! The same inputs and seed give the same bytes, for any number of threads and any sharding.
 
 use std::sync::LazyLock;
 
@@ -56,7 +56,7 @@ fn splittable() -> [Splittable; 3] {
 }
 
 impl Splittable {
-    /// What the stage reads.
+    /// The inputs of the stage.
     fn folder(&self) -> TempDir {
         let made = ["design.json", "campaign.parquet", "validation.parquet", "rows.parquet"];
         let there: Vec<&str> = made.into_iter().filter(|name| self.study.has(name)).collect();

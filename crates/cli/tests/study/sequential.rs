@@ -14,7 +14,7 @@ const SEQUENTIAL: &str = "sequential --vessel vessel.toml --dictionary dictionar
 const CONFIG: &str =
     "realizations = 16\nduration_s = 90.0\nrounds = 3\nnominal_spread = 0.4\naccuracy = 0.5\n";
 
-/// The paper's study with a sixth of its noise, where few realizations tell, and rounds.
+/// The paper's study with a sixth of its noise, so that few realizations suffice, and rounds.
 fn folder(config: &str) -> TempDir {
     let folder = written(2);
     for _ in 0..4 {

@@ -1,4 +1,4 @@
-//! `sweep` and `report --sweep`: a grid over a study's values, cell by cell and side by side.
+//! `sweep` and `report --sweep`: a grid over a study's values, per cell and in comparison.
 
 use serde_json::{Value, json};
 use study::documents::{CellsDocument, SweepDocument, TallyDocument};
@@ -89,7 +89,7 @@ fn law_a_sweep_says_of_each_cell_what_its_tally_says() {
         swept("campaign.measurement.std_u_m_s = [0.05, 0.3, 0.6]\ncampaign.duration_s = [60.0, -1.0]");
     let grid = grid(&folder);
     made(&folder, &grid);
-    // One cell was refused by a stage: what that stage said with --json stands in the tally's place.
+    // One cell was refused by a stage: its --json output replaces the tally.
     let refusal = json!({"exit_code": 3, "error": "campaign.toml: `x`: found y, expected z; correct it"});
     put(&folder, &format!("cells/{}/tally.json", grid.cells[2].name), &format!("{refusal}\n"));
     run(&folder, COLLECT).succeeds();
@@ -131,7 +131,7 @@ fn law_a_sweep_says_of_each_cell_what_its_tally_says() {
     assert_eq!(told, json(&folder, "sweep.json")["data"]);
 }
 
-/// What an address holds.
+/// The contents of a data URI.
 fn decoded(address: &str) -> String {
     let mut pieces = address.split('%');
     let mut bytes = pieces.next().unwrap().as_bytes().to_vec();

@@ -1,4 +1,4 @@
-//! Maneuvers whose inputs stand in tables: played when the table says, whole, never stretched.
+//! Maneuvers whose inputs stand in tables: played at the times of the table, whole, never stretched.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::support::*;
 const RECORDED: &str =
     "\n[[maneuver]]\nname = \"recorded\"\nkind = \"inputs\"\nfile = \"log.csv\"\nspeed_m_s = 0.6\n";
 
-/// Rows of a table: forces that jump, turn and swing.
+/// Rows of a table: forces that jump, reverse and oscillate.
 fn rows(count: usize) -> Vec<[f64; 3]> {
     let row = |k: usize| {
         let side = if k % 31 < 16 { 1.0 } else { -1.0 };
@@ -33,7 +33,7 @@ fn with_table(table: &str, more: &str) -> TempDir {
     folder
 }
 
-/// What every segment of `recorded` plays, segment by segment.
+/// The inputs that every segment of `recorded` plays.
 fn played(folder: &TempDir, name: &str) -> Vec<Vec<[f64; 3]>> {
     let whole = craft::read(&folder.path().join(name), "trajectories");
     let place = |name: &str| whole.schema.columns.iter().position(|c| c.name == name).unwrap();

@@ -1,4 +1,4 @@
-//! Units whose compiler is ended, and channels that are called as C calls something else.
+//! Units whose compiler is killed, and channels with names that C uses otherwise.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 use crate::support::*;
 
-/// What compilers of C and their headers define, or read as words.
+/// Identifiers that C compilers and their headers define, or keywords.
 const TAKEN: [&str; 16] = [
     "linux",
     "unix",
@@ -55,7 +55,7 @@ fn channels_called_as_macros_or_words_of_c_compile() {
     run(&folder, "export --vessel vessel.toml --to fmu --out fmu").succeeds();
     let sources = fs::read_dir(folder.path().join("c")).unwrap().map(|entry| entry.unwrap().path());
     let sources: Vec<_> = sources.filter(|path| path.extension().is_some_and(|e| e == "c")).collect();
-    // As whoever compiles it by hand does, and with headers that define more.
+    // As compiled by hand, and with headers that define more.
     for flags in [&[][..], &["-include", "complex.h", "-include", "errno.h"]] {
         for source in &sources {
             let mut command = Command::new("cc");
@@ -106,7 +106,7 @@ fn a_request_to_end_ends_the_compiler_and_leaves_no_folder() {
         );
         Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
         assert!(!child.wait().unwrap().success());
-        // One that nobody has asked for yet is there as a zombie.
+        // A process that was not waited for yet is a zombie.
         let state =
             |id: &str| fs::read_to_string(Path::new("/proc").join(id).join("stat")).unwrap_or_default();
         let ended = |id: &str| state(id).is_empty() || state(id).contains(") Z");

@@ -1,4 +1,4 @@
-//! Files such as other programs, other versions and accidents make.
+//! Files as from other programs, other versions and damage.
 
 use std::fs::{self, File};
 use std::ops::Range;

@@ -1,6 +1,6 @@
 //! Numbers for tests that try many cases.
 
-/// Numbers that look drawn and are the same in every run.
+/// Pseudo-random numbers, the same in every run.
 pub struct Draw(u64);
 
 impl Draw {

@@ -35,7 +35,7 @@ pub const REPORT: &str = "report --study . --results . --out report.html";
 /// Every stage in order, as run inside the folder of a study.
 pub const STAGES: [&str; 8] = [DICTIONARY, MOMENTS, DESIGN, CAMPAIGN, VALIDATION, ESTIMATE, VALIDATE, REPORT];
 
-/// What the stages write, but for the figures.
+/// The files that the stages write, except figures.
 pub const MADE: [&str; 10] = [
     "dictionary.parquet",
     "moments.json",
@@ -69,7 +69,7 @@ pub fn written(runs: u64) -> TempDir {
     folder
 }
 
-/// Files of a study, in memory: nothing is left behind when the tests end.
+/// Files of a study, in memory, so that no files are left when the tests end.
 pub struct Study(BTreeMap<String, Vec<u8>>);
 
 impl Study {
@@ -110,7 +110,7 @@ impl Study {
     }
 }
 
-/// The small study with everything that the stages make of it.
+/// The small study with all outputs of the stages.
 pub fn study() -> &'static Study {
     static STUDY: OnceLock<Study> = OnceLock::new();
     STUDY.get_or_init(|| Study::make(RUNS, &STAGES))
@@ -148,7 +148,7 @@ pub fn document<D: Document>(folder: &TempDir, name: &str) -> artifact::Loaded<D
     artifact::read_document(folder.path().join(name)).unwrap()
 }
 
-/// What a binary did.
+/// The result of a binary.
 pub struct Ran {
     pub line: String,
     pub folder: PathBuf,
@@ -180,7 +180,7 @@ impl Ran {
     #[track_caller]
     pub fn refuses(self, code: i32, pieces: &[&str]) -> Self {
         assert_eq!(self.code, Some(code), "{self}");
-        // Progress, which a slow machine tells after a second, may come before.
+        // Progress, which a slow machine reports after a second, may precede it.
         let mut lines = self.stderr.lines().skip_while(|line| is_progress(line));
         let error = lines.next().and_then(|line| line.strip_prefix("error: "));
         let error = error.unwrap_or_else(|| panic!("stderr is no line `error: …`{self}"));
@@ -223,7 +223,7 @@ pub fn run_on_full_disk(folder: &TempDir, line: &str) -> Ran {
     finish(folder, line, command)
 }
 
-/// Runs a command line in 4 GiB of address space: what asks for more is told so, or aborts.
+/// Runs a command line in 4 GiB of address space: a larger allocation fails, or aborts.
 pub fn run_in_little_memory(folder: &TempDir, line: &str) -> Ran {
     let mut command = Command::new("sh");
     command.args(["-c", "ulimit -v 4194304; exec \"$0\" \"$@\""]);
@@ -257,7 +257,7 @@ pub fn listing(folder: &Path) -> BTreeMap<PathBuf, (u64, std::time::SystemTime)>
     all
 }
 
-/// Asserts that `found` are the numbers in the golden file at `path`, but for `tolerance`.
+/// Asserts that `found` are the numbers in the golden file at `path`, up to `tolerance`.
 pub fn are_golden(path: &Path, found: &Map<String, Value>, tolerance: f64) {
     let remedy = "`make golden` writes it again, once you know why";
     let text = fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}; {remedy}", path.display()));

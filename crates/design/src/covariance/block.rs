@@ -41,7 +41,7 @@ impl Block<'_> {
     }
 }
 
-/// A B of a rows × m and an m × n matrix; zeros in A cost nothing.
+/// A B of a rows × m and an m × n matrix; zeros in A are skipped.
 fn multiply(rows: usize, m: usize, a: &[f64], b: &[f64], out: &mut [f64]) {
     let n = out.len() / rows.max(1);
     for (line, left) in out.chunks_exact_mut(n.max(1)).zip(a.chunks_exact(m.max(1))) {

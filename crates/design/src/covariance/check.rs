@@ -1,4 +1,4 @@
-//! What candidates a criterion of the covariance is defined for, and where it is concave.
+//! Checks whether a criterion of the covariance is defined, and whether it is concave.
 
 use numerics::dot;
 
@@ -6,13 +6,13 @@ use super::block::Block;
 use crate::Candidates;
 use crate::certificate::{is_concave, row_scaling};
 
-/// The row that a direction without variance has most of, where the weighted covariance `matrix` of a block has such a one.
+/// The dominant row of a direction without variance in the weighted covariance `matrix` of a block, if there is one.
 pub(super) fn row_without_variance(block: &Block<'_>, matrix: &[f64]) -> Option<usize> {
     let k = block.kept();
     if k == 0 {
         return None;
     }
-    // In correlations, so that units do not count.
+    // In correlations, so that units do not matter.
     let size = |i: usize| matrix[i * k + i].max(0.0).sqrt();
     let direction = match (0..k).find(|i| size(*i) == 0.0) {
         Some(i) => (0..k).map(|j| f64::from(u8::from(i == j))).collect(),
@@ -28,7 +28,7 @@ pub(super) fn row_without_variance(block: &Block<'_>, matrix: &[f64]) -> Option<
     Some(strongest(block, &direction))
 }
 
-/// The row that a direction in weighted units has most of.
+/// The dominant row of a direction in weighted units.
 fn strongest(block: &Block<'_>, direction: &[f64]) -> usize {
     let n = block.n;
     let part =
@@ -36,8 +36,8 @@ fn strongest(block: &Block<'_>, direction: &[f64]) -> usize {
     (0..n).max_by(|a, b| part(*a).total_cmp(&part(*b))).unwrap_or(0)
 }
 
-/// Whether every B_q is one multiple, per block, of the information in symmetric form, which is semidefinite.
-pub(super) fn is_proportional(information: &Candidates, middle: &Candidates) -> bool {
+/// Whether every B_q is the same multiple, per block, of the information in symmetric form, which is semidefinite.
+pub(super) fn is_proportional(information: &Candidates, meat: &Candidates) -> bool {
     let proportional = information.blocks().all(|(n, range)| {
         let matrices = (0..information.len()).map(|q| &information.candidate(q)[range.clone()]);
         let Some(factors) = row_scaling(n, matrices) else { return false };
@@ -46,13 +46,13 @@ pub(super) fn is_proportional(information: &Candidates, middle: &Candidates) -> 
             let m = &information.candidate(q)[range.clone()];
             (0..n * n).map(|e| factors[e / n] * m[e]).collect()
         };
-        let all = (0..information.len()).map(|q| &middle.candidate(q)[range.clone()]);
-        if !is_multiple(&symmetric(0), &middle.candidate(0)[range.clone()], all) {
+        let all = (0..information.len()).map(|q| &meat.candidate(q)[range.clone()]);
+        if !is_multiple(&symmetric(0), &meat.candidate(0)[range.clone()], all) {
             return false;
         }
         let (mut own, mut cross, mut total) = (0.0, 0.0, 0.0);
         for q in 0..information.len() {
-            let (s, b) = (symmetric(q), &middle.candidate(q)[range.clone()]);
+            let (s, b) = (symmetric(q), &meat.candidate(q)[range.clone()]);
             own += dot(&s, &s);
             cross += dot(&s, b);
             total += dot(b, b);
@@ -60,7 +60,7 @@ pub(super) fn is_proportional(information: &Candidates, middle: &Candidates) -> 
         let factor = cross / own;
         let left: f64 = (0..information.len())
             .map(|q| {
-                let (s, b) = (symmetric(q), &middle.candidate(q)[range.clone()]);
+                let (s, b) = (symmetric(q), &meat.candidate(q)[range.clone()]);
                 s.iter().zip(b).map(|(s, b)| (b - factor * s).powi(2)).sum::<f64>()
             })
             .sum();
@@ -69,7 +69,7 @@ pub(super) fn is_proportional(information: &Candidates, middle: &Candidates) -> 
     proportional && is_concave(information)
 }
 
-/// Whether `b` may be a multiple of `s`, beside `all` that are: a look that costs little and leaves few to be looked at closely.
+/// Whether `b` may be a multiple of `s`, as `all` are: a cheap check that leaves few candidates for a full one.
 fn is_multiple<'a>(s: &[f64], b: &[f64], all: impl Iterator<Item = &'a [f64]>) -> bool {
     let factor = dot(s, b) / dot(s, s);
     let left: f64 = s.iter().zip(b).map(|(s, b)| (b - factor * s).powi(2)).sum();

@@ -12,32 +12,32 @@ mod objective;
 use block::Block;
 use check::{is_proportional, row_without_variance};
 
-/// A criterion of the covariance A(w)⁻¹ B(w) A(w)⁻ᵀ, A(w) = Σ w_q M_qᵀ, B(w) = Σ w_q B_q, one block of parameters after
-/// the other. As an [`Objective`] it is minus the [`Norm`] of the weighted covariance.
+/// A criterion of the sandwich covariance A(w)⁻¹ B(w) A(w)⁻ᵀ, A(w) = Σ w_q M_qᵀ, B(w) = Σ w_q B_q, block by block of
+/// parameters. As an [`Objective`] it is minus the [`Norm`] of the weighted covariance.
 #[derive(Clone, Debug)]
 pub struct Covariance {
     information: Candidates,
-    middle: Candidates,
-    /// Per block the square root V of its weights in balanced units, k × n: what is made small is V C Vᵀ. Nuisances such
-    /// as intercepts have columns of zeros.
+    meat: Candidates,
+    /// Per block the square root V of its weights in balanced units, k × n: V C Vᵀ is minimised. Nuisance parameters
+    /// such as intercepts have columns of zeros.
     roots: Vec<Vec<f64>>,
     /// Balanced units per unit of every row.
     rows: Vec<f64>,
     norm: Norm,
-    /// What the balanced norm has to be raised by.
+    /// The offset to add to the balanced norm.
     offset: f64,
     /// Whether the criterion is proved concave.
     concave: bool,
 }
 
-/// An inverse of balanced information with an entry above this is that of a singular matrix.
+/// Balanced information is singular if its inverse has an entry above this.
 const SINGULAR: f64 = 1e13;
 
 fn largest(entries: &[f64]) -> f64 {
     entries.iter().fold(0.0, |largest, x| x.abs().max(largest))
 }
 
-/// What an evaluation leaves for the derivatives.
+/// The workspace of an evaluation, for the derivatives.
 #[derive(Clone, Debug, Default)]
 pub struct CovariancePoint {
     /// Cov of the parameters and nuisances in balanced units, block by block.
@@ -51,16 +51,16 @@ pub struct CovariancePoint {
 }
 
 impl Covariance {
-    /// `information`: M_q = mean of φζᵀ, rows by parameter, columns by instrument. `middle`: B_q per candidate, the blocks
-    /// as there, rows and columns by instrument, symmetric. `weights`: of every row's variance, 0 for a nuisance; a
-    /// [`Norm::LogDet`] asks only which are zero.
+    /// `information`: M_q = mean of φζᵀ, rows by parameter, columns by instrument. `meat`: B_q per candidate, with
+    /// the same blocks, rows and columns by instrument, symmetric. `weights`: of every row's variance, 0 for a
+    /// nuisance; for a [`Norm::LogDet`] it only matters which are zero.
     ///
     /// # Errors
-    /// [`Error::Shape`], [`Error::NotFinite`], [`Error::Empty`]; [`Error::Unexcited`] where equal shares leave a direction
-    /// without excitation; [`Error::SingularCovariance`] where they leave a weighted direction without any variance.
+    /// [`Error::Shape`], [`Error::NotFinite`], [`Error::Empty`]; [`Error::Unexcited`] if equal shares do not excite a
+    /// direction; [`Error::SingularCovariance`] if a weighted direction has no variance at equal shares.
     pub fn new(
         information: &Candidates,
-        middle: &Candidates,
+        meat: &Candidates,
         weights: &[f64],
         norm: Norm,
     ) -> Result<Self, Error> {
@@ -70,7 +70,7 @@ impl Covariance {
         if let Some(row) = weights.iter().position(|w| !(w.is_finite() && *w >= 0.0)) {
             return Err(Error::Weight { row, found: weights[row] });
         }
-        Self::built(information, middle, norm, |n, rows| {
+        Self::built(information, meat, norm, |n, rows| {
             let root = |i: usize| match norm {
                 Norm::LogDet => 1.0,
                 Norm::Trace => weights[rows.start + i].sqrt(),
@@ -80,14 +80,14 @@ impl Covariance {
         })
     }
 
-    /// The trace of G C with one symmetric positive semidefinite matrix G per block, as the mean square of what errors of
-    /// the parameters do to something that depends on them: V-optimality.
+    /// The trace of G C with one symmetric positive semidefinite matrix G per block, the mean square effect of
+    /// parameter errors on a function of the parameters: V-optimality.
     ///
     /// # Errors
     /// As [`Covariance::new`].
     pub fn of_matrices(
         information: &Candidates,
-        middle: &Candidates,
+        meat: &Candidates,
         weights: &[Vec<f64>],
     ) -> Result<Self, Error> {
         let sizes: Vec<usize> = information.blocks().map(|(n, _)| n * n).collect();
@@ -97,9 +97,9 @@ impl Covariance {
             return Err(Error::Shape { found, expected });
         }
         let mut block = 0;
-        Self::built(information, middle, Norm::Trace, |n, _| {
+        Self::built(information, meat, Norm::Trace, |n, _| {
             block += 1;
-            // Nothing is weighted by what is not finite.
+            // Weights that are not finite are refused.
             let (values, vectors) = symmetric(n, &weights[block - 1]).unwrap_or_default();
             let least = 1e-14 * values.iter().copied().fold(0.0, f64::max);
             let kept: Vec<usize> = (0..values.len()).filter(|e| values[*e] > least).collect();
@@ -108,19 +108,19 @@ impl Covariance {
         })
     }
 
-    /// `root`: V of a block of n rows, which are `rows` of all, in units of the candidates.
+    /// `root`: V of a block of n rows, with indices `rows`, in units of the candidates.
     fn built(
         information: &Candidates,
-        middle: &Candidates,
+        meat: &Candidates,
         norm: Norm,
         mut root: impl FnMut(usize, Range<usize>) -> Vec<f64>,
     ) -> Result<Self, Error> {
-        if middle.len() != information.len() || middle.size() != information.size() {
-            return Err(Error::Shape { found: middle.size(), expected: information.size() });
+        if meat.len() != information.len() || meat.size() != information.size() {
+            return Err(Error::Shape { found: meat.size(), expected: information.size() });
         }
         let balanced = information.balanced()?;
         balanced.candidates.check_excitation()?;
-        let middle = middle.congruent(&balanced.columns);
+        let meat = meat.congruent(&balanced.columns);
         let (mut roots, mut offset, mut first) = (Vec::new(), 0.0, 0);
         for (n, _) in information.blocks() {
             let mut own = root(n, first..first + n);
@@ -135,10 +135,10 @@ impl Covariance {
             roots.push(own);
             first += n;
         }
-        let concave = is_proportional(&balanced.candidates, &middle);
+        let concave = is_proportional(&balanced.candidates, &meat);
         let built = Self {
             information: balanced.candidates,
-            middle,
+            meat,
             roots,
             rows: balanced.rows,
             norm,
@@ -149,7 +149,7 @@ impl Covariance {
         Ok(built)
     }
 
-    /// Whether the criterion is concave up to a monotone function: B_q is proportional to the information, and that is
+    /// Whether the criterion is concave up to a monotone function: B_q is proportional to the information, which is
     /// symmetric positive semidefinite up to row factors. Then a small gap bounds the distance to the global optimum.
     pub fn is_concave(&self) -> bool {
         self.concave
@@ -160,7 +160,8 @@ impl Covariance {
         self.norm
     }
 
-    /// Refuses a dictionary whose equal mixture gives a weighted direction no variance (or, for the trace, none at all).
+    /// Refuses a dictionary whose equal mixture gives a weighted direction (or, for the trace, all directions) no
+    /// variance.
     fn check_covariance(&self) -> Result<(), Error> {
         let count = self.information.len();
         let mut at = CovariancePoint::default();
@@ -190,10 +191,10 @@ impl Covariance {
         })
     }
 
-    /// Fills in covariance and inverse. `None` where the information is singular.
+    /// Computes covariance and inverse. `None` if the information is singular.
     fn invert(&self, shares: &[f64], at: &mut CovariancePoint) -> Option<()> {
         self.information.sum(shares, &mut at.sums[0]);
-        self.middle.sum(shares, &mut at.sums[1]);
+        self.meat.sum(shares, &mut at.sums[1]);
         at.covariance.clear();
         at.inverse.clear();
         for (n, range) in self.information.blocks() {
@@ -205,7 +206,7 @@ impl Covariance {
             // M is Aᵀ.
             let inverse = transposed(n, &inverse);
             let covariance = congruence(n, &inverse, &at.sums[1][range]);
-            // Rounding is not symmetric, and eigenvalues of nearly singular information would tell of nothing else.
+            // Symmetrised, since asymmetric rounding would dominate the eigenvalues of nearly singular information.
             let entry = |e: usize| 0.5 * (covariance[e] + covariance[e % n * n + e / n]);
             at.covariance.extend((0..n * n).map(entry));
             at.inverse.extend(inverse);
@@ -217,8 +218,8 @@ impl Covariance {
         self.blocks().map(|b| b.weighted(&at.covariance[b.range.clone()])).collect()
     }
 
-    /// The variances of all rows at `shares`, nuisances included, per unit of experiment and without weights. `None` where
-    /// the information is singular.
+    /// The variances of all rows at `shares`, nuisances included, per unit of experiment and without weights. `None`
+    /// if the information is singular.
     pub fn variances(&self, shares: &[f64]) -> Option<Vec<f64>> {
         let mut at = CovariancePoint::default();
         self.invert(shares, &mut at)?;

@@ -59,7 +59,7 @@ impl Objective for Covariance {
     }
 
     fn sensitivity(&self, q: usize, at: &CovariancePoint) -> f64 {
-        dot(&at.slopes[0], self.information.candidate(q)) + dot(&at.slopes[1], self.middle.candidate(q))
+        dot(&at.slopes[0], self.information.candidate(q)) + dot(&at.slopes[1], self.meat.candidate(q))
     }
 
     fn curvature(&self, members: &[usize], at: &CovariancePoint) -> Vec<f64> {
@@ -89,7 +89,7 @@ impl Objective for Covariance {
     }
 }
 
-/// How the covariance of a block changes with one candidate's share: U = A⁻¹ A_q, V = A⁻¹ B_q A⁻ᵀ.
+/// The change of the covariance of a block with one candidate's share: U = A⁻¹ A_q, V = A⁻¹ B_q A⁻ᵀ.
 struct Change {
     /// U.
     relative: Vec<f64>,
@@ -110,13 +110,12 @@ impl Covariance {
         let covariance = &at.covariance[block.range.clone()];
         let information = transposed(n, &self.information.candidate(q)[block.range.clone()]);
         let relative = product(n, inverse, &information);
-        let middle = congruence(n, inverse, &self.middle.candidate(q)[block.range.clone()]);
+        let meat = congruence(n, inverse, &self.meat.candidate(q)[block.range.clone()]);
         let weighted = product(n, weight, &relative);
         let twisted = product(n, &weighted, covariance);
         let turned = product(n, &relative, covariance);
-        let pulled = (0..n * n).map(|e| turned[(e % n) * n + e / n] - middle[e]).collect();
-        let whole: Vec<f64> =
-            (0..n * n).map(|e| middle[e] - turned[e] - turned[(e % n) * n + e / n]).collect();
+        let pulled = (0..n * n).map(|e| turned[(e % n) * n + e / n] - meat[e]).collect();
+        let whole: Vec<f64> = (0..n * n).map(|e| meat[e] - turned[e] - turned[(e % n) * n + e / n]).collect();
         Change { relative, weighted, twisted, pulled, covariance: block.weighted(&whole) }
     }
 }

@@ -13,10 +13,10 @@ fn uniform(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Information φζᵀ and middle matrices of `count` candidates, the last row of a block a constant.
+/// Information φζᵀ and meat matrices of `count` candidates; the last row of a block is a constant.
 fn random(count: usize, seed: u64, dimensions: &[usize]) -> (Candidates, Candidates) {
     let mut uniform = uniform(seed);
-    let (mut information, mut middle) =
+    let (mut information, mut meat) =
         (Candidates::new(dimensions.to_vec()), Candidates::new(dimensions.to_vec()));
     for _ in 0..count {
         let (mut m, mut b) = (Vec::new(), Vec::new());
@@ -40,12 +40,12 @@ fn random(count: usize, seed: u64, dimensions: &[usize]) -> (Candidates, Candida
             b.extend(own_b);
         }
         information.push(&m).unwrap();
-        middle.push(&b).unwrap();
+        meat.push(&b).unwrap();
     }
-    (information, middle)
+    (information, meat)
 }
 
-/// Information about cubic polynomials at `count` places, `apart` from each other, from −1 on.
+/// Information about cubic polynomials at `count` points with spacing `apart`, from −1 on.
 fn cubics(count: u32, apart: f64) -> Candidates {
     let mut information = Candidates::new(vec![4]);
     for i in 0..count {
@@ -67,13 +67,13 @@ const NORMS: [Norm; 2] = [Norm::LogDet, Norm::Trace];
 
 #[test]
 fn law_gradients_and_curvatures_are_those_of_finite_differences() {
-    let (information, middle) = random(9, 3, &DIMENSIONS);
+    let (information, meat) = random(9, 3, &DIMENSIONS);
     let mut draw = uniform(8);
     let mut shares: Vec<f64> = (0..9).map(|_| draw() + 0.6).collect();
     let total: f64 = shares.iter().sum();
     shares.iter_mut().for_each(|w| *w /= total);
     for norm in NORMS {
-        let c = Covariance::new(&information, &middle, &weights(&DIMENSIONS), norm).unwrap();
+        let c = Covariance::new(&information, &meat, &weights(&DIMENSIONS), norm).unwrap();
         let mut at = CovariancePoint::default();
         let value = c.evaluate(&shares, &mut at).unwrap();
         assert!((value - c.value(&shares, &mut CovariancePoint::default()).unwrap()).abs() < 1e-10);
@@ -139,7 +139,7 @@ fn law_a_of_a_straight_line_takes_the_ends() {
     }
 }
 
-/// Of a concave criterion there is one best value, wherever the search begins.
+/// A concave criterion has one best value, from any start.
 #[test]
 fn law_a_search_from_other_shares_or_among_few_ends_at_the_same_value() {
     let information = cubics(201, 0.01);
@@ -164,7 +164,7 @@ fn law_a_search_from_other_shares_or_among_few_ends_at_the_same_value() {
 
 #[test]
 fn law_scaled_parameters_change_d_by_a_constant_and_no_shares() {
-    let (information, middle) = random(12, 5, &DIMENSIONS);
+    let (information, meat) = random(12, 5, &DIMENSIONS);
     let rescale = |of: &Candidates, rows: bool| {
         let mut out = Candidates::new(DIMENSIONS.to_vec());
         for q in 0..of.len() {
@@ -182,7 +182,7 @@ fn law_scaled_parameters_change_d_by_a_constant_and_no_shares() {
     let scaled = rescale(&information, true);
     let options = Options { random_starts: 1, ..Options::default() };
     let of = |m: &Candidates| {
-        let c = Covariance::new(m, &middle, &weights(&DIMENSIONS), Norm::LogDet).unwrap();
+        let c = Covariance::new(m, &meat, &weights(&DIMENSIONS), Norm::LogDet).unwrap();
         solve_covariance(&c, &Bounds::default(), &options).unwrap()
     };
     let (one, other) = (of(&information), of(&scaled));
@@ -197,9 +197,9 @@ fn law_scaled_parameters_change_d_by_a_constant_and_no_shares() {
 
 #[test]
 fn law_the_certificate_holds_under_bounds() {
-    let (information, middle) = random(40, 11, &DIMENSIONS);
+    let (information, meat) = random(40, 11, &DIMENSIONS);
     let bounds = Bounds::new(&[0.06; 40]).unwrap();
-    let c = |norm| Covariance::new(&information, &middle, &weights(&DIMENSIONS), norm).unwrap();
+    let c = |norm| Covariance::new(&information, &meat, &weights(&DIMENSIONS), norm).unwrap();
     let options = Options { tolerance: 1e-9, ..Options::default() };
     let designs = [
         (solve_within(&information, &bounds, &options).unwrap(), 13.0),
@@ -245,10 +245,10 @@ fn law_bounds_that_do_not_bind_change_nothing() {
 
 #[test]
 fn law_ten_thousand_candidates_reach_the_gap_of_covariance_criteria() {
-    let (information, middle) = random(10_000, 7, &DIMENSIONS);
+    let (information, meat) = random(10_000, 7, &DIMENSIONS);
     for norm in NORMS {
         let begun = std::time::Instant::now();
-        let c = Covariance::new(&information, &middle, &weights(&DIMENSIONS), norm).unwrap();
+        let c = Covariance::new(&information, &meat, &weights(&DIMENSIONS), norm).unwrap();
         let options = Options { random_starts: 1, tolerance: 1e-6, ..Options::default() };
         let design = solve_covariance(&c, &Bounds::default(), &options).unwrap();
         println!(
@@ -265,9 +265,9 @@ fn law_ten_thousand_candidates_reach_the_gap_of_covariance_criteria() {
 fn a_singular_covariance_names_its_row() {
     let mut information = Candidates::new(vec![2]);
     information.push(&[1.0, 0.2, 0.1, 1.0]).unwrap();
-    let mut middle = Candidates::new(vec![2]);
-    middle.push(&[1.0, 0.0, 0.0, 0.0]).unwrap();
-    let of = |norm| Covariance::new(&information, &middle, &[1.0, 1.0], norm);
+    let mut meat = Candidates::new(vec![2]);
+    meat.push(&[1.0, 0.0, 0.0, 0.0]).unwrap();
+    let of = |norm| Covariance::new(&information, &meat, &[1.0, 1.0], norm);
     assert!(matches!(of(Norm::LogDet), Err(Error::SingularCovariance { block: 0, .. })));
     assert!(of(Norm::Trace).is_ok());
     let mut still = Candidates::new(vec![2]);
@@ -279,25 +279,25 @@ fn a_singular_covariance_names_its_row() {
         ));
     }
     assert!(matches!(
-        Covariance::new(&information, &middle, &[1.0, -1.0], Norm::LogDet),
+        Covariance::new(&information, &meat, &[1.0, -1.0], Norm::LogDet),
         Err(Error::Weight { row: 1, .. })
     ));
 }
 
-/// What makes a polynomial's coefficients known best makes it known best in any basis: powers, of which the information is all but
-/// singular, lead to the shares that Legendre's polynomials lead to, and to the same certificate.
+/// D-optimality does not depend on the basis of polynomials: powers, whose information is nearly singular, lead to
+/// the same shares and the same certificate as Legendre polynomials.
 #[test]
 fn law_an_ill_conditioned_basis_changes_no_shares() {
     let points = 41;
     let solved = |basis: &dyn Fn(f64) -> Vec<f64>| {
-        let (mut information, mut middle) = (Candidates::new(vec![5]), Candidates::new(vec![5]));
+        let (mut information, mut meat) = (Candidates::new(vec![5]), Candidates::new(vec![5]));
         for i in 0..points {
             let row = basis(2.0 * f64::from(i) / f64::from(points - 1) - 1.0);
             let square: Vec<f64> = row.iter().flat_map(|a| row.iter().map(move |b| a * b)).collect();
             information.push(&square).unwrap();
-            middle.push(&square).unwrap();
+            meat.push(&square).unwrap();
         }
-        let c = Covariance::new(&information, &middle, &[1.0; 5], Norm::LogDet).unwrap();
+        let c = Covariance::new(&information, &meat, &[1.0; 5], Norm::LogDet).unwrap();
         let options = Options { tolerance: 1e-6, ..Options::default() };
         solve_covariance(&c, &Bounds::default(), &options).unwrap()
     };
@@ -320,7 +320,7 @@ fn law_an_ill_conditioned_basis_changes_no_shares() {
 
 #[test]
 fn law_predicted_errors_add_up_to_the_norm_and_fall_with_the_samples() {
-    let (information, middle) = random(9, 3, &DIMENSIONS);
+    let (information, meat) = random(9, 3, &DIMENSIONS);
     let names = |n: usize| (0..n).map(|i| format!("p{i}")).collect::<Vec<_>>();
     let degree = |n: usize| Degree { name: "surge".into(), regressors: names(n), parameters: names(n - 1) };
     let dictionary = Dictionary {
@@ -334,7 +334,7 @@ fn law_predicted_errors_add_up_to_the_norm_and_fall_with_the_samples() {
     let weights: Vec<f64> = (1..=p).map(|k| k as f64).collect();
     let is_near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9 * b.abs(), "{a} {b}");
     for norm in NORMS {
-        let built = Criterion::of_covariance(&dictionary, &middle, weights.clone(), norm).unwrap();
+        let built = Criterion::of_covariance(&dictionary, &meat, weights.clone(), norm).unwrap();
         let Criterion::Covariance(own) = built else { panic!("no criterion of the covariance") };
         let [once, often] = [1.0, 400.0].map(|n| own.predicted(&dictionary, &shares, n).unwrap());
         assert_eq!((once.standard_errors.len(), often.standard_errors.len()), (p, p));

@@ -56,7 +56,7 @@ fn law_sensitivities_average_to_the_dimension_and_none_exceeds_it() {
     assert!((design.shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
 }
 
-/// Efficient at scale: ten thousand candidates of dimension 13 in three blocks, not symmetric.
+/// At scale: ten thousand candidates of dimension 13 in three blocks, not symmetric.
 #[test]
 fn law_ten_thousand_candidates_reach_the_gap() {
     let candidates = random_candidates(10_000, 7);
@@ -101,7 +101,7 @@ fn a_direction_without_excitation_is_named() {
         solve(&candidates, &Options::default()),
         Err(Error::Unexcited { block: 1, direction: vec![0.0, 1.0] })
     );
-    // Excited rows, but always in the same combination.
+    // Rows that are excited, but always in the same combination.
     let mut collinear = Candidates::new(vec![2]);
     collinear.push(&[1.0, 2.0, 2.0, 4.0]).unwrap();
     collinear.push(&[2.0, 4.0, 4.0, 8.0]).unwrap();
@@ -134,7 +134,7 @@ fn law_an_efficiency_is_the_share_of_time_that_is_needed() {
     assert_eq!(design.single_efficiencies(&candidates, 2), vec![0.0, 0.0]);
 }
 
-/// argmin's limits apply, and a solver that was saved in between goes on where it stopped.
+/// argmin's limits apply, and a saved solver continues where it stopped.
 #[test]
 fn a_saved_solver_resumes() {
     type Held = IterState<Vec<f64>, (), (), (), (), f64>;

@@ -20,7 +20,7 @@ impl Lifted {
         self.m[i * self.n + j]
     }
 
-    /// What adds up under the mean removal: M itself, X̄ − Ȳ Z̄ᵀ or X̄.
+    /// The additive information under the mean removal: M itself, X̄ − Ȳ Z̄ᵀ or X̄.
     fn information(&self, removal: &str) -> Vec<f64> {
         let p = self.n - 1;
         let mut entries = Vec::new();

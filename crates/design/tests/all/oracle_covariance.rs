@@ -30,7 +30,7 @@ fn covariance(name: &str) -> Covariance {
     let information = candidates(&moments["moments"], |m| {
         m["degrees"].as_array().unwrap().iter().flat_map(|d| floats(&d["M"])).collect()
     });
-    let middle = candidates(&criteria["B"], |b| b.as_array().unwrap().iter().flat_map(floats).collect());
+    let meat = candidates(&criteria["B"], |b| b.as_array().unwrap().iter().flat_map(floats).collect());
     let truth = ["X_u", "X_uu", "X_vr", "X_tau", "", "Y_v", "Y_ur", "Y_tau", "", "N_r", "N_uv", "N_tau", ""];
     let weight = |parameter: &&str| match moments["parameters"][*parameter].as_f64() {
         Some(theta) if name == "a-relative" => 1.0 / (theta * theta),
@@ -42,7 +42,7 @@ fn covariance(name: &str) -> Covariance {
         "d" => Norm::LogDet,
         _ => Norm::Trace,
     };
-    Covariance::new(&information, &middle, &weights, norm).unwrap()
+    Covariance::new(&information, &meat, &weights, norm).unwrap()
 }
 
 /// The criterion as the oracle has it.

@@ -17,15 +17,15 @@ fn floats(value: &Value) -> Vec<f64> {
 
 fn covariance(oracle: &Value, noise: &str, name: &str) -> Covariance {
     let truth: Value = serde_json::from_str(TRUTH).unwrap();
-    let (mut information, mut middle) = (Candidates::new(vec![13]), Candidates::new(vec![13]));
+    let (mut information, mut meat) = (Candidates::new(vec![13]), Candidates::new(vec![13]));
     for (f, p) in oracle["F"].as_array().unwrap().iter().zip(oracle["P"].as_array().unwrap()) {
         let (f, p) = (floats(f), floats(p));
         information.push(&f).unwrap();
         let sum: Vec<f64> = f.iter().zip(&p).map(|(f, p)| f + p).collect();
-        middle.push(if noise == "all" { &sum } else { &f }).unwrap();
+        meat.push(if noise == "all" { &sum } else { &f }).unwrap();
     }
     if name == "v" {
-        return Covariance::of_matrices(&information, &middle, &[floats(&oracle["G"])]).unwrap();
+        return Covariance::of_matrices(&information, &meat, &[floats(&oracle["G"])]).unwrap();
     }
     let weight = |parameter: &&str| match truth["parameters"][*parameter].as_f64() {
         Some(theta) if name == "a-relative" => 1.0 / (theta * theta),
@@ -34,7 +34,7 @@ fn covariance(oracle: &Value, noise: &str, name: &str) -> Covariance {
     };
     let weights: Vec<f64> = ROWS.iter().map(weight).collect();
     let norm = if name == "d" { Norm::LogDet } else { Norm::Trace };
-    Covariance::new(&information, &middle, &weights, norm).unwrap()
+    Covariance::new(&information, &meat, &weights, norm).unwrap()
 }
 
 #[test]

@@ -19,12 +19,12 @@ fn line() -> Dictionary {
 #[test]
 fn law_the_time_for_an_accuracy_falls_as_its_square_and_what_exists_limits_it() {
     let dictionary = line();
-    let middle = &dictionary.information;
-    let criterion = Criterion::of_covariance(&dictionary, middle, vec![1.0], Norm::Trace).unwrap();
+    let meat = &dictionary.information;
+    let criterion = Criterion::of_covariance(&dictionary, meat, vec![1.0], Norm::Trace).unwrap();
     let Criterion::Covariance(own) = &criterion else { panic!() };
     let asked = |accuracy: f64, longest_s: f64, stock: Option<&Stock>| {
         let wanted = Wanted { accuracy, of: AccuracyOf::Overall, longest_s };
-        let errors = Errors::new(&dictionary, middle, own, &[1.0], wanted.of);
+        let errors = Errors::new(&dictionary, meat, own, &[1.0], wanted.of);
         let question = Question {
             dictionary: &dictionary,
             lengths: &[20.0, 20.0],
@@ -49,7 +49,7 @@ fn law_the_time_for_an_accuracy_falls_as_its_square_and_what_exists_limits_it() 
     assert!(limited.samples > 100.0 && limited.design.shares[0] <= share + 1e-9);
 }
 
-/// At the answer the maneuvers that are whole take `MOST` of the time or more; a sample earlier they take less.
+/// At the answer, whole maneuvers take `MOST` of the time or more; a sample earlier they take less.
 #[test]
 fn law_a_prediction_holds_from_where_whole_maneuvers_take_most_of_the_time() {
     let cases: [(&[f64], &[f64]); 4] = [

@@ -1,4 +1,4 @@
-//! Shares over candidates that come in blocks.
+//! Shares over candidates that are read in blocks.
 
 use design::{Blocks, Candidates, Error, Options, Status, solve, solve_streamed};
 use rand::{Rng, SeedableRng};
@@ -26,7 +26,7 @@ impl Blocks for Cut {
     }
 }
 
-/// φφᵀ of a regressor per block, entries of unlike sizes; not symmetric where `tilted`.
+/// φφᵀ of a regressor per block, entries of different sizes; not symmetric if `tilted`.
 fn candidates(count: usize, tilted: bool) -> Candidates {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let mut uniform = || (rng.next_u64() >> 11) as f64 * 2.0_f64.powi(-52) - 1.0;
@@ -76,7 +76,7 @@ fn law_a_direction_that_one_of_many_excites_is_found_and_none_is_told() {
     let mut rest = Candidates::new(vec![3, 2]);
     let all = candidates(5000, false);
     for q in 0..5000 {
-        // The last row of the last block is still, but for one candidate.
+        // The last row of the last block is zero except for one candidate.
         let mut entries = all.candidate(q).to_vec();
         if q != 3333 {
             entries[10..13].fill(0.0);

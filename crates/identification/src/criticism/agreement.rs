@@ -1,4 +1,4 @@
-//! Whether recordings tell of one ship: of every recording, whether its own parameters may be those of the others.
+//! Whether recordings are of one ship: for every recording, whether its own parameters may be those of the others.
 
 use super::found::Apart;
 use super::problems::{Problems, State};
@@ -6,13 +6,13 @@ use super::score::log_tail;
 use crate::predictor::{Linear, scaled_inverse};
 use numerics::times;
 
-/// Recordings contradict the others where chance explains any of them with a smaller probability than this.
+/// A recording contradicts the others if chance explains any of them with a smaller probability than this.
 const LEVEL: f64 = 1e-4;
-/// Share of a parameter's own signal below which nothing of it is left that the others do not tell.
+/// A parameter depends on the others if less than this share of its signal is independent of theirs.
 const LEFT: f64 = 1e-6;
 
-/// Recordings that contradict the others, the farthest first: one after the other is taken out until the rest agree. Of many that
-/// fall apart no more than half are named.
+/// Recordings that contradict the others, the farthest first: they are removed one by one until the rest agree. At
+/// most half of the recordings are named.
 pub(super) fn apart(problems: &Problems, state: &State) -> Vec<Apart> {
     let mut left = recordings(problems, state);
     let mut out = Vec::new();
@@ -29,7 +29,7 @@ pub(super) fn apart(problems: &Problems, state: &State) -> Vec<Apart> {
     out
 }
 
-/// White errors and their slopes by the parameters, of every recording.
+/// White errors of every recording, and their derivatives by the parameters.
 fn recordings(problems: &Problems, state: &State) -> Vec<(String, Linear)> {
     let mut all: Vec<(String, Linear)> = Vec::new();
     for (run, found) in problems.by_run(state) {
@@ -43,7 +43,7 @@ fn recordings(problems: &Problems, state: &State) -> Vec<(String, Linear)> {
     all
 }
 
-/// The recording that is least probable beside the others, with the logarithm of its probability.
+/// The recording that is least probable given the others, with the logarithm of its probability.
 fn farthest(all: &[(String, Linear)]) -> Option<(usize, f64)> {
     let mut total = all.first()?.1.clone();
     all[1..].iter().for_each(|(_, sums)| total.add(sums));
@@ -56,8 +56,9 @@ fn farthest(all: &[(String, Linear)]) -> Option<(usize, f64)> {
     let variance = (total.squares.iter().sum::<f64>() - explained) / freedom;
     let tested = all.iter().enumerate().filter_map(|(i, (_, sums))| {
         let (own, scores) = sums.weighted([1.0; 3]);
-        // What is left of the recording's errors once all recordings had their say: scores, and their covariance over the variance.
-        let scores: Vec<f64> = scores.iter().zip(times(&own, &change)).map(|(s, told)| s - told).collect();
+        // Scores of the recording at the estimate from all recordings, and their covariance over the variance.
+        let scores: Vec<f64> =
+            scores.iter().zip(times(&own, &change)).map(|(s, explained)| s - explained).collect();
         let rows: Vec<f64> = own.chunks_exact(p).flat_map(|row| times(&inverse, row)).collect();
         let covariance: Vec<f64> = (0..p * p)
             .map(|k| {
@@ -66,8 +67,8 @@ fn farthest(all: &[(String, Linear)]) -> Option<(usize, f64)> {
             })
             .collect();
         let whole: Vec<f64> = (0..p).map(|i| own[i * p + i]).collect();
-        let (statistic, told) = form(covariance, scores, &whole);
-        (told > 0).then(|| (i, log_tail(statistic / variance, told)))
+        let (statistic, rank) = form(covariance, scores, &whole);
+        (rank > 0).then(|| (i, log_tail(statistic / variance, rank)))
     });
     tested.min_by(|a, b| a.1.total_cmp(&b.1))
 }
@@ -75,7 +76,7 @@ fn farthest(all: &[(String, Linear)]) -> Option<(usize, f64)> {
 /// sᵀV⁺s and the rank of V, by pivots that are at least a share of `whole`.
 fn form(mut v: Vec<f64>, mut s: Vec<f64>, whole: &[f64]) -> (f64, usize) {
     let p = s.len();
-    let (mut statistic, mut told) = (0.0, 0);
+    let (mut statistic, mut rank) = (0.0, 0);
     loop {
         let share = |i: &usize| if whole[*i] > 0.0 { v[i * p + i] / whole[*i] } else { 0.0 };
         let Some(best) = (0..p).max_by(|a, b| share(a).total_cmp(&share(b))) else { break };
@@ -86,7 +87,7 @@ fn form(mut v: Vec<f64>, mut s: Vec<f64>, whole: &[f64]) -> (f64, usize) {
         let row: Vec<f64> = v[best * p..(best + 1) * p].to_vec();
         let score = s[best];
         statistic += score * score / pivot;
-        told += 1;
+        rank += 1;
         for i in 0..p {
             s[i] -= row[i] * score / pivot;
             for j in 0..p {
@@ -95,7 +96,7 @@ fn form(mut v: Vec<f64>, mut s: Vec<f64>, whole: &[f64]) -> (f64, usize) {
         }
         v[best * p + best] = 0.0;
     }
-    (statistic, told)
+    (statistic, rank)
 }
 
 #[cfg(test)]
@@ -104,10 +105,10 @@ mod tests {
 
     #[test]
     fn law_what_a_form_cannot_tell_counts_for_nothing() {
-        // The third unknown is the sum of the others, the fourth moves nothing.
+        // The third unknown is the sum of the others, the fourth has no effect.
         let v = [[4.0, 1.0, 5.0, 0.0], [1.0, 2.0, 3.0, 0.0], [5.0, 3.0, 8.0, 0.0], [0.0; 4]].concat();
-        let (statistic, told) = form(v, vec![1.0, -1.0, 0.0, 0.0], &[4.0, 2.0, 8.0, 0.0]);
+        let (statistic, rank) = form(v, vec![1.0, -1.0, 0.0, 0.0], &[4.0, 2.0, 8.0, 0.0]);
         // (1, −1) [[4, 1], [1, 2]]⁻¹ (1, −1)ᵀ.
-        assert!((statistic - 8.0 / 7.0).abs() < 1e-12 && told == 2, "{statistic} {told}");
+        assert!((statistic - 8.0 / 7.0).abs() < 1e-12 && rank == 2, "{statistic} {rank}");
     }
 }

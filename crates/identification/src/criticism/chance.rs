@@ -2,14 +2,14 @@ use engine::Streams;
 
 use super::score::{Group, Projected, Score, log_tail};
 
-/// How often scores are drawn as they would be under the model.
+/// Number of draws of the scores under the model.
 const DRAWS: usize = 2000;
-/// What is left of a pivot below which a score is a mixture of others.
+/// A score is a mixture of others if less than this share of its pivot is left.
 const LEFT: f64 = 1e-9;
 /// The draws are the same in every criticism.
 const SEED: u64 = 1;
 
-/// Normal numbers that scores are drawn with.
+/// Normal random numbers for draws of scores.
 pub(super) struct Draws {
     width: usize,
     normals: Vec<f64>,
@@ -23,9 +23,9 @@ impl Draws {
         Self { width, normals }
     }
 
-    /// By group, how probable it is under the model that any of them has a score as improbable as its own. Tests overlap, so
-    /// multiplying by their number would be too much: scores are drawn with the covariance that they have. What no draw
-    /// reaches is told by that product.
+    /// Per group, the probability under the model that any group has a score as improbable as its own. Tests overlap,
+    /// so a Bonferroni factor would be too large: scores are drawn with their joint covariance. Probabilities beyond
+    /// all draws use that factor.
     pub fn adjusted(&self, projected: &Projected, groups: &[(&Group, &Score)]) -> Vec<f64> {
         let least = self.least(projected, groups);
         let among = |score: &Score| {
@@ -36,7 +36,7 @@ impl Draws {
         groups.iter().map(|(_, score)| among(score)).collect()
     }
 
-    /// Of every draw the least logarithm of a probability, in ascending order.
+    /// The least logarithm of a probability of every draw, in ascending order.
     fn least(&self, projected: &Projected, groups: &[(&Group, &Score)]) -> Vec<f64> {
         let unknowns = groups.iter().flat_map(|(group, _)| group.unknowns.iter().map(Vec::as_slice));
         let unknowns: Vec<&[usize]> = unknowns.collect();
@@ -60,7 +60,7 @@ impl Draws {
     }
 }
 
-/// By group its first unknown, the inverse of the correlation of its unknowns, and how many they are.
+/// Per group its first unknown, the inverse correlation of its unknowns, and their number.
 fn forms(n: usize, correlation: &[f64], groups: &[(&Group, &Score)]) -> Vec<(usize, Vec<f64>, usize)> {
     let mut first = 0;
     let form = |(group, _): &(&Group, &Score)| {
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
     use crate::predictor::Linear;
 
-    /// Scores of columns with this correlation beside one estimated unknown that is none of theirs.
+    /// Scores of columns with this correlation, and one estimated unknown that is independent of them.
     fn projected(n: usize, correlation: impl Fn(usize, usize) -> f64) -> Projected {
         let all = n + 1;
         let entry = |(i, j): (usize, usize)| match (i, j) {

@@ -4,12 +4,12 @@ use numerics::{LANES, Lane};
 
 use super::library::Effect;
 
-/// The lag whose effect is looked for \[samples\]: that of shorter and longer ones looks much the same.
+/// The lag that is tested \[samples\]: the effects of shorter and longer ones are similar.
 const LAG: f64 = 4.0;
 
-/// Inputs and measured disturbances with the channels of [`Effect::ALL`] behind them, N × (exogenous + 12).
+/// Inputs and measured disturbances followed by the channels of [`Effect::ALL`], N × (exogenous + 12).
 ///
-/// `states`: as predicted, (N+1) × 3. What an effect adds to the states is its slope by inputs or water, along them.
+/// `states`: as predicted, (N+1) × 3. An effect on the states is their derivative by inputs or water, along them.
 pub(super) fn with_effects(
     model: &Model,
     parameters: &[Lane],
@@ -30,7 +30,7 @@ pub(super) fn with_effects(
         compiled.gradients(&mut gradients);
         let before = if k > 0 { &exogenous[(k - 1) * width..k * width] } else { row };
         let (cos, sin) = turned(&heading);
-        // Slopes by the water's velocity are minus those by the vessel's.
+        // Derivatives by the water's velocity are minus those by the vessel's.
         let along = |d: usize| Lane::ZERO - gradients[0][d];
         let across = |d: usize| Lane::ZERO - gradients[1][d];
         out.extend_from_slice(row);

@@ -6,23 +6,23 @@ use super::feedback::feedback;
 use super::found::{Criticism, FoundNoise, Verdict};
 use super::gate::{LAGS, is_white, white_once_named};
 use super::library::Lifted;
-use super::listened::listened;
 use super::noise::{Guess, LASTING};
 use super::problems::{Problems, Series, State, Subject};
 use super::refinement::Refinement;
 use super::score::Projected;
 use super::tested::{LEVEL, tested};
 use super::white_noise::{reject_under_white, under_white};
+use super::with_noise::each_with_noise;
 use super::words::statements;
 use crate::sensitivity::Flow;
 
-/// Looks for what the model lacks: score tests of whitened errors, see [`super`]. `parameters`: θ̂ of all runs, in the order of
-/// the model. None where the model diverges, or the runs determine nothing.
+/// Tests what the model lacks by score tests of whitened errors, see [`super`]. `parameters`: θ̂ of all runs, in the
+/// order of the model. `None` if the model diverges, or the runs determine nothing.
 pub fn criticise(subject: &Subject, parameters: &[f64]) -> Option<Criticism> {
     criticise_after(subject, parameters, &[])
 }
 
-/// The same where kinds of noise were found of these runs before.
+/// The same, given kinds of noise that were found before for these runs.
 pub(crate) fn criticise_after(
     subject: &Subject,
     parameters: &[f64],
@@ -31,7 +31,7 @@ pub(crate) fn criticise_after(
     judge(subject, &Problems::new(subject, true), &[parameters.to_vec()], before).pop().flatten()
 }
 
-/// The same of every run by itself, of which each has its estimate.
+/// The same for every run by itself, each with its own estimate.
 pub fn criticise_each(subject: &Subject, parameters: &[Vec<f64>]) -> Vec<Option<Criticism>> {
     judge(subject, &Problems::new(subject, false), parameters, &[])
 }
@@ -44,12 +44,12 @@ fn judge(
 ) -> Vec<Option<Criticism>> {
     let states = match subject.levels {
         Some(_) => Refinement::new(problems, starts).run(),
-        None => listened(problems, starts, before),
+        None => each_with_noise(problems, starts, before),
     };
     verdicts(subject, problems, states)
 }
 
-/// What the runs of every estimate say of it.
+/// The verdict of the runs on every estimate.
 pub(super) fn verdicts(subject: &Subject, problems: &Problems, states: Vec<State>) -> Vec<Option<Criticism>> {
     let lifted = Lifted::new(subject.model);
     let draws = Draws::new(lifted.candidates.iter().map(|c| c.group.unknowns.len()).sum());

@@ -7,11 +7,12 @@ use serde::{Deserialize, Serialize};
 
 use super::problems::Series;
 
-/// What an input must answer with this probability or less, and how strongly, to be told.
+/// Largest probability, and least correlation, for an input's response to be reported.
 const UNLIKELY: f64 = 1e-3;
 const WEAK: f64 = 0.1;
 
-/// News are held to this many times their median, so that a few jumps of a course do not drown them.
+/// Innovations of an input are clipped at this many times their median, so that a few steps of a course do not
+/// dominate.
 const MOST: f64 = 3.0;
 
 /// An input that answers what was measured at the same sample.
@@ -28,22 +29,22 @@ pub struct Feedback {
     pub p_value: f64,
 }
 
-/// The input that answers most to the white errors of `series`, if any does. What is looked at of an input is its news, which
-/// its last two values do not foretell: white errors of an estimate cannot go with those unless something answers within the
-/// sample. An autopilot with a sensor of its own answers to the ship's true motion alone, so to as much of an error as is no
-/// noise.
+/// The input that responds most to the white errors of `series`, if any does. Only its innovations, which its last
+/// two values do not predict, are used: white errors can correlate with them only if something responds within the
+/// sample. An autopilot with its own sensor responds to the ship's true motion alone, so only to the part of an error
+/// that is not noise.
 pub(super) fn feedback(model: &Model, runs: &[RunView], series: &Series) -> Option<Feedback> {
     let width = model.exogenous();
     let tests = 3 * model.inputs;
     let mut most: Option<Feedback> = None;
     for input in 0..model.inputs {
         let value = |run: usize, k: usize| runs[run].exogenous[k * width + input];
-        let Some(news) = news(series, value, runs) else { continue };
+        let Some(innovations) = innovations(series, value, runs) else { continue };
         for (state, name) in ["u", "v", "r"].into_iter().enumerate() {
             let (mut both, mut own, mut errors, mut n) = (0.0, 0.0, 0.0, 0.0);
-            for ((_, white), news) in series.iter().zip(&news) {
-                // White errors begin at sample 1, news at sample 2.
-                for (a, b) in news.iter().zip(&white[state][1..]) {
+            for ((_, white), innovations) in series.iter().zip(&innovations) {
+                // White errors begin at sample 1, innovations at sample 2.
+                for (a, b) in innovations.iter().zip(&white[state][1..]) {
                     both += a * b;
                     own += a * a;
                     errors += b * b;
@@ -64,8 +65,13 @@ pub(super) fn feedback(model: &Model, runs: &[RunView], series: &Series) -> Opti
     most.filter(|found| found.p_value < UNLIKELY && found.correlation.abs() > WEAK)
 }
 
-/// By run of `series`, from sample 2 on, what the last two values do not foretell of an input; none of one that they always do.
-fn news(series: &Series, value: impl Fn(usize, usize) -> f64, runs: &[RunView]) -> Option<Vec<Vec<f64>>> {
+/// Innovations of an input per run of `series`, from sample 2 on: what its last two values do not predict; `None` if
+/// they always predict it.
+fn innovations(
+    series: &Series,
+    value: impl Fn(usize, usize) -> f64,
+    runs: &[RunView],
+) -> Option<Vec<Vec<f64>>> {
     let row = |run: usize, k: usize| [value(run, k - 1), value(run, k - 2), 1.0];
     let (mut normal, mut gradient) = ([0.0; 9], [0.0; 3]);
     let mut squares = 0.0;
@@ -78,7 +84,7 @@ fn news(series: &Series, value: impl Fn(usize, usize) -> f64, runs: &[RunView]) 
         }
     }
     let mut foretold = gradient;
-    // Inputs that hardly vary by themselves are foretold well enough without one of the two.
+    // Inputs that hardly vary are predicted well enough by one of the two.
     (0..3).for_each(|i| normal[4 * i] *= 1.0 + 1e-9);
     numerics::solve(3, &mut normal, &mut foretold)?;
     let of = |run: usize, k: usize| value(run, k) - numerics::dot(&foretold, &row(run, k));

@@ -62,7 +62,7 @@ pub struct OtherNoise {
 
 impl From<&Noise> for FoundNoise {
     fn from(found: &Noise) -> Self {
-        let (guess, best) = (&found.guess, found.kinds.first().map_or(0.0, |(_, worth)| *worth));
+        let (guess, best) = (&found.guess, found.kinds.first().map_or(0.0, |(_, likelihood)| *likelihood));
         let of = |of: &str, std: [f64; 3], times: [f64; 3]| {
             let each = DegreeOfFreedom::ALL.map(|d| FoundDrift {
                 of: of.to_owned(),
@@ -79,7 +79,9 @@ impl From<&Noise> for FoundNoise {
         Self {
             kind: guess.kind,
             drifts: forces.or(sensors).unwrap_or_default(),
-            others: others.map(|(own, worth)| OtherNoise { kind: own.kind, below: best - worth }).collect(),
+            others: others
+                .map(|(own, likelihood)| OtherNoise { kind: own.kind, below: best - likelihood })
+                .collect(),
             turns: found.turns as u64,
             at_rest: found.at_rest,
         }
@@ -165,7 +167,7 @@ pub struct Absent {
 }
 
 impl Criticism {
-    /// Whether all that is told are numbers: errors of a model that all but diverges have squares that are none.
+    /// Whether all reported numbers are finite: squared errors of a model that nearly diverges may overflow.
     pub(super) fn is_finite(&self) -> bool {
         let noise = [self.noise_u, self.noise_v, self.noise_r, self.current_std, self.error_ratio];
         let absent = |a: &Absent| {
@@ -186,12 +188,12 @@ impl Criticism {
 
 impl Absent {
     /// `r |r|` in yaw.
-    pub fn told(&self) -> String {
+    pub fn label(&self) -> String {
         called(&self.name, self.degree.as_deref())
     }
 }
 
-/// What something is called that acts in one degree of freedom, or in all.
+/// The name of an effect in one degree of freedom, or in all.
 pub(super) fn called(name: &str, degree: Option<&str>) -> String {
     degree.map_or(name.to_owned(), |degree| format!("`{name}` in {degree}"))
 }

@@ -1,4 +1,4 @@
-//! Whether errors follow a noise that is known here, once what the model lacks is in.
+//! Whether errors follow a known kind of noise once missing terms are added to the model.
 
 use engine::{RunView, SideBySide};
 use model::Model;
@@ -9,15 +9,15 @@ use super::chance::Draws;
 use super::channels::with_effects;
 use super::found::{Absent, Criticism};
 use super::library::{Candidate, Lifted};
-use super::listened::heard;
 use super::problems::{Problems, State, Subject};
 use super::score::Projected;
 use super::tested::{LEVEL, tested};
+use super::with_noise::with_noise;
 use crate::sensitivity::{Recordings, filter, with_states};
 
-/// Probability of the test of whiteness below which errors are not white, of each of u, v and r.
+/// Errors are not white below this probability of the test of whiteness, for each of u, v and r.
 const GATE: f64 = 0.01 / 3.0;
-/// Most that is added to the model before its errors are looked at.
+/// Maximum number of terms that are added to the model.
 const MOST: usize = 4;
 /// Lags of the test of whiteness.
 pub(super) const LAGS: usize = 20;
@@ -26,7 +26,8 @@ pub(super) fn is_white(test: &Whiteness) -> bool {
     test.p_value >= GATE
 }
 
-/// Whether the errors of an estimate become white when what `found` names is added to the model, one after the other.
+/// Whether the errors of an estimate become white when the terms that `found` names are added to the model one by
+/// one.
 pub(super) fn white_once_named(
     problems: &Problems,
     problem: usize,
@@ -53,7 +54,7 @@ pub(super) fn white_once_named(
         let problems = Problems::new(&subject, true);
         let before = richer.state.noise.as_ref().map_or(&[][..], |noise| &noise.kinds);
         let starts = [richer.state.parameters.clone()];
-        let Some(state) = heard(&problems, 0, &starts, before) else { return false };
+        let Some(state) = with_noise(&problems, 0, &starts, before) else { return false };
         let lifted = Lifted::new(&model);
         let (mut sums, mut series) = problems.look(&lifted, std::slice::from_ref(&state));
         let (Some(Some(sums)), Some(series)) = (sums.pop(), series.pop()) else { return false };
@@ -77,7 +78,7 @@ pub(super) fn white_once_named(
     false
 }
 
-/// A model that got what it was found to lack, with channels of what are no terms behind those of its runs.
+/// A model with the terms that it was found to lack; channels of other effects follow those of its runs.
 struct Richer {
     model: Model,
     exogenous: Vec<Vec<f64>>,
@@ -85,7 +86,7 @@ struct Richer {
 }
 
 impl Richer {
-    /// Adds what is `absent` from the model of `subject`; whether that could be done.
+    /// Adds what is `absent` from the model of `subject`; returns whether that was possible.
     fn add(&mut self, subject: &Subject, runs: &[RunView], lifted: &Lifted, absent: &Absent) -> bool {
         let is = |c: &&Candidate| c.name == absent.name && c.place() == absent.degree.as_deref();
         let Some(candidate) = lifted.candidates.iter().find(is) else { return false };
@@ -110,7 +111,7 @@ impl Richer {
         true
     }
 
-    /// The rows of a run with the channels of effects, along what a filter predicts.
+    /// The rows of a run with the channels of effects, along the states that a filter predicts.
     fn with_effects(&self, subject: &Subject, run: &RunView) -> Vec<f64> {
         let side = SideBySide::of(&[*run]);
         let recordings = Recordings::of(subject.model, &side);

@@ -2,20 +2,20 @@ use model::{Degree, DegreeOfFreedom, Model, Term, Variable};
 
 use super::score::Group;
 
-/// Terms of surge to second order: even where port and starboard are swapped. Those of third order look so much like them that
-/// what is missing would be called by the wrong name.
+/// Terms of surge to second order: even under exchange of port and starboard. Those of third order are so similar
+/// that a missing term would be misnamed.
 const EVEN: [&str; 5] = ["u", "u |u|", "v r", "v^2", "r^2"];
 /// Terms of sway and yaw: odd.
 const ODD: [&str; 8] = ["v", "r", "u v", "u r", "v |v|", "r |r|", "v |r|", "|v| r"];
 
-/// What acts on the states besides terms, a column in each degree of freedom.
+/// An effect on the states other than a term, with a column in each degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Effect {
     /// Inputs act later by a first-order lag.
     Lag,
     /// Inputs act a sample later.
     Delay,
-    /// A steady current, in axes that stay with the earth: north and east.
+    /// A steady current in earth axes: north and east.
     Current(usize),
 }
 
@@ -38,7 +38,7 @@ impl Effect {
 pub(super) struct Candidate {
     /// The degree of freedom of a term.
     pub degree: Option<DegreeOfFreedom>,
-    /// What it is called: `r |r|`, `lag`, `current`.
+    /// Its name: `r |r|`, `lag`, `current`.
     pub name: String,
     /// Units of its values.
     pub unit: String,
@@ -53,16 +53,16 @@ impl Candidate {
     }
 }
 
-/// The model with all that it may lack as further terms, whose parameters are zero.
+/// The model with all candidates as further terms, whose parameters are zero.
 #[derive(Clone, Debug)]
 pub(super) struct Lifted {
-    /// The terms of the model, then the others, degree by degree; channels of effects behind its own.
+    /// The terms of the model, then the others, degree by degree; channels of effects follow its own.
     pub model: Model,
-    /// Places of the parameters of the original among those of `model`.
+    /// Indices of the parameters of the original among those of `model`.
     pub known: Vec<usize>,
-    /// Places of the others.
+    /// Indices of the others.
     pub others: Vec<usize>,
-    /// What may be lacking, with columns among `others`.
+    /// The candidates, with columns among `others`.
     pub candidates: Vec<Candidate>,
 }
 
@@ -125,7 +125,7 @@ fn push(degree: &mut Degree, term: Term, others: &mut Vec<usize>, place: &mut us
     *place += 1;
 }
 
-/// Terms of the library that `degree` of `model` lacks; the constant where it has none.
+/// Terms of the library that `degree` of `model` lacks; the constant if it has none.
 fn absent(model: &Model, degree: DegreeOfFreedom, names: &[&str]) -> Vec<(String, Term)> {
     let own = &model.degrees[degree as usize].terms;
     let texts: &[&str] = if degree == DegreeOfFreedom::Surge { &EVEN } else { &ODD };
@@ -135,7 +135,7 @@ fn absent(model: &Model, degree: DegreeOfFreedom, names: &[&str]) -> Vec<(String
         factors.sort_unstable();
         factors
     };
-    // What is fixed or tied to another term is looked for: it may be fixed or tied wrongly.
+    // Fixed and tied terms are tested too: they may be fixed or tied wrongly.
     let has = |term: &Term| own.iter().any(|known| known.tied.is_empty() && sorted(known) == sorted(term));
     parsed.filter(|(_, term)| !has(term)).collect()
 }

@@ -1,11 +1,11 @@
-//! What a model lacks, by score tests of whitened errors.
+//! Tests what a model lacks, by score tests of whitened errors.
 //!
-//! Whatever the model may lack is added to it with a parameter of zero: terms, a lag or delay of the inputs, a current. The errors
-//! of the estimate and all sensitivities go through the same Kalman filter, which makes the errors white, at the states that it
-//! predicts, never at measured ones. What the estimated parameters explain is taken out of both. Then T = sᵀV⁻¹s is χ² under
-//! the model, s being the products of what is left of sensitivities and errors, V those of the sensitivities; sums add over
-//! runs. How many are looked for is taken care of by draws of all scores together. Where no noise is stated it is found by its
-//! likelihood.
+//! Candidates are added to the model with a parameter of zero: terms, a lag or delay of the inputs, a current. The
+//! errors of the estimate and all sensitivities pass through the same Kalman filter, which whitens the errors, at the
+//! states that it predicts, never at measured ones. Both are projected onto the complement of the estimated
+//! parameters. Then T = sᵀV⁻¹s is χ² under the model, s being the products of the projected sensitivities and errors,
+//! V those of the sensitivities; sums add over runs. Joint draws of all scores correct for the number of candidates.
+//! If no noise is stated, it is found by its likelihood.
 
 mod agreement;
 mod calibrated;
@@ -16,13 +16,13 @@ mod feedback;
 mod found;
 mod gate;
 mod library;
-mod listened;
 mod noise;
 mod problems;
 mod refinement;
 mod score;
 mod tested;
 mod white_noise;
+mod with_noise;
 mod words;
 
 pub(crate) use calibrated::{Calibrated, calibrated};

@@ -9,10 +9,10 @@ use super::noise::{Noise, NoiseKind, Turns, side_by_side};
 use crate::predictor::{Linear, linearize_each, scaled_inverse};
 use crate::sensitivity::{Flow, Gain, Gusts, Levels, Recordings, filter_each, groups, with_states};
 
-/// Runs that are to be explained by a model.
+/// A model, and runs to test it on.
 #[derive(Clone, Copy, Debug)]
 pub struct Subject<'a> {
-    /// The structure, with intercepts where they were estimated.
+    /// The structure, with intercepts if they were estimated.
     pub model: &'a Model,
     /// The runs.
     pub runs: &'a [RunView<'a>],
@@ -20,36 +20,36 @@ pub struct Subject<'a> {
     pub rate_hz: f64,
     /// Whether simulations start from the true state; else from the measured one.
     pub known_start: bool,
-    /// What disturbs the runs, where it is stated; else it is looked for.
+    /// The disturbances of the runs, if stated; else they are found.
     pub levels: Option<Levels>,
-    /// Of every run which recording it is of, to ask whether recordings agree; empty where that is not asked.
+    /// The recording of every run, to test whether recordings agree; empty to skip that test.
     pub names: &'a [&'a str],
 }
 
-/// An estimate that is to be judged, with the noise that it is judged under.
+/// An estimate to be tested, with the noise to test it under.
 #[derive(Clone, Debug)]
 pub(super) struct State {
     pub parameters: Vec<f64>,
-    /// What was found of the noise where none is stated.
+    /// The noise that was found if none is stated.
     pub noise: Option<Noise>,
 }
 
-/// Forces over noise where every prediction begins at what was measured last.
+/// Ratio of forces to noise at which every prediction starts at the last measurement.
 const FORCE: f64 = 1e3;
 
-/// White errors by degree of freedom from sample 1 on, with the place of the run that they are of.
+/// White errors by degree of freedom from sample 1 on, with the index of their run.
 pub(super) type Series = Vec<(usize, [Vec<f64>; 3])>;
 
-/// Estimates of one model, each of runs of its own, side by side.
+/// Estimates of one model, each from its own runs, in lanes.
 pub(super) struct Problems<'a> {
     pub subject: &'a Subject<'a>,
     groups: Vec<(Vec<usize>, SideBySide)>,
-    /// By run which estimate is of it.
+    /// The index of each run's estimate.
     of_run: Vec<usize>,
 }
 
 impl<'a> Problems<'a> {
-    /// One estimate of all runs, or one of every run.
+    /// One estimate for all runs, or one for every run.
     pub fn new(subject: &'a Subject, pooled: bool) -> Self {
         let runs = 0..subject.runs.len();
         let of_run = runs.clone().map(|run| if pooled { 0 } else { run }).collect();
@@ -60,18 +60,18 @@ impl<'a> Problems<'a> {
         self.of_run.last().map_or(0, |last| last + 1)
     }
 
-    /// Number of states of the filter for what is stated.
+    /// Number of states of the filter for the stated disturbances.
     fn states(&self) -> usize {
         self.subject.levels.map_or(3, |levels| levels.states())
     }
 
-    /// The runs of one of them, with their places.
+    /// The runs of one problem, with their indices.
     pub fn runs_of(&self, problem: usize) -> impl Iterator<Item = (usize, RunView<'a>)> + '_ {
         let own = self.subject.runs.iter().copied().enumerate().zip(&self.of_run);
         own.filter(move |(_, of)| **of == problem).map(|(run, _)| run)
     }
 
-    /// The search for the noise of one of them.
+    /// The search for the noise of one problem.
     pub fn turns(&self, problem: usize) -> Turns<'a> {
         let Subject { model, rate_hz, known_start, .. } = *self.subject;
         Turns { model, runs: self.runs_of(problem).map(|(_, run)| run).collect(), rate_hz, known_start }
@@ -81,7 +81,8 @@ impl<'a> Problems<'a> {
         group.iter().any(|run| wanted.contains(&self.of_run[*run]))
     }
 
-    /// White errors and their slopes by the model's parameters, of the `wanted` ones at these states; none where numbers end.
+    /// White errors of the `wanted` problems at these states, and their derivatives by the model's parameters; `None`
+    /// if they are not finite.
     pub fn white(&self, wanted: &[usize], states: &[State]) -> Vec<Option<Linear>> {
         let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
         let mut sums = Sums(vec![None; self.count()]);
@@ -92,7 +93,7 @@ impl<'a> Problems<'a> {
         sums.finite()
     }
 
-    /// The same of every run by itself, of one estimate of all, under the noise that was stated or found.
+    /// The same for every run by itself, for one estimate from all, under the stated or found noise.
     pub fn by_run(&self, state: &State) -> Vec<(usize, Linear)> {
         let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
         let kind = state.noise.as_ref().map(|noise| noise.guess.kind);
@@ -105,7 +106,8 @@ impl<'a> Problems<'a> {
         each.collect()
     }
 
-    /// Least squares of the `wanted` ones: predictions of a sample under forces beyond all noise are linear in the parameters.
+    /// Least squares of the `wanted` problems: one-sample predictions under forces far above the noise are linear in
+    /// the parameters.
     pub fn least_squares(&self, wanted: &[usize]) -> Vec<(usize, Vec<f64>)> {
         let std = self.subject.levels.map_or([1.0; 3], |levels| levels.measurement).map(|std| FORCE * std);
         let gusts = Gusts { std, factor: [0.0; 3] };
@@ -148,7 +150,7 @@ impl<'a> Problems<'a> {
         (0..self.subject.model.parameters()).map(|i| lane(group.len(), |run| of(run)[i])).collect()
     }
 
-    /// What disturbs every lane.
+    /// The disturbances of every lane.
     fn levels(&self, group: &[usize], states: &[State]) -> Levels<Lane> {
         let found = |run: usize| states[self.of_run[group[run]]].noise.as_ref().map(|noise| noise.guess);
         match (self.subject.levels, found(0)) {
@@ -161,10 +163,10 @@ impl<'a> Problems<'a> {
     }
 }
 
-/// Levels where no noise was found, which nothing is looked at under.
+/// A placeholder for problems without noise, which are not evaluated.
 const WHITE: Levels = Levels { measurement: [1.0; 3], current: Flow::Still, force: None, drift: None };
 
-/// So many states of a filter.
+/// A number of filter states.
 struct Levelled(usize);
 
 impl Levelled {
@@ -227,7 +229,7 @@ fn look_at<const N: usize>(
     (sums, errors(runs, &gains, &innovations))
 }
 
-/// Parameters, and initial states as given.
+/// Parameters, and zero offsets of the initial states.
 fn with_start(parameters: Vec<Lane>) -> Vec<Lane> {
     parameters.into_iter().chain([Lane::ZERO; 3]).collect()
 }
@@ -247,7 +249,7 @@ fn errors<const N: usize>(
     (0..run.runs.min(LANES)).map(own).collect()
 }
 
-/// What the unknowns of white `sums` change by for the least errors, and by how much these fall then.
+/// The change of the unknowns to the least errors of white `sums`, and the decrease of the errors.
 pub(super) fn newton_step(sums: &Linear) -> Option<(Vec<f64>, f64)> {
     let (normal, gradient) = sums.weighted([1.0; 3]);
     let inverse = scaled_inverse(&normal, gradient.len()).ok()?;

@@ -1,16 +1,16 @@
 use super::problems::{Problems, State, newton_step};
 use crate::predictor::Linear;
 
-/// Most often that the estimates are refined under the noise.
+/// Maximum number of refinements under the noise.
 const ROUNDS: usize = 12;
-/// White errors beyond this variance are tried from another start.
+/// Above this variance of the white errors another start is tried.
 const FAR: f64 = 1.3;
-/// Fall of the squared white errors below which the estimate is that of least errors.
+/// The estimate has converged at a smaller decrease of the squared white errors.
 const SETTLED: f64 = 1e-2;
-/// Most lengths that are tried of a step.
+/// Maximum number of halvings of a step.
 const SHORTER: i32 = 6;
 
-/// Estimates on their way to the least white errors under stated noise.
+/// Estimates while they are refined to the least white errors under stated noise.
 pub(super) struct Refinement<'a> {
     problems: &'a Problems<'a>,
     states: Vec<State>,
@@ -29,7 +29,7 @@ impl<'a> Refinement<'a> {
         self.states
     }
 
-    /// Begins once more at least squares, and keeps what errs less, where errors are far beyond the noise.
+    /// If errors are far above the noise, restarts from least squares and keeps the better result.
     fn elsewhere(&mut self) {
         let far = |errors: &Option<Linear>| {
             errors.as_ref().is_none_or(|errors| squares(errors) > FAR * 3.0 * errors.samples)
@@ -66,7 +66,7 @@ impl<'a> Refinement<'a> {
         }
     }
 
-    /// A step of each of the `open` ones; those that it helped are left.
+    /// Makes a step of each of the `open` ones; returns those that improved.
     fn step(&mut self, open: &[usize]) -> Vec<usize> {
         let newton = |problem: &usize| {
             let (step, decrement) = newton_step(self.errors[*problem].as_ref()?)?;
@@ -74,7 +74,7 @@ impl<'a> Refinement<'a> {
         };
         let mut left: Vec<(usize, Vec<f64>)> = open.iter().filter_map(newton).collect();
         let mut helped = Vec::new();
-        // Half a step, and half of that, where the whole one leads out of sight.
+        // Halved steps if the whole one diverges.
         for share in (0..SHORTER).map(|halved| 0.5_f64.powi(halved)) {
             if left.is_empty() {
                 break;
@@ -103,8 +103,8 @@ impl<'a> Refinement<'a> {
     }
 }
 
-/// Whether white errors are smaller, or nearer to where no step makes them so: the filter follows the estimate, so that sums
-/// of squares alone may rise on the way there.
+/// Whether white errors are smaller, or closer to a stationary point: the filter depends on the estimate, so sums of
+/// squares may rise on the way.
 fn nearer(found: &Linear, before: &Linear) -> bool {
     let left = |sums: &Linear| newton_step(sums).map_or(f64::INFINITY, |(_, decrement)| decrement);
     squares(found) < squares(before) || left(found) < left(before)

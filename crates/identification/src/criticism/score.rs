@@ -2,10 +2,11 @@ use numerics::{distributions::chi_square_tail, inverse, times};
 
 use crate::predictor::{Linear, scaled_inverse};
 
-/// Signals of which less than this share is left beside what was estimated cannot be told from it.
+/// A signal cannot be distinguished from the estimated unknowns if less than this share of it is left after
+/// projection.
 const LEFT: f64 = 1e-7;
 
-/// One thing that the model may lack: unknowns that are zero in the model, each a sum of columns.
+/// A candidate for what the model lacks: unknowns that are zero in the model, each a sum of columns.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Group {
     /// Per unknown the columns that act together.
@@ -27,7 +28,7 @@ pub(super) struct Score {
     pub standard_errors: Vec<f64>,
 }
 
-/// Whitened errors and sensitivities of all runs, with what was estimated taken out.
+/// Whitened errors and sensitivities of all runs, projected onto the complement of the estimated unknowns.
 #[derive(Clone, Debug)]
 pub(super) struct Projected {
     columns: usize,
@@ -35,7 +36,7 @@ pub(super) struct Projected {
     scores: Vec<f64>,
     /// V = W⊥ᵀ W⊥, columns × columns.
     covariance: Vec<f64>,
-    /// WᵀW's diagonal, before.
+    /// The diagonal of WᵀW before projection.
     whole: Vec<f64>,
     /// Σ w⊥², and its degrees of freedom.
     pub squares: f64,
@@ -43,7 +44,7 @@ pub(super) struct Projected {
 }
 
 impl Projected {
-    /// Of white `sums`, of whose columns the first `estimated` are estimated unknowns. None where these are singular.
+    /// From white `sums`, whose first `estimated` columns are estimated unknowns. `None` if these are singular.
     pub fn new(sums: &Linear, estimated: usize) -> Option<Self> {
         let (normal, gradient) = sums.weighted([1.0; 3]);
         let (all, p) = (gradient.len(), estimated);
@@ -68,12 +69,12 @@ impl Projected {
         })
     }
 
-    /// Variance of the white errors, 1 where the stated noise is right.
+    /// Variance of the white errors, 1 if the stated noise is right.
     pub fn variance(&self) -> f64 {
         self.squares / self.freedom
     }
 
-    /// Correlation of the scores of unknowns, of each its columns.
+    /// Correlation of the scores of unknowns, given by their columns.
     pub fn correlation(&self, unknowns: &[&[usize]]) -> Vec<f64> {
         let entry = |rows: &[usize], columns: &[usize]| -> f64 {
             let row = |a: &usize| columns.iter().map(|b| self.covariance[a * self.columns + b]).sum::<f64>();
@@ -84,7 +85,7 @@ impl Projected {
         all().flat_map(|(a, s)| all().map(move |(b, t)| entry(a, b) / (s * t))).collect()
     }
 
-    /// The test of `group`; none where it cannot be told from what was estimated.
+    /// The test of `group`; `None` if it cannot be distinguished from the estimated unknowns.
     pub fn score(&self, group: &Group) -> Option<Score> {
         let q = group.unknowns.len();
         let sum = |of: &dyn Fn(usize) -> f64, columns: &[usize]| columns.iter().map(|c| of(*c)).sum::<f64>();
@@ -113,7 +114,7 @@ impl Projected {
     }
 }
 
-/// log P(χ² ≥ x) with `freedom` degrees of freedom; beyond what numbers hold by the tail's expansion.
+/// log P(χ² ≥ x) with `freedom` degrees of freedom; by the tail's expansion if that underflows.
 pub(super) fn log_tail(x: f64, freedom: usize) -> f64 {
     let (p, half) = (chi_square_tail(x.max(0.0), freedom as f64), 0.5 * freedom as f64);
     match p > 1e-290 {

@@ -1,4 +1,4 @@
-//! What tests say under white noise where another kind seems likelier: what is missing may look like noise that drifts.
+//! Tests under white noise when another kind seems likelier: a missing term may look like drifting noise.
 
 use super::chance::Draws;
 use super::found::{Absent, Criticism, Verdict};
@@ -8,12 +8,12 @@ use super::problems::{Problems, State};
 use super::score::Projected;
 use super::tested::{LEVEL, tested};
 
-/// Twice the log-likelihood by which another kind may be ahead because something is missing.
+/// Twice the log-likelihood by which another kind may be ahead due to a missing term.
 const TAKEN: f64 = 30.0;
-/// What probabilities under white noise are multiplied with: two tests are made.
+/// Factor on probabilities under white noise: two tests are made.
 const TESTS: f64 = 2.0;
 
-/// Of every estimate what the tests say under white noise where that is not the likeliest kind but may be the right one.
+/// The tests of every estimate under white noise if that is not the likeliest kind but plausible.
 pub(super) fn under_white(
     problems: &Problems,
     lifted: &Lifted,
@@ -36,7 +36,8 @@ pub(super) fn under_white(
         .collect()
 }
 
-/// Rejects a model by what the tests say under white noise where they speak against it the more clearly; whether they do.
+/// Rejects a model by the tests under white noise if these are the stronger evidence against it; returns whether they
+/// are.
 pub(super) fn reject_under_white(found: &mut Criticism, white: Option<Vec<Absent>>) -> bool {
     let Some(white) = white.and_then(|white| clearer(&found.absent, white)) else { return false };
     (found.rejected, found.verdict) = (true, Verdict::Rejected);
@@ -57,8 +58,8 @@ fn least(found: &[Absent]) -> f64 {
 mod tests {
     use super::*;
 
-    /// What a test says of one term.
-    fn told(p_value: f64) -> Vec<Absent> {
+    /// The test of one term.
+    fn absent(p_value: f64) -> Vec<Absent> {
         vec![Absent {
             name: "v |v|".to_owned(),
             degree: None,
@@ -74,8 +75,9 @@ mod tests {
 
     #[test]
     fn law_white_noise_rejects_at_half_the_level_and_where_it_is_the_clearer() {
-        let clearer =
-            |likeliest: f64, white: f64| clearer(&told(likeliest), told(white)).map(|found| found[0].p_value);
+        let clearer = |likeliest: f64, white: f64| {
+            clearer(&absent(likeliest), absent(white)).map(|found| found[0].p_value)
+        };
         assert_eq!(clearer(0.3, 0.02), Some(0.04));
         assert_eq!(clearer(0.3, 0.026), None);
         assert_eq!(clearer(0.01, 0.006), None);

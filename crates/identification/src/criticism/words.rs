@@ -4,30 +4,30 @@ use super::found::{Absent, Apart, Criticism, FoundNoise, Verdict};
 use super::noise::LASTING;
 use super::tested::LEVEL;
 
-/// Terms whose visibility is told where nothing is missing.
-const TOLD: [(&str, Option<&str>); 5] = [
+/// Terms whose detection limit is reported if nothing is missing.
+const REPORTED: [(&str, Option<&str>); 5] = [
     ("v |v|", Some("sway")),
     ("r |r|", Some("yaw")),
     ("lag of the inputs", None),
     ("delay of the inputs", None),
     ("current", None),
 ];
-/// Currents that change this slowly \[s\] and are this large beside the noise of u and v bias estimates.
+/// Currents that change this slowly \[s\] and are this large relative to the noise of u and v bias estimates.
 const SLOW: f64 = 2.0;
 const FELT: f64 = 0.5;
-/// Errors that differ from the stated noise by more than this share are told.
+/// Errors that differ from the stated noise by more than this share are reported.
 const OFF: f64 = 0.05;
-/// Recordings that are named at most.
+/// Maximum number of recordings that are named.
 const NAMED: usize = 4;
 
-/// The verdict, what is most likely missing, what it cannot be told from, what the runs would have shown. `under_white`:
-/// whether the model is rejected under white noise, which is not the likeliest.
+/// The verdict, what is most likely missing, what it cannot be distinguished from, what the runs would have shown.
+/// `under_white`: whether the model is rejected under white noise, which is not the likeliest.
 pub(super) fn statements(found: &Criticism, under_white: bool) -> Vec<String> {
     let mut out = Vec::new();
     let Some(p) = found.p_value else {
         return vec!["structure: the runs tell of nothing that the model lacks".to_owned()];
     };
-    out.extend(told_apart(&found.apart));
+    out.extend(contradictions(&found.apart));
     match (found.verdict, found.absent.first()) {
         (Verdict::Rejected, Some(first)) if p < LEVEL => {
             let p = if p < 1e-4 { "p < 0.0001".to_owned() } else { format!("p {p:.4}") };
@@ -35,10 +35,10 @@ pub(super) fn statements(found: &Criticism, under_white: bool) -> Vec<String> {
             let under = if under_white { ", under white noise" } else { "" };
             out.push(format!(
                 "model rejected ({p}{under}): most likely missing: {}, {values} if added",
-                first.told()
+                first.label()
             ));
             let others: Vec<String> =
-                found.absent[1..].iter().filter(|a| a.candidate).map(Absent::told).collect();
+                found.absent[1..].iter().filter(|a| a.candidate).map(Absent::label).collect();
             if !others.is_empty() {
                 out.push(format!("cannot be told from: {}", listed(&others)));
             }
@@ -50,16 +50,16 @@ pub(super) fn statements(found: &Criticism, under_white: bool) -> Vec<String> {
         (Verdict::Rejected, _) => {}
         _ => out.push(format!("model not rejected (p {p:.2}), which is no proof of it")),
     }
-    let told = |(name, degree): &(&str, Option<&str>)| {
+    let detectable = |(name, degree): &(&str, Option<&str>)| {
         let is = |a: &&Absent| a.name == *name && a.degree.as_deref() == *degree;
         let absent = found.absent.iter().find(is)?;
-        Some(format!("{} from {} {}", absent.told(), number(absent.visible_from), absent.unit))
+        Some(format!("{} from {} {}", absent.label(), number(absent.visible_from), absent.unit))
     };
-    let visible: Vec<String> = TOLD.iter().filter_map(told).collect();
+    let visible: Vec<String> = REPORTED.iter().filter_map(detectable).collect();
     if !visible.is_empty() {
         out.push(format!("these runs would have shown {}", listed(&visible)));
     }
-    out.extend(found.noise.as_ref().map(|noise| told_noise(found, noise)));
+    out.extend(found.noise.as_ref().map(|noise| noise_found(found, noise)));
     out.extend(drift(found));
     if let Some(f) = &found.feedback {
         out.push(format!(
@@ -74,8 +74,8 @@ pub(super) fn statements(found: &Criticism, under_white: bool) -> Vec<String> {
     out
 }
 
-/// Which recordings contradict the others.
-fn told_apart(apart: &[Apart]) -> Option<String> {
+/// Names the recordings that contradict the others.
+fn contradictions(apart: &[Apart]) -> Option<String> {
     let first = apart.first()?;
     let p = if first.p_value < 1e-4 { "p < 0.0001".to_owned() } else { format!("p {:.4}", first.p_value) };
     let named: Vec<String> = apart.iter().take(NAMED).map(|own| format!("`{}`", own.recording)).collect();
@@ -90,11 +90,11 @@ fn told_apart(apart: &[Apart]) -> Option<String> {
     ))
 }
 
-/// Which noise was found, how large it is, and how far behind the next kind is.
-fn told_noise(found: &Criticism, noise: &FoundNoise) -> String {
+/// The noise that was found, its size, and the distance of the next kind.
+fn noise_found(found: &Criticism, noise: &FoundNoise) -> String {
     let [u, v, r] = [found.noise_u, found.noise_v, found.noise_r].map(number);
     let mut own = vec![format!("white noise of u {u}, v {v} m/s, r {r} rad/s")];
-    for (of, told) in [("force", "forces, in a sample"), ("sensor", "sensors that drift by")] {
+    for (of, name) in [("force", "forces, in a sample"), ("sensor", "sensors that drift by")] {
         let each = noise.drifts.iter().filter(|own| own.of == of);
         let each: Vec<String> = each
             .map(|own| {
@@ -102,7 +102,7 @@ fn told_noise(found: &Criticism, noise: &FoundNoise) -> String {
             })
             .collect();
         if !each.is_empty() {
-            own.push(format!("{told} {}", each.join(", ")));
+            own.push(format!("{name} {}", each.join(", ")));
         }
     }
     if found.current_std > 0.0 {
@@ -113,12 +113,13 @@ fn told_noise(found: &Criticism, noise: &FoundNoise) -> String {
     let turns = if noise.turns == 1 { "turn" } else { "turns" };
     let rest = if noise.at_rest { "" } else { ", without coming to rest" };
     let next = noise.others.first().map_or(String::new(), |next| {
-        format!("; next likely: {}, {:.1} below in twice the log-likelihood", next.kind.told(), next.below)
+        format!("; next likely: {}, {:.1} below in twice the log-likelihood", next.kind.words(), next.below)
     });
-    format!("noise found in {} {turns}{rest}: {}: {}{next}", noise.turns, noise.kind.told(), own.join("; "))
+    format!("noise found in {} {turns}{rest}: {}: {}{next}", noise.turns, noise.kind.words(), own.join("; "))
 }
 
-/// That a current lasts, which no estimator but one that is told of it can know from the vessel's own motion.
+/// The warning that a current persists, which only an estimator with a current as an unknown can distinguish from the
+/// vessel's own motion.
 fn drift(found: &Criticism) -> Option<String> {
     let time = found.current_time_s.filter(|time| *time >= SLOW)?;
     let lasts = if time >= LASTING { "stays".to_owned() } else { format!("changes within {time:.0} s") };
@@ -133,8 +134,8 @@ fn drift(found: &Criticism) -> Option<String> {
 
 fn values(absent: &Absent) -> String {
     let pairs = absent.value.iter().zip(&absent.standard_error);
-    let told: Vec<String> = pairs.map(|(v, e)| format!("{} ± {}", number(*v), number(*e))).collect();
-    format!("{} {}", told.join(", "), absent.unit)
+    let values: Vec<String> = pairs.map(|(v, e)| format!("{} ± {}", number(*v), number(*e))).collect();
+    format!("{} {}", values.join(", "), absent.unit)
 }
 
 /// Three significant digits.

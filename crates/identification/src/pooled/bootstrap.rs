@@ -3,16 +3,16 @@ use std::ops::Range;
 use engine::Streams;
 use numerics::statistics::{quantile, sorted, spread};
 
-/// The estimate from parts drawn again.
+/// The estimate from resampled parts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Resample {
-    /// Which of the resamples it is.
+    /// The index of the resample.
     pub number: u32,
-    /// θ̂: surge, sway, yaw; none where this resample has no estimate of the degree of freedom.
+    /// θ̂: surge, sway, yaw; `None` if this resample has no estimate of the degree of freedom.
     pub theta: Vec<Option<f64>>,
 }
 
-/// What resampling the parts says about one degree of freedom.
+/// The bootstrap over parts for one degree of freedom.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bootstrap {
     /// One entry per parameter.
@@ -32,20 +32,21 @@ pub struct Resampled {
     pub high: f64,
 }
 
-/// Places of the parts that replicate number `replicate` draws from `count`: as many, with replacement.
+/// Indices of the parts that replicate `replicate` draws from `count`: as many, with replacement.
 pub fn redraw(streams: &Streams, replicate: u32, count: usize) -> Vec<usize> {
     streams.choices(replicate, 0, count.max(1) as u32, count).into_iter().map(|i| i as usize).collect()
 }
 
 impl Bootstrap {
-    /// Of the parameters at `places` in all `resamples`; `None` where fewer than two of these have an estimate.
+    /// The bootstrap of the parameters at `places` in all `resamples`; `None` if fewer than two of these have an
+    /// estimate.
     pub fn of_resamples(resamples: &[Resample], places: &Range<usize>) -> Option<Self> {
         let own = |resample: &Resample| resample.theta[places.clone()].iter().copied().collect();
         let thetas: Vec<Vec<f64>> = resamples.iter().filter_map(own).collect();
         Self::of(&thetas, resamples.len())
     }
 
-    /// Of the estimates `thetas` that `replicates` resamples gave; `None` from fewer than two.
+    /// The bootstrap from the estimates `thetas` of `replicates` resamples; `None` from fewer than two.
     pub fn of(thetas: &[Vec<f64>], replicates: usize) -> Option<Self> {
         let parameter = |i: usize| {
             let values = sorted(thetas.iter().map(|theta| Some(theta[i])));

@@ -5,16 +5,15 @@ use regression::pooled::{PartView, Parts};
 use super::windows::Score;
 use super::{Pool, Scales, Searched, least_errors};
 
-/// Samples of the windows that a search begins with where whole parts diverge; each next ones are twice as long.
+/// Samples of the first windows of a search if whole parts diverge; their length doubles with each step.
 const SHORTEST: usize = 8;
-/// Shares of the start's parameters that such a search begins with, one after the other: with none of them nothing moves, and
-/// nothing diverges.
+/// Factors on the start's parameters, tried in turn: with zero nothing moves, and nothing diverges.
 const DAMPED: [f64; 4] = [1.0, 0.5, 0.1, 0.0];
 
 impl Pool<'_> {
-    /// The least errors of free simulations of `parts`, from `start` on. Where these diverge: of short windows of them first,
-    /// each from its first measured state, then of longer ones from what the shorter ones led to; from less and less of `start`
-    /// if need be. `None` where none of this ends at a minimum.
+    /// Minimises the errors of free simulations of `parts`, from `start`. If these diverge, it fits short windows of
+    /// them first, each from its first measured state, then longer ones from the result of the shorter ones; if need
+    /// be from smaller multiples of `start`. `None` if none of this ends at a minimum.
     pub(super) fn continued<P: Parts>(
         &self,
         parts: &P,
@@ -61,7 +60,7 @@ impl Pool<'_> {
         least_errors(&self.model, parts, start, *std, sizes, follow)
     }
 
-    /// Of which recordings the free simulation with `parameters` diverges, each once.
+    /// The recordings whose free simulation with `parameters` diverges, each once.
     pub(super) fn diverging<P: Parts>(&self, parts: &P, parameters: &[f64]) -> Result<Vec<String>, P::Error> {
         let mut named: Vec<String> = Vec::new();
         parts.each(|part| {
@@ -74,10 +73,10 @@ impl Pool<'_> {
     }
 }
 
-/// Windows of other parts, of at most so many samples each.
+/// Windows of parts, with a maximum number of samples.
 struct Windowed<'a, P> {
     parts: &'a P,
-    /// Of which part, and which samples of it.
+    /// The part of each window, and its samples.
     windows: Vec<(usize, Range<usize>)>,
 }
 

@@ -77,7 +77,7 @@ pub struct Covered {
 }
 
 impl Delivered {
-    /// What `found` delivers, which was fitted to `parts`; none unless all degrees of freedom have an estimate.
+    /// The model of `found`, which was fitted to `parts`; `None` unless all degrees of freedom have an estimate.
     ///
     /// # Errors
     /// Parts that cannot be read.
@@ -92,22 +92,22 @@ impl Delivered {
         let beyond = |intercepts| beyond(&pool.model, intercepts);
         let mut account = Account::new(&pool.vessel.model, &theta, intercepts);
         parts.each(|part| account.add(&part))?;
-        let around = |(own, scales): &(Searched, Scales)| Surroundings::all(parts, own, scales.follow());
+        let ambient = |(own, scales): &(Searched, Scales)| Surroundings::all(parts, own, scales.follow());
         Ok(Some(Self {
             constant: beyond(intercepts),
             covariance: covariance(&pool.model, found, degrees),
             least_squares: pool.least_squares(found).map(|(theta, own)| (theta, beyond(own))),
             increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
             output_rmse: pooled_rmse(sources),
-            surroundings: found.searched.as_ref().map_or(Ok(Vec::new()), around)?,
+            surroundings: found.searched.as_ref().map_or(Ok(Vec::new()), ambient)?,
             covered: account.ranges.covered(),
             recordings: account.recordings(),
             theta,
         }))
     }
 
-    /// What an estimate of one run delivers, θ̂ and intercepts, beside those by least squares, and what was found around it. Its covariance is not known: run
-    /// by run only standard errors are.
+    /// The model from an estimate of one run, θ̂ and intercepts, with those by least squares and the ambient
+    /// unknowns. Its covariance is not known: single runs only have standard errors.
     pub(crate) fn of_run(
         model: &Model,
         part: &PartView,
@@ -133,12 +133,12 @@ impl Delivered {
     }
 }
 
-/// What is known before, and intercepts.
+/// The known constants, and intercepts.
 pub(super) fn beyond(model: &Model, intercepts: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|d| model.constant[d] + intercepts[d])
 }
 
-/// What is found of the data part by part.
+/// Statistics of the data, accumulated part by part.
 struct Account<'a> {
     model: &'a Model,
     theta: &'a [f64],
@@ -194,7 +194,7 @@ impl<'a> Account<'a> {
         own.constant_r += r;
     }
 
-    /// Means instead of sums, and the constant that is known.
+    /// Means instead of sums, with the known constant.
     fn recordings(mut self) -> Vec<RecordingConstant> {
         for own in &mut self.recordings {
             let samples = own.samples.max(1) as f64;
@@ -240,13 +240,13 @@ impl<'a> Ranges<'a> {
 }
 
 impl Covariance {
-    /// Of the parameter `name`; `None` where it is not among them.
+    /// The standard error of the parameter `name`; `None` if it is not among them.
     pub fn standard_error(&self, name: &str) -> Option<f64> {
         let place = self.names.iter().position(|own| own == name)?;
         Some(self.entries[place * (self.names.len() + 1)].max(0.0).sqrt())
     }
 
-    /// That of all unknowns of `model`, which has intercepts, together.
+    /// The joint covariance of all unknowns of `model`, which has intercepts.
     pub(crate) fn joint(model: &Model, entries: Vec<f64>) -> Self {
         let name = |(d, name): (usize, &str)| match name {
             "intercept" => format!("{} constant", DegreeOfFreedom::ALL[d].name()),
@@ -257,7 +257,7 @@ impl Covariance {
     }
 }
 
-/// That of a search is of all unknowns together; else each degree of freedom has its own.
+/// A search has a joint covariance of all unknowns; else each degree of freedom has its own.
 fn covariance(model: &Model, found: &Estimated, degrees: &[DegreeTrust]) -> Option<Covariance> {
     let searched = found.searched.as_ref().filter(|_| found.used.iter().all(|used| used.searches()));
     if let Some((whole, _)) = searched {
@@ -266,7 +266,7 @@ fn covariance(model: &Model, found: &Estimated, degrees: &[DegreeTrust]) -> Opti
     covariance_of(degrees)
 }
 
-/// That of degrees of freedom that were estimated each by itself.
+/// The covariance of degrees of freedom that were estimated separately.
 pub(super) fn covariance_of(degrees: &[DegreeTrust]) -> Option<Covariance> {
     let of = |degree: &DegreeTrust| -> Option<Vec<f64>> {
         degree.parameters.iter().map(ParameterTrust::spread).collect()
@@ -296,8 +296,8 @@ fn pooled_rmse(sources: &[SourceErrors]) -> Option<[f64; 3]> {
     (samples > 0.0).then(|| squares.map(|sum| (sum / samples).sqrt()))
 }
 
-/// What `parts` cover of the channels of `model`: ranges of its states and of its inputs and measured disturbances, in the order of
-/// its variables and in their units.
+/// The ranges of the channels of `model` in `parts`: its states and of its inputs and measured disturbances, in the
+/// order of its variables and in their units.
 pub fn covered(model: &Model, parts: &[Part]) -> Vec<Covered> {
     let mut ranges = Ranges::new(model);
     parts.iter().for_each(|part| ranges.add(&part.view()));

@@ -6,7 +6,7 @@ use regression::pooled::{Parts, PooledRuns, Recorded};
 use super::Pool;
 use crate::Estimator;
 
-/// Bytes that an estimate knows of a run, and of a part, wherever the samples are.
+/// Bytes that an estimate stores per run, and per part, wherever the samples are.
 const KNOWN: [f64; 2] = [250.0, 60.0];
 
 /// Bytes of a sample of a run.
@@ -14,23 +14,23 @@ fn sample_bytes(model: &Model) -> f64 {
     8.0 * (model.exogenous() + 3) as f64
 }
 
-/// Bytes of the sums of one part, and of the row of them that is always kept.
+/// Bytes of the sums of one part, and of the row of them that is always stored.
 fn sums_bytes(model: &Model) -> [f64; 2] {
     let degree = |p: usize| (p + 1) * (p + 2) + 2 * p;
     let terms = || model.degrees.iter().map(|degree| degree.terms.len());
-    // With what the vectors themselves take.
+    // Including the vectors' own size.
     let sums = 8 * terms().map(degree).sum::<usize>() + 3 * 160 + 80;
     [sums as f64, 8.0 * terms().map(|p| p + 1).sum::<usize>() as f64]
 }
 
-/// Bytes of a sample of a part while it is looked at: regressions with two kinds of instruments, scores, signals.
+/// Bytes of a sample of a part while it is processed: regressions with two kinds of instruments, scores, signals.
 fn look_bytes(model: &Model) -> f64 {
     let terms: usize = model.degrees.iter().map(|degree| degree.terms.len()).sum();
     8.0 * (6 * terms + 12) as f64
 }
 
 impl Pool<'_> {
-    /// Bytes of memory that a pooled estimate of `runs` takes at most, on so many `threads`.
+    /// Upper bound on the bytes of memory of a pooled estimate of `runs`, on `threads` threads.
     pub fn bytes<R: Recorded>(
         &self,
         runs: &PooledRuns<R>,
@@ -40,9 +40,9 @@ impl Pool<'_> {
     ) -> f64 {
         let [sums, end] = sums_bytes(&self.model);
         let parts = self.cut(runs);
-        // Least squares, instruments and refined ones; means of its own for every part; sums that are drawn from.
+        // Least squares, instruments and refined ones; means of every part; sums for resamples.
         let own = if self.removal == MeanRemoval::Batch { 4.0 * end + 400.0 } else { 2.0 * end };
-        // `auto` draws from sums with two kinds of instruments; every thread adds up those that a resample of its own draws.
+        // `auto` draws from sums with two kinds of instruments; every thread adds those of its own resample.
         let kinds = if estimator == Estimator::Auto { 2.0 } else { 1.0 };
         let drawn = if replicates > 0 { kinds * sums + 24.0 + threads as f64 * (own + 16.0) } else { 0.0 };
         let resamples = f64::from(replicates) * (16.0 * self.vessel.model.parameters() as f64 + 60.0);
@@ -63,8 +63,8 @@ impl Pool<'_> {
             + longest_of(&parts) as f64 * look_bytes(&self.model)
     }
 
-    /// Bytes of memory that estimates from picked or left-out parts of `runs` take at most, all of whose runs and parts are
-    /// in memory, on so many `threads`.
+    /// Upper bound on the bytes of memory of estimates from picked or left-out parts of `runs`, with all runs and
+    /// parts in memory, on `threads` threads.
     pub fn bytes_of_many(&self, runs: &PooledRuns, threads: usize) -> f64 {
         let [sums, end] = sums_bytes(&self.model);
         let parts = self.cut(runs);

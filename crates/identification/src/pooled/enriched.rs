@@ -29,7 +29,7 @@ pub struct Added {
     pub standard_error: Option<f64>,
 }
 
-/// An estimate of a vessel whose model got further terms.
+/// An estimate of a vessel whose model was extended by terms.
 #[derive(Clone, Debug)]
 pub struct Enriched {
     /// The vessel with those terms.
@@ -40,16 +40,16 @@ pub struct Enriched {
     pub added: Vec<Added>,
 }
 
-/// A vessel whose model got the terms that it was found to lack.
+/// A vessel whose model was extended by the terms that it lacked.
 #[derive(Clone, Debug)]
 pub struct Grown {
     /// The vessel.
     pub vessel: Vessel,
-    /// What its instruments are simulated with.
+    /// The model that its instruments are simulated with.
     pub nominal: NominalModel,
     /// The terms, without estimates of them.
     added: Vec<Added>,
-    /// Its estimate, judged without resamples; none where no term was to be added.
+    /// Its estimate, judged without resamples; `None` if no term was added.
     found: Option<Pooled>,
 }
 
@@ -68,9 +68,9 @@ pub fn enriched<R: Recorded>(
     grown(pool, runs, estimator, judgement, most)?.judged(pool, runs, estimator, judgement, resampling)
 }
 
-/// Estimates as [`estimate`] does, adds the term that the model most likely lacks where it is rejected, and estimates again: until
-/// it is not rejected, lacks something that is no term, or `most` were added. A model that is not identifiable with a further
-/// term stays without it.
+/// Estimates as [`estimate`] does, adds the term that a rejected model most likely lacks, and estimates again: until
+/// it is not rejected, lacks something other than a term, or `most` were added. A term is not added if the model is
+/// not identifiable with it.
 ///
 /// # Errors
 /// See [`estimate`].
@@ -128,15 +128,15 @@ impl Grown {
             let own = found.degrees.iter().flat_map(|d| &d.parameters).find(|p| p.name == more.parameter);
             (more.value, more.standard_error) = own.map_or((None, None), |p| (p.estimate, p.standard_error));
         }
-        let told = added.iter().map(Added::told);
-        found.statements = told.chain(std::mem::take(&mut found.statements)).collect();
+        let sentences = added.iter().map(Added::sentence);
+        found.statements = sentences.chain(std::mem::take(&mut found.statements)).collect();
         Ok(Enriched { vessel, found, added })
     }
 }
 
 impl Added {
     /// In words.
-    fn told(&self) -> String {
+    fn sentence(&self) -> String {
         let number = |x: Option<f64>| x.map_or("none".to_owned(), |x| format!("{x:.3e}"));
         let p = if self.p_value < 1e-4 { "p < 0.0001".to_owned() } else { format!("p {:.4}", self.p_value) };
         let (value, error) = (number(self.value), number(self.standard_error));
@@ -144,8 +144,8 @@ impl Added {
     }
 }
 
-/// `vessel` with the term that `found` says is most likely missing, and the place of its parameter; none where the model is not
-/// rejected or what is missing is no term. Its nominal value is what it would be if it were added.
+/// `vessel` with the term that `found` says is most likely missing, and the index of its parameter; `None` if the
+/// model is not rejected or lacks something other than a term. Its nominal value is the estimate by the test.
 fn lacking(vessel: &Vessel, found: &Pooled) -> Option<(Vessel, usize, Added)> {
     let criticism = found.criticism.as_ref().filter(|criticism| criticism.rejected)?;
     let first: &Absent = criticism.absent.first()?;

@@ -1,18 +1,18 @@
-//! Which estimates their joint covariance cannot tell apart, in words.
+//! Names, in words, the estimates that their joint covariance cannot distinguish.
 
 use model::ParameterLayout;
 
 use super::Delivered;
 
-/// From this correlation on two estimates are hard to tell apart, and from the next on they cannot be.
+/// From this correlation on two estimates are hard to distinguish, and from the next on they cannot be.
 const HARD: f64 = 0.95;
 const INSEPARABLE: f64 = 0.99;
-/// An estimate that is known better than this needs no warning, whatever it correlates with.
+/// An estimate with a smaller relative error needs no warning, whatever its correlations.
 const KNOWN: f64 = 0.05;
-/// So many pairs are told; the others are counted.
+/// Maximum number of pairs that are named; the others are counted.
 const MOST: usize = 4;
 
-/// Two estimates and what is known of them.
+/// Two estimates with their standard errors and correlation.
 struct Pair<'a> {
     names: [&'a str; 2],
     values: [f64; 2],
@@ -20,15 +20,15 @@ struct Pair<'a> {
     correlation: f64,
 }
 
-/// The pairs of estimates of `delivered`, whose model with intercepts has this `layout`, that correlate most: how well each is
-/// known, and how well what they have in common.
+/// The pairs of estimates of `delivered`, whose model with intercepts has this `layout`, that correlate most: the
+/// accuracy of each, and of their best combination.
 pub(super) fn entangled(delivered: &Delivered, layout: ParameterLayout) -> Vec<String> {
     let mut pairs = pairs(delivered, layout);
     pairs.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
-    let told = pairs.iter().take(MOST).map(Pair::told);
+    let sentences = pairs.iter().take(MOST).map(Pair::sentence);
     let others = pairs.len().saturating_sub(MOST);
     let counted = format!("{others} further pairs of estimates correlate by {HARD} or more");
-    told.chain((others > 0).then_some(counted)).collect()
+    sentences.chain((others > 0).then_some(counted)).collect()
 }
 
 fn pairs(delivered: &Delivered, layout: ParameterLayout) -> Vec<Pair<'_>> {
@@ -69,7 +69,7 @@ impl Pair<'_> {
         (factor, error / (self.values[one] + factor * self.values[other]).abs())
     }
 
-    fn told(&self) -> String {
+    fn sentence(&self) -> String {
         let ([a, b], [first, second]) = (self.names, self.relative().map(percent));
         let verdict = if self.correlation.abs() >= INSEPARABLE { "cannot" } else { "can hardly" };
         let apart = format!(
@@ -123,7 +123,7 @@ mod tests {
     use model::Vessel;
 
     /// Two surge parameters of these values, standard errors and correlation.
-    fn told(values: [f64; 2], errors: [f64; 2], correlation: f64) -> Vec<String> {
+    fn sentences(values: [f64; 2], errors: [f64; 2], correlation: f64) -> Vec<String> {
         let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
         let crossed = correlation * errors[0] * errors[1];
         let delivered = Delivered {
@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn what_two_estimates_have_in_common_is_told() {
         // var(N_v + N_r) = 0.04 (2 − 2 · 0.995): 0.02 of 1; the best multiple is 0.995.
-        let said = told([0.4, 0.6], [0.2, 0.2], -0.995);
+        let said = sentences([0.4, 0.6], [0.2, 0.2], -0.995);
         assert_eq!(
             said,
             [
@@ -155,21 +155,21 @@ mod tests {
               `N_r` + 0.995 `N_v` to 2.0 %"
             ]
         );
-        let said = told([0.4, -0.6], [0.2, 0.4], 0.96);
+        let said = sentences([0.4, -0.6], [0.2, 0.4], 0.96);
         assert!(said[0].contains("can hardly be told apart"), "{said:?}");
         assert!(said[0].ends_with("`N_v` − 0.480 `N_r` to 8.1 %"), "{said:?}");
     }
 
     #[test]
     fn what_is_known_or_hardly_correlates_is_not_told() {
-        assert!(told([0.4, 0.6], [0.2, 0.2], 0.9).is_empty());
-        assert!(told([0.4, 0.6], [0.01, 0.01], 0.999).is_empty());
-        assert!(told([0.4, 0.6], [0.2, 0.01], 0.999).is_empty());
+        assert!(sentences([0.4, 0.6], [0.2, 0.2], 0.9).is_empty());
+        assert!(sentences([0.4, 0.6], [0.01, 0.01], 0.999).is_empty());
+        assert!(sentences([0.4, 0.6], [0.2, 0.01], 0.999).is_empty());
     }
 
     #[test]
     fn law_a_ratio_is_known_where_both_err_alike() {
-        let said = told([-0.4, 0.6], [0.1, 0.15], -0.999);
+        let said = sentences([-0.4, 0.6], [0.1, 0.15], -0.999);
         // √(2 (1 − 0.999)) of a quarter.
         assert!(said[0].ends_with("`N_v`/`N_r` to 1.1 %"), "{said:?}");
         // The ratio's variance by the slopes 1/b and −a/b² of a/b.

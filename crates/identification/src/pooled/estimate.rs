@@ -71,16 +71,16 @@ pub enum PoolError<E> {
     /// No instruments could be simulated.
     #[error(transparent)]
     Lost(LostInstruments),
-    /// No degree of freedom is identifiable, for these reasons.
+    /// No degree of freedom is identifiable, with the reasons.
     #[error("no degree of freedom is identifiable ({})", .0.join("; "))]
     NotIdentifiable(Vec<String>),
-    /// Bounds hold every parameter of degrees of freedom: these.
+    /// The degrees of freedom all of whose parameters are at bounds.
     #[error("the bounds exclude every estimate ({})", .0.join("; "))]
     Bounded(Vec<String>),
-    /// Some degrees of freedom are not identifiable, for these reasons, so that a search has no model to simulate.
+    /// Some degrees of freedom are not identifiable, with the reasons, so that a search has no model to simulate.
     #[error("not all degrees of freedom are identifiable ({})", .0.join("; "))]
     Incomplete(Vec<String>),
-    /// A search led nowhere.
+    /// A search found no model.
     #[error(transparent)]
     Unfound(Unfound),
     /// The runs cannot be read.
@@ -91,7 +91,7 @@ pub enum PoolError<E> {
 /// Estimates from all of `runs` and judges the estimate.
 ///
 /// # Errors
-/// No instruments; no degree of freedom that is identifiable; runs that cannot be read again.
+/// No instruments; no identifiable degree of freedom; runs that cannot be read again.
 pub fn estimate<R: Recorded>(
     pool: &Pool,
     runs: &PooledRuns<R>,
@@ -104,10 +104,10 @@ pub fn estimate<R: Recorded>(
     let judge = Judge { pool, found: &found, parts: &parts, judgement, resampling };
     let mut degrees = judge.degrees().map_err(PoolError::Unread)?;
     let sources = judge.sources(runs).map_err(PoolError::Unread)?;
-    let astray = astray(&sources);
+    let diverging = diverging(&sources);
     let mut delivered =
         Delivered::new(pool, &found, &parts, &degrees, &sources).map_err(PoolError::Unread)?;
-    if astray.is_some() {
+    if diverging.is_some() {
         delivered = None;
         let identified = degrees.iter_mut().filter(|degree| degree.status == EstimateStatus::Identified);
         identified.for_each(|degree| degree.status = EstimateStatus::Diverges);
@@ -120,14 +120,14 @@ pub fn estimate<R: Recorded>(
     let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
     let alike = delivered.iter().flat_map(|own| entangled(own, pool.model.layout()));
     let stalled = stalled(&found).map(str::to_owned);
-    let spread = stalled.into_iter().chain(few_tell(pool, &found)).chain(around(pool, &found));
+    let spread = stalled.into_iter().chain(few_informative(pool, &found)).chain(ambient(pool, &found));
     let known: Vec<String> = spread.chain(statements(&degrees)).chain(alike).collect();
     Ok(Pooled {
         design: runs.design().to_owned(),
         parts: parts.count(),
         samples: judge.samples() as u64,
         bandwidth: judge.bandwidth(),
-        statements: astray.into_iter().chain(lost).chain(criticised).chain(known).collect(),
+        statements: diverging.into_iter().chain(lost).chain(criticised).chain(known).collect(),
         degrees,
         sources,
         delivered,
@@ -135,8 +135,8 @@ pub fn estimate<R: Recorded>(
     })
 }
 
-/// Estimates as [`estimate`] does, from all of `runs` and nothing more, and calls `work` with what draws resamples of that
-/// estimate by their numbers.
+/// Estimates as [`estimate`] does, from all of `runs`, without judging the estimate, and calls `work` with a
+/// resampler of that estimate.
 ///
 /// # Errors
 /// See [`estimate`].
@@ -152,7 +152,7 @@ pub fn resampled<R: Recorded, T>(
     Ok(work(&|number| resampler.draw(number)))
 }
 
-/// That a search ended before its minimum.
+/// The warning that a search ended before its minimum.
 fn stalled(found: &Estimated) -> Option<&'static str> {
     let (own, _) = found.searched.as_ref()?;
     (!own.converged).then_some(
@@ -161,8 +161,8 @@ fn stalled(found: &Estimated) -> Option<&'static str> {
     )
 }
 
-/// That free simulations of some recordings diverge, so that there is no model to deliver.
-fn astray(sources: &[SourceErrors]) -> Option<String> {
+/// The warning that free simulations of some recordings diverge, so that there is no model.
+fn diverging(sources: &[SourceErrors]) -> Option<String> {
     let diverging = sources.iter().filter(|source| source.diverged > 0);
     let names: Vec<String> = diverging.map(|source| format!("`{}`", source.source)).collect();
     (!names.is_empty()).then(|| {
@@ -175,36 +175,37 @@ fn astray(sources: &[SourceErrors]) -> Option<String> {
     })
 }
 
-/// That a model was found from other starts, in waters, or by a filter, that simulations of the recordings do without.
-fn around(pool: &Pool, found: &Estimated) -> Option<String> {
+/// The remark that a model was found with starts, ambient water or a filter that free simulations of the recordings
+/// do not use.
+fn ambient(pool: &Pool, found: &Estimated) -> Option<String> {
     let (own, scales) = found.searched.as_ref()?;
     match scales.follow() {
-        Follow::Simulated(unknown) if unknown.around().next().is_none() => {
+        Follow::Simulated(unknown) if unknown.ambient().next().is_none() => {
             (unknown.initial == InitialState::Estimated).then(|| {
                 "found with the start of every sub-experiment as an unknown: sensors' noise makes up much of the errors".to_owned()
             })
         }
-        Follow::Simulated(_) => (!own.around.is_empty()).then(|| {
+        Follow::Simulated(_) => (!own.ambient.is_empty()).then(|| {
             "found with water and wind of its own in every run: free simulations of the recordings go in still water, \
              without wind, and err by what these do"
                 .to_owned()
         }),
-        Follow::Predicted(levels, _) => Some(levels.told(1.0 / pool.vessel.sample_rate_hz)),
+        Follow::Predicted(levels, _) => Some(levels.words(1.0 / pool.vessel.sample_rate_hz)),
     }
 }
 
-/// Sub-experiments that tell alike below which standard errors, which compare them, are a guess.
+/// With a smaller effective number of sub-experiments, standard errors, which compare them, are a guess.
 const FEW: f64 = 3.0;
 
-/// That standard errors compare sub-experiments, of which few tell of some parameters.
-fn few_tell(pool: &Pool, found: &Estimated) -> Option<String> {
+/// The warning that few sub-experiments are informative about some parameters.
+fn few_informative(pool: &Pool, found: &Estimated) -> Option<String> {
     let (own, _) = found.searched.as_ref()?;
     let layout = pool.model.layout();
     let degrees = DegreeOfFreedom::ALL.map(|d| d as usize).into_iter();
     let places = degrees.filter(|d| found.used[*d].searches()).flat_map(|d| layout.terms(d));
-    let telling = pool.vessel.model.parameter_names().zip(places);
-    let few = telling.filter(|(_, i)| own.telling[*i] > 0.0 && own.telling[*i] < FEW);
-    let named: Vec<String> = few.map(|(name, i)| format!("`{name}` {:.1}", own.telling[i])).collect();
+    let parameters = pool.vessel.model.parameter_names().zip(places);
+    let few = parameters.filter(|(_, i)| own.effective_parts[*i] > 0.0 && own.effective_parts[*i] < FEW);
+    let named: Vec<String> = few.map(|(name, i)| format!("`{name}` {:.1}", own.effective_parts[i])).collect();
     (!named.is_empty()).then(|| {
         format!(
             "standard errors hold only roughly: they compare sub-experiments, of which few tell of a parameter ({}, if all told \
@@ -214,8 +215,8 @@ fn few_tell(pool: &Pool, found: &Estimated) -> Option<String> {
     })
 }
 
-/// The estimator of logs of which nobody stated the noise: `prediction-error` where the noise that is found describes the errors, else
-/// `output-error`. A filter for another noise than there is makes models that predict worse.
+/// The estimator for logs without stated noise: `prediction-error` if the noise that is found describes the errors,
+/// else `output-error`. A filter for the wrong noise gives models that predict worse.
 ///
 /// # Errors
 /// Runs that cannot be read.
@@ -255,11 +256,12 @@ fn solved<P: Parts>(pool: &Pool, parts: &P, estimator: Estimator) -> Result<Esti
 pub struct StandardErrors {
     /// θ̂.
     pub theta: Vec<f64>,
-    /// As many.
+    /// Of the same length.
     pub standard_errors: Vec<f64>,
 }
 
-/// What [`estimate`] finds of the parameters, for studies of many estimates that need no more; none unless all have one.
+/// The parameters and standard errors of [`estimate`] alone, for studies of many estimates; `None` unless all have
+/// one.
 ///
 /// # Errors
 /// See [`estimate`].
@@ -280,10 +282,10 @@ pub fn standard_errors<R: Recorded>(
     Ok(theta.zip(errors).map(|(theta, standard_errors)| StandardErrors { theta, standard_errors }))
 }
 
-/// Most samples that are looked at for what the model lacks.
+/// Maximum number of samples for tests of what the model lacks.
 const MOST_CRITICISED: usize = 200_000;
 
-/// What the model lacks, by the first recordings up to [`MOST_CRITICISED`] samples, whole ones.
+/// Tests what the model lacks on the first whole recordings up to [`MOST_CRITICISED`] samples.
 fn criticism<R: Recorded>(
     pool: &Pool,
     found: &Estimated,

@@ -10,19 +10,19 @@ pub struct InstrumentFit {
 }
 
 impl InstrumentFit {
-    /// Over the parts that `found` was estimated from.
+    /// The fit over the parts that `found` was estimated from.
     pub fn new(found: &Estimated) -> Self {
-        Self::around(found.means().deviations())
+        Self::from_deviations(found.means().deviations())
     }
 
-    /// Over parts with these `measured` states.
+    /// The fit over parts with these `measured` states.
     pub fn of<'a>(measured: impl Iterator<Item = &'a [f64]>) -> Self {
         let mut means = StateMeans::default();
         measured.for_each(|states| means.add(states));
-        Self::around(means.deviations())
+        Self::from_deviations(means.deviations())
     }
 
-    fn around(deviations: StateDeviations) -> Self {
+    fn from_deviations(deviations: StateDeviations) -> Self {
         Self { squares: [0.0; 3], samples: 0.0, deviations }
     }
 
@@ -35,7 +35,7 @@ impl InstrumentFit {
         }
     }
 
-    /// 100 (1 − RMSE/std) \[%\]; `None` where a state does not vary, and without instruments.
+    /// 100 (1 − RMSE/std) \[%\]; `None` if a state does not vary, and without instruments.
     pub fn found(&self) -> Option<[f64; 3]> {
         let std = self.deviations.found();
         let fits = [0, 1, 2].map(|d: usize| 100.0 * (1.0 - (self.squares[d] / self.samples).sqrt() / std[d]));

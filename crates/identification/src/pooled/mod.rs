@@ -1,8 +1,8 @@
 //! One estimate from many sub-experiments, and how far it can be trusted.
 //!
-//! Plain numbers, no lanes: measured data sets are small.
+//! Scalars instead of lanes: measured data sets are small.
 
-mod around;
+mod ambient;
 mod bootstrap;
 mod continued;
 mod delivered;

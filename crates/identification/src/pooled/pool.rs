@@ -9,31 +9,31 @@ use regression::{MeanRemoval, Sums};
 use super::windows::StateMeans;
 use super::{Scales, Searched, Unfound};
 use crate::Estimator;
-use crate::beside::Beside;
+use crate::additional::AdditionalUnknowns;
 use crate::criticism::Kinds;
 use crate::predictor::{InitialState, Unknown};
 
-/// How often refined instruments are simulated again.
+/// Number of refinements of the instruments.
 const ROUNDS: usize = 3;
 
-/// What all estimates of a study have in common.
+/// The options of all estimates of a study.
 #[derive(Clone)]
 pub struct Pool<'a> {
     /// The vessel.
     pub vessel: &'a Vessel,
     /// Its model with intercepts.
     pub model: Model,
-    /// How many intercepts.
+    /// The intercepts.
     pub removal: MeanRemoval,
     /// Strength of the prior.
     pub strength: f64,
-    /// Where instruments come from.
+    /// The source of the instruments.
     pub nominal: NominalModel,
-    /// Most samples of a part; segments are not cut without it.
+    /// Maximum number of samples of a part; segments are not cut without it.
     pub part_samples: Option<usize>,
-    /// What searches take as unknown beside the parameters.
-    pub beside: Beside,
-    /// Logged channels that never vary, to name where a term hardly does.
+    /// Additional unknowns of searches.
+    pub additional: AdditionalUnknowns,
+    /// Logged channels that never vary, named in warnings about terms that hardly vary.
     pub constant: Vec<String>,
 }
 
@@ -41,18 +41,18 @@ pub struct Pool<'a> {
 pub struct Estimated {
     /// Surge, sway, yaw.
     pub degrees: [DegreeFit; 3],
-    /// What each was made with.
+    /// The estimator of each.
     pub used: [Estimator; 3],
-    /// Nominal parameters and intercepts, where there were any.
+    /// Nominal parameters and intercepts, if there were any.
     pub nominal: Option<(Vec<f64>, [f64; 3])>,
-    /// What a search found and its scales, where one was asked for and found.
+    /// The result of a search and its scales, if one was requested and converged.
     pub searched: Option<(Searched, Scales)>,
-    /// The kinds of noise that predictions found; none without predictions.
+    /// The kinds of noise that predictions found; empty without predictions.
     pub(super) noises: Kinds,
-    /// That a search was asked for and led nowhere: then no degree of freedom has an estimate.
+    /// Set if a requested search found no model: then no degree of freedom has an estimate.
     pub unfound: Option<Unfound>,
-    /// Why no instruments were simulated with `auto`, which then is least squares, or not simulated again with `refined-iv`,
-    /// which then is what it was before.
+    /// Why instruments could not be simulated for `auto`, which then is least squares, or not be refined for
+    /// `refined-iv`, which then keeps the previous estimate.
     pub diverged: Option<LostInstruments>,
     /// Parameters of the model with intercepts that the instruments were simulated with.
     pub instruments: Option<Vec<f64>>,
@@ -79,7 +79,8 @@ impl Estimated {
         self.iv.as_ref().filter(|_| self.by_instruments(d)).unwrap_or(&self.ls)
     }
 
-    /// The model that the instruments of degree of freedom `d` were simulated with; none where they are the regressors.
+    /// The model that the instruments of degree of freedom `d` were simulated with; `None` if they are the
+    /// regressors.
     pub fn simulated(&self, d: usize) -> Option<&[f64]> {
         self.instruments.as_deref().filter(|_| self.iv.is_some() && self.by_instruments(d))
     }
@@ -119,7 +120,7 @@ fn whole(degrees: &[DegreeFit; 3]) -> Option<(Vec<f64>, [f64; 3])> {
 }
 
 impl<'a> Pool<'a> {
-    /// With an intercept everywhere and instruments by the nominal values of `vessel`; nothing else that is not usual.
+    /// The default: an intercept everywhere, instruments by the nominal values of `vessel`.
     pub fn new(vessel: &'a Vessel) -> Self {
         Self {
             vessel,
@@ -128,23 +129,24 @@ impl<'a> Pool<'a> {
             strength: 0.0,
             nominal: NominalModel::Known(vessel.nominal.clone()),
             part_samples: None,
-            beside: Beside::default(),
+            additional: AdditionalUnknowns::default(),
             constant: Vec::new(),
         }
     }
 }
 
 impl Pool<'_> {
-    /// The estimator where nobody asks for one; none where the noise decides, see [`super::unstated`]. A prior pulls at regressions
-    /// alone, and unknown water and wind at simulations. `simulated`: the runs are those of simulated trials.
+    /// The default estimator; `None` if the noise decides, see [`super::unstated`]. A prior only applies to
+    /// regressions, and unknown water and wind only to simulations. `simulated`: the runs are those of simulated
+    /// trials.
     pub fn usual(&self, simulated: bool) -> Option<Estimator> {
         match simulated || self.strength > 0.0 {
             true => Some(Estimator::Iv),
-            false => (self.beside != Beside::default()).then_some(Estimator::OutputError),
+            false => (self.additional != AdditionalUnknowns::default()).then_some(Estimator::OutputError),
         }
     }
 
-    /// Refuses what contradicts itself: see [`MeanRemoval::check`]; a prior beside bounds.
+    /// Refuses contradictions: see [`MeanRemoval::check`]; a prior together with bounds.
     ///
     /// # Errors
     /// Names the parameter.
@@ -168,20 +170,21 @@ impl Pool<'_> {
         Pool { vessel, model: vessel.model.with_intercepts(), nominal, constant, ..*self }
     }
 
-    /// What `runs` are cut into: segments, or whole runs where what is around the vessel is unknown, and the same all along.
+    /// Cuts `runs` into segments, or takes whole runs if ambient water or wind are unknown, which are the same
+    /// throughout a run.
     pub fn cut<'r, R: Recorded>(&self, runs: &'r PooledRuns<R>) -> CutRuns<'r, R> {
-        match self.unknown().around().next() {
+        match self.unknown().ambient().next() {
             None => runs.cut(self.part_samples),
             Some(_) => runs.whole(self.part_samples),
         }
     }
 
-    /// What free simulations do not know, from known starts on.
+    /// The unknowns of free simulations with known starts.
     pub(super) fn unknown(&self) -> Unknown {
-        Unknown::new(InitialState::Known, self.beside, 1.0 / self.vessel.sample_rate_hz)
+        Unknown::new(InitialState::Known, self.additional, 1.0 / self.vessel.sample_rate_hz)
     }
 
-    /// Estimates from `parts`, which are gone through once for every kind of sums, and for every step of a search.
+    /// Estimates from `parts`, with a pass over them for every kind of sums, and for every step of a search.
     ///
     /// # Errors
     /// The nominal simulation diverges; parts that cannot be read.
@@ -211,7 +214,7 @@ impl Pool<'_> {
         if estimator == Estimator::Ls {
             return Ok(found);
         }
-        // Where least squares found no model to simulate, nothing is identified either way.
+        // If least squares found no model to simulate, nothing is identified in any case.
         if let Some(nominal) = found.nominal.clone() {
             match self.instrumented(parts, estimator, nominal, &mut found) {
                 Err(NoEstimate::Lost(diverged)) if estimator == Estimator::Auto || estimator.searches() => {
@@ -232,8 +235,8 @@ impl Pool<'_> {
         whole(&found.ls.fit(&self.options(nominal, Estimator::Ls)))
     }
 
-    /// The regression of a part, and the states of its instruments: simulated with these parameters of the model with
-    /// intercepts, from the measured state on; else its regressors are its instruments.
+    /// The regression of a part, and the states of its instruments: simulated from the measured state with these
+    /// parameters of the model with intercepts; else the regressors are the instruments.
     ///
     /// # Errors
     /// The simulation diverges.
@@ -323,7 +326,7 @@ impl Pool<'_> {
         DegreeOfFreedom::ALL.into_iter().filter_map(why).collect()
     }
 
-    /// The options of a fit. Least squares projects whatever the columns; instruments must not be collinear.
+    /// The options of a fit. Least squares works with collinear columns; instruments must not be collinear.
     pub fn options<'b>(&self, nominal: Option<&'b [f64]>, used: Estimator) -> Options<'b> {
         let prior = nominal.filter(|_| self.strength > 0.0);
         Options {

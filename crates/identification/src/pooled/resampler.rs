@@ -6,28 +6,28 @@ use regression::pooled::{Options, Parts, fit};
 use super::{Estimated, NoEstimate, Pool, Resample, redraw};
 use crate::Estimator;
 
-/// Where the resamples of a bootstrap come from.
+/// The source of the resamples of a bootstrap.
 #[derive(Clone, Copy)]
 pub enum Resampling<'a> {
-    /// They are drawn; called with the number of those that are done.
+    /// They are drawn now; called with the number of finished ones.
     Drawn(&'a (dyn Fn(usize) + Sync)),
     /// They were drawn before, all of them: in shards.
     Given(&'a [Resample]),
 }
 
-/// Draws as many parts as there are, with replacement, and estimates anew as `found` was. What comes of it depends on the seed
-/// and the number of the resample alone.
+/// Draws as many parts as there are, with replacement, and estimates as `found` was. The result depends on the seed
+/// and the index of the resample alone.
 pub(super) struct Resampler<'a, P> {
     pool: &'a Pool<'a>,
     found: &'a Estimated,
     parts: &'a P,
     streams: Streams,
-    /// Sums part by part, for each estimator that degrees of freedom were estimated by; none where each resample is simulated.
+    /// Sums part by part, for each estimator of a degree of freedom; empty if each resample is simulated.
     sums: Vec<(Estimator, Vec<Sums>)>,
 }
 
 impl<'a, P: Parts> Resampler<'a, P> {
-    /// Goes through the parts once for each estimator that needs their sums.
+    /// Makes a pass over the parts for each estimator that needs their sums.
     ///
     /// # Errors
     /// Parts that cannot be read.
@@ -40,7 +40,7 @@ impl<'a, P: Parts> Resampler<'a, P> {
             if !used.searches() {
                 match pool.sums(parts, found.simulated(d), |_, sums| own.push(sums.clone())) {
                     Err(NoEstimate::Unread(e)) => return Err(e),
-                    // They could be simulated before.
+                    // Parts that diverge were refused before.
                     Err(NoEstimate::Lost(_)) => continue,
                     Ok(_) => {}
                 }
@@ -75,7 +75,7 @@ impl<'a, P: Parts> Resampler<'a, P> {
         Ok(Resample { number, theta: theta.into_iter().enumerate().flat_map(of).collect() })
     }
 
-    /// The first `count` of them. `done` is called with the number of those that are done.
+    /// The first `count` of them. `done` is called with the number of finished ones.
     ///
     /// # Errors
     /// Parts that cannot be read.
@@ -90,12 +90,12 @@ impl<'a, P: Parts> Resampler<'a, P> {
 
     fn fitted(&self, used: Estimator, sums: &[&Sums]) -> [Option<Vec<f64>>; 3] {
         let nominal = self.found.nominal.as_ref().map(|(theta, _)| theta.as_slice());
-        // A resample is not refused for being collinear: its spread is what is asked for.
+        // Collinear resamples are accepted: their spread is the result.
         let options = Options { most: f64::INFINITY, ..self.pool.options(nominal, used) };
         fit(sums, &options).map(|degree| degree.solution.map(|solution| solution.theta))
     }
 
-    /// Of a search: the parts are simulated or predicted and fitted anew.
+    /// For a search: simulates or predicts the parts and fits again.
     fn searched_again(&self, places: &[usize]) -> Result<[Option<Vec<f64>>; 3], P::Error> {
         let thetas = self.pool.searched_again(self.parts, places, self.found)?;
         Ok(thetas.map_or_else(Default::default, |thetas| thetas.map(Some)))

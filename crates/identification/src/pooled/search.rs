@@ -1,4 +1,4 @@
-//! Pooled estimates that are searched for, by simulations and by predictions.
+//! Pooled estimates by search: by simulations and by predictions.
 
 use engine::RunView;
 use regression::pooled::{DegreeFit, Drawn, Part, Parts, PooledSums, Status};
@@ -6,17 +6,17 @@ use regression::{DegreeSums, MeanRemoval};
 
 use super::{Estimated, Follow, Pool, Scales, Searched, Unfound};
 use crate::Estimator;
-use crate::beside::Intercepts;
+use crate::additional::Intercepts;
 use crate::criticism::{ENOUGH, Kinds, calibrated};
 use crate::predictor::{InitialState, Unknown};
 
-/// Share of the squared errors that noise makes up from which starts are searched for.
+/// Starts are estimated if noise has at least this share of the squared errors.
 const NOISY: f64 = 0.25;
 
 impl Pool<'_> {
-    /// Goes on from the estimate at hand to the least errors of free simulations, and from there to those of predictions where
-    /// these are wanted. Where that leads nowhere there is no estimate. A model of which a degree of freedom has none cannot be
-    /// simulated: it stays as it is.
+    /// Continues from the present estimate to the least errors of free simulations, and from there to those of
+    /// predictions if requested. If that fails there is no estimate. A model without an estimate of a degree of
+    /// freedom cannot be simulated: it is left unchanged.
     ///
     /// # Errors
     /// Parts that cannot be read.
@@ -27,7 +27,7 @@ impl Pool<'_> {
         found: &mut Estimated,
     ) -> Result<(), P::Error> {
         let Some((theta, intercepts)) = found.theta() else { return Ok(()) };
-        let intercepts = if self.beside.intercepts == Intercepts::None { [0.0; 3] } else { intercepts };
+        let intercepts = if self.additional.intercepts == Intercepts::None { [0.0; 3] } else { intercepts };
         let start = self.model.layout().woven(&theta, intercepts);
         let mut deviations = found.means().deviations();
         parts.each(|part| deviations.add(part.run.measured))?;
@@ -36,7 +36,7 @@ impl Pool<'_> {
         let mut scales = Scales { std, sizes, follow: Follow::Simulated(self.unknown()) };
         let simulated = self.continued(parts, &start, &scales)?;
         let best = if estimator == Estimator::PredictionError {
-            // Filters follow what no simulation does.
+            // A filter can follow motion that a simulation cannot.
             let from = simulated.as_ref().map_or(&start, |found| &found.parameters);
             let predicted = self.predicted(parts, from, &scales)?;
             predicted.map(|(follow, best, noises)| {
@@ -74,9 +74,9 @@ impl Pool<'_> {
         Ok(())
     }
 
-    /// Whether sensors' noise makes up much of the errors that free simulations of `found` leave: then the first sample of a part
-    /// errs as much as any other, and where it starts is one more unknown. Noise is what third differences show, to which smooth
-    /// motion adds little.
+    /// Whether sensor noise is a large share of the errors of free simulations of `found`: then the first sample of a
+    /// part is as noisy as any other, and its start is an additional unknown. Noise is estimated from third
+    /// differences, to which smooth motion adds little.
     fn mostly_noise<P: Parts>(&self, parts: &P, found: &Searched, std: [f64; 3]) -> Result<bool, P::Error> {
         let (mut noise, mut counted, mut samples) = (0.0, 0_u64, 0);
         parts.each(|part| {
@@ -93,8 +93,8 @@ impl Pool<'_> {
         Ok(noise * samples as f64 > NOISY * found.squares * counted as f64)
     }
 
-    /// The least errors of predictions by filters for noise and a drifting current that make the first parts most likely, found
-    /// in turns from other parameters.
+    /// Minimises the errors of predictions by filters for the noise and drifting current that make the first parts
+    /// most likely, found alternately with the parameters.
     fn predicted<P: Parts>(
         &self,
         parts: &P,
@@ -111,16 +111,16 @@ impl Pool<'_> {
         parts.at(&places, |part| first.push(Part::new("", "", part.run)))?;
         let views: Vec<RunView> = first.iter().map(Part::view).collect();
         let start = [from.to_vec()];
-        let Some(heard) = calibrated(&self.model, &views, self.vessel.sample_rate_hz, false, &start) else {
+        let Some(noise) = calibrated(&self.model, &views, self.vessel.sample_rate_hz, false, &start) else {
             return Ok(None);
         };
-        let follow = Follow::Predicted(heard.levels, heard.parameters.clone());
+        let follow = Follow::Predicted(noise.levels, noise.parameters.clone());
         let scales = Scales { follow, std: scales.std, sizes: scales.sizes.clone() };
-        let found = self.least_errors(parts, &heard.parameters, &scales)?;
-        Ok(found.map(|found| (scales.follow, found, heard.kinds)))
+        let found = self.least_errors(parts, &noise.parameters, &scales)?;
+        Ok(found.map(|found| (scales.follow, found, noise.kinds)))
     }
 
-    /// The estimate of a search from the parts at `drawn`, started at that of all: θ̂ of surge, sway and yaw.
+    /// The estimate of a search from the parts at `drawn`, started at that from all: θ̂ of surge, sway and yaw.
     ///
     /// # Errors
     /// Parts that cannot be read.
@@ -142,13 +142,13 @@ impl Pool<'_> {
         [0, 1, 2].map(|d| (parameters[layout.terms(d)].to_vec(), intercepts[d]))
     }
 
-    /// Per parameter, intercepts among them, the value with which its term alone would make up the state's deviation in a sample; 0 for an
-    /// intercept that is not estimated and a term that is always 0.
+    /// Per parameter, intercepts among them, the value with which its term alone would equal the state's deviation in
+    /// a sample; 0 for an intercept that is not estimated and a term that is always 0.
     fn sizes(&self, sums: &PooledSums, std: [f64; 3]) -> Vec<f64> {
         let whole = sums.total();
         let n = whole.samples.max(1) as f64;
         let size = |square: f64, std: f64| if square > 0.0 { std / (square / n).sqrt() } else { 0.0 };
-        let none = self.removal == MeanRemoval::None || self.beside.intercepts == Intercepts::None;
+        let none = self.removal == MeanRemoval::None || self.additional.intercepts == Intercepts::None;
         let intercept = |std: f64| if none { 0.0 } else { std };
         let degree = |(degree, std): (&DegreeSums, f64)| -> Vec<f64> {
             let own = degree.regressor_squares.iter().map(|square| size(*square, std));

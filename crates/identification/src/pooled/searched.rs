@@ -6,9 +6,9 @@ use numerics::{LANES, Lane, quadratic, times};
 use rayon::prelude::*;
 use regression::pooled::{Part, Parts};
 
-use super::around::{Around, Settled};
+use super::ambient::{Ambient, Settled};
 use crate::predictor::{
-    AROUND, Asked, Ended, Levels, Linear, Minimum, Recordings, Residuals, STEPS, Unknown, Weighting,
+    AMBIENT, Asked, Ended, Levels, Linear, Minimum, Recordings, Residuals, STEPS, Unknown, Weighting,
     linearize, minimize,
 };
 use crate::sensitivity::{filter, with_states};
@@ -16,16 +16,17 @@ use crate::sensitivity::{filter, with_states};
 /// An estimate that minimises the errors of simulations or predictions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Searched {
-    /// Of the model, in its order.
+    /// Parameters of the model, in its order.
     pub parameters: Vec<f64>,
-    /// Their covariance, as many rows: (G − 1)/G Σ δ δᵀ with the change δ of the estimate where one of the G parts is left out,
-    /// to first order (jackknife), so that errors may be correlated in any way within a part, and few parts do not make it
-    /// too small. Zero for parameters held, and for those at a bound.
+    /// Their covariance, as many rows: (G − 1)/G Σ δ δᵀ with the change δ of the estimate if one of the G parts is
+    /// left out, to first order (jackknife), so that errors may be correlated in any way within a part, and it is not
+    /// too small for few parts. Zero for fixed parameters and those at a bound.
     pub covariance: Vec<f64>,
-    /// Per parameter, how many parts would tell as much of it if all told alike; 0 for what is held.
-    pub telling: Vec<f64>,
-    /// Of every part what is around it, and standard errors of it (see [`AROUND`]); empty where nothing is unknown of it.
-    pub around: Vec<[[f64; AROUND]; 2]>,
+    /// Per parameter the effective number of parts: how many equally informative ones would give the same
+    /// information; 0 for fixed ones.
+    pub effective_parts: Vec<f64>,
+    /// The ambient unknowns of every part, and their standard errors (see [`AMBIENT`]); empty without such unknowns.
+    pub ambient: Vec<[[f64; AMBIENT]; 2]>,
     /// Σ (e_d/std_d)², or of squared whitened innovations.
     pub squares: f64,
     /// Steps tried.
@@ -43,38 +44,40 @@ impl Searched {
     }
 }
 
-/// What makes the errors of parts small.
+/// Which errors of parts are minimised.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Follow {
-    /// Free simulations, each from its part's first measured state or one near it, in water and wind of its own.
+    /// Those of free simulations, each from its part's first measured state or one near it, in its own water and
+    /// wind.
     Simulated(Unknown),
-    /// One-sample predictions by a Kalman filter for these levels, whose gains are those along it at these parameters.
+    /// Those of one-sample predictions by a Kalman filter for these levels, with the gains along it at these
+    /// parameters.
     Predicted(Levels, Vec<f64>),
 }
 
-/// What errors and steps of a search are measured by.
+/// The scales of errors and steps of a search.
 pub struct Scales {
     /// Standard deviations of the measured u, v, r.
     pub(super) std: [f64; 3],
-    /// Per parameter, intercepts among them, the change that would matter; 0 holds it.
+    /// Per parameter, intercepts among them, the change that would matter; 0 fixes it.
     pub(super) sizes: Vec<f64>,
-    /// What makes them small.
+    /// Which errors are minimised.
     pub(super) follow: Follow,
 }
 
 impl Scales {
-    /// What makes the errors small.
+    /// Which errors are minimised.
     pub fn follow(&self) -> &Follow {
         &self.follow
     }
 }
 
 /// Minimises Σ (e_d/std_d)² of simulations over `parts`, or Σ of squared whitened innovations, by Levenberg and
-/// Marquardt's method from `start` (parameters of `model`). `std`: of measured u, v, r. `sizes`: per parameter the change
-/// that would matter; 0 holds it. `None` where the start diverges or a parameter has no effect of its own.
+/// Marquardt's method from `start` (parameters of `model`). `std`: of measured u, v, r. `sizes`: per parameter the
+/// change that would matter; 0 fixes it. `None` if the start diverges or a parameter has no effect of its own.
 ///
 /// # Errors
-/// Parts that cannot be read, all of which every step of the search looks at.
+/// Parts that cannot be read; every step of the search reads them all.
 pub fn least_errors<P: Parts>(
     model: &Model,
     parts: &P,
@@ -85,19 +88,19 @@ pub fn least_errors<P: Parts>(
 ) -> Result<Option<Searched>, P::Error> {
     let free: Vec<usize> = (0..sizes.len()).filter(|i| sizes[*i] > 0.0).collect();
     let weights = std.map(|s| if s > 0.0 { s.powi(-2) } else { 0.0 });
-    let (order, around) = (by_length(parts), vec![Vec::new(); parts.count()]);
+    let (order, ambient) = (by_length(parts), vec![Vec::new(); parts.count()]);
     let from = free.iter().map(|i| start[*i]).collect();
     let asked = Question { model, held: start.to_vec(), free, weights, follow };
     let weights = asked.weighting();
-    let mut problem = Problem { asked, parts, order, around };
+    let mut problem = Problem { asked, parts, order, ambient };
     let found = minimize(&mut problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop();
     let Some(found) = found.filter(|found| matches!(found.status, Ended::Converged | Ended::Stalled)) else {
         return Ok(None);
     };
-    Ok(problem.spread(&found)?.map(|Spread { covariance, telling, around }| Searched {
+    Ok(problem.spread(&found)?.map(|Spread { covariance, effective_parts, ambient }| Searched {
         covariance,
-        telling,
-        around,
+        effective_parts,
+        ambient,
         squares: (0..3).map(|d| weights[d] * found.linear.squares[d]).sum(),
         parameters: problem.asked.whole(&found.point),
         steps: found.steps,
@@ -109,13 +112,13 @@ pub fn least_errors<P: Parts>(
 struct Problem<'a, P> {
     asked: Question<'a>,
     parts: &'a P,
-    /// Places of the parts: those of similar length go side by side.
+    /// Indices of the parts: those of similar length share lanes.
     order: Vec<usize>,
-    /// What was last found around the parts, in their order.
-    around: Vec<Vec<f64>>,
+    /// The last ambient unknowns of the parts, in their order.
+    ambient: Vec<Vec<f64>>,
 }
 
-/// What is asked of every part.
+/// The problem for every part.
 struct Question<'a> {
     model: &'a Model,
     held: Vec<f64>,
@@ -140,7 +143,7 @@ impl Question<'_> {
         whole
     }
 
-    /// What is unknown of every part beside the parameters, if anything is.
+    /// The additional unknowns of every part, if there are any.
     fn unknown(&self) -> Option<Unknown> {
         match self.follow {
             Follow::Simulated(unknown) => Some(*unknown).filter(|unknown| unknown.own().next().is_some()),
@@ -148,7 +151,7 @@ impl Question<'_> {
         }
     }
 
-    /// How the sums of parts are weighed: innovations are white, and what is settled around a part is weighed already.
+    /// The weights of the sums of parts: innovations are white, and settled parts are weighted already.
     fn weighting(&self) -> [f64; 3] {
         match (self.follow, self.unknown()) {
             (Follow::Simulated(_), None) => self.weights,
@@ -156,16 +159,16 @@ impl Question<'_> {
         }
     }
 
-    /// Parts linearised, [`LANES`] of them by a thread, with what was last found around them.
-    fn settled(&self, parts: &[Part], around: &[Vec<f64>], whole: &[f64], spread: bool) -> Vec<Settled> {
+    /// Linearises parts, [`LANES`] of them per thread, from their last ambient unknowns.
+    fn settled(&self, parts: &[Part], ambient: &[Vec<f64>], whole: &[f64], spread: bool) -> Vec<Settled> {
         let settled = |(i, parts): (usize, &[Part])| {
             let group = SideBySide::of(&parts.iter().map(Part::view).collect::<Vec<_>>());
             let recordings = Recordings::of(self.model, &group);
             let mut found: Vec<Settled> = match self.unknown() {
                 None => self.linears(&recordings, whole).into_iter().map(Settled::from).collect(),
                 Some(unknown) => {
-                    let starts = &around[i * LANES..][..parts.len()];
-                    let own = Around::new(&recordings, unknown, whole, self.weights);
+                    let starts = &ambient[i * LANES..][..parts.len()];
+                    let own = Ambient::new(&recordings, unknown, whole, self.weights);
                     own.settled(&self.free, starts, spread)
                 }
             };
@@ -188,15 +191,15 @@ impl Question<'_> {
 }
 
 impl<P: Parts> Problem<'_, P> {
-    /// Calls `look` with every part linearised, in order; with the spread of what is around it where that is wanted.
+    /// Calls `look` with every linearised part, in order; with the spread of its ambient unknowns if requested.
     fn each(&self, point: &[f64], spread: bool, mut look: impl FnMut(Settled)) -> Result<(), P::Error> {
         let whole = self.asked.whole(point);
         let together = LANES * rayon::current_num_threads();
         let mut waiting: Vec<Part> = Vec::with_capacity(together);
         let mut first = 0;
         let mut pass = |waiting: &mut Vec<Part>| {
-            let around = &self.around[first..first + waiting.len()];
-            self.asked.settled(waiting, around, &whole, spread).into_iter().for_each(&mut look);
+            let ambient = &self.ambient[first..first + waiting.len()];
+            self.asked.settled(waiting, ambient, &whole, spread).into_iter().for_each(&mut look);
             first += waiting.len();
             waiting.clear();
         };
@@ -210,41 +213,43 @@ impl<P: Parts> Problem<'_, P> {
         Ok(())
     }
 
-    /// The covariance of all parameters, how many parts tell of each, and what is around the parts.
+    /// The covariance of all parameters, the effective number of parts for each, and the ambient unknowns of the
+    /// parts.
     fn spread(&self, found: &Minimum) -> Result<Option<Spread>, P::Error> {
         let weights = self.asked.weighting();
         let Ok(inverse) = found.inverse(weights) else { return Ok(None) };
         let places = &self.asked.free;
         let (all, free, parts) = (self.asked.held.len(), places.len(), self.parts.count() as f64);
-        let (mut covariance, mut told) = (vec![0.0; all * all], vec![[0.0; 2]; all]);
+        let (mut covariance, mut shares) = (vec![0.0; all * all], vec![[0.0; 2]; all]);
         let mut settled = Vec::new();
         self.each(&found.point, true, |own| {
             let (normal, gradient) = own.linear.weighted(weights);
-            // Without a part that alone determines a parameter there is no estimate: it counts as one that tells little.
+            // Without a part that alone determines a parameter there is no estimate: it is treated as hardly
+            // informative.
             let moved = found.without(&own.linear, weights).unwrap_or_else(|_| times(&inverse, &gradient));
             for (i, (row, a)) in places.iter().zip(&moved).enumerate() {
                 for (column, b) in places.iter().zip(&moved) {
                     covariance[row * all + column] += (parts - 1.0) / parts * a * b;
                 }
                 let share = quadratic(&inverse[i * free..(i + 1) * free], &normal);
-                told[*row] = [told[*row][0] + share, told[*row][1] + share * share];
+                shares[*row] = [shares[*row][0] + share, shares[*row][1] + share * share];
             }
             settled.push(own.without_sums());
         })?;
         let alike = |[sum, squares]: [f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
-        let mut around = Vec::new();
-        if let Some(unknown) = self.asked.unknown().filter(|unknown| unknown.around().next().is_some()) {
-            around.resize(settled.len(), [[0.0; AROUND]; 2]);
+        let mut ambient = Vec::new();
+        if let Some(unknown) = self.asked.unknown().filter(|unknown| unknown.ambient().next().is_some()) {
+            ambient.resize(settled.len(), [[0.0; AMBIENT]; 2]);
             let pairs = places.iter().flat_map(|i| places.iter().map(move |j| i * all + j));
             let own: Vec<f64> = pairs.map(|k| covariance[k]).collect();
             let found = self.order.iter().zip(&settled);
-            found.for_each(|(place, settled)| around[*place] = settled.around(unknown, &own));
+            found.for_each(|(place, settled)| ambient[*place] = settled.ambient(unknown, &own));
         }
-        Ok(Some(Spread { covariance, telling: told.into_iter().map(alike).collect(), around }))
+        Ok(Some(Spread { covariance, effective_parts: shares.into_iter().map(alike).collect(), ambient }))
     }
 }
 
-/// Whitened innovations of a filter for `levels`, linearised at `unknowns` with the gains that it has along `at`.
+/// Whitened innovations of a filter for `levels`, linearised at `unknowns` with its gains along `at`.
 fn innovations<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],
@@ -259,8 +264,8 @@ fn innovations<const N: usize>(
 /// See the fields of [`Searched`].
 struct Spread {
     covariance: Vec<f64>,
-    telling: Vec<f64>,
-    around: Vec<[[f64; AROUND]; 2]>,
+    effective_parts: Vec<f64>,
+    ambient: Vec<[[f64; AMBIENT]; 2]>,
 }
 
 impl<P: Parts> Residuals for Problem<'_, P> {
@@ -269,16 +274,16 @@ impl<P: Parts> Residuals for Problem<'_, P> {
     fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, P::Error> {
         let mut totals = Vec::new();
         for Asked { point, .. } in asked {
-            let (mut total, mut around): (Option<Linear>, _) = (None, Vec::new());
+            let (mut total, mut ambient): (Option<Linear>, _) = (None, Vec::new());
             self.each(point, false, |part| {
                 match &mut total {
                     Some(total) => total.add(&part.linear),
                     None => total = Some(part.linear),
                 }
-                around.push(part.around);
+                ambient.push(part.ambient);
             })?;
             totals.extend(total);
-            self.around = around;
+            self.ambient = ambient;
         }
         Ok(totals)
     }

@@ -4,15 +4,16 @@ use regression::pooled::{COLLINEAR, Whiteness};
 
 use super::DegreeTrust;
 
-/// Below this share of a regressor its instruments count as lost.
+/// Instruments are weak if they explain less than this share of a regressor.
 const WEAK: f64 = 0.1;
-/// Below this probability a test counts as failed.
+/// A test fails below this probability.
 const UNLIKELY: f64 = 0.01;
 
-/// Increments of noise correlate by −0.5, which weights that fall with the lag do not make up for: standard errors are too large.
+/// Increments of noise correlate by −0.5, which weights that fall with the lag do not compensate: standard errors are
+/// too large.
 const ALTERNATING: f64 = -0.3;
 
-/// What to know before using an estimate, in words.
+/// Warnings about an estimate, in words.
 pub fn statements(degrees: &[DegreeTrust]) -> Vec<String> {
     degrees.iter().flat_map(of_degree).collect()
 }
@@ -60,7 +61,7 @@ fn not_white(degree: &DegreeTrust, white: &Whiteness) -> String {
     )
 }
 
-/// How far a norm of RMSE/std lies above another's over `pairs` (what they are is `called`), with the interval of that median or
+/// How far a norm of RMSE/std lies above another over `pairs` (named `called`), with the interval of that median or
 /// why there is none.
 pub fn lies_above(median: Option<f64>, ends: [Option<f64>; 2], pairs: u64, called: &str) -> String {
     let number = |x: f64| format!("{x:+.3}");

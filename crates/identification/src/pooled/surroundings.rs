@@ -3,8 +3,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Follow, Searched};
-use crate::beside::UnknownCurrent;
-use crate::predictor::{AROUND, Unknown};
+use crate::additional::UnknownCurrent;
+use crate::predictor::{AMBIENT, Unknown};
 
 /// Water and wind that were found with a model in one run, or in a part of one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -35,8 +35,8 @@ pub struct FoundUnknown {
     pub standard_error: Option<f64>,
 }
 
-/// As they are told of, and their units.
-const NAMES: [(&str, &str); AROUND] = [
+/// Their names in reports, and their units.
+const NAMES: [(&str, &str); AMBIENT] = [
     ("current along", "m/s"),
     ("current across", "m/s"),
     ("drift along", "m/s^2"),
@@ -46,14 +46,14 @@ const NAMES: [(&str, &str); AROUND] = [
 ];
 
 impl Surroundings {
-    /// Values and standard errors of what is `unknown` around part number `part` of `source`; none where nothing is.
+    /// Values and standard errors of the ambient unknowns of part `part` of `source`; `None` if there are none.
     pub(crate) fn of(
         unknown: Unknown,
         (source, part): (&str, usize),
-        [values, errors]: &[[f64; AROUND]; 2],
+        [values, errors]: &[[f64; AMBIENT]; 2],
     ) -> Option<Self> {
         let found = |i: usize| {
-            // What a sample adds becomes what a second does.
+            // Converts an increment per sample to one per second.
             let per = if i < 2 { 1.0 } else { unknown.interval_s };
             let (name, unit) = NAMES[i];
             FoundUnknown {
@@ -63,13 +63,13 @@ impl Surroundings {
                 standard_error: Some(errors[i] / per).filter(|error| *error > 0.0),
             }
         };
-        let found: Vec<FoundUnknown> = unknown.around().map(found).collect();
+        let found: Vec<FoundUnknown> = unknown.ambient().map(found).collect();
         let axes = if unknown.current == UnknownCurrent::Body { "body" } else { "earth" };
         let (source, part, axes) = (source.to_owned(), part as u64, axes.to_owned());
         (!found.is_empty()).then_some(Self { source, part, axes, found })
     }
 
-    /// Of all parts that were `searched`.
+    /// The surroundings of all parts that were `searched`.
     ///
     /// # Errors
     /// Parts that cannot be read.
@@ -78,15 +78,15 @@ impl Surroundings {
         searched: &Searched,
         follow: &Follow,
     ) -> Result<Vec<Self>, P::Error> {
-        let (Follow::Simulated(unknown), mut around) = (follow, searched.around.iter().enumerate()) else {
+        let (Follow::Simulated(unknown), mut ambient) = (follow, searched.ambient.iter().enumerate()) else {
             return Ok(Vec::new());
         };
         let mut all = Vec::new();
         let mut add = |part: PartView| {
-            let own = around.next();
+            let own = ambient.next();
             all.extend(own.and_then(|(i, own)| Self::of(*unknown, (part.source, i), own)));
         };
-        if !searched.around.is_empty() {
+        if !searched.ambient.is_empty() {
             parts.each(&mut add)?;
         }
         Ok(all)

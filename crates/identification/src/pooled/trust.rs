@@ -3,7 +3,7 @@ use std::ops::Range;
 
 use model::DegreeOfFreedom;
 use regression::pooled::{
-    Centring, CrossCorrelation, DegreeFit, Diagnosis, Filling, Part, PartView, Parts, PooledRuns, Recorded,
+    Centring, CrossCorrelation, DegreeFit, Diagnosis, Meat, Part, PartView, Parts, PooledRuns, Recorded,
     Regression, ResidualTests, Solution, Status, Strength, Whiteness, default_bandwidth, residuals_of,
     unidentified, weakest,
 };
@@ -14,7 +14,7 @@ use super::resampler::{Resampler, Resampling};
 use super::{Bootstrap, Estimated, FreeRunErrors, InstrumentFit, Pool, Resample, Score, deviations};
 use crate::{EstimateStatus, Estimator};
 
-/// How an estimate is judged.
+/// Options for judging an estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Judgement {
     /// Resamples of the bootstrap over parts.
@@ -54,7 +54,7 @@ pub struct DegreeTrust {
 }
 
 impl DegreeTrust {
-    /// The parameter with the largest standard error for its size.
+    /// The parameter with the largest relative standard error.
     pub fn weakest_parameter(&self) -> &str {
         let relative = |p: &ParameterTrust| match (p.estimate, p.spread()) {
             (Some(estimate), Some(error)) if estimate != 0.0 => (error / estimate).abs(),
@@ -96,7 +96,7 @@ pub struct ParameterTrust {
 }
 
 impl ParameterTrust {
-    /// Its standard error, 0 where a bound holds it.
+    /// Its standard error, 0 at a bound.
     pub(super) fn spread(&self) -> Option<f64> {
         self.standard_error.or(self.at_bound.then_some(0.0))
     }
@@ -130,7 +130,7 @@ pub struct SourceErrors {
     pub errors: Option<FreeRunErrors>,
 }
 
-/// What the trust in an estimate is judged from.
+/// The data for judging an estimate.
 pub(super) struct Judge<'a, P> {
     pub pool: &'a Pool<'a>,
     pub found: &'a Estimated,
@@ -189,7 +189,7 @@ impl<P: Parts> Judge<'_, P> {
     /// Adds a part to the accounts of all degrees of freedom.
     fn account(&self, i: usize, part: &PartView, accounts: &mut [Account; 3], fit: &mut InstrumentFit) {
         let instruments = self.found.instruments.as_deref();
-        // They could be simulated before.
+        // Parts that diverge were refused before.
         let simulated = instruments.and_then(|model| self.pool.regression(part, Some(model)).ok());
         if let Some((_, states)) = &simulated {
             fit.add(states, part.run.measured);
@@ -244,7 +244,7 @@ impl<P: Parts> Judge<'_, P> {
     }
 }
 
-/// How far `fit` can be trusted, the estimate of degree of freedom `d` by `used`.
+/// Judges `fit`, the estimate of degree of freedom `d` by `used`.
 pub(super) fn judged(
     pool: &Pool,
     d: DegreeOfFreedom,
@@ -312,12 +312,12 @@ fn parameters(
     (0..p).map(parameter).collect()
 }
 
-/// What one degree of freedom is judged by, part by part.
+/// The statistics of one degree of freedom, accumulated part by part.
 struct Account<'a> {
     d: usize,
     centring: Centring,
     solution: Option<&'a Solution>,
-    filling: Option<Filling>,
+    meat: Option<Meat>,
     tests: ResidualTests,
     strength: Strength,
 }
@@ -332,7 +332,7 @@ impl<'a> Account<'a> {
             d,
             centring: sums.centring(),
             solution,
-            filling: solution.filter(|_| !own).map(|_| Filling::new(p, bandwidth)),
+            meat: solution.filter(|_| !own).map(|_| Meat::new(p, bandwidth)),
             tests: ResidualTests::new(bandwidth.max(1), p),
             strength: Strength::default(),
         }
@@ -350,12 +350,12 @@ impl<'a> Account<'a> {
             columns.iter_mut().zip(&row).for_each(|(column, z)| column.push(*z));
         }
         self.tests.add(&residuals, &columns);
-        if let Some(filling) = &mut self.filling {
-            filling.add(degree, &residuals, |row, out| centring.zeta(i, d, row, out));
+        if let Some(meat) = &mut self.meat {
+            meat.add(degree, &residuals, |row, out| centring.zeta(i, d, row, out));
         }
     }
 
-    /// What all parts say of the parameters at `places` of the model with intercepts.
+    /// The result over all parts for the parameters at `places` of the model with intercepts.
     fn closed(
         self,
         found: &Estimated,
@@ -365,8 +365,8 @@ impl<'a> Account<'a> {
     ) -> Degree {
         let (d, centring) = (self.d, self.centring);
         let searched = || found.searched.as_ref().map(|(searched, _)| searched.covariance_of(places));
-        let covariance = self.solution.and_then(|solution| match self.filling {
-            Some(filling) => Some(filling.covariance(&centring, solution, d)),
+        let covariance = self.solution.and_then(|solution| match self.meat {
+            Some(meat) => Some(meat.covariance(&centring, solution, d)),
             None => searched(),
         });
         Degree {

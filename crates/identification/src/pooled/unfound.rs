@@ -5,13 +5,13 @@ use thiserror::Error;
 
 use crate::Estimator;
 
-/// That a search led nowhere, from whatever it began with.
+/// A search failed from all starts.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub struct Unfound {
-    /// What was asked for.
+    /// The requested estimator.
     pub estimator: Estimator,
-    /// Of which the free simulation diverges with the estimate that the search began with; none where a parameter has no effect
-    /// of its own.
+    /// The recordings whose free simulation with the search's start diverges; empty if a parameter has no effect of
+    /// its own.
     pub recordings: Vec<String>,
 }
 

@@ -48,7 +48,7 @@ impl Score {
         self.diverged += other.diverged;
     }
 
-    /// RMSE in u, v \[m/s\], r \[rad/s\]; `None` where a window diverged or there is none.
+    /// RMSE in u, v \[m/s\], r \[rad/s\]; `None` if a window diverged or there is none.
     pub fn rmse(&self) -> Option<[f64; 3]> {
         let whole = self.diverged == 0 && self.samples > 0;
         whole.then(|| self.squares.map(|s| (s / self.samples as f64).sqrt()))
@@ -62,7 +62,7 @@ impl Score {
         Some(FreeRunErrors { rmse_u, rmse_v, rmse_r, fit_u, fit_v, fit_r })
     }
 
-    /// The 2-norm of RMSE/std; `None` as [`Score::rmse`], and where a state does not vary.
+    /// The 2-norm of RMSE/std; `None` as [`Score::rmse`], and if a state does not vary.
     pub fn norm(&self, std: [f64; 3]) -> Option<f64> {
         let rmse = self.rmse()?;
         let norm = (0..3).map(|d| (rmse[d] / std[d]).powi(2)).sum::<f64>().sqrt();
@@ -111,7 +111,7 @@ pub(super) struct StateMeans {
     sums: [f64; 3],
 }
 
-/// Sums of squares around those means.
+/// Sums of squares about those means.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StateDeviations {
     rows: usize,
@@ -121,7 +121,7 @@ pub(super) struct StateDeviations {
 
 impl Default for StateMeans {
     fn default() -> Self {
-        // As numbers are summed up, so that sums part by part have the same bits.
+        // The start value of `Iterator::sum`, so that sums part by part have the same bits.
         Self { rows: 0, sums: [std::iter::empty::<f64>().sum(); 3] }
     }
 }
@@ -134,7 +134,7 @@ impl StateMeans {
         }
     }
 
-    /// Goes through the same states once more.
+    /// Starts a second pass over the same states.
     pub(super) fn deviations(&self) -> StateDeviations {
         let means = self.sums.map(|sum| sum / self.rows as f64);
         StateDeviations { rows: self.rows, means, squares: Self::default().sums }

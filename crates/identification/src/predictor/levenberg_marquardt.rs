@@ -4,37 +4,37 @@ use numerics::{dot, times};
 
 /// Several least-squares problems that are linearised in one pass.
 pub(crate) trait Residuals {
-    /// Why data cannot be looked at.
+    /// Why data cannot be read.
     type Error;
-    /// Linearises problems at the points that are asked for, each problem at one at most and all of them at first; numbers that
-    /// are not finite where the prediction leaves every bound. Problems that have ended are not asked for any more.
+    /// Linearises problems at the requested points, at most one per problem and all of them in the first call; not
+    /// finite if the prediction diverges. Finished problems are not requested again.
     fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Self::Error>;
-    /// Whether [`Self::slopes`] takes much less time.
+    /// Whether [`Self::slopes`] is implemented and much faster.
     fn has_slopes(&self) -> bool {
         false
     }
-    /// Whether minima that slopes tell of are looked at by others, see [`Minimum::look`].
-    fn looks_later(&self) -> bool {
+    /// Whether the caller verifies minima that slopes alone indicate, see [`Minimum::look`].
+    fn is_verified_later(&self) -> bool {
         false
     }
-    /// Squared errors and their slopes only, weighed as each problem's errors are.
+    /// Squared errors and their gradients only, with the weights of each problem's errors.
     fn slopes(&mut self, _asked: &[Asked]) -> Vec<Slopes> {
         Vec::new()
     }
-    /// Within which the unknowns stay, infinite at open ends; empty without bounds.
+    /// Bounds of the unknowns, infinite at open ends; empty without bounds.
     fn bounds(&self) -> Vec<[f64; 2]> {
         Vec::new()
     }
 }
 
-/// The point of a problem, by its place among all.
+/// A requested point of a problem, by its index.
 pub(crate) struct Asked {
     pub problem: usize,
     pub weighting: Weighting,
     pub point: Vec<f64>,
 }
 
-/// How the squared errors of u, v, r are weighed against each other.
+/// The weighting of the squared errors of u, v, r.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Weighting {
     /// Σ_d w_d Σ e_d².
@@ -54,7 +54,7 @@ impl Weighting {
         }
     }
 
-    /// Of weighted errors that cost so much; that of exact data counts as 1e-16.
+    /// The variance of weighted errors with this cost; at least 1e-16, for exact data.
     fn variance(&self, cost: f64, samples: f64) -> f64 {
         match self {
             Self::Fixed(_) => (cost / (3.0 * samples).max(1.0)).max(1e-16),
@@ -62,7 +62,7 @@ impl Weighting {
         }
     }
 
-    /// Of errors whose sums of squares over so many samples are `squares`.
+    /// The weights of errors whose sums of squares over `samples` samples are `squares`.
     pub(crate) fn weights(&self, squares: [f64; 3], samples: f64) -> [f64; 3] {
         match self {
             Self::Fixed(weights) => *weights,
@@ -75,19 +75,19 @@ impl Weighting {
 #[derive(Clone, Debug)]
 pub(crate) struct Minimum {
     pub point: Vec<f64>,
-    /// At the point or, where that is unseen or no minimum, maybe at one before it.
+    /// At the point or, if that is `unseen` or not a minimum, maybe at a previous one.
     pub linear: Linear,
-    /// Whether slopes alone told of this minimum.
+    /// Whether only slopes indicate this minimum.
     pub unseen: bool,
     pub status: Ended,
     /// Steps tried.
     pub steps: usize,
-    /// Unknowns at a bound beyond which the errors would be less; empty where there are no bounds.
+    /// Unknowns at a bound beyond which the errors would be less; empty without bounds.
     pub held: Vec<usize>,
 }
 
 impl Minimum {
-    /// Takes what its problem is at the point. Whether that is a minimum.
+    /// Takes the linearised problem at the point; returns whether that is a minimum.
     pub(crate) fn look(&mut self, linear: Linear, weighting: Weighting) -> bool {
         let looked = Progress::new(weighting, Vec::new(), std::mem::take(&mut self.point), linear);
         let found = looked.ended == Some(Ended::Converged);
@@ -95,8 +95,8 @@ impl Minimum {
         found
     }
 
-    /// The inverse of the normal matrix of the unknowns that are not held, rows and columns of those zero, or an unknown that
-    /// has no effect of its own.
+    /// The inverse of the normal matrix of the free unknowns, with zero rows and columns for held ones, or an unknown
+    /// that has no effect of its own.
     pub(crate) fn inverse(&self, weights: [f64; 3]) -> Result<Vec<f64>, usize> {
         let (mut normal, mut gradient) = self.linear.weighted(weights);
         let p = gradient.len();
@@ -106,8 +106,8 @@ impl Minimum {
         Ok(inverse)
     }
 
-    /// By how much the unknowns change, to first order, where a `part` of what the problem is made of is left out: H⁻¹g, H of
-    /// the others and g of the part; or an unknown of which the others tell nothing.
+    /// The change of the unknowns, to first order, if `part` of the problem is left out: H⁻¹g, H of the rest and g of
+    /// the part; or an unknown that the rest does not determine.
     pub(crate) fn without(&self, part: &Linear, weights: [f64; 3]) -> Result<Vec<f64>, usize> {
         let (whole, _) = self.linear.weighted(weights);
         let (own, mut gradient) = part.weighted(weights);
@@ -117,7 +117,7 @@ impl Minimum {
     }
 }
 
-/// Takes the unknowns `held` out of the equations: their steps are zero.
+/// Removes the `held` unknowns from the equations: their steps are zero.
 fn hold(held: &[usize], normal: &mut [f64], gradient: &mut [f64]) {
     let p = gradient.len();
     for i in held {
@@ -137,33 +137,33 @@ fn clipped(mut point: Vec<f64>, bounds: &[[f64; 2]]) -> Vec<f64> {
 pub(crate) enum Ended {
     /// The next step would change the prediction by less than [`ENOUGH`] standard errors.
     Converged,
-    /// It would not, after all steps that were allowed or with none that helps.
+    /// The maximum number of steps was reached, or no step improves.
     Stalled,
-    /// The start's prediction leaves every bound.
+    /// The start's prediction diverges.
     Diverged,
     /// This unknown does not change the prediction by itself.
     Singular(usize),
 }
 
-/// Most steps that are worth trying.
+/// Maximum number of steps.
 pub(crate) const STEPS: usize = 40;
 /// Newton decrement √(gᵀH⁻¹g) in standard deviations of the errors, at which a point is a minimum.
 const ENOUGH: f64 = 1e-5;
-/// Decrement that is good enough where rounding lets no step help any more.
+/// Sufficient decrement if rounding prevents any further improvement.
 const ROUNDED: f64 = 1e-3;
-/// Damping of the first step and beyond which no step helps, on the scale of the normal matrix's diagonal.
+/// Damping of the first step and largest damping, relative to the normal matrix's diagonal.
 const DAMPING: [f64; 2] = [1e-4, 1e9];
 /// Condition number of the scaled normal matrix from which an unknown counts as without effect.
 const SINGULAR: f64 = 1e12;
 
-/// Decrement from which on steps count on what was learnt of the second derivatives.
+/// Below this decrement, steps use the learnt second derivatives.
 const NEAR: f64 = 3.0;
-/// Decrement from which on slopes alone tell whether a step is good.
+/// Below this decrement, slopes alone decide on a step.
 const SLOPING: f64 = 10.0;
-/// Share of the decrement before from which on a step does too little for the normal matrix to stay.
+/// The normal matrix is renewed if a step reduces the decrement to no less than this share.
 const SLOW: f64 = 0.9;
 
-/// A problem on its way.
+/// A problem during the minimisation.
 #[derive(Clone, Debug)]
 struct Progress {
     weighting: Weighting,
@@ -172,16 +172,16 @@ struct Progress {
     point: Vec<f64>,
     linear: Linear,
     cost: f64,
-    /// Of `linear`, weighted, and its inverse; without what is held.
+    /// The weighted normal matrix of `linear`, and its inverse; without held unknowns.
     normal: Vec<f64>,
     inverse: Vec<f64>,
     /// At the point, as is the cost.
     gradient: Vec<f64>,
     /// Whether `linear` is of the point, and not of one before it.
     exact: bool,
-    /// Whether all is to be looked at where the point is, without a step.
+    /// Whether to linearise at the point without a step.
     looks: bool,
-    /// What the normal matrix lacks of the cost's second derivatives; nothing at first.
+    /// The second derivatives of the cost less the normal matrix; empty at first.
     second: Vec<f64>,
     damping: f64,
     decrement: f64,
@@ -189,10 +189,11 @@ struct Progress {
     ended: Option<Ended>,
 }
 
-/// Minimises the squared errors of every problem from its start, with at most `steps` steps, by Levenberg and Marquardt's
-/// method on all problems side by side. Every problem has its own damping and end. Steps are cut off at bounds; an unknown at a
-/// bound that the errors pull it beyond is held there. Near a minimum the normal matrix stays and slopes are enough, until it
-/// is found; there all is looked at again, unless others do so.
+/// Minimises the squared errors of every problem from its start, with at most `steps` steps, by Levenberg and
+/// Marquardt's method on all problems in lanes. Every problem has its own damping and end. Steps are clipped at
+/// bounds; an unknown at a bound is held there if the errors would decrease beyond it. Near a minimum the normal
+/// matrix is reused and slopes suffice, until it is found; there the problem is linearised again, unless the caller
+/// does so.
 pub(crate) fn minimize<R: Residuals>(
     residuals: &mut R,
     weighting: Vec<Weighting>,
@@ -209,7 +210,7 @@ pub(crate) fn minimize<R: Residuals>(
     let sloping = residuals.has_slopes();
     let asked = |problems: &mut [Progress], near: bool| -> Vec<Asked> {
         let all = problems.iter_mut().enumerate();
-        let open = all.filter(|(_, own)| own.goes_on(steps) && (sloping && own.is_near()) == near);
+        let open = all.filter(|(_, own)| own.is_open(steps) && (sloping && own.is_near()) == near);
         let ask = |(problem, own): (_, &mut Progress)| Asked {
             problem,
             weighting: own.weighting,
@@ -217,7 +218,7 @@ pub(crate) fn minimize<R: Residuals>(
         };
         open.map(ask).collect()
     };
-    while problems.iter().any(|own| own.goes_on(steps)) {
+    while problems.iter().any(|own| own.is_open(steps)) {
         loop {
             let trials = asked(&mut problems, false);
             if trials.is_empty() {
@@ -235,7 +236,7 @@ pub(crate) fn minimize<R: Residuals>(
             }
             let slopes = residuals.slopes(&trials);
             for (own, slopes) in trials.into_iter().zip(slopes) {
-                problems[own.problem].judge_slopes(own.point, slopes, residuals.looks_later());
+                problems[own.problem].judge_slopes(own.point, slopes, residuals.is_verified_later());
             }
         }
     }
@@ -278,12 +279,12 @@ impl Progress {
         progress
     }
 
-    /// Whether there is something left to be done with so many steps at most.
-    fn goes_on(&self, steps: usize) -> bool {
+    /// Whether the problem is unfinished, with at most `steps` steps.
+    fn is_open(&self, steps: usize) -> bool {
         self.ended.is_none() && (self.looks || self.steps < steps)
     }
 
-    /// Whether slopes tell enough of the next point.
+    /// Whether slopes suffice at the next point.
     fn is_near(&self) -> bool {
         !self.looks && self.decrement <= SLOPING && self.held.is_empty()
     }
@@ -304,7 +305,7 @@ impl Progress {
         clipped(trial, &self.bounds)
     }
 
-    /// The step with second derivatives, where they are known and it lessens the cost.
+    /// The step with second derivatives, if they are known and it reduces the cost.
     fn newton_step(&self, damped: &[f64]) -> Option<Vec<f64>> {
         if self.second.is_empty() || self.decrement > NEAR {
             return None;
@@ -318,16 +319,16 @@ impl Progress {
         self.weighting.variance(self.cost, self.linear.samples)
     }
 
-    /// Whether a step to where errors cost so much is taken: it does not raise the cost; rounding is no rise.
+    /// Whether a step to this cost is accepted: it does not increase the cost, up to rounding.
     fn lessens(&self, cost: f64) -> bool {
         cost <= self.cost + 1e-12 * self.cost.abs()
     }
 
-    /// Takes a step or looks again.
+    /// Accepts or rejects a step, or linearises again.
     fn judge(&mut self, trial: Vec<f64>, linear: Linear) {
         let cost = self.weighting.cost(linear.squares, linear.samples);
         if !(self.looks || linear.finite() && self.lessens(cost)) {
-            return self.go_back();
+            return self.damp();
         }
         if self.looks {
             self.second.clear();
@@ -342,13 +343,13 @@ impl Progress {
         self.settle();
     }
 
-    /// Takes a step of which slopes alone are known; looks at all where it is the last one, unless others do so `later`, does little,
-    /// or ends at a bound.
+    /// Judges a step of which only slopes are known; linearises if it is the last one, unless the caller does so
+    /// `later`, improves little, or ends at a bound.
     fn judge_slopes(&mut self, trial: Vec<f64>, slopes: Slopes, later: bool) {
         let cost = self.weighting.cost(slopes.squares, self.linear.samples);
         if !self.lessens(cost) {
             self.looks = !self.exact;
-            return if self.exact { self.go_back() } else { self.second.clear() };
+            return if self.exact { self.damp() } else { self.second.clear() };
         }
         let normal = std::mem::take(&mut self.normal);
         self.learn(&trial, &normal, &slopes.gradient);
@@ -364,7 +365,7 @@ impl Progress {
     }
 
     /// Damps the next step more.
-    fn go_back(&mut self) {
+    fn damp(&mut self) {
         self.second.clear();
         self.damping *= 10.0;
         if self.damping > DAMPING[1] {
@@ -372,9 +373,10 @@ impl Progress {
         }
     }
 
-    /// Learns of the second derivatives from a step s to `next`, along which the gradient changes by y: by the secant condition
-    /// (N + S) s = y on the part S that the normal matrix N lacks, with the least change of S in the norm that y sets; sized before.
-    /// Dennis, Gay & Welsch, *ACM Trans. Math. Softw.* 7 (1981). Nothing is learnt where bounds hold unknowns.
+    /// Updates the second derivatives from a step s to `next`, along which the gradient changes by y: by the secant
+    /// condition (N + S) s = y on the part S that the normal matrix N lacks, with the least change of S in the norm
+    /// set by y, after sizing: Dennis, Gay & Welsch, *ACM Trans. Math. Softw.* 7 (1981). Not with unknowns held at
+    /// bounds.
     fn learn(&mut self, next: &[f64], normal: &[f64], gradient: &[f64]) {
         let step: Vec<f64> = next.iter().zip(&self.point).map(|(new, old)| new - old).collect();
         let change = difference(&self.gradient, gradient);
@@ -398,7 +400,7 @@ impl Progress {
         }
     }
 
-    /// Unknowns at a bound that the errors pull them beyond.
+    /// Unknowns at a bound beyond which the errors would decrease.
     fn pulled(&self) -> Vec<usize> {
         let pulled = |(i, [low, high]): (usize, &[f64; 2])| {
             let (x, pull) = (self.point[i], self.gradient[i]);
@@ -407,7 +409,7 @@ impl Progress {
         self.bounds.iter().enumerate().filter_map(pulled).collect()
     }
 
-    /// Looks whether the point is a minimum, or has none.
+    /// Checks whether the point is a minimum, or cannot be one.
     fn settle(&mut self) {
         let weights = self.weighting.weights(self.linear.squares, self.linear.samples);
         (self.normal, self.gradient) = self.linear.weighted(weights);
@@ -425,7 +427,7 @@ impl Progress {
         }
     }
 
-    /// Measures how far the minimum is, and tells how far it was.
+    /// Computes the decrement, and returns the previous one.
     fn measure(&mut self) -> f64 {
         let square = numerics::quadratic(&self.gradient, &self.inverse);
         let decrement = (square.max(0.0) / self.variance()).sqrt();
@@ -444,7 +446,7 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// The inverse of a normal matrix, or the unknown that has no effect of its own.
+/// The inverse of a normal matrix, or an unknown that has no effect of its own.
 pub(crate) fn scaled_inverse(normal: &[f64], p: usize) -> Result<Vec<f64>, usize> {
     let sizes: Vec<f64> = (0..p).map(|i| normal[i * p + i].sqrt()).collect();
     if let Some(i) = sizes.iter().position(|s| !(*s > 0.0 && s.is_finite())) {

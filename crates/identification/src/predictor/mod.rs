@@ -1,10 +1,11 @@
 //! Estimates that minimise the errors of predicted states.
 //!
-//! A predictor goes from sample to sample with the model, x̂(k+1) = x̂(k) + φ(x̂(k))ᵀθ. Without gains it is a free
-//! simulation, and the estimate one of *output error*; with the gains of an extended Kalman filter it corrects itself at
-//! every sample, and the estimate is one of *prediction error*, for runs that are disturbed on their way. Forward
-//! sensitivities ∂x̂/∂(θ, x̂(0)) go along (`sensitivity`), [`numerics::LANES`] runs side by side; Levenberg and Marquardt's
-//! method takes the steps. Near a minimum one adjoint, which gives the slopes alone, takes their place.
+//! A predictor advances the state sample by sample with the model, x̂(k+1) = x̂(k) + φ(x̂(k))ᵀθ. Without gains it is
+//! a free simulation, and the estimate one of *output error*; with the gains of an extended Kalman filter it is
+//! corrected at every sample, and the estimate is one of *prediction error*, for runs with process noise. Forward
+//! sensitivities ∂x̂/∂(θ, x̂(0)) are propagated with it (`sensitivity`), [`numerics::LANES`] runs at once; Levenberg
+//! and Marquardt's method takes the steps. Near a minimum one adjoint pass, which gives the gradient alone, replaces
+//! them.
 
 mod levenberg_marquardt;
 mod output_error;
@@ -21,6 +22,6 @@ pub(crate) use prediction_error::errors_by_blocks;
 pub use prediction_error::{innovations, prediction_error};
 pub use sums::Linear;
 pub(crate) use sums::{linearize, linearize_each};
-pub use unknown::{AROUND, InitialState, Unknown};
+pub use unknown::{AMBIENT, InitialState, Unknown};
 
 pub use crate::sensitivity::{Drift, Flow, Gusts, Levels, Recordings, Sensitivities, Step, free_sweep};

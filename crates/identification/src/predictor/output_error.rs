@@ -11,37 +11,37 @@ use regression::{Direction, jackknife};
 use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
 use super::scores::{disturbed_scores, roots};
 use super::sums::{Linear, linearize_and_keep};
-use super::unknown::{AROUND, Unknown};
+use super::unknown::{AMBIENT, Unknown};
 use crate::sensitivity::{Levels, Recordings, Sensitivities, Slopes, groups, of_one_length, with_states};
 
-/// What standard errors are made of.
+/// How standard errors are computed.
 #[derive(Clone, Copy)]
 pub enum Spread<'a> {
-    /// What the estimate changes where one of ten blocks of samples is left out: whatever errors are like, and approximate.
+    /// By leaving out each of ten blocks of samples: for any kind of errors, and approximate.
     Blocks,
-    /// Stated disturbances, followed through the model to first order.
+    /// From stated disturbances, propagated through the model to first order.
     Stated(&'a Levels),
-    /// The same of those that are found of a run, by its place, at its estimate.
+    /// The same from disturbances found for a run, by its index, at its estimate.
     Found(&'a (dyn Fn(usize, &[f64]) -> FoundSpread + Sync)),
 }
 
-/// Disturbances that were found of a run.
+/// Disturbances that were found for a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundSpread {
-    /// Those that may be the right ones, of which the largest standard error counts; without any, blocks are left out.
+    /// The plausible ones, of which the largest standard error is used; if empty, blocks are left out.
     pub levels: Vec<Levels>,
-    /// What standard errors are multiplied with.
+    /// Factor on standard errors.
     pub factor: f64,
 }
 
-/// What became of one run.
+/// The outcome for one run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fit {
     /// An estimate.
     Converged(Fitted),
     /// No minimum after this many steps, or none at all from a start that diverges.
     NotConverged(usize),
-    /// A direction of the parameters leaves the prediction as it is.
+    /// A direction of the parameters does not change the prediction.
     NotIdentifiable(Direction),
 }
 
@@ -52,29 +52,30 @@ pub struct Fitted {
     pub parameters: Vec<f64>,
     /// Standard error of each.
     pub standard_errors: Vec<f64>,
-    /// One per degree of freedom; zero where the model has none.
+    /// One per degree of freedom; zero if the model has none.
     pub intercepts: [f64; 3],
     /// Estimated minus given initial state.
     pub offset: [f64; 3],
-    /// What is around the vessel, and standard errors of it; zero where nothing is unknown of it.
-    pub around: Box<[[f64; AROUND]; 2]>,
+    /// The ambient unknowns, and their standard errors; zero if not estimated.
+    pub ambient: Box<[[f64; AMBIENT]; 2]>,
     /// Root mean square errors of the prediction in u, v \[m/s\], r \[rad/s\].
     pub rmse: [f64; 3],
     /// Steps of the search.
     pub steps: usize,
-    /// Whether standard errors are approximate, since errors follow no noise that is known here.
+    /// Whether standard errors are approximate, since errors follow no known kind of noise.
     pub approximate: bool,
 }
 
-/// Variances of output errors are not taken below this share of the measured state's mean square: data without noise.
+/// Floor of the variances of output errors, as a share of the measured state's mean square, for data without noise.
 const EXACT: f64 = 1e-12;
 
-/// Steps after which searches that have not ended go on among themselves, so that none waits for its neighbours.
+/// Steps after which unfinished searches are repacked into lanes, so that none waits for its neighbours.
 const BRIEF: usize = 24;
 
-/// Estimates every run by the errors of free simulations: minimises Σ_d N log Σ e_d², the likelihood of white errors with a
-/// variance of their own in u, v and r, over the model's parameters (with or without intercepts) and, if so wanted, the
-/// initial state, water and wind. With these standard errors are made of blocks, whatever `spread`. Per run `starts` holds parameters to begin at; where the first ones diverge or lead to no minimum, the next are taken.
+/// Estimates every run by the errors of free simulations: minimises Σ_d N log Σ e_d², the likelihood of white errors
+/// with separate variances in u, v and r, over the model's parameters (with or without intercepts) and, if requested,
+/// the initial state, water and wind. With water or wind, standard errors use blocks, regardless of `spread`. Per run
+/// `starts` holds starting parameters; if the first ones diverge or lead to no minimum, the next are used.
 pub fn output_error(
     model: &Model,
     runs: &[RunView],
@@ -84,14 +85,14 @@ pub fn output_error(
 ) -> Vec<Fit> {
     let unknown = unknown.into();
     let best = vec![None; runs.len()];
-    let mut searches = Searches { model, runs, unknown, best, room: ROOM.take(), exactly: false };
+    let mut searches = Searches { model, runs, unknown, best, workspace: WORKSPACE.take(), exactly: false };
     let from =
         |weights| move |run: usize, i: usize| Some(Try { run, weights, point: starts[run].get(i)?.clone() });
     let (likely, eased) = (from(Likelihood), from(Fixed));
     searches.attempt(BRIEF, |run, _| likely(run, 0));
     searches.attempt(STEPS, |run, best| Some(Try { run, weights: Likelihood, point: best?.point.clone() }));
-    // Few are left, in whose lanes all that may help goes side by side: their other starts, and, where one state is predicted far
-    // better than another so that its weight bars the way, weights that stay, to begin with.
+    // Few runs are left, so all remedies are tried in lanes at once: their other starts, and fixed weights at first,
+    // for runs in which one state is predicted so much better than the others that its weight blocks the search.
     let attempts = starts.iter().map(Vec::len).max().unwrap_or(0);
     let others = searches.open().flat_map(|run| (1..attempts).filter_map(move |i| likely(run, i)));
     let easier = searches.open().flat_map(|run| (0..attempts).filter_map(move |i| eased(run, i)));
@@ -106,14 +107,14 @@ pub fn output_error(
     let found = searches.minima(after.iter(), STEPS);
     searches.keep(&after, found);
     let fits = searches.fits(spread);
-    ROOM.set(searches.room);
+    WORKSPACE.set(searches.workspace);
     fits
 }
 
-/// Runs that are searched for at once: enough that lanes are filled to the end, few enough for the processor's caches.
+/// Runs per search: enough to fill the lanes to the end, few enough for the processor's caches.
 const TOGETHER: usize = 8 * LANES;
 
-/// How errors are weighed, see [`Weighting`].
+/// The weights of errors, see [`Weighting`].
 #[derive(Clone, Copy)]
 enum Weights {
     Likelihood,
@@ -121,39 +122,39 @@ enum Weights {
 }
 use Weights::{Fixed, Likelihood};
 
-/// Where a run is searched from.
+/// A start for a run.
 struct Try {
     run: usize,
     weights: Weights,
     point: Vec<f64>,
 }
 
-/// Searches for the estimates of many runs, of which some end sooner than others.
+/// Searches for the estimates of many runs, some of which end sooner than others.
 struct Searches<'a> {
     model: &'a Model,
     runs: &'a [RunView<'a>],
     unknown: Unknown,
     best: Vec<Option<Minimum>>,
-    room: Room,
-    /// Whether searches look at their minima themselves.
+    workspace: Workspace,
+    /// Whether searches verify their minima themselves.
     exactly: bool,
 }
 
 impl Searches<'_> {
-    /// The runs that have found nothing yet.
+    /// The runs without a minimum yet.
     fn open(&self) -> impl Iterator<Item = usize> + '_ {
         let is_open = |run: &usize| self.best[*run].as_ref().is_none_or(|b| b.status != Ended::Converged);
         (0..self.runs.len()).filter(is_open)
     }
 
-    /// Searches once more for those that have found nothing, from where `start` says, given what was best so far.
+    /// Searches again for the runs without a minimum, from `start`, which is given the best result so far.
     fn attempt(&mut self, steps: usize, start: impl Fn(usize, Option<&Minimum>) -> Option<Try>) {
         let tries: Vec<Try> = self.open().filter_map(|run| start(run, self.best[run].as_ref())).collect();
         let found = self.minima(tries.iter(), steps);
         self.keep(&tries, found);
     }
 
-    /// Of what is found and what was, the better.
+    /// Keeps the better of the new and the previous result.
     fn keep(&mut self, tries: &[Try], found: Vec<Minimum>) {
         for (own, found) in tries.iter().zip(found) {
             let best = &mut self.best[own.run];
@@ -164,14 +165,15 @@ impl Searches<'_> {
         }
     }
 
-    /// What each of `tries` leads to.
+    /// The result of each of `tries`.
     fn minima<'t>(&mut self, tries: impl Iterator<Item = &'t Try>, steps: usize) -> Vec<Minimum> {
         let tries: Vec<&Try> = tries.collect();
         let runs: Vec<RunView> = tries.iter().map(|own| self.runs[own.run]).collect();
         let mut found = BTreeMap::new();
         for together in of_one_length(&runs, 0..runs.len(), TOGETHER) {
-            let room = std::mem::take(&mut self.room);
-            let mut search = Search::new(self.model, together.iter().map(|i| runs[*i]), self.unknown, room);
+            let workspace = std::mem::take(&mut self.workspace);
+            let mut search =
+                Search::new(self.model, together.iter().map(|i| runs[*i]), self.unknown, workspace);
             search.exactly = self.exactly;
             let from = |i: &usize| {
                 let mut point = tries[*i].point.clone();
@@ -181,13 +183,14 @@ impl Searches<'_> {
             let starts = together.iter().map(from).collect();
             let weighting = together.iter().map(|i| weighting(&runs[*i], tries[*i].weights)).collect();
             let Ok(minima) = minimize(&mut search, weighting, starts, steps);
-            self.room = search.room;
+            self.workspace = search.workspace;
             found.extend(together.into_iter().zip(minima));
         }
         found.into_values().collect()
     }
 
-    /// What became of the runs. Minima that slopes told of are looked at here, side by side; what is none is searched for once more.
+    /// The outcomes of the runs. Minima that only slopes indicate are verified here, in lanes; those that are not
+    /// minima are searched again.
     fn fits(&mut self, spread: Spread) -> Vec<Fit> {
         let mut fits = vec![Fit::NotConverged(0); self.runs.len()];
         let searched = (0..self.runs.len()).filter(|run| self.best[*run].is_some()).collect();
@@ -209,11 +212,11 @@ impl Searches<'_> {
         fits
     }
 
-    /// Puts what became of `searched` runs into `fits`: those that are at no minimum, which slopes had told of.
+    /// Writes the outcomes of `searched` runs into `fits`; returns those that slopes wrongly indicated as minima.
     fn fit(&mut self, searched: Vec<usize>, spread: Spread, fits: &mut [Fit]) -> Vec<usize> {
         let mut missed = Vec::new();
-        let mut kept = std::mem::take(&mut self.room.kept);
-        let spread = if self.unknown.around().next().is_some() { Spread::Blocks } else { spread };
+        let mut kept = std::mem::take(&mut self.workspace.kept);
+        let spread = if self.unknown.ambient().next().is_some() { Spread::Blocks } else { spread };
         for (group, runs) in groups(self.runs, searched.into_iter()) {
             let recordings = Recordings::of(self.model, &runs);
             let free = self.unknown.free(self.model);
@@ -239,18 +242,18 @@ impl Searches<'_> {
                 self.best[run] = Some(minimum);
             }
         }
-        self.room.kept = kept;
+        self.workspace.kept = kept;
         missed
     }
 }
 
-/// Of measured u, v or r.
+/// Mean square of the measured u, v or r.
 fn mean_square(run: &RunView, d: usize) -> f64 {
     let sum: f64 = run.measured.iter().skip(d).step_by(3).map(|y| y * y).sum();
     sum / (run.samples() + 1) as f64
 }
 
-/// By the mean squares of what `run` measured.
+/// The weighting by the mean squares of the measured states of `run`.
 fn weighting(run: &RunView, weights: Weights) -> Weighting {
     let sizes = [0, 1, 2].map(|d: usize| mean_square(run, d).max(1e-12));
     match weights {
@@ -259,7 +262,7 @@ fn weighting(run: &RunView, weights: Weights) -> Weighting {
     }
 }
 
-/// Whichever is a minimum; of two that are none, the first that got anywhere.
+/// The one that is a minimum; if neither is, the first that made progress.
 pub(super) fn better(a: Minimum, b: Minimum) -> Minimum {
     let rank = |m: &Minimum| match m.status {
         Ended::Converged => 3,
@@ -270,7 +273,7 @@ pub(super) fn better(a: Minimum, b: Minimum) -> Minimum {
     if rank(&b) > rank(&a) { b } else { a }
 }
 
-/// One lane per unknown, of as many as the largest of the `free` ones asks for; the lanes' points hold these.
+/// One lane per unknown, up to the largest of the `free` ones, whose values are in the lanes' points.
 pub(super) fn side_by_side(points: &[impl AsRef<[f64]>], free: &[usize], all: usize) -> Vec<Lane> {
     let mut unknowns = vec![Lane::ZERO; free.last().map_or(all, |last| all.max(last + 1))];
     for (place, unknown) in free.iter().enumerate() {
@@ -289,7 +292,7 @@ pub(super) fn fit(
     let layout = recordings.model.layout();
     let (point, all) = (&minimum.point, layout.parameters());
     let free = unknown.free(recordings.model);
-    let beside =
+    let entry =
         |of: &[f64], i: usize| free.iter().position(|own| *own == all + i).map_or(0.0, |place| of[place]);
     let place = |unknown: usize| {
         let mut terms = (0..3).map(|d| (d, layout.terms(d)));
@@ -300,7 +303,7 @@ pub(super) fn fit(
             .map_or(Fit::NotConverged(minimum.steps), |(degree, parameter)| {
                 Fit::NotIdentifiable(Direction { degree, parameter })
             }),
-        // The bounds hold every parameter of a degree of freedom: there is no estimate.
+        // Every parameter of a degree of freedom is at a bound: there is no estimate.
         (Ended::Converged, Some(_)) if all_held(layout, minimum).is_some() => {
             let degree = all_held(layout, minimum).unwrap_or_default();
             Fit::NotIdentifiable(Direction { degree, parameter: 0 })
@@ -309,8 +312,8 @@ pub(super) fn fit(
             parameters: layout.theta(&point[..all]),
             standard_errors: layout.theta(&errors[..all]),
             intercepts: layout.intercepts(point),
-            offset: [0, 1, 2].map(|d| beside(point, d)),
-            around: Box::new([point, &errors].map(|of| std::array::from_fn(|i| beside(of, 3 + i)))),
+            offset: [0, 1, 2].map(|d| entry(point, d)),
+            ambient: Box::new([point, &errors].map(|of| std::array::from_fn(|i| entry(of, 3 + i)))),
             rmse: minimum.linear.squares.map(|s| (s / minimum.linear.samples).sqrt()),
             steps: minimum.steps,
             approximate,
@@ -324,37 +327,36 @@ fn all_held(layout: ParameterLayout, minimum: &Minimum) -> Option<usize> {
     (0..3).find(|d| layout.terms(*d).all(|i| minimum.held.contains(&i)))
 }
 
-/// Runs of one length that are searched for at once: [`LANES`] of them go side by side, and the lanes of those that have ended
-/// are left to others.
+/// Runs of one length in one search: [`LANES`] of them at once, and lanes of finished runs are reused.
 struct Search<'a> {
     model: &'a Model,
     runs: Vec<RunView<'a>>,
     free: Vec<usize>,
     unknown: Unknown,
-    /// How many groups hold all runs, and how many those alone that were asked for lately; none where that was not wanted yet.
+    /// The number of groups of all runs, and of those with the last requested runs only; 0 if not packed yet.
     all: usize,
     some: usize,
-    room: Room,
+    workspace: Workspace,
     exactly: bool,
 }
 
-/// What searches leave to those after them, so that memory is asked for once.
+/// A workspace that is reused by searches, so that memory is allocated once.
 #[derive(Default)]
-struct Room {
+struct Workspace {
     all: Vec<Packed>,
     some: Vec<Packed>,
     /// The states of a simulation.
     path: Vec<[Lane; 3]>,
-    /// What the last look at minima saw.
+    /// Sensitivities of the last verification of minima.
     kept: Sensitivities<Lane>,
 }
 
 thread_local! {
-    /// Of the thread's last searches.
-    static ROOM: Cell<Room> = Cell::default();
+    /// The workspace of the thread's last searches.
+    static WORKSPACE: Cell<Workspace> = Cell::default();
 }
 
-/// Some runs by their places, side by side.
+/// Some runs by their indices, in lanes.
 #[derive(Default)]
 struct Packed {
     runs: Vec<usize>,
@@ -362,7 +364,12 @@ struct Packed {
 }
 
 impl<'a> Search<'a> {
-    fn new(model: &'a Model, runs: impl Iterator<Item = RunView<'a>>, unknown: Unknown, room: Room) -> Self {
+    fn new(
+        model: &'a Model,
+        runs: impl Iterator<Item = RunView<'a>>,
+        unknown: Unknown,
+        workspace: Workspace,
+    ) -> Self {
         Self {
             model,
             runs: runs.collect(),
@@ -370,33 +377,33 @@ impl<'a> Search<'a> {
             unknown,
             all: 0,
             some: 0,
-            room,
+            workspace,
             exactly: true,
         }
     }
 
-    /// Groups that hold the runs that are `asked` for: all of them, or those alone that were asked for lately, where these leave
-    /// many lanes empty.
+    /// Groups with the requested runs: all groups, or, if these would leave many lanes empty, groups of the last
+    /// requested runs only.
     fn packed(&mut self, asked: &[Asked]) -> &[Packed] {
         let wanted = asked.len().div_ceil(LANES);
         let enough = |packed: usize| 3 * wanted > 2 * packed;
         if self.all == 0 {
-            self.all = pack(&self.runs, &(0..self.runs.len()).collect::<Vec<_>>(), &mut self.room.all);
+            self.all = pack(&self.runs, &(0..self.runs.len()).collect::<Vec<_>>(), &mut self.workspace.all);
         }
         if enough(self.all) {
-            return &self.room.all[..self.all];
+            return &self.workspace.all[..self.all];
         }
         let there: BTreeSet<usize> =
-            self.room.some[..self.some].iter().flat_map(|packed| packed.runs.iter().copied()).collect();
+            self.workspace.some[..self.some].iter().flat_map(|packed| packed.runs.iter().copied()).collect();
         if !enough(self.some) || !asked.iter().all(|own| there.contains(&own.problem)) {
             let wanted: Vec<usize> = asked.iter().map(|own| own.problem).collect();
-            self.some = pack(&self.runs, &wanted, &mut self.room.some);
+            self.some = pack(&self.runs, &wanted, &mut self.workspace.some);
         }
-        &self.room.some[..self.some]
+        &self.workspace.some[..self.some]
     }
 
-    /// What `look` finds of the runs that are `asked` for, in their order; it is given recordings side by side, the unknowns and
-    /// which is asked in a lane.
+    /// The results of `look` for the requested runs, in their order; it is called with recordings in lanes, the
+    /// unknowns and the request of each lane.
     fn each<T>(
         &mut self,
         asked: &[Asked],
@@ -408,23 +415,23 @@ impl<'a> Search<'a> {
         for Packed { runs, data } in self.packed(asked) {
             let Some(any) = runs.iter().find_map(|run| by_run.get(run)) else { continue };
             let recordings = Recordings::of(model, data);
-            // Lanes of runs that are not asked for go along with another's point.
+            // Idle lanes repeat another lane's point.
             let own: Vec<&Asked> = runs.iter().map(|run| *by_run.get(run).unwrap_or(any)).collect();
             let points: Vec<&[f64]> = own.iter().map(|own| own.point.as_slice()).collect();
             let unknowns = side_by_side(&points, &free, recordings.unknowns());
             let looked = look(&recordings, &unknowns, &own);
             found.extend(runs.iter().copied().zip(looked).filter(|(run, _)| by_run.contains_key(run)));
         }
-        // Problems are asked for in the order of their places, as these stand.
+        // Requests are in ascending order of problems, as is the map.
         found.into_values().collect()
     }
 }
 
-/// Puts those of `runs` that are `wanted` side by side into the first groups of `room`: how many these are.
-fn pack(runs: &[RunView], wanted: &[usize], room: &mut Vec<Packed>) -> usize {
+/// Packs the `wanted` ones of `runs` into the first groups of `workspace`; returns the number of groups.
+fn pack(runs: &[RunView], wanted: &[usize], workspace: &mut Vec<Packed>) -> usize {
     let count = wanted.len().div_ceil(LANES);
-    room.resize_with(count.max(room.len()), Packed::default);
-    for (own, packed) in wanted.chunks(LANES).zip(room) {
+    workspace.resize_with(count.max(workspace.len()), Packed::default);
+    for (own, packed) in wanted.chunks(LANES).zip(workspace) {
         packed.runs = own.to_vec();
         packed.data.fill(&own.iter().map(|run| runs[*run]).collect::<Vec<_>>());
     }
@@ -443,13 +450,13 @@ impl Residuals for Search<'_> {
         self.unknown.has_slopes()
     }
 
-    fn looks_later(&self) -> bool {
+    fn is_verified_later(&self) -> bool {
         !self.exactly
     }
 
     fn slopes(&mut self, asked: &[Asked]) -> Vec<Slopes> {
         let (unknown, free) = (self.unknown, self.free.clone());
-        let mut path = std::mem::take(&mut self.room.path);
+        let mut path = std::mem::take(&mut self.workspace.path);
         let found = self.each(asked, |recordings, unknowns, own| {
             let samples = recordings.samples[0] + usize::from(unknown.start_counts());
             let weights = |lane: usize, squares| {
@@ -458,7 +465,7 @@ impl Residuals for Search<'_> {
             };
             unknown.slopes(recordings, unknowns, &free, weights, &mut path)
         });
-        self.room.path = path;
+        self.workspace.path = path;
         found
     }
 
@@ -467,7 +474,7 @@ impl Residuals for Search<'_> {
     }
 }
 
-/// Free simulations of runs side by side, at their minima.
+/// Free simulations of runs in lanes, at their minima.
 struct Simulations<'a> {
     recordings: Recordings<'a>,
     unknowns: Vec<Lane>,
@@ -476,7 +483,7 @@ struct Simulations<'a> {
 }
 
 impl Simulations<'_> {
-    /// Looks at all of them; where the spread is stated, sensitivities are `kept`.
+    /// Linearises all of them; with a stated spread, sensitivities are `kept`.
     fn look(&self, spread: Spread, kept: &mut Sensitivities<Lane>) -> Vec<Linear> {
         let Self { recordings, unknowns, free, unknown } = self;
         match spread {
@@ -485,14 +492,14 @@ impl Simulations<'_> {
         }
     }
 
-    /// Follows them, where the spread is stated.
+    /// Stores their sensitivities, with a stated spread.
     fn follow(&self, spread: Spread, kept: &mut Sensitivities<Lane>) {
         if !matches!(spread, Spread::Blocks) {
             kept.follow(&self.recordings, &self.unknowns, &self.free, self.unknown.start_counts());
         }
     }
 
-    /// Standard errors, and whether they are approximate. Unless they are made of blocks, sensitivities were `kept`.
+    /// Standard errors, and whether they are approximate. Unless they use blocks, sensitivities were `kept`.
     fn standard_errors(
         &self,
         group: &[usize],
@@ -509,7 +516,8 @@ impl Simulations<'_> {
             let Self { recordings, unknowns, free, unknown } = self;
             let blocks = blocks.get_or_insert_with(|| unknown.blocks(recordings, unknowns, free));
             let inverse = minimum.inverse(weights[lane]).ok()?;
-            // Without a block that alone determines a parameter there is no estimate: it counts as one that tells little.
+            // Without a block that alone determines a parameter there is no estimate: it is treated as hardly
+            // informative.
             let without = |block: &Linear| {
                 let (_, gradient) = block.weighted(weights[lane]);
                 Some(minimum.without(block, weights[lane]).unwrap_or_else(|_| times(&inverse, &gradient)))
@@ -517,18 +525,18 @@ impl Simulations<'_> {
             jackknife(blocks.iter().map(|block| &block[lane]), without).map(|own| roots(&own))
         };
         let parameters = self.recordings.model.parameters();
-        let mut middles = BTreeMap::new();
+        let mut meats = BTreeMap::new();
         let errors = |(lane, minimum): (usize, &Minimum)| match spread {
             Spread::Blocks => of_blocks(lane, minimum).map(|errors| (errors, false)),
             Spread::Stated(levels) => {
-                let middle = middles.entry(0).or_insert_with(|| self.middles(&weights, levels, kept));
-                self.of_levels(minimum, weights[lane], middle, lane, levels).map(|errors| (errors, false))
+                let meat = meats.entry(0).or_insert_with(|| self.meats(&weights, levels, kept));
+                self.of_levels(minimum, weights[lane], meat, lane, levels).map(|errors| (errors, false))
             }
             Spread::Found(of) if minimum.status == Ended::Converged => {
                 let FoundSpread { levels, factor } = of(group[lane], &minimum.point[..parameters]);
                 let of_one = |levels: &Levels| {
-                    let middle = self.middles(&weights, levels, kept);
-                    self.of_levels(minimum, weights[lane], &middle, lane, levels)
+                    let meat = self.meats(&weights, levels, kept);
+                    self.of_levels(minimum, weights[lane], &meat, lane, levels)
                 };
                 let all: Option<Vec<Vec<f64>>> = levels.iter().map(of_one).collect();
                 let largest =
@@ -543,28 +551,28 @@ impl Simulations<'_> {
         found.iter().enumerate().map(errors).collect()
     }
 
-    /// What `levels` add to the covariance of the scores, by lane, see [`disturbed_scores`].
-    fn middles(&self, weights: &[[f64; 3]], levels: &Levels, kept: &Sensitivities<Lane>) -> Vec<Lane> {
+    /// The contribution of `levels` to the covariance of the scores, by lane, see [`disturbed_scores`].
+    fn meats(&self, weights: &[[f64; 3]], levels: &Levels, kept: &Sensitivities<Lane>) -> Vec<Lane> {
         let weights = [0, 1, 2].map(|d: usize| lane(weights.len(), |run| weights[run][d]));
         let Self { recordings, unknowns, .. } = self;
         with_states!(levels, disturbed_scores(recordings, unknowns, kept, weights, levels))
     }
 
-    /// √diag(H⁻¹ B H⁻¹), H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe: that of the measurements and the `middle`.
+    /// √diag(H⁻¹ B H⁻¹), H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe: that of the measurements and the `meat`.
     fn of_levels(
         &self,
         minimum: &Minimum,
         weights: [f64; 3],
-        middle: &[Lane],
+        meat: &[Lane],
         lane: usize,
         levels: &Levels,
     ) -> Option<Vec<f64>> {
         let inverse = minimum.inverse(weights).ok()?;
-        let mut middle: Vec<f64> = middle.iter().map(|m| m[lane]).collect();
+        let mut meat: Vec<f64> = meat.iter().map(|m| m[lane]).collect();
         let noise = [0, 1, 2].map(|d: usize| (weights[d] * levels.measurement[d]).powi(2));
         let (measured, _) = minimum.linear.weighted(noise);
-        middle.iter_mut().zip(measured).for_each(|(all, own)| *all += own);
-        let error = |row: &[f64]| numerics::quadratic(row, &middle).max(0.0).sqrt();
+        meat.iter_mut().zip(measured).for_each(|(all, own)| *all += own);
+        let error = |row: &[f64]| numerics::quadratic(row, &meat).max(0.0).sqrt();
         let errors: Vec<f64> = inverse.chunks_exact(self.free.len()).map(error).collect();
         errors.iter().all(|e| e.is_finite()).then_some(errors)
     }

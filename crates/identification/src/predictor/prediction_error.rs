@@ -15,16 +15,17 @@ use super::sums::{Linear, linearize};
 use super::unknown::InitialState;
 use crate::sensitivity::{Gain, Levels, Recordings, filter, groups, with_states};
 
-/// Most often that the filter's gains are computed, the first time at the start.
+/// Maximum number of computations of the filter's gains, the first at the start.
 const ROUNDS: usize = 3;
-/// Rise of twice the log-likelihood below which a round is the last.
+/// A round with a smaller rise of twice the log-likelihood is the last.
 const SETTLED: f64 = 0.01;
 
-/// Estimates by the errors of one-sample predictions: an extended Kalman filter whose states are the vessel's and those of
-/// the stated disturbances. Its gains are computed along the filter at the last estimate and held while whitened innovations
-/// are minimised over the parameters: three rounds, of which those after the first count where they raise the
-/// filter's likelihood. Without that guard gains that trust the measurements more and more lead to least squares. Standard
-/// errors are those of white innovations, scaled by their own variance. `starts` as for [`super::output_error`].
+/// Estimates by the errors of one-sample predictions: an extended Kalman filter whose states are the vessel's and
+/// those of the stated disturbances. Its gains are computed along the filter at the last estimate and fixed while
+/// whitened innovations are minimised over the parameters: three rounds, of which those after the first are used if
+/// they increase the filter's likelihood. Without that guard, gains that trust the measurements more and more lead to
+/// least squares. Standard errors are those of white innovations, scaled by their own variance. `starts` as for
+/// [`super::output_error`].
 pub fn prediction_error(
     model: &Model,
     runs: &[RunView],
@@ -56,8 +57,8 @@ pub fn innovations(
     with_states!(levels, filter(recordings, unknowns, levels, known).1)
 }
 
-/// Standard errors of the parameters `theta` of a run, by what they change where one of ten blocks of samples is left out of the
-/// predictions by a filter for `levels`: whatever errors are like, and approximate.
+/// Standard errors of the parameters `theta` of a run, by leaving out each of ten blocks of samples of the
+/// predictions by a filter for `levels`: for any kind of errors, and approximate.
 pub(crate) fn errors_by_blocks(
     model: &Model,
     run: RunView,
@@ -106,7 +107,8 @@ impl<const N: usize> Residuals for Predictions<'_, N> {
     type Error = Infallible;
 
     fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Infallible> {
-        // A problem's gains stand in its lane: it cannot move to another. Lanes of problems that have ended go along with the first.
+        // A problem's gains are in its lane, so it cannot move to another. Lanes of finished problems repeat the
+        // first's point.
         let own = |lane: usize| asked.iter().find(|own| own.problem == lane).or(asked.first());
         let points: Vec<&[f64]> = (0..LANES).filter_map(own).map(|own| own.point.as_slice()).collect();
         let unknowns = side_by_side(&points, &self.free, self.recordings.unknowns());
@@ -145,7 +147,7 @@ fn rounds<const N: usize>(
     if best.is_empty() {
         return vec![Fit::NotConverged(0); LANES];
     }
-    let mut worth = likelihoods::<N>(recordings, &best, levels, known);
+    let mut likelihood = likelihoods::<N>(recordings, &best, levels, known);
     let mut open = [true; LANES];
     for _ in 1..ROUNDS {
         if !open.contains(&true) {
@@ -153,17 +155,17 @@ fn rounds<const N: usize>(
         }
         let again = std::array::from_fn(|lane| best[lane].point.clone());
         let next = round::<N>(recordings, again, &free, levels, known);
-        let next_worth = likelihoods::<N>(recordings, &next, levels, known);
+        let next_likelihood = likelihoods::<N>(recordings, &next, levels, known);
         for (lane, next) in next.into_iter().enumerate() {
             if !open[lane] {
                 continue;
             }
             best[lane].steps += next.steps;
-            let more = next_worth[lane] - worth[lane];
+            let more = next_likelihood[lane] - likelihood[lane];
             open[lane] = next.status == Ended::Converged && more > SETTLED;
             if next.status == Ended::Converged && more > 0.0 {
                 best[lane] = Minimum { steps: best[lane].steps, ..next };
-                worth[lane] = next_worth[lane];
+                likelihood[lane] = next_likelihood[lane];
             }
         }
     }
@@ -174,7 +176,7 @@ fn rounds<const N: usize>(
     best.iter().map(fit).collect()
 }
 
-/// Gains along the filter at `points`, and the minima of the innovations that they leave.
+/// Gains along the filter at `points`, and the minima of the innovations with them.
 fn round<const N: usize>(
     recordings: &Recordings,
     points: [Vec<f64>; LANES],
@@ -204,19 +206,19 @@ fn likelihoods<const N: usize>(
     let free: Vec<usize> = (0..recordings.unknowns()).collect();
     let unknowns = side_by_side(&points, &free, recordings.unknowns());
     let (gains, innovations) = filter::<N>(recordings, &unknowns, levels, known);
-    let mut worth = vec![0.0; LANES];
+    let mut likelihood = vec![0.0; LANES];
     for (gain, error) in gains.iter().zip(innovations.as_chunks().0) {
         let white = gain.white(error);
         let [a, b, c] = gain.scales();
-        for (lane, worth) in worth.iter_mut().enumerate() {
-            *worth += 2.0 * libm::log(a[lane] * b[lane] * c[lane]);
-            *worth -= white.iter().map(|w| w[lane] * w[lane]).sum::<f64>();
+        for (lane, likelihood) in likelihood.iter_mut().enumerate() {
+            *likelihood += 2.0 * libm::log(a[lane] * b[lane] * c[lane]);
+            *likelihood -= white.iter().map(|w| w[lane] * w[lane]).sum::<f64>();
         }
     }
-    worth
+    likelihood
 }
 
-/// √diag(σ̂² H⁻¹), σ̂² being the whitened innovations' variance, near 1 where the levels are right.
+/// √diag(σ̂² H⁻¹), σ̂² being the whitened innovations' variance, near 1 if the levels are right.
 fn errors(minimum: &Minimum, p: usize) -> Option<Vec<f64>> {
     let inverse = minimum.inverse([1.0; 3]).ok()?;
     let freedom = (3.0 * minimum.linear.samples - p as f64).max(1.0);

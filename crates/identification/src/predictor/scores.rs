@@ -6,9 +6,9 @@ use crate::sensitivity::{
     Gain, Levels, Products, Recordings, Sensitivities, Step, add_draws, add_start, backward, sweep,
 };
 
-/// Sums over each of ten blocks of samples, by block and lane, of recordings predicted with `unknowns` by the `free` ones: free
-/// simulations, in a current of `levels` that is among the unknowns, or white innovations where there are gains. Sample 0
-/// counts where `from_start`.
+/// Sums over each of ten blocks of samples, by block and lane, of recordings predicted with `unknowns`, by the `free`
+/// ones: free simulations, in a current of `levels` that is among the unknowns, or white innovations if there are
+/// gains. Sample 0 counts where `from_start`.
 pub(crate) fn blocks<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],
@@ -52,9 +52,9 @@ pub(crate) fn roots(covariance: &[f64]) -> Vec<f64> {
     covariance.iter().step_by(p + 1).map(|variance| variance.sqrt()).collect()
 }
 
-/// What `levels` add to the covariance of Σ sᵀWe beside measurement noise, to first order around the run's simulation: every
-/// draw enters the states and goes on with them; adjoints tell what a change of the states does to the scores. free × free
-/// lanes.
+/// The contribution of `levels` to the covariance of Σ sᵀWe in addition to measurement noise, to first order about
+/// the run's simulation: every draw enters the states and propagates with them; adjoints are the derivatives of the
+/// scores by the states. free × free lanes.
 pub(crate) fn disturbed_scores<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],

@@ -27,7 +27,7 @@ impl Linear {
         }
     }
 
-    /// Whether every number is one.
+    /// Whether every number is finite.
     pub(crate) fn finite(&self) -> bool {
         self.squares.iter().chain(self.normal.iter().flatten()).all(|x| x.is_finite())
     }
@@ -41,8 +41,8 @@ impl Linear {
     }
 }
 
-/// Linearises predictions at `unknowns`: what a sum of squared errors and its Gauss–Newton step are made of, per lane. With
-/// gains errors and sensitivities are whitened. Sample 0 counts where `from_start`.
+/// Linearises predictions at `unknowns`: the terms of the sum of squared errors and of its Gauss–Newton step, per
+/// lane. With gains errors and sensitivities are whitened. Sample 0 counts where `from_start`.
 pub(crate) fn linearize<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],
@@ -97,7 +97,7 @@ pub(crate) fn linearize_each<const N: usize>(
     linears(products, recordings, from_start)
 }
 
-/// The same of free simulations, which are `kept`.
+/// The same for free simulations, which are `kept`.
 pub(crate) fn linearize_and_keep(
     recordings: &Recordings,
     unknowns: &[Lane],
@@ -130,7 +130,7 @@ pub(crate) fn linearize_and_keep(
     linears(products, recordings, from_start)
 }
 
-/// By lane, of sums of sensitivities and, last, errors.
+/// Per lane, from sums of sensitivities and, last, errors.
 pub(super) fn linears(
     products: [Products<Lane>; 3],
     recordings: &Recordings,
@@ -150,7 +150,7 @@ pub(super) fn linears(
     (0..LANES).map(linear).collect()
 }
 
-/// Sets signal `i` of every state, white with a gain, as much as `mask` says.
+/// Sets signal `i` of every state, whitened with a gain, times `mask`.
 #[inline(always)]
 fn set<const N: usize>(
     products: &mut [Products<Lane>; 3],

@@ -3,68 +3,69 @@ use numerics::Lane;
 
 use super::scores::blocks;
 use super::sums::{Linear, linearize};
-use crate::beside::{Beside, UnknownCurrent, UnknownWind};
+use crate::additional::{AdditionalUnknowns, UnknownCurrent, UnknownWind};
 use crate::sensitivity::{Flow, Levels, Recordings, Slopes, slopes};
 
-/// Where a simulation starts.
+/// The start of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InitialState {
-    /// At the recording's own start, which is known.
+    /// At the recording's start, which is known.
     Known,
     /// Near it: its offset is estimated, and the first measurement counts.
     Estimated,
 }
 
 impl InitialState {
-    /// As in files.
+    /// The name in files.
     pub fn name(self) -> &'static str {
         ["known", "estimated"][self as usize]
     }
 }
 
-/// What free simulations do not know beside the parameters.
+/// The unknowns of free simulations in addition to the parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unknown {
     /// Where they start.
     pub initial: InitialState,
     /// The water that the vessel moves in.
     pub current: UnknownCurrent,
-    /// What pushes her.
+    /// The wind.
     pub wind: UnknownWind,
     /// Time between two samples \[s\].
     pub interval_s: f64,
 }
 
-/// Most unknowns of water and wind: along and across the vessel at the start, the current \[m/s\], its change and the wind's push in a
-/// sample \[m/s\].
-pub const AROUND: usize = 6;
+/// Number of ambient unknowns: along and across the vessel at the start, the current \[m/s\], its change and the
+/// effect of the wind per sample \[m/s\].
+pub const AMBIENT: usize = 6;
 
 impl From<InitialState> for Unknown {
     fn from(initial: InitialState) -> Self {
-        Self::new(initial, Beside::default(), 0.0)
+        Self::new(initial, AdditionalUnknowns::default(), 0.0)
     }
 }
 
 impl Unknown {
-    /// Of runs sampled every `interval_s` \[s\].
-    pub fn new(initial: InitialState, beside: Beside, interval_s: f64) -> Self {
-        Self { initial, current: beside.current, wind: beside.wind, interval_s }
+    /// The unknowns of runs sampled every `interval_s` \[s\].
+    pub fn new(initial: InitialState, additional: AdditionalUnknowns, interval_s: f64) -> Self {
+        Self { initial, current: additional.current, wind: additional.wind, interval_s }
     }
 
-    /// The unknowns that are searched for: the parameters of `model`, the initial state's offsets, those of water and wind.
+    /// The unknowns that are estimated: the parameters of `model`, the initial state's offsets, those of water and
+    /// wind.
     pub(super) fn free(self, model: &Model) -> Vec<usize> {
         let parameters = model.parameters();
         (0..parameters).chain(self.own().map(|i| parameters + i)).collect()
     }
 
-    /// Of those behind the parameters, which are searched for: the initial state's offsets, and [`Self::around`].
+    /// The estimated ones of those after the parameters: the initial state's offsets, and [`Self::ambient`].
     pub(crate) fn own(self) -> impl Iterator<Item = usize> {
         let offsets = if self.initial == InitialState::Known { 0..0 } else { 0..3 };
-        offsets.chain(self.around().map(|i| 3 + i))
+        offsets.chain(self.ambient().map(|i| 3 + i))
     }
 
-    /// Which of the [`AROUND`] are searched for.
-    pub fn around(self) -> impl Iterator<Item = usize> {
+    /// The estimated ones of the [`AMBIENT`] ambient unknowns.
+    pub fn ambient(self) -> impl Iterator<Item = usize> {
         let current = match self.current {
             UnknownCurrent::None => 0..0,
             UnknownCurrent::Earth | UnknownCurrent::Body => 0..2,
@@ -78,17 +79,17 @@ impl Unknown {
         self.initial == InitialState::Estimated
     }
 
-    /// Water and wind as disturbances that stay.
+    /// Water and wind as constant disturbances.
     pub(super) fn levels(self) -> Option<Levels> {
         let turning = if self.current == UnknownCurrent::Body { 0.0 } else { self.interval_s };
         let lasting = Flow::Markov { std: 0.0, factor: 1.0, turning };
-        let any = self.around().next();
+        let any = self.ambient().next();
         any.map(|_| Levels { measurement: [0.0; 3], current: lasting, force: None, drift: None })
     }
 
-    /// States of the vessel and of what is around it.
+    /// Number of states of the vessel, its water and its wind.
     fn states(self) -> usize {
-        match self.around().last() {
+        match self.ambient().last() {
             None => 3,
             Some(0..2) => 5,
             Some(_) => 9,
@@ -105,7 +106,7 @@ impl Unknown {
         }
     }
 
-    /// Whether [`Self::slopes`] are to be had: of the vessel's states alone.
+    /// Whether [`Self::slopes`] is available: only for the vessel's states alone.
     pub(super) fn has_slopes(self) -> bool {
         self.states() == 3
     }

@@ -6,30 +6,31 @@ use std::collections::VecDeque;
 
 use numerics::{Watch, dot, iterate};
 
-/// What is minimised.
+/// The objective that is minimised.
 pub(super) trait Objective {
-    /// What a value leaves for the gradient.
+    /// The workspace of a value, for the gradient.
     type Point;
     /// The value; `None` where it is not defined.
     fn value(&mut self, x: &[f64]) -> Option<(f64, Self::Point)>;
     /// The gradient there.
     fn gradient(&self, point: &Self::Point) -> Vec<f64>;
-    /// Is told of every point that is kept.
+    /// Called with every accepted point.
     fn keep(&mut self, x: &[f64], point: &Self::Point);
 }
 
-/// Pairs of steps and gradient differences that are remembered.
+/// Stored pairs of steps and gradient differences.
 const MEMORY: usize = 20;
-/// Halvings of a step before a direction is given up.
+/// Maximum halvings of a step along a direction.
 const HALVINGS: usize = 30;
-/// The part of the promised decrease that a step has to bring.
+/// Sufficient share of the predicted decrease (Armijo).
 const SUFFICIENT: f64 = 1e-4;
 /// The first step moves no variable further than this.
 const FIRST: f64 = 0.01;
 /// A decrease below this, relative, ends the iterations.
 const SMALL: f64 = 1e-10;
 
-/// Minimises from `x`, where the objective must be defined, in at most `iterations`; returns how many were of use.
+/// Minimises from `x`, where the objective must be defined, in at most `iterations`; returns the number of those that
+/// improved.
 pub(super) fn minimise<O: Objective>(
     objective: &mut O,
     x: &mut Vec<f64>,
@@ -43,7 +44,7 @@ pub(super) fn minimise<O: Objective>(
     iterate("projected limited-memory BFGS", iterations, watch, || {
         let (value, gradient) = &at;
         let Some((next, new, point)) = searched(objective, bounds, &memory, x, *value, gradient) else {
-            // From here along the gradient alone, unless that is what failed.
+            // Retries along the gradient alone, unless that failed.
             let further = (!memory.is_empty()).then_some(());
             taken += usize::from(further.is_some());
             memory.clear();
@@ -65,7 +66,7 @@ pub(super) fn minimise<O: Objective>(
     taken
 }
 
-/// The first point, from a whole step on, that lowers the value enough.
+/// The first point with sufficient decrease, starting from a whole step.
 fn searched<O: Objective>(
     objective: &mut O,
     [low, high]: [&[f64]; 2],

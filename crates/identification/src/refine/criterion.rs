@@ -1,11 +1,11 @@
-//! The criterion of one experiment, and what its gradient needs of the way there.
+//! The criterion of one experiment, with the intermediate results that its gradient needs.
 
 use engine::check_diverged;
 use model::Model;
 use numerics::{Lane, dot, product};
 use regression::Noise;
 
-use crate::sensitivity::{Recordings, Sensitivities, Told};
+use crate::sensitivity::{Recordings, RunInformation, Sensitivities};
 
 /// tr(G cov θ̃) of an output-error estimate from one run: G is diagonal, zero for intercepts.
 #[derive(Clone, Copy, Debug)]
@@ -16,20 +16,20 @@ pub struct TraceCriterion<'a> {
     pub parameters: &'a [f64],
     /// Weight of every parameter's variance.
     pub weights: &'a [f64],
-    /// What disturbs the run.
+    /// The disturbances of the run.
     pub noise: Noise,
     /// State at the start: u, v \[m/s\], r \[rad/s\].
     pub initial: [f64; 3],
 }
 
-/// A run on its way forward, with all that the way back needs. n parameters with intercepts, N samples.
+/// The forward pass of a run, with all that the backward pass needs. n parameters with intercepts, N samples.
 #[derive(Clone, Debug)]
 pub struct Forward {
     /// (N+1) × 3.
     pub states: Vec<f64>,
     /// tr(G cov θ̃).
     pub value: f64,
-    /// tr(G F⁻¹E F⁻¹): what is left of it without current.
+    /// tr(G F⁻¹E F⁻¹): its value without current.
     pub measurement_value: f64,
     /// Variance of every parameter.
     pub variances: Vec<f64>,
@@ -40,7 +40,7 @@ pub struct Forward {
     /// Columns of λ(k) of the current, k = N to 1; empty without current.
     pub(super) adjoints: Vec<[Lane; 3]>,
     /// E + P.
-    pub(super) middle: Vec<f64>,
+    pub(super) meat: Vec<f64>,
     /// F⁻¹.
     pub(super) inverse: Vec<f64>,
 }
@@ -56,48 +56,48 @@ impl Forward {
         self.variances.iter().map(|v| v.max(0.0).sqrt())
     }
 
-    /// log|det| of the information of one of its `samples`, on average; `None` where that is singular.
+    /// log|det| of the information of one of its `samples`, on average; `None` if that is singular.
     pub fn log_det(&self, samples: u64) -> Option<f64> {
         let mut mean: Vec<f64> = self.information.iter().map(|f| f / samples as f64).collect();
         numerics::log_det(self.information.len().isqrt(), &mut mean).map(|found| found.log_abs)
     }
 
-    /// −log of the criterion of one of its `samples`, as designs are compared by.
+    /// −log of the criterion of one of its `samples`, by which designs are compared.
     pub fn log_value(&self, samples: u64) -> f64 {
         -libm::log(self.value * samples as f64)
     }
 }
 
 impl TraceCriterion<'_> {
-    /// The criterion of a run of `exogenous`, N × (inputs and measured disturbances). `None` where the simulation diverges or
-    /// the run leaves a direction of the parameters without information.
+    /// The criterion of a run of `exogenous`, N × (inputs and measured disturbances). `None` if the simulation
+    /// diverges or the run has no information about a direction of the parameters.
     pub fn forward(&self, exogenous: &[f64]) -> Option<Forward> {
         let (model, parameters) = self.lifted();
         let run = Recordings::simulated(&model, self.initial, exogenous);
         let mut adjoints = Vec::new();
         let keep = |own: &[[Lane; 3]]| adjoints.extend_from_slice(own);
-        let mut told = Told::by(&run, &parameters, &self.noise, Sensitivities::default(), keep);
-        let states = std::mem::take(&mut told.path.states);
+        let mut found = RunInformation::by(&run, &parameters, &self.noise, Sensitivities::default(), keep);
+        let states = std::mem::take(&mut found.path.states);
         if check_diverged(states.iter().copied()).is_some() {
             return None;
         }
         let n = parameters.len();
-        let inverse = inverse(n, &told.information)?;
-        let middle = told.middle();
+        let inverse = inverse(n, &found.information)?;
+        let meat = found.meat();
         let layout = model.layout();
         let counted = layout.woven(self.weights, [0.0; 3]);
         let trace = |variances: &[f64]| counted.iter().zip(variances).map(|(g, v)| g * v).sum::<f64>();
-        let all = sandwich(n, &inverse, &middle);
-        let (value, measurement_value) = (trace(&all), trace(&sandwich(n, &inverse, &told.measurement)));
+        let all = sandwich(n, &inverse, &meat);
+        let (value, measurement_value) = (trace(&all), trace(&sandwich(n, &inverse, &found.measurement)));
         (value.is_finite() && value > 0.0).then(|| Forward {
             states,
             value,
             measurement_value,
             variances: layout.theta(&all),
-            information: told.information,
-            path: told.path,
+            information: found.information,
+            path: found.path,
             adjoints,
-            middle,
+            meat,
             inverse,
         })
     }
@@ -110,7 +110,7 @@ impl TraceCriterion<'_> {
     }
 }
 
-/// An inverse of the matrix with a unit diagonal with an entry above this is that of a singular matrix.
+/// The matrix with a unit diagonal is singular if its inverse has an entry above this.
 const SINGULAR: f64 = 1e13;
 
 /// F⁻¹, through the matrix with a unit diagonal.

@@ -1,10 +1,11 @@
-//! The way back: the gradient of log tr(G cov θ̃) by all inputs of all samples.
+//! The backward pass: the gradient of log tr(G cov θ̃) by all inputs of all samples.
 //!
-//! With C = F⁻¹, M = C G C and Q = −(M(E + P)C + its transpose), dφ = tr(M dE) + tr(M dP) + tr(Q dF). P's adjoints λ(k) (going back)
-//! are followed by κ(k) (going forward): κ(k+1) = (I + J(k)) κ(k) + Σ_c J_c(k) γ_c(k)ᵀ, γ_c = 2 σ_c² M λᵀJ_c. Then Λ(k) = 2 W S Q +
-//! 2 W R W S M + W κ(k) + (I + J(k))ᵀ Λ(k+1) belongs to the sensitivities, and H weighs what J(k) changes.
+//! With C = F⁻¹, M = C G C and Q = −(M(E + P)C + its transpose), dφ = tr(M dE) + tr(M dP) + tr(Q dF). P's adjoints
+//! λ(k) (backward) are followed by κ(k) (forward): κ(k+1) = (I + J(k)) κ(k) + Σ_c J_c(k) γ_c(k)ᵀ, γ_c = 2 σ_c² M
+//! λᵀJ_c. Then Λ(k) = 2 W S Q + 2 W R W S M + W κ(k) + (I + J(k))ᵀ Λ(k+1) is the adjoint of the sensitivities, and H
+//! that of J(k).
 //!
-//! S, λ, κ and Λ are columns of lanes, parameters beside each other.
+//! S, λ, κ and Λ are columns of lanes, with a lane per parameter.
 
 use model::Model;
 use numerics::{LANES, Lane, product};
@@ -29,7 +30,7 @@ impl Rows {
         Self { columns, rows }
     }
 
-    /// Adds x × the matrix, x and what it is added to being entry `d` of columns.
+    /// Adds x × the matrix, where x and the result are entry `d` of columns.
     #[inline(always)]
     fn add_times<const M: usize>(&self, x: &[[Lane; M]], to: &mut [[Lane; M]], d: usize) {
         for (i, row) in self.rows.chunks_exact(self.columns).enumerate() {
@@ -42,8 +43,8 @@ impl Rows {
 }
 
 impl TraceCriterion<'_> {
-    /// ∂(log tr(G cov θ̃) + h)/∂inputs, N × inputs, at a run that `forward` went through, with `exogenous` as there.
-    /// `state_slopes`: ∂h/∂x of anything else that depends on the states, (N+1) × 3.
+    /// ∂(log tr(G cov θ̃) + h)/∂inputs, N × inputs, at the run of `forward`, with the same `exogenous`.
+    /// `state_slopes`: ∂h/∂x of any further function of the states, (N+1) × 3.
     pub fn gradient(&self, forward: &Forward, exogenous: &[f64], state_slopes: &[f64]) -> Vec<f64> {
         let (model, parameters) = self.lifted();
         let run = &Recordings::simulated(&model, self.initial, exogenous);
@@ -70,7 +71,7 @@ impl TraceCriterion<'_> {
         let m: Vec<f64> = (0..n * n)
             .map(|e| share * (0..n).map(|k| c[e / n * n + k] * g[k] * c[k * n + e % n]).sum::<f64>())
             .collect();
-        let x = product(n, &product(n, &m, &forward.middle), c);
+        let x = product(n, &product(n, &m, &forward.meat), c);
         let q = (0..n * n).map(|e| -(x[e] + x[e % n * n + e / n])).collect();
         (m, q)
     }
@@ -97,7 +98,7 @@ struct Followed {
     followed: Vec<[Lane; 3]>,
 }
 
-/// Goes forward; `response`: 2 σ_c² M.
+/// The forward pass; `response`: 2 σ_c² M.
 #[inline(always)]
 fn follow(run: &Recordings<f64>, parameters: &[f64], forward: &Forward, response: &Rows) -> Followed {
     let mut all = Followed { forced: Vec::new(), followed: Vec::new() };
@@ -135,7 +136,7 @@ fn follow(run: &Recordings<f64>, parameters: &[f64], forward: &Forward, response
     all
 }
 
-/// What the way back needs.
+/// The data of the backward pass.
 struct Back<'a> {
     run: &'a Recordings<'a, f64>,
     parameters: &'a [f64],
@@ -148,7 +149,7 @@ struct Back<'a> {
 }
 
 impl Back<'_> {
-    /// Goes back.
+    /// Runs the backward pass.
     #[inline(always)]
     fn gradient(&self) -> Vec<f64> {
         let Self { run, parameters, forward, .. } = *self;
@@ -189,7 +190,7 @@ impl Back<'_> {
         out
     }
 
-    /// Adds what depends on S(k+1) itself.
+    /// Adds the terms that depend on S(k+1) itself.
     #[inline(always)]
     fn add_sources(&self, k: usize, to: &mut [[Lane; 3]]) {
         let s = self.forward.path.at(k + 1);

@@ -34,20 +34,20 @@ impl SignalLimits {
         (0..3).map(state).chain((0..width).map(input)).chain((0..width).map(step)).collect()
     }
 
-    /// Whether all are kept, but for rounding.
+    /// Whether all are kept, up to rounding.
     pub fn kept(&self, states: &[f64], inputs: &[f64]) -> bool {
         self.reached(states, inputs).iter().all(|share| *share <= 1.0 + 1e-9)
     }
 }
 
-/// The criterion with what limits cost at the present multipliers.
+/// The criterion with the cost of limits at the present multipliers.
 pub(super) struct Lagrangian<'a> {
     pub criterion: &'a TraceCriterion<'a>,
     pub signal: Signal<'a>,
     pub limits: &'a SignalLimits,
-    /// How far below the limits the search stays, relative.
+    /// Relative margin of the search below the limits.
     pub margin: f64,
-    /// What a violation costs.
+    /// Weight of a violation.
     pub weight: f64,
     /// Of the states, (N+1) × 3, then of the inputs' steps, (N−1) × inputs.
     pub multipliers: Vec<f64>,
@@ -69,7 +69,7 @@ impl Lagrangian<'_> {
         self.value(x).map(|(_, point)| point.forward)
     }
 
-    /// All c with the slopes ±1/limit, in the order of the multipliers.
+    /// All c with their derivatives ±1/limit, in the order of the multipliers.
     fn constraints(&self, states: &[f64], inputs: &[f64]) -> Vec<(f64, f64)> {
         let width = self.limits.inputs.len();
         let share = 1.0 - self.margin;
@@ -86,7 +86,7 @@ impl Lagrangian<'_> {
         self.multipliers.iter().zip(constraints).map(force).collect()
     }
 
-    /// Moves the multipliers to those of the point; returns the largest violation of the limits less their margin.
+    /// Updates the multipliers at the point; returns the largest violation of the limits less their margin.
     pub(super) fn update(&mut self, x: &[f64]) -> Option<f64> {
         let (_, point) = self.value(x)?;
         let constraints = self.constraints(&point.forward.states, &point.inputs);

@@ -1,4 +1,4 @@
-//! Rounds of minimisation, multipliers moved between them.
+//! Rounds of minimisation, with updates of the multipliers between them.
 
 use numerics::{Watch, iterate};
 
@@ -7,12 +7,12 @@ use super::criterion::{Forward, TraceCriterion};
 use super::lagrangian::{Lagrangian, SignalLimits};
 use super::signal::Signal;
 
-/// How long, and how finely, is searched.
+/// The effort and resolution of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
     /// Samples between the knots of a correction; 1 corrects every sample.
     pub knot: usize,
-    /// Iterations at most, of all rounds.
+    /// Maximum number of iterations, of all rounds.
     pub iterations: usize,
 }
 
@@ -23,28 +23,28 @@ pub struct Refined {
     pub inputs: Vec<f64>,
     /// The experiment at the start.
     pub before: Forward,
-    /// The refined one; as at the start where nothing better was found within the limits.
+    /// The refined one; as at the start if nothing better was found within the limits.
     pub after: Forward,
-    /// Iterations that were made.
+    /// Number of iterations.
     pub iterations: usize,
-    /// Simulations that were made.
+    /// Number of simulations.
     pub evaluations: usize,
-    /// Whether the search ended before its iterations did: a round gained less than one in ten thousand.
+    /// Whether the search converged: a round gained less than one in ten thousand.
     pub settled: bool,
 }
 
-/// Iterations of a round at most, and rounds that few iterations are shared among: the cost of violations has to grow.
+/// Maximum iterations of a round; few iterations are shared among rounds, since the cost of violations has to grow.
 const ROUND: usize = 60;
 const ROUNDS: usize = 12;
 /// Cost of a violation in the first round, its growth by round, and its greatest.
 const WEIGHTS: [f64; 3] = [3.0, 2.0, 3e3];
-/// How far below limits of motion and rates the search aims.
+/// Margin of the search below limits of motion and rates.
 const MARGIN: f64 = 5e-4;
 /// A gain below this, in a round, ends the search.
 const GAIN: f64 = 1e-4;
 
-/// Makes `criterion` small from inputs `start`, N × inputs, within `limits`, which `start` must keep. The result keeps them.
-/// `None` where the criterion is not defined at the start. `watch` may end it with the best so far.
+/// Minimises `criterion` from inputs `start`, N × inputs, within `limits`, which `start` must keep. The result keeps
+/// them. `None` if the criterion is not defined at the start. `watch` may end it with the best so far.
 pub fn refine(
     criterion: &TraceCriterion,
     start: &[f64],

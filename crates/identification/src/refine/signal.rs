@@ -23,7 +23,7 @@ impl<'a> Signal<'a> {
         self.samples().saturating_sub(1).div_ceil(self.knot) + 1
     }
 
-    /// The knot before sample `k`, and how far the sample is on the way to the next.
+    /// The knot before sample `k`, and the fraction of the way to the next.
     fn place(&self, k: usize) -> (usize, f64) {
         (k / self.knot, (k % self.knot) as f64 / self.knot as f64)
     }
@@ -61,7 +61,7 @@ impl<'a> Signal<'a> {
         self.start.iter().enumerate().map(of).collect()
     }
 
-    /// The slopes by the corrections that slopes by the inputs mean.
+    /// The gradient by the corrections from that by the inputs.
     pub(super) fn gathered(&self, slopes: &[f64]) -> Vec<f64> {
         let width = self.limits.len();
         let mut out = vec![0.0; self.knots() * width];

@@ -19,7 +19,7 @@ refusal::choices! {
 }
 
 impl RunEstimators<'_> {
-    /// Whether runs are asked. Sensors without noise are stated by nobody.
+    /// Whether runs are tested. The noise of a sensor is never exactly zero.
     pub fn asks(&self, asked: Asked) -> bool {
         let stated = self.levels.is_some_and(|levels| levels.measurement.iter().all(|std| *std > 0.0));
         match asked {
@@ -29,19 +29,19 @@ impl RunEstimators<'_> {
         }
     }
 
-    /// Seconds that asking takes a thread for a row, to the order; see [`crate::Estimator::seconds_per_row`].
+    /// Seconds of a test per row and thread, order of magnitude; see [`crate::Estimator::seconds_per_row`].
     pub fn seconds_per_row_asked(&self) -> f64 {
         if self.asks(Asked::Stated) { 6e-6 } else { 2.5e-4 }
     }
 
-    /// Asks every run by itself what the model lacks; the estimates of those that reject it say so. Estimates are refined
-    /// under the noise before, so that the verdict is about model and run, whichever estimator's it began with, and one is
-    /// enough for all of them. `estimates`: those of `runs`, as [`RunEstimators::estimates`] orders them.
+    /// Tests on every run by itself what the model lacks; the estimates of runs that reject it are marked. Estimates
+    /// are first refined under the noise, so that the verdict depends on model and run, not on the estimator, and one
+    /// is enough for all of them. `estimates`: those of `runs`, as [`RunEstimators::estimates`] orders them.
     pub fn criticise(&self, runs: &[Run], estimates: &mut [RunEstimate]) {
         let each = self.estimators.len().max(1);
         let (layout, model) =
             (self.vessel.model.layout().with_intercepts(), self.vessel.model.with_intercepts());
-        // The last estimator that has one: those that simulate come after those that regress.
+        // The last estimator with an estimate: those that simulate come after those that regress.
         let found = |own: &[RunEstimate]| {
             own.iter().rev().find_map(|e| e.estimate.as_ref().map(|(theta, _)| theta.clone()))
         };
@@ -70,7 +70,7 @@ impl RunEstimators<'_> {
     }
 }
 
-/// Runs that are judged side by side: their estimates lie at the same bounds, if at any, and are held there.
+/// Runs that are tested together: their estimates are held at the same bounds, if at any.
 struct Alike {
     model: Model,
     runs: Vec<usize>,
@@ -78,7 +78,7 @@ struct Alike {
 }
 
 impl Alike {
-    /// Adds a run, whose estimate is that of a model `held` at its bounds, to those that are like it.
+    /// Adds a run, whose estimate is that of a model `held` at its bounds, to those with the same bounds.
     fn add(all: &mut Vec<Self>, held: (Model, Vec<f64>), run: usize) {
         let (model, theta) = held;
         match all.iter_mut().find(|alike| alike.model == model) {
@@ -91,7 +91,7 @@ impl Alike {
     }
 }
 
-/// Estimates of a run that rejects the model say so.
+/// Marks the estimates of a run that rejects the model.
 fn reject(estimates: &mut [RunEstimate]) {
     for estimate in estimates.iter_mut().filter(|estimate| estimate.estimate.is_some()) {
         estimate.status = EstimateStatus::Rejected;

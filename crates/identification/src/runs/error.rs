@@ -21,7 +21,7 @@ pub enum RunError {
 }
 
 impl RunError {
-    /// What is invalid: of the vessel where its nominal model diverges, else of the runs.
+    /// The invalid part: of the vessel if its nominal model diverges, else of the runs.
     pub fn invalid(&self) -> Invalid {
         match self {
             Self::Diverged(diverged) => diverged.invalid(),

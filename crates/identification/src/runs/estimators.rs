@@ -7,12 +7,12 @@ use regression::{InstrumentKind, MeanRemoval};
 use super::error::RunError;
 use super::found::{Found, Regressed};
 use super::refined::{Refined, refine};
-use crate::beside::Beside;
+use crate::additional::AdditionalUnknowns;
 use crate::pooled::{Delivered, Surroundings};
 use crate::predictor::{InitialState, Levels};
 use crate::{Estimator, RunEstimate};
 
-/// Estimates runs one by one, each by every estimator that is asked for.
+/// Estimates runs one by one, each by every requested estimator.
 pub struct RunEstimators<'a> {
     /// The vessel.
     pub vessel: &'a Vessel,
@@ -20,15 +20,15 @@ pub struct RunEstimators<'a> {
     pub estimators: Vec<Estimator>,
     /// How the instruments' mean is removed.
     pub removal: MeanRemoval,
-    /// Where simulations start.
+    /// The start of simulations.
     pub initial: InitialState,
-    /// What searches take as unknown beside the parameters.
-    pub beside: Beside,
-    /// What disturbs the runs, as far as it is stated.
+    /// Additional unknowns of searches.
+    pub additional: AdditionalUnknowns,
+    /// The disturbances of the runs, if stated.
     pub levels: Option<Levels>,
 }
 
-/// What the estimators make of some runs; empty for those that nothing asks for.
+/// The results of all estimators on some runs; empty for those not needed.
 #[derive(Default)]
 struct Everything {
     ls: Vec<Regressed>,
@@ -39,7 +39,7 @@ struct Everything {
 }
 
 impl Everything {
-    /// What an estimator makes of the first run.
+    /// The result of an estimator on the first run.
     fn first(&self, estimator: Estimator) -> Option<&Found> {
         match estimator {
             Estimator::Ls => self.ls.first().map(|own| &own.found),
@@ -70,12 +70,12 @@ impl RunEstimators<'_> {
     /// One estimate per run and estimator, run by run.
     ///
     /// # Errors
-    /// A nominal simulation that diverges, a run that is too short.
+    /// A diverging nominal simulation, a run that is too short.
     pub fn estimates(&self, runs: &[Run]) -> Result<Vec<RunEstimate>, RunError> {
         self.estimates_from(runs, None)
     }
 
-    /// The same, searched for from `near` ones where these are known, by run.
+    /// The same, with searches from the estimates `near`, if known, by run.
     ///
     /// # Errors
     /// See [`RunEstimators::estimates`].
@@ -91,8 +91,8 @@ impl RunEstimators<'_> {
         Ok(runs.iter().flat_map(row).collect())
     }
 
-    /// The model that the first estimator makes of `run`, which is called `name`, beside least squares of it; none where there
-    /// is no estimate.
+    /// The model of the first estimator from `run`, which is called `name`, with that by least squares; `None`
+    /// without an estimate.
     ///
     /// # Errors
     /// See [`RunEstimators::estimates`].
@@ -100,10 +100,10 @@ impl RunEstimators<'_> {
         let (runs, model) = (std::slice::from_ref(run), &self.vessel.model);
         let Some(estimator) = self.estimators.first().copied() else { return Ok(None) };
         let found = self.found(runs, None)?;
-        let (intercepts, around) =
-            found.first(estimator).map_or((None, None), |own| (own.intercepts, own.around));
-        let around = around.filter(|_| estimator == Estimator::OutputError);
-        let around = around.and_then(|own| Surroundings::of(self.unknown(), (name, 0), &own));
+        let (intercepts, ambient) =
+            found.first(estimator).map_or((None, None), |own| (own.intercepts, own.ambient));
+        let ambient = ambient.filter(|_| estimator == Estimator::OutputError);
+        let ambient = ambient.and_then(|own| Surroundings::of(self.unknown(), (name, 0), &own));
         let row = found.by(self, estimator, runs).pop();
         let Some((row, theta)) = row.and_then(|row| Some((row.clone(), row.estimate?.0))) else {
             return Ok(None);
@@ -121,10 +121,10 @@ impl RunEstimators<'_> {
             (theta, own)
         });
         let own = intercepts.unwrap_or_else(|| left(&theta));
-        Ok(Some((row, Delivered::of_run(model, &part, (theta, own), simple, around))))
+        Ok(Some((row, Delivered::of_run(model, &part, (theta, own), simple, ambient))))
     }
 
-    /// Everything that the wanted estimators need, each made once; searches begin at `near`, if that is known.
+    /// Everything that the requested estimators need, each computed once; searches begin at `near`, if known.
     fn found(&self, runs: &[Run], near: Option<&[Option<Vec<f64>>]>) -> Result<Everything, RunError> {
         use Estimator::{Ls, OutputError, PredictionError, RefinedIv};
         let wanted = |any: &[Estimator]| self.estimators.iter().any(|e| any.contains(e));
@@ -164,8 +164,8 @@ impl RunEstimators<'_> {
         each.map(|(run, (outcome, excitation))| Regressed::new(run, outcome, excitation)).collect()
     }
 
-    /// What a measured run's instruments cannot tell apart; for estimators that need instruments. Others project or simulate
-    /// whatever the columns.
+    /// The terms that a measured run's instruments cannot distinguish; for estimators that need instruments. Others
+    /// work with collinear columns.
     pub fn collinear(&self, run: &Run) -> Option<CollinearRun> {
         let instrumented = self.estimators.iter().any(|e| e.by_instruments());
         instrumented.then(|| collinear_run(self.vessel, run, self.removal)).flatten()

@@ -3,21 +3,21 @@ use model::Vessel;
 use regression::{Direction, Excitation, Outcome};
 
 use super::error::RunError;
-use crate::predictor::{AROUND, Fit};
+use crate::predictor::{AMBIENT, Fit};
 use crate::{EstimateStatus, Estimator, RunEstimate};
 
-/// What an estimator makes of one run.
+/// The result of an estimator on one run.
 #[derive(Clone)]
 pub(super) struct Found {
     pub status: EstimateStatus,
     pub estimate: Option<(Vec<f64>, Vec<f64>)>,
-    /// Intercepts, where they were estimated with the parameters; else they are what the terms leave on average.
+    /// Intercepts, if they were estimated with the parameters; else they are the mean residuals.
     pub intercepts: Option<[f64; 3]>,
-    /// What is around the vessel, and standard errors of it, where that was searched for.
-    pub around: Option<[[f64; AROUND]; 2]>,
+    /// The ambient unknowns, and their standard errors, if estimated.
+    pub ambient: Option<[[f64; AMBIENT]; 2]>,
 }
 
-/// What instrumental variables, or least squares, make of one run, and how it was excited.
+/// The result of instrumental variables, or least squares, on one run, and its excitation.
 #[derive(Clone)]
 pub(super) struct Regressed {
     pub found: Found,
@@ -32,7 +32,7 @@ impl Found {
         self.estimate.as_ref().map(|(theta, _)| theta.as_slice())
     }
 
-    /// The parameters `theta`, where they are known.
+    /// Takes the parameters `theta`, if known.
     pub(super) fn or_at(mut self, theta: Option<&[f64]>) -> Self {
         if let Some(theta) = theta {
             self.estimate = Some((theta.to_vec(), vec![f64::NAN; theta.len()]));
@@ -41,7 +41,7 @@ impl Found {
     }
 
     fn none(status: EstimateStatus) -> Self {
-        Self { status, estimate: None, intercepts: None, around: None }
+        Self { status, estimate: None, intercepts: None, ambient: None }
     }
 }
 
@@ -56,7 +56,7 @@ impl From<&Fit> for Found {
                 },
                 estimate: Some((found.parameters.clone(), found.standard_errors.clone())),
                 intercepts: Some(found.intercepts),
-                around: Some(*found.around),
+                ambient: Some(*found.ambient),
             },
             Fit::NotConverged(_) => Self::none(EstimateStatus::NotConverged),
             Fit::NotIdentifiable(_) => Self::none(EstimateStatus::NotIdentifiable),
@@ -96,7 +96,7 @@ impl Regressed {
         self
     }
 
-    /// The estimate `found` of `run`, which was excited in this way.
+    /// The estimate `found` of `run`, with this excitation.
     pub(super) fn estimate(
         &self,
         vessel: &Vessel,

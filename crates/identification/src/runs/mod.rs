@@ -7,7 +7,7 @@ mod found;
 mod refined;
 mod searched;
 
-pub use crate::beside::{Beside, Intercepts, UnknownCurrent, UnknownWind};
+pub use crate::additional::{AdditionalUnknowns, Intercepts, UnknownCurrent, UnknownWind};
 pub use criticised::Asked;
 pub use error::RunError;
 pub use estimators::RunEstimators;

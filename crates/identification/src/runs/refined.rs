@@ -14,9 +14,9 @@ use crate::predictor::Levels;
 
 /// Maximum number of refinement iterations.
 const ROUNDS: usize = 8;
-/// Iterations after which searches for the least errors have a good place to begin at.
+/// Iterations after which the estimate is a good start for searches.
 pub(super) const NEAR: usize = 2;
-/// A round that moves no parameter by more than this share of its standard error is the last.
+/// Converged if a round changes no parameter by more than this share of its standard error.
 const ENOUGH: f64 = 0.01;
 
 /// Refined estimates of runs.
@@ -24,12 +24,12 @@ const ENOUGH: f64 = 0.01;
 pub(super) struct Refined {
     /// After [`NEAR`] iterations.
     pub near: Vec<Found>,
-    /// After all of them; as many are made as are wanted.
+    /// After all of them, if requested.
     pub last: Vec<Found>,
 }
 
-/// Refines the estimates `iv` of `runs`, `to_the_end` or as far as searches need it. Where the simulation with the first one
-/// diverges, the nominal model's instruments and filter are taken instead; where a later one does, or instruments made with it
+/// Refines the estimates `iv` of `runs`, `to_the_end` or as far as searches need it. If the simulation with the first
+/// one diverges, the nominal model's instruments and filter are used instead; if a later one does, or its instruments
 /// identify nothing, the last good estimate is kept and marked so.
 pub(super) fn refine(
     vessel: &Vessel,
@@ -44,10 +44,10 @@ pub(super) fn refine(
     let mut all = Refined::default();
     for group in groups(&lengths) {
         let mut batch = Refinement::new(vessel, &runs[group.clone()], &iv[group], removal, noise);
-        batch.go_on(0..NEAR);
+        batch.refine(0..NEAR);
         all.near.extend_from_slice(&batch.found);
         if to_the_end {
-            batch.go_on(NEAR..ROUNDS);
+            batch.refine(NEAR..ROUNDS);
             all.last.extend(batch.found);
         }
     }
@@ -62,7 +62,7 @@ struct Refinement<'a> {
     /// The runs with the latest simulations as instruments.
     runs: Prepared<'a>,
     found: Vec<Found>,
-    /// The models that simulations are made with.
+    /// The models of the simulations.
     models: Vec<Vec<f64>>,
     done: Vec<bool>,
 }
@@ -87,7 +87,7 @@ impl<'a> Refinement<'a> {
         }
     }
 
-    fn go_on(&mut self, rounds: Range<usize>) {
+    fn refine(&mut self, rounds: Range<usize>) {
         for round in rounds {
             if self.done.iter().all(|done| *done) {
                 break;
@@ -111,7 +111,7 @@ impl<'a> Refinement<'a> {
         }
     }
 
-    /// The outcome of a run's round; none where its simulation diverged.
+    /// Takes the outcome of a run's round; `None` if its simulation diverged.
     fn take(&mut self, lane: usize, outcome: Option<Outcome>) {
         if self.done[lane] {
             return;
@@ -123,7 +123,7 @@ impl<'a> Refinement<'a> {
         };
         if let Some((theta, _)) = &self.found[lane].estimate {
             let moves = next.parameters.iter().zip(theta).zip(&next.standard_errors);
-            // At a bound neither moves nor has an error.
+            // At a bound a parameter neither moves nor has an error.
             let still = |moved: f64| moved <= ENOUGH || moved.is_nan();
             self.done[lane] = moves.map(|((a, b), se)| (a - b).abs() / se).all(still);
         }

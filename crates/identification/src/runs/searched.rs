@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::estimators::RunEstimators;
 use super::found::Found;
-use crate::beside::Intercepts;
+use crate::additional::Intercepts;
 use crate::criticism::{Calibrated, calibrated};
 use crate::predictor::{
     Fit, Fitted, FoundSpread, InitialState, Levels, Spread, Unknown, errors_by_blocks, output_error,
@@ -16,9 +16,8 @@ use crate::predictor::{
 };
 
 impl RunEstimators<'_> {
-    /// Least errors of free simulations of `runs`. Searches begin at the estimates `near`, then at those of `iv`, then at the
-    /// nominal model, where there is none or it leads nowhere.
-    /// Whose standard errors are not wanted need no noise.
+    /// Minimises the errors of free simulations of `runs`. Searches begin at the estimates `near`; if there is none
+    /// or it fails, at those of `iv`, then at the nominal model. Without standard errors no noise is needed.
     pub(super) fn output_error(&self, runs: &[Run], near: &[Found], iv: &[Found], errors: bool) -> Vec<Fit> {
         let starts =
             |(near, iv): (&Found, &Found)| self.starts([near, iv].map(|found| found.theta().map(without)));
@@ -37,12 +36,12 @@ impl RunEstimators<'_> {
         output_error(&model, &views, &starts, self.unknown(), spread)
     }
 
-    /// What free simulations do not know.
+    /// The unknowns of free simulations.
     pub(super) fn unknown(&self) -> Unknown {
-        Unknown::new(self.initial, self.beside, 1.0 / self.vessel.sample_rate_hz)
+        Unknown::new(self.initial, self.additional, 1.0 / self.vessel.sample_rate_hz)
     }
 
-    /// Least errors of the predictions of `runs` by a filter for `levels`, from where free simulations have the least.
+    /// Minimises the errors of predictions of `runs` by a filter for `levels`, from the minima of free simulations.
     pub(super) fn prediction_error(
         &self,
         runs: &[Run],
@@ -57,14 +56,15 @@ impl RunEstimators<'_> {
         prediction_error(&self.lifted(), &views(runs), &starts, self.initial, levels)
     }
 
-    /// Seconds that finding out what disturbs runs takes a thread for a row, to the order; see [`crate::Estimator::seconds_per_row`].
+    /// Seconds of the search for the noise per row and thread, order of magnitude; see
+    /// [`crate::Estimator::seconds_per_row`].
     pub fn seconds_per_row_calibrated(&self) -> f64 {
         let searched = self.estimators.iter().filter(|estimator| estimator.searches()).count();
         if self.levels.is_none() { 1e-3 * searched as f64 } else { 0.0 }
     }
 
-    /// The same where nobody says what disturbs `runs`: the noise is found by the likelihood of each run by itself, in turns with
-    /// its parameters, from where free simulations have the least errors; else from the estimates `near`, or the nominal model.
+    /// The same without stated noise: it is found by the likelihood of each run by itself, alternately with its
+    /// parameters, from the minimum of free simulations, else from the estimates `near` or the nominal model.
     pub(super) fn calibrated(&self, runs: &[Run], free: &[Fit], near: &[Found]) -> Vec<Fit> {
         let each = runs.par_iter().zip(free).zip(near);
         each.map(|((run, free), near)| self.calibrated_to(run, free, near)).collect()
@@ -73,7 +73,7 @@ impl RunEstimators<'_> {
     fn calibrated_to(&self, run: &Run, free: &Fit, near: &Found) -> Fit {
         let (model, view) = (self.lifted(), run.view());
         let starts = self.starts([converged(free).map(with_intercepts), near.theta().map(without)]);
-        // An estimate by simulations is another one: it does not stand in for what a filter does not find.
+        // An estimate by simulations is a different one: it does not replace a failed estimate by a filter.
         let none = || match free {
             Fit::NotIdentifiable(_) => free.clone(),
             Fit::Converged(found) => Fit::NotConverged(found.steps),
@@ -88,14 +88,14 @@ impl RunEstimators<'_> {
         }
     }
 
-    /// What disturbs a run, found in turns with its parameters from the first of `starts` that leads to any.
+    /// The noise of a run, found alternately with its parameters from the first of `starts` that succeeds.
     fn noise(&self, model: &Model, run: RunView, starts: &[Vec<f64>]) -> Option<Calibrated> {
         let known = self.initial == InitialState::Known;
         calibrated(model, &[run], self.vessel.sample_rate_hz, known, starts)
     }
 
-    /// An estimate under noise that was found, with standard errors that allow for it, or of errors that follow no noise that is
-    /// known here.
+    /// An estimate under noise that was found, with standard errors that allow for it, or marked as approximate if
+    /// the errors follow no known kind of noise.
     fn with_errors_of(&self, found: Fitted, model: &Model, run: RunView, noise: &Calibrated) -> Fitted {
         let layout = model.layout();
         let theta = layout.woven(&found.parameters, found.intercepts);
@@ -107,7 +107,7 @@ impl RunEstimators<'_> {
             let errors = errors_by_blocks(model, run, &theta, self.initial, &noise.levels);
             errors.map_or_else(found_ones, |errors| layout.theta(&errors))
         };
-        // What a bound holds has no error.
+        // A parameter at a bound has no error.
         let held = |(before, own): (&f64, f64)| if *before == 0.0 { 0.0 } else { own };
         let standard_errors = found.standard_errors.iter().zip(own).map(held).collect();
         Fitted { standard_errors, approximate: !noise.white, ..found }
@@ -115,13 +115,13 @@ impl RunEstimators<'_> {
 
     /// The model with its intercepts, if it is to have any.
     fn lifted(&self) -> Cow<'_, Model> {
-        match self.beside.intercepts {
+        match self.additional.intercepts {
             Intercepts::Each => Cow::Owned(self.vessel.model.with_intercepts()),
             Intercepts::None => Cow::Borrowed(&self.vessel.model),
         }
     }
 
-    /// Those of `known` that there are, and the nominal model.
+    /// The starts of `known` that exist, and the nominal model.
     fn starts(&self, known: [Option<Start>; 2]) -> Vec<Vec<f64>> {
         let layout = self.lifted().layout();
         let all = known.into_iter().flatten().chain([without(&self.vessel.nominal)]);

@@ -8,9 +8,9 @@ use super::recordings::Recordings;
 use super::sweep::Sensitivities;
 use super::unknowns::Unknowns;
 
-/// Goes back over `path`, which `recordings` took with `unknowns`: adjoints λ(k) = Aᵀλ(k+1) + W s(k), a column each, tell what
-/// a change of the states at k does to Σ sᵀWx. `between` is called for k from N − 1 to 0 with the dynamics at k and λ(k+1);
-/// λ(0) is returned.
+/// The backward pass over `path`, the simulation of `recordings` with `unknowns`: adjoints λ(k) = Aᵀλ(k+1) + W s(k),
+/// a column each, are the derivatives of Σ sᵀWx by the states at k. `between` is called for k from N − 1 to 0 with
+/// the dynamics at k and λ(k+1); λ(0) is returned.
 pub(crate) fn backward<X: Unknowns, const N: usize>(
     recordings: &Recordings<X>,
     unknowns: &[X],
@@ -22,11 +22,11 @@ pub(crate) fn backward<X: Unknowns, const N: usize>(
     let (model, (theta, _)) = (recordings.model, unknowns.split_at(recordings.model.parameters()));
     let spread = levels.map(Levels::spread);
     let dynamics = Dynamics::new(model, theta, spread.as_ref());
-    numerics::vectorized!(narrow: go_back(dynamics, recordings, path, weights, between))
+    numerics::vectorized!(narrow: backward_pass(dynamics, recordings, path, weights, between))
 }
 
 #[inline(always)]
-fn go_back<X: Unknowns, const N: usize>(
+fn backward_pass<X: Unknowns, const N: usize>(
     mut dynamics: Dynamics<X, N>,
     recordings: &Recordings<X>,
     path: &Sensitivities<X>,
@@ -53,7 +53,7 @@ fn go_back<X: Unknowns, const N: usize>(
     adjoints
 }
 
-/// Adds what the draws between two samples do; `adjoints` are those of the later one.
+/// Adds the effect of the draws between two samples; `adjoints` are those of the later one.
 #[inline(always)]
 pub(crate) fn add_draws<X: Unknowns, const N: usize>(
     draws: &mut Products<X>,
@@ -76,7 +76,7 @@ pub(crate) fn add_draws<X: Unknowns, const N: usize>(
     }
 }
 
-/// Adds what the disturbances' first values do.
+/// Adds the effect of the disturbances' first values.
 pub(crate) fn add_start<X: Unknowns, const N: usize>(
     draws: &mut Products<X>,
     adjoints: &[[Lane; N]],
@@ -87,7 +87,8 @@ pub(crate) fn add_start<X: Unknowns, const N: usize>(
     all.for_each(|(i, std, _)| add_state(draws, adjoints, i, std, measured));
 }
 
-/// Adds what a change of standard deviation `std` in state `i` does; that of a sensor's drift is `measured` at once.
+/// Adds the effect of a change of standard deviation `std` in state `i`; that of a sensor's drift is `measured` at
+/// once.
 #[inline(always)]
 fn add_state<X: Unknowns, const N: usize>(
     draws: &mut Products<X>,

@@ -1,11 +1,12 @@
-//! Passes over columns at one sample, in the processor's registers: left to themselves compilers take eight columns at a time
+//! Passes over columns at one sample, in the processor's registers: by default compilers take eight columns at a time
 //! and gather their numbers one by one.
 
 use numerics::Lane;
 use numerics::registers::{Block, part, parts, put};
 use pulp::{Simd, WithSimd};
 
-/// λ(k) = Aᵀλ(k+1) + W s(k) in every column of adjoints; A is one beside its slopes by u, v, r, and none at the last sample.
+/// λ(k) = Aᵀλ(k+1) + W s(k) in every column of adjoints; A is the identity plus its derivatives by u, v, r, and zero
+/// at the last sample.
 pub(crate) struct Backward<'a, const N: usize> {
     pub slopes: Option<[[Lane; 3]; 3]>,
     pub weights: [Lane; 3],
@@ -55,7 +56,7 @@ impl<const N: usize> WithSimd for Backward<'_, N> {
     }
 }
 
-/// Puts w₀x₀ + w₁x₁ + w₂x₂ of every column into row `row` of a block.
+/// Writes w₀x₀ + w₁x₁ + w₂x₂ of every column into row `row` of a block.
 pub(crate) struct Weigh<'a, const N: usize> {
     pub weights: [Lane; 3],
     pub columns: &'a [[Lane; N]],
@@ -87,7 +88,7 @@ impl<const N: usize> WithSimd for Weigh<'_, N> {
     }
 }
 
-/// Puts entry `entry` of every column, times `factor`, into row `row` of a block.
+/// Writes entry `entry` of every column, times `factor`, into row `row` of a block.
 pub(crate) struct Scale<'a, const N: usize> {
     pub factor: Lane,
     pub entry: usize,

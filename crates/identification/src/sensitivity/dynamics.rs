@@ -5,17 +5,17 @@ use numerics::Lane;
 use super::levels::{Flow, Levels};
 use super::unknowns::Unknowns;
 
-/// How the N states move on: u, v, r, then the current's two components (N = 5, 8, 9), then three forces (N = 6, 8); or, of free
-/// simulations alone, what changes the current's components and what pushes the vessel in a sample, both over ground (N = 9).
-/// Sensors that drift (N = 7) make the first three states those that are measured, drift included; the last three are the
-/// drift itself, and the one between them stays zero.
+/// The state transition of the N states: u, v, r, then the current's two components (N = 5, 8, 9), then three forces
+/// (N = 6, 8); or, for free simulations only, the change of the current's components and the wind's effect per
+/// sample, both over ground (N = 9). With drifting sensors (N = 7) the first three states are the measured ones,
+/// including drift; the last three are the drift itself, and the one between them stays zero.
 #[derive(Clone, Debug)]
 pub(crate) struct Dynamics<'m, X, const N: usize> {
     model: Compiled<'m, X>,
     motion: Motion<X, N>,
 }
 
-/// The linear part of [`Dynamics`]: how deviations of the states move on, and disturbances by themselves.
+/// The linear part of [`Dynamics`]: the transition of deviations of the states, and of the disturbances.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion<X, const N: usize> {
     current: X,
@@ -24,15 +24,15 @@ pub(crate) struct Motion<X, const N: usize> {
     drift: X,
 }
 
-/// The dynamics at one sample: what their derivative is made of.
+/// The dynamics at one sample, for their derivative.
 #[derive(Clone, Copy)]
 pub(crate) struct Local<X> {
     pub slopes: [[X; 3]; 3],
     turn: Turn<X>,
 }
 
-/// What keeps its direction over ground turns against the vessel by its heading's change: cosine and sine, and what r changes in the
-/// components of the current, of its change and of the wind.
+/// Vectors with a fixed direction over ground rotate relative to the vessel by the change of its heading: cosine and
+/// sine, and the derivatives by r of the components of the current, of its change and of the wind.
 #[derive(Clone, Copy)]
 struct Turn<X> {
     cos: X,
@@ -44,7 +44,7 @@ const fn current(n: usize) -> bool {
     n == 5 || n == 8 || n == 9
 }
 
-const fn around(n: usize) -> bool {
+const fn has_ambient(n: usize) -> bool {
     n == 9
 }
 
@@ -62,13 +62,13 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
         Self { model: Compiled::new(model, theta), motion: Motion::new(levels) }
     }
 
-    /// Transposed products where [`Self::at`] looked last: see [`Compiled::pull_back`].
+    /// Transposed products at the last point of [`Self::at`]: see [`Compiled::pull_back`].
     #[inline(always)]
     pub(crate) fn pull_back(&mut self, terms: &[X], slopes: &[[X; 3]; 3], out: &mut [X]) {
         self.model.pull_back(terms, slopes, out);
     }
 
-    /// How deviations move on.
+    /// The transition of deviations.
     #[inline(always)]
     pub(crate) fn motion(&self) -> &Motion<X, N> {
         &self.motion
@@ -80,7 +80,7 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
         self.model.term(i)
     }
 
-    /// Looks at the states `z`.
+    /// Evaluates the dynamics at the states `z`.
     #[inline(always)]
     pub(crate) fn at(&mut self, z: &[X; N], exogenous: &[X]) -> Local<X> {
         let water = if current(N) { Some([z[3], z[4]]) } else { None };
@@ -88,13 +88,13 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
         Local { slopes: self.model.slopes(), turn: self.motion.turn(z) }
     }
 
-    /// The next u, v, r, without a look at what they come from.
+    /// The next u, v, r, without derivatives.
     #[inline(always)]
     pub(crate) fn step(&mut self, state: [X; 3], exogenous: &[X]) -> [X; 3] {
         self.model.step(state, exogenous, Ambient::default())
     }
 
-    /// The next states, after [`Self::at`] looked at `z`.
+    /// The next states, after [`Self::at`] of `z`.
     #[inline(always)]
     pub(crate) fn next(&self, z: &[X; N], local: &Local<X>) -> [X; N] {
         let forces = force(N).then(|| [z[N - 3], z[N - 2], z[N - 1]]);
@@ -107,14 +107,14 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
         self.motion.forward(local, s)
     }
 
-    /// Aᵀ λ for a column of λ; not of what stands around a free simulation (N = 9).
+    /// Aᵀ λ for a column of λ; not for the ambient unknowns of a free simulation (N = 9).
     #[inline(always)]
     pub(crate) fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
         self.motion.backward(local, adjoint)
     }
 }
 
-/// u, v, r of the vessel itself, without what its sensors add.
+/// u, v, r of the vessel itself, without the drift of its sensors.
 #[inline(always)]
 pub(crate) fn vessel_state<X: Unknowns, const N: usize>(z: &[X; N]) -> [X; 3] {
     match drift(N) {
@@ -123,7 +123,7 @@ pub(crate) fn vessel_state<X: Unknowns, const N: usize>(z: &[X; N]) -> [X; 3] {
     }
 }
 
-/// The components of the current among the states; none in still water.
+/// The components of the current among the states; `None` in still water.
 #[inline(always)]
 pub(crate) fn current_of<X: Unknowns, const N: usize>(z: &[X; N]) -> Option<[X; 2]> {
     current(N).then(|| [z[3], z[4]])
@@ -140,7 +140,7 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
         Self { current, turning, force, drift }
     }
 
-    /// Where the model's slopes by its states are `slopes`, at the states `z`.
+    /// The dynamics at the states `z`, where the model's derivatives by its states are `slopes`.
     #[inline(always)]
     pub(crate) fn local(&self, z: &[X; N], slopes: [[X; 3]; 3]) -> Local<X> {
         Local { slopes, turn: self.turn(z) }
@@ -161,23 +161,23 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
             let by = [cos * across - sin * along, X::ZERO - (cos * along + sin * across)];
             by.map(|by| self.turning * by)
         };
-        let turned = match around(N) {
+        let turned = match has_ambient(N) {
             true => [by_r([z[3] + z[5], z[4] + z[6]]), by_r([z[5], z[6]]), by_r([z[7], z[8]])],
             false => [by_r([z[3], z[4]]), still[1], still[2]],
         };
         Turn { cos, sin, by_r: turned }
     }
 
-    /// The states after `z`, of which `vessel` are u, v, r.
+    /// The states after `z`, where `vessel` is u, v, r.
     #[inline(always)]
     pub(crate) fn next(&self, z: &[X; N], vessel: [X; 3], local: &Local<X>) -> [X; N] {
         let mut next = *z;
         next[..3].copy_from_slice(&vessel);
         if current(N) {
-            let changed = if around(N) { [z[3] + z[5], z[4] + z[6]] } else { [z[3], z[4]] };
+            let changed = if has_ambient(N) { [z[3] + z[5], z[4] + z[6]] } else { [z[3], z[4]] };
             [next[3], next[4]] = local.turn.of(changed).map(|c| self.current * c);
         }
-        if around(N) {
+        if has_ambient(N) {
             (next[0], next[1]) = (next[0] + z[7], next[1] + z[8]);
             [next[5], next[6]] = local.turn.of([z[5], z[6]]);
             [next[7], next[8]] = local.turn.of([z[7], z[8]]);
@@ -211,10 +211,10 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
             }
         }
         if current(N) {
-            let changed = if around(N) { [s[3] + s[5], s[4] + s[6]] } else { [s[3], s[4]] };
+            let changed = if has_ambient(N) { [s[3] + s[5], s[4] + s[6]] } else { [s[3], s[4]] };
             [out[3], out[4]] = local.turn.forward(0, changed, s[2]).map(|c| self.current.lane() * c);
         }
-        if around(N) {
+        if has_ambient(N) {
             (out[0], out[1]) = (out[0] + s[7], out[1] + s[8]);
             [out[5], out[6]] = local.turn.forward(1, [s[5], s[6]], s[2]);
             [out[7], out[8]] = local.turn.forward(2, [s[7], s[8]], s[2]);
@@ -268,7 +268,7 @@ impl<X: Unknowns> Turn<X> {
         [self.cos * along + self.sin * across, self.cos * across - self.sin * along]
     }
 
-    /// The same of columns of sensitivities, those of the vector `i` of [`Turn::by_r`] and that of r.
+    /// The same for columns of sensitivities: of vector `i` of [`Turn::by_r`] and of r.
     #[inline(always)]
     fn forward(&self, i: usize, [along, across]: [Lane; 2], r: Lane) -> [Lane; 2] {
         let (cos, sin, by_r) = (self.cos.lane(), self.sin.lane(), &self.by_r[i]);

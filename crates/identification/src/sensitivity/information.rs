@@ -1,9 +1,11 @@
-//! What free simulation tells about the parameters: the information matrix and covariance of an output-error estimate.
+//! The information of free simulations about the parameters: the information matrix and covariance of an output-error
+//! estimate.
 //!
-//! With s_d = ∂x_d/∂θ and the Jacobian J(k) = ∂(φᵀθ)/∂x at x(k): S(k+1) = (I + J(k)) S(k) + Φ(k), S(0) = 0; intercepts are among
-//! the parameters. The estimate minimises Σ_k Σ_d w_d (y_d − x_d)²; its covariance is F⁻¹ (E + P) F⁻¹ with F = Σ Sᵀ W S,
-//! E = Σ Sᵀ W R W S of the measurement errors and P of the current, which moves the vessel: δx(k+1) = (I + J) δx(k) − J c(k), so
-//! that P = Σ_l λᵀ J σ_c² Jᵀ λ with the adjoint λ(k) = W S(k) + (I + J(k))ᵀ λ(k+1) at k = l + 1.
+//! With s_d = ∂x_d/∂θ and the Jacobian J(k) = ∂(φᵀθ)/∂x at x(k): S(k+1) = (I + J(k)) S(k) + Φ(k), S(0) = 0;
+//! intercepts are among the parameters. The estimate minimises Σ_k Σ_d w_d (y_d − x_d)²; its covariance is F⁻¹ (E +
+//! P) F⁻¹ with F = Σ Sᵀ W S, E = Σ Sᵀ W R W S of the measurement errors and P of the current, which carries the
+//! vessel: δx(k+1) = (I + J) δx(k) − J c(k), so that P = Σ_l λᵀ J σ_c² Jᵀ λ with the adjoint λ(k) = W S(k) + (I +
+//! J(k))ᵀ λ(k+1) at k = l + 1.
 
 use model::Model;
 use numerics::{LANES, Lane, lanes};
@@ -22,9 +24,10 @@ use super::unknowns::Unknowns;
 pub struct OutputInformation {
     /// F.
     pub information: Vec<f64>,
-    /// E: what measurement errors add to the middle matrix; F where every channel is weighted by its variance.
+    /// E: the contribution of measurement errors to the meat of the sandwich; F if every channel is weighted by its
+    /// variance.
     pub measurement: Vec<f64>,
-    /// P: what the current adds.
+    /// P: the contribution of the current.
     pub process: Vec<f64>,
 }
 
@@ -35,8 +38,8 @@ impl OutputInformation {
     }
 }
 
-/// Information of a run of `exogenous` (N × inputs and measured disturbances) from `initial`, simulated with `theta`. The
-/// channels are weighted by their variances; evenly where one has none. `None` where the simulation is not finite.
+/// Information of a run of `exogenous` (N × inputs and measured disturbances) from `initial`, simulated with `theta`.
+/// The channels are weighted by their variances; evenly if one has none. `None` if the simulation is not finite.
 pub fn output_information(
     model: &Model,
     theta: &[f64],
@@ -47,7 +50,8 @@ pub fn output_information(
     let model = model.with_intercepts();
     let parameters = model.layout().woven(theta, [0.0; 3]);
     let run = Recordings::simulated(&model, initial, exogenous);
-    Told::by(&run, &parameters, noise, Sensitivities::default(), |_| ()).mean(run.longest(), |entry| *entry)
+    RunInformation::by(&run, &parameters, noise, Sensitivities::default(), |_| ())
+        .mean(run.longest(), |entry| *entry)
 }
 
 /// A run to be simulated: with the parameters `theta` from its initial state by its exogenous signals, see
@@ -62,7 +66,7 @@ pub struct Simulated<'a> {
     pub exogenous: &'a [f64],
 }
 
-/// [`output_information`] of many runs; those of one length go side by side.
+/// [`output_information`] of many runs; those of one length are computed in lanes.
 pub fn output_informations(
     model: &Model,
     runs: &[Simulated],
@@ -73,7 +77,7 @@ pub fn output_informations(
     let width = model.exogenous().max(1);
     let samples: Vec<usize> = runs.iter().map(|run| run.exogenous.len() / width).collect();
     let mut found = Vec::with_capacity(runs.len());
-    let mut room = Sensitivities::default();
+    let mut path = Sensitivities::default();
     for group in lanes::groups(&samples) {
         let (own, samples) = (&runs[group.clone()], samples[group.start]);
         let parameters: Vec<Vec<f64>> = own.iter().map(|run| layout.woven(run.theta, [0.0; 3])).collect();
@@ -84,15 +88,15 @@ pub fn output_informations(
         let samples_of = [samples; LANES];
         let run =
             Recordings { model: &model, measured: &[], exogenous: &exogenous, initial, samples: samples_of };
-        let told = Told::by(&run, &parameters, noise, room, |_| ());
-        found.extend((0..own.len()).map(|lane| told.mean(samples, |entry| entry[lane])));
-        room = told.path;
+        let sums = RunInformation::by(&run, &parameters, noise, path, |_| ());
+        found.extend((0..own.len()).map(|lane| sums.mean(samples, |entry| entry[lane])));
+        path = sums.path;
     }
     found
 }
 
-/// Mean over the samples of Sᵀ S, n × n, rows and columns of intercepts zero: the variance that parameters' errors give a
-/// free run, summed over the states, is tr(cov G). `None` where the simulation is not finite.
+/// Mean over the samples of Sᵀ S, n × n, rows and columns of intercepts zero: the variance of a free run due to
+/// errors of the parameters, summed over the states, is tr(cov G). `None` if the simulation is not finite.
 pub fn prediction_weights(
     model: &Model,
     theta: &[f64],
@@ -111,8 +115,8 @@ pub fn prediction_weights(
     sum.iter().all(|x| x.is_finite()).then_some(sum)
 }
 
-/// What a run, or many side by side, tell of the parameters: sums over samples, n × n each.
-pub(crate) struct Told<X = f64> {
+/// The information of a run, or of many in lanes, about the parameters: sums over samples, n × n each.
+pub(crate) struct RunInformation<X = f64> {
     pub path: Sensitivities<X>,
     /// F, E and P.
     pub information: Vec<X>,
@@ -124,15 +128,15 @@ fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + b).collect()
 }
 
-impl Told {
+impl RunInformation {
     /// E + P.
-    pub(crate) fn middle(&self) -> Vec<f64> {
+    pub(crate) fn meat(&self) -> Vec<f64> {
         sum(&self.measurement, &self.process)
     }
 }
 
-impl<X: Unknowns> Told<X> {
-    /// Per sample, of the run that `of` takes an entry from.
+impl<X: Unknowns> RunInformation<X> {
+    /// The mean per sample of the run whose entries `of` selects.
     fn mean(&self, samples: usize, of: impl Fn(&X) -> f64) -> Option<OutputInformation> {
         let share = 1.0 / samples.max(1) as f64;
         let [information, measurement, process] = [&self.information, &self.measurement, &self.process]
@@ -141,8 +145,8 @@ impl<X: Unknowns> Told<X> {
         finite.then_some(OutputInformation { information, measurement, process })
     }
 
-    /// By `run`, simulated with `parameters`; its path takes the place of `path`. `keep` is called with the columns of λ(k), for k
-    /// from N to 1, where there is a current.
+    /// The information of `run`, simulated with `parameters`; its path overwrites `path`. `keep` is called with the
+    /// columns of λ(k), for k from N to 1, if there is a current.
     pub(crate) fn by(
         run: &Recordings<X>,
         parameters: &[X],
@@ -178,14 +182,14 @@ impl<X: Unknowns> Told<X> {
     }
 }
 
-/// Weights W of the channels and variances R of their errors: W = 1/R where no error is zero.
+/// Weights W of the channels and variances R of their errors: W = 1/R if no error is zero.
 pub(crate) fn channels(noise: &Noise) -> ([f64; 3], [f64; 3]) {
     let variances = noise.measurement.map(|std| std * std);
     let known = variances.iter().all(|v| *v > 0.0);
     (if known { variances.map(f64::recip) } else { [1.0; 3] }, variances)
 }
 
-/// Follows `run` into `path`, and sums up Σ_d w_d s_d s_dᵀ for all of the `weights` w.
+/// Simulates `run` into `path`, and sums Σ_d w_d s_d s_dᵀ for all of the `weights` w.
 fn followed<X: Unknowns, const W: usize>(
     run: &Recordings<X>,
     parameters: &[X],

@@ -5,10 +5,10 @@ use super::levels::{Flow, Levels};
 use super::recordings::Recordings;
 use super::unknowns::Unknowns;
 
-/// What an extended Kalman filter does with a measurement.
+/// The gain of an extended Kalman filter at a measurement.
 #[derive(Clone, Debug)]
 pub(crate) struct Gain<X, const N: usize> {
-    /// Share of each error that each state takes: N × 3.
+    /// Gain of each state for each error: N × 3.
     rows: [[X; 3]; N],
     /// W with W Λ Wᵀ = 1 for the innovations' covariance Λ, lower triangle by rows.
     whitening: [X; 6],
@@ -23,7 +23,7 @@ impl<X: Unknowns, const N: usize> Gain<X, N> {
         }
     }
 
-    /// What a correction leaves of a column of sensitivities.
+    /// Corrects a column of sensitivities.
     #[inline(always)]
     pub(crate) fn correct_column(&self, s: &mut [Lane; N]) {
         let (u, v, r) = (Lane::ZERO - s[0], Lane::ZERO - s[1], Lane::ZERO - s[2]);
@@ -60,7 +60,7 @@ pub(crate) fn filter<const N: usize>(
     filter_each(recordings, unknowns, &levels.spread(), known_start)
 }
 
-/// The same with levels of every recording.
+/// The same with separate levels for every recording.
 pub(crate) fn filter_each<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],
@@ -70,7 +70,7 @@ pub(crate) fn filter_each<const N: usize>(
     filter_along(recordings, unknowns, levels, known_start, |_| ())
 }
 
-/// The same; `each` is called with the states at every sample, corrected by what was measured there.
+/// The same; `each` is called with the states at every sample, corrected by the measurement there.
 pub(crate) fn filter_along<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],
@@ -192,7 +192,7 @@ pub(crate) fn moved<const N: usize>(
     whole
 }
 
-/// Adds what a sample's disturbances contribute to the covariance.
+/// Adds the contribution of a sample's disturbances to the covariance.
 #[inline(always)]
 pub(crate) fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local<Lane>, levels: &Levels<Lane>) {
     if let Flow::White { std } = levels.current {
@@ -208,7 +208,7 @@ pub(crate) fn add_noise<const N: usize>(p: &mut [[Lane; N]; N], local: &Local<La
     }
 }
 
-/// Adds a draw of this variance of the process that is state `i`; that of a sensor is measured at once.
+/// Adds a draw of this variance of the process in state `i`; that of a sensor is measured at once.
 #[inline(always)]
 fn add_draw<const N: usize>(p: &mut [[Lane; N]; N], i: usize, variance: Lane, measured: bool) {
     p[i][i] += variance;

@@ -1,16 +1,16 @@
-/// Correlation of neighbouring samples from which a current counts as one that stays.
+/// Correlation of neighbouring samples from which a current counts as constant.
 const LASTING: f64 = 1.0 - 1e-6;
 
-/// What disturbs a run, as far as it is known; `X`: of every run side by side.
+/// The known disturbances of a run; `X`: of runs in lanes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Levels<X = f64> {
     /// Standard deviations of white noise in the measured u, v \[m/s\] and r \[rad/s\].
     pub measurement: [X; 3],
     /// The current.
     pub current: Flow<X>,
-    /// Forces that no term tells of, such as wind.
+    /// Forces that no term describes, such as wind.
     pub force: Option<Gusts<X>>,
-    /// Errors of the sensors that last; alone, beside neither forces nor a current that lasts.
+    /// Correlated errors of the sensors; not together with forces or a correlated current.
     pub drift: Option<Drift<X>>,
 }
 
@@ -30,15 +30,15 @@ pub enum Flow<X = f64> {
         std: X,
         /// Correlation of neighbouring samples; 1: constant over a run.
         factor: X,
-        /// Sampling interval \[s\] where the process lives in earth axes and turns with the heading, 0 in body axes.
+        /// Sampling interval \[s\] if the process is in earth axes and turns with the heading, 0 in body axes.
         turning: X,
     },
 }
 
-/// Forces as Gauss–Markov processes in body axes. A constant one is what the intercepts are for, and left to them.
+/// Forces as Gauss–Markov processes in body axes. Constant ones are left to the intercepts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gusts<X = f64> {
-    /// Standard deviations of what they add to u, v \[m/s\] and r \[rad/s\] in a sample.
+    /// Standard deviations of the increments of u, v \[m/s\] and r \[rad/s\] per sample.
     pub std: [X; 3],
     /// Correlation of neighbouring samples of each, below 1.
     pub factor: [X; 3],
@@ -53,7 +53,8 @@ pub struct Drift<X = f64> {
     pub factor: X,
 }
 
-/// Calls a function that is generic over the number of states with that of [`Levels`], and takes a field of what it returns.
+/// Calls a function that is generic over the number of states with that of [`Levels`], and takes a field of its
+/// result.
 macro_rules! with_states {
     ($levels:expr, $function:ident $arguments:tt $($field:tt)*) => {
         match $levels.states() {
@@ -70,7 +71,7 @@ use regression::Noise;
 pub(crate) use with_states;
 
 impl Levels {
-    /// The same where every draw is new, which no force and no current that lasts is.
+    /// The same as white noise; `None` with a force or a correlated current.
     pub fn white(&self) -> Option<Noise> {
         let current = match (self.current, self.force, self.drift) {
             (Flow::Still, None, None) => 0.0,
@@ -80,8 +81,8 @@ impl Levels {
         Some(Noise { measurement: self.measurement, current })
     }
 
-    /// What the filter takes for noise and current, in words; samples are `interval_s` \[s\] apart.
-    pub(crate) fn told(&self, interval_s: f64) -> String {
+    /// The filter's noise and current, in words; samples are `interval_s` \[s\] apart.
+    pub(crate) fn words(&self, interval_s: f64) -> String {
         let [u, v, r] = self.measurement;
         let current = match self.current {
             Flow::Still => "still water".to_owned(),
@@ -109,8 +110,8 @@ impl Levels {
         )
     }
 
-    /// Number of states of vessel and disturbances together: 3, and 2 for a current that lasts, and 3 for gusts; 7 for sensors
-    /// that drift, see [`super::Dynamics`].
+    /// Number of states of vessel and disturbances together: 3, plus 2 for a correlated current, plus 3 for gusts; 7
+    /// for drifting sensors, see [`super::Dynamics`].
     pub(crate) fn states(&self) -> usize {
         if self.drift.is_some() {
             return 7;
@@ -124,7 +125,7 @@ impl Levels {
         self.force.filter(|force| force.factor.iter().all(|factor| *factor < 1.0))
     }
 
-    /// The same in other numbers, without forces that stay, which are left to the intercepts.
+    /// The same in other numbers, without constant forces, which are left to the intercepts.
     pub(crate) fn spread<X: From<f64>>(&self) -> Levels<X> {
         let current = match self.current {
             Flow::Still => Flow::Still,

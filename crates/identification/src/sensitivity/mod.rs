@@ -1,10 +1,10 @@
-//! How simulated and predicted states change with what is unknown: the one engine behind estimates, their standard errors, the
-//! information of experiments and its gradient.
+//! Sensitivities of simulated and predicted states to the unknowns: the common engine of estimates, their standard
+//! errors, the information of experiments and its gradient.
 //!
-//! States go from sample to sample by [`Dynamics`]; forward sensitivities go along ([`sweep`]), adjoints go back ([`backward`], and a single one
-//! where the slopes of squared errors are all that is wanted: [`slopes`]).
-//! Both are columns of lanes. Numbers `X` are [`numerics::Lane`]s for runs side by side, each unknown in a column of its own; or `f64`
-//! for a single run, [`numerics::LANES`] unknowns beside each other in a column ([`unknowns::Unknowns`]).
+//! [`Dynamics`] advances the states sample by sample; [`sweep`] propagates forward sensitivities with them, and
+//! [`backward`] adjoints ([`slopes`] a single one, if only the gradient of squared errors is needed). Both are
+//! columns of lanes. Numbers `X` are [`numerics::Lane`]s for runs in lanes, each unknown in its own column; or `f64`
+//! for a single run, with [`numerics::LANES`] unknowns in a column ([`unknowns::Unknowns`]).
 
 mod adjoint;
 mod columns;
@@ -23,7 +23,7 @@ pub(crate) use dynamics::{Dynamics, Local, Motion, current_of, vessel_state};
 pub use information::{
     OutputInformation, Simulated, output_information, output_informations, prediction_weights,
 };
-pub(crate) use information::{Told, channels};
+pub(crate) use information::{RunInformation, channels};
 pub(crate) use kalman::{Gain, add_noise, filter, filter_along, filter_each, gain, moved, shrink, start};
 pub(crate) use levels::with_states;
 pub use levels::{Drift, Flow, Gusts, Levels};

@@ -7,11 +7,12 @@ use pulp::{Simd, WithSimd};
 use super::columns::{Scale, Weigh};
 use super::unknowns::Unknowns;
 
-/// Columns whose products with as many others are summed up in one go.
+/// Columns whose products with as many others are summed at once.
 const TILE: usize = 5;
 type Tile = [[Lane; TILE]; TILE];
 
-/// Σ over samples of the product of every two signals, [`BLOCK`] samples at a time. Signals stand in columns as unknowns do.
+/// Σ over samples of the product of every two signals, [`BLOCK`] samples at a time. Signals are in columns as
+/// unknowns are.
 pub(crate) struct Products<X> {
     signals: usize,
     columns: Vec<Block<Lane>>,
@@ -45,7 +46,7 @@ impl<X: Unknowns> Products<X> {
         Scale { factor, entry, columns: from, blocks: &mut self.columns, row }.go();
     }
 
-    /// Goes to the next sample: every column was set at this one.
+    /// Moves to the next sample, after every column was set.
     #[inline(always)]
     pub(crate) fn advance(&mut self) {
         self.filled += 1;
@@ -87,8 +88,8 @@ impl<X: Unknowns> Products<X> {
     }
 }
 
-/// Adds to the sum of every block what `f`(t, value, sum) makes of it, sample by sample; several at a time, so that no addition
-/// waits for the one before it.
+/// Accumulates every block by `f`(t, value, sum), sample by sample; several blocks at a time, so that no addition
+/// waits for the previous one.
 #[inline(always)]
 fn accumulate(blocks: &[Block<Lane>], sums: &mut [Lane], f: impl Fn(usize, Lane, Lane) -> Lane + Copy) {
     let (fours, rest) = blocks.as_chunks::<4>();
@@ -129,7 +130,7 @@ struct Tiles<'a> {
 impl WithSimd for Tiles<'_> {
     type Output = ();
 
-    /// Every sum has a register: of 32 that hold all lanes there are enough for a tile, of 16 for two rows.
+    /// Every sum has a register: 32 that hold all lanes are enough for a tile, 16 for two rows.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let mut tiles = self.tiles.iter_mut();
@@ -144,7 +145,7 @@ impl WithSimd for Tiles<'_> {
     }
 }
 
-/// Adds the products of some columns with some others; of those with themselves each once.
+/// Adds the products of some columns with some others; of columns with themselves each once.
 #[inline(always)]
 fn add_tile<S: Simd, const THEMSELVES: bool>(
     simd: S,
@@ -159,7 +160,7 @@ fn add_tile<S: Simd, const THEMSELVES: bool>(
         }
         add_rows::<S, THEMSELVES, 0, 2>(simd, tile, one, other, part);
         if THEMSELVES {
-            // Half of the last rows' products: as many as of two rows.
+            // The last three rows have half of their products: as many as two rows.
             add_rows::<S, THEMSELVES, 2, 3>(simd, tile, one, other, part);
         } else {
             add_rows::<S, THEMSELVES, 2, 2>(simd, tile, one, other, part);
@@ -200,13 +201,14 @@ fn add_rows<S: Simd, const THEMSELVES: bool, const FROM: usize, const ROWS: usiz
     }
 }
 
-/// What [`Products`] came to.
+/// The result of [`Products`].
 pub(crate) struct Sums<X> {
     signals: usize,
     columns: usize,
-    /// Where every signal has a column: those of [`TILE`] columns with themselves, with the next ones and so on.
+    /// If every signal has its own column: the tiles of [`TILE`] columns with themselves, with the next ones and so
+    /// on.
     tiles: Vec<Tile>,
-    /// Where several signals share one: by signal its products with its own column and all after it.
+    /// If several signals share a column: per signal its products with its own column and all after it.
     rows: Vec<Lane>,
     kind: PhantomData<X>,
 }
@@ -225,7 +227,7 @@ impl<X: Unknowns> Sums<X> {
         none
     }
 
-    /// Where the sums of signal `i` begin.
+    /// The index of the first sum of signal `i`.
     fn row(&self, i: usize) -> usize {
         (0..i).map(|before| self.columns - before / X::PER_COLUMN).sum()
     }

@@ -6,19 +6,19 @@ use numerics::{LANES, Lane};
 
 use super::unknowns::Unknowns;
 
-/// Recordings of N samples, all row-major: [`LANES`] of them side by side, or a single one (`X` = `f64`). Shorter ones are
-/// filled up with anything.
+/// Recordings of N samples, all row-major: [`LANES`] of them side by side, or a single one (`X` = `f64`). Shorter
+/// ones are padded with arbitrary values.
 #[derive(Clone, Copy, Debug)]
 pub struct Recordings<'a, X = Lane> {
     /// The model structure, with or without intercepts.
     pub model: &'a Model,
-    /// Measured states u, v \[m/s\], r \[rad/s\]: (N+1) × 3; empty where nothing was measured.
+    /// Measured states u, v \[m/s\], r \[rad/s\]: (N+1) × 3; empty without measurements.
     pub measured: &'a [X],
     /// Inputs and measured disturbances: N × exogenous.
     pub exogenous: &'a [X],
-    /// State that each starts from.
+    /// Initial states.
     pub initial: [X; 3],
-    /// Samples of each recording; what comes later counts for nothing.
+    /// Samples of each recording; later ones are ignored.
     pub samples: [usize; LANES],
 }
 
@@ -48,7 +48,7 @@ impl<'a, X: Unknowns> Recordings<'a, X> {
         &self.exogenous[k * width..(k + 1) * width]
     }
 
-    /// What was measured less `state` at sample `k`; zero where nothing was.
+    /// Measured states less `state` at sample `k`; zero without measurements.
     #[inline(always)]
     pub(crate) fn error(&self, k: usize, state: [X; 3]) -> [X; 3] {
         match self.measured.is_empty() {
@@ -68,14 +68,14 @@ impl<'a, X: Unknowns> Recordings<'a, X> {
 }
 
 impl<'a> Recordings<'a> {
-    /// Runs side by side.
+    /// Recordings of runs in lanes.
     pub fn of(model: &'a Model, runs: &'a SideBySide) -> Self {
         let SideBySide { measured, exogenous, initial, samples, .. } = runs;
         Self { model, measured, exogenous, initial: *initial, samples: *samples }
     }
 }
 
-/// The runs at `chosen`, those of one length together, at most so many.
+/// Groups the runs at `chosen` by length, with a maximum number per group.
 pub(crate) fn of_one_length(
     all: &[RunView],
     chosen: impl Iterator<Item = usize>,
@@ -86,7 +86,7 @@ pub(crate) fn of_one_length(
     by_length.values().flat_map(|runs| runs.chunks(most).map(<[usize]>::to_vec)).collect()
 }
 
-/// The runs at `chosen` in groups of up to [`LANES`] of equal length, and each group side by side.
+/// The runs at `chosen` in groups of up to [`LANES`] of equal length, each in lanes.
 pub(crate) fn groups(
     all: &[RunView],
     chosen: impl Iterator<Item = usize>,

@@ -3,7 +3,7 @@ use numerics::{LANES, Lane};
 use super::dynamics::Dynamics;
 use super::recordings::Recordings;
 
-/// Squared errors of a free simulation, and how they fall with the unknowns.
+/// Squared errors of a free simulation, and their gradient by the unknowns.
 pub(crate) struct Slopes {
     /// Σ e² of u, v, r.
     pub squares: [f64; 3],
@@ -11,8 +11,9 @@ pub(crate) struct Slopes {
     pub gradient: Vec<f64>,
 }
 
-/// Of `recordings` simulated with `unknowns`, per lane, for the unknowns in `free`; `weights` are given lane and squared errors, `path` is
-/// room for the states. One adjoint, λ(k) = Aᵀλ(k+1) + W e(k), takes the place of all sensitivities: a parameter's entry is Σ φ(k) λ(k+1).
+/// The gradient for `recordings` simulated with `unknowns`, per lane, by the unknowns in `free`. `weights` is called
+/// with lane and squared errors, `path` is a buffer for the states. One adjoint, λ(k) = Aᵀλ(k+1) + W e(k), replaces
+/// all sensitivities: a parameter's entry is Σ φ(k) λ(k+1).
 pub(crate) fn slopes(
     recordings: &Recordings,
     unknowns: &[Lane],
@@ -33,7 +34,8 @@ pub(crate) fn slopes(
     (0..LANES).map(own).collect()
 }
 
-/// Squared errors, and their slopes by every unknown. Samples count from `first` on.
+/// Squared errors and their gradient by every unknown, by a forward and a backward pass. Samples count from `first`
+/// on.
 #[inline(always)]
 fn there_and_back(
     mut dynamics: Dynamics<Lane, 3>,

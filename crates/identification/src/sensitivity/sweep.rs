@@ -7,9 +7,10 @@ use super::levels::Levels;
 use super::recordings::Recordings;
 use super::unknowns::Unknowns;
 
-/// One pass over recordings: predicts, compares, and carries the sensitivities along. `unknowns`: one number each, as
-/// [`Recordings::unknowns`] orders them, and what the disturbances begin with where that is not zero; `free`: those whose sensitivities are wanted; `levels`: what disturbs, and `gains`
-/// of every sample: neither for a free simulation. `each` is called with every sample from 0 to N.
+/// One pass over recordings: predicts, compares, and propagates the sensitivities. `unknowns`: one number each, as
+/// [`Recordings::unknowns`] orders them, then the initial disturbances if not zero; `free`: those whose sensitivities
+/// are computed; `levels`: the disturbances, and `gains` of every sample: neither for a free simulation. `each` is
+/// called with every sample from 0 to N.
 pub(crate) fn sweep<X: Unknowns, const N: usize>(
     recordings: &Recordings<X>,
     unknowns: &[X],
@@ -23,9 +24,9 @@ pub(crate) fn sweep<X: Unknowns, const N: usize>(
     numerics::vectorized!(narrow: go_along(dynamics, recordings, unknowns, free, gains, each));
 }
 
-/// A sweep of free simulations of the vessel's three states: nothing disturbs and nothing corrects them. `unknowns`: the model's
-/// parameters, then three offsets of the initial state; `free`: places of those whose sensitivities are wanted. `each` is called
-/// with every sample from 0 to N.
+/// A sweep of free simulations of the vessel's three states, without disturbances and corrections. `unknowns`: the
+/// model's parameters, then three offsets of the initial state; `free`: indices of those whose sensitivities are
+/// computed. `each` is called with every sample from 0 to N.
 pub fn free_sweep<X: Unknowns>(
     recordings: &Recordings<X>,
     unknowns: &[X],
@@ -35,7 +36,7 @@ pub fn free_sweep<X: Unknowns>(
     sweep(recordings, unknowns, free, None, &[], each);
 }
 
-/// What a sweep finds at a sample, before the sample's measurement corrects it.
+/// A sweep at a sample, before the correction by the sample's measurement.
 pub struct Step<'a, X, const N: usize> {
     /// The sample, from 0 on.
     pub k: usize,
@@ -96,7 +97,7 @@ fn go_along<X: Unknowns, const N: usize>(
     }
 }
 
-/// What an unknown does to the next state.
+/// The effect of an unknown on the next state.
 enum Effect {
     /// Multiplies its term in this degree of freedom.
     Term(usize, usize),
@@ -117,11 +118,11 @@ impl Effect {
 #[derive(Clone, Debug)]
 pub struct Sensitivities<X> {
     free: usize,
-    /// Measured minus simulated states, (N+1) × 3; zero where a sample does not count.
+    /// Measured minus simulated states, (N+1) × 3; zero for samples that do not count.
     pub errors: Vec<X>,
     /// Simulated states, (N+1) × 3.
     pub states: Vec<X>,
-    /// By sample the columns of ∂states/∂(free unknowns); zero where a sample does not count.
+    /// By sample the columns of ∂states/∂(free unknowns); zero for samples that do not count.
     columns: Vec<[Lane; 3]>,
 }
 
@@ -132,14 +133,15 @@ impl<X> Default for Sensitivities<X> {
 }
 
 impl<X: Unknowns> Sensitivities<X> {
-    /// Of `recordings` simulated with `unknowns`, to those in `free`. Sample 0 counts where `from_start`.
+    /// The sensitivities of `recordings` simulated with `unknowns`, to those in `free`. Sample 0 counts where
+    /// `from_start`.
     pub fn of(recordings: &Recordings<X>, unknowns: &[X], free: &[usize], from_start: bool) -> Self {
         let mut kept = Self::default();
         kept.follow(recordings, unknowns, free, from_start);
         kept
     }
 
-    /// Follows other recordings, in the place of those before, see [`Self::of`].
+    /// Simulates other recordings, overwriting the previous ones, see [`Self::of`].
     pub(crate) fn follow(
         &mut self,
         recordings: &Recordings<X>,
@@ -164,19 +166,19 @@ impl<X: Unknowns> Sensitivities<X> {
         );
     }
 
-    /// Makes room for other recordings.
+    /// Clears and reserves buffers for other recordings.
     pub(crate) fn clear(&mut self, free: usize, samples: usize) {
         let rows = samples + 1;
         self.free = free;
-        for (kept, room) in [(&mut self.errors, 3 * rows), (&mut self.states, 3 * rows)] {
+        for (kept, count) in [(&mut self.errors, 3 * rows), (&mut self.states, 3 * rows)] {
             kept.clear();
-            kept.reserve(room);
+            kept.reserve(count);
         }
         self.columns.clear();
         self.columns.reserve(rows * free.div_ceil(X::PER_COLUMN));
     }
 
-    /// Keeps a sample, which counts as much as `counts` says.
+    /// Stores a sample with the weight `counts`.
     #[inline(always)]
     pub(crate) fn keep(&mut self, step: &Step<'_, X, 3>, counts: X) {
         let [u, v, r] = step.error;

@@ -1,14 +1,14 @@
 use numerics::{LANES, Lane, Number};
 
-/// How unknowns stand in columns of lanes.
+/// The layout of unknowns in columns of lanes.
 pub trait Unknowns: Number {
-    /// How many stand in one column.
+    /// Unknowns per column.
     const PER_COLUMN: usize;
     /// The entry of unknown `i` in its column.
     fn of_column(column: Lane, i: usize) -> Self;
     /// Adds to the entry of unknown `i` in its column.
     fn add_to(self, column: &mut Lane, i: usize);
-    /// A number of every run; of the first, where there is one run.
+    /// A number of every run; of the first for a single run.
     fn by_lane(of: impl Fn(usize) -> f64) -> Self;
 }
 

@@ -3,7 +3,7 @@
 use engine::{Run, Segment};
 use identification::Estimator;
 use identification::predictor::InitialState;
-use identification::runs::{Beside, RunEstimators};
+use identification::runs::{AdditionalUnknowns, RunEstimators};
 use model::Vessel;
 use regression::MeanRemoval;
 
@@ -31,7 +31,7 @@ fn a_measured_run_at_steady_thrust_is_not_answered_and_a_simulated_one_is() {
         estimators: vec![Estimator::Iv],
         removal: MeanRemoval::Complete,
         initial: InitialState::Known,
-        beside: Beside::default(),
+        additional: AdditionalUnknowns::default(),
         levels: None,
     };
     let judged =

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use engine::Run;
 use identification::pooled::{Estimated, Judgement, Pool, PoolError, Resampling, estimate};
 use identification::predictor::{Flow, InitialState, Levels};
-use identification::runs::{Beside, RunEstimators};
+use identification::runs::{AdditionalUnknowns, RunEstimators};
 use identification::{Estimator, RunEstimate};
 use model::{InputSpec, TermSpec, Vessel, VesselFile};
 use regression::pooled::{DegreeRegression, Options, Part, PooledRuns, Regression, fit};
@@ -43,17 +43,24 @@ fn by_name(vessel: &Vessel, found: &Estimated) -> BTreeMap<String, f64> {
     names.zip(theta).chain(constants).collect()
 }
 
-/// Estimates of single runs, of the three kinds that begin anew.
+/// Estimates of single runs, of the three kinds that start from scratch.
 fn single(vessel: &Vessel, runs: &[Run]) -> Vec<RunEstimate> {
     let estimators = Estimator::OF_RUNS.to_vec();
     let levels = Levels { measurement: [0.01, 0.01, 0.005], current: Flow::Still, force: None, drift: None };
     let (removal, initial) = (MeanRemoval::Complete, InitialState::Known);
-    RunEstimators { vessel, estimators, removal, initial, beside: Beside::default(), levels: Some(levels) }
-        .estimates(runs)
-        .unwrap()
+    RunEstimators {
+        vessel,
+        estimators,
+        removal,
+        initial,
+        additional: AdditionalUnknowns::default(),
+        levels: Some(levels),
+    }
+    .estimates(runs)
+    .unwrap()
 }
 
-/// Of those with an estimate, by run, estimator and parameter: θ̂ and its standard error.
+/// θ̂ and its standard error by run, estimator and parameter, of those with an estimate.
 fn each(vessel: &Vessel, found: &[RunEstimate]) -> BTreeMap<(i32, String, String), [f64; 2]> {
     let mut all = BTreeMap::new();
     for found in found {
@@ -72,7 +79,7 @@ fn close(found: f64, expected: f64, relative: f64) {
 #[test]
 fn law_fixing_a_parameter_at_its_estimate_changes_no_other() {
     let (free, parts) = (craft(|_| ()), parts(4));
-    // Instruments are simulated with the nominal model, so those of `iv` would be others: see the next law.
+    // Instruments are simulated with the nominal model, so those of `iv` would differ: see the next law.
     for (estimator, relative) in [(Estimator::Ls, 1e-9), (Estimator::OutputError, 2e-4)] {
         let expected = by_name(&free, &pooled(&free, &parts, estimator));
         let fixed = craft(|file| {
@@ -191,8 +198,8 @@ fn law_bounds_that_do_not_bind_change_no_bit_and_those_that_do_hold_like_a_fixed
     let runs = runs(&parts[..1]);
     let expected = single(&free, &runs);
     assert_eq!(single(&wide, &runs), expected);
-    // Output error held at a bound is output error with the parameter fixed there, and the data pull beyond: without the
-    // bound the estimate lies there.
+    // Output error held at a bound is output error with the parameter fixed there, and the data favour values beyond:
+    // without the bound the estimate lies there.
     let at = by_name(&free, &pooled(&free, &parts, Estimator::OutputError))["X_vr"] + 0.1;
     let held = bounded("X_vr", [at, 10.0], at + 0.1);
     let fixed = craft(|file| (spec(file, "X_vr").fixed, spec(file, "X_vr").nominal) = (true, Some(at)));

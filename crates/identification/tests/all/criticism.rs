@@ -1,4 +1,4 @@
-//! What a model is found to lack, on runs of which that is known.
+//! Tests of what a model lacks, on runs for which that is known.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use engine::{Compiled, Run, RunView, Segment, simulate_one};
 use identification::criticism::{Absent, Criticism, Subject, criticise, criticise_each};
 use identification::pooled::{Judgement, Pool, Resampling, enriched};
 use identification::predictor::{Flow, InitialState, Levels};
-use identification::runs::{Asked, Beside, RunEstimators};
+use identification::runs::{AdditionalUnknowns, Asked, RunEstimators};
 use identification::{EstimateStatus, Estimator};
 use model::{Model, Term, Vessel};
 use regression::MeanRemoval;
@@ -119,7 +119,7 @@ fn two_missing_terms_are_found_and_a_right_model_is_seldom_rejected() {
     let rejected = all(&[], Some(STATED), 16).iter().filter(|c| c.rejected).count();
     assert!(rejected <= 4, "{rejected} of 16");
     for criticism in all(&[(1, "v |v|", -0.4), (2, "r |r|", -0.3)], Some(STATED), 4) {
-        let first = criticism.absent[0].told();
+        let first = criticism.absent[0].label();
         assert!(
             criticism.rejected && ["`v |v|` in sway", "`r |r|` in yaw"].contains(&first.as_str()),
             "{first}"
@@ -157,9 +157,9 @@ fn a_lag_of_the_inputs_is_told_with_its_size() {
         Experiment { initial: experiment.initial, inputs, segments: experiment.segments.clone() }
     };
     let measured = recorded(&lagged, &vessel, &[], 1);
-    let told = criticised(&vessel.model, &truth(&vessel), &experiment, &[&measured[0]], Some(STATED));
-    assert!(told.rejected, "{:?}", told.statements);
-    let lag = found(&told, "lag of the inputs", None);
+    let lagged = criticised(&vessel.model, &truth(&vessel), &experiment, &[&measured[0]], Some(STATED));
+    assert!(lagged.rejected, "{:?}", lagged.statements);
+    let lag = found(&lagged, "lag of the inputs", None);
     assert!(lag.candidate && (lag.value[0] / 0.5 - 1.0).abs() < 0.2, "{lag:?}");
 }
 
@@ -200,7 +200,7 @@ fn runs_that_reject_the_model_say_so_with_every_estimator() {
         estimators: vec![Estimator::Iv, Estimator::OutputError],
         removal: MeanRemoval::Complete,
         initial: InitialState::Known,
-        beside: Beside::default(),
+        additional: AdditionalUnknowns::default(),
         levels: Some(STATED),
     };
     let statuses = |runs: Vec<Run>| -> Vec<EstimateStatus> {
@@ -217,7 +217,7 @@ fn runs_that_reject_the_model_say_so_with_every_estimator() {
     assert!(!RunEstimators { levels: Some(silent), ..estimators }.asks(Asked::Stated));
 }
 
-/// An estimate at a bound is judged as it is delivered: held there, not as it would be without the bound.
+/// An estimate at a bound is tested as delivered: held there, not as it would be without the bound.
 #[test]
 fn a_bound_that_excludes_the_truth_is_rejected_by_the_runs_whose_estimates_lie_at_it() {
     let mut vessel = paper();
@@ -230,7 +230,7 @@ fn a_bound_that_excludes_the_truth_is_rejected_by_the_runs_whose_estimates_lie_a
             estimators: vec![Estimator::Iv],
             removal: MeanRemoval::Complete,
             initial: InitialState::Known,
-            beside: Beside::default(),
+            additional: AdditionalUnknowns::default(),
             levels: Some(STATED),
         };
         let mut rows = estimators.estimates(&runs).unwrap();
@@ -244,12 +244,12 @@ fn a_bound_that_excludes_the_truth_is_rejected_by_the_runs_whose_estimates_lie_a
     assert_eq!(judged(Some([-0.25, 0.0])), [(true, EstimateStatus::Rejected); 3]);
     assert_eq!(judged(Some([-1.0, 0.0])), free);
     assert!(free.iter().any(|(_, status)| *status == EstimateStatus::Identified), "{free:?}");
-    // Some of the runs lie at this one, whatever becomes of them; the others are judged as without it.
+    // Some of the estimates lie at this bound, with any verdict; the others are tested as without it.
     let some = judged(Some([-0.35, 0.0]));
     assert!(some.iter().zip(&free).all(|((ends, with), (_, without))| *ends || with == without), "{some:?}");
 }
 
-/// A filter that trusts its stated noise can be stuck far from the least errors.
+/// A filter that trusts its stated noise can get stuck far from the least errors.
 #[test]
 fn an_estimate_that_is_far_off_does_not_change_what_is_found_to_be_missing() {
     let vessel = paper();
@@ -261,7 +261,7 @@ fn an_estimate_that_is_far_off_does_not_change_what_is_found_to_be_missing() {
     for own in &measured {
         let [near, far] =
             [&theta, &far].map(|start| criticised(&vessel.model, start, &experiment, &[own], Some(STATED)));
-        assert_eq!(near.absent[0].told(), far.absent[0].told());
+        assert_eq!(near.absent[0].label(), far.absent[0].label());
         assert!(
             (near.error_ratio / far.error_ratio - 1.0).abs() < 0.01,
             "{} {}",
@@ -315,7 +315,7 @@ fn an_autopilot_that_steers_by_the_logged_sensor_is_told_from_one_with_its_own()
     }
 }
 
-/// What the model is found to lack is added, and no more.
+/// The missing terms are added, and no others.
 #[test]
 fn terms_are_added_until_the_model_is_not_rejected() {
     let vessel = paper();
@@ -350,7 +350,7 @@ fn terms_are_added_until_the_model_is_not_rejected() {
     assert_eq!(added(&[(1, "v |v|", -0.4), (2, "r |r|", -0.3)], 1).0.len(), 1);
 }
 
-/// What parameters take for the vessel's own motion makes their standard errors too small.
+/// Standard errors are too small if parameters attribute a current to the vessel's own motion.
 #[test]
 fn a_current_that_lasts_is_said_to_spoil_standard_errors() {
     let vessel = paper();

@@ -1,10 +1,10 @@
-//! Noise that nobody stated: which kind is found, and what becomes of right and wrong models under it. Few runs of each;
-//! `cargo run --release -p identification --example noise` does as many as wanted.
+//! Noise that is not stated: which kind is found, and the verdicts on right and wrong models under it. Few runs of
+//! each; for more, `cargo run --release -p identification --example noise`.
 
 use engine::{Compiled, Run, RunView, Segment};
 use identification::criticism::{Criticism, NoiseKind, Subject, Verdict, criticise, criticise_each};
 use identification::predictor::InitialState;
-use identification::runs::{Beside, RunEstimators};
+use identification::runs::{AdditionalUnknowns, RunEstimators};
 use identification::{EstimateStatus, Estimator};
 use model::{Model, Term, Vessel};
 use rayon::prelude::*;
@@ -16,7 +16,7 @@ use crate::support::{Experiment, dictionary, paper, truth};
 const RATE_HZ: f64 = 8.0;
 const NOISE: f64 = 0.0158;
 
-/// What disturbs runs: standard deviations and times [s].
+/// Disturbances of runs: standard deviations and times [s].
 #[derive(Clone, Copy, Default)]
 struct Sea {
     current: Option<(f64, f64)>,
@@ -105,7 +105,7 @@ fn runs(vessel: &Vessel, more: bool, sea: Sea, seeds: std::ops::Range<u64>) -> V
     seeds.map(|seed| recorded(&model, &values.concat(), &experiment, sea, seed)).collect()
 }
 
-/// Runs that are asked about, from known starts.
+/// A subject with known starts.
 fn asked<'a>(model: &'a Model, runs: &'a [RunView<'a>], names: &'a [&'a str]) -> Subject<'a> {
     Subject { model, runs, rate_hz: RATE_HZ, known_start: true, levels: None, names }
 }
@@ -155,7 +155,7 @@ fn missing_terms_are_found_under_noise_that_is_found() {
     let vessel = paper();
     for sea in [GUSTS, CURRENT] {
         for own in criticised(&vessel, &runs(&vessel, true, sea, 11..15)) {
-            let first = own.absent[0].told();
+            let first = own.absent[0].label();
             assert!(
                 own.verdict == Verdict::Rejected
                     && ["`v |v|` in sway", "`r |r|` in yaw"].contains(&first.as_str()),
@@ -166,7 +166,7 @@ fn missing_terms_are_found_under_noise_that_is_found() {
     }
 }
 
-/// Waves are no noise that is known here: nothing is said about the model, and intervals are marked as approximate.
+/// Waves are no known kind of noise: there is no verdict on the model, and intervals are marked as approximate.
 #[test]
 fn a_disturbance_that_no_kind_describes_gets_no_verdict() {
     let vessel = paper();
@@ -182,14 +182,14 @@ fn a_disturbance_that_no_kind_describes_gets_no_verdict() {
         estimators: vec![Estimator::OutputError, Estimator::PredictionError],
         removal: MeanRemoval::Complete,
         initial: InitialState::Known,
-        beside: Beside::default(),
+        additional: AdditionalUnknowns::default(),
         levels: None,
     };
     let rows = estimators.estimates(&runs[..1]).unwrap();
     assert!(rows.iter().all(|row| row.status == EstimateStatus::Approximate), "{rows:?}");
 }
 
-/// At rest the start is nothing.
+/// At convergence the result does not depend on the start.
 #[test]
 fn law_noise_and_parameters_at_rest_do_not_depend_on_where_the_search_begins() {
     let vessel = paper();

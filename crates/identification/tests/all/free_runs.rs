@@ -43,7 +43,7 @@ fn oracle_validation_errors_of_free_simulation() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// One more channel, which no term has, changes no sensitivity.
+    /// An additional channel that no term uses changes no sensitivity.
     #[test]
     fn law_a_channel_that_no_term_has_changes_no_bit(seed in 0u64..1000, lengths in [20usize..90, 20usize..90]) {
         let vessel = paper();

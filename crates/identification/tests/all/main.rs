@@ -1,4 +1,4 @@
-//! What must hold of estimates, and what independent computations found.
+//! Properties of estimates, and comparisons with independent computations.
 
 mod collinear;
 mod constraints;
@@ -11,7 +11,7 @@ mod output_error_laws;
 mod output_error_oracle;
 mod output_information;
 mod pooled_again;
-mod pooled_around;
+mod pooled_ambient;
 mod pooled_continued;
 mod pooled_laws;
 mod quantiles;

@@ -1,11 +1,11 @@
-//! What must hold of estimates by simulation and prediction.
+//! Properties of estimates by simulation and prediction.
 
 use engine::{RunView, Weather, simulate, simulate_one};
 use identification::predictor::{
     Fit, Fitted, Flow, Gusts, InitialState, Levels, Recordings, Sensitivities, Spread, Unknown, output_error,
     prediction_error,
 };
-use identification::runs::{Beside, Intercepts, UnknownCurrent, UnknownWind};
+use identification::runs::{AdditionalUnknowns, Intercepts, UnknownCurrent, UnknownWind};
 use model::{Model, Source, Vessel};
 use numerics::{LANES, Lane};
 use regression::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
@@ -128,8 +128,9 @@ fn law_intercepts_take_a_constant_force_and_the_offset_an_unknown_start() {
     }
 }
 
-/// A current that changes evenly, or a wind that pushes in one direction over ground, while the vessel turns: their unknowns take
-/// them, and the parameters are the true ones. (Where sway is linear both at once are hardly told apart.)
+/// A current that changes evenly, or a wind that pushes in one direction over ground, while the vessel turns: their
+/// unknowns take them, and the parameters are the true ones. (If sway is linear, both at once are hardly
+/// distinguishable.)
 #[test]
 fn law_a_drifting_current_and_a_wind_are_found_with_the_parameters() {
     let vessel = paper();
@@ -138,22 +139,22 @@ fn law_a_drifting_current_and_a_wind_are_found_with_the_parameters() {
     let theta = truth(&vessel);
     let starts = vec![vec![vessel.nominal.clone()]; LANES];
     let (drifting, wind) = ([[0.05, -0.03], [4e-5, 6e-5], [0.0; 2]], [[0.0; 2], [0.0; 2], [3e-4, -2e-4]]);
-    for (around, current, blows) in [
+    for (ambient, current, blows) in [
         (drifting, UnknownCurrent::Drifting, UnknownWind::None),
         (wind, UnknownCurrent::None, UnknownWind::Earth),
     ] {
-        let measured = splat(&surrounded(&vessel, &experiment, around));
+        let measured = splat(&surrounded(&vessel, &experiment, ambient));
         let runs = runs(&experiment, &measured);
         let fits = |current, wind| {
-            let beside = Beside { current, wind, intercepts: Intercepts::None };
-            let unknown = Unknown::new(InitialState::Known, beside, interval);
+            let additional = AdditionalUnknowns { current, wind, intercepts: Intercepts::None };
+            let unknown = Unknown::new(InitialState::Known, additional, interval);
             converged(output_error(&vessel.model, &runs, &starts, unknown, Spread::Blocks)).swap_remove(0)
         };
         let found = fits(current, blows);
         for (found, truth) in found.parameters.iter().zip(&theta) {
             approx::assert_relative_eq!(*found, *truth, max_relative = 1e-4);
         }
-        for (found, truth) in found.around[0].iter().zip(around.concat()) {
+        for (found, truth) in found.ambient[0].iter().zip(ambient.concat()) {
             approx::assert_relative_eq!(*found, truth, max_relative = 1e-3);
         }
         let without = fits(UnknownCurrent::None, UnknownWind::None);
@@ -162,8 +163,8 @@ fn law_a_drifting_current_and_a_wind_are_found_with_the_parameters() {
     }
 }
 
-/// The true vessel in a current over ground, which changes by so much in a sample, and a wind that pushes by so much: a loop of its
-/// own, with sines and cosines of the heading.
+/// The true vessel in a current over ground, its change per sample, and the effect of a wind: a separate loop, with
+/// sines and cosines of the heading.
 fn surrounded(vessel: &Vessel, experiment: &Experiment, [water, drift, push]: [[f64; 2]; 3]) -> Vec<f64> {
     let lifted = vessel.model.with_intercepts();
     let turned = |[x, y]: [f64; 2], heading: f64| {
@@ -184,8 +185,8 @@ fn surrounded(vessel: &Vessel, experiment: &Experiment, [water, drift, push]: [[
     states
 }
 
-/// A current that stays over ground while the vessel turns in it, or that stays in the vessel's axes: two unknowns take it, and the
-/// parameters are the true ones; no intercept does that.
+/// A current that is constant over ground while the vessel turns in it, or constant in the vessel's axes: two
+/// unknowns take it, and the parameters are the true ones; no intercept does that.
 #[test]
 fn law_a_constant_current_is_found_with_the_parameters() {
     let vessel = paper();
@@ -202,8 +203,8 @@ fn law_a_constant_current_is_found_with_the_parameters() {
         let runs = runs(&experiment, &measured);
         let starts = vec![vec![vessel.nominal.clone()]; LANES];
         let fits = |current| {
-            let beside = Beside { current, ..Beside::default() };
-            let unknown = Unknown::new(InitialState::Known, beside, 1.0 / vessel.sample_rate_hz);
+            let additional = AdditionalUnknowns { current, ..AdditionalUnknowns::default() };
+            let unknown = Unknown::new(InitialState::Known, additional, 1.0 / vessel.sample_rate_hz);
             converged(output_error(&vessel.model, &runs, &starts, unknown, Spread::Blocks))
         };
         let found = &fits(axes)[0];
@@ -211,7 +212,7 @@ fn law_a_constant_current_is_found_with_the_parameters() {
         for (found, truth) in found.parameters.iter().zip(truth(&vessel)) {
             approx::assert_relative_eq!(*found, truth, max_relative = 1e-4);
         }
-        for (found, truth) in found.around[0].iter().zip(water) {
+        for (found, truth) in found.ambient[0].iter().zip(water) {
             approx::assert_relative_eq!(*found, truth, max_relative = 1e-4);
         }
         let without = &fits(UnknownCurrent::None)[0];
@@ -258,8 +259,8 @@ fn law_prediction_error_without_disturbances_is_output_error() {
     }
 }
 
-/// Cramér and Rao's bound from measurement noise alone, without intercepts, in still water: what the estimators are held
-/// against in README.md.
+/// Cramér and Rao's bound from measurement noise alone, without intercepts, in still water: the bound that README.md
+/// compares the estimators with.
 #[test]
 fn law_measurement_noise_bounds_what_the_papers_experiment_can_tell() {
     let vessel = paper();
@@ -365,7 +366,7 @@ fn law_standard_errors_are_the_spread_of_estimates() {
     }
 }
 
-/// A current in earth axes is what the filter turns with the heading: of its own levels the innovations are white.
+/// The filter turns a current in earth axes with the heading: with the true levels the innovations are white.
 #[test]
 fn law_whitened_innovations_of_the_true_filter_have_unit_variance() {
     let vessel = paper();

@@ -109,7 +109,7 @@ fn law_an_estimate_does_not_depend_on_the_runs_that_are_searched_for_beside_it()
     let all = Run::all();
     let (vessel, truth) = (&all[0].vessel, truth(&all[0].vessel));
     let model = vessel.model.with_intercepts();
-    // Other errors and starts for each: some searches end early, some late, some diverge and begin again.
+    // Other errors and starts for each: some searches end early, some late, some diverge and restart.
     let measured = |i: usize| -> Vec<f64> {
         let own = all[i % all.len()].measured.iter().enumerate();
         own.map(|(k, y)| y[0] + 0.03 * ((k * (i + 3)) as f64).sin()).collect()

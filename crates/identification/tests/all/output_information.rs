@@ -34,7 +34,7 @@ fn law_sensitivities_are_the_difference_quotients_of_free_simulation() {
     let (model, at) = lifted(&vessel.model, &truth(&vessel));
     let (s, n) = (sensitivities(&model, &at, &experiment), at.len());
     for p in 0..n {
-        // Of a size that moves the states by about a hundredth.
+        // A step that changes the states by about a hundredth.
         let step = if at[p] == 0.0 { 1e-6 } else { 1e-5 * at[p].abs() };
         let moved = |sign: f64| {
             let mut theta = at.clone();
@@ -107,7 +107,7 @@ fn law_the_variance_of_a_free_run_is_the_trace_of_weights_and_covariance() {
     let (model, theta) = (&vessel.model, truth(&vessel));
     let weights = prediction_weights(model, &theta, experiment.initial, &experiment.inputs).unwrap();
     let n = model.layout().with_intercepts().parameters();
-    // One direction of small errors: δᵀ G δ is the mean square of what it moves.
+    // One direction of small errors: δᵀ G δ is the mean square of its effect.
     let error = |(i, t): (usize, &f64)| 1e-4 * t * if i.is_multiple_of(2) { 1.0 } else { -0.5 };
     let by: Vec<f64> = theta.iter().enumerate().map(error).collect();
     let moved: Vec<f64> = theta.iter().zip(&by).map(|(t, e)| t + e).collect();
@@ -126,7 +126,7 @@ fn law_runs_side_by_side_tell_what_each_tells_alone() {
     let noise = Noise { measurement: [0.1, 0.2, 0.05], current: 0.3 };
     let lengths = (0..generator.maneuvers().len()).map(|index| if index == 4 { 90 } else { 120 });
     let runs: Vec<_> = lengths.enumerate().map(|(q, n)| generator.realize(q, n).unwrap()).collect();
-    // Each with a model of its own.
+    // Each with its own model.
     let scaled = |q: usize| theta.iter().map(move |t| t * (1.0 + 0.01 * q as f64)).collect();
     let models: Vec<Vec<f64>> = (0..runs.len()).map(scaled).collect();
     let each = runs.iter().zip(&models);

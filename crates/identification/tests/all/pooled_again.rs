@@ -1,4 +1,4 @@
-//! Runs that are read again and again give what runs in memory give.
+//! Runs that are read repeatedly give the same result as runs in memory.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ use regression::pooled::{PooledRuns, Recorded};
 use crate::support::craft::{craft, part};
 use crate::support::noise::Normals;
 
-/// Runs in blocks, as in a file, of which little is held at a time.
+/// Runs in blocks, as in a file, with little in memory at a time.
 struct Blocks(Vec<Vec<Run>>);
 
 impl Recorded for Blocks {
@@ -33,7 +33,7 @@ impl Recorded for Blocks {
     }
 }
 
-/// Runs of several lengths and of two or three segments; run 4 goes on where run 3 ends.
+/// Runs of several lengths and of two or three segments; run 4 continues where run 3 ends.
 pub fn runs(vessel: &Vessel) -> Vec<Run> {
     let mut normals = Normals::new(9);
     let lengths = [60, 45, 60, 90, 30, 45, 75, 60];
@@ -75,7 +75,7 @@ fn law_runs_that_are_read_again_give_the_same_bits() {
         for estimator in Estimator::POOLED.into_iter().filter(wanted) {
             let expected = estimate(&pool, &held, estimator, &judgement, Resampling::Drawn(&|_| ())).unwrap();
             let found = estimate(&pool, &again, estimator, &judgement, Resampling::Drawn(&|_| ())).unwrap();
-            // Written out, so that every digit counts and what is no number equals itself.
+            // Compared as text, so that every digit counts and NaN equals itself.
             assert_eq!(format!("{found:?}"), format!("{expected:?}"), "{estimator} {removal}");
             assert_eq!(found.sources.len(), 6);
             let resampled = found.degrees.iter().flat_map(|degree| &degree.parameters);

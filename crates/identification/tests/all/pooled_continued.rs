@@ -14,7 +14,7 @@ fn craft() -> Vessel {
     Vessel::from_file(craft_file()).unwrap()
 }
 
-/// A craft that runs away: what damps it pushes it.
+/// An unstable craft: its damping has the wrong sign.
 fn runaway() -> Vessel {
     let mut file = craft_file();
     for spec in [&mut file.surge, &mut file.sway, &mut file.yaw].into_iter().flatten() {
@@ -41,7 +41,7 @@ fn law_a_search_whose_start_diverges_finds_the_minimum_that_it_finds_from_elsewh
         assert_eq!((found.used, &found.unfound), ([Estimator::OutputError; 3], &None));
         found.parameters(&pool.model).unwrap()
     };
-    // A prior that nothing outweighs holds the estimate that the search begins with at a craft that runs away.
+    // A dominating prior keeps the start of the search at an unstable craft.
     let (expected, continued) = (found(&Pool::new(&near)), found(&Pool { strength: 1e9, ..Pool::new(&far) }));
     for (a, b) in expected.iter().zip(&continued) {
         assert!((a - b).abs() <= 1e-3 * a.abs().max(1e-3), "{a} {b}");

@@ -1,4 +1,4 @@
-//! What must hold of pooled estimates by theory.
+//! Properties of pooled estimates that hold by theory.
 
 use approx::assert_relative_eq;
 use engine::{RunView, Streams, simulate_one};
@@ -58,7 +58,7 @@ fn law_output_errors_vanish_at_the_truth_that_undisturbed_data_came_from() {
     assert_eq!([3, 6, 10].map(|i: usize| found[i]), [0.0; 3]);
 }
 
-/// The definition of a jackknife, with every estimate searched for anew.
+/// The definition of a jackknife, with a new search for every estimate.
 #[test]
 fn law_standard_errors_of_output_error_are_those_of_estimates_with_a_part_left_out() {
     let vessel = craft();
@@ -81,11 +81,15 @@ fn law_standard_errors_of_output_error_are_those_of_estimates_with_a_part_left_o
         let squares: f64 = left.iter().map(|own| (own[i] - found.parameters[i]).powi(2)).sum();
         let (expected, own) = ((squares * (g - 1.0) / g).sqrt(), found.covariance[i * n + i].sqrt());
         assert!((own / expected - 1.0).abs() < 0.1, "{i}: {own} {expected}");
-        assert!((2.0..=g * (1.0 + 1e-9)).contains(&found.telling[i]), "{i}: {}", found.telling[i]);
+        assert!(
+            (2.0..=g * (1.0 + 1e-9)).contains(&found.effective_parts[i]),
+            "{i}: {}",
+            found.effective_parts[i]
+        );
     }
 }
 
-/// Parts that are the same tell the same; a part that is repeated adds nothing but its number.
+/// Equal parts are equally informative; a repeated part only increases the number of parts.
 #[test]
 fn law_as_many_parts_tell_of_a_parameter_as_there_are_where_all_are_alike() {
     let vessel = craft();
@@ -96,14 +100,14 @@ fn law_as_many_parts_tell_of_a_parameter_as_there_are_where_all_are_alike() {
     for count in [1, 2, 5] {
         let Ok(found) =
             least_errors(&lifted, &vec![one.clone(); count], &start, [0.2, 0.1, 0.05], &sizes, &still());
-        for telling in found.unwrap().telling {
-            assert_relative_eq!(telling, count as f64, max_relative = 1e-6);
+        for effective_parts in found.unwrap().effective_parts {
+            assert_relative_eq!(effective_parts, count as f64, max_relative = 1e-6);
         }
     }
 }
 
-/// Sub-experiments of which every sample is noisy, the first too: with the start of each an unknown, intervals hold the truth about
-/// as often as they say; from the measured one on, they do not.
+/// Sub-experiments of which every sample is noisy, the first too: with the start of each as an unknown, intervals
+/// have about their nominal coverage; with measured starts, they do not.
 #[test]
 fn law_standard_errors_hold_where_parts_start_at_noisy_samples() {
     const SETS: u64 = 16;

@@ -19,7 +19,7 @@ fn relative(theta: &[f64]) -> Vec<f64> {
 const NOISES: [Noise; 3] = [
     Noise { measurement: [0.15, 0.1, 0.2], current: 0.16 },
     Noise { measurement: [0.15, 0.1, 0.2], current: 0.0 },
-    // Channels are weighed evenly then, and the middle matrix is not the information.
+    // Channels are weighted evenly then, and the meat matrix is not the information.
     Noise { measurement: [0.15, 0.0, 0.2], current: 0.1 },
 ];
 
@@ -47,7 +47,7 @@ fn law_the_gradient_is_the_difference_quotient_of_the_criterion() {
             let moved = |h: f64| -> Vec<f64> {
                 experiment.inputs.iter().zip(direction).map(|(x, d)| x + h * d).collect()
             };
-            // Richardson's: the error is of the fourth order.
+            // Richardson extrapolation: the error is of the fourth order.
             let central = |h: f64| (value(&moved(h)) - value(&moved(-h))) / (2.0 * h);
             (4.0 * central(h / 2.0) - central(h)) / 3.0
         };
@@ -80,11 +80,11 @@ fn law_the_criterion_is_that_of_the_predicted_covariance() {
     let predicted = output_information(model, &theta, initial, &experiment.inputs, &noise).unwrap();
     let n = model.layout().with_intercepts().parameters();
     let samples = (experiment.inputs.len() / 3) as f64;
-    let middle: Vec<f64> = predicted.measurement.iter().zip(&predicted.process).map(|(e, p)| e + p).collect();
+    let meat: Vec<f64> = predicted.measurement.iter().zip(&predicted.process).map(|(e, p)| e + p).collect();
     let mut inverse = vec![0.0; n * n];
     numerics::inverse(n, &mut predicted.information.clone(), &mut inverse).unwrap();
     let variance = |i: usize| -> f64 {
-        let pairs = (0..n * n).map(|e| inverse[i * n + e / n] * middle[e] * inverse[e % n * n + i]);
+        let pairs = (0..n * n).map(|e| inverse[i * n + e / n] * meat[e] * inverse[e % n * n + i]);
         pairs.sum::<f64>() / samples
     };
     let rows = [0, 1, 2, 3, 5, 6, 7, 9, 10, 11];

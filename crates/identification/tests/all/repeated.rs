@@ -1,4 +1,4 @@
-//! Estimates of many runs beside the truth.
+//! Estimates of many runs compared with the truth.
 
 use identification::{RepeatedEstimates, relative_norms};
 

@@ -3,7 +3,8 @@ use std::sync::Arc;
 use crate::bounded::estimated;
 use crate::{MeanRemoval, Sums};
 
-/// What is subtracted from instruments and regressors of each part: means over all parts, over the part, or nothing.
+/// The means that are subtracted from instruments and regressors of each part: over all parts, over the part, or
+/// none.
 #[derive(Clone, Debug)]
 pub struct Centring {
     removal: MeanRemoval,
@@ -21,18 +22,18 @@ pub(super) struct Means {
     target: f64,
     /// Whether a term 1 is the intercept.
     constant: bool,
-    /// Whether bounds may hold parameters.
+    /// Whether some parameters are bounded.
     bounded: bool,
 }
 
 impl Centring {
-    /// With the means of every part, or of all together.
+    /// From the means of every part, or of all together.
     pub(super) fn of(removal: MeanRemoval, parts: AllMeans) -> Self {
         Self { removal, parts }
     }
 
-    /// Number of unknowns of degree of freedom `d`: intercepts, and those of `p` parameters that bounds do not hold, by the
-    /// `gain` of their estimate.
+    /// Number of unknowns of degree of freedom `d`: intercepts, and those of `p` parameters that are not at a bound,
+    /// by the `gain` of their estimate.
     pub(super) fn unknowns(&self, d: usize, gain: &[f64], p: usize) -> usize {
         let is = |of: fn(&Means) -> bool| self.parts.first().is_some_and(|means| of(&means[d]));
         let parameters = if is(|means| means.bounded) { estimated(p, |k| gain[k]) } else { p };

@@ -1,11 +1,11 @@
 use crate::solve::Normal;
 use crate::{MeanRemoval, Sums};
 
-/// Condition index above which columns count as collinear: Belsley, Kuh & Welsch, *Regression Diagnostics*, 1980. A just
-/// identified instrumental-variable estimate has no moments: in such a direction it answers with noise.
+/// Condition index above which columns count as collinear: Belsley, Kuh & Welsch, *Regression Diagnostics*, 1980. A
+/// just identified instrumental-variable estimate has no moments: in such a direction it is noise.
 pub const COLLINEAR: f64 = 30.0;
 
-/// How well one degree of freedom is determined by pooled parts.
+/// How well pooled parts determine one degree of freedom.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagnosis {
     /// Condition number of the matrix of correlations between centred instruments and regressors, as in
@@ -15,12 +15,12 @@ pub struct Diagnosis {
     /// each divided by the root sum of squares of its instrument and regressor, means left in. Above
     /// [`COLLINEAR`] the columns are collinear (with each other or with the intercept).
     pub index: f64,
-    /// The weakest direction in these scaled parameters, unit length: p entries, and one for the intercept where there is
-    /// one over all parts.
+    /// The weakest direction in these scaled parameters, unit length: p entries, and one for the intercept over all
+    /// parts, if any.
     pub direction: Vec<f64>,
     /// Index of the parameter that dominates it.
     pub weakest: usize,
-    /// Per regressor the root mean square without the mean that is removed over all parts, over the one with it: 0 for a
+    /// Per regressor the root mean square after removing the mean over all parts, relative to that before: 0 for a
     /// constant.
     pub variation: Vec<f64>,
 }

@@ -9,10 +9,10 @@ use crate::solve::Normal;
 pub struct Options<'a> {
     /// No intercept, one per part (*batch*), or one for all (*complete*).
     pub removal: MeanRemoval,
-    /// A pull towards a model known before.
+    /// Regularisation towards a nominal model.
     pub prior: Option<Prior<'a>>,
-    /// Largest condition index (see [`Diagnosis`]) that is answered; infinite: any that can be solved. A prior answers
-    /// every direction.
+    /// Largest condition index (see [`Diagnosis`]) that is accepted; infinite: any that can be solved. A prior
+    /// determines every direction.
     pub most: f64,
 }
 
@@ -21,16 +21,16 @@ pub struct Options<'a> {
 /// parameters times those of their regressors, x₀ the nominal ones.
 #[derive(Clone, Copy, Debug)]
 pub struct Prior<'a> {
-    /// s: 0 is none, 0.03 mild; at infinity only the nominal model is left.
+    /// s: 0 is none, 0.03 mild; at infinity the estimate is the nominal model.
     pub strength: f64,
     /// The nominal parameters: surge, sway, yaw.
     pub nominal: &'a [f64],
 }
 
-/// What became of one degree of freedom.
+/// The outcome for one degree of freedom.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DegreeFit {
-    /// Whether there is an estimate, and if not why.
+    /// Whether there is an estimate, and if not, why.
     pub status: Status,
     /// The estimate.
     pub solution: Option<Solution>,
@@ -47,9 +47,9 @@ pub enum Status {
     NotExcited(usize),
     /// Collinear beyond [`Options::most`].
     Collinear(Diagnosis),
-    /// The bounds hold every parameter.
+    /// Every parameter is at a bound.
     Bounded,
-    /// A search was asked for and led nowhere.
+    /// A search was requested and found no model.
     Unfound,
 }
 
@@ -78,7 +78,7 @@ pub(super) fn solve(normal: &Normal, prior: Option<(f64, &[f64])>) -> Result<(Ve
     };
     let p = normal.b.len();
     let scaled = normal.regular_scaled();
-    // (ÂᵀÂ + s² I) X = Âᵀ, then the scales taken out again.
+    // (ÂᵀÂ + s² I) X = Âᵀ, then the scales are undone.
     let mut gain = transposed(p, &scaled);
     let mut square = product(p, &gain, &scaled);
     (0..p).for_each(|i| square[i * p + i] += strength * strength);

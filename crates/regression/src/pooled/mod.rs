@@ -1,11 +1,11 @@
-//! One regression of many sub-experiments, and what its residuals say.
+//! One regression of many sub-experiments, and tests of its residuals.
 //!
-//! A part is one sub-experiment. Its instruments start anew at its first measured state, so the parts of a pooled estimate
-//! need not follow each other. The sums of the parts add: [`PooledSums`] keeps little besides their total. Whatever else
-//! needs the samples goes through the [`Parts`] again, with one part's [`Regression`] at a time. So runs need not be in
-//! memory: they are [`Recorded`] somewhere and read again.
+//! A part is one sub-experiment. Its instruments restart at its first measured state, so the parts of a pooled
+//! estimate need not be consecutive. The sums of the parts add: [`PooledSums`] stores little more than their total.
+//! Computations that need the samples iterate over the [`Parts`] again, with one part's [`Regression`] at a time. So
+//! runs need not be in memory: they are [`Recorded`] somewhere and read again.
 //!
-//! Plain numbers, no lanes: measured data sets are small.
+//! Scalars instead of lanes: measured data sets are small.
 
 mod centre;
 mod diagnosis;
@@ -31,6 +31,6 @@ pub use recorded::{Drawn, PartView, Parts, Recorded};
 pub use regression::{DegreeRegression, Regression};
 pub use residual_tests::{CrossCorrelation, ResidualTests, Whiteness, residuals, residuals_of, whiteness};
 pub use runs::{CutRuns, PooledRuns, SelectError};
-pub use sandwich::{Filling, default_bandwidth, sandwich};
+pub use sandwich::{Meat, default_bandwidth, sandwich};
 pub use strength::{Strength, strength};
 pub use words::{collinear, first_named, unidentified, weakest};

@@ -12,17 +12,17 @@ refusal::choices! {
     }
 }
 
-/// The model that instruments are simulated with: known now, or to be fitted to whatever data is used.
+/// The model that instruments are simulated with: known, or to be fitted to the data that is used.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NominalModel {
-    /// θ: surge, sway, yaw; intercepts are those that the model has already.
+    /// θ: surge, sway, yaw; the model has its own intercepts.
     Known(Vec<f64>),
     /// The least-squares fit.
     Fitted,
 }
 
 impl NominalModel {
-    /// θ and intercepts, with the least-squares `sums` of the data at hand. `None` where those identify no model.
+    /// θ and intercepts, with the least-squares `sums` of the data that is used. `None` if those identify no model.
     pub fn parameters(&self, sums: &PooledSums) -> Option<(Vec<f64>, [f64; 3])> {
         match self {
             Self::Known(theta) => Some((theta.clone(), [0.0; 3])),

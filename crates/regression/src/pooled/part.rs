@@ -11,7 +11,7 @@ use super::{PartView, Parts};
 pub struct Part {
     /// Its maneuver.
     pub label: String,
-    /// What it was cut from: parts of one source are left out together.
+    /// The recording that it was cut from: parts of one source are left out together.
     pub source: String,
     /// Inputs and measured disturbances: N × exogenous, row-major.
     pub exogenous: Vec<f64>,
@@ -29,14 +29,14 @@ pub struct Part {
 pub struct LostInstruments {
     /// The part's maneuver.
     pub maneuver: String,
-    /// What it was cut from.
+    /// The recording that it was cut from.
     pub recording: String,
     /// Sample within the part, and state.
     pub at: Diverged,
 }
 
 impl Part {
-    /// A part with samples of its own.
+    /// A part that owns its samples.
     pub fn new(label: &str, source: &str, measured: RunView) -> Self {
         Self {
             label: label.to_owned(),
@@ -51,20 +51,19 @@ impl Part {
         self.view().samples()
     }
 
-    /// What was measured.
+    /// Its samples.
     pub fn view(&self) -> RunView<'_> {
         RunView::measured(&self.measured, &self.exogenous)
     }
 
-    /// All of it.
+    /// The whole part, borrowed.
     pub fn whole(&self) -> PartView<'_> {
         PartView { label: &self.label, source: &self.source, run: self.view() }
     }
 }
 
 impl PartView<'_> {
-    /// The states of `model` with `parameters`, simulated from the first measured one, which instruments are formed with:
-    /// (N+1) × 3.
+    /// Simulates `model` with `parameters` from the first measured state, for instruments: (N+1) × 3.
     ///
     /// # Errors
     /// The simulation diverges.

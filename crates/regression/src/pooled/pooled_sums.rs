@@ -7,7 +7,7 @@ use crate::bounded::estimated;
 use crate::solve::{Normal, NormalSums};
 use crate::{MeanRemoval, Sums};
 
-/// The sums of many parts, as far as an estimate needs them: of each part little is kept.
+/// The sums of many parts that an estimate needs; little is stored per part.
 #[derive(Clone, Debug)]
 pub struct PooledSums {
     removal: MeanRemoval,
@@ -15,20 +15,20 @@ pub struct PooledSums {
     total: Sums,
     /// Number of parts.
     parts: usize,
-    /// Per part, surge, sway and yaw: Σ φ and Σ Δy, which residuals are summed up from.
+    /// Per part, surge, sway and yaw: Σ φ and Σ Δy, from which residuals are summed.
     ends: Vec<f64>,
-    /// Of parts with intercepts of their own: their means, and the normal equations of all.
+    /// With an intercept per part: the means of each part, and the normal equations of all.
     batch: Option<(AllMeans, [NormalSums; 3])>,
 }
 
 impl PooledSums {
-    /// No part yet; `removal` says which of them share an intercept.
+    /// Sums of no parts; `removal` says which parts share an intercept.
     pub fn new(removal: MeanRemoval) -> Self {
         let batch = (removal == MeanRemoval::Batch).then(Default::default);
         Self { removal, total: Sums::default(), parts: 0, ends: Vec::new(), batch }
     }
 
-    /// Those of all `parts`.
+    /// The sums of all `parts`.
     pub fn of<'a>(parts: impl IntoIterator<Item = &'a Sums>, removal: MeanRemoval) -> Self {
         let mut pooled = Self::new(removal);
         parts.into_iter().for_each(|part| pooled.add(part));
@@ -58,7 +58,7 @@ impl PooledSums {
         self.parts
     }
 
-    /// What is subtracted from instruments and regressors.
+    /// The means that are subtracted from instruments and regressors.
     pub fn centring(&self) -> Centring {
         let means = match &self.batch {
             Some((means, _)) => Arc::clone(means),
@@ -140,7 +140,7 @@ impl PooledSums {
         diagnosed(&self.total, &self.normal(d), self.removal, d)
     }
 
-    /// Mean of Δy − φᵀθ over all samples, summed up part by part; 0 without intercepts.
+    /// Mean of Δy − φᵀθ over all samples, summed part by part; 0 without intercepts.
     fn mean_residual(&self, d: usize, theta: &[f64]) -> f64 {
         if self.removal == MeanRemoval::None || self.total.samples == 0 || self.has_constant(d) {
             return 0.0;

@@ -4,7 +4,7 @@ use std::convert::Infallible;
 use engine::{Run, RunView};
 use rayon::prelude::*;
 
-/// Runs that can be read again, block by block, as often as an estimate goes through them.
+/// Runs that can be read repeatedly, block by block.
 pub trait Recorded: Sync {
     /// Why a block cannot be read.
     type Error: Send;
@@ -19,7 +19,8 @@ pub trait Recorded: Sync {
     fn held(&self) -> bool {
         false
     }
-    /// Samples that are held at a time where they are wanted in another order than they are kept in: some 60 MB.
+    /// Samples that are held in memory at a time if they are needed in another order than they are stored in: some 60
+    /// MB.
     fn window(&self) -> usize {
         1 << 20
     }
@@ -42,7 +43,7 @@ impl Recorded for Vec<Run> {
     }
 }
 
-/// Calls `look` with the numbers of `blocks` and their runs, in this order. Each thread reads one at a time.
+/// Calls `look` with the indices of `blocks` and their runs, in this order. Each thread reads one at a time.
 pub(super) fn read<R: Recorded>(
     recorded: &R,
     blocks: &[usize],
@@ -57,26 +58,26 @@ pub(super) fn read<R: Recorded>(
     Ok(())
 }
 
-/// What a sub-experiment is, wherever its samples are kept.
+/// A sub-experiment that borrows its samples.
 #[derive(Clone, Copy, Debug)]
 pub struct PartView<'a> {
     /// Its maneuver.
     pub label: &'a str,
-    /// What it was cut from.
+    /// The recording that it was cut from.
     pub source: &'a str,
     /// Its samples.
     pub run: RunView<'a>,
 }
 
-/// Sub-experiments that an estimate goes through again and again. What it keeps of each is little.
+/// Sub-experiments that an estimate iterates over repeatedly, storing little of each.
 pub trait Parts: Sync {
     /// Why one cannot be read.
     type Error: Send;
-    /// How many there are.
+    /// Number of parts.
     fn count(&self) -> usize;
     /// Samples of part `i`.
     fn samples(&self, i: usize) -> usize;
-    /// Calls `look` with the parts at `places`, in this order.
+    /// Calls `look` with the parts at the indices `places`, in this order.
     ///
     /// # Errors
     /// One cannot be read.
@@ -91,12 +92,12 @@ pub trait Parts: Sync {
     }
 }
 
-/// Some of other parts, of which one may come several times.
+/// A selection of parts, some possibly several times.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawn<'a, P> {
-    /// The others.
+    /// The parts that are selected from.
     pub parts: &'a P,
-    /// Which of them.
+    /// The indices of the selected parts.
     pub places: &'a [usize],
 }
 

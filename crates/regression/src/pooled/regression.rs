@@ -24,7 +24,7 @@ pub struct DegreeRegression {
     pub zeta: Vec<f64>,
     /// Increments Δy less the model's constant and known terms: N.
     pub target: Vec<f64>,
-    /// What is known of the parameters.
+    /// The constraints on the parameters.
     pub known: Known,
 }
 
@@ -56,7 +56,7 @@ impl Regression {
         Self { samples, degrees }
     }
 
-    /// What `theta` (surge, sway, yaw) leaves of the increments on average: Δy − φᵀθ.
+    /// The mean residual Δy − φᵀθ of surge, sway and yaw.
     pub fn left(&self, theta: &[f64]) -> [f64; 3] {
         let mut first = 0;
         self.degrees.each_ref().map(|degree| {
@@ -67,7 +67,7 @@ impl Regression {
     }
 
     /// The same without the first pair. Instruments that start at the measured state share its noise with the first
-    /// increment, and with no later one where the noise is white.
+    /// increment, and with no later one if the noise is white.
     pub fn after_start(mut self) -> Self {
         if self.samples > 0 {
             self.samples -= 1;
@@ -106,7 +106,8 @@ fn terms(model: &Model, exogenous: &[f64], states: &[f64]) -> [Vec<f64>; 3] {
     out
 }
 
-/// What surge, sway and yaw gain by constant and known terms at all `states` but the last; empty without such terms.
+/// The increments of surge, sway and yaw due to constant and known terms at all `states` but the last; empty without
+/// such terms.
 fn known_gains(model: &Model, exogenous: &[f64], states: &[f64]) -> Vec<[f64; 3]> {
     if model.known().next().is_none() {
         return Vec::new();

@@ -18,12 +18,12 @@ pub struct Whiteness {
     pub first_autocorrelation: f64,
 }
 
-/// The largest correlation between residuals and instruments at another time.
+/// The largest correlation between residuals and instruments at other times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrossCorrelation {
     /// Index of the instrument.
     pub instrument: usize,
-    /// Samples by which the instrument comes earlier; below zero, later.
+    /// Samples by which the instrument precedes the residual; negative if it follows.
     pub lag: i64,
     /// Their correlation.
     pub correlation: f64,
@@ -38,7 +38,7 @@ pub fn residuals(parts: &[&Regression], centring: &Centring, solution: &Solution
     parts.iter().enumerate().map(of).collect()
 }
 
-/// Those of part number `i`.
+/// The residuals of part `i`.
 pub fn residuals_of(
     part: &Regression,
     i: usize,
@@ -94,7 +94,7 @@ impl Signal {
     }
 }
 
-/// Sums that residuals are tested with, part by part.
+/// The sums for tests of residuals, accumulated part by part.
 pub struct ResidualTests {
     samples: usize,
     /// Pairs of each lag within parts.
@@ -107,9 +107,9 @@ pub struct ResidualTests {
 }
 
 impl ResidualTests {
-    /// Over `lags` lags, against so many instruments.
+    /// Tests over `lags` lags, against this number of instruments.
     pub fn new(lags: usize, instruments: usize) -> Self {
-        // As numbers are summed up, so that sums part by part have the same bits.
+        // The start value of `Iterator::sum`, so that sums part by part have the same bits.
         let zero: f64 = std::iter::empty::<f64>().sum();
         let signals = (0..instruments).map(|_| Signal::new(lags)).collect();
         Self { samples: 0, pairs: vec![0; lags], power: zero, own: vec![zero; lags], signals }
@@ -145,8 +145,8 @@ impl ResidualTests {
         }
     }
 
-    /// Correlates residuals with instruments some samples earlier and later, but not at the same time: there the estimate
-    /// makes them orthogonal. `None` where nothing varies.
+    /// Correlates residuals with instruments some samples earlier and later, but not at the same time: there the
+    /// estimate makes them orthogonal. `None` if nothing varies.
     pub fn strongest(&self) -> Option<CrossCorrelation> {
         let (own, lags) = (self.correlations(), self.own.len());
         let mut strongest: Option<(f64, CrossCorrelation)> = None;

@@ -8,8 +8,8 @@ use thiserror::Error;
 use super::recorded::read;
 use super::{Part, PartView, Parts, Recorded};
 
-/// Measured runs, each with the name of the source that it was cut from: a recording, or the run itself. What they hold may be
-/// kept elsewhere.
+/// Measured runs, each with the name of its source: a recording, or the run itself. Their samples may be stored
+/// elsewhere.
 #[derive(Clone, Debug)]
 pub struct PooledRuns<R = Vec<Run>> {
     recorded: R,
@@ -18,16 +18,16 @@ pub struct PooledRuns<R = Vec<Run>> {
     runs: Vec<Known>,
 }
 
-/// What is known of a run without its samples.
+/// A run without its samples.
 #[derive(Clone, Debug)]
 struct Known {
-    /// How manieth of the recorded runs it is.
+    /// Its index among the recorded runs.
     index: usize,
-    /// Where it is kept.
+    /// The block that holds it.
     block: usize,
     place: usize,
     number: i32,
-    /// Among the names of all.
+    /// Its design's index in `designs`.
     design: usize,
     source: usize,
     samples: usize,
@@ -38,12 +38,12 @@ struct Known {
 /// Why runs cannot be selected by name.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SelectError {
-    /// No run or recording is called that.
+    /// No run or recording has this name.
     #[error("no run or recording `{name}` among {runs} runs; the nearest is `{nearest}`")]
     Unknown {
         /// The name.
         name: String,
-        /// Number of runs there are.
+        /// Number of runs.
         runs: usize,
         /// The nearest known name.
         nearest: String,
@@ -69,7 +69,8 @@ impl SelectError {
 }
 
 impl PooledRuns {
-    /// `runs`, by number the `recordings` that they were cut from; others are sources of their own.
+    /// Pools `runs`. `recordings` maps a run's number to the recording that it was cut from; other runs are their own
+    /// sources.
     pub fn new(runs: Vec<Run>, recordings: &BTreeMap<i32, String>) -> Self {
         let Ok(pooled) = Self::of(runs, recordings);
         pooled
@@ -130,10 +131,10 @@ impl<R: Recorded> PooledRuns<R> {
         Ok(Self { recorded, designs: designs.names, sources: sources.names, runs })
     }
 
-    /// Keeps the runs or recordings called `only` (all where there are none) without those of `without`.
+    /// Keeps the runs or recordings named in `only` (all if empty), except those in `without`.
     ///
     /// # Errors
-    /// A name that no run has; nothing left.
+    /// A name that no run has; no run left.
     pub fn select(&mut self, only: &[String], without: &[String]) -> Result<(), SelectError> {
         let sources = &self.sources;
         let named =
@@ -167,7 +168,7 @@ impl<R: Recorded> PooledRuns<R> {
         self.runs.first().map_or("", |run| &self.designs[run.design])
     }
 
-    /// Which of the recorded runs are selected, from 0: first and last of those that follow each other.
+    /// The selected ones of the recorded runs, counted from 0: first and last of each consecutive range.
     pub fn selected(&self) -> Vec<[u64; 2]> {
         let mut ranges: Vec<[u64; 2]> = Vec::new();
         for index in self.runs.iter().map(|run| run.index as u64) {
@@ -184,7 +185,7 @@ impl<R: Recorded> PooledRuns<R> {
         self.runs.len()
     }
 
-    /// How much there is, in words.
+    /// The amount of data, in words.
     pub fn amount(&self) -> String {
         format!("{} runs of {} samples in all", self.count(), self.samples().0)
     }
@@ -201,7 +202,7 @@ impl<R: Recorded> PooledRuns<R> {
         (sources.iter().sum(), sources.into_iter().max().unwrap_or(0))
     }
 
-    /// The runs of every source by their places among all, in the order of appearance.
+    /// The indices of the runs of every source, in the order of appearance.
     fn by_source(&self) -> Vec<(&str, Vec<usize>)> {
         let (mut places, mut sources) = (HashMap::new(), Vec::<(&str, Vec<_>)>::new());
         for (i, run) in self.runs.iter().enumerate() {
@@ -216,28 +217,28 @@ impl<R: Recorded> PooledRuns<R> {
 
     /// The segments, each cut into equal parts of at most `most` samples.
     pub fn cut(&self, most: Option<usize>) -> CutRuns<'_, R> {
-        self.pieces(most, |known| known.segments().collect())
+        self.cut_into(most, |known| known.segments().collect())
     }
 
-    /// The runs, whatever segments they have, cut in the same way.
+    /// The runs, regardless of their segments, cut in the same way.
     pub fn whole(&self, most: Option<usize>) -> CutRuns<'_, R> {
-        self.pieces(most, |known| std::iter::once(0..known.samples).collect())
+        self.cut_into(most, |known| std::iter::once(0..known.samples).collect())
     }
 
-    fn pieces(&self, most: Option<usize>, of: impl Fn(&Known) -> Vec<Range<usize>>) -> CutRuns<'_, R> {
+    fn cut_into(&self, most: Option<usize>, of: impl Fn(&Known) -> Vec<Range<usize>>) -> CutRuns<'_, R> {
         let mut places = Vec::new();
         for (run, known) in self.runs.iter().enumerate() {
             for (segment, samples) in of(known).into_iter().enumerate() {
-                let pieces = equal(samples.start, samples.end, most);
-                places.extend(pieces.map(|samples| Place { run, segment, samples }));
+                let cut_into = equal(samples.start, samples.end, most);
+                places.extend(cut_into.map(|samples| Place { run, segment, samples }));
             }
         }
         CutRuns { runs: self, places }
     }
 
-    /// Calls `look` with the windows of `length` samples of every source, side by side from where its runs begin, which are
-    /// joined where one begins with the state that the last one ended with. Whatever is left is no window; without a length
-    /// all of it is. Windows have no label: they may hold several maneuvers.
+    /// Calls `look` with the consecutive windows of `length` samples of every source. Runs are joined first if one
+    /// begins with the state that the previous one ended with. Remaining samples are dropped; without a length, the
+    /// window is the whole run. Windows have no label: they may contain several maneuvers.
     ///
     /// # Errors
     /// A block that cannot be read.
@@ -264,7 +265,7 @@ impl<R: Recorded> PooledRuns<R> {
         Ok(())
     }
 
-    /// Samples that are held at a time at most.
+    /// Maximum number of samples held in memory at a time.
     pub fn window(&self) -> usize {
         self.recorded.window()
     }
@@ -274,7 +275,7 @@ impl<R: Recorded> PooledRuns<R> {
         self.recorded.held()
     }
 
-    /// How many of the first things of so many `samples` are held at a time: at least one.
+    /// The number of leading items with these `samples` that fit into memory at a time: at least one.
     fn fitting(&self, samples: impl Iterator<Item = usize>) -> usize {
         let mut held = 0;
         let fits = |samples: &usize| {
@@ -284,7 +285,7 @@ impl<R: Recorded> PooledRuns<R> {
         samples.take_while(fits).count().max(1)
     }
 
-    /// Calls `look` with how manieth of the `wanted` it is and its run, of which `run` tells the place; these must ascend.
+    /// Calls `look` with the index into `wanted` and its run; `run` gives the run's index, which must ascend.
     fn visit(
         &self,
         wanted: &[usize],
@@ -307,7 +308,7 @@ impl<R: Recorded> PooledRuns<R> {
 }
 
 impl Known {
-    /// The samples of its segments.
+    /// The sample ranges of its segments.
     fn segments(&self) -> impl Iterator<Item = Range<usize>> {
         let ends = self.starts.iter().skip(1).copied().chain([self.samples]);
         self.starts.iter().zip(ends).map(|(start, end)| *start..end)
@@ -332,14 +333,14 @@ impl Names {
     }
 }
 
-/// Parts of runs that may be kept elsewhere.
+/// Parts of runs that may be stored elsewhere.
 #[derive(Clone, Debug)]
 pub struct CutRuns<'a, R> {
     runs: &'a PooledRuns<R>,
     places: Vec<Place>,
 }
 
-/// Where a part is.
+/// The position of a part.
 #[derive(Clone, Debug)]
 struct Place {
     run: usize,
@@ -348,7 +349,7 @@ struct Place {
 }
 
 impl<R: Recorded> CutRuns<'_, R> {
-    /// Calls `look` with the parts at `wanted`, which must ascend, and how manieth of those it is.
+    /// Calls `look` with the index into `wanted`, which must ascend, and the part there.
     fn ascending(&self, wanted: &[usize], mut look: impl FnMut(usize, PartView)) -> Result<(), R::Error> {
         self.runs.visit(
             wanted,
@@ -408,7 +409,7 @@ impl<R: Recorded> Parts for CutRuns<'_, R> {
     }
 }
 
-/// The runs of a source, those that follow each other as one.
+/// The runs of a source, with consecutive ones joined.
 fn joined(runs: impl Iterator<Item = (usize, Run)>) -> Vec<Run> {
     let mut joined: Vec<(usize, Run)> = Vec::new();
     for (i, run) in runs {
@@ -434,7 +435,7 @@ fn cut(source: &str, whole: &Run, length: Option<usize>) -> Vec<Part> {
     (0..samples / length.max(1)).map(window).collect()
 }
 
-/// `start..end` in equal pieces of at most `most` samples.
+/// `start..end` in equal parts of at most `most` samples.
 fn equal(start: usize, end: usize, most: Option<usize>) -> impl Iterator<Item = Range<usize>> {
     let length = end - start;
     let count = most.map_or(1, |most| length.div_ceil(most.max(1))).max(1);

@@ -8,9 +8,9 @@ pub fn default_bandwidth(samples: usize) -> usize {
     (4.0 * libm::pow(samples as f64 / 100.0, 2.0 / 9.0)).floor() as usize
 }
 
-/// Covariance of θ̂ of degree of freedom `d`, p × p row-major: G B Gᵀ with
-/// B = N/(N − p − intercepts) Σ_l w_l Σ_k (g(k) g(k−l)ᵀ), g = ζᶜ ε, the weights w_l = 1 − |l|/(bandwidth + 1) of Bartlett and
-/// no lags across parts (Newey & West, *Econometrica* 55, 1987). ζᶜ are the instruments without the mean that was removed.
+/// Covariance of θ̂ of degree of freedom `d`, p × p row-major: G B Gᵀ with B = N/(N − p − intercepts) Σ_l w_l Σ_k
+/// (g(k) g(k−l)ᵀ), g = ζᶜ ε, the weights w_l = 1 − |l|/(bandwidth + 1) of Bartlett and no lags across parts (Newey &
+/// West, *Econometrica* 55, 1987). ζᶜ are the instruments without the removed mean.
 pub fn sandwich(
     parts: &[&Regression],
     centring: &Centring,
@@ -18,29 +18,29 @@ pub fn sandwich(
     d: usize,
     bandwidth: usize,
 ) -> Vec<f64> {
-    let mut filling = Filling::new(solution.theta.len(), bandwidth);
+    let mut meat = Meat::new(solution.theta.len(), bandwidth);
     for (i, part) in parts.iter().enumerate() {
         let residuals = residuals_of(part, i, centring, solution, d);
-        filling.add(&part.degrees[d], &residuals, |row, out| centring.zeta(i, d, row, out));
+        meat.add(&part.degrees[d], &residuals, |row, out| centring.zeta(i, d, row, out));
     }
-    filling.covariance(centring, solution, d)
+    meat.covariance(centring, solution, d)
 }
 
-/// What is between the slices, in the making: B before its factor.
-pub struct Filling {
+/// The meat B while it is accumulated, without its factor.
+pub struct Meat {
     p: usize,
     bandwidth: usize,
     samples: usize,
-    middle: Vec<f64>,
+    meat: Vec<f64>,
 }
 
-impl Filling {
+impl Meat {
     /// Of `p` parameters.
     pub fn new(p: usize, bandwidth: usize) -> Self {
-        Self { p, bandwidth, samples: 0, middle: vec![0.0; p * p] }
+        Self { p, bandwidth, samples: 0, meat: vec![0.0; p * p] }
     }
 
-    /// Adds a part with its residuals; `centred` takes the mean out of a row of instruments.
+    /// Adds a part with its residuals; `centred` removes the mean from a row of instruments.
     pub fn add(
         &mut self,
         part: &DegreeRegression,
@@ -53,18 +53,18 @@ impl Filling {
             centred(part.zeta(k), &mut zeta);
             scores.extend(zeta.iter().map(|z| z * residual));
         }
-        add_part(&mut self.middle, &scores, self.p, self.bandwidth);
+        add_part(&mut self.meat, &scores, self.p, self.bandwidth);
     }
 
     /// The covariance of `solution` of degree of freedom `d`.
     pub fn covariance(mut self, centring: &Centring, solution: &Solution, d: usize) -> Vec<f64> {
         let freedom = self.samples.saturating_sub(centring.unknowns(d, &solution.gain, self.p)).max(1);
-        self.middle.iter_mut().for_each(|m| *m *= self.samples as f64 / freedom as f64);
-        congruence(self.p, &solution.gain, &self.middle)
+        self.meat.iter_mut().for_each(|m| *m *= self.samples as f64 / freedom as f64);
+        congruence(self.p, &solution.gain, &self.meat)
     }
 }
 
-fn add_part(middle: &mut [f64], scores: &[f64], p: usize, bandwidth: usize) {
+fn add_part(meat: &mut [f64], scores: &[f64], p: usize, bandwidth: usize) {
     let samples = scores.len() / p.max(1);
     for lag in 0..=bandwidth.min(samples.saturating_sub(1)) {
         let weight = 1.0 - lag as f64 / (bandwidth as f64 + 1.0);
@@ -73,7 +73,7 @@ fn add_part(middle: &mut [f64], scores: &[f64], p: usize, bandwidth: usize) {
             let (now, before) = (&scores[k * p..(k + 1) * p], &scores[(k - lag) * p..(k - lag + 1) * p]);
             add_outer(&mut products, now, before);
         }
-        for ((entry, own), other) in middle.iter_mut().zip(&products).zip(transposed(p, &products)) {
+        for ((entry, own), other) in meat.iter_mut().zip(&products).zip(transposed(p, &products)) {
             *entry += weight * if lag == 0 { *own } else { own + other };
         }
     }

@@ -2,16 +2,16 @@ use numerics::{add_outer, product, transposed};
 
 use super::{Centring, DegreeRegression, Regression};
 
-/// How much of each regressor its instruments tell, beyond what they tell of the others: Shea's partial R² (*Review of
-/// Economics and Statistics* 79, 1997), (S_φφ⁻¹)_ii / ((S_φζ S_ζζ⁻¹ S_ζφ)⁻¹)_ii of centred sums. 1 for least squares, near 0
-/// for instruments that have lost the motion. `None` where a matrix is singular.
+/// How much of each regressor its instruments explain, beyond what they explain of the others: Shea's partial R²
+/// (*Review of Economics and Statistics* 79, 1997), (S_φφ⁻¹)_ii / ((S_φζ S_ζζ⁻¹ S_ζφ)⁻¹)_ii of centred sums. 1 for
+/// least squares, near 0 for instruments that do not follow the motion. `None` if a matrix is singular.
 pub fn strength(parts: &[&Regression], centring: &Centring, d: usize) -> Option<Vec<f64>> {
     let mut strength = Strength::default();
     parts.iter().enumerate().for_each(|(i, part)| strength.add(i, &part.degrees[d], centring, d));
     strength.partial()
 }
 
-/// The sums that the strength of instruments is made of.
+/// The sums for the strength of instruments.
 #[derive(Clone, Debug, Default)]
 pub struct Strength {
     /// p, and S_φφ, S_ζζ, S_ζφ.
@@ -44,9 +44,9 @@ impl Strength {
         let mut projected = mixed.clone();
         numerics::solve(p, &mut instruments.clone(), &mut projected)?;
         let explained = product(p, &transposed(p, &mixed), &projected);
-        let (own, told) = (inverse_diagonal(p, &regressors)?, inverse_diagonal(p, &explained)?);
+        let (own, explained) = (inverse_diagonal(p, &regressors)?, inverse_diagonal(p, &explained)?);
         let partial: Vec<f64> =
-            own.iter().zip(&told).map(|(own, told)| (own / told).clamp(0.0, 1.0)).collect();
+            own.iter().zip(&explained).map(|(own, explained)| (own / explained).clamp(0.0, 1.0)).collect();
         partial.iter().all(|x| x.is_finite()).then_some(partial)
     }
 }

@@ -1,4 +1,4 @@
-//! What a diagnosis means, in words.
+//! A diagnosis in words.
 
 use model::{Degree, DegreeOfFreedom};
 use refusal::listed;
@@ -8,12 +8,12 @@ use super::fit::Status;
 
 /// Entries of a weakest direction below this share of its largest are not named.
 const NAMED: f64 = 0.3;
-/// A regressor whose centred size is below this share of its size hardly varies.
+/// A regressor hardly varies if its centred size is below this share of its size.
 const HARDLY: f64 = 0.2;
 
-/// What a weakest direction is about.
+/// The parameters in a weakest direction.
 struct Involved {
-    /// Regressors that hardly vary, those made of inputs alone first.
+    /// Regressors that hardly vary, those of inputs alone first.
     still: Vec<usize>,
     /// The others.
     varying: Vec<usize>,
@@ -43,8 +43,8 @@ impl Involved {
     }
 }
 
-/// The weakest direction of `degree` in words: which terms cannot be told from which. `constant` names logged channels that
-/// never vary.
+/// The weakest direction of `degree` in words: which terms cannot be distinguished. `constant` names logged channels
+/// that never vary.
 pub fn weakest(d: DegreeOfFreedom, degree: &Degree, diagnosis: &Diagnosis, constant: &[String]) -> String {
     let about = Involved::new(degree, diagnosis);
     let beyond = diagnosis.index > COLLINEAR;
@@ -54,13 +54,13 @@ pub fn weakest(d: DegreeOfFreedom, degree: &Degree, diagnosis: &Diagnosis, const
         let terms: Vec<String> = all.iter().map(term).collect();
         let mut names: Vec<String> = all.iter().map(|i| format!("`{}`", degree.parameters[*i])).collect();
         names.extend(about.intercept.then(|| "the intercept".to_owned()));
-        let told = if beyond { "cannot be told apart" } else { "are hardest to tell apart" };
-        return format!("{}: {} go together: {} {told}", d.name(), listed(&terms), listed(&names));
+        let verdict = if beyond { "cannot be told apart" } else { "are hardest to tell apart" };
+        return format!("{}: {} go together: {} {verdict}", d.name(), listed(&terms), listed(&names));
     }
-    let mut told = Vec::new();
+    let mut terms = Vec::new();
     for i in &about.still {
         let varies = format!("by {:.1} %", 100.0 * diagnosis.variation[*i]);
-        told.push(match (told.is_empty(), constant) {
+        terms.push(match (terms.is_empty(), constant) {
             (true, []) => format!("{} (hardly varies, {varies})", term(i)),
             (true, names) => {
                 format!("{} (hardly varies, {varies}; constant: {})", term(i), listed(names))
@@ -68,9 +68,9 @@ pub fn weakest(d: DegreeOfFreedom, degree: &Degree, diagnosis: &Diagnosis, const
             (false, _) => format!("{} ({varies})", term(i)),
         });
     }
-    told.extend(about.varying.iter().map(term));
+    terms.extend(about.varying.iter().map(term));
     let verdict = if beyond { "cannot be told" } else { "are hardest to tell" };
-    format!("{}: {} {verdict} from the intercept", d.name(), listed(&told))
+    format!("{}: {} {verdict} from the intercept", d.name(), listed(&terms))
 }
 
 /// The parameter that [`weakest`] names first.
@@ -79,10 +79,10 @@ pub fn first_named(degree: &Degree, diagnosis: &Diagnosis) -> usize {
     about.still.first().or(about.varying.first()).copied().unwrap_or(diagnosis.weakest)
 }
 
-/// [`weakest`] with how weak it is.
+/// [`weakest`] with its condition index.
 pub fn collinear(d: DegreeOfFreedom, degree: &Degree, diagnosis: &Diagnosis, constant: &[String]) -> String {
-    let told = weakest(d, degree, diagnosis, constant);
-    format!("{told} (condition index {:.0}, from {COLLINEAR:.0} on collinear)", diagnosis.index)
+    let direction = weakest(d, degree, diagnosis, constant);
+    format!("{direction} (condition index {:.0}, from {COLLINEAR:.0} on collinear)", diagnosis.index)
 }
 
 /// Why degree of freedom `d` has no estimate.
@@ -107,7 +107,7 @@ pub fn unidentified(
     }
 }
 
-/// That the bounds of `degree` leave no estimate.
+/// Says that the bounds of `degree` leave no estimate.
 pub fn excluded(d: DegreeOfFreedom, degree: &Degree) -> String {
     let bound = |(i, [low, high]): (&usize, &[f64; 2])| {
         format!("`{}` between {low} and {high}", degree.parameters[*i])

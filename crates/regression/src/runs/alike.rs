@@ -1,4 +1,4 @@
-//! Runs that do the same: what their instruments come to is made once for all of them.
+//! Runs with the same inputs, whose instruments are computed once for all of them.
 
 use engine::{Run, check_diverged, simulate_one};
 use model::Vessel;
@@ -7,7 +7,7 @@ use numerics::{LANES, Lane};
 use super::nominal_diverged::NominalDiverged;
 use crate::{Batch, Excitation, Instruments, MeanRemoval, Outcome};
 
-/// What a run does.
+/// The inputs and the initial state of a run.
 #[derive(Clone, Debug)]
 pub struct Doing<'a> {
     /// Its design.
@@ -29,7 +29,7 @@ impl<'a> Doing<'a> {
     }
 }
 
-/// The instruments of all runs that do the same.
+/// The instruments of all runs with the same inputs.
 pub struct Alike<'a> {
     vessel: &'a Vessel,
     exogenous: &'a [f64],
@@ -39,10 +39,10 @@ pub struct Alike<'a> {
 }
 
 impl<'a> Alike<'a> {
-    /// Of runs that do what `one` of them does.
+    /// The instruments of runs with the inputs and initial state of `one`.
     ///
     /// # Errors
-    /// A nominal simulation that diverges.
+    /// The nominal simulation diverges.
     pub fn new(vessel: &'a Vessel, one: &Doing<'a>, removal: MeanRemoval) -> Result<Self, NominalDiverged> {
         let Doing { design, run, starts, initial, exogenous } = one.clone();
         let states = simulate_one(&vessel.model, &vessel.nominal, initial, exogenous);
@@ -59,7 +59,7 @@ impl<'a> Alike<'a> {
         self.sums.estimate(&self.batch(measured))
     }
 
-    /// [`Self::estimates`], and how each degree of freedom was excited.
+    /// [`Self::estimates`], and the excitation of each degree of freedom.
     pub(super) fn estimates_with_excitation(&self, measured: &[Lane]) -> Vec<(Outcome, [Excitation; 3])> {
         self.sums.estimate_with_excitation(&self.batch(measured))
     }

@@ -4,23 +4,23 @@ use model::{DegreeOfFreedom, Vessel};
 use crate::MeanRemoval;
 use crate::pooled::{COLLINEAR, PartView, Regression, collinear, diagnose, first_named};
 
-/// Name of the design of runs whose truth nobody knows.
+/// Name of the design of measured runs, whose true parameters are unknown.
 const MEASURED: &str = "measured";
 
-/// A direction in which instrumental variables would answer one measured run with noise.
+/// A direction in which the instrumental-variable estimate of a measured run would be noise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CollinearRun {
     /// 0 surge, 1 sway, 2 yaw: the first that has one.
     pub degree: usize,
-    /// The parameter it is about, within the degree of freedom.
+    /// The dominant parameter, within the degree of freedom.
     pub parameter: usize,
     /// All degrees of freedom that have one, in words.
     pub words: String,
 }
 
-/// Looks for collinear instruments and regressors in a measured run: a condition index above [`COLLINEAR`], as in a pooled
-/// estimate. Simulated runs are answered whatever it is: how far off those estimates are is what their study shows. `None`
-/// also where the nominal simulation diverges.
+/// Looks for collinear instruments and regressors in a measured run: a condition index above [`COLLINEAR`], as in a
+/// pooled estimate. Simulated runs are always estimated: their study shows the errors of those estimates. `None` also
+/// if the nominal simulation diverges.
 pub fn collinear_run(vessel: &Vessel, run: &Run, removal: MeanRemoval) -> Option<CollinearRun> {
     if run.design != MEASURED {
         return None;

@@ -7,7 +7,7 @@ use super::alike::{Alike, Doing};
 use super::nominal_diverged::NominalDiverged;
 use crate::{Batch, Excitation, InstrumentKind, Instruments, MeanRemoval, Outcome};
 
-/// Makes batches of runs with their instruments.
+/// Forms batches of runs with their instruments.
 pub struct RunInstruments<'a> {
     vessel: &'a Vessel,
     kind: InstrumentKind,
@@ -29,7 +29,7 @@ impl<'a> RunInstruments<'a> {
         Self { vessel, kind, nominal }
     }
 
-    /// Batches of neighbouring runs of equal length, each with the runs that it holds.
+    /// Batches of neighbouring runs of equal length, each with its runs.
     pub fn batches<'r>(
         &self,
         runs: &'r [Run],
@@ -41,11 +41,11 @@ impl<'a> RunInstruments<'a> {
         })
     }
 
-    /// The estimate of every run and how each degree of freedom was excited. Neighbours that share inputs, segments and
-    /// initial state share their instruments.
+    /// The estimate of every run and the excitation of each degree of freedom. Neighbours that share inputs, segments
+    /// and initial state share their instruments.
     ///
     /// # Errors
-    /// A nominal simulation that diverges.
+    /// The nominal simulation diverges.
     pub fn estimates(
         &self,
         runs: &[Run],
@@ -74,11 +74,11 @@ impl<'a> RunInstruments<'a> {
         Ok(all)
     }
 
-    /// Estimates of runs that stand side by side already, group by group: with starts of their segments. Their
-    /// instruments are simulated with the nominal model, whatever kind others are.
+    /// Estimates from runs that are already in lanes, group by group, with the starts of their segments. Instruments
+    /// are simulated with the nominal model, regardless of `kind`.
     ///
     /// # Errors
-    /// Which run it is whose nominal simulation diverges, and where.
+    /// The run whose nominal simulation diverges, and where.
     pub fn nominal_side_by_side(
         &self,
         groups: impl IntoIterator<Item = (Vec<Vec<usize>>, SideBySide)>,
@@ -134,7 +134,7 @@ impl<'a> Prepared<'a> {
         Self { vessel, instrument_states: runs.measured.clone(), runs, starts }
     }
 
-    /// Runs whose instruments are still to be simulated.
+    /// Runs whose instruments are not simulated yet.
     fn calm(vessel: &'a Vessel, runs: SideBySide, starts: Vec<Vec<usize>>) -> Self {
         Self { vessel, instrument_states: buffer(runs.measured.len()), runs, starts }
     }
@@ -143,7 +143,7 @@ impl<'a> Prepared<'a> {
         self.runs.exogenous.len() == other.runs.exogenous.len()
     }
 
-    /// [`Self::simulate`] of several, as long as each other.
+    /// [`Self::simulate`] for several batches of equal length.
     fn simulate_groups(groups: &mut [Self; GROUPS], parameters: &[Lane]) {
         let vessel = groups[0].vessel;
         let initial = [0, 1, 2].map(|d: usize| Wide(groups.each_ref().map(|own| own.runs.initial[d])));
@@ -170,7 +170,7 @@ impl<'a> Prepared<'a> {
         check_diverged(self.instrument_states.iter().map(|s| s[lane]))
     }
 
-    /// The batch; lanes that are left repeat the last run.
+    /// The batch; unused lanes repeat the last run.
     pub fn batch(&self) -> Batch<'_> {
         Batch {
             model: &self.vessel.model,

@@ -1,4 +1,4 @@
-//! Instruments of single runs, shared by those that do the same.
+//! Instruments of single runs, shared by those with the same inputs.
 
 mod alike;
 mod collinear;

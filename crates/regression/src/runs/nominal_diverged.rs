@@ -16,12 +16,12 @@ pub struct NominalDiverged {
 }
 
 impl NominalDiverged {
-    /// What is invalid of the vessel.
+    /// The part of the vessel that is invalid.
     pub fn invalid(&self) -> Invalid {
         self.at.invalid(format!("nominal model (`nominal`) over design {}, run {}", self.design, self.run))
     }
 
-    /// Over a run of `design`.
+    /// The divergence over a run of `design`.
     pub fn over(design: &str, run: i32, at: Diverged) -> Self {
         Self { design: design.to_owned(), run, at }
     }

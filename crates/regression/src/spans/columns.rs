@@ -12,7 +12,7 @@ use crate::{Batch, DegreeSums};
 use numerics::registers::BLOCK;
 use numerics::registers::{add, parts};
 
-/// Adds Σζ, Σζ² and everything with terms of inputs alone, over samples `range`.
+/// Adds Σζ, Σζ² and all sums with terms of inputs alone, over samples `range`.
 #[inline(always)]
 pub(crate) fn add_instruments<X: Instrument>(
     batch: &Batch<X>,
@@ -49,7 +49,7 @@ pub(crate) fn add_instruments<X: Instrument>(
     }
 }
 
-/// Adds everything with measured terms or Δy in it, over samples `range`.
+/// Adds all sums with measured terms or Δy, over samples `range`.
 #[inline(always)]
 pub(crate) fn add_measured<X: Instrument>(
     batch: &Batch<X>,
@@ -91,11 +91,11 @@ pub(crate) fn add_measured<X: Instrument>(
 /// A column of sums for each of several signals y: Σ x y with every one of others, Σ y and Σ y².
 struct Columns {
     sums: Vec<Lane>,
-    /// How many others.
+    /// The number of others.
     height: usize,
 }
 
-/// Signals of either kind that are multiplied at once: every sum of theirs has a register.
+/// Signals of either kind that are multiplied at once: each of their sums fits a register.
 const AT_ONCE: usize = 4;
 
 impl Columns {
@@ -103,7 +103,7 @@ impl Columns {
         Self { sums: vec![Lane::ZERO; count * (height + 2)], height }
     }
 
-    /// Of each signal its products' sums, its own and its squares'.
+    /// Per signal the sums of its products, of itself and of its square.
     fn each(&self) -> impl Iterator<Item = (&[Lane], [Lane; 2])> {
         self.sums.chunks_exact(self.height + 2).filter_map(|column| {
             let (products, ends) = column.split_last_chunk()?;
@@ -191,7 +191,7 @@ impl To<'_> {
     }
 }
 
-/// Signals x and y, few enough that every sum of their products has a register.
+/// Signals x and y, few enough that each sum of their products fits a register.
 struct Tile<'a, 'b, X, Y, Z, const R: usize, const C: usize, const E: usize> {
     x: [X; R],
     y: [Y; C],

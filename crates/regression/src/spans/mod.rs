@@ -1,4 +1,4 @@
-//! Passes over the samples of any model, span by span: what is decided per term is decided once for all samples of a span.
+//! Passes over the samples for any model, span by span: branches per term are taken once for all samples of a span.
 
 mod columns;
 mod regressors;

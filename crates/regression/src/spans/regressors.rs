@@ -8,11 +8,11 @@ use super::signals::{Column, Difference, Modulus, Product, SPAN, Signal, Signals
 use crate::Batch;
 use numerics::registers::{parts, put};
 
-/// In which order the passes take the terms of a degree of freedom: first those with states in them, then those of inputs alone,
-/// which are the same in φ and in ζ.
+/// The order in which the passes process the terms of a degree of freedom: first those with states, then those of
+/// inputs alone, which are the same in φ and in ζ.
 pub(super) struct Order {
     pub terms: Vec<usize>,
-    /// How many have states in them.
+    /// The number of terms with states.
     pub measured: usize,
 }
 
@@ -32,12 +32,12 @@ impl Order {
 /// All terms of each degree of freedom.
 pub(super) const ALL: [Range<usize>; 3] = [0..usize::MAX, 0..usize::MAX, 0..usize::MAX];
 
-/// Where a signal stands: in which column of which table.
+/// The column and the table of a signal.
 #[derive(Clone, Copy)]
 pub(super) enum Place {
     State(usize),
     Input(usize),
-    /// Among what is computed span by span.
+    /// Among the signals computed span by span.
     Computed(usize),
     /// One.
     One,
@@ -46,7 +46,7 @@ pub(super) enum Place {
 /// Three signals at the samples of a span, row by row.
 pub(super) type Table = Vec<Lane>;
 
-/// Products of signals with their coefficients, and where their sum goes.
+/// Products of signals with their coefficients, and the index of their sum.
 struct Sum {
     products: Vec<(f64, Vec<Place>)>,
     computed: usize,
@@ -59,17 +59,17 @@ pub(super) struct Regressors<'a> {
     inputs: Numbers<'a>,
     /// Per degree of freedom and term its two factors.
     factors: [Vec<[Place; 2]>; 3],
-    /// The variables whose moduli are factors, and where these go.
+    /// The variables whose moduli are factors, and the indices of the moduli.
     moduli: Vec<(usize, Place, usize)>,
     /// Terms with more than two factors or with others tied to them; their first products have no coefficients.
     sums: Vec<Sum>,
-    /// Of φ, per degree of freedom what is known of Δy, and where Δy goes that cannot be read from the states.
+    /// For φ: per degree of freedom the known part of Δy, and the index of a Δy that cannot be read from the states.
     increments: Vec<Sum>,
-    /// Of each signal the table whose first column it is.
+    /// Per signal the table whose first column it is.
     computed: Vec<Table>,
-    /// Likewise those inputs that factors are made of, where they cannot be read where they stand.
+    /// Likewise the inputs that are factors, if they cannot be read in place.
     copied: Vec<(usize, Table)>,
-    /// The span: its first sample, whether all is read where it stands, and if not the states, zero beyond.
+    /// The span: its first sample, whether all is read in place, and if not the states, zero beyond.
     k: usize,
     whole: bool,
     last: Table,
@@ -78,7 +78,7 @@ pub(super) struct Regressors<'a> {
 }
 
 impl<'a> Regressors<'a> {
-    /// φ of a batch, those terms of each degree of freedom whose places are in `terms`; and Δy.
+    /// φ of a batch, with the terms of each degree of freedom whose indices are in `terms`; and Δy.
     pub(super) fn phi<X: Number>(batch: &Batch<'a, X>, terms: [Range<usize>; 3]) -> Self {
         let mut own = Self::of(batch.model, batch.measured, X::numbers(batch.exogenous), terms);
         for degree in &batch.model.degrees {
@@ -136,7 +136,7 @@ impl<'a> Regressors<'a> {
         }
     }
 
-    /// A place for what is computed.
+    /// Allocates an index for a computed signal.
     fn place(&mut self) -> usize {
         self.computed.push(Table::new());
         self.computed.len() - 1
@@ -170,7 +170,7 @@ impl<'a> Regressors<'a> {
         }))
     }
 
-    /// Goes to samples `k..k + count`, `count` ≤ [`SPAN`]; all is zero beyond, and only the last span is not whole.
+    /// Moves to samples `k..k + count`, `count` ≤ [`SPAN`]; all is zero beyond, and only the last span is shorter.
     #[inline(always)]
     pub(super) fn go_to(&mut self, k: usize, count: usize) {
         (self.k, self.whole) = (k, count == SPAN);
@@ -199,7 +199,7 @@ impl<'a> Regressors<'a> {
         }
     }
 
-    /// Whether inputs are read where they stand.
+    /// The inputs, if they are read in place.
     #[inline(always)]
     fn read_inputs(&self) -> Option<&'a [Lane]> {
         match self.inputs {
@@ -228,7 +228,7 @@ impl<'a> Regressors<'a> {
         }
     }
 
-    /// Lets `f` compute a signal.
+    /// Computes a signal with `f`.
     #[inline(always)]
     fn compute(&mut self, computed: usize, f: impl Fn(&Self, &mut Table)) {
         let mut out = std::mem::take(&mut self.computed[computed]);

@@ -12,7 +12,7 @@ use crate::lags::Lags;
 use numerics::registers::{BLOCK, Block};
 use numerics::registers::{add, part, parts, put};
 
-/// Adds what the residuals of `theta` come to, one lane per parameter. `intercepts`: three per run and group.
+/// Adds the sums of the residuals of `theta`, one lane per parameter. `intercepts`: three per run and group.
 #[inline(always)]
 pub(crate) fn add_residuals<X: Instrument>(
     batch: &Batch<X>,
@@ -61,15 +61,16 @@ struct Terms<'a, M, I> {
     intercepts: &'a Block<Lane>,
     measured: M,
     inputs: I,
-    /// Parameters of the measured terms and of those of inputs alone, below zero.
+    /// Parameters of the measured terms and of those of inputs alone, negated.
     less: &'a [Lane],
 }
 
-/// Terms with measured states that are subtracted at once: their parameters have a register each.
+/// Terms with measured states that are subtracted at once: each of their parameters fits a register.
 const AT_ONCE: usize = 4;
 
 impl<M: Signals, I: Signals> Terms<'_, M, I> {
-    /// Adds the residuals' products to the sums of both lags; the residual `edge` came before them, and becomes the last.
+    /// Adds the residuals' products to the sums of both lags; `edge` is the residual before them, and becomes the
+    /// last.
     fn add(self, lags: [&mut Lane; 2], edge: &mut Lane) {
         if self.measured.count() > AT_ONCE || self.inputs.count() > 1 {
             return self.add_many(lags, edge);
@@ -138,7 +139,7 @@ impl<T: Signal> WithSimd for Less<'_, T> {
     }
 }
 
-/// Residuals of few terms, and where their products go.
+/// Residuals of few terms, and the sums of their products.
 struct Residuals<'a, M, I, const C: usize, const D: usize> {
     blocks: Blocks,
     increments: Difference<'a>,

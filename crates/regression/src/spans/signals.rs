@@ -1,4 +1,4 @@
-//! Signals at some samples, read where they stand.
+//! Signals at the samples of a span, read in place.
 
 use std::ops::Range;
 
@@ -9,8 +9,8 @@ use crate::batch::parts;
 use numerics::registers;
 use numerics::registers::BLOCK;
 
-/// Samples that a pass takes at once: several blocks, so that what is decided per term is decided seldom, and few enough for the
-/// nearest cache.
+/// Samples that a pass processes at once: several blocks, so that branches per term are rare, and few enough for the
+/// L1 cache.
 pub(super) const SPAN: usize = 4 * BLOCK;
 
 /// The spans of samples `range`: first sample, count.
@@ -31,7 +31,7 @@ impl Blocks {
         Self { first: range.start / BLOCK, end: range.end.div_ceil(BLOCK) }
     }
 
-    /// The first sample of each. It is seen here that they are in a span.
+    /// The first sample of each. The compiler can see here that they are in a span.
     #[inline(always)]
     pub(super) fn starts(self) -> impl Iterator<Item = usize> {
         (0..SPAN / BLOCK)
@@ -70,8 +70,8 @@ pub(crate) trait Signals: Copy {
     }
 }
 
-/// From the first to the last entry of a column of a table with three columns at the samples of a span. Wherever signals stand, they
-/// stand so: with a distance that is known when the program is compiled, all of them are read with one index.
+/// From the first to the last entry of a column of a table with three columns at the samples of a span. All signals
+/// are stored so: with a stride known at compile time, they are all read with one index.
 #[derive(Clone, Copy)]
 pub(super) struct Column<'a>(&'a [Lane; 3 * SPAN - 2]);
 
@@ -104,7 +104,7 @@ impl<'a> Column<'a> {
     }
 }
 
-/// The product of two columns, computed where it is read: that takes less time than to write it and to read it again.
+/// The product of two columns, computed when it is read: that is faster than to write it and to read it again.
 #[derive(Clone, Copy)]
 pub(super) struct Product<'a>(pub [Column<'a>; 2]);
 
@@ -116,7 +116,7 @@ impl Signal for Product<'_> {
     }
 }
 
-/// What a column is more than another.
+/// The difference of two columns.
 #[derive(Clone, Copy)]
 pub(super) struct Difference<'a>(pub [Column<'a>; 2]);
 

@@ -63,7 +63,7 @@ pub(crate) fn add_squares<X: Instrument>(
     }
 }
 
-/// Where entry (i, j) of the upper triangle of a p × p matrix stands.
+/// The index of entry (i, j) of the upper triangle of a p × p matrix.
 fn place(p: usize, i: usize, j: usize) -> usize {
     i * p + j - i * (i + 1) / 2
 }
@@ -72,14 +72,14 @@ fn place(p: usize, i: usize, j: usize) -> usize {
 #[derive(Clone, Copy)]
 struct Centred<'a, T> {
     terms: T,
-    /// Of every term its place among the means.
+    /// Per term its index among the means.
     order: &'a [usize],
     means: &'a [Means],
     blocks: Blocks,
 }
 
 impl<'a, T: Signals> Centred<'a, T> {
-    /// Adds all products. `edges` are those of the sample before; they become the last.
+    /// Adds all products. `edges` are the values at the sample before; they become the last.
     fn add(self, edges: &mut [Lane], mut sums: [&mut [Lane]; 2]) {
         let p = edges.len();
         for first in (0..p).step_by(AT_ONCE) {
@@ -131,7 +131,7 @@ impl<'a, T: Signals> Centred<'a, T> {
     }
 }
 
-/// Some instruments, their means, and what they are at the sample before.
+/// Some instruments, their means, and their values at the sample before.
 struct Some<'a, T, const N: usize> {
     terms: [T; N],
     means: [&'a Means; N],

@@ -10,7 +10,8 @@ use crate::batch::AnyBatch;
 
 /// ζ at all samples of a batch whose runs share it, evaluated once for all passes and for all batches that share it.
 pub(crate) struct Kept {
-    /// Per degree of freedom a column per term in the passes' order, a span of zeros at its end; none where runs do not share ζ.
+    /// Per degree of freedom a column per term in the passes' order, with a span of zeros at its end; none if the
+    /// runs do not share ζ.
     columns: [Vec<Vec<f64>>; 3],
 }
 
@@ -44,15 +45,15 @@ pub(crate) trait Zeta {
     type Terms<'s>: Signals
     where
         Self: 's;
-    /// Goes to samples `k..k + count`, `count` ≤ [`SPAN`].
+    /// Moves to samples `k..k + count`, `count` ≤ [`SPAN`].
     fn go_to(&mut self, k: usize, count: usize);
     /// The terms of degree of freedom `d` there; zero beyond.
     fn terms(&self, d: usize) -> Self::Terms<'_>;
 }
 
-/// What ζ is made of: lanes, or numbers that all runs share.
+/// The number type of ζ: lanes, or numbers that all runs share.
 pub(crate) trait Instrument: Number {
-    /// ζ of a batch, those in `terms` of each degree of freedom. `kept` is of the same batch.
+    /// ζ of a batch, with the `terms` of each degree of freedom. `kept` is of the same batch.
     fn zeta<'s>(batch: &Batch<'s, Self>, kept: &'s Kept, terms: [Range<usize>; 3]) -> impl Zeta + 's;
 }
 
@@ -89,10 +90,10 @@ impl Instrument for f64 {
 
 /// ζ that runs share.
 struct OfShared<'s> {
-    /// Of each degree of freedom, those that are asked for.
+    /// The requested terms of each degree of freedom.
     terms: [Range<usize>; 3],
     columns: &'s [Vec<Vec<f64>>; 3],
-    /// A span that is not whole, zero beyond.
+    /// A shorter last span, zero beyond.
     last: Option<[Vec<Vec<f64>>; 3]>,
     k: usize,
 }

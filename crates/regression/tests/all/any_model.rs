@@ -1,4 +1,4 @@
-//! Models of many sizes, which no structure that is compiled stands for, beside sums that are written out.
+//! Models of many sizes, for which no structure is compiled, against explicit sums.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,8 @@ use crate::support::{Recording, SideBySide, estimate};
 
 const NAMES: [&str; 5] = ["u", "v", "r", "n", "delta"];
 
-/// Terms of surge, sway and yaw. Before and after terms of inputs alone; more than are multiplied at once; none but inputs.
+/// Terms of surge, sway and yaw. States before and after terms of inputs alone; more terms than are multiplied at
+/// once; inputs only.
 const MODELS: [[&[&str]; 3]; 3] = [
     [
         &["u", "u |u|", "v r", "r^2", "v |v|", "n", "delta"],
@@ -41,7 +42,7 @@ fn model(terms: [&[&str]; 3]) -> Model {
     }
 }
 
-/// Numbers without order; instruments that are near what was measured.
+/// Random numbers; instruments that are close to the measured states.
 fn recordings(samples: usize, runs: usize, shared: bool) -> Vec<Recording> {
     let mut normals = Normals::new(7);
     let mut some = |count: usize| (0..count).map(|_| normals.next()).collect::<Vec<f64>>();
@@ -62,7 +63,7 @@ fn product(factors: &[Factor], row: &[f64]) -> f64 {
     factors.iter().map(own).product()
 }
 
-/// Δy of a degree of freedom less what is known of it, on its terms.
+/// Δy of a degree of freedom less its known part, on its terms.
 fn regression(model: &Model, run: &Recording, d: usize) -> Regression {
     let degree = &model.degrees[d];
     let at =
@@ -101,7 +102,7 @@ fn by_definition(model: &Model, run: &Recording, d: usize, groups: &[usize]) -> 
     };
     let zeta = &centred.zeta;
     let a = matrix(&|i, j| zeta.iter().zip(&centred.phi).map(|(zeta, phi)| zeta[i] * phi[j]).sum());
-    let middle = matrix(&|i, j| {
+    let meat = matrix(&|i, j| {
         let own = zeta.iter().map(|z| z[i] * z[j]).sum::<f64>();
         let neighbours = zeta.windows(2).map(|z| z[0][i] * z[1][j] + z[1][i] * z[0][j]).sum::<f64>();
         gamma0 * own + gamma1 * neighbours
@@ -110,7 +111,7 @@ fn by_definition(model: &Model, run: &Recording, d: usize, groups: &[usize]) -> 
         (0..p).map(|j| solve(a.clone(), (0..p).map(|i| if i == j { 1.0 } else { 0.0 }).collect())).collect();
     let variance = |i: usize| -> f64 {
         let pairs = (0..p).flat_map(|k| (0..p).map(move |l| (k, l)));
-        pairs.map(|(k, l)| columns[k][i] * middle[k][l] * columns[l][i]).sum()
+        pairs.map(|(k, l)| columns[k][i] * meat[k][l] * columns[l][i]).sum()
     };
     (found[..p].to_vec(), (0..p).map(|i| variance(i).sqrt()).collect())
 }
@@ -140,7 +141,7 @@ fn check(model: &Model, runs: &[Recording], removal: MeanRemoval, outcomes: &[Ou
     }
 }
 
-/// Estimates runs side by side, of instruments of their own or shared, and compares each with its definition.
+/// Estimates runs in lanes, with own or shared instruments, and compares each with its definition.
 fn check_model(model: &Model, removals: &[MeanRemoval]) {
     for (samples, removal) in [64, 75, 130].into_iter().flat_map(|n| removals.iter().map(move |r| (n, *r))) {
         let runs = recordings(samples, 3, false);

@@ -1,4 +1,4 @@
-//! What must hold by theory, whatever the data.
+//! Properties that hold by theory for any data.
 
 use crate::support::explicit::{Regression, sizes};
 use crate::support::noise::Normals;
@@ -36,8 +36,7 @@ fn close(found: f64, expected: f64, tolerance: f64) -> bool {
     (found - expected).abs() <= tolerance * expected.abs()
 }
 
-/// An intercept per group does what subtracting the group's instrument mean does, and the crate does
-/// either.
+/// An intercept per group is equivalent to subtracting the group's instrument mean, and the crate agrees with both.
 #[test]
 fn law_an_intercept_is_the_subtraction_of_the_instruments_mean() {
     let runs: Vec<Recording> = (0..8).map(|seed| random_run(seed, &[130, 70, 100], 0.02)).collect();
@@ -110,17 +109,17 @@ fn assert_sums_close(found: &[f64], expected: &[f64], size: impl Fn(usize) -> f6
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// The sums of two pieces are those of the whole, and the crate's moments are these sums over N.
+    /// The sums of two segments add to those of the whole, and the crate's moments are these sums over N.
     #[test]
     fn law_sums_of_pieces_merge_into_those_of_the_whole(seed in 0u64..1000, cut in 1usize..99) {
         let run = random_run(seed, &[100], 0.05);
-        let (vessel, pieces) = (paper(), [run.piece(0, cut), run.piece(cut, 100)]);
+        let (vessel, segments) = (paper(), [run.segment(0, cut), run.segment(cut, 100)]);
         let whole = explicit(&run);
         let mut merged = Sums::default();
-        pieces.iter().for_each(|piece| merged.merge(&explicit(piece)));
+        segments.iter().for_each(|own| merged.merge(&explicit(own)));
         prop_assert_eq!(merged.samples, 100);
         let of = |run: &Recording| moments(&SideBySide::new(&[run]).batch(&vessel.model)).swap_remove(0);
-        let (all, parts) = (of(&run), pieces.each_ref().map(of));
+        let (all, parts) = (of(&run), segments.each_ref().map(of));
         prop_assert_eq!(all.samples, parts[0].samples + parts[1].samples);
         for d in 0..3 {
             let (merged, whole) = (&merged.degrees[d], &whole.degrees[d]);
@@ -155,7 +154,7 @@ proptest! {
         }
     }
 
-    /// Lane by lane the same bits, whoever the neighbours and whatever their segments.
+    /// Every lane has the same bits, regardless of its neighbours and their segments.
     #[test]
     fn law_an_estimate_does_not_depend_on_its_neighbours(seed in 0u64..1000, lane in 0usize..LANES) {
         let run = random_run(seed, &[120, 80, 100], 0.1);
@@ -165,8 +164,8 @@ proptest! {
         mixed[lane] = &run;
         for removal in REMOVALS {
             let alone = outcomes(&[&run], removal).swap_remove(0);
-            let beside = outcomes(&mixed, removal).swap_remove(lane);
-            prop_assert_eq!(format!("{alone:?}"), format!("{beside:?}"));
+            let among = outcomes(&mixed, removal).swap_remove(lane);
+            prop_assert_eq!(format!("{alone:?}"), format!("{among:?}"));
         }
     }
 
@@ -194,7 +193,7 @@ proptest! {
         }
     }
 
-    /// One more channel, which no term has, changes nothing.
+    /// An additional channel that no term uses changes nothing.
     #[test]
     fn law_a_channel_that_no_term_has_changes_no_bit(seed in 0u64..1000, lengths in [20usize..90, 20usize..90]) {
         let vessel = paper();
@@ -253,7 +252,7 @@ fn law_a_run_that_only_decelerates_does_not_identify_sway_and_yaw() {
     }
 }
 
-/// The same with a surge equation that decelerating does excite: what is named is sway.
+/// The same with a surge equation that decelerating does excite: the named direction is sway.
 #[test]
 fn law_the_direction_that_is_not_excited_is_named() {
     let (mut vessel, mut normals) = (paper(), Normals::new(6));
@@ -281,7 +280,7 @@ fn prefiltered(runs: &[&Recording], parameters: &[f64], removal: MeanRemoval) ->
 fn law_a_filter_without_memory_leaves_instrumental_variables_as_they_are() {
     let runs: Vec<Recording> = (0..8).map(|seed| random_run(seed, &[130, 70, 100], 0.02)).collect();
     let runs: Vec<&Recording> = runs.iter().collect();
-    // Increments that more than undo the own state: poles below zero, which count as none.
+    // Increments that more than cancel the own state: negative poles, which are clamped to zero.
     let mut damped = vec![0.0; paper().model.parameters()];
     [0, 4, 7].iter().for_each(|own| damped[*own] = -2.0);
     for removal in REMOVALS {

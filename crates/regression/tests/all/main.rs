@@ -1,4 +1,4 @@
-//! What must hold of regressions, and what independent computations found.
+//! Properties of regressions, and comparisons with independent computations.
 
 mod any_model;
 mod laws;

@@ -53,7 +53,8 @@ fn oracle_moments() {
     }
 }
 
-/// To 1e-9 relative; entries below a thousandth of their row's and column's root mean squares count as that large.
+/// To 1e-9 relative; entries below a thousandth of their row's and column's root mean squares are compared at that
+/// scale.
 fn compare(run: &Recording, d: usize, found: &[f64], expected: &[f64], named: &str) {
     assert_eq!(found.len(), expected.len(), "{named}");
     let regression = Regression::of(run, d);

@@ -1,4 +1,4 @@
-//! What must hold of pooled regressions by theory.
+//! Properties of pooled regressions that hold by theory.
 
 use approx::assert_relative_eq;
 use engine::RunView;

@@ -32,9 +32,9 @@ fn predicted(vessel: &Vessel, experiment: &Experiment, noise: &Noise) -> Vec<f64
     let recording = undisturbed(vessel, experiment);
     let side = SideBySide::new(&[&recording]);
     let batch = side.batch(&vessel.model);
-    let (found, middles) = (moments(&batch), middle(&batch, &truth(vessel), noise));
+    let (found, meats) = (moments(&batch), middle(&batch, &truth(vessel), noise));
     let mut errors = Vec::new();
-    for (m, b) in found[0].matrices.iter().zip(&middles[0]) {
+    for (m, b) in found[0].matrices.iter().zip(&meats[0]) {
         let n = m.len().isqrt();
         let mut inverse = vec![0.0; n * n];
         // M is Aᵀ: row i of A⁻¹ is column i of M⁻¹.
@@ -72,7 +72,7 @@ fn estimates(vessel: &Vessel, experiment: &Experiment, normals: &mut Normals) ->
     estimate(&side.batch(&vessel.model), MeanRemoval::Complete).into_iter().map(identified).collect()
 }
 
-/// Both the spread of the middle 68 % and the standard deviation.
+/// Both the half-width of the central 68 % and the standard deviation.
 #[test]
 fn law_predicted_errors_are_the_spread_of_estimates() {
     let (vessel, mut normals) = (paper(), Normals::new(7));
@@ -101,7 +101,7 @@ fn law_predicted_errors_are_the_spread_of_estimates() {
     }
 }
 
-/// Without slopes the residual is e(k+1) − e(k): B by its covariance matrix, 2 on the diagonal and −1 beside it.
+/// Without slopes the residual is e(k+1) − e(k): B by its covariance matrix, 2 on the diagonal and −1 next to it.
 #[test]
 fn law_of_a_model_without_states_the_residual_is_a_difference_of_errors() {
     let (vessel, mut normals) = (paper(), Normals::new(3));
@@ -130,8 +130,8 @@ fn law_of_a_model_without_states_the_residual_is_a_difference_of_errors() {
         for (e, found) in found[0][d].iter().enumerate() {
             let pair = |k: usize, l: usize| zeta(k)[e / p] * zeta(l)[e % p];
             let own: f64 = (0..n).map(|k| 2.0 * pair(k, k)).sum();
-            let beside: f64 = (1..n).map(|k| pair(k, k - 1) + pair(k - 1, k)).sum();
-            let expected = noise.measurement[d].powi(2) * (own - beside) / n as f64;
+            let neighbours: f64 = (1..n).map(|k| pair(k, k - 1) + pair(k - 1, k)).sum();
+            let expected = noise.measurement[d].powi(2) * (own - neighbours) / n as f64;
             let size = noise.measurement[d].powi(2) * own.abs() / n as f64;
             assert!((found - expected).abs() < 1e-10 * size.max(1e-12), "{d} {e}");
         }

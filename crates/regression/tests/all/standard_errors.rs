@@ -8,7 +8,7 @@ use regression::{Estimate, MeanRemoval, Outcome};
 use crate::support::noise::Normals;
 use crate::support::{Experiment, Recording, SideBySide, dictionary, estimate, paper, truth};
 
-/// Enough that the spread itself is known to 1.6 %.
+/// Enough to estimate the spread to 1.6 %.
 const REALIZATIONS: usize = 2000;
 /// Of the current's components [m/s] and of the measured states [m/s, m/s, rad/s]: the paper's variance 0.025.
 const NOISE: f64 = 0.158_113_883_008_418_97;

@@ -4,19 +4,19 @@ use crate::figures::palette::series;
 use crate::figures::svg::{Anchor, Paint, Point, Sheet};
 use crate::figures::text;
 
-/// How accurate one design is after some time.
+/// The accuracy of one design over time.
 #[derive(Clone, Debug)]
 pub struct AccuracyCurve<'a> {
     /// Name of the design.
     pub label: &'a str,
-    /// Duration \[s\] and standard error; both above zero.
+    /// Duration \[s\] and standard error; both positive.
     pub points: Vec<(f64, f64)>,
 }
 
 const HEIGHT: f64 = 320.0;
 
-/// Curves of the standard error against the duration of the experiment, both logarithmic, and the wanted error with the
-/// duration that reaches it. Points that are not above zero are left out.
+/// Curves of the standard error against the duration of the experiment, both logarithmic, and the wanted error with
+/// the duration that reaches it. Points that are not positive are omitted.
 pub fn accuracy(curves: &[AccuracyCurve<'_>], wanted: (f64, f64), title: &str) -> String {
     let drawn = |(s, e): &(f64, f64)| *s > 0.0 && *e > 0.0 && e.is_finite();
     let known: Vec<(&str, Vec<(f64, f64)>)> =
@@ -55,7 +55,7 @@ impl Scale {
         self.0.at(libm::log10(value))
     }
 
-    /// 1, 2 and 5 times powers of ten inside the range; powers of ten alone where those are many.
+    /// 1, 2 and 5 times powers of ten inside the range; powers of ten alone if there are many.
     fn ticks(&self) -> Vec<Tick> {
         let (low, high) = (self.0.low, self.0.high);
         let decades = low.floor() as i32..=high.ceil() as i32;

@@ -19,7 +19,8 @@ pub(crate) struct Tick {
 }
 
 impl Axis {
-    /// Maps `low` to pixel `from` and `high` to pixel `to`. An empty or endless range is replaced by one around it.
+    /// Maps `low` to pixel `from` and `high` to pixel `to`. An empty or infinite range is replaced by one that
+    /// contains it.
     pub(crate) fn linear(low: f64, high: f64, from: f64, to: f64) -> Self {
         let (low, high) = usable(low, high);
         Self { low, high, from, to, linear_within: None }
@@ -89,7 +90,7 @@ pub(crate) fn round_step(least: f64) -> f64 {
     factor.unwrap_or(10.0) * power
 }
 
-/// Least and greatest finite value, where there is one.
+/// Least and greatest finite value, if there is one.
 pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
     let finite = values.into_iter().filter(|v| v.is_finite());
     finite.fold(None, |range, v| match range {

@@ -7,15 +7,15 @@ use crate::figures::text;
 /// One row of correlations.
 #[derive(Clone, Debug)]
 pub struct CorrelationRow<'a> {
-    /// Whose they are.
+    /// The name of the row.
     pub name: &'a str,
-    /// Half the width of the band that most of those by chance lie in.
+    /// Half-width of the band of correlations by chance.
     pub bound: f64,
     /// One cell per column.
     pub cells: Vec<CorrelationCell<'a>>,
 }
 
-/// Correlations at lags that follow each other.
+/// Correlations at consecutive lags.
 #[derive(Clone, Copy, Debug)]
 pub struct CorrelationCell<'a> {
     /// The first lag \[samples\].
@@ -25,7 +25,7 @@ pub struct CorrelationCell<'a> {
 }
 
 const WIDTH: f64 = 960.0;
-/// Room for ticks, left of the first column and of the second.
+/// Space for ticks, left of the first column and of the second.
 const MARGIN: f64 = 42.0;
 const GAP: f64 = 24.0;
 const HEAD: f64 = 26.0;
@@ -34,8 +34,8 @@ const CELL: f64 = 84.0;
 const FOOT: f64 = 40.0;
 const LETTER: f64 = 8.0;
 
-/// Correlations over lags: a row per error, a column per what it is correlated with, over the band of those that come by
-/// chance. The first column, of the error with itself, goes from −1 to 1; the others share an axis of their own.
+/// Correlations over lags: a row per error, a column per signal it is correlated with, over the band of correlations
+/// by chance. The first column, of the error with itself, goes from −1 to 1; the others share another axis.
 pub fn correlations(columns: &[&str], rows: &[CorrelationRow<'_>]) -> String {
     let height = HEAD + rows.len() as f64 * ROW + FOOT;
     let grid = Grid::new(columns.len(), rows);
@@ -54,7 +54,7 @@ pub fn correlations(columns: &[&str], rows: &[CorrelationRow<'_>]) -> String {
     })
 }
 
-/// Where columns stand, and how far those beyond the first reach upwards.
+/// The positions of the columns, and the vertical range of those after the first.
 struct Grid {
     width: f64,
     most: f64,
@@ -75,7 +75,7 @@ impl Grid {
         MARGIN + further + column as f64 * (self.width + GAP)
     }
 
-    /// How long a title may be.
+    /// Maximum length of a title.
     fn letters(&self) -> usize {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
         let most = (self.width / LETTER) as usize;

@@ -7,11 +7,11 @@ use crate::figures::text;
 /// One point of a front of information against cost.
 #[derive(Clone, Debug)]
 pub struct FrontDot<'a> {
-    /// What it costs.
+    /// Its cost.
     pub cost: f64,
-    /// log|det| of what it tells.
+    /// log|det| of its information.
     pub log_det: f64,
-    /// Name beside the dot; may be empty.
+    /// Label of the dot; may be empty.
     pub label: &'a str,
     /// Whether it is the one that was chosen.
     pub chosen: bool,
@@ -22,8 +22,8 @@ const RIGHT: f64 = PLOT.1;
 /// With more dots than this only the chosen one is named.
 const MOST_NAMED: usize = 12;
 
-/// Dots of log|det| against cost, and the steps of what each cost can buy; the chosen dot is filled. Dots in any order;
-/// those that are not finite are left out.
+/// Dots of log|det| against cost, and the steps of the best value at each cost; the chosen dot is filled. Dots in any
+/// order; those that are not finite are omitted.
 pub fn front(dots: &[FrontDot<'_>], cost_title: &str) -> String {
     let mut known: Vec<&FrontDot<'_>> =
         dots.iter().filter(|dot| dot.cost.is_finite() && dot.log_det.is_finite()).collect();
@@ -41,14 +41,14 @@ pub fn front(dots: &[FrontDot<'_>], cost_title: &str) -> String {
     })
 }
 
-/// The range of `values` with room on both sides.
+/// The range of `values` with a margin on both sides.
 fn axis(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Axis {
     let (low, high) = extent(values).unwrap_or((0.0, 1.0));
     let air = if high > low { 0.14 * (high - low) } else { 0.5 };
     Axis::linear(low - air, high + air, from, to)
 }
 
-/// Round costs; of moves, which cannot be parted, whole numbers only.
+/// Round costs; whole numbers only for a cost in moves.
 fn cost_ticks(across: &Axis, whole: bool) -> Vec<Tick> {
     let mut ticks = across.ticks(4);
     if whole {
@@ -58,7 +58,7 @@ fn cost_ticks(across: &Axis, whole: bool) -> Vec<Tick> {
     ticks
 }
 
-/// What a cost can buy at most: level until the next better dot.
+/// The best value at each cost: constant until the next better dot.
 fn steps(known: &[&FrontDot<'_>], across: &Axis, up: &Axis) -> Vec<Point> {
     let mut corners: Vec<Point> = Vec::new();
     let mut best = f64::NEG_INFINITY;

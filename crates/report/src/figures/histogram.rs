@@ -1,6 +1,6 @@
 /// Counts of values in equal bins from 0 to a limit, with everything else accounted for.
 ///
-/// `counts` sums up with `beyond` and `missing` to the number of runs.
+/// `counts`, `beyond` and `missing` sum to the number of runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Histogram {
     /// Values per bin; bin i holds i·limit/bins ≤ value < (i+1)·limit/bins. Negative values are in the first.

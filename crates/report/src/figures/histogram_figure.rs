@@ -20,14 +20,14 @@ pub struct HistogramAxis<'a> {
     pub width: f64,
 }
 
-/// One panel: the runs of one design, in the colour of its place among the panels.
+/// One panel: the runs of one design, in the colour of its index among the panels.
 #[derive(Clone, Debug)]
 pub struct HistogramPanel<'a> {
     /// Name of the design.
     pub label: &'a str,
-    /// One value per run; none for a run without one.
+    /// One value per run; `None` for a run without one.
     pub values: Vec<Option<f64>>,
-    /// Beside the bound: `98.6 % below 5`.
+    /// Next to the bound: `98.6 % below 5`.
     pub note: Option<String>,
 }
 
@@ -39,8 +39,9 @@ const PLOT: f64 = 128.0;
 const PANEL: f64 = HEAD + PLOT + 12.0;
 const FOOT: f64 = 44.0;
 
-/// Histograms one above the other with the same bins and the same two axes. Values at or above the limit are in a bar
-/// of their own at the right, paler and outlined; a bar that would dwarf the others is broken and carries its count.
+/// Histograms one above the other with the same bins and the same two axes. Values at or above the limit are in a
+/// separate bar at the right, paler and outlined; a bar that would dwarf the others is broken and labelled with its
+/// count.
 pub fn histogram_pair(axis: &HistogramAxis<'_>, panels: &[HistogramPanel<'_>]) -> String {
     let counted: Vec<Histogram> =
         panels.iter().map(|p| Histogram::new(&p.values, axis.limit, axis.bins)).collect();
@@ -124,7 +125,7 @@ impl<'a> Plot<'a> {
         sheet.text(&beyond.to_string(), ((from + to) / 2.0, top - 9.0), note(Anchor::Middle));
     }
 
-    /// Two slanted strokes across the last bar: it goes on beyond the axis.
+    /// Two slanted strokes across the last bar: it continues beyond the axis.
     fn breaks(&self, sheet: &mut Sheet, from: f64, to: f64) {
         for drop in [14.0, 20.0] {
             let y = self.floor - PLOT + drop;
@@ -164,7 +165,7 @@ impl<'a> Plot<'a> {
     }
 }
 
-/// The place of the last digit that `limit` needs, down to thousandths.
+/// The value of the last digit that `limit` needs, down to thousandths.
 fn finest(limit: f64) -> f64 {
     let exact = |step: &f64| ((limit / step).round() * step - limit).abs() < 1e-9 * limit.abs();
     [1.0, 0.1, 0.01].into_iter().find(exact).unwrap_or(0.001)

@@ -17,10 +17,10 @@ pub(crate) const fn note(anchor: Anchor) -> Lettering {
     Lettering::new(NOTE, anchor).painted(Paint::ink(0.7))
 }
 
-/// Where a plot of one column has its left and right end, and its top [px].
+/// Left and right end of a plot of one column, and its top [px].
 pub(crate) const PLOT: (f64, f64) = (62.0, COLUMN - 16.0);
 pub(crate) const PLOT_TOP: f64 = 16.0;
-/// Room below such a plot [px].
+/// Space below such a plot [px].
 pub(crate) const PLOT_FOOT: f64 = 48.0;
 
 /// Grid, ticks, axes and titles of a plot: the axis across, then the one upwards.
@@ -67,7 +67,7 @@ impl Rows {
         self.bottom() + FOOT
     }
 
-    /// Pixel of the middle of row `index`.
+    /// Pixel of the centre of row `index`.
     pub(crate) fn middle(&self, index: usize) -> f64 {
         TOP + (index as f64 + 0.5) * self.row
     }

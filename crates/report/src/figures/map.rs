@@ -1,8 +1,8 @@
 //! A chart with a planned or simulated trial on it. Coordinates in metres, x east, y north.
 //!
-//! The map knows no ships and no projections: it draws polygons, cells, lines and marks in a frame, with equal scales
-//! along both axes, and explains every class it drew in a legend. It keeps its light colours on a dark page; only the
-//! text around it follows the page.
+//! The map is independent of ships and projections: it draws polygons, cells, lines and marks in a frame, with equal
+//! scales along both axes, and explains every class it drew in a legend. It keeps its light colours on a dark page;
+//! only the surrounding text follows the page.
 
 mod areas;
 mod cells;
@@ -37,7 +37,7 @@ use view::{LABEL, View, WIDTH};
 /// Name of the legend's group.
 const LEGEND: &str = "Legend";
 
-/// A drawing of [`map_figure`] and its legend, each an SVG element of its own; nothing where it is none.
+/// A drawing of [`map_figure`] and its legend, as separate SVG elements; `None` if it is not such a drawing.
 pub fn parted(svg: &str) -> Option<[String; 2]> {
     let (map, legend) = svg.split_once(&format!("<g aria-label=\"{LEGEND}\">"))?;
     let (legend, after) = legend.rsplit_once("</g>")?;
@@ -55,12 +55,13 @@ pub fn parted(svg: &str) -> Option<[String; 2]> {
     Some([part(0, wide, map.split_once('>')?.1)?, part(wide, left, legend)?])
 }
 
-/// Draws `map` as one SVG element that scales to the width of whatever holds it.
+/// Draws `map` as one SVG element that scales to the width of its container.
 ///
-/// From below: cells, areas of water (the shoalest above), margins, no-go areas, land, graticule, charted points and names,
-/// tube and corridors, tracks, hulls, goal and start, step numbers. The legend stands beside the map, in a group of its own. Coordinates are exact to a tenth of a pixel of a drawing 560 pixels wide. Cells finer than
-/// a pixel, and cells too ragged to keep the file small, are merged in blocks that show their most dangerous class.
-/// Coordinates are finite, a raster has a value per cell, and tracks name maneuvers that the map declares.
+/// From below: cells, areas of water (the shoalest above), margins, no-go areas, land, graticule, charted points and
+/// names, tube and corridors, tracks, hulls, goal and start, step numbers. The legend is next to the map, in a
+/// separate group. Coordinates are exact to a tenth of a pixel of a drawing 560 pixels wide. Cells finer than a
+/// pixel, and cells with borders too long for a small file, are merged in blocks that show their most dangerous
+/// class. Coordinates are finite, a raster has a value per cell, and tracks name maneuvers that the map declares.
 ///
 /// ```
 /// use report::figures::map::{Map, Track, TrackStyle, map_figure};

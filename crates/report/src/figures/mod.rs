@@ -1,11 +1,11 @@
 //! Figures of the report as SVG text.
 //!
-//! Every function takes numbers and labels and returns one whole `<svg>` element. It has a `viewBox` and no fixed size,
-//! so it scales to the width of whatever holds it; it has no ids and no style sheet, so that many of them fit on one
+//! Every function takes numbers and labels and returns one whole `<svg>` element. It has a `viewBox` and no fixed
+//! size, so it scales to the width of its container; it has no ids and no style sheet, so that several can be on one
 //! page. Ink is `currentColor` and follows the page; the other colours are those of [`palette`], which a page may
 //! restyle for a dark background by attribute selectors such as `[fill="#0072B2"]`.
 //!
-//! Values that are not finite are left out; [`map`] has none. The same input gives the same bytes.
+//! Values that are not finite are omitted; [`map`] has none. The same input gives the same bytes.
 
 mod accuracy;
 mod axis;

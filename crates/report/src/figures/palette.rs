@@ -1,4 +1,4 @@
-//! Colours that people with the common colour deficiencies tell apart (Okabe and Ito 2008).
+//! Colours that people with the common colour deficiencies can distinguish (Okabe and Ito 2008).
 
 /// Red, green, blue.
 pub type Rgb = (u8, u8, u8);
@@ -7,7 +7,7 @@ pub type Rgb = (u8, u8, u8);
 pub const INK: Rgb = (0, 0, 0);
 /// Of the first series: the optimized experiment.
 pub const BLUE: Rgb = (0x00, 0x72, 0xB2);
-/// Of the second series: what it is compared with.
+/// Of the second series: the one it is compared with.
 pub const VERMILION: Rgb = (0xD5, 0x5E, 0x00);
 /// Of the third series.
 pub const GREEN: Rgb = (0x00, 0x9E, 0x73);
@@ -24,7 +24,7 @@ pub fn series(index: usize) -> Rgb {
     SERIES[index % SERIES.len()]
 }
 
-/// Colour of input number `index` of a maneuver, apart from the colours of the first two series.
+/// Colour of input number `index` of a maneuver, distinct from the colours of the first two series.
 #[must_use]
 pub fn input(index: usize) -> Rgb {
     const INPUTS: [Rgb; 5] = [GREEN, PURPLE, AMBER, BLUE, VERMILION];

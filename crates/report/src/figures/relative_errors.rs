@@ -13,15 +13,15 @@ pub struct ErrorRow<'a> {
     pub errors: Vec<Option<(f64, f64)>>,
 }
 
-/// Within this relative error the axis is linear.
+/// The axis is linear within this relative error.
 const LINEAR: f64 = 0.1;
 /// Pixels between the designs of one row.
-const BESIDE: f64 = 11.0;
+const SPACING: f64 = 11.0;
 
 /// Mean ± standard deviation of the relative error per parameter, one colour per design. The axis is linear within
 /// ±10 % and logarithmic beyond.
 pub fn relative_errors(designs: &[&str], rows: &[ErrorRow<'_>]) -> String {
-    let layout = Rows::new(rows.iter().map(|row| row.name), 14.0 + BESIDE * designs.len() as f64, 18.0);
+    let layout = Rows::new(rows.iter().map(|row| row.name), 14.0 + SPACING * designs.len() as f64, 18.0);
     Sheet::figure(COLUMN, layout.height(), "Relative error per parameter, mean and spread", |sheet| {
         let (left, right) = layout.span();
         let axis = Axis::symmetric(most(rows), LINEAR, left, right);
@@ -54,10 +54,10 @@ fn ticks(axis: &Axis) -> Vec<Tick> {
 }
 
 fn draw_row(sheet: &mut Sheet, axis: &Axis, middle: f64, row: &ErrorRow<'_>) {
-    let first = middle - 0.5 * BESIDE * (row.errors.len() as f64 - 1.0);
+    let first = middle - 0.5 * SPACING * (row.errors.len() as f64 - 1.0);
     for (index, error) in row.errors.iter().enumerate() {
         if let Some((mean, spread)) = error {
-            let y = first + BESIDE * index as f64;
+            let y = first + SPACING * index as f64;
             whisker(sheet, axis, y, (*mean, *spread), Paint::solid(series(index)));
         }
     }

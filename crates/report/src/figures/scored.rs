@@ -7,11 +7,11 @@ use crate::figures::text;
 /// A candidate with its score.
 #[derive(Clone, Copy, Debug)]
 pub struct ScoredDot {
-    /// What differs between the candidates.
+    /// The varied quantity.
     pub at: f64,
     /// Its score.
     pub score: f64,
-    /// Its standard error, where there is one.
+    /// Its standard error, if there is one.
     pub standard_error: Option<f64>,
     /// Whether it is the one that was chosen.
     pub chosen: bool,
@@ -19,8 +19,8 @@ pub struct ScoredDot {
 
 const HEIGHT: f64 = 300.0;
 
-/// Scores with their standard errors over what differs between the candidates, on a logarithmic axis where `decades`; the one
-/// that was chosen is filled. Dots in any order; those that are not finite are left out.
+/// Scores with their standard errors over the varied quantity, on a logarithmic axis if `decades`; the chosen one is
+/// filled. Dots in any order; those that are not finite are omitted.
 pub fn scored(dots: &[ScoredDot], decades: bool, (across_title, up_title): (&str, &str)) -> String {
     let place = |at: f64| if decades { libm::log10(at) } else { at };
     let mut known: Vec<ScoredDot> =
@@ -51,7 +51,7 @@ pub fn scored(dots: &[ScoredDot], decades: bool, (across_title, up_title): (&str
     })
 }
 
-/// The range of `values` with room on both sides.
+/// The range of `values` with a margin on both sides.
 fn ranged(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Axis {
     let (low, high) = extent(values).unwrap_or((0.0, 1.0));
     let air = if high > low { 0.06 * (high - low) } else { 0.5 };

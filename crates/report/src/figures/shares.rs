@@ -11,7 +11,7 @@ pub struct ShareRow<'a> {
     pub name: &'a str,
     /// Optimal share, 0 to 1.
     pub share: f64,
-    /// Published share, 0 to 1, where there is one.
+    /// Published share, 0 to 1, if there is one.
     pub published: Option<f64>,
 }
 

@@ -4,23 +4,24 @@ use crate::figures::palette::{Rgb, series};
 use crate::figures::svg::{Anchor, Lettering, Paint, Point, Sheet};
 use crate::figures::text;
 
-/// Where the values of a swept quantity stand on an axis.
+/// The positions of the values of a swept quantity on an axis.
 #[derive(Clone, Debug)]
 pub struct Places {
-    /// What is varied.
+    /// The varied quantity.
     pub title: String,
-    /// What the values are called.
+    /// The labels of the values.
     pub labels: Vec<String>,
-    /// Where each stands.
+    /// The position of each.
     pub at: Vec<f64>,
 }
 
-/// A quantity over what is varied, with the interval that is known of it.
+/// A quantity over the varied one, with its interval.
 #[derive(Clone, Debug)]
 pub struct SweptCurve {
     /// Its name.
     pub label: String,
-    /// Place on the axis, value, and both ends of its interval; an end that is not finite leaves the interval open there.
+    /// Position on the axis, value, and both ends of its interval; an end that is not finite leaves the interval open
+    /// there.
     pub points: Vec<(f64, f64, [f64; 2])>,
 }
 
@@ -28,7 +29,7 @@ const HEIGHT: f64 = 320.0;
 const KEY: f64 = 17.0;
 
 impl Places {
-    /// Numbers stand where they belong, on a logarithmic scale where their gaps are very uneven; all else evenly.
+    /// Places numbers to scale, on a logarithmic scale if their gaps are very uneven; all else evenly.
     pub fn new(title: String, labels: Vec<String>, numbers: Option<&[f64]>) -> Self {
         let even: Vec<f64> = (0..labels.len()).map(|place| place as f64).collect();
         let at = numbers.and_then(|numbers| placed(numbers.to_vec()).or_else(|| logarithmic(numbers)));
@@ -41,7 +42,7 @@ impl Places {
         Axis::linear(low - air, high + air, from, to)
     }
 
-    /// A tick for every value that has room beside the one before it.
+    /// A tick for every value with enough space after the previous one.
     fn ticks(&self, axis: &Axis) -> Vec<Tick> {
         let mut order: Vec<usize> = (0..self.at.len()).collect();
         order.sort_by(|a, b| self.at[*a].total_cmp(&self.at[*b]));
@@ -72,7 +73,7 @@ fn logarithmic(numbers: &[f64]) -> Option<Vec<f64>> {
     numbers.iter().all(|n| *n > 0.0).then(|| numbers.iter().map(|n| libm::log10(*n)).collect())
 }
 
-/// Curves over what is varied, each with the band of its intervals. `range`: of the vertical axis, where it is given.
+/// Curves over the varied quantity, each with the band of its intervals. `range`: of the vertical axis, if given.
 pub fn swept(places: &Places, curves: &[SweptCurve], title: &str, range: Option<(f64, f64)>) -> String {
     let top = 14.0 + KEY * curves.len() as f64;
     let height = HEIGHT + KEY * curves.len() as f64;
@@ -93,7 +94,7 @@ fn key(sheet: &mut Sheet, y: f64, label: &str, colour: Rgb) {
     sheet.text(label, (PLOT.0 + 29.0, y), note(Anchor::Start));
 }
 
-/// The range of all values and of the intervals that are bounded, with some air.
+/// The range of all values and of the bounded intervals, with a margin.
 fn reached(curves: &[SweptCurve]) -> (f64, f64) {
     let points = curves.iter().flat_map(|curve| &curve.points);
     let (low, high) = extent(points.flat_map(|(_, value, [a, b])| [*value, *a, *b])).unwrap_or((0.0, 1.0));
@@ -123,7 +124,7 @@ fn draw(sheet: &mut Sheet, (across, up): (&Axis, &Axis), curve: &SweptCurve, col
     }
 }
 
-/// A cell of a heat map: across, up, its share from 0 to 1 or nothing where it was refused.
+/// A cell of a heat map: across, up, its share from 0 to 1, or `None` if it was refused.
 pub type HeatCell = (usize, usize, Option<f64>);
 
 /// Shares over two axes as colours with their numbers in percent; a refused cell is crossed out.
@@ -162,7 +163,7 @@ fn square(sheet: &mut Sheet, corner: Point, opposite: Point, share: Option<f64>)
         sheet.line((corner.0, opposite.1), (opposite.0, corner.1), (Paint::ink(0.4), 1.0));
         return;
     };
-    // Never so dark that ink cannot be read on it.
+    // Never too dark for text on it.
     sheet.bar(corner, opposite, Paint::solid(series(0)).faded(0.06 + 0.5 * share.clamp(0.0, 1.0)));
     let lettering = Lettering::new(if opposite.0 - corner.0 < 40.0 { 11.0 } else { 13.0 }, Anchor::Middle);
     sheet.text(&format!("{:.0}", 100.0 * share), middle, lettering);

@@ -54,7 +54,7 @@ pub(crate) fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
-/// `text`, or its beginning and an ellipsis where it has more than `most` characters.
+/// `text`, or its beginning and an ellipsis if it has more than `most` characters.
 pub(crate) fn shortened(text: &str, most: usize) -> String {
     if text.chars().count() <= most {
         return text.to_owned();
@@ -62,7 +62,7 @@ pub(crate) fn shortened(text: &str, most: usize) -> String {
     text.chars().take(most.saturating_sub(1)).chain(['…']).collect()
 }
 
-/// About how wide `text` is at font size `size`, both in pixels.
+/// The approximate width of `text` at font size `size`, both in pixels.
 pub(crate) fn width(text: &str, size: f64) -> f64 {
     0.56 * size * text.chars().count() as f64
 }

@@ -1,6 +1,6 @@
 use crate::figures::svg::Point;
 
-/// At most about `most` points of a curve that keep its peaks: of each stretch the first, lowest and highest point.
+/// At most about `most` points of a curve that keep its peaks: of each section the first, lowest and highest point.
 /// Points that are not finite are dropped.
 pub(crate) fn thinned(points: impl IntoIterator<Item = Point>, most: usize) -> Vec<Point> {
     let finite = points.into_iter().filter(|(x, y)| x.is_finite() && y.is_finite());

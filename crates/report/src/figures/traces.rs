@@ -9,18 +9,18 @@ use crate::figures::thin::thinned;
 pub struct TraceColumn<'a> {
     /// Quantity and unit: `surge u [m/s]`.
     pub title: &'a str,
-    /// What its curves are called, in order; empty for a single black curve.
+    /// The names of its curves, in order; empty for a single black curve.
     pub legend: Vec<(String, Rgb)>,
 }
 
 /// One curve of a cell.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// One value per time of the row; values that are not finite are left out.
+    /// One value per time of the row; values that are not finite are omitted.
     pub values: Vec<f64>,
-    /// Its colour; none for ink.
+    /// Its colour; `None` for ink.
     pub colour: Option<Rgb>,
-    /// Half the widths of the band around it; empty for none.
+    /// Half-widths of its band; empty for none.
     pub band: Vec<f64>,
 }
 
@@ -29,7 +29,7 @@ pub struct Curve {
 pub struct TraceRow<'a> {
     /// Name of the maneuver.
     pub name: &'a str,
-    /// Said beside the name, above the second column.
+    /// Shown next to the name, above the second column.
     pub note: Option<String>,
     /// Times \[s\].
     pub t: &'a [f64],
@@ -127,7 +127,7 @@ impl Grid {
     }
 }
 
-/// Range of one column over all rows, with zero inside and some air.
+/// Range of one column over all rows, including zero, with a margin.
 fn range(rows: &[TraceRow<'_>], column: usize) -> (f64, f64) {
     let cells = rows.iter().filter_map(|row| row.cells.get(column)).flatten();
     let half = |curve: &Curve| curve.band.iter().copied().fold(0.0, f64::max);

@@ -5,12 +5,12 @@ use crate::figures::svg::{Anchor, Paint, Point, Sheet};
 use crate::figures::text;
 use crate::figures::thin::thinned;
 
-/// One or several tracks in the plane, in a cell of their own.
+/// One or several tracks in the plane, in one cell.
 #[derive(Clone, Debug)]
 pub struct Track<'a> {
     /// Name of the maneuver or recording.
     pub name: &'a str,
-    /// One behind the other; the first begins where the dot is.
+    /// Drawn in this order; the first begins at the dot.
     pub lines: Vec<TrackLine<'a>>,
 }
 
@@ -21,7 +21,7 @@ pub struct TrackLine<'a> {
     pub x: &'a [f64],
     /// Position to starboard of it \[m\].
     pub y: &'a [f64],
-    /// Its colour; none for ink.
+    /// Its colour; `None` for ink.
     pub colour: Option<Rgb>,
 }
 
@@ -46,7 +46,7 @@ pub fn tracks(tracks: &[Track<'_>]) -> String {
     })
 }
 
-/// How many cells abreast, how large they are [px], and pixels per metre.
+/// Number of columns, size of the cells [px], and pixels per metre.
 struct Cells {
     columns: usize,
     cell: (f64, f64),
@@ -87,14 +87,14 @@ impl Cells {
         }
     }
 
-    /// How long a name may be.
+    /// Maximum length of a name.
     fn letters(&self) -> usize {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
         let most = ((self.cell.0 - 2.0 * PAD) / LETTER) as usize;
         most.min(LONGEST_NAME)
     }
 
-    /// Pixels of a line with the middle of the extent of all of `track` at `centre`.
+    /// Pixels of a line with the centre of the extent of all of `track` at `centre`.
     fn placed(&self, track: &Track<'_>, line: &TrackLine<'_>, centre: Point) -> Vec<Point> {
         let (north, east) = (middle(track.along()), middle(track.across()));
         let pairs = line.x.iter().zip(line.y);
@@ -127,7 +127,7 @@ impl Track<'_> {
     }
 }
 
-/// `name` without its middle where it is longer than `most`: names of recordings often differ at their ends.
+/// `name` without its middle if it is longer than `most`: names of recordings often differ at their ends.
 fn abridged(name: &str, most: usize) -> String {
     let letters: Vec<char> = name.chars().collect();
     if letters.len() <= most {

@@ -6,7 +6,7 @@ use study::plan::{Feature, Geometry, Plane, Route};
 
 use super::package::{Column, Shape, StyledLayer};
 
-/// What is laid out in layers.
+/// The contents of the layers.
 pub(super) struct Layers<'a> {
     pub plane: &'a Plane,
     /// The route along the passage.
@@ -14,7 +14,7 @@ pub(super) struct Layers<'a> {
     pub passage: &'a Passage,
     /// A line per step.
     pub tracks: Vec<Feature>,
-    /// What names begin with: empty for a plan that is safe.
+    /// Prefix of names: empty for a safe plan.
     pub label: &'a str,
 }
 
@@ -91,13 +91,13 @@ impl Layers<'_> {
         let legs = rings.into_iter().zip(self.passage.legs.iter().enumerate());
         let feature = |(ring, (index, leg)): (Option<[[f64; 2]; 4]>, (usize, &PassageLeg))| {
             let [a, b, c, d] = ring?.map(|corner| <[f64; 2]>::from(self.plane.to_geographic(corner)));
-            // Counterclockwise, as the format asks.
+            // Counterclockwise, as the format requires.
             Some(Feature::new(Geometry::Polygon(vec![d, c, b, a, d]), self.leg(index, leg)))
         };
         legs.filter_map(feature).collect()
     }
 
-    /// What a leg is told by.
+    /// The properties of a leg.
     fn leg(&self, index: usize, leg: &PassageLeg) -> Value {
         let nearest = leg.nearest.as_ref();
         json!({

@@ -30,11 +30,11 @@ pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Opt
         .column("seed", |(_, seed, ..)| or_dash(*seed))
         .column("parameter error below the bound", |(_, _, d, published)| {
             share(d.parameter_error_share, d.parameter_error_share_interval)
-                + &told(published.map(|p| p.parameter_error_share))
+                + &published_share(published.map(|p| p.parameter_error_share))
         })
         .column("simulation error below the bound", |(_, _, d, published)| {
             share(d.simulation_error_share, d.simulation_error_share_interval)
-                + &told(published.map(|p| p.simulation_error_share))
+                + &published_share(published.map(|p| p.simulation_error_share))
         })
         .column("median parameter error", |(_, _, d, _)| median(&d.parameter_error))
         .column("median simulation error", |(_, _, d, _)| median(&d.simulation_error));
@@ -45,8 +45,8 @@ pub(super) fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Opt
     }))
 }
 
-/// What is published beside ours.
-fn told(share: Option<PublishedShare>) -> String {
+/// The published share.
+fn published_share(share: Option<PublishedShare>) -> String {
     match share {
         Some(PublishedShare::Value(value)) => format!("; published {}", published(value)),
         Some(PublishedShare::Above { above }) => format!("; published > {}", published(above)),

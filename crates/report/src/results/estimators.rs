@@ -9,7 +9,7 @@ use super::folder::{documents, label, left_out, seed};
 use super::table::{Table, median};
 use crate::number::or_dash;
 
-/// The design whose errors the table has.
+/// The design whose errors are in the table.
 pub(super) const DESIGN: &str = "optimized";
 
 pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {

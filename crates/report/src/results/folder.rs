@@ -10,7 +10,7 @@ use study::trajectories;
 
 use crate::loader::{document_at, existing};
 
-/// Folders with what was read there, and the names of those without.
+/// Folders with the documents read there, and the names of those without.
 type Read<D> = (Vec<(PathBuf, Loaded<D>)>, Vec<String>);
 
 /// The folders with a document `name`, and the names of those without.
@@ -25,12 +25,12 @@ pub(super) fn documents<D: Document>(folders: &[PathBuf], name: &str) -> Result<
     Ok((found, missing))
 }
 
-/// What is not in the table.
+/// A note on what is not in the table.
 pub(super) fn left_out(missing: &[String], why: &str) -> String {
     if missing.is_empty() { String::new() } else { format!("\nNot here: {} ({why}).\n", missing.join(", ")) }
 }
 
-/// A study's name: its folder below `out`, without what all studies have.
+/// A study's name: its folder below `out`, without common parts.
 pub(super) fn label(folder: &Path) -> String {
     let names = folder.components().filter_map(|component| match component {
         Component::Normal(name) => name.to_str(),
@@ -50,12 +50,12 @@ pub(super) fn seed(folder: &Path) -> Result<Option<u64>, Error> {
     Ok(seed_of(TableReader::open(&path, trajectories::ID, trajectories::VERSION)?.provenance()))
 }
 
-/// The seed in what a file says about its making.
+/// The seed in the provenance of a file.
 pub(super) fn seed_of(provenance: &Provenance) -> Option<u64> {
     provenance.settings.get("seed").and_then(Value::as_u64)
 }
 
-/// What is published of the study `name`, whose folder is in `written`.
+/// The published results of the study `name`, whose folder is in `written`.
 pub(super) fn reference(written: Option<&Path>, name: &str) -> Result<Option<Reference>, Error> {
     let study = name.split(' ').next().unwrap_or(name);
     let path = written.map(|written| written.join(study).join("reference.toml"));

@@ -13,16 +13,16 @@ use std::path::PathBuf;
 
 use artifact::Error;
 
-/// Folders that the stages wrote into. Those that do not exist are said to be missing.
+/// Folders that the stages wrote into. Missing ones are reported.
 #[derive(Clone, Debug, Default)]
 pub struct Folders {
-    /// Folder of the studies' hand-written files, a folder each: their reference.toml holds published results.
+    /// Folder of the studies' hand-written files, one per study: their reference.toml has published results.
     pub written: Option<PathBuf>,
     /// Simulated trials of designs: validation.json, estimate.json.
     pub studies: Vec<PathBuf>,
-    /// The same, where estimators were compared.
+    /// The same, with a comparison of estimators.
     pub scenarios: Vec<PathBuf>,
-    /// Of a scenario each, in a folder below: estimates with water and wind as unknowns: validation.json, estimate.json.
+    /// For each scenario, in a subfolder, estimates with water and wind as unknowns: validation.json, estimate.json.
     pub unknown: Vec<PathBuf>,
     /// Trials in rounds: sequential.json.
     pub rounds: Vec<PathBuf>,
@@ -32,10 +32,10 @@ pub struct Folders {
     pub logs: Vec<PathBuf>,
 }
 
-/// The tables of whatever is asked for, a section each.
+/// The requested tables, a section each.
 ///
 /// # Errors
-/// A document that exists and is refused.
+/// An existing document is refused.
 pub fn tables(folders: &Folders) -> Result<String, Error> {
     let sections = [
         designs::section(&folders.studies, folders.written.as_deref())?,

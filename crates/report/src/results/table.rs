@@ -16,14 +16,14 @@ impl<R> Table<R> {
         Self { heads: Vec::new(), rows: rows.into_iter().map(|row| (row, Vec::new())).collect() }
     }
 
-    /// Adds a column with its head and what stands in a row.
+    /// Adds a column with its head and its cells.
     pub(super) fn column(mut self, head: &str, cell: impl Fn(&R) -> String) -> Self {
         self.heads.push(head.to_owned());
         self.rows.iter_mut().for_each(|(row, cells)| cells.push(cell(row)));
         self
     }
 
-    /// The whole table, or nothing where it has no row.
+    /// The whole table, or `None` without rows.
     pub(super) fn text(self) -> Option<String> {
         let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
         let rows: String = self.rows.iter().map(|(_, cells)| line(cells)).collect();
@@ -32,12 +32,12 @@ impl<R> Table<R> {
     }
 }
 
-/// A share and its interval; a dash where the document has none.
+/// A share and its interval; a dash if the document has none.
 pub(super) fn share(value: f64, interval: Option<[f64; 2]>) -> String {
     percent_within(value, interval) + if interval.is_some() { "" } else { " (–)" }
 }
 
-/// A quantile and its interval; a dash where the document has none.
+/// A quantile and its interval; a dash if the document has none.
 pub(super) fn quantile(value: Option<f64>, interval: Option<[Option<f64>; 2]>) -> String {
     three_within(value, interval) + if interval.is_some() { "" } else { " (–)" }
 }

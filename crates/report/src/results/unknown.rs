@@ -1,4 +1,4 @@
-//! Estimators that find what a study does not tell: water, wind, noise.
+//! Estimators that find water, wind and noise that are not given.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use super::table::{Table, median};
 use crate::loader::document_at;
 use crate::number::{or_dash, percent};
 
-/// Settings of estimates that say what was unknown, as flags of `estimate`.
+/// Settings of estimates for unknowns, as flags of `estimate`.
 const FLAGS: [(&str, &str); 3] = [
     ("unknown_current", "--unknown-current"),
     ("unknown_wind", "--unknown-wind"),
@@ -24,9 +24,9 @@ pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
     for (folder, validation) in &found {
         let estimate = document_at::<EstimateDocument>(folder.join("estimate.json"))?;
         let settings = estimate.map(|own| own.provenance.settings).unwrap_or_default();
-        let told = |name: &str| settings.get(name).and_then(Value::as_str);
-        let flags = FLAGS.iter().filter_map(|(name, flag)| Some(format!(" {flag} {}", told(name)?)));
-        let way = format!("`{}{}`", told("estimator").unwrap_or("–"), flags.collect::<String>());
+        let setting = |name: &str| settings.get(name).and_then(Value::as_str);
+        let flags = FLAGS.iter().filter_map(|(name, flag)| Some(format!(" {flag} {}", setting(name)?)));
+        let way = format!("`{}{}`", setting("estimator").unwrap_or("–"), flags.collect::<String>());
         let scenario = folder.ancestors().nth(2).map(label);
         rows.extend(
             validation

@@ -1,11 +1,11 @@
-//! What the axes of a sweep are called, and which cells lie along them.
+//! Labels of the axes of a sweep, and the cells along them.
 
 use serde_json::Value;
 use study::documents::{SweepAxis, SweepDocument, SweptCell};
 
 use crate::figures::Places;
 
-/// A value as people write it.
+/// A value in plain notation.
 pub(super) fn written(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
@@ -19,13 +19,13 @@ pub(super) fn written(value: &Value) -> String {
     }
 }
 
-/// Where the values of `axis` stand.
+/// The positions of the values of `axis`.
 pub(super) fn places(axis: &SweepAxis) -> Places {
     let numbers: Option<Vec<f64>> = axis.values.iter().map(Value::as_f64).collect();
     Places::new(axis.key.clone(), axis.values.iter().map(written).collect(), numbers.as_deref())
 }
 
-/// `campaign.seed 1, campaign.duration_s 60`: where a cell stands, without the axes of `but`.
+/// `campaign.seed 1, campaign.duration_s 60`: the coordinates of a cell, without the axes of `but`.
 pub(super) fn place(sweep: &SweepDocument, at: &[usize], but: &[usize]) -> String {
     let one = |(i, (axis, place)): (usize, (&SweepAxis, &usize))| {
         (!but.contains(&i)).then(|| {
@@ -43,7 +43,7 @@ pub(super) fn short<'a>(sweep: &SweepDocument, key: &'a str) -> &'a str {
     if same > 1 { key } else { key.rsplit('.').next().unwrap_or(key) }
 }
 
-/// The cells, in groups that differ on the axes of `along` alone.
+/// The cells, in groups that differ only on the axes of `along`.
 pub(super) fn along<'a>(sweep: &'a SweepDocument, along: &[usize]) -> Vec<Vec<&'a SweptCell>> {
     let rest = |cell: &SweptCell| {
         cell.at

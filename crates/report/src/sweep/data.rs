@@ -1,4 +1,4 @@
-//! What the page gives to be kept: its numbers as CSV and as JSON, within links.
+//! Downloads of the page: its numbers as CSV and as JSON, in data links.
 
 use std::fmt::Write;
 
@@ -37,7 +37,7 @@ const COLUMNS: [&str; 15] = [
     "difference_high",
 ];
 
-/// A row per cell and line; what there is not is empty. Refused cells have their refusal alone.
+/// A row per cell and line; missing values are empty. Refused cells only have their refusal.
 pub(super) fn csv(sweep: &SweepDocument) -> String {
     let keys = sweep.axes.iter().map(|axis| quoted(&axis.key));
     let head = std::iter::once("cell".to_owned()).chain(keys).chain(COLUMNS.map(str::to_owned));
@@ -89,14 +89,14 @@ fn quoted(text: &str) -> String {
     }
 }
 
-/// `text` as an address that holds it.
+/// A data URI with `text`.
 fn link(kind: &str, text: &str) -> String {
     let mut address = format!("data:{kind};charset=utf-8,");
     for byte in text.bytes() {
         if byte.is_ascii_alphanumeric() || b"-_.~,:[]{}()".contains(&byte) {
             address.push(char::from(byte));
         } else {
-            // Writing to a text does not fail.
+            // Writing to a string does not fail.
             let _ = write!(address, "%{byte:02X}");
         }
     }

@@ -10,7 +10,7 @@ use crate::parts::Figures;
 /// Panels beyond this many per axis are not drawn.
 const MOST: usize = 12;
 
-/// What is drawn of a line of a cell: its value and both ends of its interval.
+/// The value of a line of a cell and both ends of its interval.
 type Drawn = fn(&SweptLine) -> (f64, [f64; 2]);
 
 /// A quantity that is drawn: its name in files and on the page, and its range.
@@ -42,7 +42,7 @@ fn median(line: &SweptLine) -> (f64, [f64; 2]) {
     (line.parameter_error_median.unwrap_or(f64::NAN), [low.unwrap_or(open[0]), high.unwrap_or(open[1])])
 }
 
-/// What a line is called.
+/// The label of a line.
 pub(super) fn name(line: &SweepLine) -> String {
     format!("{}, {}", line.design, line.estimator)
 }

@@ -85,7 +85,7 @@ fn cells(sweep: &SweepDocument) -> Markup {
     }
 }
 
-/// The bounds, where they are the same everywhere.
+/// The bounds, if they are the same everywhere.
 fn bounds(sweep: &SweepDocument) -> String {
     let Some(first) = sweep.cells.first() else { return String::new() };
     if sweep.cells.iter().any(|cell| cell.bounds != first.bounds) {
@@ -106,7 +106,7 @@ fn differences(sweep: &SweepDocument) -> Markup {
         let [low, high] = difference.interval.map(points);
         format!("{} ({low} to {high})", points(difference.share))
     };
-    let told = |difference: &ShareDifference| match difference.interval {
+    let verdict = |difference: &ShareDifference| match difference.interval {
         [low, _] if low > 0.0 => "more",
         [_, high] if high < 0.0 => "fewer",
         _ => "not told apart",
@@ -117,7 +117,7 @@ fn differences(sweep: &SweepDocument) -> Markup {
         .text("Design", |(_, line, _)| line.design.clone())
         .text("Estimator", |(_, line, _)| display(line.estimator))
         .number("Points more below the bound", |(.., d)| difference(d))
-        .text("Runs", |(.., d)| told(d))
+        .text("Runs", |(.., d)| verdict(d))
         .text("Compared", |(.., d)| if d.paired { "run by run" } else { "as samples" });
     html! {
         p {

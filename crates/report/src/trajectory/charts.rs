@@ -1,11 +1,11 @@
-//! What became of the objects of electronic charts, folded away.
+//! The treatment of the objects of electronic charts, folded.
 
 use maud::{Markup, html};
 use study::documents::{LeftOut, PlanChart};
 
 use crate::table::Table;
 
-/// Which electronic charts the plan was made on, what is to be said of their files, and which objects it left out, and why.
+/// The electronic charts of the plan, remarks on their files, and the objects that were omitted, with reasons.
 pub(super) fn charts(charts: &[PlanChart]) -> Markup {
     let rows = || charts.iter().flat_map(|chart| chart.left_out().map(move |own| (chart, own)));
     html! {

@@ -5,7 +5,7 @@ use crate::number::{exact, or_dash, percent, three, three_or_dash};
 use crate::parts::entry;
 use study::documents::{Check, Information, PlanDocument, Secondary, SecondaryCost, Voyage};
 
-/// What is known about the plan and about the vessel at sea.
+/// Facts about the plan and about the vessel at sea.
 pub(super) fn facts(plan: &PlanDocument) -> Markup {
     html! {
         (search(plan))
@@ -69,7 +69,7 @@ fn at_sea(plan: &PlanDocument, voyage: &Voyage) -> Markup {
     }
 }
 
-/// What the nominal track keeps of the margin that was asked for.
+/// The margin of the nominal track, compared with the required one.
 fn margin(check: &Check) -> String {
     match check.shortfall_m > 0.0 {
         true => format!("{}\u{a0}m short of it", three(check.shortfall_m)),
@@ -112,7 +112,7 @@ fn currents(check: &Check) -> Markup {
     }
 }
 
-/// How often the plan was searched.
+/// The number of searches of the plan.
 fn searches(rounds: u64) -> String {
     match rounds {
         1 => "of the first plan that was found".to_owned(),
@@ -120,12 +120,12 @@ fn searches(rounds: u64) -> String {
     }
 }
 
-/// What no run aground says of the probability, with 95 % confidence.
+/// The bound on the probability if no run is aground, with 95 % confidence.
 fn bound(bound: Option<f64>) -> String {
     bound.map_or("not bounded".to_owned(), |bound| format!("below {}", percent(bound)))
 }
 
-/// What the trial tells against what its counts promise.
+/// The information of the trial compared with that promised by its counts.
 pub(super) fn information(information: &Information, designed: bool) -> Markup {
     let dimension = information.dimension;
     let whole = efficiency(information.whole_log_det, information);

@@ -9,8 +9,8 @@ use crate::planned_trial::{PlannedTrial, map};
 use crate::study::Trajectory;
 use study::documents::PlanDocument;
 
-/// What `plan` writes beside `plan.json`.
-const BESIDE: [(&str, &str); 7] = [
+/// The files that `plan` writes next to `plan.json`.
+const ADDITIONAL: [(&str, &str); 7] = [
     ("track.parquet", "planned trajectory, every sample"),
     ("track.geojson", "planned track, for charts"),
     ("route.rtz", "route for the bridge"),
@@ -20,7 +20,7 @@ const BESIDE: [(&str, &str); 7] = [
     ("route.gpkg", "passage and track as layers for QGIS"),
 ];
 
-/// The trajectory that the study plans; none where there is neither `plan.toml` nor `plan.json`.
+/// The trajectory that the study plans; `None` if there is neither `plan.toml` nor `plan.json`.
 pub(crate) fn trajectory(loader: &mut Loader) -> Result<Option<Trajectory>, Error> {
     let config = loader.sources.study.join("plan.toml");
     if config.exists() {
@@ -61,7 +61,7 @@ fn number(name: &str) -> Option<u64> {
     name.split(|c: char| !c.is_ascii_digit()).find_map(|digits| digits.parse().ok())
 }
 
-/// The plan in folder `name` of the results; the study's own where it is empty.
+/// The plan in folder `name` of the results; the study's own if it is empty.
 fn planned(loader: &mut Loader, name: &str) -> Result<Option<PlannedTrial>, Error> {
     let within = |file: &str| if name.is_empty() { file.to_owned() } else { format!("{name}/{file}") };
     let what = if name.is_empty() { "planned trajectory" } else { "the same trial planned otherwise" };
@@ -69,7 +69,7 @@ fn planned(loader: &mut Loader, name: &str) -> Result<Option<PlannedTrial>, Erro
     let stale = stale(loader, name, &loaded);
     let map = map(loader, &within("map"))?;
     if name.is_empty() {
-        for (file, what) in BESIDE {
+        for (file, what) in ADDITIONAL {
             let path = loader.sources.results.join(file);
             if is_written(&path) {
                 loader.note(file, what, Digest::of_written(&path)?);
@@ -80,7 +80,7 @@ fn planned(loader: &mut Loader, name: &str) -> Result<Option<PlannedTrial>, Erro
     Ok(Some(PlannedTrial { name: name.to_owned(), plan: loaded.data, map, stale }))
 }
 
-/// The charts that the plan was made on, as it names them; each once.
+/// The charts of the plan, by their names in it; each once.
 fn charts(loader: &mut Loader, loaded: &Loaded<PlanDocument>) {
     for (role, digest) in &loaded.provenance.inputs {
         let Some(name) = role.strip_prefix("chart:") else { continue };
@@ -91,7 +91,7 @@ fn charts(loader: &mut Loader, loaded: &Loaded<PlanDocument>) {
     }
 }
 
-/// Files of the study that are not those that the plan was made from.
+/// Files of the study that differ from those that the plan was made from.
 fn stale(loader: &Loader, name: &str, loaded: &Loaded<PlanDocument>) -> Vec<String> {
     let config = if name.is_empty() { "plan.toml".to_owned() } else { format!("{name}.toml") };
     let roles = [

@@ -9,7 +9,7 @@ use crate::parts::Figures;
 use crate::table::Table;
 use study::documents::{FrontPoint, PlanDocument, Voyage};
 
-/// Fewer uses for less cost: the counts that no others beat.
+/// The Pareto front of counts: fewer uses for less cost.
 pub(super) fn front(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures) -> Markup {
     let body = if voyage.front.is_empty() {
         html! { p.missing { "Not shown: the search was not exhaustive, so what fewer uses would cost is not known." } }

@@ -27,10 +27,10 @@ use sheet::sheet;
 use trials::trials;
 use words::{cost, minutes};
 
-/// What the section adds to the page's style; a page without a trajectory goes without it.
+/// The style of the section, only on pages with a trajectory.
 pub(super) const STYLE: &str = include_str!("style.css");
 
-/// The plan on its chart, at sea, for the crew, and what it is worth. Nothing in a study that plans no trajectory.
+/// The plan on its chart, at sea, for the crew, and its value. `None` in a study without a planned trajectory.
 pub(super) fn trajectory(study: &Study, figures: &mut Figures) -> Option<Section> {
     let own = study.trajectory.as_ref()?;
     let body = match &own.main {
@@ -73,10 +73,10 @@ pub(super) fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures)
     }
 }
 
-/// What the depths of each chart are measured in, and from which datum.
+/// Unit and datum of the depths of each chart.
 fn measured(plan: &PlanDocument) -> Markup {
     let depths = plan.charts.iter().filter_map(|chart| Some((&chart.file, chart.depths.as_ref()?)));
-    let depths: Vec<String> = depths.map(|(file, depths)| format!("{file}: {}", depths.told())).collect();
+    let depths: Vec<String> = depths.map(|(file, depths)| format!("{file}: {}", depths.words())).collect();
     html! {
         @if !depths.is_empty() {
             p.note { b { "Depths and heights." } " " (depths.join("; ")) "." }
@@ -84,7 +84,7 @@ fn measured(plan: &PlanDocument) -> Markup {
     }
 }
 
-/// What a plan breaks that was written although its check fails.
+/// The requirements violated by a plan that was written although its check fails.
 fn unsafe_note(check: &Check) -> Markup {
     html! {
         @if !check.safe {
@@ -118,7 +118,7 @@ fn map(main: &PlannedTrial, figures: &mut Figures) -> Markup {
     }
 }
 
-/// The same trial planned otherwise: a smaller map and one line each.
+/// Variants of the plan: a smaller map and one line each.
 fn variants(all: &[PlannedTrial], figures: &mut Figures) -> Markup {
     if all.is_empty() {
         return html! {};

@@ -5,7 +5,7 @@ use crate::number::three;
 use crate::table::Table;
 use study::documents::{DroppedMove, Handling, PlanHandling, PlanLattice, Primitive, Voyage};
 
-/// How the maneuvers became moves of the lattice, folded away.
+/// How the maneuvers became moves of the lattice, folded.
 pub(super) fn moves(voyage: &Voyage) -> Markup {
     let lattice = &voyage.lattice;
     html! {
@@ -32,7 +32,7 @@ pub(super) fn moves(voyage: &Voyage) -> Markup {
     }
 }
 
-/// Moves that the search was not offered.
+/// Moves that were not available to the search.
 fn dropped(dropped: &[DroppedMove]) -> Markup {
     let Some(first) = dropped.first() else { return html! {} };
     html! {
@@ -43,9 +43,9 @@ fn dropped(dropped: &[DroppedMove]) -> Markup {
     }
 }
 
-/// How the vessel is handled between maneuvers.
-fn handling(told: &PlanHandling) -> Markup {
-    let PlanHandling { used, derived } = told;
+/// The handling of the vessel between maneuvers.
+fn handling(handling: &PlanHandling) -> Markup {
+    let PlanHandling { used, derived } = handling;
     let words = |own: &Handling| {
         format!(
             "turns of up to {}\u{a0}rad/s, changes of speed by {}\u{a0}m/s², response within {}\u{a0}s, lines aimed at {}\u{a0}m ahead",

@@ -86,16 +86,16 @@ fn place(latitude_deg: f64, longitude_deg: f64) -> Markup {
 }
 
 fn nearest(leg: &PassageLeg) -> String {
-    let told = leg.nearest.as_ref().map(|own| format!("{}, {:.0} m", own.what, own.distance_m.floor()));
-    or_dash(told)
+    let nearest = leg.nearest.as_ref().map(|own| format!("{}, {:.0} m", own.what, own.distance_m.floor()));
+    or_dash(nearest)
 }
 
-/// Down to the tenth: water may not be told too deep.
+/// Rounds down to a tenth, so that water is never reported too deep.
 fn tenths(value: f64) -> String {
     or_dash(value.is_finite().then(|| format!("{:.1}", (value * 10.0).floor() / 10.0)))
 }
 
-/// Up to the next metre: a corridor may not be told too narrow.
+/// Rounds up to a metre, so that a corridor is never reported too narrow.
 fn metres(value: f64) -> String {
     or_dash(value.is_finite().then(|| format!("{:.0}", value.ceil())))
 }

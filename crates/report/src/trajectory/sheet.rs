@@ -6,7 +6,7 @@ use crate::number::{or_dash, three, unit};
 use crate::study::Study;
 use study::documents::{PlanDocument, PlanStep, Voyage, VoyageLeg};
 
-/// An input that never exceeds this is none: what is left of rounding, in any unit.
+/// An input that never exceeds this counts as zero: rounding, in any unit.
 const RESIDUE: f64 = 1e-9;
 
 /// The plan step by step, to be printed for the crew.
@@ -39,7 +39,7 @@ pub(super) fn sheet(study: &Study, plan: &PlanDocument, voyage: &Voyage) -> Mark
 /// One step with its number in the plan and, for an informative one, on the map.
 struct Row<'a> {
     number: Option<usize>,
-    /// Place of the maneuver among the counts, which gives its colour on the map.
+    /// Index of the maneuver among the counts, for its colour on the map.
     colour: usize,
     step: &'a PlanStep,
     leg: &'a VoyageLeg,
@@ -58,7 +58,7 @@ fn rows<'a>(plan: &'a PlanDocument, voyage: &'a Voyage) -> Vec<Row<'a>> {
 /// Names of the inputs with their units and decimals.
 struct Inputs {
     all: Vec<(String, String, usize)>,
-    /// Whether there are units at all.
+    /// Whether units are known.
     known: bool,
 }
 
@@ -79,7 +79,7 @@ impl Inputs {
     }
 }
 
-/// As many decimals as the largest value has of three significant digits.
+/// The number of decimals of three significant digits of the largest value.
 fn decimals(voyage: &Voyage, name: &str) -> usize {
     let values = voyage.legs.iter().filter_map(|leg| leg.largest_inputs.get(name));
     let most = values.filter(|v| v.is_finite()).fold(0.0, |most: f64, v| most.max(v.abs()));
@@ -132,7 +132,7 @@ fn line(row: &Row, voyage: &Voyage, inputs: &Inputs) -> Markup {
     }
 }
 
-/// The number as on the map, or a mute dot for a basic move.
+/// The number as on the map, or a grey dot for a basic move.
 fn badge(row: &Row) -> Markup {
     match row.number {
         Some(number) => {

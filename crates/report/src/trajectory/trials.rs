@@ -6,7 +6,7 @@ use crate::study::{Study, Trajectory, optimized_first};
 use crate::table::Table;
 use study::documents::{Bounds, DesignScores, DesignSummary, ParameterSummary};
 
-/// What the planned experiment is worth beside the others: errors of the models that are estimated from it.
+/// The planned experiment compared with the others: errors of the models that are estimated from it.
 pub(super) fn trials(study: &Study, own: &Trajectory) -> Markup {
     html! {
         h3 { "The plan as an experiment" }
@@ -26,7 +26,7 @@ pub(super) fn trials(study: &Study, own: &Trajectory) -> Markup {
     }
 }
 
-/// What is compared, and what is not.
+/// Says what is compared, and what is not.
 fn compared(study: &Study, own: &Trajectory) -> Markup {
     let voyage = own.main.as_ref().and_then(|main| main.plan.voyage.as_ref());
     html! {

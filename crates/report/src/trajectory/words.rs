@@ -24,7 +24,7 @@ pub(crate) fn minutes(seconds: f64) -> String {
     or_dash(whole(seconds).map(minutes))
 }
 
-/// Whole seconds of a time that can be told.
+/// Whole seconds of a time that can be printed.
 fn whole(seconds: f64) -> Option<f64> {
     (seconds.is_finite() && seconds >= 0.0).then(|| seconds.round())
 }
@@ -81,14 +81,14 @@ pub(crate) fn cost(value: f64, unit: CostUnit) -> String {
     }
 }
 
-/// How far a plan may be from the best, where it is not proved.
+/// The optimality gap of a plan that is not proved optimal.
 pub(crate) fn gap(plan: &PlanDocument) -> Option<String> {
     let known = || format!("at most {} dearer than the best", cost(plan.gap, plan.cost_unit));
     (plan.status == PlanStatus::Feasible).then(known)
 }
 
-/// How far the hull stays from obstacles; none where it touches one. The distance is measured on a raster that never overstates
-/// it.
+/// The clearance of the hull from obstacles; `None` if it touches one. The distance is measured on a raster that
+/// never overstates it.
 pub(crate) fn clearance(check: &Check) -> Option<String> {
     let (how, metres) = match check.clearance_m >= check.sight_m {
         true => ("more than", check.sight_m),
@@ -97,7 +97,7 @@ pub(crate) fn clearance(check: &Check) -> Option<String> {
     check.clear.then(|| format!("{how} {}\u{a0}m", three(metres)))
 }
 
-/// What the cost counts, as the head of a column or an axis.
+/// The title of the cost, for a column or an axis.
 pub(crate) fn cost_title(unit: CostUnit) -> &'static str {
     match unit {
         CostUnit::BasicMoves => "basic moves",
@@ -106,7 +106,7 @@ pub(crate) fn cost_title(unit: CostUnit) -> &'static str {
     }
 }
 
-/// A part of a whole: `17 of 64 (26.6 %)`.
+/// A count of a total: `17 of 64 (26.6 %)`.
 pub(crate) fn part(count: u64, of: u64) -> String {
     if of == 0 {
         return "none simulated".to_owned();
@@ -114,7 +114,7 @@ pub(crate) fn part(count: u64, of: u64) -> String {
     format!("{count} of {of} ({})", percent(count as f64 / of as f64))
 }
 
-/// What is done on a leg, in plain words.
+/// The action of a leg, in plain words.
 pub(crate) fn action(step: &PlanStep, leg: &VoyageLeg, lattice: &PlanLattice) -> String {
     if leg.informative {
         return match leg.side {

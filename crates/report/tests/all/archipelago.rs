@@ -39,7 +39,7 @@ fn shore(island: usize, angle: f64) -> f64 {
     ISLANDS[island].1 * (1.0 + wobble)
 }
 
-/// About how far a point is from the nearest shore; negative on land.
+/// Approximate distance of a point from the nearest shore; negative on land.
 fn from_shore([x, y]: [f64; 2]) -> f64 {
     let off = |k: usize| {
         let [cx, cy] = ISLANDS[k].0;
@@ -66,7 +66,7 @@ fn islands() -> Vec<Area> {
     land.chain([Area { class: Class::NoGo, ring: no_go, holes: Vec::new() }]).collect()
 }
 
-/// Points from `from` to `to`, the middle ones swinging by `swing` metres `times` times.
+/// Points from `from` to `to`, oscillating by `swing` metres `times` times in between.
 fn swinging(from: [f64; 2], to: [f64; 2], swing: f64, times: f64) -> Vec<[f64; 2]> {
     let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
     let length = dx.hypot(dy);
@@ -81,7 +81,7 @@ fn along(from: [f64; 2], to: [f64; 2], share: f64) -> [f64; 2] {
     [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
 }
 
-/// A turn around corner `at` as a quadratic curve.
+/// A turn at corner `at` as a quadratic curve.
 fn turn(from: [f64; 2], at: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
     let point = |t: f64| along(along(from, at, t), along(at, to, t), t);
     (0..=20).map(|k| point(f64::from(k) / 20.0)).collect()
@@ -128,7 +128,7 @@ fn graticule() -> Graticule {
     Graticule { x: x.collect(), y: y.collect() }
 }
 
-/// The whole map: everything a map can show.
+/// The whole map: everything that a map can show.
 pub fn archipelago() -> Map {
     let tracks = plan();
     let whole: Vec<[f64; 2]> = tracks.iter().flat_map(|track| track.points.clone()).collect();

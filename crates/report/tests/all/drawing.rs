@@ -1,6 +1,6 @@
 //! Reads a drawing: its tags, and the corners of its paths.
 
-/// Every tag is closed in order, attributes are quoted and unique, entities are known, nothing stands outside the root.
+/// Every tag is closed in order, attributes are quoted and unique, entities are known, nothing is outside the root.
 pub fn check(svg: &str) {
     assert!(svg.starts_with("<svg role=\"img\" aria-label=\"") && svg.ends_with("</svg>\n"));
     let root = &svg[..svg.find('>').unwrap()];
@@ -79,7 +79,7 @@ fn one(data: &str) -> Vec<(i64, i64)> {
     numbers.chunks(2).map(step).collect()
 }
 
-/// Twice the area of rings, positive where they run clockwise on the sheet.
+/// Twice the area of rings, positive if they run clockwise on the sheet.
 pub fn doubled_area(rings: &[Vec<(i64, i64)>]) -> i64 {
     let one = |ring: &Vec<(i64, i64)>| {
         let next = ring.iter().cycle().skip(1);

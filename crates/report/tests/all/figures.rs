@@ -299,7 +299,7 @@ fn swept_curves_stand_where_their_values_belong() {
     assert!(decades.iter().zip([0.0, 2.0, 1.0]).all(|(found, wanted)| (found - wanted).abs() < 1e-12));
     assert_eq!(places(&[0.0, 1.0, 100.0]), [0.0, 1.0, 2.0]);
     let places = Places::new("a <key>".to_owned(), labels(&[1.0, 2.0]), None);
-    // An end that is not bounded reaches to the frame; a value that is none is left out.
+    // An unbounded end extends to the frame; NaN is omitted.
     let points =
         vec![(0.0, 50.0, [40.0, f64::INFINITY]), (1.0, f64::NAN, [f64::NAN; 2]), (1.0, 60.0, [50.0, 70.0])];
     let curve = |label: &str| SweptCurve { label: label.to_owned(), points: points.clone() };

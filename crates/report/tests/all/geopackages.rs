@@ -54,7 +54,7 @@ fn text(text: &str) -> Value {
     Value::Text(text.to_owned())
 }
 
-/// The extent, if there is one, and the points of a geometry, which stand `before` bytes into its well-known binary.
+/// The extent, if there is one, and the points of a geometry, which begin `before` bytes into its well-known binary.
 fn decoded(blob: &[u8], kind: u32, before: usize) -> (Vec<f64>, Vec<[f64; 2]>) {
     let numbers = |bytes: &[u8]| -> Vec<f64> {
         bytes.chunks_exact(8).map(|own| f64::from_le_bytes(own.try_into().unwrap())).collect()
@@ -107,7 +107,7 @@ fn law_a_geopackage_lists_all_that_it_holds() {
         rows(&file, "SELECT table_name, geometry_type_name FROM gpkg_geometry_columns ORDER BY rowid");
     let expected = [("places", "POINT"), ("lines", "LINESTRING"), ("areas", "POLYGON")];
     assert_eq!(shapes, expected.map(|(name, shape)| vec![text(name), text(shape)]));
-    // As QGIS asks for the style of a layer.
+    // The query of QGIS for the style of a layer.
     for (name, _) in expected {
         let query = format!(
             "SELECT styleQML, useAsDefault FROM layer_styles WHERE f_table_schema = '' AND f_table_name = '{name}' AND f_geometry_column = 'geom'"

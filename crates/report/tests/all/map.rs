@@ -1,4 +1,4 @@
-//! The map tells the truth about classes, lengths and places, and refuses what it cannot draw.
+//! The map is correct about classes, lengths and positions, and refuses what it cannot draw.
 
 use crate::archipelago::archipelago;
 use crate::drawing::{attribute, check, corners, doubled_area, elements, frame};
@@ -203,7 +203,7 @@ fn law_cells_of_land_have_their_area() {
     let scale = frame(&svg)[2] as f64 / 1000.0;
     let area = 0.5 * doubled_area(&corners(land_path(&svg))) as f64 / scale.powi(2);
     assert!((area.abs() / (count * 900.0) - 1.0).abs() < 0.01, "{area} m², {count} cells");
-    // Along every border between land and something else runs one line.
+    // Every border between land and something else has one line.
     let land = |i: i32, j: i32| {
         (0..30).contains(&i) && (0..30).contains(&j) && classes[(j * 30 + i) as usize] == Some(Class::Land)
     };
@@ -340,7 +340,7 @@ fn charted_points_names_and_what_was_swept_are_drawn_where_there_is_room() {
         ..Map::default()
     });
     let map = &parted(&svg).unwrap()[0];
-    // The shoalest of two that are too near, whole metres where a tenth does not matter, nothing outside of the frame.
+    // The shoaler of two that are too close, whole metres for great depths, nothing outside of the frame.
     for (text, times) in
         [("4", 1), ("12.3", 0), ("44", 1), ("1", 0), ("Träholm", 1), ("Smaller", 0), ("7", 1), ("2", 0)]
     {
@@ -358,7 +358,7 @@ fn charted_points_names_and_what_was_swept_are_drawn_where_there_is_room() {
     }
 }
 
-/// Fill of the legend's chip beside a label.
+/// Fill of the legend's chip of a label.
 fn chip<'a>(svg: &'a str, label: &str) -> &'a str {
     let before = &svg[..svg.find(&format!(">{label}</text>")).unwrap()];
     let chip = before.rsplit("<rect ").next().unwrap();

@@ -1,4 +1,4 @@
-//! A map is drawn again from what `map.json` says.
+//! A map is drawn again from `map.json`.
 
 use std::collections::BTreeMap;
 
@@ -155,7 +155,7 @@ fn a_page_draws_the_map_from_its_document_where_there_is_one() {
     let plan = stage_document(path.join("plan.json"), &provenance, &mock_plan::plan()).unwrap();
     let map = stage_document(path.join("map.json"), &provenance, &document()).unwrap();
     commit(vec![plan, map]).unwrap();
-    // What is not shown need not be fit for a page.
+    // An unused drawing need not be safe for a page.
     std::fs::write(path.join("map.svg"), "<script>alert(1)</script>").unwrap();
     let (study, results) = (path.to_owned(), path.to_owned());
     let (scenarios, changes) = (Vec::new(), artifact::Changes::default());

@@ -1,4 +1,4 @@
-//! The page of measured logs: the delivered model and what is left of its errors.
+//! The page of measured logs: the resulting model and its residuals.
 
 use report::{Measured, Study, render};
 use serde_json::json;
@@ -100,7 +100,8 @@ fn what_is_left_of_the_errors_is_drawn_over_the_band() {
     assert!(!html.contains("Correlations of free-run errors"));
 }
 
-/// `candidates` things that may be missing, the first `likely` of which may be it; the first parameter lies at its bound.
+/// `candidates` candidates for a missing term, the first `likely` of which are likely; the first parameter is at its
+/// bound.
 fn trust(candidates: usize, likely: usize) -> TrustDocument {
     let absent = |i: usize| {
         let current = i == 1;

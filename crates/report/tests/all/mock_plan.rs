@@ -1,4 +1,4 @@
-//! A made-up trial: two maneuvers with moves between them, one of them run to the other side.
+//! A made-up trial: two maneuvers with moves between them, one of them mirrored.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! The page of a study: what is there is shown, what is missing is said.
+//! The page of a study shows existing results and names missing ones.
 
 use crate::mock;
 use report::{ManeuverTrace, Rendered, Study, render};
@@ -30,7 +30,7 @@ pub const FIGURES: [&str; 11] = [
 /// Elements of HTML without a closing tag.
 const VOID: [&str; 3] = ["meta", "!DOCTYPE", "br"];
 
-/// What every page must be: whole, self-contained, balanced, free of numbers that are none.
+/// Every page must be complete, self-contained, balanced, and free of NaN.
 fn check(page: &Rendered) {
     for section in SECTIONS {
         assert!(page.html.contains(&format!("<section id=\"{section}\">")), "{section}");

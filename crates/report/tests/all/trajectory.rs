@@ -15,12 +15,12 @@ fn with(change: impl Fn(&mut PlanDocument)) -> Study {
     study
 }
 
-/// Edits it at sea.
+/// Edits its part at sea.
 fn at_sea(change: impl Fn(&mut Voyage)) -> Study {
     with(|plan| plan.voyage.iter_mut().for_each(&change))
 }
 
-/// The text of the section, tags left out, white space joined.
+/// The text of the section, without tags, with joined white space.
 fn text(study: &Study) -> String {
     let html = rendered(study).html;
     let (_, section) = html.split_once("<section id=\"trajectory\">").expect("the section is there");

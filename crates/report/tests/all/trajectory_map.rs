@@ -1,4 +1,4 @@
-//! `map.svg` goes onto the page as it is, where it can do no harm.
+//! `map.svg` is put on the page unchanged if it is harmless.
 
 use std::path::Path;
 
@@ -28,7 +28,7 @@ fn drawn() -> String {
     map_figure(&whole).unwrap()
 }
 
-/// The page of a study whose plan has `map`; why there is none.
+/// The page of a study whose plan has `map`, or the error.
 fn page(folder: &Path, map: &str) -> Result<String, String> {
     std::fs::write(folder.join("map.svg"), map).unwrap();
     let (study, results) = (folder.to_owned(), folder.to_owned());
@@ -46,7 +46,7 @@ fn planned() -> tempfile::TempDir {
 
 #[test]
 fn a_map_as_drawn_is_taken_over() {
-    // In two parts, the legend beside the map: nothing is lost but the group around it.
+    // In two parts, the legend next to the map: only the enclosing group is lost.
     let html = page(planned().path(), &drawn()).unwrap();
     let [map, legend] = parted(&drawn()).unwrap();
     assert!(html.contains(&map) && html.contains(&legend));
@@ -54,7 +54,7 @@ fn a_map_as_drawn_is_taken_over() {
     assert!(legend.contains(">basic move</text>") && !legend.contains("<title>scale"));
     let elements = |svg: &str| svg.matches("/>").count() + svg.matches("</text>").count();
     assert_eq!(elements(&map) + elements(&legend), elements(&drawn()));
-    // A drawing of another hand is shown as it is.
+    // A foreign drawing is shown unchanged.
     let whole = drawn().replace("aria-label=\"Legend\"", "aria-label=\"Other\"");
     assert!(page(planned().path(), &whole).unwrap().contains(&whole));
 }

@@ -1,4 +1,4 @@
-//! Intervals of searches for few terms: the example counts them, here a few.
+//! Intervals of searches for few terms: the example counts many, this test a few.
 
 #[allow(dead_code)]
 #[path = "../../examples/compact_intervals.rs"]
@@ -12,7 +12,8 @@ use model::terms::listed;
 use regression::pooled::PooledRuns;
 use search::{Cut, SearchError, SearchOptions, Searched, search};
 
-/// 22 intervals of 14 resamples: 95 % of them would hold the truth but that few resamples reach less far.
+/// 22 intervals of 14 resamples: 95 % of them would contain the truth, except that with few resamples intervals are
+/// narrower.
 #[test]
 fn law_most_intervals_of_few_terms_hold_the_truth() {
     let found = covered(2, 14, Disturbed::Gusts, 4);
@@ -49,7 +50,7 @@ fn said(found: &Searched) -> String {
 
 #[test]
 fn a_recording_that_contradicts_the_others_is_named() {
-    // A rudder whose sign is the other way round.
+    // A rudder with the opposite sign.
     let turned = |run: &mut Run| {
         if run.run == 4 {
             run.exogenous.chunks_exact_mut(2).for_each(|row| row[1] = -row[1]);

@@ -1,3 +1,3 @@
-//! What must hold of searches for the structure of a model.
+//! Properties of searches for the structure of a model.
 
 mod compact_intervals;

@@ -76,7 +76,7 @@ pub struct AverageTerm {
 }
 
 impl AverageDocument {
-    /// The models that were found for `vessel` in so many `samples`, whose motions were as large as `magnitudes`.
+    /// The models that were found for `vessel` from `samples` samples with motions of `magnitudes`.
     pub fn new(vessel: &Vessel, found: &Averaged, samples: u64, magnitudes: Option<&Magnitudes>) -> Self {
         let [output_rmse_u, output_rmse_v, output_rmse_r] =
             found.output_rmse.map_or([None; 3], |rmse| rmse.map(Some));
@@ -103,7 +103,7 @@ impl AverageDocument {
     }
 }
 
-/// What the models of an average must have in common.
+/// The common properties of the models of an average.
 fn shared(model: &ModelDocument) -> [(&'static str, String); 4] {
     let names = |all: Vec<&str>| all.join(", ");
     let inputs = model.inputs.iter().map(|own| own.name.as_str());
@@ -162,7 +162,7 @@ impl Document for AverageDocument {
 }
 
 impl AverageSummary {
-    /// Of models that were found for `vessel` with draws of `seed`.
+    /// The summary of models that were found for `vessel` with draws of `seed`.
     pub fn new(vessel: &Vessel, seed: u64, found: &Averaged) -> Self {
         let each = |member: &Member| member.found_on.len() as u64;
         Self {

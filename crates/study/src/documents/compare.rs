@@ -45,7 +45,7 @@ pub struct CompareDocument {
 }
 
 impl CompareDocument {
-    /// What was found over windows of `window_s` seconds.
+    /// The result over windows of `window_s` seconds.
     pub fn new(vessel: &str, window_s: Option<f64>, found: &Compared) -> Self {
         let [std_u, std_v, std_r] = found.std;
         Self {

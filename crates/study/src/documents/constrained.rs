@@ -26,7 +26,7 @@ pub struct ConstrainedParameter {
 }
 
 impl ConstrainedParameter {
-    /// Those of `vessel`, and what follows for them from an estimate of all runs, where there is one.
+    /// The constrained parameters of `vessel`, with their values from an estimate of all runs, if there is one.
     pub fn all(vessel: &Vessel, found: Option<&Pooled>) -> Vec<Self> {
         let estimates: Vec<(Option<f64>, Option<f64>)> = found.map_or(Vec::new(), |found| {
             let parameters = found.degrees.iter().flat_map(|d| &d.parameters);

@@ -48,7 +48,7 @@ pub struct CrossvalDocument {
 }
 
 impl CrossvalDocument {
-    /// What was found with instruments from `nominal` over windows of `window_s` seconds.
+    /// The result with instruments from `nominal` over windows of `window_s` seconds.
     pub fn new(pool: &Pool, nominal: NominalSource, window_s: Option<f64>, found: &CrossValidation) -> Self {
         let [std_u, std_v, std_r] = found.std;
         Self {

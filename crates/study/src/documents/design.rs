@@ -91,7 +91,7 @@ pub struct DesignDocument {
 }
 
 impl DesignDocument {
-    /// The experiment that it states.
+    /// The experiment of the design.
     pub fn designed(&self) -> Designed {
         let part = |part: &SequencePart| (part.maneuver.clone(), part.samples as usize);
         let order = self.sequence.as_ref().map(|sequence| sequence.parts.iter().map(part).collect());

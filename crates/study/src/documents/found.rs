@@ -1,4 +1,4 @@
-//! Models whose structure was searched for.
+//! Models from a search for their structure.
 
 use identification::Estimator;
 use identification::pooled::Delivered;
@@ -14,7 +14,7 @@ impl ModelDocument {
         let mut model = Self::found(vessel, &found.model, &found.delivered, found.samples);
         for degree in &mut model.degrees {
             degree.parameters = resampled(std::mem::take(&mut degree.parameters), found);
-            // What another is tied to stays to be estimated.
+            // Parameters that others are tied to are still estimated.
             let targets: Vec<String> =
                 degree.parameters.iter().filter_map(|own| own.tied_to.clone()).collect();
             let combined = |own: &&mut ModelParameter| {
@@ -31,7 +31,7 @@ impl ModelDocument {
         }
     }
 
-    /// That of the structure `model`, as `delivered` after a fit to so many samples.
+    /// The model with the structure `model`, as `delivered` after a fit to `samples` samples.
     pub(super) fn found(vessel: &Vessel, model: &Model, delivered: &Delivered, samples: u64) -> Self {
         let made = (Estimator::OutputError, MeanRemoval::Complete);
         let own = Self::with_degrees(vessel, made, delivered, |d| degree(vessel, d, model, delivered));
@@ -39,11 +39,11 @@ impl ModelDocument {
     }
 }
 
-/// The same with what searches over recordings that were drawn again found of them.
+/// The same parameters with the bootstrap over recordings.
 pub(super) fn resampled(mut parameters: Vec<ModelParameter>, found: &Searched) -> Vec<ModelParameter> {
     let all = found.resampled.as_ref().map(|own| &own.parameters);
     for own in parameters.iter_mut().filter(|own| !own.fixed) {
-        // What is tied follows the other one.
+        // A tied parameter follows the other one.
         let (name, factor) = match &own.tied_to {
             Some(other) => (other, own.factor.unwrap_or(1.0)),
             None => (&own.name, 1.0),
@@ -55,8 +55,8 @@ pub(super) fn resampled(mut parameters: Vec<ModelParameter>, found: &Searched) -
     parameters
 }
 
-/// Whether recordings that were left out speak against what was found: it cannot follow them, is no better than their mean, or
-/// is worse than the structure that the search began with.
+/// Whether left-out recordings reject the model: it diverges on them, is no better than their mean, or is worse than
+/// the structure that the search began with.
 fn rejected(nested: &NestedScore) -> bool {
     let useless = nested.search.as_ref().is_none_or(|own| own.fits().iter().flatten().any(|fit| *fit <= 0.0));
     let worse = nested.margin.as_ref().and_then(|margin| margin.interval[1]).is_some_and(|high| high < 0.0);
@@ -64,8 +64,8 @@ fn rejected(nested: &NestedScore) -> bool {
 }
 
 fn verdict(nested: &NestedScore) -> String {
-    let told = if rejected(nested) { "rejected" } else { "not rejected" };
-    format!("{told} by the recordings that were left out of the search")
+    let verdict = if rejected(nested) { "rejected" } else { "not rejected" };
+    format!("{verdict} by the recordings that were left out of the search")
 }
 
 fn degree(vessel: &Vessel, degree: DegreeOfFreedom, model: &Model, delivered: &Delivered) -> ModelDegree {
@@ -109,7 +109,7 @@ pub(super) fn parameters(
             ..ModelParameter::default()
         }
     };
-    // The base's terms come first, in the order that they are written in.
+    // The base's terms come first, in their order in the file.
     let names: Vec<&str> = vessel.model.parameter_names().collect();
     let theta = base(vessel, model, delivered);
     let written = vessel.written(DegreeOfFreedom::ALL[d]).into_iter().map(|written| match written {
@@ -119,7 +119,7 @@ pub(super) fn parameters(
     written.chain((known.len()..degree.terms.len()).map(parameter)).collect()
 }
 
-/// The values that were found for the parameters of the base structure.
+/// The estimates of the parameters of the base structure.
 fn base(vessel: &Vessel, model: &Model, delivered: &Delivered) -> Vec<f64> {
     let (all, own) = (model.layout(), vessel.model.layout());
     let degree = |d: usize| delivered.theta[all.terms(d)][..own.terms(d).len()].to_vec();

@@ -49,7 +49,7 @@ impl IngestDocument {
         self.recordings.iter().flat_map(named).collect()
     }
 
-    /// What was left out of all recordings, value by value.
+    /// The omitted values of all recordings.
     pub fn omitted(&self) -> Omissions {
         let mut omitted = Omissions::default();
         for Omission { channel, reason, count } in self.recordings.iter().flat_map(|r| &r.omitted) {
@@ -68,8 +68,10 @@ impl IngestDocument {
             let size = low.abs().max(high.abs());
             own().count() == self.recordings.len() && size > 0.0 && high - low < STEADY * size
         };
-        let told = |c: &ChannelSummary| format!("`{}` at {:.4} {}", c.name, c.max.unwrap_or(0.0), c.unit);
-        self.recordings.first().map_or(Vec::new(), |r| r.channels.iter().filter(constant).map(told).collect())
+        let named = |c: &ChannelSummary| format!("`{}` at {:.4} {}", c.name, c.max.unwrap_or(0.0), c.unit);
+        self.recordings
+            .first()
+            .map_or(Vec::new(), |r| r.channels.iter().filter(constant).map(named).collect())
     }
 }
 

@@ -287,7 +287,7 @@ pub struct MapParallel {
     pub north_m: f64,
 }
 
-/// Cells of a raster, at most: as many as a chart is read on.
+/// Maximum number of cells of a raster, as for reading charts.
 const MOST_CELLS: u64 = 200_000_000;
 
 impl MapDocument {
@@ -307,7 +307,7 @@ impl MapDocument {
         cells.chain(margins).chain(self.swept.iter().map(|own| (&own.raster, &own.runs)))
     }
 
-    /// Cells of all rasters, as often as they are told of.
+    /// Cells of all rasters, with repetitions.
     pub fn raster_cells(&self) -> f64 {
         self.masks().map(|(raster, _)| raster.columns as f64 * raster.rows as f64).sum()
     }

@@ -1,4 +1,4 @@
-//! The documents that the stages exchange, as they stand in the files.
+//! The documents that the stages exchange, as in the files.
 
 mod average;
 mod cells;
@@ -32,7 +32,7 @@ mod validation;
 
 use artifact::{Document, json_schema};
 
-// What documents are made of and the science says itself.
+// Types of the scientific crates that documents use.
 pub use ::design::{AccuracyOf, CriterionName, Degree};
 pub use ::model::{DegreeOfFreedom, Source};
 pub use ::search::{Candidate, NestedAverage, NestedRecording, SizeScore};

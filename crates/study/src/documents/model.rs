@@ -62,7 +62,8 @@ pub struct ModelDocument {
     pub statements: Vec<String>,
 }
 
-/// Share of its width by which a channel may leave its range in the data: a model holds what was logged with slightly other inputs.
+/// Share of its width by which a channel may leave its range in the data: a model must be able to repeat its logs
+/// with slightly different inputs.
 const SPARE: f64 = 0.02;
 
 /// The equation of one degree of freedom; its numbers are per sample, in the unit of its state.
@@ -130,7 +131,7 @@ pub struct ModelParameter {
 }
 
 impl ModelDocument {
-    /// The model that `estimator` found in `pool`; none unless all degrees of freedom have an estimate.
+    /// The model that `estimator` found in `pool`; `None` unless all degrees of freedom have an estimate.
     pub fn new(pool: &Pool, estimator: Estimator, found: &Pooled) -> Option<Self> {
         let delivered = found.delivered.as_ref()?;
         let errors: Vec<Option<f64>> =
@@ -143,17 +144,17 @@ impl ModelDocument {
         })
     }
 
-    /// The model that `delivered` holds, which `found` in one run.
+    /// The model in `delivered`, from the estimate `found` of one run.
     pub fn of_run(vessel: &Vessel, removal: MeanRemoval, found: &RunEstimate, delivered: &Delivered) -> Self {
         let errors = found.estimate.as_ref().map_or(&[][..], |(_, errors)| errors);
         let errors: Vec<Option<f64>> = errors.iter().copied().map(Some).collect();
         let model = Self::of(vessel, (found.estimator, removal), delivered, &errors);
         let sources: Vec<&str> = model.recordings.iter().map(|own| own.source.as_str()).collect();
-        let told = format!(
+        let statement = format!(
             "estimated from run {} alone; what its structure lacks was not tried",
             sources.join(", ")
         );
-        Self { statements: vec![told], ..model }
+        Self { statements: vec![statement], ..model }
     }
 
     fn of(
@@ -165,7 +166,7 @@ impl ModelDocument {
         Self::with_degrees(vessel, made, delivered, |d| ModelDegree::new(vessel, delivered, errors, d))
     }
 
-    /// The model that was delivered, its equations by `degree`.
+    /// The delivered model, with equations by `degree`.
     pub(super) fn with_degrees(
         vessel: &Vessel,
         (estimator, mean_removal): (Estimator, MeanRemoval),
@@ -220,7 +221,7 @@ impl ModelDocument {
             unit: model.variables[own.variable].unit.clone(),
             formula: own.text.clone(),
         };
-        // As they are written, not as they are computed.
+        // In the order of the file, not of computation.
         let mut written: Vec<&DerivedChannel> = model.derived.iter().collect();
         written.sort_by_key(|own| own.variable);
         Self {
@@ -231,7 +232,7 @@ impl ModelDocument {
         }
     }
 
-    /// The vessel that the model is of, with the estimates as its nominal values.
+    /// The vessel of the model, with the estimates as its nominal values.
     ///
     /// # Errors
     /// See [`Vessel::from_file`].
@@ -239,8 +240,8 @@ impl ModelDocument {
         self.with(|p| Some(p.value), |d| Some(d.constant)).unwrap_or_else(|| Err(self.incomplete()))
     }
 
-    /// `vessel`, which the model is of, kept to about what the data covered: inputs within their range there and within that of
-    /// their actuators, motion within that of u, v, r.
+    /// `vessel`, which the model is of, limited to about the ranges of the data: inputs within their range there and
+    /// within that of their actuators, motion within that of u, v, r.
     #[must_use]
     pub fn kept_to_data(&self, mut vessel: Vessel) -> Vessel {
         let range = |name: &str| {
@@ -263,7 +264,7 @@ impl ModelDocument {
         vessel
     }
 
-    /// The same with the least-squares values, where there are any.
+    /// The same with the least-squares values, if there are any.
     ///
     /// # Errors
     /// See [`Vessel::from_file`].
@@ -271,7 +272,7 @@ impl ModelDocument {
         self.with(|p| p.least_squares, |d| d.constant_least_squares).transpose()
     }
 
-    /// RMSE of u, v, r over the recordings that were fitted; none where a simulation diverges.
+    /// RMSE of u, v, r over the fitted recordings; `None` if a simulation diverges.
     pub fn output_rmse(&self) -> Option<[f64; 3]> {
         let all: Option<Vec<f64>> = self.degrees.iter().map(|degree| degree.output_rmse).collect();
         all.and_then(|all| all.try_into().ok())
@@ -293,7 +294,7 @@ impl ModelDocument {
                 parameter: p.name.clone(),
                 term: p.term.clone(),
                 value: None,
-                // What is tied follows from the other one.
+                // A tied parameter follows from the other one.
                 nominal: Some(value(p)?).filter(|_| p.tied_to.is_none()),
                 fixed: p.fixed,
                 tied_to: p.tied_to.clone(),
@@ -372,8 +373,8 @@ pub(super) fn bounds(vessel: &Vessel, d: usize, i: usize) -> Option<[Option<f64>
 }
 
 impl ModelParameter {
-    /// A parameter of `vessel` that was not estimated by itself, beside estimates `theta` of the others with their standard
-    /// `errors`.
+    /// A parameter of `vessel` that was not estimated separately, given estimates `theta` of the others with their
+    /// standard `errors`.
     pub(super) fn constrained(
         vessel: &Vessel,
         own: &Constrained,

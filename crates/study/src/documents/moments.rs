@@ -20,10 +20,10 @@ impl Document for MomentsDocument {
 }
 
 impl MomentsDocument {
-    /// What the document says.
+    /// The moments of the document.
     ///
     /// # Errors
-    /// A matrix of another shape than its degree of freedom has.
+    /// A matrix with another shape than its degree of freedom.
     pub fn moments(self) -> Result<Moments, Invalid> {
         for maneuver in &self.0.maneuvers {
             for own in &maneuver.degrees {

@@ -41,10 +41,10 @@ pub struct PlanDocument {
 }
 
 impl PlanDocument {
-    /// What is to be told of its charts, a line each.
-    pub fn told(&self) -> impl Iterator<Item = String> {
+    /// Messages about its charts, one line each.
+    pub fn messages(&self) -> impl Iterator<Item = String> {
         let uncharted = self.voyage.as_ref().and_then(Voyage::uncharted);
-        self.charts.iter().map(PlanChart::told).chain(uncharted).chain(self.beyond.iter().cloned())
+        self.charts.iter().map(PlanChart::message).chain(uncharted).chain(self.beyond.iter().cloned())
     }
 }
 
@@ -102,7 +102,7 @@ pub struct LeftOut<'a> {
     pub class: &'a str,
     /// How many.
     pub objects: u64,
-    /// Why, or for what.
+    /// The reason or the purpose.
     pub why: &'a str,
 }
 
@@ -112,7 +112,7 @@ impl PlanChart {
         Self { file, depths: Some(PlanDepths::of(measured)), ..Self::default() }
     }
 
-    /// Which chart it is, and in which depths.
+    /// The name of the chart, with the kind of its depths.
     pub fn named(&self) -> String {
         let Self { file, edition, update, scale, .. } = self;
         let below = |datum: &String| format!(", depths below {datum}");
@@ -135,10 +135,10 @@ impl PlanChart {
         })
     }
 
-    /// Which chart it is, in what its depths are, which classes have no or less effect, with their numbers and reasons, and what
-    /// is to be said of its files.
-    pub fn told(&self) -> String {
-        let depths = self.depths.as_ref().map(PlanDepths::told);
+    /// A message with the chart's name, its depths, the classes without or with less effect, their numbers and
+    /// reasons, and notes on its files.
+    pub fn message(&self) -> String {
+        let depths = self.depths.as_ref().map(PlanDepths::words);
         if let Some(depths) = depths.as_ref().filter(|_| self.classes.is_empty()) {
             return format!("{}: {depths}", self.file);
         }
@@ -260,7 +260,7 @@ pub struct Voyage {
 }
 
 impl Voyage {
-    /// What is told of places that no chart shows, in words; nothing where there are none.
+    /// A message about uncharted positions; `None` if there are none.
     pub fn uncharted(&self) -> Option<String> {
         let percent = 100.0 * self.uncharted_share;
         let part = if percent < 0.05 { "less than 0.1".to_owned() } else { format!("{percent:.1}") };

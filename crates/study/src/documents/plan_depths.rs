@@ -1,4 +1,4 @@
-//! What the depths of a chart were measured in.
+//! Unit and datum of the depths of a chart.
 
 use chart::{Measured, UnitFrom};
 use schemars::JsonSchema;
@@ -36,26 +36,26 @@ refusal::choices! {
 
 impl PlanDepths {
     /// In words: `ft (file), datum not stated`.
-    pub fn told(&self) -> String {
+    pub fn words(&self) -> String {
         let from = match self.unit_from {
             PlanUnitFrom::File => "as the file says",
             PlanUnitFrom::PlanToml => "as plan.toml says",
             PlanUnitFrom::Assumed => "assumed, for neither the file nor plan.toml says",
         };
-        let mut told = format!("depths in {} ({from})", self.unit);
+        let mut words = format!("depths in {} ({from})", self.unit);
         if self.scale != 1.0 || self.offset != 0.0 {
-            told += &format!(" after scale {} and offset {}", self.scale, self.offset);
+            words += &format!(" after scale {} and offset {}", self.scale, self.offset);
         }
-        told += &format!(", datum {}", self.datum.as_deref().unwrap_or("not stated"));
+        words += &format!(", datum {}", self.datum.as_deref().unwrap_or("not stated"));
         if self.invalid > 0 {
-            told += &format!(", {} cells outside of the valid range without data", self.invalid);
+            words += &format!(", {} cells outside of the valid range without data", self.invalid);
         }
-        told
+        words
     }
 }
 
 impl PlanDepths {
-    /// As a chart was read.
+    /// From a chart that was read.
     pub(crate) fn of(measured: &Measured) -> Self {
         let unit_from = match measured.unit_from {
             UnitFrom::File => PlanUnitFrom::File,

@@ -5,14 +5,14 @@ use serde::Deserialize;
 use refusal::{Invalid, check_numbers};
 use validation::selection::PublishedLimits;
 
-/// `reference.toml` of a study: results published elsewhere, for comparison. They change no result: the limits of a selection
-/// study only say from where on realizations are counted.
+/// `reference.toml` of a study: results published elsewhere, for comparison. They change no result: the limits of a
+/// selection study only set from where realizations are counted.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reference {
-    /// Where they were published.
+    /// The publication.
     pub source: String,
-    /// What they were used for besides comparison, where they were: sentences for the page.
+    /// Other uses than comparison, if any: sentences for the page.
     pub used: Option<String>,
     /// Published shares of the optimized design, by maneuver.
     #[serde(default)]
@@ -25,7 +25,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Refuses numbers without meaning.
+    /// Refuses invalid numbers.
     ///
     /// # Errors
     /// Names the key.
@@ -65,7 +65,7 @@ impl PublishedShare {
     }
 }
 
-/// A published selection study: where its figures end, and what is told of them.
+/// A published selection study: the limits of its figures, and its statements.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PublishedSelection {
@@ -77,7 +77,7 @@ pub struct PublishedSelection {
     pub limit_r: f64,
     /// The norm of the three.
     pub limit_norm: f64,
-    /// What is said of the result.
+    /// Statements about the result.
     #[serde(default)]
     pub statements: Vec<String>,
     /// The optimized selection.
@@ -99,15 +99,15 @@ impl From<&PublishedSelection> for PublishedLimits {
     }
 }
 
-/// What was published of one way of picking.
+/// The published results of one way of picking.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PublishedPicks {
     /// Share of degenerate realizations.
     pub degenerate_share: Option<f64>,
-    /// The best case, beside the other's.
+    /// The best case, shown next to the other's.
     pub best: Option<String>,
-    /// The worst case, beside the other's.
+    /// The worst case, shown next to the other's.
     pub worst: Option<String>,
 }
 

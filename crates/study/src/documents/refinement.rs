@@ -1,4 +1,4 @@
-//! From refined inputs to `refined.json`, and to what a campaign needs of them.
+//! From refined inputs to `refined.json`, and to the files that a campaign needs.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ use super::statements;
 /// The maneuver's name.
 const NAME: &str = "refined";
 
-/// A refined experiment of a vessel, as files state it.
+/// A refined experiment of a vessel, for files.
 pub struct RefinedFiles<'a> {
     /// The vessel.
     pub vessel: &'a Vessel,
@@ -72,7 +72,7 @@ impl RefinedFiles<'_> {
         }
     }
 
-    /// `inputs.csv`: a column per input, digits that give the same numbers again.
+    /// `inputs.csv`: a column per input, with digits that round-trip.
     pub fn inputs(&self) -> String {
         let model = &self.vessel.model;
         let mut text = model.input_names().join(",");
@@ -85,7 +85,7 @@ impl RefinedFiles<'_> {
         text
     }
 
-    /// `refined-dictionary.toml`: the experiment as one maneuver, whose inputs stand in `inputs.csv`.
+    /// `refined-dictionary.toml`: the experiment as one maneuver with inputs from `inputs.csv`.
     pub fn dictionary(&self) -> String {
         format!(
             "# Written by design refine: the refined experiment as one maneuver.\n[[maneuver]]\nname = \"{NAME}\"\nkind = \
@@ -95,8 +95,8 @@ impl RefinedFiles<'_> {
         )
     }
 
-    /// The design that has nothing but the refined maneuver. Where shares are not chosen there are no sensitivities, no gap
-    /// and no efficiencies.
+    /// The design with only the refined maneuver. Without a choice of shares there are no sensitivities, no gap and
+    /// no efficiencies.
     pub fn design(&self, document: &RefinedDocument) -> DesignDocument {
         let forward = &self.found.refined.after;
         let samples = self.samples() as u64;

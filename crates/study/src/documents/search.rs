@@ -91,7 +91,7 @@ pub struct SearchTerm {
 }
 
 impl SearchDocument {
-    /// What was found for `vessel`, whose terms are the base structure, searched for as `options` say.
+    /// The result for `vessel`, whose terms are the base structure, of a search with `options`.
     pub fn new(vessel: &Vessel, options: &SearchOptions, found: &Searched) -> Self {
         let seconds = |samples: usize| samples as f64 / vessel.sample_rate_hz;
         let [std_u, std_v, std_r] = found.std;

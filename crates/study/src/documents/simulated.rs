@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::logs_file::LogsFile;
 use crate::trajectories::DataLabel;
 
-/// Name of the document that seals simulated logs, beside which they stand.
+/// Name of the document that seals simulated logs, in the same folder.
 pub const SIMULATED_FILE: &str = "simulated.json";
 
 /// `simulated.json`: seals a folder of simulated logs, and labels them as what they are.
@@ -51,7 +51,7 @@ pub struct SimulatedRecording {
 }
 
 impl SimulatedLogsDocument {
-    /// What was logged on `vessel` as `config` says.
+    /// The document of the logs of `vessel` by `config`.
     pub fn of(vessel: &Vessel, config: &LogsFile, entries: &[Entry]) -> Self {
         Self {
             label: DataLabel::SimulatedLogs,
@@ -79,10 +79,10 @@ impl From<&Entry> for SimulatedRecording {
     }
 }
 
-/// How often one limit was met.
+/// The number of hits of one limit.
 type Count = fn(&Hits) -> usize;
 
-/// Which limits thruster `i` was held at.
+/// The limits that thruster `i` reached.
 fn statements(i: usize, entries: &[Entry]) -> Vec<String> {
     let limits: [(&str, Count); 3] = [
         ("highest speed", |hits| hits.speed),

@@ -18,7 +18,7 @@ use super::design::{
 use super::design_status::DesignStatus;
 use super::statements;
 
-/// A solved design with what it was asked for.
+/// A solved design with its problem.
 pub struct Solved<'a> {
     /// The maneuvers.
     pub dictionary: &'a Dictionary,
@@ -26,36 +26,36 @@ pub struct Solved<'a> {
     pub name: CriterionName,
     /// The criterion.
     pub criterion: &'a Criterion,
-    /// The estimate that it is about.
+    /// The estimator.
     pub estimated: Estimated,
     /// Mean removal.
     pub removal: MeanRemoval,
     /// The best shares.
     pub design: &'a Design,
-    /// What is available, where that is limited.
+    /// The available amounts, if limited.
     pub available: Option<&'a Available>,
-    /// Whole segments, where they were asked for.
+    /// Whole segments, if requested.
     pub segments: Option<(Segments, Whole)>,
-    /// Samples of the experiment, where known.
+    /// Samples of the experiment, if known.
     pub samples: Option<f64>,
-    /// A restriction, where one was asked for.
+    /// A restriction, if requested.
     pub restricted: Option<(Few, &'a Restricted)>,
-    /// The time for a wanted accuracy, where one was asked for.
+    /// The time for a wanted accuracy, if requested.
     pub accuracy: Option<&'a Accuracy>,
-    /// Order and lengths, where they were asked for.
+    /// Order and lengths, if requested.
     pub sequence: Option<Arranged>,
-    /// What was found over all maneuvers of a table, where only those with a share are in the dictionary.
+    /// The result over all maneuvers of a table, if only those with a share are in the dictionary.
     pub streamed: Option<&'a Streamed>,
-    /// Where the maneuvers leave what the logs of the model cover, in words.
+    /// Warnings about maneuvers that leave the range of the model's logs.
     pub beyond: Vec<String>,
 }
 
-/// A restriction as it was asked for.
+/// A requested restriction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Few {
-    /// At most so many maneuvers.
+    /// Maximum number of maneuvers.
     pub most_maneuvers: Option<u64>,
-    /// Each for at least so long \[s\].
+    /// Least time of each \[s\].
     pub minimal_s: Option<f64>,
 }
 
@@ -117,7 +117,7 @@ fn by_name<T: Copy>(names: &[String], values: &[T]) -> BTreeMap<String, T> {
     names.iter().cloned().zip(values.iter().copied()).collect()
 }
 
-/// Whether the shares are those of the least largest error, which no criterion's certificate is about.
+/// Whether the shares minimise the largest error, for which no criterion has a certificate.
 fn least_largest(solved: &Solved) -> bool {
     solved.accuracy.is_some_and(|accuracy| accuracy.bound_s.is_some())
 }

@@ -1,4 +1,4 @@
-//! What is known of designs, in words.
+//! Statements about designs.
 
 use design::{Accuracy, Criterion, Design, Method, Restricted, Status, Whole};
 use model::Source;
@@ -7,7 +7,7 @@ use trial::refining::Refinement;
 
 use super::design::Start;
 
-/// Of shares. `bound`: whether what is available limits them.
+/// About shares. `bound`: whether the available amounts limit them.
 pub(super) fn certificate(design: &Design, criterion: &Criterion, starts: &[Start], bound: bool) -> String {
     let agreeing = starts.iter().filter(|s| s.agrees).count();
     let starts = format!("{agreeing} of {} starts reached this value", starts.len());
@@ -33,7 +33,7 @@ pub(super) fn certificate(design: &Design, criterion: &Criterion, starts: &[Star
     }
 }
 
-/// Of few or long maneuvers.
+/// About few or long maneuvers.
 pub(super) fn restricted(found: &Restricted) -> String {
     let used = found.design.shares.iter().filter(|w| **w > 0.0).count();
     let searched = match found.method {
@@ -55,7 +55,7 @@ pub(super) fn restricted(found: &Restricted) -> String {
     )
 }
 
-/// Of whole segments of `design`.
+/// About whole segments of `design`.
 pub(super) fn counts(design: &Design, whole: &Whole) -> String {
     let Some(found) = &whole.found else {
         return "So few segments excite not every parameter, whichever maneuvers they are.".into();
@@ -78,9 +78,9 @@ pub(super) fn counts(design: &Design, whole: &Whole) -> String {
     )
 }
 
-/// Of the time that an accuracy takes.
+/// About the time for an accuracy.
 pub(super) fn accuracy(accuracy: &Accuracy) -> String {
-    let told = |what: &str, seconds: Option<f64>| {
+    let needed = |what: &str, seconds: Option<f64>| {
         seconds.map_or(String::new(), |seconds| format!("; {what} need {seconds:.1} s"))
     };
     let too_short = match accuracy.duration_s < accuracy.holds_from_s {
@@ -93,9 +93,12 @@ pub(super) fn accuracy(accuracy: &Accuracy) -> String {
         accuracy.duration_s,
         accuracy.wanted.of,
         accuracy.wanted.accuracy,
-        told("the shares of the paper's criterion", accuracy.paper_s),
-        told("equal shares", accuracy.equal_s),
-        told(&format!("random designs of {} segments (median)", accuracy.random_segments), accuracy.random_s),
+        needed("the shares of the paper's criterion", accuracy.paper_s),
+        needed("equal shares", accuracy.equal_s),
+        needed(
+            &format!("random designs of {} segments (median)", accuracy.random_segments),
+            accuracy.random_s
+        ),
         accuracy.bound_s.map_or(String::new(), |b| format!(
             "; no shares need less than {b:.1} s where the problem is convex"
         )),
@@ -103,7 +106,7 @@ pub(super) fn accuracy(accuracy: &Accuracy) -> String {
     )
 }
 
-/// Of a sequence of maneuvers.
+/// About a sequence of maneuvers.
 pub(super) fn sequence(arranged: &Arranged) -> String {
     let limits = match &arranged.limits {
         Kept::Unlimited => String::new(),
@@ -120,7 +123,7 @@ pub(super) fn sequence(arranged: &Arranged) -> String {
     )
 }
 
-/// Of refined inputs.
+/// About refined inputs.
 pub(super) fn refinement(found: &Refinement) -> String {
     if found.unchanged() {
         return "Nothing better was found within the limits: the inputs are the start's.".into();

@@ -80,14 +80,14 @@ pub struct RefusedCell {
 }
 
 impl RefusedCell {
-    /// That `cell` was refused so.
+    /// A refused `cell`.
     pub fn new(cell: &SweepCell, refusal: String) -> Self {
         Self { cell: cell.name.clone(), at: cell.at.clone(), refusal }
     }
 }
 
 impl SweptCell {
-    /// What `tally` says of `cell`, compared with `baseline`.
+    /// The result `tally` of `cell`, compared with `baseline`.
     pub fn new(cell: &SweepCell, tally: &TallyDocument, baseline: &SweepLine) -> Self {
         let line = |counted: &Counted| SweptLine::new(counted, &tally.tally, baseline);
         Self {
@@ -119,7 +119,7 @@ impl SweptLine {
 }
 
 impl SweepDocument {
-    /// The sweep over the grid of `grid`, of which these cells were counted and these refused.
+    /// The sweep over the grid of `grid`, with its counted and refused cells.
     pub fn new(
         grid: &CellsDocument,
         baseline: Option<SweepLine>,
@@ -152,7 +152,7 @@ impl SweepDocument {
 }
 
 impl SweptCell {
-    /// What it says of `line`.
+    /// The result of `line`.
     pub fn line(&self, line: &SweepLine) -> Option<&SweptLine> {
         self.lines.iter().find(|own| own.design == line.design && own.estimator == line.estimator)
     }
@@ -161,12 +161,12 @@ impl SweptCell {
 fn statements(cells: &[SweptCell], refused: usize, baseline: Option<&SweepLine>) -> Vec<String> {
     let mut said = vec![format!("{} cells counted, {refused} refused.", cells.len())];
     let Some(baseline) = baseline else { return said };
-    let mut told: Vec<(&str, Estimator)> = Vec::new();
+    let mut seen: Vec<(&str, Estimator)> = Vec::new();
     for line in cells.iter().flat_map(|cell| &cell.lines).filter(|line| line.difference.is_some()) {
-        if told.contains(&(&line.design, line.estimator)) {
+        if seen.contains(&(&line.design, line.estimator)) {
             continue;
         }
-        told.push((&line.design, line.estimator));
+        seen.push((&line.design, line.estimator));
         let same = |other: &&SweptLine| other.design == line.design && other.estimator == line.estimator;
         let all = cells.iter().flat_map(|cell| cell.lines.iter().filter(same));
         let intervals: Vec<[f64; 2]> = all.filter_map(|line| Some(line.difference?.interval)).collect();

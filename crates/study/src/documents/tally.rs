@@ -55,8 +55,8 @@ pub struct PairedRatio {
 }
 
 impl TallyDocument {
-    /// What `tally` says of `realizations` runs per design, drawn with `seed`, of so many samples each and of the validation
-    /// runs.
+    /// The document of `tally` of `realizations` runs per design, drawn with `seed`, with the numbers of samples of a
+    /// run and of the validation runs.
     pub fn new(
         tally: Tally,
         bounds: Bounds,
@@ -145,7 +145,7 @@ fn share_in_words(counted: &Counted, bounds: Bounds) -> Option<String> {
 }
 
 impl PairedRatio {
-    /// Whether the `runs` tell one from the other, and which is better.
+    /// Whether the `runs` distinguish the two, and which is better.
     fn in_words(&self, runs: u64) -> Option<String> {
         let Self { design, one, other, median_ratio, median_ratio_interval: ends, .. } = self;
         let interval = match median_interval_in_words(*ends, runs, |end| format!("{end:.3}")) {

@@ -49,7 +49,7 @@ pub struct TrustDocument {
 }
 
 impl TrustDocument {
-    /// What is known of `found`, which `estimator` found from `pool` with instruments from `nominal`.
+    /// The diagnostics of `found`, which `estimator` found from `pool` with instruments from `nominal`.
     pub fn new(
         pool: &Pool,
         nominal: NominalSource,

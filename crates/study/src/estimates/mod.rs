@@ -18,10 +18,10 @@ pub const ID: &str = "estimates";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
 
-/// Bytes of memory that a row takes while more and more of them are kept.
+/// Bytes of memory of a row in a growing list.
 pub fn row_bytes(vessel: &Vessel) -> f64 {
     let heap = 16 * vessel.model.parameters() + 80;
-    // A list that grows is copied into one of twice its length.
+    // A growing list is copied into one of twice its length.
     (3 * size_of::<Row>() + heap) as f64
 }
 
@@ -70,7 +70,7 @@ pub fn columns(vessel: &Vessel) -> Columns<Row> {
     columns
 }
 
-/// Whether the table `file` is of all parameters of `vessel`.
+/// Whether the table `file` has all parameters of `vessel`.
 ///
 /// # Errors
 /// See [`TableReader::open`].
@@ -112,10 +112,10 @@ pub fn rows(reader: &TableReader, vessel: &Vessel, file: &Path, i: usize) -> Res
     Ok(rows)
 }
 
-/// Beyond it squares, and with them the statistics of a table, are no numbers any more.
+/// Above it squares, and with them the statistics of a table, overflow.
 const MOST: f64 = 1e150;
 
-/// That a row of `file` holds `value`, which no stage writes.
+/// Refuses a row of `file` with `value`, which no stage writes.
 pub(crate) fn implausible(file: &Path, row: usize, value: f64) -> Error {
     let expected = format!("magnitudes up to {MOST:e}, and errors from 0");
     crate::refuse(
@@ -127,7 +127,7 @@ pub(crate) fn implausible(file: &Path, row: usize, value: f64) -> Error {
     )
 }
 
-/// Whether an error or a score is one.
+/// Whether an error or a score is valid.
 pub(crate) fn is_error(value: f64) -> bool {
     (0.0..=MOST).contains(&value)
 }

@@ -1,4 +1,4 @@
-//! What the estimates of all runs say together: `estimate.json`.
+//! Statistics of the estimates of all runs: `estimate.json`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,14 +15,14 @@ use crate::documents::{
     bounded,
 };
 
-/// The setting that says under which noise runs were asked what the model lacks.
+/// The setting with the noise under which runs were tested for what the model lacks.
 pub const CRITICISED: &str = "criticised";
 
-/// The document of all `rows` of `file`, whose `provenance` has settings that name the leading estimator and how the mean
-/// was removed.
+/// The document of all `rows` of `file`, whose `provenance` has settings with the leading estimator and the mean
+/// removal.
 ///
 /// # Errors
-/// Settings that name neither.
+/// Settings without them.
 pub fn summarize(
     file: &Path,
     provenance: &Provenance,
@@ -49,7 +49,7 @@ pub fn summarize(
     })
 }
 
-/// Whether the runs were asked what the model lacks, as `estimate` notes it.
+/// Whether the runs were tested for what the model lacks, as noted by `estimate`.
 pub fn criticised(provenance: &Provenance) -> bool {
     provenance.settings.contains_key(CRITICISED)
 }

@@ -1,4 +1,4 @@
-//! What is said where no run has an estimate.
+//! The message if no run has an estimate.
 
 use artifact::Error;
 use identification::EstimateStatus;
@@ -8,11 +8,11 @@ use model::{DegreeOfFreedom, Vessel};
 use super::Row;
 use crate::trajectories::TrajectoryReader;
 
-/// Why none of the runs has an estimate: what makes the first of measured runs not identifiable; else how many searches ended
-/// nowhere, or the parameter that no run excites. `None` where some have one.
+/// Why none of the runs has an estimate: the reason for the first of measured runs; else the number of failed
+/// searches, or the parameter that no run excites. `None` if some have one.
 ///
 /// # Errors
-/// A block that is damaged.
+/// A damaged block.
 pub fn unidentified(
     estimators: &RunEstimators,
     reader: &TrajectoryReader,

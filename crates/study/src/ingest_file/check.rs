@@ -1,4 +1,4 @@
-//! Refusing an `ingest.toml` whose keys cannot be followed, before any log is read.
+//! Refuses an invalid `ingest.toml` before any log is read.
 
 use std::fmt::Display;
 
@@ -8,7 +8,7 @@ use refusal::{Invalid, check_name, check_numbers, check_ranges, foreign};
 use super::{IngestFile, ThrusterSpec};
 
 impl IngestFile {
-    /// Refuses numbers without meaning and keys that exclude each other.
+    /// Refuses invalid numbers and keys that exclude each other.
     ///
     /// # Errors
     /// Names the key.
@@ -53,9 +53,9 @@ impl IngestFile {
         self.check_speed_names()
     }
 
-    /// Refuses numbers that no log has room for.
+    /// Refuses unreasonably large numbers.
     fn check_ranges(&self) -> Result<(), Invalid> {
-        // Something of a second or so where a number is not stated.
+        // About a second if a number is not stated.
         let or_one = |value: Option<f64>| value.unwrap_or(1.0);
         let (seconds, metres) = (1e-9..=1e9, -1e4..=1e4);
         check_ranges([
@@ -77,7 +77,7 @@ impl IngestFile {
         self.thruster.iter().try_for_each(check_thruster)
     }
 
-    /// Refuses names that figures and pages cannot hold.
+    /// Refuses names that figures and pages cannot show.
     fn check_names(&self) -> Result<(), Invalid> {
         let own = [("design", &self.design)].into_iter().chain(self.maneuver.iter().map(|m| ("maneuver", m)));
         let classes = self.speed_class_names.iter().flatten().map(|name| ("speed_class_names", name));
@@ -203,7 +203,7 @@ fn check_thruster(thruster: &ThrusterSpec) -> Result<(), Invalid> {
     check_ranges(position_m.map(|place| ("thruster.position_m", place, -1e4..=1e4, "m")))
 }
 
-/// Refuses a channel whose values could not be told from what is none.
+/// Refuses a channel whose values could not be distinguished from missing ones.
 fn check_gate(channel: &ChannelSpec) -> Result<(), Invalid> {
     let key = |key: &str| format!("{key}` of channel `{}", channel.channel);
     let missing = channel.missing.iter().flatten().map(|number| (key("missing"), *number));
@@ -254,7 +254,7 @@ fn check_file(file: &FileSpec) -> Result<(), Invalid> {
     check_time(file)
 }
 
-/// Refuses talkers that are none, and keys of sentences for files of another kind.
+/// Refuses invalid talkers, and keys of sentences for files of another kind.
 fn check_talkers(file: &FileSpec) -> Result<(), Invalid> {
     let is_talker = |talker: &String| talker.len() == 2 && talker.bytes().all(|c| c.is_ascii_alphanumeric());
     if let Some(wrong) = file.prefer.iter().find(|talker| !is_talker(talker)) {
@@ -311,7 +311,7 @@ fn check_kinds(file: &FileSpec) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Whether the times of all files say by themselves what they count.
+/// Whether the times of all files have a unit of their own.
 fn tells_itself(file: &FileSpec) -> Option<bool> {
     let kinds = file.pattern.iter().map(|pattern| match file.format_of(pattern) {
         Format::Nmea => file.time.column != "prefix",

@@ -176,14 +176,14 @@ pub struct TableSpec {
     pub forces: Option<Vec<Vec<f64>>>,
 }
 
-/// A rest at the end of a stretch is a window of its own where it is longer than this part of one, unless said otherwise.
+/// The rest at the end of a stretch is a window if it is longer than this fraction of one, by default.
 const USUAL_TAIL: usize = 4;
 
 impl IngestFile {
-    /// How the logs were made.
+    /// The setup of the logs.
     ///
     /// # Errors
-    /// A formula that cannot be read, a thruster with a table that is none.
+    /// A formula that cannot be parsed, a thruster with an invalid table.
     pub fn setup(&self) -> Result<Setup, Invalid> {
         let conventions = Conventions {
             frame: self.frame,
@@ -241,10 +241,10 @@ impl IngestFile {
         Some(SpeedClasses { bounds_m_s, names })
     }
 
-    /// How recordings are known by the names of their files.
+    /// How recordings are identified by the names of their files.
     ///
     /// # Errors
-    /// A template without the part that it is for.
+    /// A template without its placeholder.
     pub fn naming(&self) -> Result<Naming, Invalid> {
         let recording = |file: &FileSpec| {
             file.run_from_file.as_deref().map(|text| template("run_from_file", text, "run")).transpose()
@@ -289,7 +289,7 @@ fn thruster(spec: ThrusterSpec) -> Result<Propulsor, Invalid> {
         (Some(coefficient), None) if pitch.is_none() => Ok(made(law, coefficient, None)),
         (Some(_), None) => refused("a `pitch` without a table", "a table over pitches", "add it"),
         (None, Some(spec)) if pitch.is_some() == spec.pitch.is_some() => {
-            // What the table says is the force.
+            // The table gives the force.
             Ok(made(Law::Linear, 1.0, Some((table(spec)?, pitch))))
         }
         (None, Some(_)) => refused(
@@ -316,7 +316,7 @@ fn table(TableSpec { speed, pitch, force, forces }: TableSpec) -> Result<ForceTa
     ForceTable::new(speed, pitch, forces)
 }
 
-/// The template under `key`, which names a part `part`.
+/// The template under `key`, with the placeholder `part`.
 fn template(key: &str, text: &str, part: &str) -> Result<Template, Invalid> {
     Template::new(text, part).ok_or_else(|| {
         Invalid::new(

@@ -1,6 +1,7 @@
-//! The files of a recording to its runs.
+//! Reads the files of a recording into runs.
 //!
-//! Text and bags are decoded by [`logs`], which needs no more than bytes; Parquet here, for the sciences know no tables.
+//! [`logs`] decodes text and bags from bytes; Parquet is decoded here, since the scientific crates do not depend on
+//! tables.
 
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
@@ -38,11 +39,12 @@ impl Store for Aside {
     }
 }
 
-/// Reads the files of `source`, which stand in `folder`, and makes runs of them; and the files' digests. What there is no
-/// room for in memory is put aside in `scratch`.
+/// Reads the files of `source` in `folder` into runs, and returns the files' digests. Data that does not fit in
+/// memory is spilled to `scratch`.
 ///
 /// # Errors
-/// Files that cannot be read; what [`read_csv`], [`read_nmea`], [`read_bag`], [`Log::new`] and [`record`] refuse; channels that cannot be put aside.
+/// Files that cannot be read; what [`read_csv`], [`read_nmea`], [`read_bag`], [`Log::new`] and [`record`] refuse;
+/// channels that cannot be spilled.
 pub fn recorded(
     plan: &Plan,
     segmentation: &Segmentation,
@@ -52,7 +54,7 @@ pub fn recorded(
 ) -> Result<(Recorded, Vec<Digest>), Error> {
     let store: Arc<dyn Store> = Arc::new(Aside(Arc::clone(scratch)));
     let recorded = of_files(plan, segmentation, folder, source, &store);
-    // First: what is refused may be what could not be kept.
+    // Checked first, since a refusal may be due to a failed spill.
     scratch.check()?;
     recorded
 }
@@ -83,7 +85,7 @@ fn of_files(
     Ok((recorded.map_err(|e| crate::invalid(&folder.join(&source.files[0][0]), &e))?, digests))
 }
 
-/// The rows of a recording's files, one after the other: as their names count, or as their times do where these contradict.
+/// The rows of a recording's files, concatenated in the order of their names, or of their times if these contradict.
 fn joined(mut parts: Vec<(&str, Columns)>, plan: &Plan, group: usize) -> Columns {
     let unit = plan.setup.files[group].time.unit.and_then(TimeUnit::seconds).unwrap_or(1.0);
     let follows = |parts: &[(&str, Columns)]| {
@@ -91,7 +93,7 @@ fn joined(mut parts: Vec<(&str, Columns)>, plan: &Plan, group: usize) -> Columns
         let steps = spans.windows(2).map(|pair| unit * (pair[1][0] - pair[0][1]));
         steps.into_iter().all(|step| step >= 0.0 || begins_anew(step, plan.setup.max_gap_s))
     };
-    // Times of a day begin anew at midnight: they contradict no name.
+    // Times of day restart at midnight and so cannot contradict names.
     let of_day = parts.iter().any(|(_, columns)| columns.clock.of_day);
     if parts.len() > 1 && !of_day && !follows(&parts) {
         let first = |columns: &Columns| columns.span().map_or(f64::INFINITY, |[first, _]| first);
@@ -110,7 +112,8 @@ fn joined(mut parts: Vec<(&str, Columns)>, plan: &Plan, group: usize) -> Columns
     })
 }
 
-/// How the file at `path` is written, called `name`; refuses what is no file, and files of other formats by their names.
+/// The format of the file at `path`, called `name`; refuses what is not a file, and files of other formats by their
+/// names.
 fn known(path: &Path, name: &str, spec: &FileSpec) -> Result<Format, Error> {
     let unreadable = |e| Error::io(path, "read", e);
     let (format, most) = (spec.format_of(name), SNIFFED as u64);
@@ -124,7 +127,7 @@ fn known(path: &Path, name: &str, spec: &FileSpec) -> Result<Format, Error> {
             return Err(crate::invalid(path, &foreign_format(&head, format, is_from_top).unwrap_or(plain)));
         }
         let mut text = Vec::new();
-        // What is damaged is said when it is read.
+        // Damage is reported when the file is read.
         let _ = MultiGzDecoder::new(head.as_slice()).take(most).read_to_end(&mut text);
         head = text;
     }
@@ -166,7 +169,7 @@ fn columns(
     Ok((columns, source.digest().map_err(unreadable)?))
 }
 
-/// Whether the bytes are at fault and not the disk, whose errors have a number of the system.
+/// Whether the bytes are damaged, and not the disk, whose errors have an OS error number.
 fn is_damage(error: &std::io::Error) -> bool {
     error.raw_os_error().is_none()
 }

@@ -34,7 +34,7 @@ pub fn find(
     naming.sources(&config.file, &files).map_err(|e| invalid(config_path, &e))
 }
 
-/// The files below `folder` that fit `pattern`, sorted.
+/// The files below `folder` that match `pattern`, sorted.
 fn matching(folder: &Path, pattern: &str) -> Result<Vec<String>, Error> {
     let mut found = vec![String::new()];
     let steps: Vec<&str> = pattern.split('/').filter(|step| !step.is_empty() && *step != ".").collect();
@@ -59,11 +59,11 @@ fn matching(folder: &Path, pattern: &str) -> Result<Vec<String>, Error> {
     Ok(if steps.is_empty() { Vec::new() } else { found })
 }
 
-/// What stands in a folder.
+/// An entry of a folder.
 struct Entry {
-    /// Its name, as well as text can tell it.
+    /// Its name, lossily converted to text.
     name: String,
-    /// Whether the name is text.
+    /// Whether the name is valid text.
     is_text: bool,
     is_folder: bool,
 }
@@ -73,7 +73,7 @@ fn no_text(name: &str) -> Invalid {
     Invalid::new(format!("log `{name}`"), "a name that is not UTF-8", "a name in UTF-8", "rename it")
 }
 
-/// What stands in `folder`; nothing where there is no such folder.
+/// The entries of `folder`; empty if it does not exist.
 fn entries(folder: &Path) -> Result<Vec<Entry>, Error> {
     let unreadable = |e: std::io::Error| Error::io(folder, "read", e);
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };

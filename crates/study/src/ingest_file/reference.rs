@@ -1,4 +1,4 @@
-//! All keys of `ingest.toml` as a JSON Schema and as a page, made of the types that read it.
+//! All keys of `ingest.toml` as a JSON Schema and as a page, generated from the types that read it.
 
 use std::fmt::Write;
 
@@ -12,7 +12,7 @@ pub fn schema() -> Value {
     schema_for!(IngestFile).to_value()
 }
 
-/// Tables of the file: how they are headed, and the definition that has their keys.
+/// Tables of the file: their headers, and the definition with their keys.
 const TABLES: [(&str, &str); 10] = [
     ("", ""),
     ("[velocities]", "VelocitySpec"),
@@ -75,7 +75,7 @@ fn text(of: &Value) -> String {
     of["description"].as_str().unwrap_or_default().replace('\n', " ").replace('|', "\\|")
 }
 
-/// What a key takes, in words.
+/// The values of a key, in words.
 fn takes(property: &Value, schema: &Value) -> String {
     let name = |of: &Value| of["$ref"].as_str().and_then(|path| path.rsplit('/').next()).map(str::to_owned);
     if let Some(choices) = property["anyOf"].as_array() {
@@ -109,11 +109,11 @@ fn takes(property: &Value, schema: &Value) -> String {
     }
 }
 
-/// The choices that a key has, with what they mean where that is said.
+/// The choices of a key, with their meanings if documented.
 fn choices(of: &Value) -> String {
     let plain = of["enum"].as_array().into_iter().flatten();
-    let told = of["oneOf"].as_array().into_iter().flatten();
-    let told = told.flat_map(|one| match one["const"].as_str() {
+    let documented = of["oneOf"].as_array().into_iter().flatten();
+    let documented = documented.flat_map(|one| match one["const"].as_str() {
         Some(choice) => vec![choice.to_owned()],
         None => one["enum"]
             .as_array()
@@ -123,6 +123,6 @@ fn choices(of: &Value) -> String {
             .map(str::to_owned)
             .collect(),
     });
-    let all: Vec<String> = plain.filter_map(Value::as_str).map(str::to_owned).chain(told).collect();
+    let all: Vec<String> = plain.filter_map(Value::as_str).map(str::to_owned).chain(documented).collect();
     all.iter().map(|choice| format!("`\"{choice}\"`")).collect::<Vec<_>>().join(", ")
 }

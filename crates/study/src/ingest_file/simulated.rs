@@ -1,4 +1,4 @@
-//! Logs that were simulated: sealed and labelled by `simulated.json` beside them.
+//! Simulated logs, sealed and labelled by `simulated.json` next to them.
 
 use std::path::Path;
 
@@ -8,11 +8,11 @@ use logs::Source;
 use crate::documents::{SIMULATED_FILE, SimulatedLogsDocument};
 use crate::trajectories::DataLabel;
 
-/// What the logs in `folder` are labelled as, if they are labelled as simulated: then each of `sources` must be as it was
-/// written, and its digest is noted.
+/// The label of the logs in `folder` if they are simulated: then each of `sources` must be unchanged, and its digest
+/// is noted.
 ///
 /// # Errors
-/// A log that was changed, or that is none of those that the document lists.
+/// A log that was changed, or that the document does not list.
 pub fn simulated_label(
     folder: &Path,
     sources: &[Source],

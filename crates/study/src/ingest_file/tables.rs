@@ -1,4 +1,4 @@
-//! Logs in Parquet: the columns that are asked for, and times as their types say.
+//! Logs in Parquet: the requested columns, and times by their types.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -10,10 +10,10 @@ use logs::{
 };
 use refusal::{Invalid, foreign};
 
-/// Reads the columns of the file at `path` that `plan` wants of group `group`; numbers are put aside in `store`.
+/// Reads the columns of the file at `path` that `plan` needs from group `group`; numbers are spilled to `store`.
 ///
 /// # Errors
-/// A file that cannot be read, columns that are missing or of another type, times that are none.
+/// A file that cannot be read, columns that are missing or of another type, invalid times.
 pub(super) fn parquet(
     path: &Path,
     plan: &Plan,
@@ -55,7 +55,7 @@ fn labels(table: &ForeignTable, column: &str) -> Result<Labels, Error> {
     Ok(labels)
 }
 
-/// A column of times whose type says what they count.
+/// A column of times whose type has a unit.
 struct TypedTime<'a> {
     path: &'a Path,
     table: &'a ForeignTable,
@@ -100,7 +100,7 @@ impl TypedTime<'_> {
             return refuse(&found, "the time's `unit` or `format` as it is stated", remedy);
         }
         let (mut seconds, mut wrong) = (Samples::new(store), None);
-        // Where a unit is stated, times are expected to count it.
+        // If a unit is stated, times are expected in it.
         let unit = spec.unit.and_then(TimeUnit::seconds).unwrap_or(1.0);
         let stamps = self.plan.stamps(self.group);
         self.table.seconds(self.column, |shown| {
@@ -148,7 +148,7 @@ fn dates(
     }
 }
 
-/// Gives `each` the texts of a column, or numbers as text: labels may be either.
+/// Calls `each` with the texts of a column, or numbers as text: labels may be either.
 fn texts(table: &ForeignTable, column: &str, mut each: impl FnMut(&str)) -> Result<(), Error> {
     let Err(refused) = table.texts(column, &mut each) else { return Ok(()) };
     let label = |n: f64| each(&if n.is_finite() { n.to_string() } else { String::new() });

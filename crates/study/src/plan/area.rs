@@ -9,10 +9,10 @@ use super::file::AreaSpec;
 const CORNERS: &str = "corners = [[longitude, latitude], ...], three or more in degrees";
 
 impl AreaSpec {
-    /// The area that is meant.
+    /// The area of the keys.
     ///
     /// # Errors
-    /// Neither a box nor a polygon, or both; one that is none.
+    /// Neither a box nor a polygon, or both; an invalid one.
     pub(super) fn area(&self) -> Result<Area, Invalid> {
         let edges = [
             ("west_deg", self.west_deg),
@@ -49,7 +49,7 @@ impl AreaSpec {
     }
 }
 
-/// Refuses corners, called `thing`, that are those of no polygon.
+/// Refuses corners, called `thing`, that are not a valid polygon.
 pub(super) fn check_corners(thing: &str, corners: &[[f64; 2]]) -> Result<(), Invalid> {
     let refuse =
         |found: String, expected: &str, remedy: &str| Err(Invalid::new(thing, found, expected, remedy));
@@ -72,11 +72,11 @@ pub(super) fn check_corners(thing: &str, corners: &[[f64; 2]]) -> Result<(), Inv
         );
     }
     let ring: Vec<[f64; 2]> = flat.iter().chain(flat.first()).copied().collect();
-    let told = |edge: usize| format!("corner {}", edge + 1);
+    let corner = |edge: usize| format!("corner {}", edge + 1);
     match ring_fault(&[ring]) {
         None => Ok(()),
         Some(RingFault::Crossing { one, other, .. }) => refuse(
-            format!("the edges after {} and {} cross", told(one.1), told(other.1)),
+            format!("the edges after {} and {} cross", corner(one.1), corner(other.1)),
             "a polygon that does not cross itself",
             "list the corners in their order along its edge",
         ),
@@ -84,7 +84,7 @@ pub(super) fn check_corners(thing: &str, corners: &[[f64; 2]]) -> Result<(), Inv
     }
 }
 
-/// Corners with longitudes counted on beyond 180° where they lie across the antimeridian.
+/// Corners with longitudes beyond 180° if they are across the antimeridian.
 fn beyond_180(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let [[west, east], _] = span(corners);
     let turned =
@@ -100,7 +100,7 @@ fn span(corners: &[[f64; 2]]) -> [[f64; 2]; 2] {
     })
 }
 
-/// The polygon and the box around it.
+/// The polygon and its bounding box.
 fn around(corners: &[[f64; 2]]) -> Area {
     let [[west_deg, east_deg], [south_deg, north_deg]] = span(&beyond_180(corners));
     let east_deg = if east_deg > 180.0 { east_deg - 360.0 } else { east_deg };

@@ -14,15 +14,15 @@ use super::exchange_set::{CellFile, ExchangeSet, capitals, is_catalogue};
 use super::updates::{Age, Catalogue, Found, Updates, age_of};
 use crate::documents::{PlanChart, PlanChartClass};
 
-/// Bytes that it takes to read a byte of a file of polygons or objects.
+/// Bytes of memory to read a byte of a file of polygons or objects.
 pub(super) const PER_BYTE: u64 = 14;
-/// Bytes that a place of an object takes, from the cell to the chart.
+/// Bytes per position of an object, from the cell to the chart.
 const PER_PLACE: u64 = 72;
 
 /// The base cells that a path names: one, or those of a folder or of a catalogue's; `None` for another file.
 ///
 /// # Errors
-/// A folder that cannot be read or holds no cell; two base cells of one name and edition.
+/// A folder that cannot be read or has no cell; two base cells of one name and edition.
 pub(super) fn cells_of(path: &Path) -> Result<Option<Vec<PathBuf>>, Error> {
     if path.is_dir() {
         return Ok(Some(below(path)?));
@@ -62,19 +62,19 @@ fn check_same(one: &Path, other: &Path) -> Result<(), Error> {
     Err(Error::refuse(other, "cell", found, "each cell once", remedy))
 }
 
-/// How charts are read: what they may take, what they took before, and the folders that were looked into.
+/// Reads charts within a memory limit, and caches the folders that were searched.
 pub(super) struct CellReader<'a> {
     pub budget: &'a Budget,
     pub provenance: &'a mut Provenance,
     /// Memory of the charts so far \[bytes\].
     pub bytes: u64,
     pub sets: BTreeMap<PathBuf, (ExchangeSet, Option<Catalogue>)>,
-    /// The folder that is named in place of a cell: all in it belongs together.
+    /// The folder named in place of a cell: all files in it belong together.
     pub named: Option<PathBuf>,
 }
 
 impl CellReader<'_> {
-    /// A cell, its updates applied, by the rules of its classes; and what became of its objects.
+    /// A cell with its updates, by the rules of its classes; and the treatment of its objects.
     ///
     /// # Errors
     /// Files that cannot be read, do not fit in the memory, are damaged, or are refused; each names itself.
@@ -100,11 +100,11 @@ impl CellReader<'_> {
         }
         let objects = self.objects(path, &cell, before)?;
         let (scale, identity, datums) = (cell.scale(), cell.identity().clone(), cell.datums());
-        // Large, and not needed any more.
+        // Frees a large structure that is not needed any more.
         drop(cell);
-        let (layer, told) = of_objects(path, &objects, Some(scale), rules)?;
+        let (layer, summary) = of_objects(path, &objects, Some(scale), rules)?;
         let parts = other_datums(&objects, datums.depths);
-        let told = PlanChart {
+        let summary = PlanChart {
             edition: Some(identity.edition),
             update: Some(identity.update.into()),
             issued: Some(identity.issued),
@@ -112,12 +112,12 @@ impl CellReader<'_> {
             sounding_datum: Some(datum_of(datums.depths)),
             vertical_datum: Some(datum_of(datums.heights)),
             notes: updates.notes.into_iter().chain(checked).chain(parts).collect(),
-            ..told
+            ..summary
         };
-        Ok((layer, told))
+        Ok((layer, summary))
     }
 
-    /// Looks into the folders around a cell, unless that is done, and gives the highest of them.
+    /// Searches the folders of a cell's set, unless done before, and returns the topmost.
     fn look_around(&mut self, path: &Path) -> Result<PathBuf, Error> {
         let root = ExchangeSet::root_of(path)?;
         let root = self.named.clone().filter(|named| root.starts_with(named)).unwrap_or(root);
@@ -129,7 +129,7 @@ impl CellReader<'_> {
         Ok(root)
     }
 
-    /// Counts what the files take, before they are read.
+    /// Counts the memory of the files before they are read.
     fn account(&mut self, path: &Path, others: &[CellFile]) -> Result<(), Error> {
         let length = std::fs::metadata(path).map_or(0, |about| about.len());
         let length = others.iter().fold(length, |sum, file| sum.saturating_add(file.length));
@@ -139,7 +139,7 @@ impl CellReader<'_> {
         self.budget.memory(work, (PROGRAM_BYTES + self.bytes) as f64)
     }
 
-    /// Checks all files of a cell against the catalogue of their set, and says what came of it and what was left out.
+    /// Checks all files of a cell against the catalogue of their set, and returns the result and what was left out.
     fn check(&self, root: &Path, stem: &str, files: &[(&CellFile, &Found)]) -> Result<Vec<String>, Error> {
         let Some((set, catalogue)) = self.sets.get(root) else { return Ok(Vec::new()) };
         let closed = (set.closed > 0).then(|| format!("{} folders not looked into", set.closed));
@@ -150,7 +150,7 @@ impl CellReader<'_> {
         Ok(closed.into_iter().chain([agree]).collect())
     }
 
-    /// The objects of a cell, as many as fit.
+    /// The objects of a cell, limited by memory.
     fn objects(&mut self, path: &Path, cell: &Cell, before: u64) -> Result<Vec<Feature>, Error> {
         let most = (self.budget.bytes() - (PROGRAM_BYTES + before) as f64).max(0.0) / PER_PLACE as f64;
         let objects = cell.features_within(most as u64).map_err(|e| Error::invalid(path, e))?;
@@ -160,7 +160,7 @@ impl CellReader<'_> {
     }
 }
 
-/// What is to be said of parts of a cell whose depths are measured from elsewhere than `usual`.
+/// A note on parts of a cell whose depths have another datum than `usual`.
 fn other_datums(objects: &[Feature], usual: u8) -> Option<String> {
     let parts = objects.iter().filter(|object| enc::class_name(object.class) == Some("M_SDAT"));
     let codes = parts.flat_map(|object| object.list(VERDAT)).filter(|code| *code != u16::from(usual));
@@ -173,7 +173,7 @@ fn datum_of(code: u8) -> String {
     vertical_datum(code).map_or_else(|| format!("VERDAT {code}"), str::to_owned)
 }
 
-/// Another file of a cell: read, but never along a link.
+/// Reads another file of a cell, without following links.
 fn other(file: &CellFile) -> Result<Found, Error> {
     if !file.special {
         return Found::read(&file.path);
@@ -191,7 +191,7 @@ fn same_folder(a: &Path, b: &Path) -> bool {
     b.canonicalize().is_ok_and(|b| a == b)
 }
 
-/// Objects as a layer, and what became of them.
+/// Objects as a layer, and their treatment.
 pub(super) fn of_objects(
     path: &Path,
     objects: &[Feature],
@@ -207,10 +207,10 @@ pub(super) fn of_objects(
         ignored: tally.ignored,
         reasons: tally.reasons.into_iter().map(|(why, count)| (why.reason().to_owned(), count)).collect(),
     };
-    let told = PlanChart {
+    let summary = PlanChart {
         file: path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned()),
         classes: tallies.into_iter().map(|(class, tally)| (class, of(tally))).collect(),
         ..PlanChart::default()
     };
-    Ok((layer, told))
+    Ok((layer, summary))
 }

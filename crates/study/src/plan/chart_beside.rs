@@ -1,4 +1,4 @@
-//! What GDAL writes about a grid beside it, where the grid's own format has no place for that.
+//! Metadata that GDAL writes next to a grid if the grid's own format does not support it.
 
 use std::ffi::OsString;
 use std::fs::File;
@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use artifact::Error;
 use chart::{DepthUnit, GridDeclaration, GridKind};
 
-/// Most bytes of such a file that are looked at.
+/// Maximum bytes of such a file that are read.
 const MOST: u64 = 1 << 20;
 
-/// Refuses a grid with a `.aux.xml` that says to scale its numbers, or to count them in a unit that is not declared.
+/// Refuses a grid with an `.aux.xml` that has a scale, or a unit that is not declared.
 pub(super) fn check_beside(path: &Path, declared: &GridDeclaration) -> Result<(), Error> {
     let beside = PathBuf::from([path.as_os_str(), ".aux.xml".as_ref()].into_iter().collect::<OsString>());
     if !beside.is_file() {
@@ -22,13 +22,13 @@ pub(super) fn check_beside(path: &Path, declared: &GridDeclaration) -> Result<()
     read.map_err(|e| Error::io(&beside, "read", e))?;
     let text = String::from_utf8_lossy(&bytes);
     for (tag, usual) in [("Scale", 1.0), ("Offset", 0.0)] {
-        if let Some(own) = said(&text, tag).filter(|own| own.parse() != Ok(usual)) {
+        if let Some(own) = text_of(&text, tag).filter(|own| own.parse() != Ok(usual)) {
             let found = format!("{} beside the grid", refusal::foreign(own));
             let remedy = "write both into one file, for instance with `gdal_translate -of GTiff`";
             return Err(Error::refuse(&beside, tag, found, format!("{usual}, or none"), remedy));
         }
     }
-    let Some(own) = said(&text, "UnitType").filter(|own| !own.is_empty()) else { return Ok(()) };
+    let Some(own) = text_of(&text, "UnitType").filter(|own| !own.is_empty()) else { return Ok(()) };
     let (unit, usual) = (DepthUnit::of_text(own), declared.unit.unwrap_or(DepthUnit::Metre));
     if declared.kind == GridKind::LandMask || unit == Some(usual) {
         return Ok(());
@@ -39,7 +39,7 @@ pub(super) fn check_beside(path: &Path, declared: &GridDeclaration) -> Result<()
 }
 
 /// The text between two tags.
-fn said<'t>(text: &'t str, tag: &str) -> Option<&'t str> {
+fn text_of<'t>(text: &'t str, tag: &str) -> Option<&'t str> {
     let (_, rest) = text.split_once(&format!("<{tag}>"))?;
     rest.split_once(&format!("</{tag}>")).map(|(own, _)| own.trim())
 }

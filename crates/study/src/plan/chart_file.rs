@@ -1,17 +1,17 @@
-//! Files of charts: read, and their digests noted.
+//! Reads files of charts, and notes their digests.
 
 use std::path::Path;
 
 use artifact::{Digest, Error, Provenance};
 
-/// The bytes of a chart's file, whose digest is noted.
+/// Reads a chart's file, and notes its digest.
 pub(super) fn bytes(path: &Path, provenance: &mut Provenance) -> Result<Vec<u8>, Error> {
     let bytes = artifact::read(path)?;
     note(path, Digest::of_bytes(&bytes), provenance);
     Ok(bytes)
 }
 
-/// Notes the digest of a chart's file by its name; by a number behind it where another chart's file has the same.
+/// Notes the digest of a chart's file by its name; with a number if another chart's file has the same name.
 pub(super) fn note(path: &Path, digest: Digest, provenance: &mut Provenance) {
     let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
     let roles = (1..).map(|k| if k == 1 { format!("chart:{name}") } else { format!("chart:{name} ({k})") });

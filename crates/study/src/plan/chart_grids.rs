@@ -1,4 +1,4 @@
-//! Charts that are grids, of which the part around the area is read.
+//! Charts that are grids, which are only read near the area.
 
 use std::fs::File;
 use std::io::{BufReader, Seek};
@@ -11,7 +11,7 @@ use super::chart_beside::check_beside;
 use super::chart_file::{bytes, note};
 use super::chart_text::text;
 
-/// How a grid is written.
+/// The format of a grid.
 #[derive(Clone, Copy)]
 pub(super) enum GridFormat {
     Ascii,
@@ -20,7 +20,7 @@ pub(super) enum GridFormat {
 }
 
 impl GridFormat {
-    /// By the file's extension; `None` of no grid.
+    /// By the file's extension; `None` if it is not a grid.
     pub fn of(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "asc" => Some(Self::Ascii),
@@ -55,7 +55,7 @@ impl GridFormat {
     }
 }
 
-/// The file of a chart, whose digest is noted.
+/// Opens the file of a chart, and notes its digest.
 fn open(path: &Path, provenance: &mut Provenance) -> Result<File, Error> {
     let failed = |e| Error::io(path, "read", e);
     let mut file = artifact::open(path)?;

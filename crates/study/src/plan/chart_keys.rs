@@ -1,4 +1,4 @@
-//! What the keys of a `[[chart]]` say, and which of them fit its file.
+//! The keys of a `[[chart]]`, and which of them apply to its file.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ const LEAST: &str = "DRVAL1";
 const OVER: &str = "VALSOU";
 
 impl ChartSpec {
-    /// Refuses keys that say nothing about such a file.
+    /// Refuses keys that do not apply to such a file.
     pub(super) fn check_keys(&self, path: &Path, is_cell: bool) -> Result<(), Error> {
         let objects = is_cell || self.kind == Some(ChartKind::Objects);
         let refuse = |thing: &str, found: &str, expected: &str, remedy: &str| {
@@ -63,7 +63,7 @@ impl ChartSpec {
         Ok(())
     }
 
-    /// What the polygons of a file are.
+    /// The kind of the polygons of a file.
     pub(super) fn layer_kind(&self, path: &Path) -> Result<LayerKind, Error> {
         let is_near = |name: &&str| Crs::new(name).is_ok_and(|crs| crs.is_near_wgs84());
         if let Some(crs) = self.crs.as_deref().filter(|name| !is_near(name)) {
@@ -87,7 +87,7 @@ impl ChartSpec {
         }
     }
 
-    /// What is said of a grid.
+    /// The declaration of a grid.
     pub(super) fn grid(&self, path: &Path) -> Result<GridDeclaration, Error> {
         let kind = match self.kind {
             Some(ChartKind::Land) => GridKind::LandMask,

@@ -1,14 +1,14 @@
-//! Charts that are text, in whichever encoding they come.
+//! Charts that are text, in any encoding.
 
 use chart::Invalid;
 
-/// Marks at the beginning of a text: of UTF-32 before UTF-16, whose mark begins alike.
+/// Byte order marks: UTF-32 before UTF-16, whose mark is its prefix.
 const UTF_32: [&[u8]; 2] = [&[0xff, 0xfe, 0, 0], &[0, 0, 0xfe, 0xff]];
 
 /// The text of a file: in UTF-8, with or without a byte order mark, or in UTF-16 with one.
 ///
 /// # Errors
-/// Bytes that are no text of these; names UTF-16 without a mark, and UTF-32.
+/// Bytes that are not such text; names UTF-16 without a mark, and UTF-32.
 pub(super) fn text(bytes: Vec<u8>) -> Result<String, Invalid> {
     if UTF_32.iter().any(|mark| bytes.starts_with(mark)) {
         return Err(refuse("text in UTF-32".to_owned()));

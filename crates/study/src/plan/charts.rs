@@ -19,25 +19,25 @@ use crate::documents::PlanChart;
 
 /// Charts as they were read.
 pub struct Charts {
-    /// What they show.
+    /// Their layers.
     pub layers: Vec<Layer>,
-    /// What became of the objects of electronic charts, and what depths are measured in.
-    pub told: Vec<PlanChart>,
-    /// Memory that it took to read them, their grids aside \[bytes\].
+    /// The treatment of the objects of electronic charts, and the units of depths.
+    pub summaries: Vec<PlanChart>,
+    /// Memory for reading them, without their grids \[bytes\].
     pub bytes: u64,
     /// Memory of their grids \[bytes\].
     grid_bytes: u64,
 }
 
-/// What reading charts may take, and the part of them that is wanted.
+/// The limits of reading charts, and the area of interest.
 #[derive(Clone, Copy)]
 pub struct Means<'a> {
     /// The area, on its plane.
     pub area: (&'a Plane, &'a Bounds),
     /// The memory.
     pub budget: &'a Budget,
-    /// Whether there is time left.
-    pub go_on: &'a (dyn Fn() -> bool + Sync),
+    /// Returns false when the time limit is reached.
+    pub keep_going: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// Why charts were not read.
@@ -45,7 +45,7 @@ pub struct Means<'a> {
 pub enum ChartsError {
     /// A file is refused, or cannot be read.
     Refused(Error),
-    /// There was no time left.
+    /// The time limit was reached.
     OutOfTime,
 }
 
@@ -55,14 +55,13 @@ impl From<Error> for ChartsError {
     }
 }
 
-/// How to ask for less memory.
+/// The remedy for too little memory.
 const LESS: &str = "raise --memory-mib, or cut the chart to the area";
 
 /// Reads the charts of `config`, whose files are relative to `config_file`, and notes their digests.
 ///
 /// # Errors
-/// No chart at all; files that cannot be read, do not fit in the memory, or are no charts of what is said of them; the end of
-/// the time.
+/// No chart; files that cannot be read, do not fit in memory, or do not match their keys; the time limit.
 pub fn read_charts(
     config_file: &Path,
     config: &PlanFile,
@@ -74,7 +73,7 @@ pub fn read_charts(
         return Err(Error::refuse(config_file, "[[chart]]", "none", "at least one chart", remedy).into());
     }
     let folder = config_file.parent().unwrap_or(Path::new(""));
-    let mut charts = Charts { layers: Vec::new(), told: Vec::new(), bytes: 0, grid_bytes: 0 };
+    let mut charts = Charts { layers: Vec::new(), summaries: Vec::new(), bytes: 0, grid_bytes: 0 };
     let mut sets = BTreeMap::new();
     for spec in &config.chart {
         let rules = Rules {
@@ -90,12 +89,12 @@ pub fn read_charts(
             let named = path.canonicalize().ok().filter(|named| named.is_dir());
             let mut reader = CellReader { budget: means.budget, provenance, bytes, sets, named };
             for cell in cells {
-                if !(means.go_on)() {
+                if !(means.keep_going)() {
                     return Err(ChartsError::OutOfTime);
                 }
-                let (layer, told) = reader.cell(&cell, &rules)?;
+                let (layer, summary) = reader.cell(&cell, &rules)?;
                 charts.layers.push(Layer::Polygons(layer));
-                charts.told.push(told);
+                charts.summaries.push(summary);
             }
             (charts.bytes, sets) = (reader.bytes - charts.grid_bytes, reader.sets);
             continue;
@@ -107,9 +106,9 @@ pub fn read_charts(
 }
 
 impl Charts {
-    /// Counts what it takes to read a file of polygons or objects.
+    /// Counts the memory for reading a file of polygons or objects.
     fn check_file(&mut self, path: &Path, means: &Means) -> Result<(), ChartsError> {
-        if !(means.go_on)() {
+        if !(means.keep_going)() {
             return Err(ChartsError::OutOfTime);
         }
         if GridFormat::of(path).is_none() {
@@ -122,7 +121,7 @@ impl Charts {
         Ok(())
     }
 
-    /// Bytes until now, with those of the program.
+    /// Bytes so far, including those of the program.
     fn taken(&self) -> f64 {
         (PROGRAM_BYTES + self.bytes + self.grid_bytes) as f64
     }
@@ -137,12 +136,13 @@ impl Charts {
     ) -> Result<(), ChartsError> {
         spec.check_keys(path, false)?;
         let area = Some(means.area);
-        let reading = Reading { area, bytes: means.budget.bytes() - self.taken(), go_on: means.go_on };
+        let reading =
+            Reading { area, bytes: means.budget.bytes() - self.taken(), keep_going: means.keep_going };
         if let Some(format) = GridFormat::of(path) {
             let grid = format.read(path, &spec.grid(path)?, &reading, provenance)?;
             let grid = grid.map_err(|e| self.unread(path, e, means))?;
             self.grid_bytes += grid.bytes();
-            self.told
+            self.summaries
                 .extend(grid.measured.as_ref().map(|measured| PlanChart::measured(name(path), measured)));
             self.layers.push(Layer::Grid(grid));
             return Ok(());
@@ -150,9 +150,9 @@ impl Charts {
         let text = text(bytes(path, provenance)?).map_err(|e| Error::invalid(path, e))?;
         if spec.kind == Some(ChartKind::Objects) {
             let objects = read_objects(&text, &reading).map_err(|e| self.unread(path, e, means))?;
-            let (layer, told) = of_objects(path, &objects, None, rules)?;
+            let (layer, summary) = of_objects(path, &objects, None, rules)?;
             self.layers.push(Layer::Polygons(layer));
-            self.told.push(told);
+            self.summaries.push(summary);
             return Ok(());
         }
         let kind = spec.layer_kind(path)?;
@@ -165,13 +165,13 @@ impl Charts {
         let radius_m = spec.radius_m.unwrap_or(DANGER_M);
         let layer = PolygonLayer { open_sea: spec.open_sea, ..layer.with_danger(radius_m) };
         if matches!(kind, LayerKind::Depth { .. } | LayerKind::Danger { .. }) {
-            self.told.push(PlanChart::measured(name(path), &Measured::plainly(unit, unit_from)));
+            self.summaries.push(PlanChart::measured(name(path), &Measured::plainly(unit, unit_from)));
         }
         self.layers.push(Layer::Polygons(layer));
         Ok(())
     }
 
-    /// Why a chart was not read, by its name.
+    /// The error of an unread chart, by its name.
     fn unread(&self, path: &Path, unread: Unread, means: &Means) -> ChartsError {
         match unread {
             Unread::Invalid(invalid) => Error::invalid(path, invalid).into(),

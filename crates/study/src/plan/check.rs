@@ -1,4 +1,4 @@
-//! Numbers and names of `plan.toml` that are written well and still make no sense.
+//! Checks of numbers and names of `plan.toml` that are well-formed but invalid.
 
 use std::ops::Bound::{self, Excluded, Included};
 use std::ops::RangeBounds;
@@ -11,12 +11,12 @@ use trial::{Mode, Tolerance};
 use super::area::check_corners;
 use super::file::PlanFile;
 
-/// Where a number may be.
+/// The valid range of a number.
 type Range = (Bound<f64>, Bound<f64>);
-/// A number: its key, where it may be, and its unit.
+/// A number: its key, value, range and unit.
 type Number = (&'static str, f64, Range, &'static str);
 
-/// Standard deviations of a sensor that a tolerance has room for at least: 95 of 100 measurements are no farther off.
+/// Least tolerance in standard deviations of a sensor: 95 of 100 measurements are closer.
 const SEEN: f64 = 2.0;
 
 /// Above 0 up to `most`.
@@ -43,7 +43,7 @@ fn check(thing: String, value: f64, range: Range, unit: &str) -> Result<(), Inva
 }
 
 impl PlanFile {
-    /// Refuses numbers without meaning, and speed modes that cannot be told apart.
+    /// Refuses invalid numbers, and speed modes that cannot be distinguished.
     ///
     /// # Errors
     /// Names the key.
@@ -118,7 +118,7 @@ impl PlanFile {
         ]
     }
 
-    /// Refuses tolerances that nobody on board can tell to be kept, such as one that follows from the handling.
+    /// Refuses tolerances that the ship's sensors cannot verify, such as one that follows from the handling.
     pub(super) fn check_sensors(&self, tolerance: &Tolerance) -> Result<(), Invalid> {
         let sensors = self.sensors;
         for (key, tolerance, sensor, deviation, unit) in [
@@ -134,7 +134,7 @@ impl PlanFile {
             ("tolerance_rad_s", tolerance.yaw_rate_rad_s, "yaw_rate_rad_s", sensors.yaw_rate_rad_s, "rad/s"),
         ] {
             let least = SEEN * deviation;
-            // Angles come from radians.
+            // Angles are converted from radians.
             if tolerance < least * (1.0 - 1e-12) {
                 return Err(Invalid::new(
                     format!("`approach.{key}`"),

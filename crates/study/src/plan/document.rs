@@ -1,4 +1,4 @@
-//! `plan.json` of what was planned.
+//! `plan.json` of a plan.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub fn of_problem(problem: &Problem, solution: &Solution) -> PlanDocument {
     plan(problem, solution, CostUnit::Cost, pose)
 }
 
-/// The plan of a trial on a chart, as sailed.
+/// The plan of a trial on a chart, as simulated.
 pub fn of_voyage(voyage: &SailedPlan) -> PlanDocument {
     let SailedPlan { prepared, solved, sailing } = *voyage;
     let (grid, cost) = (&prepared.grid, prepared.brief.task.cost);
@@ -36,7 +36,7 @@ pub fn of_voyage(voyage: &SailedPlan) -> PlanDocument {
     }
 }
 
-/// What is said of a plan, with what its check found broken.
+/// The statement on a plan, with the violations that its check found.
 fn labelled(statement: String, check: &Check) -> String {
     match check.safe {
         true => statement,
@@ -74,7 +74,7 @@ fn plan(
     }
 }
 
-/// What is known of the plan, and the same in words.
+/// The status of the plan, also in words.
 fn status(problem: &Problem, solution: &Solution) -> (PlanStatus, String) {
     match solution.status {
         Status::Optimal => {
@@ -135,7 +135,7 @@ fn lattice(prepared: &Prepared) -> PlanLattice {
     }
 }
 
-/// What is not offered to the search.
+/// Moves that are not available to the search.
 fn dropped(prepared: &Prepared) -> Vec<DroppedMove> {
     let grid = &prepared.grid;
     let dropped = prepared.dropped.iter().map(|own| {

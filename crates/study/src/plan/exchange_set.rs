@@ -1,16 +1,18 @@
-//! Where the files of cells stand: beside each other, in folders below, or in an exchange set (`ENC_ROOT`, `CATALOG.031`).
+//! The locations of the files of cells: in one folder, in subfolders, or in an exchange set (`ENC_ROOT`,
+//! `CATALOG.031`).
 
 use std::fs::{self, DirEntry};
 use std::path::{Path, PathBuf};
 
 use artifact::Error;
 
-/// What the folder of an exchange set is called, and its catalogue.
+/// Names of the folder of an exchange set, and of its catalogue.
 const ENC_ROOT: &str = "ENC_ROOT";
 const CATALOGUE: &str = "CATALOG.031";
-/// Folders that an exchange set is looked for in above a cell: agency, cell, edition, update, and some to spare.
+/// Maximum number of parent folders of a cell to search for an exchange set: agency, cell, edition, update, and some
+/// to spare.
 const HIGHEST: usize = 7;
-/// Folders within each other that are looked into, and entries of all of them.
+/// Maximum depth of folders to search, and number of entries.
 const DEEPEST: usize = 8;
 const MOST_ENTRIES: usize = 200_000;
 
@@ -18,9 +20,9 @@ const MOST_ENTRIES: usize = 200_000;
 #[derive(Clone, Debug)]
 pub(super) struct CellFile {
     pub path: PathBuf,
-    /// Names of folders below the root, and its own, in capitals.
+    /// Names of folders below the root, and its own, in upper case.
     pub place: Vec<String>,
-    /// Whether it is a link or no file at all, which is not read.
+    /// Whether it is a link or not a regular file, which is not read.
     pub special: bool,
     /// Its length \[bytes\].
     pub length: u64,
@@ -29,18 +31,18 @@ pub(super) struct CellFile {
 /// The files of cells below a folder.
 #[derive(Debug)]
 pub(super) struct ExchangeSet {
-    /// As the operating system knows it, without links.
+    /// The canonical path, without links.
     pub root: PathBuf,
     /// In the order of their paths.
     pub files: Vec<CellFile>,
     pub catalogue: Option<PathBuf>,
-    /// Folders that were not looked into: links, too deep, or not readable.
+    /// Folders that were not searched: links, too deep, or not readable.
     pub closed: usize,
     entries: usize,
 }
 
 impl CellFile {
-    /// A file below `root`, or beside it.
+    /// A file below `root`, or next to it.
     pub(super) fn at(path: &Path, root: &Path) -> Self {
         let whole = path.parent().and_then(|own| here(own).canonicalize().ok());
         let below = whole.as_deref().and_then(|own| own.strip_prefix(root).ok());
@@ -50,12 +52,12 @@ impl CellFile {
         Self { path: path.to_path_buf(), place, special: false, length: 0 }
     }
 
-    /// Its name in capitals.
+    /// Its name in upper case.
     pub(super) fn name(&self) -> &str {
         self.place.last().map_or("", String::as_str)
     }
 
-    /// What the files of one cell have in common.
+    /// The common part of the names of one cell's files.
     pub(super) fn stem(&self) -> &str {
         self.name().rsplit_once('.').map_or("", |(stem, _)| stem)
     }
@@ -65,7 +67,7 @@ impl CellFile {
     }
 }
 
-/// The name of a file in capitals; letters that no name of a cell has, as they are.
+/// The name of a file in upper case, for ASCII letters only.
 pub(super) fn capitals(path: &Path) -> String {
     path.file_name().map_or(String::new(), |name| name.to_string_lossy().to_ascii_uppercase())
 }
@@ -75,7 +77,7 @@ pub(super) fn is_catalogue(path: &Path) -> bool {
     capitals(path) == CATALOGUE
 }
 
-/// The file that `path` names, in whatever letter case it stands there.
+/// The file that `path` names, in any letter case.
 pub(super) fn existing(path: PathBuf) -> PathBuf {
     if path.symlink_metadata().is_ok() {
         return path;
@@ -95,7 +97,7 @@ fn here(folder: &Path) -> &Path {
 }
 
 impl ExchangeSet {
-    /// All below a folder.
+    /// All files below a folder.
     pub(super) fn below(folder: &Path) -> Result<Self, Error> {
         let fails = |e| Error::io(folder, "read", e);
         let root = here(folder).canonicalize().map_err(fails)?;
@@ -146,7 +148,7 @@ impl ExchangeSet {
         }
     }
 
-    /// What a cell's folder belongs to: the exchange set around it, the cell's own folder with those of its editions and updates,
+    /// The root of a cell's folder: its exchange set, the cell's own folder with those of its editions and updates,
     /// or itself.
     pub(super) fn root_of(cell: &Path) -> Result<PathBuf, Error> {
         let named = here(cell.parent().unwrap_or(Path::new("")));
@@ -155,14 +157,14 @@ impl ExchangeSet {
         if let Some(root) = folder.ancestors().take(HIGHEST).find(is_root) {
             return Ok(root.to_path_buf());
         }
-        // Folders of updates and editions stand in one that is called as the cell.
+        // Folders of updates and editions are in one named as the cell.
         let numbered = folder.ancestors().take_while(|own| is_number(&capitals(own))).take(2).count();
         let above = folder.ancestors().nth(numbered).filter(|own| is_stem(&capitals(own), cell));
         let highest = folder.ancestors().nth(numbered.saturating_sub(1));
         Ok(above.or(highest).unwrap_or(&folder).to_path_buf())
     }
 
-    /// Files of a cell, by their stem in capitals.
+    /// Files of a cell, by their stem in upper case.
     pub(super) fn of(&self, stem: &str) -> impl Iterator<Item = &CellFile> {
         self.files.iter().filter(move |file| file.stem() == stem)
     }

@@ -18,31 +18,31 @@ pub struct PlanFile {
     /// Raster cells per lattice cell, even: how finely the chart and the hull's swept area are compared.
     #[serde(default = "raster_per_cell")]
     pub raster_per_cell: usize,
-    /// Where the ship may sail; the lattice covers it.
+    /// The area that the ship may use; the lattice covers it.
     pub area: AreaSpec,
     /// Charts, all of them at once.
     pub chart: Vec<ChartSpec>,
-    /// What uncharted places count as: obstacles as soon as a chart has depths, else water.
+    /// How uncharted positions count: as obstacles if a chart has depths, else as water.
     pub uncharted: Option<chart::Uncharted>,
     /// The hull.
     pub hull: Hull,
     /// Depths and distances to keep.
     pub safety: Safety,
-    /// The current that is known.
+    /// The known current.
     pub known_current: Option<KnownCurrent>,
-    /// How the vessel is handled between maneuvers, as far as it does not follow from the vessel.
+    /// The handling of the vessel between maneuvers, unless it follows from the vessel.
     #[serde(default)]
     pub handling: StatedHandling,
-    /// What comes before and after a maneuver.
+    /// The approach before and the tolerances after a maneuver.
     #[serde(default)]
     pub approach: ApproachSpec,
-    /// What the ship's sensors can tell apart.
+    /// The accuracy of the ship's sensors.
     #[serde(default)]
     pub sensors: SensorSpec,
-    /// Speeds that the vessel may have at a node, besides being at rest.
+    /// Speeds of the vessel at a node, besides rest.
     #[serde(default)]
     pub speed_mode: Vec<Mode>,
-    /// Speeds that are not exceeded in parts of the area.
+    /// Speed limits in parts of the area.
     #[serde(default)]
     pub speed_limit: Vec<SpeedLimit>,
     /// The maneuvers to place; without any, those of the design.
@@ -56,11 +56,11 @@ pub struct PlanFile {
     pub slot: Option<SlotSpec>,
     /// Level and stream of the water over time.
     pub tide: Option<TideSpec>,
-    /// Where the trial begins.
+    /// The start of the trial.
     pub start: Place,
-    /// Where it may end.
+    /// Its possible ends.
     pub goal: Goal,
-    /// What is minimised.
+    /// The cost that is minimised.
     #[serde(default)]
     pub cost: CostRule,
 }
@@ -69,11 +69,11 @@ fn raster_per_cell() -> usize {
     4
 }
 
-/// Where the ship may sail: a box, or a polygon.
+/// The area that the ship may use: a box, or a polygon.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AreaSpec {
-    /// Western edge of the box; east of the eastern one where it lies across the antimeridian.
+    /// Western edge of the box; east of the eastern one if it is across the antimeridian.
     pub west_deg: Option<f64>,
     /// Southern edge of the box.
     pub south_deg: Option<f64>,
@@ -92,32 +92,32 @@ pub struct ChartSpec {
     /// GeoJSON (`.geojson`, `.json`), grid (`.asc`, GeoTIFF `.tif`, NetCDF `.nc`) or cell of an electronic chart (`.000`), or
     /// the folder or `CATALOG.031` of several, relative to this file.
     pub file: PathBuf,
-    /// What it shows; a cell shows objects of many classes.
+    /// Its contents; a cell has objects of many classes.
     pub kind: Option<ChartKind>,
-    /// Its coordinates, where the file does not say; GeoJSON is always in WGS84.
+    /// Its coordinates, if not in the file; GeoJSON is always in WGS84.
     pub crs: Option<String>,
-    /// The unit of its depths, elevations or depths over dangers, where the file does not say: m, dm, cm, mm, km, ft, us-ft or
+    /// The unit of its depths, elevations or depths over dangers, if not in the file: m, dm, cm, mm, km, ft, us-ft or
     /// fathom; metres without it.
     pub depth_unit: Option<chart::DepthUnit>,
-    /// The variable of a NetCDF file with depths or elevations, where it has several.
+    /// The variable of a NetCDF file with depths or elevations, if it has several.
     pub variable: Option<String>,
     /// Property with the least depth of an area (`DRVAL1`), or with the depth over a danger (`VALSOU`).
     pub least: Option<String>,
-    /// How far around its points and lines the danger reaches \[m\]; 50 without it.
+    /// The radius of danger at its points and lines \[m\]; 50 without it.
     pub radius_m: Option<f64>,
-    /// The same where a chart's object has a doubtful position \[m\]; 500 without it.
+    /// The same for objects with a doubtful position \[m\]; 500 without it.
     pub doubtful_radius_m: Option<f64>,
-    /// Classes of an electronic chart that are treated otherwise than usual.
+    /// Classes of an electronic chart with other than the default rules.
     #[serde(default)]
     pub rules: BTreeMap<String, chart::Treatment>,
     /// Only these features.
     pub only: Option<chart::Filter>,
-    /// A grid of open sea, without land or missing cells; or a chart of land that has none near.
+    /// A grid of open sea, without land or missing cells; or a chart of land without land nearby.
     #[serde(default)]
     pub open_sea: bool,
 }
 
-/// What a chart shows.
+/// The contents of a chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChartKind {
@@ -125,7 +125,7 @@ pub enum ChartKind {
     Land,
     /// Keep out.
     NoGo,
-    /// Wrecks, rocks and obstructions: obstacles unless the depth over them is known and enough.
+    /// Wrecks, rocks and obstructions: obstacles unless the depth over them is known and sufficient.
     Danger,
     /// Depth areas, or a grid of depths, positive down.
     Depth,
@@ -139,14 +139,14 @@ pub enum ChartKind {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TideSpec {
-    /// CSV with the columns `time` (as `departure`), `level_m` over the chart's datum, and `stream_m_s`, `towards_deg` where the
-    /// stream is known; relative to this file.
+    /// CSV with the columns `time` (as `departure`), `level_m` over the chart's datum, and `stream_m_s`,
+    /// `towards_deg` if the stream is known; relative to this file.
     pub file: PathBuf,
     /// When the trial has to be over.
     pub until: String,
 }
 
-/// When the trial may take place: as far as each key says.
+/// When the trial may take place, by the keys that are given.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SlotSpec {
@@ -154,12 +154,12 @@ pub struct SlotSpec {
     pub from: Option<String>,
     /// It is over by then (written as `departure`).
     pub until: Option<String>,
-    /// It takes place between sunrise and sunset at the area's middle.
+    /// It takes place between sunrise and sunset at the area's centre.
     #[serde(default)]
     pub daylight: bool,
 }
 
-/// A current, by where it sets.
+/// A current, by its set.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KnownCurrent {
@@ -169,7 +169,7 @@ pub struct KnownCurrent {
     pub towards_deg: f64,
 }
 
-/// What comes before and after a maneuver.
+/// The approach before and the tolerances after a maneuver.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ApproachSpec {
@@ -197,7 +197,7 @@ impl Default for ApproachSpec {
     }
 }
 
-/// Standard deviations of what the ship measures on its way; 0 of what is exact.
+/// Standard deviations of the ship's measurements; 0 if exact.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorSpec {

@@ -1,4 +1,4 @@
-//! `map.json` of what was planned.
+//! `map.json` of a plan.
 
 use chart::{Class, Polygon, Raster, Spot, Uncharted};
 use trial::voyage::{SailedPlan, TrackPart};
@@ -9,7 +9,7 @@ use crate::documents::{
     MapSymbol, MapTrack, MapTrackKind, PlanDocument, Voyage,
 };
 
-/// The map of a trial that is planned as `plan` says and sailed as its `voyage`.
+/// The map of a trial with its `plan` and the simulated `voyage`.
 pub fn map_of(planned: &SailedPlan, plan: &PlanDocument, voyage: &Voyage) -> MapDocument {
     let (task, chart) = (&planned.prepared.brief.task, &planned.prepared.chart);
     let (plane, bounds) = (chart.plane(), planned.frame());
@@ -83,7 +83,7 @@ fn area(polygon: Polygon) -> Option<MapArea> {
     Some(MapArea { class, least_m, rings })
 }
 
-/// How a class is drawn, and its least depth; not at all where that is water for transit only or of unknown depth.
+/// The class in the map, and its least depth; `None` for water for transit only or of unknown depth.
 fn called(class: Class) -> Option<(MapClass, Option<f64>)> {
     match class {
         Class::Land => Some((MapClass::Land, None)),

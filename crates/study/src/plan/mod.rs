@@ -1,4 +1,4 @@
-//! A plan on a chart: what `plan.toml` asks, and the files that tell the plan.
+//! A plan on a chart: the task in `plan.toml`, and the files of the plan.
 
 mod area;
 mod cells;
@@ -20,7 +20,7 @@ mod task;
 mod tide;
 mod updates;
 
-// What routes are made of.
+// Types of routes.
 pub use chart::Plane;
 pub use chart::route::{Feature, Geometry, Route, Timestamp, later, rounded};
 

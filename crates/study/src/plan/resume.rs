@@ -1,4 +1,4 @@
-//! The rest of a plan, from wherever the ship is.
+//! The rest of a plan, from the ship's position.
 
 use std::collections::BTreeMap;
 
@@ -29,11 +29,11 @@ pub fn place(text: &str) -> Result<Place, String> {
     Ok(Place { longitude_deg: numbers[0], latitude_deg: numbers[1], heading_deg: numbers[2], mode })
 }
 
-/// What is left of `task` when the first `done` steps of its `plan` are done and the ship is at `from`, which becomes a node of
-/// the lattice. Home stays where the whole trial began.
+/// The rest of `task` after the first `done` steps of its `plan`, with the ship at `from`, which becomes a node of
+/// the lattice. Home stays the start of the whole trial.
 ///
 /// # Errors
-/// More steps than the plan has; a plan of which nothing is left to do.
+/// More steps than the plan has; a finished plan.
 pub fn resumed(mut task: Task, plan: &PlanDocument, done: usize, from: Place) -> Result<Task, Invalid> {
     if done > plan.steps.len() {
         let expected = format!("at most {}, the steps of the plan", plan.steps.len());

@@ -1,4 +1,4 @@
-//! The plan as files for others: tracks, and routes for bridges and ground stations.
+//! The plan in other formats: tracks, and routes for bridges and ground stations.
 
 use chart::route::{Feature, Geometry, Route, Track, Waypoint, geojson, gpx, kml, qgroundcontrol, rtz};
 use chart::{Invalid, Plane};
@@ -12,13 +12,13 @@ pub type NamedFile = (&'static str, Vec<u8>);
 
 /// A plan's track on the globe.
 pub struct Routes<'a> {
-    /// The plane that it was sailed on.
+    /// The plane of its coordinates.
     pub plane: &'a Plane,
     /// The plan.
     pub document: &'a PlanDocument,
     /// Its part at sea.
     pub voyage: &'a Voyage,
-    /// What was sailed.
+    /// The simulated track.
     pub sailed: &'a Sailed,
     /// Time from sample to sample \[s\].
     pub sample_s: f64,
@@ -28,7 +28,7 @@ impl Routes<'_> {
     /// Names and contents of the files for bridges and maps.
     ///
     /// # Errors
-    /// A route that the format cannot hold, with the name of its file.
+    /// A route that the format does not support, with the name of its file.
     pub fn files(&self) -> Result<Vec<NamedFile>, (&'static str, Invalid)> {
         let route = self.route();
         let files = [
@@ -53,17 +53,17 @@ impl Routes<'_> {
         route
     }
 
-    /// What is said before whatever is done by an unsafe plan: empty for a safe one.
+    /// The prefix of names in an unsafe plan; empty for a safe one.
     pub fn label(&self) -> &'static str {
         if self.voyage.check.safe { "" } else { "unsafe plan: " }
     }
 
-    /// A name, of which a plan that fails its check says so.
+    /// A name, with the prefix if the plan fails its check.
     fn labelled(&self, name: &str) -> String {
         if self.voyage.check.safe { name.to_owned() } else { format!("{name} (unsafe)") }
     }
 
-    /// What is done on a leg, in words; of an unsafe plan each says so.
+    /// The action of a leg, in words, with the prefix in an unsafe plan.
     fn what(&self, leg: &VoyageLeg) -> String {
         let label = self.label();
         match leg.side {
@@ -81,7 +81,7 @@ impl Routes<'_> {
         [longitude, latitude]
     }
 
-    /// Where the track ends.
+    /// The end of the track.
     fn end(&self) -> [f64; 2] {
         self.sailed.ends.last().map_or([0.0; 2], |(pose, _)| self.position([pose.y, pose.x]))
     }
@@ -104,7 +104,7 @@ impl Routes<'_> {
             lon_deg: leg.longitude_deg,
             lat_deg: leg.latitude_deg,
             turn_radius_m: leg.turn_radius_m,
-            // A leg that is over as soon as it begins has no speed.
+            // A leg without duration has no speed.
             speed_m_s: Some(leg.speed_m_s).filter(|speed| *speed > 0.0),
             xtd_m: Some([leg.xtd_port_m, leg.xtd_starboard_m]),
             time_s: Some(leg.end_s),
@@ -112,7 +112,7 @@ impl Routes<'_> {
         });
         let mut waypoints: Vec<Waypoint> = std::iter::once(first).chain(later).collect();
         if waypoints.len() == 1 {
-            // A trial that stays at its node still needs a leg: to where it strays farthest.
+            // A trial that stays at its node still needs a leg: to its farthest position.
             let from = [waypoints[0].lon_deg, waypoints[0].lat_deg];
             let away = |place: &[f64; 2]| self.plane.distance_m(from, *place);
             let places = self.sailed.samples.iter().map(|s| self.place(s));
@@ -129,7 +129,7 @@ impl Routes<'_> {
         Track { name: self.labelled("planned track"), points: points.collect(), clock_s }
     }
 
-    /// A track per leg, for maps in which each has its name.
+    /// A track per leg, for maps that show their names.
     fn tracks(&self) -> Vec<Track> {
         let legs = self.voyage.legs.iter().enumerate();
         let track = |(k, leg): (usize, &VoyageLeg)| Track {
@@ -140,7 +140,7 @@ impl Routes<'_> {
         legs.map(track).filter(|track| track.points.len() > 1).collect()
     }
 
-    /// The track of step `k`, up to where the next one begins.
+    /// The track of step `k`, up to the start of the next one.
     fn line(&self, k: usize) -> Vec<[f64; 2]> {
         let samples = &self.sailed.samples;
         let own = samples.iter().skip_while(|s| s.leg != k).take_while(|s| s.leg == k);
@@ -186,7 +186,7 @@ impl Routes<'_> {
     }
 }
 
-/// What is done, in words; of an unsafe plan each says so.
+/// The actions, in words, with the prefix in an unsafe plan.
 fn noted<'a>(label: &str, what: impl IntoIterator<Item = &'a String>) -> String {
     let what: Vec<String> = what.into_iter().map(|what| format!("{label}{what}")).collect();
     what.join(", ")

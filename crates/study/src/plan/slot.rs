@@ -1,17 +1,18 @@
-//! When `plan.toml` lets a trial take place.
+//! The time slot of a trial in `plan.toml`.
 
 use refusal::Invalid;
 use trial::voyage::{Area, Daylight, Slot};
 
 use super::file::PlanFile;
 use super::task::second;
-use super::tide::told;
+use super::tide::in_words;
 
 impl PlanFile {
-    /// When a trial that begins at `departure` \[s since 1970, UTC\] has to be over, if anything of `[slot]` says.
+    /// The end of the slot for a trial that begins at `departure` \[s since 1970, UTC\], if `[slot]` has one.
     ///
     /// # Errors
-    /// A slot that says nothing or ends before it begins, a departure that is unknown or outside of it, a day without sun.
+    /// A slot that is empty or ends before it begins, a departure that is unknown or outside of it, a day without
+    /// sun.
     pub(super) fn slot(&self, area: &Area, departure: Option<i64>) -> Result<Option<Slot>, Invalid> {
         let Some(spec) = &self.slot else { return Ok(None) };
         let time = |key: &str, text: &Option<String>| {
@@ -25,8 +26,8 @@ impl PlanFile {
         if let (Some(from), Some(until)) = (from, until)
             && until <= from
         {
-            let expected = format!("a time after `slot.from`, {}", told(from));
-            return Err(Invalid::new("`slot.until`", told(until), expected, "correct one of them"));
+            let expected = format!("a time after `slot.from`, {}", in_words(from));
+            return Err(Invalid::new("`slot.until`", in_words(until), expected, "correct one of them"));
         }
         let Some(departure) = departure.map(|at| at as f64) else {
             let remedy = "say when the trial begins, such as departure = \"2026-06-01T08:00:00Z\"";
@@ -42,24 +43,29 @@ impl PlanFile {
         let ends = ends.min_by(|a, b| a.1.total_cmp(&b.1));
         let outside = |expected: String| {
             let remedy = "take another departure, or another slot";
-            Err(Invalid::new("`departure`", told(departure), expected, remedy))
+            Err(Invalid::new("`departure`", in_words(departure), expected, remedy))
         };
         match (begins, ends) {
-            (Some((key, at)), _) if departure < at => outside(format!("{} or later, by `{key}`", told(at))),
-            (_, Some((key, at))) if departure >= at => outside(format!("before {}, by `{key}`", told(at))),
+            (Some((key, at)), _) if departure < at => {
+                outside(format!("{} or later, by `{key}`", in_words(at)))
+            }
+            (_, Some((key, at))) if departure >= at => {
+                outside(format!("before {}, by `{key}`", in_words(at)))
+            }
             _ => Ok(ends.map(|(key, at)| Slot { key, lasts_s: at - departure })),
         }
     }
 }
 
-/// Sunrise and sunset at the middle of the area, to the second within the day; `None` where the sun does not set.
+/// Sunrise and sunset at the centre of the area, to the second within the day; `None` if the sun does not set.
 fn daylight(area: &Area, departure: f64) -> Result<Option<[f64; 2]>, Invalid> {
     let [longitude_deg, latitude_deg] = area.centre_deg();
     match Daylight::of([longitude_deg, latitude_deg], departure) {
         Daylight::Between([rise, set]) => Ok(Some([rise.ceil(), set.floor()])),
         Daylight::Always => Ok(None),
         Daylight::Never => {
-            let found = format!("no sunrise at latitude {latitude_deg:.1} on the day of {}", told(departure));
+            let found =
+                format!("no sunrise at latitude {latitude_deg:.1} on the day of {}", in_words(departure));
             let remedy = "take another day, or leave `daylight` out";
             Err(Invalid::new("`slot.daylight`", found, "a day with sun", remedy))
         }

@@ -1,4 +1,4 @@
-//! What `plan.toml` asks, as the science takes it.
+//! The task in `plan.toml`, as the planner takes it.
 
 use chart::route::Timestamp;
 use model::Vessel;
@@ -9,7 +9,7 @@ use trial::{Approach, DerivedHandling, Handling, Tolerance};
 use super::file::PlanFile;
 
 impl PlanFile {
-    /// Refuses speeds that the logs of a model do not cover.
+    /// Refuses speeds outside the range of a model's logs.
     fn check_speeds(&self, vessel: &Vessel) -> Result<(), Invalid> {
         let Some([[low, high], ..]) = vessel.motion else { return Ok(()) };
         match self.speed_mode.iter().find(|mode| !(low..=high).contains(&mode.speed_m_s)) {
@@ -23,10 +23,10 @@ impl PlanFile {
         }
     }
 
-    /// What is asked of `vessel`.
+    /// The task for `vessel`.
     ///
     /// # Errors
-    /// Numbers without meaning, or beyond the vessel: names the key.
+    /// Invalid numbers, or ones beyond the vessel's limits: names the key.
     pub fn task(&self, vessel: &Vessel) -> Result<Task, Invalid> {
         self.check()?;
         self.check_speeds(vessel)?;
@@ -74,12 +74,12 @@ pub(super) fn second(key: &str, text: &str) -> Result<i64, Invalid> {
     text.parse::<Timestamp>().map(Timestamp::as_second).map_err(refused)
 }
 
-/// Parts of the allowed yaw rate, and speeds \[m/s\], that a settled vessel keeps within where nobody says otherwise.
+/// Default tolerances of a settled vessel: fraction of the allowed yaw rate, and speed \[m/s\].
 const YAW_RATE: f64 = 0.15;
 const SPEED_M_S: f64 = 0.1;
 
 impl PlanFile {
-    /// What comes before and after a maneuver, with tolerances in metres and radians.
+    /// The approach to a maneuver, with tolerances in metres and radians.
     fn approach(&self, handling: &Handling) -> Approach {
         let own = self.approach;
         let known = self.known_current.map_or(0.0, |current| current.speed_m_s);

@@ -11,16 +11,16 @@ use trial::voyage::{Task, Tide, TideRow, current_m_s};
 use super::file::PlanFile;
 use super::task::second;
 
-/// Columns of a table: time and height, and the stream where it is known.
+/// Columns of a table: time and height, and the stream if known.
 const COLUMNS: [&str; 4] = ["time", "level_m", "stream_m_s", "towards_deg"];
-/// No tide rises or falls so far \[m\].
+/// Upper bound on a plausible tide level \[m\].
 const MOST_LEVEL_M: f64 = 30.0;
 
 /// `task` in the tide that `config` names, if it names one; the table's file is relative to `config_file`, and its digest is
 /// noted.
 ///
 /// # Errors
-/// A table that cannot be read, makes no sense, or does not cover the trial; a trial without departure or end.
+/// A table that cannot be read, is invalid, or does not cover the trial; a trial without departure or end.
 pub fn in_tide(
     config_file: &Path,
     config: &PlanFile,
@@ -36,8 +36,8 @@ pub fn in_tide(
     };
     let until = second("tide.until", &spec.until).map_err(of_config)?;
     if until <= departure {
-        let expected = format!("a time after the departure, {}", told(departure as f64));
-        let found = told(until as f64);
+        let expected = format!("a time after the departure, {}", in_words(departure as f64));
+        let found = in_words(until as f64);
         return Err(Error::refuse(config_file, "`tide.until`", found, expected, "correct it"));
     }
     let path = config_file.parent().unwrap_or(Path::new("")).join(&spec.file);
@@ -45,8 +45,10 @@ pub fn in_tide(
     provenance.inputs.insert("tide".to_owned(), Digest::of_bytes(&bytes));
     let table = table(&bytes).map_err(|invalid| Error::invalid(&path, invalid))?;
     let tide = Tide::worst(&table, departure as f64, (until - departure) as f64).ok_or_else(|| {
-        let [first, last] = [table.first(), table.last()].map(|row| told(row.map_or(0.0, |row| row.at_s)));
-        let expected = format!("one that covers {} to {}", told(departure as f64), told(until as f64));
+        let [first, last] =
+            [table.first(), table.last()].map(|row| in_words(row.map_or(0.0, |row| row.at_s)));
+        let expected =
+            format!("one that covers {} to {}", in_words(departure as f64), in_words(until as f64));
         let remedy = "take a longer table, or another `departure` or `until`";
         Error::refuse(&path, "table", format!("{first} to {last}"), expected, remedy)
     })?;
@@ -54,7 +56,7 @@ pub fn in_tide(
 }
 
 /// A time in seconds since 1970, in words.
-pub(super) fn told(at_s: f64) -> String {
+pub(super) fn in_words(at_s: f64) -> String {
     Timestamp::from_second(at_s as i64).map_or_else(|_| format!("{at_s} s"), |at| at.to_string())
 }
 
@@ -83,7 +85,7 @@ fn table(bytes: &[u8]) -> Result<Vec<TideRow>, Invalid> {
         let line = record.position().map_or(0, csv::Position::line);
         let row = row(&record, &places, line)?;
         if rows.last().is_some_and(|last| last.at_s >= row.at_s) {
-            let found = told(row.at_s);
+            let found = in_words(row.at_s);
             let expected = "a later time than in the line before";
             return Err(Invalid::new(format!("line {line}, `time`"), found, expected, "sort the table"));
         }

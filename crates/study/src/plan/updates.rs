@@ -1,4 +1,4 @@
-//! Which files of a cell are applied to it: its updates, each once, as far as a catalogue finds them whole.
+//! Selects the updates of a cell, each once, checked against a catalogue.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
@@ -11,7 +11,7 @@ use refusal::foreign;
 use super::chart_file::bytes;
 use super::exchange_set::{CellFile, ExchangeSet};
 
-/// A file of a cell, and what it says that it is.
+/// A file of a cell, with its own identification.
 pub(super) struct Found {
     pub path: PathBuf,
     pub bytes: Vec<u8>,
@@ -36,7 +36,7 @@ pub(super) type Age = (Option<u32>, u32);
 /// Bytes at the beginning of a file that identify it; its first records have some thousand.
 const HEAD: u64 = 1 << 17;
 
-/// How new a file of a cell is, by its first records.
+/// The age of a file of a cell, by its first records.
 pub(super) fn age_of(path: &Path) -> Result<Age, Error> {
     let fails = |e| Error::io(path, "read", e);
     let mut head = Vec::new();
@@ -48,20 +48,20 @@ fn age(identity: &Identity) -> Age {
     (identity.edition.parse().ok(), identity.update)
 }
 
-/// The updates of a cell in their order, and what is to be said of its other files.
+/// The updates of a cell in their order, and notes on its other files.
 #[derive(Default)]
 pub(super) struct Updates {
     pub files: BTreeMap<u32, Found>,
     pub notes: Vec<String>,
-    /// How many are of another edition.
+    /// The number of files of other editions.
     others: BTreeMap<String, u32>,
 }
 
 impl Updates {
-    /// Of `base` among the other files of its name.
+    /// The updates of `base` among the other files of its name.
     ///
     /// # Errors
-    /// A newer edition of the cell; two files that say that they are the same, and are not.
+    /// A newer edition of the cell; two different files with the same identification.
     pub(super) fn of(base: &Found, others: Vec<Found>) -> Result<Self, Error> {
         let mut own = Self::default();
         for file in others.into_iter().filter(|file| file.bytes != base.bytes) {
@@ -116,7 +116,7 @@ impl Updates {
     }
 }
 
-/// What a catalogue says of the files of its exchange set; nothing where there is none.
+/// The catalogue of an exchange set; empty if there is none.
 pub(super) struct Catalogue {
     file: PathBuf,
     listed: Vec<Listed>,
@@ -129,12 +129,12 @@ impl Catalogue {
         Ok(Some(Self { file, listed }))
     }
 
-    /// Refuses files of a cell that are missing or other than when the catalogue was made, and says how many agree.
+    /// Refuses files of a cell that are missing or changed since the catalogue was made, and reports how many agree.
     pub(super) fn check(&self, stem: &str, files: &[(&CellFile, &Found)]) -> Result<String, Error> {
         let of_cell = |own: &&Listed| own.name().strip_prefix(stem).is_some_and(is_number);
         let own: Vec<&Listed> = self.listed.iter().filter(of_cell).collect();
         let places: BTreeSet<&[String]> = own.iter().map(|own| &own.place[..]).collect();
-        // A file may stand elsewhere than where it is listed, but for one file at a time.
+        // A file may be at another path than listed, but for one entry only.
         let stands_for = |file: &CellFile, own: &Listed| {
             file.place == own.place || (file.name() == own.name() && !places.contains(&file.place[..]))
         };
@@ -145,16 +145,16 @@ impl Catalogue {
         }
         let mut agree = 0;
         for (file, Found { bytes, .. }) in files {
-            let told: Vec<&&Listed> = own.iter().filter(|own| stands_for(file, own)).collect();
-            if !told.is_empty() && !told.iter().any(|own| own.agrees(bytes)) {
+            let listed: Vec<&&Listed> = own.iter().filter(|own| stands_for(file, own)).collect();
+            if !listed.is_empty() && !listed.iter().any(|own| own.agrees(bytes)) {
                 let found = format!("CRC-32 {:08X}", enc::crc(bytes));
                 let expected =
-                    format!("{:08X}, as {} says", told[0].crc.unwrap_or_default(), self.file.display());
+                    format!("{:08X}, as {} says", listed[0].crc.unwrap_or_default(), self.file.display());
                 let remedy =
                     "copy the exchange set again, as a whole: the file is damaged, or not of this set";
                 return Err(Error::refuse(&file.path, "file", found, expected, remedy));
             }
-            agree += usize::from(told.iter().any(|own| own.crc.is_some()));
+            agree += usize::from(listed.iter().any(|own| own.crc.is_some()));
         }
         Ok(match files.len() - agree {
             0 => format!("all {agree} files agree with CATALOG.031"),

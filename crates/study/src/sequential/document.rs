@@ -3,7 +3,7 @@ use trial::rounds::{Arm, ArmSummary, RoundGain, Stopping, Summary};
 use super::SequentialFile;
 use crate::documents::SequentialDocument;
 
-/// The summary in words and figures; `maneuvers`: how many there are to design with.
+/// The summary in words and figures; `maneuvers`: their number in the dictionary.
 pub fn document(config: &SequentialFile, summary: Summary, maneuvers: usize) -> SequentialDocument {
     let Summary { arms, gains, stopping } = summary;
     SequentialDocument {
@@ -49,13 +49,13 @@ fn statements(
     out
 }
 
-/// What rounds gain at equal time, in words; the first round is the one-shot trial.
+/// The gain of rounds at equal time, in words; the first round is the one-shot trial.
 fn gained(gains: &[RoundGain]) -> Option<String> {
-    let told = |gain: &RoundGain| {
+    let sentence = |gain: &RoundGain| {
         let RoundGain { time_s, ratio, low, high, .. } = *gain;
         Some(format!("{:.2} after {time_s:.0} s ({:.2} to {:.2})", ratio?, low?, high?))
     };
-    let each: Vec<String> = gains.iter().skip(1).filter_map(told).collect();
+    let each: Vec<String> = gains.iter().skip(1).filter_map(sentence).collect();
     let last = gains.last().filter(|_| !each.is_empty())?;
     let verdict = match (last.ratio?, last.low?, last.high?) {
         (ratio, _, high) if high < 1.0 => {
@@ -72,7 +72,7 @@ fn gained(gains: &[RoundGain]) -> Option<String> {
     ))
 }
 
-/// How long trials of an arm take and whether what they are promised is kept, in words.
+/// The duration of trials of an arm and whether predictions hold, in words.
 fn ended(found: &Stopping, realizations: u32) -> String {
     let Stopping { stopped, mean_time_s, within, .. } = *found;
     let kept = found

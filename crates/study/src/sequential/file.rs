@@ -11,27 +11,27 @@ use trial::rounds::Knowledge;
 pub struct SequentialFile {
     /// Realizations of every arm.
     pub realizations: u32,
-    /// Sea time in all \[s\].
+    /// Total sea time \[s\].
     pub duration_s: f64,
-    /// Rounds of equal length that it is cut into.
+    /// Number of rounds of equal length.
     pub rounds: u32,
-    /// How crude the model before the trial is: its parameters are those it is drawn about times e^(this times a standard
-    /// normal number), anew for every realization.
+    /// Spread of the crude model before the trial: its parameters are the central ones times e^(this times a standard
+    /// normal number), drawn for every realization.
     pub nominal_spread: f64,
-    /// What crude models are drawn about; of the nominal parameters those that are zero stay zero and need a floor.
+    /// The central parameters of crude models; nominal parameters that are zero stay zero and need a floor.
     #[serde(default)]
     pub crude_about: Source,
-    /// The trial may stop where the predicted error falls to this: 2-norm over the parameters of standard error over
+    /// The trial may stop when the predicted error falls to this: 2-norm over the parameters of standard error over
     /// parameter.
     pub accuracy: f64,
-    /// Smallest moduli of parameters by name, in their units: errors of a smaller parameter are taken relative to this, and
-    /// the crude model is uncertain by this at least.
+    /// Smallest moduli of parameters by name, in their units: errors of a smaller parameter are relative to this, and
+    /// the crude model's uncertainty is at least this.
     #[serde(default)]
     pub floor: BTreeMap<String, f64>,
 }
 
 impl SequentialFile {
-    /// Refuses numbers without meaning.
+    /// Refuses invalid numbers.
     ///
     /// # Errors
     /// Names the key.
@@ -50,20 +50,20 @@ impl SequentialFile {
         check_numbers(spread, "a number from 0 to 2", |value| (0.0..=2.0).contains(&value))
     }
 
-    /// What is known of the parameters before a trial; `seed`: of the crude models.
+    /// The knowledge of the parameters before a trial; `seed`: of the crude models.
     ///
     /// # Errors
-    /// See [`SequentialFile::floors`]; a vessel without the parameters that crude models are drawn about.
+    /// See [`SequentialFile::floors`]; a vessel without the central parameters of crude models.
     pub fn knowledge(&self, vessel: &Vessel, seed: u64) -> Result<Knowledge, Invalid> {
         let about = vessel.parameters(self.crude_about)?;
         let floor = self.floors(vessel, &about)?;
         Ok(Knowledge { about, spread: self.nominal_spread, floor, seed })
     }
 
-    /// The floor of every parameter of `vessel`, 0 where none is stated.
+    /// The floor of every parameter of `vessel`, 0 if not stated.
     ///
     /// # Errors
-    /// A floor of no parameter; a parameter of `about`, which crude models are drawn about, that is zero and has no floor.
+    /// A floor of an unknown parameter; a central parameter in `about` that is zero and has no floor.
     fn floors(&self, vessel: &Vessel, about: &[f64]) -> Result<Vec<f64>, Invalid> {
         let names = || vessel.model.parameter_names();
         if let Some(unknown) = self.floor.keys().find(|key| names().all(|name| name != key.as_str())) {

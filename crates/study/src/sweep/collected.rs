@@ -8,7 +8,7 @@ use crate::documents::{
     CellsDocument, RefusedCell, SweepCell, SweepDocument, SweepLine, SweptCell, TallyDocument,
 };
 
-/// What a stage says with `--json` where it writes nothing, put in the place of its file.
+/// The `--json` output of a stage that writes nothing, in place of its file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Refusal {
@@ -17,8 +17,8 @@ struct Refusal {
     error: String,
 }
 
-/// What the cells of `grid` say together. Their tallies, or the refusals in their place, stand in `folder`, each in a folder of
-/// the cell's name.
+/// The sweep over the cells of `grid`. Their tallies, or the refusals in their place, are in `folder`, each in a
+/// folder with the cell's name.
 ///
 /// # Errors
 /// A tally that is refused, is a shard or is that of another cell or study; a baseline that a tally does not have.
@@ -60,7 +60,7 @@ fn found(cell: &SweepCell, path: &Path) -> Result<Found, Error> {
     }
 }
 
-/// Refuses the tally at `path` where it is a part or was made of other files than `cell`.
+/// Refuses the tally at `path` if it is a shard or was made from other files than `cell`.
 fn check(cell: &SweepCell, path: &Path, loaded: &Loaded<TallyDocument>) -> Result<(), Error> {
     let from = &loaded.provenance;
     if let Some(shard) = from.shard {
@@ -83,7 +83,7 @@ fn check(cell: &SweepCell, path: &Path, loaded: &Loaded<TallyDocument>) -> Resul
     }
 }
 
-/// The line that others are compared with: the first of the first tally where none is named.
+/// The baseline: the first line of the first tally if none is named.
 fn against(tally: &TallyDocument, named: &mut Option<SweepLine>) -> Result<SweepLine, Invalid> {
     let lines = tally.tally.counted.iter();
     let mut lines = lines.map(|c| SweepLine { design: c.design.clone(), estimator: c.estimator });

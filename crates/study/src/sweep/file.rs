@@ -12,21 +12,21 @@ use crate::documents::SweepLine;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SweepFile {
-    /// Folder of the study's hand-written files, seen from that of this file.
+    /// Folder of the study's hand-written files, relative to that of this file.
     pub study: String,
-    /// The maneuvers, where they are not in that folder.
+    /// The maneuvers, if they are not in that folder.
     pub dictionary: Option<String>,
     /// Runs per design and cell, instead of the campaign's.
     pub realizations: Option<u32>,
-    /// Goes on in each cell until no share's 95 % interval is further from its middle than this.
+    /// Each cell continues until no share's 95 % interval has a larger half-width than this.
     pub half_width: Option<f64>,
-    /// Parts that each cell's runs are shared between.
+    /// Number of shards of each cell's runs.
     #[serde(default = "one")]
     pub shards: u32,
     /// The estimators, all on the same runs.
     #[serde(default = "iv")]
     pub estimators: Vec<Estimator>,
-    /// The line that others are compared with.
+    /// The baseline.
     pub baseline: Option<SweepLine>,
     /// Flags of `moments`.
     #[serde(default)]
@@ -97,7 +97,7 @@ impl SweepFile {
         }
     }
 
-    /// The maneuvers, seen from the file's folder.
+    /// The maneuvers, relative to the file's folder.
     pub fn dictionary(&self) -> String {
         self.dictionary.clone().unwrap_or_else(|| format!("{}/dictionary.toml", self.study))
     }
@@ -132,7 +132,7 @@ impl SweepFile {
     }
 }
 
-/// Refuses names of files that Snakemake would take for a pattern, or that stand in no line.
+/// Refuses names of files that Snakemake would take for a pattern, or with line breaks.
 fn check_path(thing: &str, path: &str) -> Result<(), Invalid> {
     match path.contains(['{', '}']) || one_line(path) != path {
         true => {

@@ -11,14 +11,14 @@ use crate::files::{read_campaign, read_dictionary, read_simulated};
 
 /// The files that a grid may vary, in the order in which they are read.
 const FILES: [&str; 3] = ["vessel", "dictionary", "campaign"];
-/// Cells that a grid may have.
+/// Maximum number of cells of a grid.
 const MOST: usize = 100_000;
 
-/// The cells of the sweep that is written in `path`: each of the grid, the last axis running fastest.
+/// The cells of the sweep in `path`, the last axis running fastest.
 ///
 /// # Errors
-/// A file that is refused; a key of no file; a grid of which the study's files refuse every cell, as they do where there is
-/// no such key.
+/// A file that is refused; a key of no file; a grid whose cells are all refused by the study's files, as for an
+/// unknown key.
 pub fn cells(path: &Path, file: &SweepFile, provenance: &mut Provenance) -> Result<CellsDocument, Error> {
     let refuse = |invalid: Invalid| crate::invalid(path, &invalid);
     let axes = file.axes().map_err(refuse)?;
@@ -28,7 +28,7 @@ pub fn cells(path: &Path, file: &SweepFile, provenance: &mut Provenance) -> Resu
         return Err(crate::refuse(path, "`grid`", found, &expected, "vary less at once"));
     };
     let files = file.files(path);
-    // As they are, for what is wrong with them is no cell's fault.
+    // Read unchanged first: errors in them are not due to a cell.
     read(&files, provenance)?;
     let mut designs = Vec::new();
     let mut cells: Vec<SweepCell> = Vec::with_capacity(count);
@@ -77,7 +77,7 @@ fn read([vessel, dictionary, campaign]: &[PathBuf; 3], provenance: &mut Provenan
     Ok(())
 }
 
-/// The place on each axis of cell `number`.
+/// The index on each axis of cell `number`.
 fn place(mut number: usize, axes: &[(String, Vec<Value>)]) -> Vec<usize> {
     let mut at: Vec<usize> = Vec::with_capacity(axes.len());
     for (_, values) in axes.iter().rev() {
@@ -88,7 +88,7 @@ fn place(mut number: usize, axes: &[(String, Vec<Value>)]) -> Vec<usize> {
     at
 }
 
-/// What is set at `at`.
+/// The changes of the cell at `at`.
 fn changes(at: &[usize], axes: &[(String, Vec<Value>)]) -> Result<Changes, Invalid> {
     let one = |(place, (key, values)): (&usize, &(String, Vec<Value>))| {
         let change = Change::new(key, values[*place].clone())?;
@@ -100,13 +100,13 @@ fn changes(at: &[usize], axes: &[(String, Vec<Value>)]) -> Result<Changes, Inval
     Changes::new(at.iter().zip(axes).map(one).collect::<Result<_, _>>()?)
 }
 
-/// `--set` for what is set in `files`.
+/// `--set` flags for the changes in `files`.
 fn flags(changes: &Changes, files: &[&str]) -> Vec<String> {
     let own = changes.iter().filter(|change| files.contains(&change.file()));
     own.flat_map(|change| ["--set".to_owned(), change.to_string()]).collect()
 }
 
-/// The name of the design for these changes, which is a new one where none before had the same vessel and maneuvers.
+/// The name of the design for these changes, which is new if no previous one had the same vessel and maneuvers.
 fn design(designs: &mut Vec<SweepDesign>, changes: &Changes) -> String {
     let [vessel, dictionary] = [&FILES[..1], &FILES[..2]].map(|files| flags(changes, files));
     if let Some(known) = designs.iter().find(|known| known.dictionary == dictionary) {

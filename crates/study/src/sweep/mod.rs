@@ -1,4 +1,4 @@
-//! A study whose hand-written values are varied over a grid: `sweep.toml`, its cells, what they say together.
+//! A study whose hand-written values are varied over a grid: `sweep.toml`, its cells, and their summary.
 
 mod collected;
 mod file;

@@ -6,7 +6,7 @@ use regression::pooled::Recorded;
 
 use super::{Layout, TrajectoryReader};
 
-/// The runs of trajectories that are gone through again and again: few are held in memory, many are read again.
+/// The runs of trajectories for several passes: few are held in memory, many are read again.
 pub enum KeptRuns {
     /// In memory.
     Held(Vec<Run>),
@@ -14,11 +14,11 @@ pub enum KeptRuns {
     InFile(Box<TrajectoryReader>),
 }
 
-/// Most bytes of runs that are held in memory.
+/// Maximum bytes of runs that are held in memory.
 const HELD: f64 = 1e8;
 
 impl KeptRuns {
-    /// The runs of `reader`, held where they take less than `most` bytes and not more than some 100 MB.
+    /// The runs of `reader`, held in memory if they take less than `most` bytes and not more than some 100 MB.
     ///
     /// # Errors
     /// See [`TrajectoryReader::runs`].

@@ -9,14 +9,14 @@ refusal::choices! {
 }
 
 impl DataLabel {
-    /// Labels what is written with `provenance`.
+    /// Adds the label to `provenance`.
     pub fn label(self, provenance: &mut Provenance) {
         provenance.settings.insert("data".into(), self.to_string().into());
     }
 }
 
-/// Labels what is made of runs of these designs as made of simulated logs, if one of them is. Runs of simulated logs have
-/// the label for the name of their design.
+/// Adds the label of simulated logs to `provenance` if one of these designs has it. Runs of simulated logs have the
+/// label as the name of their design.
 pub fn label<'a>(designs: impl IntoIterator<Item = &'a str>, provenance: &mut Provenance) {
     let simulated = DataLabel::SimulatedLogs.to_string();
     if designs.into_iter().any(|design| design == simulated) {

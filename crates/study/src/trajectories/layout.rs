@@ -9,12 +9,12 @@ pub const VERSION: u32 = 1;
 /// The setting of a dictionary's table that says what its maneuvers reached, by name.
 pub const REACHED: &str = "reached";
 
-/// Bytes that a row of simulated runs takes in a file at least: its states, as they are and as measured, and its pose, which
-/// no compression makes much smaller.
+/// Least bytes of a row of simulated runs in a file: its true and measured states, and its pose, which hardly
+/// compress.
 pub const LEAST_ROW_BYTES: f64 = 72.0;
 
-/// Rows that a thread simulates and encodes in a second, to the order: the paper's campaign on a server of 2024 (0.22 s for
-/// 800,000).
+/// Rows per second that a thread simulates and encodes, order of magnitude: the paper's campaign on a server of 2024
+/// (0.22 s for 800,000).
 pub const SIMULATED_PER_SECOND: f64 = 4e6;
 
 /// The columns of trajectories of one vessel.
@@ -22,7 +22,7 @@ pub const SIMULATED_PER_SECOND: f64 = 4e6;
 pub struct Layout {
     /// Names and units of inputs, measured disturbances and derived channels, in the model's order.
     pub exogenous: Vec<(String, String)>,
-    /// How those that are derived follow from the others.
+    /// The definitions of the derived ones.
     pub derived: Vec<DerivedChannel>,
 }
 
@@ -33,12 +33,12 @@ impl Layout {
         Self { exogenous, derived: model.derived.clone() }
     }
 
-    /// Bytes of memory that a row takes while runs are simulated and their block is encoded.
+    /// Bytes of memory of a row while runs are simulated and their block is encoded.
     pub fn working_bytes(&self) -> f64 {
         8.0 * (3 * self.exogenous.len() + 24) as f64
     }
 
-    /// Bytes of memory that a sample of a run takes once it is read.
+    /// Bytes of memory of a sample of a run after reading.
     pub fn run_bytes(&self) -> f64 {
         8.0 * (self.exogenous.len() + 3) as f64
     }
@@ -53,7 +53,7 @@ impl Layout {
         TableSchema { id: ID, version: VERSION, columns }
     }
 
-    /// The table of measured runs, of which no truth is known: `further` channels by name and unit instead.
+    /// The table of measured runs, without true states, but with `further` channels by name and unit.
     pub fn measured(&self, further: &[(String, String)]) -> TableSchema {
         let mut columns = self.required();
         columns.extend(further.iter().map(|(name, unit)| ColumnSpec::new(name, unit, Kind::F64, true)));

@@ -9,24 +9,24 @@ use refusal::check_name;
 
 use super::{ID, Layout, VERSION};
 
-/// Reads trajectories block by block; every run lies within a block.
+/// Reads trajectories block by block; every run is within a block.
 pub struct TrajectoryReader {
     table: TableReader,
     path: PathBuf,
     columns: Vec<String>,
     width: usize,
-    /// Where the file's columns of inputs, disturbances and derived channels stand among those of the model.
+    /// The indices of the file's columns of inputs, disturbances and derived channels among those of the model.
     places: Vec<usize>,
     /// Channels that follow from others, and whether the file has a column of each.
     derived: Vec<(DerivedChannel, bool)>,
     truth: bool,
     rate_hz: f64,
-    /// Of every run that was read, by design and number, its first row.
+    /// The first row of every run that was read, by design and number.
     known: Mutex<HashMap<String, HashMap<i32, usize>>>,
 }
 
 impl TrajectoryReader {
-    /// Opens `path` and checks its columns and units. Derived channels that have no column are computed.
+    /// Opens `path` and checks its columns and units. Derived channels without a column are computed.
     ///
     /// # Errors
     /// See [`TableReader::open`] and [`TableReader::require`].
@@ -67,7 +67,7 @@ impl TrajectoryReader {
         self.truth
     }
 
-    /// Where the trajectories come from.
+    /// The provenance of the trajectories.
     pub fn provenance(&self) -> &Provenance {
         self.table.provenance()
     }
@@ -112,8 +112,8 @@ impl TrajectoryReader {
     /// The runs of block `i`.
     ///
     /// # Errors
-    /// A run that is cut at the block's edge or has the number of another, samples out of order, an absent value, another
-    /// sampling rate.
+    /// A run that crosses the end of a block or has the number of another, samples out of order, an absent value,
+    /// another sampling rate.
     pub fn runs(&self, i: usize) -> Result<Vec<Run>, Error> {
         let names: Vec<&str> = self.columns.iter().map(String::as_str).collect();
         let table = self.table.read_block(i, &names)?;
@@ -132,7 +132,7 @@ impl TrajectoryReader {
     }
 }
 
-/// Says that `file` is one shard of several.
+/// The refusal of `file` as one shard of several.
 pub fn refuse_shard(file: &Path, shard: &Shard) -> Error {
     let found = format!("shard {shard}");
     crate::refuse(file, "file", &found, "the whole table", "put all shards together with --gather first")
@@ -233,14 +233,14 @@ impl<'a> Block<'a> {
         })
     }
 
-    /// Refuses numbers whose powers and sums are no numbers any more.
+    /// Refuses numbers whose powers and sums overflow.
     fn check_magnitudes(&self, start: usize, end: usize, row: &dyn Fn(usize) -> String) -> Result<(), Error> {
         const MOST: f64 = 1e30;
         let exogenous =
             self.exogenous.iter().filter_map(Column::as_f64).map(|column| &column[start..end - 1]);
         let states = self.states.iter().map(|column| &column[start..end]);
         for (i, column) in exogenous.chain(states).enumerate() {
-            // All are looked at, which takes less time than stopping early does.
+            // Checks all values, which is faster than stopping early.
             if column.iter().fold(true, |kept, value| kept & (value.abs() <= MOST)) {
                 continue;
             }
@@ -257,7 +257,7 @@ impl<'a> Block<'a> {
         Ok(())
     }
 
-    /// Refuses derived channels that are something else than their definition says: the file was made with another one.
+    /// Refuses derived channels that differ from their definition: the file was made with another one.
     fn check_derived(&self, rows: &[f64], row: &dyn Fn(usize) -> String) -> Result<(), Error> {
         for (own, _) in self.reader.derived.iter().filter(|(_, there)| *there) {
             let column = own.variable - 3;
@@ -309,7 +309,7 @@ impl<'a> Block<'a> {
         let mut rows = vec![0.0; width * (end - 1 - start)];
         for (r, row) in (start..end - 1).zip(rows.chunks_exact_mut(*width)) {
             columns.iter().zip(places).for_each(|(column, place)| row[*place] = column[r]);
-            // Each after those that it is computed from.
+            // In order of dependency.
             for (own, _) in derived.iter().filter(|(_, there)| !there) {
                 row[own.variable - 3] = own.value(row);
             }
@@ -319,7 +319,7 @@ impl<'a> Block<'a> {
 }
 
 impl TrajectoryReader {
-    /// Refuses `run`, which begins at `row`, where another of its design has its number.
+    /// Refuses `run`, which begins at `row`, if another of its design has its number.
     fn refuse_doubled(&self, run: &Run, row: usize) -> Result<(), Error> {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         let of_design = match known.get_mut(&run.design) {

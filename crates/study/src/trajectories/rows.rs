@@ -3,7 +3,7 @@ use engine::{Run, Segment};
 
 use super::Layout;
 
-/// The columns of [`Layout::required`] in the making, run by run.
+/// The columns of [`Layout::required`], built run by run.
 pub(super) struct Rows {
     rate_hz: f64,
     design: Labels,
@@ -37,7 +37,7 @@ impl Rows {
         self.rate_hz
     }
 
-    /// Begins a run of `rows` rows, N + 1, whose values are still to come.
+    /// Begins a run of `rows` rows, N + 1, whose values follow.
     pub(super) fn begin(&mut self, design: &str, run: i32, segments: &[Segment], rows: usize) {
         self.design.push(design, rows);
         let ends = segments.iter().skip(1).map(|next| next.start).chain([rows]);

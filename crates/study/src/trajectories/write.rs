@@ -8,10 +8,10 @@ use trial::campaign::SimulatedRun;
 use super::Layout;
 use super::rows::{Rows, extend};
 
-/// Rows of a block, or a few more.
+/// Approximate rows of a block.
 const BLOCK_ROWS: usize = 65_536;
 
-/// How many runs of `samples` samples share a block: about 65,000 rows.
+/// Runs of `samples` samples per block: about 65,000 rows.
 pub fn rows_per_block(samples: usize) -> usize {
     (BLOCK_ROWS / (samples + 1)).max(1)
 }
@@ -19,7 +19,7 @@ pub fn rows_per_block(samples: usize) -> usize {
 /// Collects simulated runs into one block of the table.
 pub struct BlockBuilder {
     rows: Rows,
-    /// True states, place and heading.
+    /// True states, position and heading.
     truth: [Vec<f64>; 6],
 }
 
@@ -48,8 +48,8 @@ impl BlockBuilder {
     }
 }
 
-/// Collects measured runs, of which no truth is known, into one block of the table. A long run is never in memory: its
-/// columns are written one after the other, piece by piece.
+/// Collects measured runs, without true states, into one block of the table. A long run is never in memory as a
+/// whole: its columns are written one by one, in chunks.
 pub struct MeasuredBlock {
     /// The design that the runs belong to.
     design: String,
@@ -73,7 +73,8 @@ impl MeasuredBlock {
     /// Appends a run.
     pub fn push(&mut self, run: &RecordedRun) {
         self.rows += run.samples() + 1;
-        // What fills the block is written at once; what waits for others must not hold its recording.
+        // A run that fills the block is written at once; one that waits for others must not keep its recording in
+        // memory.
         self.runs.push(if self.is_full() { run.clone() } else { run.detached() });
     }
 
@@ -108,32 +109,32 @@ impl MeasuredBlock {
     fn integers<'a>(
         &'a self,
         of: impl Fn(&'a RecordedRun) -> Box<dyn Iterator<Item = i32> + 'a> + 'a,
-    ) -> Pieces<'a> {
-        Box::new(pieces(self.runs.iter().flat_map(of)).map(Column::i32))
+    ) -> Chunks<'a> {
+        Box::new(chunks(self.runs.iter().flat_map(of)).map(Column::i32))
     }
 
     fn numbers<'a>(
         &'a self,
         of: impl Fn(&'a RecordedRun) -> Box<dyn Iterator<Item = f64> + 'a> + 'a,
-    ) -> Pieces<'a> {
-        Box::new(pieces(self.runs.iter().flat_map(of)).map(Column::f64))
+    ) -> Chunks<'a> {
+        Box::new(chunks(self.runs.iter().flat_map(of)).map(Column::f64))
     }
 
-    /// Numbers that are absent where they are NaN.
+    /// Numbers, absent if NaN.
     fn absent<'a>(
         &'a self,
         of: impl Fn(&'a RecordedRun) -> Box<dyn Iterator<Item = f64> + 'a> + 'a,
-    ) -> Pieces<'a> {
-        Box::new(pieces(self.runs.iter().flat_map(of)).map(|values| {
+    ) -> Chunks<'a> {
+        Box::new(chunks(self.runs.iter().flat_map(of)).map(|values| {
             let present = values.iter().map(|value| value.is_finite()).collect();
             Column::nullable_f64(values, present)
         }))
     }
 
-    /// Texts, each for so many rows.
-    fn texts<'a>(&'a self, of: impl Fn(&'a RecordedRun) -> Vec<(&'a str, usize)> + 'a) -> Pieces<'a> {
+    /// Texts, each for a number of rows.
+    fn texts<'a>(&'a self, of: impl Fn(&'a RecordedRun) -> Vec<(&'a str, usize)> + 'a) -> Chunks<'a> {
         let texts = self.runs.iter().flat_map(of).flat_map(|(text, rows)| repeat_n(text, rows));
-        Box::new(pieces(texts).map(|texts| {
+        Box::new(chunks(texts).map(|texts| {
             let mut labels = Labels::default();
             texts.into_iter().for_each(|text| labels.push(text, 1));
             labels.column()
@@ -141,8 +142,8 @@ impl MeasuredBlock {
     }
 }
 
-/// Pieces of a column.
-type Pieces<'a> = Box<dyn Iterator<Item = Column> + 'a>;
+/// Chunks of a column.
+type Chunks<'a> = Box<dyn Iterator<Item = Column> + 'a>;
 
 /// Rows of each segment; the last has the run's last row too.
 fn lengths(run: &RecordedRun) -> impl Iterator<Item = usize> {
@@ -150,9 +151,9 @@ fn lengths(run: &RecordedRun) -> impl Iterator<Item = usize> {
     run.segments.iter().zip(ends).map(|(segment, end)| end - segment.start)
 }
 
-fn pieces<T>(mut values: impl Iterator<Item = T>) -> impl Iterator<Item = Vec<T>> {
+fn chunks<T>(mut values: impl Iterator<Item = T>) -> impl Iterator<Item = Vec<T>> {
     std::iter::from_fn(move || {
-        let piece: Vec<T> = values.by_ref().take(PIECE_ROWS).collect();
-        (!piece.is_empty()).then_some(piece)
+        let chunk: Vec<T> = values.by_ref().take(PIECE_ROWS).collect();
+        (!chunk.is_empty()).then_some(chunk)
     })
 }

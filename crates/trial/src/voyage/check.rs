@@ -165,7 +165,7 @@ impl Checking<'_> {
     ) -> Result<(Checked, Option<T>), VoyageError> {
         let [runs, vessels] = self.prepared().runs(self.round);
         let one = |run: u32| {
-            if !(search.go_on)() {
+            if !(search.keep_going)() {
                 return Err(VoyageError::OutOfTime("the check of the plan"));
             }
             // A sampled vessel that cannot be simulated is not the fault of a file.

@@ -60,7 +60,10 @@ impl Passage {
 
 impl Clearance {
     /// Rasters of the chart around the lattice, finer than those of the search.
-    pub(super) fn new(prepared: &Prepared, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Self, VoyageError> {
+    pub(super) fn new(
+        prepared: &Prepared,
+        keep_going: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, VoyageError> {
         let task = &prepared.brief.task;
         let (area, sight_m) = (task.raster(&prepared.grid).bounds(), sight_m(task));
         let raster = prepared.clearance_raster()?;
@@ -71,9 +74,9 @@ impl Clearance {
         let radius_m = outline.iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
         let (chart, safety) = (&prepared.chart, &task.safety);
         let (transit, trial) = rayon::join(
-            || Distances::in_transit(chart, raster, [safety.transit_depth_m, sight_m], go_on),
+            || Distances::in_transit(chart, raster, [safety.transit_depth_m, sight_m], keep_going),
             || {
-                let trial = || Distances::new(chart, raster, [safety.trial_depth_m, sight_m], go_on);
+                let trial = || Distances::new(chart, raster, [safety.trial_depth_m, sight_m], keep_going);
                 prepared.has_waters_of_trials().then(trial).transpose()
             },
         );

@@ -60,12 +60,12 @@ impl Task {
         vessel: &Vessel,
         layers: &[Layer],
         drift_m: f64,
-        go_on: &dyn Fn() -> bool,
+        keep_going: &dyn Fn() -> bool,
     ) -> Result<(Chart, Grid), VoyageError> {
         let plane = self.area.plane()?;
         let (corner, [nx, ny]) = self.on_start(&plane, self.nodes(&plane)?);
         let bounds = self.sight((corner, [nx, ny]), drift_m)?;
-        let chart = Chart::new_while(plane, bounds, layers, self.uncharted, go_on)?;
+        let chart = Chart::new_while(plane, bounds, layers, self.uncharted, keep_going)?;
         let chart = chart.ok_or(VoyageError::OutOfTime("the layout of the chart"))?;
         self.area.check_shown(layers, &chart)?;
         let modes = self.modes_of(vessel);

@@ -52,7 +52,7 @@ impl Prepared {
         let Brief { vessel, task, .. } = &brief;
         let wanted = brief.wanted()?;
         let pieces: Vec<Piece> = wanted.iter().map(|w| w.piece.clone()).collect();
-        let (chart, grid) = task.ground(vessel, &layers, brief.drift_m(&wanted), search.go_on)?;
+        let (chart, grid) = task.ground(vessel, &layers, brief.drift_m(&wanted), search.keep_going)?;
         drop(layers);
         let information = pieces.iter().map(|piece| MomentSums::of_piece(vessel, piece)).collect();
         let (mirror, others) = (mirror(vessel), brief.sampled_vessels());
@@ -127,7 +127,7 @@ impl Prepared {
             hull: task.hull.outline(),
             cell_m: task.raster(&self.grid).cell_m,
         };
-        let (legs, dropped) = simulation.run(&mut groups, search.go_on)?;
+        let (legs, dropped) = simulation.run(&mut groups, search.keep_going)?;
         Ok(self.know((groups, legs, dropped)))
     }
 

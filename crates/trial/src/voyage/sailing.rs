@@ -76,7 +76,8 @@ impl Prepared {
     /// # Errors
     /// As [`Self::solve`], with the results of the checks; a simulation that diverges; the time limit.
     pub fn plan(&mut self, search: &Search, keep_unsafe: bool) -> Result<(Solved, Sailing), VoyageError> {
-        let (clearance, solved) = rayon::join(|| Clearance::new(self, search.go_on), || self.solve(search));
+        let (clearance, solved) =
+            rayon::join(|| Clearance::new(self, search.keep_going), || self.solve(search));
         let clearance = clearance?;
         let mut round = self.round(&clearance, (1, solved?), search)?;
         while !round.counter_examples.is_empty() && round.number < ROUNDS {
@@ -103,7 +104,7 @@ impl Prepared {
         clearance: &Clearance,
         search: &Search,
     ) -> Result<(Solved, Sailing), VoyageError> {
-        let waters = self.waters(search.go_on)?;
+        let waters = self.waters(search.keep_going)?;
         let mut solved = Solved { waters, moves, problem, solution, front: Vec::new() };
         let (sailing, _) = self.simulate(&mut solved, clearance, (number, true), search)?;
         Ok((solved, sailing))

@@ -13,13 +13,13 @@ pub struct Search<'a> {
     /// Creates the watch of every search: for a plan, and for the front.
     pub watch: &'a (dyn Fn() -> Watch + Sync),
     /// Polled by the other phases; cancels them by returning false.
-    pub go_on: &'a (dyn Fn() -> bool + Sync),
+    pub keep_going: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl Search<'static> {
     /// In the usual memory, for as long as it takes.
     pub fn unlimited() -> Self {
-        Self { options: Options::default(), watch: &|| Box::new(|_| true), go_on: &|| true }
+        Self { options: Options::default(), watch: &|| Box::new(|_| true), keep_going: &|| true }
     }
 }
 

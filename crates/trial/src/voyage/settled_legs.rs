@@ -149,11 +149,11 @@ impl LegSimulation<'_> {
     pub fn run(
         &self,
         groups: &mut [Group],
-        go_on: &(dyn Fn() -> bool + Sync),
+        keep_going: &(dyn Fn() -> bool + Sync),
     ) -> Result<(Vec<Arc<SettledLeg>>, Vec<Dropped>), VoyageError> {
         let new = groups.par_iter_mut().enumerate().filter(|(_, group)| group.outcomes.is_none());
         new.try_for_each(|(index, group)| {
-            if !go_on() {
+            if !keep_going() {
                 return Err(VoyageError::OutOfTime("the simulation of legs"));
             }
             group.outcomes = Some(Arc::new(self.tried(group, index)?));

@@ -35,8 +35,8 @@ impl Prepared {
         let (task, rate_hz) = (&self.brief.task, self.brief.vessel.sample_rate_hz);
         let moves = Moves::new(&self.legs, &self.wanted, &task.cost, rate_hz);
         let search = &self.within(&moves, search)?;
-        let waters = self.waters(search.go_on)?;
-        let problem = self.problem(&waters, &moves, search.go_on)?;
+        let waters = self.waters(search.keep_going)?;
+        let problem = self.problem(&waters, &moves, search.keep_going)?;
         let solution = search.plan(&problem).map_err(|why| match why {
             NoPlan::Infeasible(reason) => {
                 VoyageError::Infeasible(self.infeasible(&reason, &self.front(&problem, &moves, search)))
@@ -50,7 +50,7 @@ impl Prepared {
         &self,
         waters: &Waters,
         moves: &Moves,
-        go_on: &dyn Fn() -> bool,
+        keep_going: &dyn Fn() -> bool,
     ) -> Result<Problem, VoyageError> {
         let task = &self.brief.task;
         let start = self.pose("start", &task.start)?;
@@ -61,7 +61,7 @@ impl Prepared {
         }
         let lattice = Lattice { nx: self.grid.nx, ny: self.grid.ny, layers: self.grid.layers() };
         let by_class = task.cost.secondary == Secondary::Clearance;
-        let mut poll = Poll::new(go_on);
+        let mut poll = Poll::new(keep_going);
         let allowed = |id: MoveId, i: usize, j: usize| {
             if !poll.proceed() {
                 return false;

@@ -107,9 +107,9 @@ fn nodes(nx: usize, ny: usize) -> impl Iterator<Item = (usize, usize)> {
 
 impl Prepared {
     /// The obstacles of every leg.
-    pub(super) fn waters(&self, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Waters, VoyageError> {
+    pub(super) fn waters(&self, keep_going: &(dyn Fn() -> bool + Sync)) -> Result<Waters, VoyageError> {
         let in_time =
-            || if go_on() { Ok(()) } else { Err(VoyageError::OutOfTime("the layout of the chart")) };
+            || if keep_going() { Ok(()) } else { Err(VoyageError::OutOfTime("the layout of the chart")) };
         let (task, grid) = (&self.brief.task, &self.grid);
         let raster = task.raster(grid);
         let (kinds, layer_of_leg) = self.obstacle_kinds();
@@ -121,7 +121,7 @@ impl Prepared {
             })
             .collect::<Result<_, VoyageError>>()?;
         let node_distance_m = match task.cost.secondary {
-            Secondary::Clearance => self.node_distances_m(raster, go_on)?,
+            Secondary::Clearance => self.node_distances_m(raster, keep_going)?,
             _ => Vec::new(),
         };
         let area = task.area.polygon(self.chart.plane()).map(|polygon| Mask::beyond(&polygon, raster));
@@ -157,11 +157,15 @@ impl Prepared {
     }
 
     /// Distance of every node to the nearest obstacle, as far as it determines a class \[m\].
-    fn node_distances_m(&self, raster: Raster, go_on: &dyn Fn() -> bool) -> Result<Vec<f64>, VoyageError> {
+    fn node_distances_m(
+        &self,
+        raster: Raster,
+        keep_going: &dyn Fn() -> bool,
+    ) -> Result<Vec<f64>, VoyageError> {
         let (grid, safety) = (&self.grid, &self.brief.task.safety);
         let farthest_m = CLEARANCE_CLASSES as f64 * grid.cell_m;
         let limits = [safety.transit_depth_m, farthest_m];
-        let obstacles = Distances::in_transit(&self.chart, raster, limits, go_on)?
+        let obstacles = Distances::in_transit(&self.chart, raster, limits, keep_going)?
             .ok_or(VoyageError::OutOfTime("the layout of the chart"))?;
         let node = |k: usize| {
             let at = grid.pose(k % grid.nx, k / grid.nx, 0);

@@ -7,12 +7,13 @@ use regression::pooled::Part;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What is known of the model's errors.
+/// The estimated errors of the model.
 #[derive(Clone, Copy, Debug)]
 pub struct Known<'a> {
-    /// Of its parameters; none of an average, whose models are apart instead, and where nothing holds of them.
+    /// Of its parameters; `None` for an average, whose spread is used instead, and if no covariance is valid.
     pub covariance: Option<&'a Covariance>,
-    /// RMSE of u, v, r on the recordings that it was fitted to, or without a covariance on those that were left out of it.
+    /// RMSE of u, v, r on the recordings that it was fitted to, or, without a covariance, on those that were left
+    /// out.
     pub rmse: [f64; 3],
 }
 
@@ -44,8 +45,8 @@ pub(super) struct Inside {
 }
 
 impl Inside {
-    /// Adds a window, of which `states` were simulated; bands are `half` as wide on either side. The first sample is that which
-    /// the simulation starts at.
+    /// Adds a window with its simulated `states`; `half` is the half-width of the bands. The first sample, where the
+    /// simulation starts, is not counted.
     pub fn add(&mut self, window: &Part, states: &[f64], half: &[[f64; 3]]) {
         let pairs = window.measured.as_chunks::<3>().0.iter().zip(states.as_chunks::<3>().0);
         for ((measured, simulated), half) in pairs.zip(half).skip(1) {
@@ -60,7 +61,7 @@ impl Inside {
         self.samples
     }
 
-    /// The shares inside; none of nothing.
+    /// The shares inside; `None` without samples.
     pub fn shares(&self) -> Option<[f64; 3]> {
         (self.samples > 0).then(|| self.inside.map(|n| n as f64 / self.samples as f64))
     }
@@ -77,11 +78,11 @@ pub(super) struct Banded<'a> {
 }
 
 impl<'a> Banded<'a> {
-    /// Of `model` with parameters `theta`, of which so much is known.
+    /// The bands of `model` with parameters `theta`.
     pub fn new(model: &Model, theta: &[f64], Known { covariance, rmse }: Known<'a>) -> Self {
         let lifted = model.with_intercepts();
         let layout = lifted.layout();
-        // The constant is in the model already; its error is that of an intercept of zero.
+        // The model contains the constant; its error is that of an intercept of zero.
         let unknowns = [layout.woven(theta, [0.0; 3]), vec![0.0; 3]].concat();
         let joint = covariance.is_some_and(|own| own.names.len() == layout.parameters());
         let counts = layout.are_intercepts().map(|intercept| joint || !intercept);
@@ -89,7 +90,7 @@ impl<'a> Banded<'a> {
         Self { model: lifted, unknowns, free, covariance, rmse, inside: Inside::default() }
     }
 
-    /// Half the widths of the bands over `window`, (N+1) × 3, of which `states` were simulated; counts what lies inside.
+    /// Half-widths of the bands over `window` with its simulated `states`, (N+1) × 3; counts the samples inside.
     pub fn add(&mut self, window: &Part, states: &[f64]) -> Vec<[f64; 3]> {
         let Some(covariance) = self.covariance else {
             let bands = vec![self.rmse.map(|rmse| Z * rmse); window.samples() + 1];
@@ -117,7 +118,7 @@ impl<'a> Banded<'a> {
         })
     }
 
-    /// The shares inside; none of nothing.
+    /// The shares inside; `None` without samples.
     pub fn shares(&self) -> Option<Bands> {
         self.inside.shares().map(Bands::of)
     }

@@ -10,22 +10,22 @@ use crate::crossval::CrossError;
 use identification::pooled::{Covered, deviations};
 use regression::pooled::{Part, PooledRuns};
 
-/// Over what is compared.
+/// Options of a comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct CompareOptions<'a> {
-    /// Length of the windows in samples; none: whole runs.
+    /// Length of the windows in samples; `None`: whole runs.
     pub window: Option<usize>,
-    /// What is known of the first model's errors.
+    /// The estimated errors of the first model.
     pub known: Option<Known<'a>>,
-    /// What the first model was fitted on.
+    /// The ranges that the first model was fitted on.
     pub covered: &'a [Covered],
-    /// How large the motions were that the first model was fitted to, where that is known.
+    /// The magnitudes of the motions that the first model was fitted to, if known.
     pub magnitudes: Option<&'a Magnitudes>,
     /// The sampling rate \[Hz\].
     pub rate_hz: f64,
 }
 
-/// The models side by side.
+/// The comparison of the models.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compared {
     /// Number of windows.
@@ -38,23 +38,24 @@ pub struct Compared {
     pub models: Vec<ComparedModel>,
     /// The first model against the others.
     pub differences: Vec<Difference>,
-    /// How far the models of an average are apart; none of a single model.
+    /// The spread of the models of an average; `None` for a single model.
     pub spread: Option<Spread>,
-    /// Shares inside the bands; none where nothing is known of the model's errors.
+    /// Shares inside the bands; `None` if the model's errors are unknown.
     pub bands: Option<Bands>,
-    /// Where the recordings leave what the model was fitted on.
+    /// Channels that leave the range that the model was fitted on.
     pub outside: Vec<Outside>,
-    /// How the first model's errors correlate with themselves and with inputs.
+    /// Correlations of the first model's errors with themselves and with inputs.
     pub correlations: Vec<ErrorCorrelations>,
-    /// Where the ship moves less or more than in any stretch that the model was fitted to; none where that is not known.
+    /// Stretches in which the ship moves less or more than in any that the model was fitted to; `None` if that is not
+    /// known.
     pub validity: Option<Validity>,
-    /// The verdict, and what to know, in words.
+    /// The verdict and remarks, in words.
     pub statements: Vec<String>,
     /// The first model over time.
     pub trace: Vec<Traced>,
 }
 
-/// A sample of the first model's simulation beside what was measured.
+/// A sample of the first model's simulation and of the measurement.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Traced {
     /// The run or recording.
@@ -67,11 +68,11 @@ pub struct Traced {
     pub measured: [f64; 3],
     /// Simulated.
     pub simulated: [f64; 3],
-    /// Half the width of the 95 % band, where one is known.
+    /// Half-width of the 95 % band, if known.
     pub half: [Option<f64>; 3],
 }
 
-/// Simulates all of `contestants` over `runs`; the first is the model that is asked about.
+/// Simulates all of `contestants` over `runs`; the first is the model under test.
 ///
 /// # Errors
 /// No run is as long as a window.
@@ -91,10 +92,10 @@ pub fn compare(
     models.push(Simulated::mean(&sources));
     let mut looked = Looked::new(first, options);
     looked.at(&sources, &models[0]);
-    let told: Vec<ComparedModel> = models.iter().map(|one| one.told(&sources, std)).collect();
-    let differences = differences(&told, &models, std);
+    let compared: Vec<ComparedModel> = models.iter().map(|one| one.compared(&sources, std)).collect();
+    let differences = differences(&compared, &models, std);
     let (bands, outside) = (looked.bands(), looked.counter.outside());
-    let spread = looked.spreads.as_ref().and_then(Spreads::told);
+    let spread = looked.spreads.as_ref().and_then(Spreads::spread);
     let whole = runs.windows(None);
     let validity = options.magnitudes.and_then(|known| {
         let runs = whole.iter().flat_map(|(_, parts)| parts).map(Part::view);
@@ -105,12 +106,12 @@ pub fn compare(
         samples: windows().map(|w| w.samples() as u64).sum(),
         std,
         statements: verdict(
-            &told,
+            &compared,
             &differences,
             (validity.as_ref(), &outside),
             (bands.as_ref(), spread.as_ref()),
         ),
-        models: told,
+        models: compared,
         differences,
         bands,
         spread,

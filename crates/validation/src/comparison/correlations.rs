@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::simulated::{Contestant, Ship, Simulated};
 
-/// Lags that errors are correlated with themselves over.
+/// Number of lags of autocorrelations.
 const OWN: usize = 40;
-/// Lags that they are correlated with inputs over, earlier and later.
+/// Number of lags of correlations with inputs, in either direction.
 const CROSSED: usize = 20;
 refusal::choices! {
     /// What a model's errors are errors of.
@@ -50,7 +50,8 @@ pub struct InputCorrelations {
     pub crossed: Vec<f64>,
 }
 
-/// Those of the first contestant: one-step residuals of u, v, r, then free-run errors. None where nothing varies.
+/// Correlations for the first contestant: one-step residuals of u, v, r, then free-run errors. Empty if nothing
+/// varies.
 pub(super) fn error_correlations(
     first: &Contestant,
     sources: &[(String, Vec<Part>)],
@@ -74,7 +75,7 @@ fn free_run(window: &Part, states: &[f64]) -> [Vec<f64>; 3] {
     [0, 1, 2].map(|d: usize| pairs().map(|(measured, simulated)| measured[d] - simulated[d]).collect())
 }
 
-/// Those of the mean prediction.
+/// Errors of the mean prediction.
 fn one_step(first: &Contestant, window: &Part) -> [Vec<f64>; 3] {
     let mut mean = [(); 3].map(|()| MeanTrajectory::default());
     for ship in &first.ships {
@@ -123,7 +124,7 @@ fn of_states(
 }
 
 /// ρ_l = Σ e(k) e(k − l) / Σ e(k)², l = 1 … `lags` but below the longest window's length, e without its mean over all
-/// windows; none where e does not vary.
+/// windows; `None` if e does not vary.
 pub fn autocorrelations(windows: &[Vec<f64>], lags: usize) -> Option<Vec<f64>> {
     let centred = centred(windows);
     let power = lagged(&centred, &centred, 0);
@@ -131,8 +132,8 @@ pub fn autocorrelations(windows: &[Vec<f64>], lags: usize) -> Option<Vec<f64>> {
     varies(power).then(|| (1..=lags).map(|lag| lagged(&centred, &centred, lag) / power).collect())
 }
 
-/// Σ e(k) x(k − l) / √(Σ e² Σ x²), l = −n … n with n = `lags` but below the longest window's length, both without their
-/// means over all windows; none where one does not vary.
+/// Σ e(k) x(k − l) / √(Σ e² Σ x²), l = −n … n with n = `lags` but below the longest window's length, both without
+/// their means over all windows; `None` if one does not vary.
 pub fn cross_correlations(errors: &[Vec<f64>], inputs: &[Vec<f64>], lags: usize) -> Option<Vec<f64>> {
     let (errors, inputs) = (centred(errors), centred(inputs));
     let powers = [&errors, &inputs].map(|all| lagged(all, all, 0));

@@ -40,7 +40,7 @@ pub struct Counter<'a> {
 }
 
 impl<'a> Counter<'a> {
-    /// Before anything was counted.
+    /// A counter without samples.
     pub fn new(covered: &'a [Covered]) -> Self {
         Self { covered, outside: vec![0; covered.len()], samples: 0 }
     }
@@ -58,7 +58,7 @@ impl<'a> Counter<'a> {
         }
     }
 
-    /// The channels that were outside at all.
+    /// The channels with samples outside.
     pub fn outside(&self) -> Vec<Outside> {
         let found = |(covered, samples): (&Covered, &u64)| Outside {
             name: covered.name.clone(),

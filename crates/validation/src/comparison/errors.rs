@@ -67,7 +67,7 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    /// Adds a window, of which `states` were simulated, (N+1) × 3 as measured; none: it diverged.
+    /// Adds a window with its simulated `states`, (N+1) × 3; `None`: it diverged.
     pub fn add(&mut self, window: &Part, states: Option<&[f64]>) {
         self.windows += 1;
         let Some(states) = states else {
@@ -95,7 +95,7 @@ impl Sums {
         });
     }
 
-    /// Against the standard deviations `own` of these windows and `all` of all.
+    /// The errors relative to the standard deviations `own` of these windows and `all` of all windows.
     pub fn errors(&self, own: [f64; 3], all: [f64; 3]) -> ComparedErrors {
         let Self { windows, diverged, samples, .. } = *self;
         let counted = ComparedErrors { windows, diverged, samples, ..ComparedErrors::default() };

@@ -1,7 +1,7 @@
-//! A model beside others on recordings that it was not fitted to.
+//! Comparison of a model with others on recordings that it was not fitted to.
 //!
-//! Every window is simulated freely from its first measured state by each model. How far they are off is told over all windows
-//! and recording by recording, and compared with the mean of the data, which knows nothing of the ship.
+//! Every window is simulated freely from its first measured state by each model. Their errors are reported over all
+//! windows and per recording, and compared with the mean of the data as a baseline.
 
 mod bands;
 mod compare;

@@ -7,10 +7,10 @@ use regression::pooled::Part;
 use super::errors::{ComparedRecording, Sums};
 use super::standing::{ComparedModel, Standing};
 
-/// Who takes part.
+/// A participant of a comparison.
 #[derive(Clone, Debug)]
 pub struct Contestant<'a> {
-    /// As what.
+    /// Its standing.
     pub standing: Standing,
     /// The model; several of the same channels are averaged.
     pub ships: Vec<Ship<'a>>,
@@ -25,15 +25,15 @@ pub struct Ship<'a> {
     pub theta: &'a [f64],
 }
 
-/// What is simulated over a window.
+/// The simulation over a window.
 pub(super) struct Trajectory {
     /// u, v, r row by row.
     pub states: Vec<f64>,
-    /// Standard deviations of the models that are averaged, row by row; empty of a single model.
+    /// Standard deviations of the models that are averaged, row by row; empty for a single model.
     pub spread: Vec<f64>,
 }
 
-/// Every window of every source, as one contestant has it; none where a model diverges.
+/// Every window of every source, simulated by one contestant.
 pub(super) struct Simulated {
     standing: Standing,
     pub windows: Vec<Vec<Option<Trajectory>>>,
@@ -76,7 +76,7 @@ impl Simulated {
         })
     }
 
-    /// The mean of each source's windows.
+    /// The baseline: the mean of each source's windows.
     pub fn mean(sources: &[(String, Vec<Part>)]) -> Self {
         Self::new(Standing::Mean, sources, |all, window| {
             let rows = || all.iter().flat_map(|w| w.measured.as_chunks::<3>().0.iter().skip(1));
@@ -86,7 +86,7 @@ impl Simulated {
         })
     }
 
-    pub fn told(&self, sources: &[(String, Vec<Part>)], std: [f64; 3]) -> ComparedModel {
+    pub fn compared(&self, sources: &[(String, Vec<Part>)], std: [f64; 3]) -> ComparedModel {
         let mut whole = Sums::default();
         let recording = |((source, windows), sums): (&(String, Vec<Part>), &Vec<Sums>)| {
             let mut own = Sums::default();

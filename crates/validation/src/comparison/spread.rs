@@ -38,7 +38,7 @@ impl Spread {
     }
 }
 
-/// The bands of an average: from how far its models are apart, and the errors that it had on what they were fitted to.
+/// The bands of an average: from the spread of its models, and its errors on the recordings that they were fitted to.
 pub(super) struct Spreads {
     models: usize,
     rmse: Option<[f64; 3]>,
@@ -48,13 +48,13 @@ pub(super) struct Spreads {
 }
 
 impl Spreads {
-    /// Of so many `models`, whose average had errors of `rmse`.
+    /// The spreads of this number of `models`, whose average had errors of `rmse`.
     pub fn new(models: usize, rmse: Option<[f64; 3]>) -> Self {
         Self { models, rmse, squares: [0.0; 3], alone: Inside::default(), together: Inside::default() }
     }
 
-    /// Half the widths of the bands over `window`, of which `states` are the average and `spread` the models' standard
-    /// deviations; none where the errors are not known.
+    /// Half-widths of the bands over `window`, where `states` are the average and `spread` the models' standard
+    /// deviations; `None` if the errors are not known.
     pub fn add(&mut self, window: &Part, states: &[f64], spread: &[f64]) -> Option<Vec<[f64; 3]>> {
         let rows = spread.as_chunks::<3>().0;
         for row in rows.iter().skip(1) {
@@ -69,8 +69,8 @@ impl Spreads {
         Some(bands)
     }
 
-    /// What they come to; none of nothing.
-    pub fn told(&self) -> Option<Spread> {
+    /// The spread over all windows; `None` without samples.
+    pub fn spread(&self) -> Option<Spread> {
         let [inside_u, inside_v, inside_r] = self.alone.shares()?;
         let [spread_u, spread_v, spread_r] =
             self.squares.map(|sum| (sum / self.alone.samples() as f64).sqrt());

@@ -5,9 +5,9 @@ use regression::pooled::{PooledRuns, Recorded};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Seconds of a stretch: long enough that motion passes through zero and comes back.
+/// Length of a stretch \[s\]: long enough that the motion passes through zero and returns.
 pub const STRETCH_S: f64 = 60.0;
-/// Relative difference that counts as none.
+/// Smaller relative differences are ignored.
 const NONE: f64 = 1e-9;
 
 /// How large the channels were: the range of their root mean squares over stretches of the data, side by side in each run.
@@ -59,7 +59,8 @@ pub struct Unlike {
 }
 
 impl Magnitudes {
-    /// Those of `runs`, whose channels are the variables of `model`, at `rate_hz`; none where no run is as long as a stretch.
+    /// The magnitudes of `runs`, whose channels are the variables of `model`, at `rate_hz`; `None` if no run is as
+    /// long as a stretch.
     ///
     /// # Errors
     /// Runs that cannot be read.
@@ -109,7 +110,7 @@ fn magnitudes(run: RunView, rate_hz: f64) -> impl Iterator<Item = Vec<f64>> {
 }
 
 impl Validity {
-    /// How `runs` compare with `known`; none where none is as long as a stretch.
+    /// Compares `runs` with `known`; `None` if no run is as long as a stretch.
     pub fn of<'r>(known: &Magnitudes, runs: impl Iterator<Item = RunView<'r>>, rate_hz: f64) -> Option<Self> {
         let unlike = |c: &Covered| Unlike {
             name: c.name.clone(),
@@ -136,7 +137,7 @@ impl Validity {
         (stretches > 0).then_some(Self { stretch_s: STRETCH_S, stretches, outside, channels })
     }
 
-    /// That of two sets of runs.
+    /// The validity over two sets of runs.
     pub fn together(first: Option<Self>, second: Option<Self>) -> Option<Self> {
         let (Some(mut all), Some(own)) = (first.clone(), second.clone()) else { return first.or(second) };
         all.stretches += own.stretches;
@@ -153,20 +154,20 @@ impl Validity {
         Some(all)
     }
 
-    /// In words; none where all is inside.
+    /// In words; `None` if all is inside.
     pub fn statement(&self) -> Option<String> {
         let Self { stretch_s, stretches, outside, channels } = self;
         let side = |name: &str, word: &str, bound: f64, unit: &str, count: u64| {
             (count > 0).then(|| format!("{name} {word} {bound:.3e} {unit} in {count}"))
         };
-        let told = |c: &Unlike| {
+        let sides = |c: &Unlike| {
             let sides = [
                 side(&c.name, "below", c.low, &c.unit, c.below),
                 side(&c.name, "above", c.high, &c.unit, c.above),
             ];
             sides.into_iter().flatten().collect::<Vec<_>>()
         };
-        let all: Vec<String> = channels.iter().flat_map(told).collect();
+        let all: Vec<String> = channels.iter().flat_map(sides).collect();
         (*outside > 0).then(|| {
             format!(
                 "outside the range of validity in {outside} of {stretches} stretches of {stretch_s} s, where the ship moves \

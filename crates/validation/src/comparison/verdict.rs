@@ -10,16 +10,20 @@ use super::spread::Spread;
 use super::standing::{ComparedModel, Difference, Standing};
 use super::validity::Validity;
 
-/// With fewer recordings than this their windows are compared: no interval of a median has both ends then.
+/// With fewer recordings than this, windows are compared: the interval of a median would have no two ends.
 const FEW: usize = 6;
 
-/// The first of `told` against the others by their error norms: recording by recording, or window by window.
-pub(super) fn differences(told: &[ComparedModel], models: &[Simulated], std: [f64; 3]) -> Vec<Difference> {
-    let by_window = told.first().is_none_or(|first| first.recordings.len() < FEW);
+/// The first of `compared` against the others by their error norms: recording by recording, or window by window.
+pub(super) fn differences(
+    compared: &[ComparedModel],
+    models: &[Simulated],
+    std: [f64; 3],
+) -> Vec<Difference> {
+    let by_window = compared.first().is_none_or(|first| first.recordings.len() < FEW);
     let norms = |i: usize| -> Vec<Option<f64>> {
         match by_window {
             true => models[i].sums.iter().flatten().map(|sum| sum.errors(std, std).error_norm).collect(),
-            false => told[i].recordings.iter().map(|own| own.errors.error_norm).collect(),
+            false => compared[i].recordings.iter().map(|own| own.errors.error_norm).collect(),
         }
     };
     let first = norms(0);
@@ -27,20 +31,20 @@ pub(super) fn differences(told: &[ComparedModel], models: &[Simulated], std: [f6
         let pairs = first.iter().zip(norms(i)).map(|(own, other)| [*own, other]);
         let [low, median, high] = paired_median(pairs)?;
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
-        let (name, pairs) = (told[i].name, first.len() as u64);
+        let (name, pairs) = (compared[i].name, first.len() as u64);
         Some(Difference { name, pairs, median: finite(median), interval: [low, high].map(finite) })
     };
-    (1..told.len()).filter_map(difference).collect()
+    (1..compared.len()).filter_map(difference).collect()
 }
 
-/// The verdict on the first of `told`, then what else to know.
+/// The verdict on the first of `compared`, then remarks.
 pub(super) fn verdict(
-    told: &[ComparedModel],
+    compared: &[ComparedModel],
     differences: &[Difference],
     (validity, outside): (Option<&Validity>, &[Outside]),
     (bands, spread): (Option<&Bands>, Option<&Spread>),
 ) -> Vec<String> {
-    let mut out: Vec<String> = told.first().map(headline).into_iter().collect();
+    let mut out: Vec<String> = compared.first().map(headline).into_iter().collect();
     out.extend(differences.iter().map(against));
     out.extend(validity.and_then(Validity::statement));
     out.extend(outside.iter().map(Outside::statement));
@@ -52,7 +56,7 @@ pub(super) fn verdict(
     out
 }
 
-/// Useless where it diverges or is no better than the mean of the data.
+/// Useless if it diverges or is no better than the mean of the data.
 fn headline(model: &ComparedModel) -> String {
     let errors = &model.errors;
     if errors.diverged > 0 {
@@ -81,7 +85,7 @@ fn fit((d, fit): (DegreeOfFreedom, Option<f64>)) -> String {
 
 fn against(difference: &Difference) -> String {
     let Difference { name, pairs, median, interval } = difference;
-    let told = match interval {
+    let verdict = match interval {
         [Some(low), _] if *low > 0.0 => "better than",
         [_, Some(high)] if *high < 0.0 => "worse than",
         _ => "not told apart from",
@@ -92,5 +96,5 @@ fn against(difference: &Difference) -> String {
         Standing::Mean | Standing::Model | Standing::Average => "the mean of the data",
     };
     let lies = lies_above(*median, *interval, *pairs, "pairs");
-    format!("{told} {than}: {lies}")
+    format!("{verdict} {than}: {lies}")
 }

@@ -9,14 +9,14 @@ use super::folds::{Fold, Folds, folds};
 use identification::pooled::{Estimated, FreeRunErrors, NoEstimate, Pool, Score, deviations};
 use identification::{Contender, Estimator, Recommendation, ScoreStatus};
 
-/// What is compared, and over what.
+/// Options of a cross-validation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CrossOptions {
     /// The estimators.
     pub estimators: Vec<Estimator>,
-    /// Length of the windows in samples; none: whole runs.
+    /// Length of the windows in samples; `None`: whole runs.
     pub window: Option<usize>,
-    /// What is left out at a time.
+    /// The runs or recordings that are left out at a time.
     pub folds: Folds,
 }
 
@@ -33,7 +33,7 @@ pub struct CrossValidation {
     pub std: [f64; 3],
     /// One per estimator.
     pub scores: Vec<EstimatorScore>,
-    /// The estimators recording by recording, by their norms of RMSE/std; none where none could be simulated over all.
+    /// The estimators recording by recording, by their norms of RMSE/std; `None` if none could be simulated over all.
     pub recommendation: Option<Recommendation>,
     /// That, and what went wrong, in words.
     pub statements: Vec<String>,
@@ -98,7 +98,7 @@ struct Tried {
 /// of estimates that are done.
 ///
 /// # Errors
-/// Nothing that can be left out; no window.
+/// Nothing can be left out; no window.
 pub fn cross_validate(
     pool: &Pool,
     runs: &PooledRuns,
@@ -133,7 +133,7 @@ pub fn cross_validate(
 }
 
 impl EstimatorScore {
-    /// Its errors over the recordings that have windows.
+    /// Its errors over the recordings with windows.
     fn contender(&self) -> Contender {
         let simulated = self.sources.iter().filter(|source| source.windows > 0);
         let errors: Vec<Option<f64>> = simulated.map(|source| source.error_norm).collect();
@@ -251,7 +251,7 @@ fn statements(found: Option<&Recommendation>, scores: &[EstimatorScore]) -> Vec<
     out
 }
 
-/// Which estimator is recommended, or which cannot be told apart.
+/// The recommended estimator, or those that cannot be distinguished.
 fn verdict(found: &Recommendation, errors: &FreeRunErrors) -> String {
     let (least, fits) = (found.least, fits(errors));
     match found.estimator() {

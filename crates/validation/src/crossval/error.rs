@@ -4,7 +4,7 @@ use thiserror::Error;
 /// Why nothing can be left out.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum CrossError {
-    /// There is one run or recording only, or all are left out.
+    /// There is only one run or recording, or all are left out.
     #[error("no run or recording that could be left out, or none that would be left")]
     OneSource,
     /// No run is as long as a window.
@@ -18,7 +18,7 @@ pub enum CrossError {
         /// The nearest known name.
         nearest: String,
     },
-    /// A run or recording stands in two folds.
+    /// A run or recording is in two folds.
     #[error("`{0}` stands in two folds")]
     Twice(String),
 }

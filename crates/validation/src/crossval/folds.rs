@@ -7,13 +7,13 @@ use super::error::CrossError;
 pub enum Folds {
     /// Each on its own.
     Each,
-    /// Dealt in turns into so many folds.
+    /// Dealt in turn into this number of folds.
     Dealt(usize),
-    /// Those of these names together; those without a name here are in every estimate.
+    /// Named groups together; those not named are in every estimate.
     Named(Vec<Vec<String>>),
 }
 
-/// One fold: the places of its sources among all sources.
+/// One fold: the indices of its sources.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Fold {
     /// Left out of the estimate, and simulated over.
@@ -23,7 +23,7 @@ pub(super) struct Fold {
 /// The folds of `sources`.
 ///
 /// # Errors
-/// A name that no source has, or that stands twice.
+/// A name that no source has, or that occurs twice.
 pub(super) fn folds(sources: &[&str], how: &Folds) -> Result<Vec<Fold>, CrossError> {
     let all = sources.len();
     let dealt = |count: usize| {

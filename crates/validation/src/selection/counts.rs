@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use regression::pooled::Part;
 
-/// How many of `parts` there are of each maneuver.
+/// The number of `parts` of each maneuver.
 pub fn available(parts: &[Part]) -> BTreeMap<String, u64> {
     let mut available = BTreeMap::new();
     parts.iter().for_each(|part| *available.entry(part.label.clone()).or_insert(0) += 1);

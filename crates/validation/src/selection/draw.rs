@@ -2,17 +2,17 @@ use std::collections::BTreeMap;
 
 use engine::Streams;
 
-/// What is drawn for a realization.
+/// The random draw of a realization.
 pub(super) struct Draw {
     /// `optimized` or `random`.
     pub design: &'static str,
     streams: Streams,
-    /// Per maneuver that is picked: the parts there are, and how many.
+    /// Per picked maneuver: its parts, and the number to pick.
     groups: Vec<(Vec<usize>, usize)>,
 }
 
 impl Draw {
-    /// Of each maneuver as many as `counts` says, of parts with these `labels`.
+    /// Picks `counts` parts of each maneuver, from parts with these `labels`.
     pub(super) fn by_design(seed: u64, labels: &[&str], counts: &BTreeMap<String, u64>) -> Self {
         let group = |(name, count): (&String, &u64)| {
             let own = (0..labels.len()).filter(|i| labels[*i] == name).collect();
@@ -21,7 +21,7 @@ impl Draw {
         Self::new(seed, "optimized", counts.iter().map(group).collect())
     }
 
-    /// `picks` of all `parts`.
+    /// Picks `picks` of all `parts`.
     pub(super) fn at_random(seed: u64, parts: usize, picks: usize) -> Self {
         Self::new(seed, "random", vec![((0..parts).collect(), picks)])
     }

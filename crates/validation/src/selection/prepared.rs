@@ -4,16 +4,16 @@ use refusal::listed;
 use regression::Sums;
 use regression::pooled::{Centring, LostInstruments, Part, PooledRuns, PooledSums, Strength};
 
-/// Below this the instruments have lost a state: the nominal simulation explains less than half of its deviations.
+/// Instruments are poor below this fit of a state: the nominal simulation explains less than half of its deviations.
 const POOR: f64 = 50.0;
 
-/// Sums per part, and what to know about their instruments.
+/// Sums per part, and the fit of their instruments.
 pub(super) struct Prepared {
     /// With the regressors as instruments.
     pub ls: Vec<Sums>,
     /// With simulated instruments.
     pub iv: Option<Vec<Sums>>,
-    /// Nominal parameters that a prior pulls to.
+    /// Nominal parameters for a prior.
     pub nominal: Option<Vec<f64>>,
     /// See [`InstrumentFit`].
     pub instrument_fit: Option<[f64; 3]>,
@@ -23,11 +23,11 @@ pub(super) struct Prepared {
 
 impl Prepared {
     /// # Errors
-    /// The nominal simulation diverges, and the estimator cannot do without it.
+    /// The nominal simulation diverges, and the estimator needs it.
     pub(super) fn new(pool: &Pool, runs: &PooledRuns, estimator: Estimator) -> Result<Self, LostInstruments> {
-        let pieces = runs.segments(pool.part_samples);
-        let counts: Vec<usize> = pieces.iter().map(Vec::len).collect();
-        let parts: Vec<Part> = pieces.into_iter().flatten().collect();
+        let segments = runs.segments(pool.part_samples);
+        let counts: Vec<usize> = segments.iter().map(Vec::len).collect();
+        let parts: Vec<Part> = segments.into_iter().flatten().collect();
         let ls = merged(&sums(pool, &parts, None)?.1, &counts);
         let nominal = pool.nominal.parameters(&PooledSums::of(&ls, pool.removal));
         let theta = nominal.as_ref().map(|(theta, _)| theta.clone());
@@ -45,12 +45,12 @@ impl Prepared {
         Ok(prepared)
     }
 
-    /// Looks how well instruments simulated with `model` follow the data.
+    /// Checks how well instruments simulated with `model` follow the data, and warns if they do not.
     fn warn(&mut self, pool: &Pool, parts: &[Part], model: &[f64], centring: &Centring) {
         let mut fit = InstrumentFit::of(parts.iter().map(|part| part.measured.as_slice()));
         let mut strengths: [Strength; 3] = Default::default();
         for (i, part) in parts.iter().enumerate() {
-            // They could be simulated before.
+            // Parts that diverge were refused before.
             let Ok((regression, states)) = pool.regression(&part.whole(), Some(model)) else { continue };
             fit.add(&states, &part.measured);
             for (d, (strength, degree)) in strengths.iter_mut().zip(&regression.degrees).enumerate() {
@@ -62,7 +62,7 @@ impl Prepared {
     }
 }
 
-/// The sums of all `parts`, and of every one.
+/// The sums of all `parts`, and of each.
 fn sums(
     pool: &Pool,
     parts: &Vec<Part>,
@@ -75,9 +75,9 @@ fn sums(
     }
 }
 
-/// Instruments start anew with every piece; a part's sums are those of its pieces.
-fn merged(pieces: &[Sums], counts: &[usize]) -> Vec<Sums> {
-    let mut rest = pieces;
+/// Adds the sums of the parts that a segment was cut into, `counts` each; instruments restart with every part.
+fn merged(parts: &[Sums], counts: &[usize]) -> Vec<Sums> {
+    let mut rest = parts;
     let mut merged = |count: &usize| {
         let own;
         (own, rest) = rest.split_at(*count);
@@ -86,7 +86,7 @@ fn merged(pieces: &[Sums], counts: &[usize]) -> Vec<Sums> {
     counts.iter().map(&mut merged).collect()
 }
 
-/// The term that its instrument tells least of, with Shea's partial R².
+/// The term that its instrument explains least, with Shea's partial R².
 fn weakest(pool: &Pool, strengths: [Strength; 3]) -> Option<(String, f64)> {
     let degree = |(d, strength): (usize, Strength)| {
         let terms = pool.vessel.model.degrees[d].terms.iter().map(|t| t.text.clone());
@@ -95,7 +95,7 @@ fn weakest(pool: &Pool, strengths: [Strength; 3]) -> Option<(String, f64)> {
     strengths.into_iter().enumerate().flat_map(degree).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// That the instruments have lost the motion, and what comes of it.
+/// The warning that the instruments do not follow the motion.
 fn poor(fits: [f64; 3], weakest: Option<(String, f64)>) -> Option<String> {
     let lost: Vec<String> = ["u", "v", "r"]
         .into_iter()
@@ -103,12 +103,12 @@ fn poor(fits: [f64; 3], weakest: Option<(String, f64)>) -> Option<String> {
         .filter(|(_, fit)| *fit < POOR)
         .map(|(name, fit)| format!("{name} to {fit:.0} %"))
         .collect();
-    let told = weakest.map_or(String::new(), |(term, share)| {
+    let explained = weakest.map_or(String::new(), |(term, share)| {
         format!(" and tells {:.1} % of `{term}` (partial R²)", 100.0 * share)
     });
     (!lost.is_empty()).then(|| {
         format!(
-            "poor instruments: simulated from the first state of each part the nominal model follows {} only{told}; \
+            "poor instruments: simulated from the first state of each part the nominal model follows {} only{explained}; \
              estimates divide by what instruments tell, so that those from few parts are free to diverge: cut shorter \
              parts (--part-s), improve the nominal model or the structure, name a --prior, or use --estimator ls",
             listed(&lost)

@@ -8,18 +8,18 @@ use regression::pooled::{Options, Solution, fit, joined};
 use super::draw::Draw;
 use super::prepared::Prepared;
 
-/// One realization: what was picked, and what its model is worth.
+/// One realization: the picked parts, and the score of its model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Realization {
     /// `optimized` or `random`.
     pub design: String,
     /// Its number.
     pub number: i32,
-    /// Places of the parts, ascending: `3 17 40`.
+    /// Indices of the parts, ascending: `3 17 40`.
     pub picked: String,
-    /// What became of its model over all parts.
+    /// The status of its model over all parts.
     pub status: ScoreStatus,
-    /// Free simulation over all parts: RMSE of u, v, r; absent without a model and where one diverged.
+    /// Free simulation over all parts: RMSE of u, v, r; absent without a model and if it diverged.
     pub rmse: Option<[f64; 3]>,
     /// Norm of RMSE/std.
     pub error_norm: Option<f64>,
@@ -31,7 +31,7 @@ pub struct Realization {
 
 /// Makes realizations from sums per part.
 pub(super) struct Realizer<'a> {
-    /// What all have in common.
+    /// The options of all estimates.
     pub pool: &'a Pool<'a>,
     /// The estimator.
     pub estimator: Estimator,
@@ -72,7 +72,7 @@ impl Realizer<'_> {
         (0..count).map(realization).collect()
     }
 
-    /// Scores over all parts and over those not `picked`, the models side by side.
+    /// Scores of the models, in lanes, over all parts and over those not `picked`.
     fn scores(&self, picked: &[Vec<usize>], models: &[Option<Vec<f64>>]) -> Vec<[Score; 2]> {
         let zero = vec![0.0; self.pool.model.parameters()];
         let lanes = interleave(&models.iter().map(|m| m.as_deref().unwrap_or(&zero)).collect::<Vec<_>>());
@@ -95,7 +95,7 @@ impl Realizer<'_> {
         Some(self.pool.model.layout().woven(&theta, intercepts))
     }
 
-    /// Collinear picks are answered (by `auto` with least squares): what comes of them is what the study shows.
+    /// Collinear picks are estimated too (by `auto` with least squares): the study shows the errors.
     fn solutions(&self, picked: &[usize]) -> [Option<Solution>; 3] {
         let Prepared { ls, iv, nominal, .. } = self.prepared;
         let fitted = |sums: &[Sums], options: Options| {

@@ -80,7 +80,7 @@ pub struct SelectionErrors {
 }
 
 impl SelectionScores {
-    /// What the `realizations` of one design say together.
+    /// Statistics of the `realizations` of one design.
     pub(super) fn new(design: &str, realizations: &[Realization], limits: Option<PublishedLimits>) -> Self {
         let with = |status: ScoreStatus| realizations.iter().filter(|r| r.status == status).count();
         let degenerate = |r: &&Realization| r.error_norm.is_none_or(|norm| norm >= DEGENERATE);

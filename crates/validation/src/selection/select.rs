@@ -12,18 +12,18 @@ use super::prepared::Prepared;
 use super::realize::{Realization, Realizer};
 use super::scores::{PublishedLimits, SelectionScores};
 
-/// What is picked, how often, and by whom.
+/// Options of a selection study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SelectionOptions {
     /// The estimator: `ls`, `iv` or `auto`.
     pub estimator: Estimator,
-    /// How many sub-experiments of each maneuver the design picks.
+    /// Number of sub-experiments of each maneuver that the design picks.
     pub counts: BTreeMap<String, u64>,
     /// Realizations per design.
     pub realizations: u32,
     /// Seed of the picks.
     pub seed: u64,
-    /// Where the figures of a published study end.
+    /// Errors at which the figures of a published study end.
     pub published_limits: Option<PublishedLimits>,
 }
 
@@ -32,7 +32,7 @@ pub struct SelectionOptions {
 pub struct Selection {
     /// Sub-experiments per realization.
     pub picks: u64,
-    /// Sub-experiments there are of each maneuver.
+    /// Number of sub-experiments of each maneuver.
     pub available: BTreeMap<String, u64>,
     /// Number of sub-experiments, all of which every model is simulated over.
     pub parts: usize,
@@ -42,15 +42,15 @@ pub struct Selection {
     pub std: [f64; 3],
     /// How well the instruments follow the measured u, v, r: 100 (1 − RMSE/std) \[%\].
     pub instrument_fit: Option<[f64; 3]>,
-    /// Picked as the design says, and at random.
+    /// Picked by the design, and at random.
     pub designs: [SelectionScores; 2],
-    /// 90 % quantile of the optimized error norm over that of the random one; none where either is infinite.
+    /// 90 % quantile of the optimized error norm over that of the random one; `None` if either is infinite.
     pub ratio_q90: Option<f64>,
-    /// The result, and what went wrong, in words.
+    /// The result and the failures, in words.
     pub statements: Vec<String>,
 }
 
-/// Makes the realizations of a selection study, in groups that depend on nothing but their number.
+/// Makes the realizations of a selection study, in groups that depend only on their number.
 pub struct Selector<'a> {
     pool: &'a Pool<'a>,
     options: &'a SelectionOptions,
@@ -63,7 +63,7 @@ pub struct Selector<'a> {
 }
 
 impl<'a> Selector<'a> {
-    /// Sums up the sub-experiments of `runs`.
+    /// Computes the sums of the sub-experiments of `runs`.
     ///
     /// # Errors
     /// The nominal simulation diverges.
@@ -84,17 +84,17 @@ impl<'a> Selector<'a> {
         Ok(Self { pool, options, prepared, parts, std, draws })
     }
 
-    /// Groups of one design.
+    /// Number of groups of one design.
     fn each(&self) -> usize {
         (self.options.realizations as usize).div_ceil(LANES)
     }
 
-    /// How many groups there are: those that the design picks, then those at random.
+    /// Number of groups: those that the design picks, then those at random.
     pub fn groups(&self) -> usize {
         self.draws.len() * self.each()
     }
 
-    /// How many realizations `group` has.
+    /// Number of realizations of `group`.
     pub fn realizations_of(&self, group: usize) -> usize {
         LANES.min(self.options.realizations as usize - group % self.each() * LANES)
     }
@@ -109,7 +109,7 @@ impl<'a> Selector<'a> {
         realizer.chunk(&self.draws[group / self.each()], first as u32, self.realizations_of(group))
     }
 
-    /// What `realizations`, those of all groups in order, say together.
+    /// The result of `realizations`, those of all groups in order.
     pub fn found(&self, realizations: &[Realization]) -> Selection {
         let [optimized, random] = &self.draws;
         let (own, others) =
@@ -137,12 +137,12 @@ fn q90(scores: &SelectionScores) -> Option<f64> {
 }
 
 fn conclusion([optimized, random]: &[SelectionScores; 2]) -> String {
-    let told = |scores: &SelectionScores| q90(scores).map_or("infinite".to_owned(), |q| format!("{q:.2}"));
+    let text = |scores: &SelectionScores| q90(scores).map_or("infinite".to_owned(), |q| format!("{q:.2}"));
     let share = |scores: &SelectionScores| 100.0 * scores.degenerate_share;
     format!(
         "90 % quantile of the error norm: optimized {}, random {}; degenerate: optimized {:.1} %, random {:.1} %",
-        told(optimized),
-        told(random),
+        text(optimized),
+        text(random),
         share(optimized),
         share(random)
     )

@@ -99,7 +99,7 @@ impl Errors {
         self.not_in_sum += other.not_in_sum;
     }
 
-    /// Their mean; `None` of nothing or where one is not in the sum.
+    /// Their mean; `None` without errors, or if one is not in the sum.
     pub fn mean(&self) -> Option<f64> {
         let count = self.histogram.count();
         (count > 0 && self.not_in_sum == 0).then(|| self.sum.value() / count as f64)
@@ -157,7 +157,7 @@ impl Counted {
         self.counts().into_iter().zip(other.counts()).for_each(|(own, other)| *own += *other);
     }
 
-    /// Half the width of the wider of the two shares' 95 % intervals; 1 of nothing.
+    /// Half the width of the wider of the two shares' 95 % intervals; 1 without runs.
     fn half_width(&self) -> f64 {
         let half = |count| wilson(count, self.runs).map_or(1.0, |[low, high]| 0.5 * (high - low));
         half(self.parameter_errors_below).max(half(self.simulation_errors_below))
@@ -190,7 +190,7 @@ fn is_below(error: Option<f64>, bound: f64) -> bool {
 }
 
 impl Tally {
-    /// Of nothing yet.
+    /// An empty tally.
     pub fn new(designs: &[&str], estimators: &[Estimator]) -> Self {
         let of = |design: &&str| estimators.iter().map(|e| Counted::new(design, *e)).collect::<Vec<_>>();
         let pair = |design: &str, other: usize, one: usize| PairCounts {
@@ -227,13 +227,13 @@ impl Tally {
         }
     }
 
-    /// How many estimators there are of each design.
+    /// Number of estimators of each design.
     fn estimators(&self) -> usize {
         let of_first = |counted: &&Counted| counted.design == self.counted[0].design;
         self.counted.iter().take_while(of_first).count().max(1)
     }
 
-    /// Counts what another of the same designs and estimators has counted; whether it is one.
+    /// Adds the counts of `other`; false if its designs or estimators differ.
     pub fn merge(&mut self, mut other: Self) -> bool {
         let key = |c: &Counted| (c.design.clone(), c.estimator);
         let same = self.counted.iter().map(key).eq(other.counted.iter().map(key))

@@ -18,8 +18,8 @@ pub struct ShareDifference {
 }
 
 impl Tally {
-    /// How much larger the share of parameter errors below their bound is by `counted` than by `baseline`, a design and an
-    /// estimator; `None` of the baseline itself, where there is no such, and of nothing.
+    /// How much larger the share of parameter errors below their bound is by `counted` than by `baseline`, a design
+    /// and an estimator. `None` for the baseline itself, if there is no baseline, and without runs.
     pub fn difference(&self, counted: &Counted, baseline: (&str, Estimator)) -> Option<ShareDifference> {
         let other = self.counted.iter().find(|c| (c.design.as_str(), c.estimator) == baseline)?;
         if (other.design == counted.design && other.estimator == counted.estimator) || counted.runs == 0 {
@@ -38,7 +38,7 @@ impl Tally {
         interval.map(|interval| ShareDifference { share: share - baseline, interval, paired })
     }
 
-    /// In how many of the same runs the one alone lies below its bound, and the other alone.
+    /// The number of common runs in which only the one is below its bound, and in which only the other is.
     fn alone(&self, one: &Counted, other: &Counted) -> Option<[u64; 2]> {
         let pairs = self.pairs.iter().filter(|p| p.design == one.design && p.design == other.design);
         let counts = |p: &PairCounts| {

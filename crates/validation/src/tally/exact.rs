@@ -14,7 +14,7 @@ const MOST: f64 = (1_u64 << 53) as f64;
 pub struct ExactSum(i128);
 
 impl ExactSum {
-    /// Adds `number`, unless it is too large or none; whether it did.
+    /// Adds `number`, unless it is too large or NaN; returns whether it did.
     pub fn add(&mut self, number: f64) -> bool {
         let fits = number.abs() <= MOST;
         if fits {

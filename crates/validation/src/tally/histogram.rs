@@ -5,9 +5,9 @@ use numerics::statistics::quantile_ranks;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Bits of a number's fraction that tell bins apart: 2⁸ bins per octave.
+/// Bits of a number's fraction that distinguish bins: 2⁸ bins per octave.
 const BITS: u32 = 8;
-/// Relative error of a quantile at most: half the widest bin.
+/// Maximum relative error of a quantile: half the widest bin.
 pub const QUANTILE_ERROR: f64 = 1.0 / (2 << BITS) as f64;
 
 /// How many numbers from 0 fell into each of bins of equal relative width, 256 to an octave. A bin is a number's sign,
@@ -21,7 +21,7 @@ pub struct Histogram {
     ends: Option<[f64; 2]>,
 }
 
-/// A histogram as it is written.
+/// The serialised form of a histogram.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Listed {
@@ -49,7 +49,7 @@ impl Histogram {
         match number.filter(|number| *number >= 0.0 && number.is_finite()) {
             None => self.beyond += 1,
             Some(number) => {
-                // Adding 0 makes the 0 with a sign one without.
+                // Adding 0 turns −0 into 0.
                 *self.bins.entry(bin(number + 0.0)).or_default() += 1;
                 let [low, high] = self.ends.unwrap_or([number; 2]);
                 self.ends = Some([low.min(number), high.max(number)]);
@@ -57,7 +57,7 @@ impl Histogram {
         }
     }
 
-    /// Counts what another has counted.
+    /// Adds the counts of another histogram.
     pub fn merge(&mut self, other: &Self) {
         for (bin, count) in &other.bins {
             *self.bins.entry(*bin).or_default() += count;
@@ -67,17 +67,17 @@ impl Histogram {
         self.ends = both.or(self.ends).or(other.ends);
     }
 
-    /// How many numbers there are, infinite ones among them.
+    /// The count of all numbers, including infinite ones.
     pub fn count(&self) -> u64 {
         self.bins.values().sum::<u64>() + self.beyond
     }
 
-    /// How many of them are infinite.
+    /// The count of infinite numbers.
     pub fn beyond(&self) -> u64 {
         self.beyond
     }
 
-    /// The number of rank `rank`, from 0, to within [`QUANTILE_ERROR`]; `None` where it is infinite or there is none.
+    /// The number of rank `rank`, from 0, to within [`QUANTILE_ERROR`]; `None` if it is infinite or there is none.
     pub fn ranked(&self, rank: u64) -> Option<f64> {
         let mut below = 0;
         let found = self.bins.iter().find(|(_, count)| {
@@ -89,20 +89,20 @@ impl Histogram {
         found.map(|(bin, _)| middle(*bin).clamp(low, high))
     }
 
-    /// The quantile `q`, to within [`QUANTILE_ERROR`]; `None` of nothing or among infinite numbers.
+    /// The quantile `q`, to within [`QUANTILE_ERROR`]; `None` without numbers or among infinite ones.
     pub fn quantile(&self, q: f64) -> Option<f64> {
         let place = q * self.count().checked_sub(1)? as f64;
         let [low, high] = [place.floor(), place.ceil()].map(|rank| self.ranked(rank as u64));
         Some(low? + (place - place.floor()) * (high? - low?))
     }
 
-    /// 95 % interval of the quantile `q` that the numbers were drawn from, by ranks; an end is `None` where there are too few
-    /// numbers for it or where it is infinite.
+    /// 95 % interval of the quantile `q` that the numbers were drawn from, by ranks; an end is `None` if there are
+    /// too few numbers for it or if it is infinite.
     pub fn quantile_interval(&self, q: f64) -> [Option<f64>; 2] {
         quantile_ranks(self.count(), q).map(|rank| self.ranked(rank? - 1))
     }
 
-    /// All quantiles that scores are told by.
+    /// All quantiles that are reported for scores.
     pub fn quantiles(&self) -> Quantiles {
         let all_finite = self.beyond == 0;
         Quantiles {

@@ -1,5 +1,5 @@
-//! What many scores say together, as counts and exact sums: merged in any order and any grouping they are the same, and they
-//! take no more memory for more runs.
+//! Statistics of many scores, as counts and exact sums: they do not depend on the order or grouping of merges, and
+//! their memory does not grow with the number of runs.
 
 mod counted;
 mod difference;

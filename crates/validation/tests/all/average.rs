@@ -110,7 +110,7 @@ fn law_the_average_of_equal_models_is_that_model_to_the_bit() {
         assert_eq!(several.correlations, alone.correlations);
         let spread = several.spread.unwrap();
         assert_eq!([spread.spread_u, spread.spread_v, spread.spread_r], [0.0; 3]);
-        // Without the errors on what was fitted there is no band.
+        // Without the errors on the fitted recordings there is no band.
         assert_eq!(several.bands, None);
     }
 }

@@ -1,4 +1,4 @@
-//! The range of validity: how large motions are.
+//! The range of validity: magnitudes of motions.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ fn model() -> Model {
     Vessel::preset("ljungberg-model-ship").unwrap().model
 }
 
-/// A run of so many `samples` whose channels are `value` of sample and channel.
+/// A run of `samples` samples whose channels are `value` of sample and channel.
 fn run(model: &Model, number: i32, samples: usize, value: impl Fn(usize, usize) -> f64) -> Run {
     let width = model.exogenous();
     let rows = |rows: usize, from: usize, count: usize| {
@@ -49,14 +49,14 @@ fn law_data_are_inside_their_own_range_and_motion_of_another_size_is_not() {
     let all = [swinging(&model, 0, 1.0), swinging(&model, 1, 1.5)];
     let known = magnitudes(&model, &all);
     assert_eq!((known.stretches, known.channels.len()), (6, model.variables.len()));
-    // The root mean square of a sine is its size over √2, whatever its phase.
+    // The root mean square of a sine is its amplitude over √2, for any phase.
     for channel in &known.channels {
         assert!((channel.low * 2.0_f64.sqrt() - 1.0).abs() < 0.03, "{channel:?}");
         assert!((channel.high * 2.0_f64.sqrt() - 1.5).abs() < 0.03, "{channel:?}");
     }
     let own = validity(&known, &all);
     assert_eq!((own.outside, own.stretches, own.statement()), (0, 6, None));
-    // Smaller motion stays inside the ranges of all channels, but is unlike all that was seen.
+    // Smaller motion stays inside the ranges of all channels, but is smaller than all that was fitted.
     let smaller = validity(&known, &[swinging(&model, 2, 0.3)]);
     assert_eq!((smaller.outside, smaller.stretches), (3, 3));
     assert!(smaller.channels.iter().all(|channel| (channel.below, channel.above) == (3, 0)));
@@ -78,7 +78,7 @@ fn runs_shorter_than_a_stretch_say_nothing() {
     assert_eq!(Validity::of(&known, [short.view()].into_iter(), 1.0), None);
 }
 
-/// A number between 0 and 1 that differs from place to place.
+/// A pseudo-random number between 0 and 1 for each index.
 fn scattered(place: u64) -> f64 {
     let mut x = place.wrapping_mul(0x9E37_79B9_7F4A_7C15);
     x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -1,15 +1,15 @@
-//! Where searches for the levels of a kind begin.
+//! Starts of searches for the levels of a kind.
 
 use super::kind::{Guess, NoiseKind};
 use super::line::Line;
 
-/// What runs show before any search.
+/// Statistics of runs before any search.
 pub(super) struct Seen {
-    /// What neighbouring samples differ by beyond steady change: u, v, r.
+    /// Differences of neighbouring samples beyond steady change: u, v, r.
     pub rough: [f64; 3],
     /// Errors of free simulations.
     pub errors: [f64; 3],
-    /// Root mean square of what was measured.
+    /// Root mean square of the measured states.
     pub motion: [f64; 3],
 }
 
@@ -35,7 +35,7 @@ impl Seen {
         Self { rough: root(rough, windows), errors: root(errors, samples), motion: root(motion, samples) }
     }
 
-    /// Starts of a kind that begins at none of the others.
+    /// Starts of a kind that does not begin at another one.
     pub fn starts(&self, kind: NoiseKind, rate_hz: f64) -> Vec<Guess> {
         let flow = libm::hypot(self.errors[0], self.errors[1]);
         let less = |share: f64| self.errors.map(|e| share * e);
@@ -54,7 +54,7 @@ impl Seen {
                 })
             }
             NoiseKind::Forces | NoiseKind::ForcesEach => {
-                // What errs within a time was pushed for about that long.
+                // Errors that grow over a time are due to forces of about that time.
                 let times = [0.5 / rate_hz, 2.0 / rate_hz, 2.0, 8.0, 30.0, 120.0];
                 let shares: Vec<[f64; 2]> =
                     times.iter().flat_map(|time| [[0.02, *time], [0.1, *time]]).collect();
@@ -79,7 +79,7 @@ fn each<T: Copy>(noises: &[[f64; 3]], others: &[T], guess: impl Fn([f64; 3], T) 
     noises.iter().flat_map(|noise| others.iter().map(|other| guess(*noise, *other))).collect()
 }
 
-/// Starts of a kind that begins at others, which were found before.
+/// Starts of a kind that begins at others, which were found before it.
 pub(super) fn after(kind: NoiseKind, found: &[Guess]) -> Vec<Guess> {
     let of = |kind: NoiseKind| found.iter().find(|own| own.kind == kind);
     let forces = of(NoiseKind::Forces);

@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::sensitivity::{Drift, Flow, Gusts, Levels};
 
-/// Most levels of a kind.
+/// Maximum number of levels of a kind.
 pub(super) const MOST: usize = 9;
-/// Least time of a process over that between two samples.
+/// Least time of a process over the sampling interval.
 const LEAST: f64 = 1e-3;
-/// Time from which a process stays as it is \[s\].
+/// A process with this time or more counts as constant \[s\].
 pub(crate) const LASTING: f64 = 1e5;
-/// Least standard deviation beside noise that is white.
+/// Least standard deviation of a process.
 const NONE: f64 = 1e-12;
 
 /// What disturbs runs besides white noise of u, v and r.
@@ -38,7 +38,7 @@ impl NoiseKind {
         [Self::White, Self::Current, Self::Forces, Self::Sensors, Self::ForcesEach, Self::ForcesAndCurrent];
 
     /// In words.
-    pub fn told(self) -> &'static str {
+    pub fn words(self) -> &'static str {
         match self {
             Self::White => "white noise",
             Self::Current => "a drifting current",
@@ -49,7 +49,7 @@ impl NoiseKind {
         }
     }
 
-    /// How many levels are found, three of them those of white noise.
+    /// Number of levels to find, three of them those of white noise.
     pub fn levels(self) -> usize {
         match self {
             Self::White => 4,
@@ -70,7 +70,7 @@ impl NoiseKind {
         }
     }
 
-    /// Which levels are times: the others are standard deviations.
+    /// Whether a level is a time: the others are standard deviations.
     fn is_time(self, level: usize) -> bool {
         match self {
             Self::White => false,
@@ -91,7 +91,7 @@ pub(crate) struct Guess {
 }
 
 impl Guess {
-    /// Of levels, in their order.
+    /// From levels, in their order.
     pub fn new(kind: NoiseKind, levels: &[f64]) -> Self {
         let log = |i: usize| levels.get(i).map_or(0.0, |level| libm::log(level.max(NONE)));
         Self { kind, logs: std::array::from_fn(log) }
@@ -111,7 +111,7 @@ impl Guess {
         [3, 4, 5].map(|i| self.level(i))
     }
 
-    /// Standard deviation of the current, and the time over which it drifts; none of one that is new at every sample.
+    /// Standard deviation of the current, and the time over which it drifts; `None` if it is new at every sample.
     pub fn current(&self) -> (f64, Option<f64>) {
         match self.kind {
             NoiseKind::White => (self.level(3), None),
@@ -121,7 +121,7 @@ impl Guess {
         }
     }
 
-    /// Standard deviations of forces \[what they add in a sample\], and over which times each drifts \[s\].
+    /// Standard deviations of forces \[increment per sample\], and the times over which each drifts \[s\].
     pub fn forces(&self) -> Option<([f64; 3], [f64; 3])> {
         let times = match self.kind {
             NoiseKind::Forces | NoiseKind::ForcesAndCurrent => [self.level(6); 3],
@@ -136,7 +136,7 @@ impl Guess {
         (self.kind == NoiseKind::Sensors).then(|| (self.three(), self.level(6)))
     }
 
-    /// With other logarithms, within what levels can be: noise is not below `floor`.
+    /// With changed logarithms, within the range of levels: noise is not below `floor`.
     pub fn changed(mut self, by: impl Fn(usize) -> f64, rate_hz: f64, floor: [f64; 3]) -> Self {
         for i in 0..self.kind.levels() {
             let log = self.logs[i] + by(i);
@@ -148,7 +148,7 @@ impl Guess {
         self
     }
 
-    /// As what disturbs runs.
+    /// The disturbances of runs.
     pub fn levels(&self, rate_hz: f64) -> Levels {
         let all = side_by_side(&[*self; LANES], rate_hz);
         let first = |all: [Lane; 3]| all.map(|x| x[0]);
@@ -168,7 +168,7 @@ impl Guess {
     }
 }
 
-/// What disturbs runs side by side, of each its own, all of one kind.
+/// The disturbances of runs in lanes, each its own, all of one kind.
 pub(crate) fn side_by_side(guesses: &[Guess; LANES], rate_hz: f64) -> Levels<Lane> {
     let level = |i: usize| lane(LANES, |run| guesses[run].level(i));
     let factor = |i: usize| lane(LANES, |run| libm::exp(-1.0 / (rate_hz * guesses[run].level(i))));

@@ -5,10 +5,10 @@ use numerics::{LANES, Lane};
 use super::kind::{Guess, side_by_side};
 use crate::sensitivity::{Recordings, current_of, filter_along, vessel_state, with_states};
 
-/// A run, with the model made linear about a path that looks back only.
+/// A run, with the model linearised about a causal path.
 pub(super) struct Line<'a> {
     pub run: RunView<'a>,
-    /// By sample, the last one's without what follows from it.
+    /// By sample; the last one has no successor.
     pub points: Vec<Point>,
     /// φ of every parameter, by sample.
     pub terms: Vec<f64>,
@@ -21,12 +21,12 @@ pub(super) struct Point {
     pub current: [f64; 2],
     /// The state after it.
     pub next: [f64; 3],
-    /// By the state.
+    /// Derivatives by the state.
     pub slopes: [[f64; 3]; 3],
 }
 
 impl<'a> Line<'a> {
-    /// About the free simulation with `theta`; about what was measured where that diverges.
+    /// Linearises about the free simulation with `theta`; about the measured states if that diverges.
     pub fn free(model: &Model, theta: &[f64], run: RunView<'a>) -> Self {
         let (width, mut state) = (model.exogenous().max(1), run.initial);
         let mut compiled = Compiled::<f64>::new(model, theta);
@@ -43,7 +43,8 @@ impl<'a> Line<'a> {
         Self::about(model, theta, run, path)
     }
 
-    /// About the states and currents that a filter for `guess` has at every sample; none where its numbers end.
+    /// Linearises about the states and currents that a filter for `guess` has at every sample; `None` if they are not
+    /// finite.
     pub fn filtered(
         model: &Model,
         theta: &[f64],
@@ -74,7 +75,7 @@ impl<'a> Line<'a> {
         Self { run, points, terms }
     }
 
-    /// Root mean square of what was measured beyond the path.
+    /// Root mean square of the measured states less the path.
     pub fn errors(&self) -> [f64; 3] {
         let rows = || self.points.iter().zip(self.run.measured.as_chunks::<3>().0);
         let square = |d: usize| rows().map(|(point, y)| (y[d] - point.state[d]).powi(2)).sum::<f64>();

@@ -1,8 +1,8 @@
-//! What disturbs runs of which nobody stated it: its kind and levels, by their restricted likelihood.
+//! The kind and levels of the noise of runs that do not state it, by restricted likelihood.
 //!
-//! The model is made linear about a path that looks back only: first the free simulation, then the filtered states. Errors and
-//! sensitivities are columns of one linear filter, so the likelihood of what no parameter explains does not depend on them.
-//! Noise and parameters are found in turns until these rest.
+//! The model is linearised about a causal path: first the free simulation, then the filtered states. Errors and
+//! sensitivities are columns of one linear filter, so the likelihood of the part that no parameter explains does not
+//! depend on the parameters. Noise and parameters are found alternately until the parameters converge.
 
 mod begin;
 mod kind;

@@ -17,7 +17,7 @@ pub(super) struct Sums {
     terms: usize,
 }
 
-/// Of every sample the product of the scales, and its squared white errors without what the parameters explain.
+/// Per sample the product of the scales, and the squared white errors without the part that the parameters explain.
 pub(super) type Samples = Vec<[Lane; 2]>;
 
 impl Sums {
@@ -25,7 +25,8 @@ impl Sums {
         Self { products: Products::new(terms + 1), logs: Lane::ZERO, terms }
     }
 
-    /// Adds the first `samples` of a run under `levels`. With `own`, a change of the parameters, what each sample has is kept.
+    /// Adds the first `samples` of a run under `levels`. With `own`, a change of the parameters, the terms of each
+    /// sample are stored.
     pub fn add<const N: usize>(
         &mut self,
         layout: ParameterLayout,
@@ -38,7 +39,7 @@ impl Sums {
         numerics::vectorized!(narrow: go_along::<N>(self, layout, line, samples, levels, known_start, own));
     }
 
-    /// Twice the restricted log-likelihood but for a constant: −Σ log s − w⊥ᵀw⊥ − log|WᵀW|; and WᵀW, Wᵀw.
+    /// Twice the restricted log-likelihood up to a constant: −Σ log s − w⊥ᵀw⊥ − log|WᵀW|; and WᵀW, Wᵀw.
     #[allow(clippy::needless_range_loop)] // Cholesky's, of rows and columns.
     pub fn finish(self) -> Found {
         let p = self.terms;
@@ -58,16 +59,16 @@ impl Sums {
             explained += solved[j] * solved[j];
             volume += logarithm(lower[j * p + j]);
         }
-        let worth = self.logs + self.logs + explained - entry(p, p) - volume - volume;
+        let likelihood = self.logs + self.logs + explained - entry(p, p) - volume - volume;
         let first = |i: usize, j: usize| entry(i, j)[0];
         let normal = (0..p * p).map(|k| first(k / p, k % p)).collect();
-        Found { worth, normal, gradient: (0..p).map(|i| first(i, p)).collect(), squares: entry(p, p)[0] }
+        Found { likelihood, normal, gradient: (0..p).map(|i| first(i, p)).collect(), squares: entry(p, p)[0] }
     }
 }
 
-/// What [`Sums`] come to.
+/// The result of [`Sums`].
 pub(super) struct Found {
-    pub worth: Lane,
+    pub likelihood: Lane,
     /// WᵀW, Wᵀw and wᵀw of the first lane.
     pub normal: Vec<f64>,
     pub gradient: Vec<f64>,
@@ -75,7 +76,7 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// By how much the parameters change for the least white errors, and standard errors of them.
+    /// The change of the parameters to the least white errors, and their standard errors.
     pub(super) fn change(&self) -> Option<(Vec<f64>, Vec<f64>)> {
         let p = self.gradient.len();
         let inverse = scaled_inverse(&self.normal, p).ok()?;
@@ -84,10 +85,10 @@ impl Found {
     }
 }
 
-/// Share of a square below which nothing of its own is left of it.
+/// Share of a square below which the rest is rounding.
 const LEFT: f64 = 1e-13;
 
-/// The root of what is left; no number where that is nothing.
+/// The root of the rest; NaN if that is zero.
 fn pivot(left: Lane, whole: Lane) -> Lane {
     let mut root = left.sqrt();
     for lane in 0..numerics::LANES {
@@ -171,7 +172,8 @@ fn go_along<const N: usize>(
     sums.logs += logarithm(scale);
 }
 
-/// A point's states, those after it, and how deviations move on there. Where the current is no state, its mean is none.
+/// A point's states, those after it, and the propagation of deviations there. If the current is not a state, its mean
+/// is zero.
 #[inline(always)]
 fn about<const N: usize>(motion: &Motion<Lane, N>, point: &Point) -> ([Lane; N], [Lane; N], Local<Lane>) {
     let mut middle = [Lane::ZERO; N];
@@ -188,7 +190,7 @@ fn about<const N: usize>(motion: &Motion<Lane, N>, point: &Point) -> ([Lane; N],
     (middle, motion.next(&middle, next.map(Lane::splat), &local), local)
 }
 
-/// Squares of the white errors, which stand last, without what a change of the parameters explains.
+/// Squares of the white errors, the last column, without the part that a change of the parameters explains.
 #[inline(always)]
 fn left(white: &[[Lane; 3]], change: &[f64]) -> Lane {
     let mut rest = white[change.len()];

@@ -5,43 +5,43 @@ use super::kind::{Guess, MOST, NoiseKind, side_by_side};
 use super::line::Line;
 use super::pass::{Found, Samples, Sums};
 
-/// By how much a logarithm is changed to see what its level does.
+/// Change of a logarithm for difference quotients by its level.
 const CHANGE: f64 = 1e-4;
-/// Steps after which the more promising of two climbs goes on.
+/// Steps after which the better of two climbs is continued.
 const FIRST: usize = 3;
-/// Most steps of a climb.
+/// Maximum number of steps of a climb.
 pub(super) const STEPS: usize = 30;
-/// Most that a logarithm changes by in a step.
+/// Maximum change of a logarithm in a step.
 const LONGEST: f64 = 1.5;
-/// Damping of the first step and beyond which none helps.
+/// Damping of the first step, and the largest one that is tried.
 const DAMPING: [f64; 2] = [1e-2, 1e6];
-/// Levels that are changed in one pass, beside a lane without a change.
+/// Levels that are changed in one pass; one more lane is unchanged.
 const AT_ONCE: usize = LANES - 1;
 
-/// What makes runs most likely, the model being linear about their paths: whatever its parameters are.
+/// Maximises the restricted likelihood of runs, with the model linearised about their paths.
 pub(super) struct Search<'a> {
     pub layout: ParameterLayout,
-    /// Runs, and how many samples of each count.
+    /// Runs, and the number of samples used of each.
     pub lines: Vec<(&'a Line<'a>, usize)>,
     pub rate_hz: f64,
     pub known_start: bool,
     /// Least noise of u, v, r.
     pub floor: [f64; 3],
-    /// Rise of twice the log-likelihood from which a further step is worth it.
+    /// The search ends at a smaller rise of twice the log-likelihood.
     pub rise: f64,
 }
 
-/// Where a search has come to.
+/// The best point of a search.
 #[derive(Clone, Debug)]
 pub(super) struct Best {
     pub guess: Guess,
-    /// Twice the restricted log-likelihood but for a constant.
-    pub worth: f64,
-    /// By how much the parameters change for the least white errors.
+    /// Twice the restricted log-likelihood up to a constant.
+    pub likelihood: f64,
+    /// The change of the parameters to the least white errors.
     pub change: Vec<f64>,
 }
 
-/// A point of a search, with its slopes by the logarithms, and its curvature by those of every sample.
+/// A point of a search, with its gradient by the logarithms, and its curvature from the gradients of the samples.
 struct Slopes {
     at: Best,
     slopes: [f64; MOST],
@@ -49,36 +49,39 @@ struct Slopes {
 }
 
 impl Search<'_> {
-    /// The most likely levels of a kind: of `starts` the two best climb a few steps, and the better goes on.
+    /// The most likely levels of a kind: the two best of `starts` climb a few steps, and the better one is continued.
     pub fn best(&self, starts: &[Guess]) -> Option<Best> {
         let mut found: Vec<(Guess, f64)> = Vec::with_capacity(starts.len());
         for some in starts.chunks(LANES) {
             let guesses = std::array::from_fn(|lane| some[lane.min(some.len() - 1)]);
-            let worth = self.sums(&guesses, None).worth;
-            found.extend(some.iter().enumerate().map(|(lane, start)| (*start, worth[lane])));
+            let likelihood = self.sums(&guesses, None).likelihood;
+            found.extend(some.iter().enumerate().map(|(lane, start)| (*start, likelihood[lane])));
         }
-        found.retain(|(_, worth)| worth.is_finite());
+        found.retain(|(_, likelihood)| likelihood.is_finite());
         found.sort_by(|a, b| b.1.total_cmp(&a.1));
         let begun = found.iter().take(2).filter_map(|(start, _)| self.climb(*start, FIRST));
-        let better = begun.reduce(|a, b| if b.worth > a.worth { b } else { a })?;
+        let better = begun.reduce(|a, b| if b.likelihood > a.likelihood { b } else { a })?;
         self.climb_on(better.guess, &better.change, STEPS)
     }
 
-    /// Goes uphill from `start` by so many steps at most.
+    /// Ascends from `start` in at most `most` steps.
     pub fn climb(&self, start: Guess, most: usize) -> Option<Best> {
         self.climb_on(start, &vec![0.0; self.layout.parameters()], most)
     }
 
-    /// Damped steps, whose curvature is that of the samples' own slopes (Berndt, Hall, Hall and Hausman).
+    /// Damped steps with the curvature from the samples' gradients (Berndt, Hall, Hall and Hausman).
     fn climb_on(&self, start: Guess, change: &[f64], most: usize) -> Option<Best> {
         let mut here = self.slopes(&start, change)?;
         let mut damping = DAMPING[0];
         iterate("Berndt, Hall, Hall and Hausman", most, &Watch::default(), || {
             let step = here.step(damping);
             let trial = here.at.guess.changed(|i| step[i], self.rate_hz, self.floor);
-            match self.slopes(&trial, &here.at.change).filter(|there| there.at.worth > here.at.worth) {
+            match self
+                .slopes(&trial, &here.at.change)
+                .filter(|there| there.at.likelihood > here.at.likelihood)
+            {
                 Some(there) => {
-                    let rise = there.at.worth - here.at.worth;
+                    let rise = there.at.likelihood - here.at.likelihood;
                     here = there;
                     damping *= 0.2;
                     if rise < self.rise && damping < 1.0 {
@@ -115,11 +118,11 @@ impl Search<'_> {
         sums.finish()
     }
 
-    /// None where the filter's numbers end, or the parameters cannot be told apart.
+    /// `None` if the filter's numbers are not finite, or the parameters cannot be distinguished.
     fn slopes(&self, at: &Guess, change: &[f64]) -> Option<Slopes> {
         let levels = at.kind.levels();
         let mut found = Slopes {
-            at: Best { guess: *at, worth: 0.0, change: Vec::new() },
+            at: Best { guess: *at, likelihood: 0.0, change: Vec::new() },
             slopes: [0.0; MOST],
             curvature: [0.0; MOST * MOST],
         };
@@ -134,7 +137,7 @@ impl Search<'_> {
             let sums = self.sums(&guesses, Some((change, &mut samples)));
             let changed = first..levels.min(first + AT_ONCE);
             for i in changed.clone() {
-                found.slopes[i] = (sums.worth[1 + i - first] - sums.worth[0]) / CHANGE;
+                found.slopes[i] = (sums.likelihood[1 + i - first] - sums.likelihood[0]) / CHANGE;
             }
             for (slopes, [scale, squares]) in by_sample.iter_mut().zip(&samples) {
                 for i in changed.clone() {
@@ -142,29 +145,29 @@ impl Search<'_> {
                 }
             }
             if first == 0 {
-                found.at.worth = sums.worth[0];
+                found.at.likelihood = sums.likelihood[0];
                 found.at.change = sums.change()?.0;
             }
         }
         for slopes in &by_sample {
             for (i, a) in slopes[..levels].iter().enumerate() {
-                // Of twice the log-likelihood: half the squared slopes.
+                // For twice the log-likelihood: half the squared gradients.
                 let row = found.curvature[i * MOST..].iter_mut().zip(&slopes[..levels]);
                 row.for_each(|(sum, b)| *sum += 0.5 * a * b);
             }
         }
-        let finite = found.at.worth.is_finite() && found.slopes.iter().all(|s| s.is_finite());
+        let finite = found.at.likelihood.is_finite() && found.slopes.iter().all(|s| s.is_finite());
         finite.then_some(found)
     }
 }
 
-/// What a sample adds to the slope of twice the log-likelihood by the level that is changed in a lane.
+/// The contribution of a sample to the derivative of twice the log-likelihood by the level that is changed in a lane.
 fn slope(scale: &Lane, squares: &Lane, lane: usize) -> f64 {
     (2.0 * (scale[lane] / scale[0] - 1.0) - (squares[lane] - squares[0])) / CHANGE
 }
 
 impl Slopes {
-    /// Uphill; what makes no difference stays.
+    /// A damped ascent step; levels without effect stay.
     fn step(&self, damping: f64) -> [f64; MOST] {
         let (mut matrix, mut step) = (self.curvature, self.slopes);
         for i in 0..MOST {
@@ -198,7 +201,7 @@ mod tests {
         (states.into_iter().enumerate().map(off).collect(), exogenous)
     }
 
-    /// What is drawn, in units of its standard deviation.
+    /// A random draw, in units of its standard deviation.
     #[derive(Clone, Copy, PartialEq)]
     enum Draw {
         Noise(usize, usize),
@@ -226,7 +229,7 @@ mod tests {
         all
     }
 
-    /// What a draw, or a unit of a parameter, does to everything that is measured: by going through all samples.
+    /// The response of all measurements to a draw, or to a unit of a parameter, by propagation through all samples.
     #[allow(clippy::needless_range_loop)] // Several arrays at once.
     fn response(line: &Line, guess: &Guess, drawn: Option<Draw>, parameter: Option<usize>) -> Vec<f64> {
         let p = line.terms.len() / SAMPLES;
@@ -336,7 +339,7 @@ mod tests {
             (NoiseKind::ForcesAndCurrent, &[0.02, 0.01, 0.03, 0.4, 0.1, 0.7]),
         ] {
             let guess = Guess::new(kind, &[&noise, more].concat());
-            let (found, wanted) = (search.sums(&[guess; LANES], None).worth[3], dense(&line, &guess));
+            let (found, wanted) = (search.sums(&[guess; LANES], None).likelihood[3], dense(&line, &guess));
             assert!((found - wanted).abs() < 2e-5 * wanted.abs(), "{kind:?}: {found} {wanted}");
         }
     }

@@ -9,31 +9,31 @@ use super::line::Line;
 use super::pass::Found;
 use super::search::{Best, STEPS, Search};
 
-/// Most often that noise and parameters are found in turns.
+/// Maximum number of alternations between noise and parameters.
 const TURNS: usize = 8;
-/// Turns before which all kinds are compared.
+/// All kinds are compared before these turns.
 const COMPARED: [usize; 3] = [0, 1, 4];
-/// Most steps of a search that goes on in a later turn.
+/// Maximum number of steps of a search continued in a later turn.
 const AGAIN: usize = 10;
-/// Standard errors that parameters at rest move by at most.
+/// Parameters have converged if they change by less than this many standard errors.
 const REST: f64 = 0.2;
-/// What a level must add to twice the log-likelihood.
+/// Penalty of a level in twice the log-likelihood.
 const A_LEVEL: f64 = 2.0;
-/// Most lengths that are tried of a step.
+/// Maximum number of halvings of a step.
 const SHORTER: i32 = 6;
 /// Share of the motion that is the least noise.
 const FLOOR: f64 = 1e-6;
-/// Samples that are enough to know the noise, and the rise of twice the log-likelihood from which a step is worth it then.
+/// Samples that suffice to find the noise, and the least rise of twice the log-likelihood for a further step.
 pub(crate) const ENOUGH: usize = 8_000;
 const RISE: f64 = 0.05;
-/// The same before the parameters were found under any noise.
+/// The same before the first alternation.
 const FIRST: (usize, f64) = (3_000, 1.0);
-/// Kinds that are less likely by no more than this may be the right ones.
+/// Kinds that are less likely by no more than this are plausible.
 const NEAR: f64 = 6.0;
-/// Kinds that were less likely by more than this are not searched for again.
+/// Kinds that were less likely by more than this are not searched again.
 const FAR: f64 = 15.0;
 
-/// Noise and parameters of runs that nobody stated the noise of.
+/// Finds noise and parameters of runs whose noise is not stated.
 pub(crate) struct Turns<'a> {
     pub model: &'a Model,
     pub runs: Vec<RunView<'a>>,
@@ -41,7 +41,7 @@ pub(crate) struct Turns<'a> {
     pub known_start: bool,
 }
 
-/// Kinds of noise as they were found, the likeliest first, with twice their restricted log-likelihood less what their levels cost.
+/// Kinds of noise, the likeliest first, with twice their restricted log-likelihood less the penalty of their levels.
 pub(crate) type Kinds = Vec<(Guess, f64)>;
 
 /// The noise that was found.
@@ -49,29 +49,29 @@ pub(crate) type Kinds = Vec<(Guess, f64)>;
 pub(crate) struct Noise {
     pub guess: Guess,
     pub kinds: Kinds,
-    /// How often noise and parameters were found in turns.
+    /// Number of alternations.
     pub turns: usize,
-    /// Whether the parameters came to rest.
+    /// Whether the parameters converged.
     pub at_rest: bool,
-    /// Standard errors of the parameters, and the largest among all kinds that may be the right ones.
+    /// Standard errors of the parameters, and the largest among all plausible kinds.
     pub errors: Vec<f64>,
     pub widest: Vec<f64>,
 }
 
 impl Noise {
-    /// The kinds that may be the right ones.
+    /// The plausible kinds.
     pub fn near(&self) -> impl Iterator<Item = &Guess> {
         self.within(NEAR)
     }
 
     /// The kinds that are less likely than the best by no more than this in twice the log-likelihood.
     pub fn within(&self, below: f64) -> impl Iterator<Item = &Guess> {
-        let best = self.kinds.first().map_or(0.0, |(_, worth)| *worth);
-        self.kinds.iter().filter(move |(_, worth)| *worth >= best - below).map(|(guess, _)| guess)
+        let best = self.kinds.first().map_or(0.0, |(_, likelihood)| *likelihood);
+        self.kinds.iter().filter(move |(_, likelihood)| *likelihood >= best - below).map(|(guess, _)| guess)
     }
 }
 
-/// Runs with their paths, and what was found under each kind.
+/// Runs with their paths, and the result under each kind.
 struct State<'a> {
     theta: Vec<f64>,
     lines: Vec<Line<'a>>,
@@ -80,8 +80,9 @@ struct State<'a> {
 }
 
 impl<'a> Turns<'a> {
-    /// Noise and parameters, found in turns from `theta` until the parameters rest. `before`: the kinds that were found of nearly
-    /// the same model, the likeliest first. None where the filter's numbers end, or the parameters cannot be told apart.
+    /// Noise and parameters, found alternately from `theta` until the parameters converge. `before`: the kinds that
+    /// were found for nearly the same model, the likeliest first. `None` if the filter's numbers are not finite, or
+    /// the parameters cannot be distinguished.
     pub fn found(&self, theta: &[f64], before: &[(Guess, f64)]) -> Option<(Vec<f64>, Noise)> {
         let lines: Vec<Line> = self.runs.iter().map(|run| Line::free(self.model, theta, *run)).collect();
         let (found, best) = self.compared(&lines, before)?;
@@ -109,7 +110,7 @@ impl<'a> Turns<'a> {
         None
     }
 
-    /// Over the first samples of the runs.
+    /// A search over the first samples of the runs.
     fn search<'l>(&self, lines: &'l [Line<'l>], (most, rise): (usize, f64)) -> Search<'l> {
         let mut left = most;
         let mut chosen = Vec::new();
@@ -131,8 +132,8 @@ impl<'a> Turns<'a> {
         }
     }
 
-    /// The most likely levels of every kind, and those of the best. Kinds that were found `before` go on from there, or stay as far
-    /// behind as they were where they were far less likely.
+    /// The most likely levels of every kind, and those of the best. Kinds found `before` continue from there; if they
+    /// were far less likely, they keep their distance.
     fn compared(&self, lines: &[Line], before: &[(Guess, f64)]) -> Option<(Vec<Best>, Best)> {
         let search = self.search(lines, if before.is_empty() { FIRST } else { (ENOUGH, RISE) });
         let seen = Seen::of(lines);
@@ -154,13 +155,13 @@ impl<'a> Turns<'a> {
         let best = found.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?.clone();
         found.extend(before.iter().filter(|(guess, _)| far(guess.kind)).map(|(guess, own)| Best {
             guess: *guess,
-            worth: best.worth - cost(&best.guess) + cost(guess) + own - highest,
+            likelihood: best.likelihood - cost(&best.guess) + cost(guess) + own - highest,
             change: vec![0.0; best.change.len()],
         }));
         Some((found, best))
     }
 
-    /// By how much the parameters change for the least white errors of all runs, and the most of it in standard errors.
+    /// The change of the parameters to the least white errors of all runs, and its maximum in standard errors.
     fn step(&self, state: &State) -> Option<(Vec<f64>, f64)> {
         let (change, errors) = self.all(state, &state.best.guess).change()?;
         let moved =
@@ -173,7 +174,8 @@ impl<'a> Turns<'a> {
         self.search(&state.lines, (usize::MAX, RISE)).sums(&[*guess; LANES], None)
     }
 
-    /// Changes the parameters and filters the runs with them; a part of the change where the filter's numbers end.
+    /// Changes the parameters and filters the runs with them; shortens the change if the filter's numbers are not
+    /// finite.
     fn follow(&self, state: &mut State<'a>, change: &[f64], rests: bool) -> Option<()> {
         let bounds = self.model.bounds().unwrap_or_default();
         for share in (0..SHORTER).map(|halved| 0.5_f64.powi(halved)) {
@@ -217,9 +219,9 @@ impl<'a> Turns<'a> {
     }
 }
 
-/// By what kinds are compared.
+/// The value by which kinds are compared.
 fn value(best: &Best) -> f64 {
-    best.worth - cost(&best.guess)
+    best.likelihood - cost(&best.guess)
 }
 
 fn cost(guess: &Guess) -> f64 {

@@ -1,4 +1,5 @@
-//! A small craft: parts of its motion, drawn or computed independently (`fixtures/oracle/pooled.json`), and their regressions.
+//! A small craft: parts of its motion, random or computed independently (`fixtures/oracle/pooled.json`), and their
+//! regressions.
 
 use engine::{Run, RunView, Segment, simulate_one};
 use model::{Vessel, VesselFile};

@@ -1,4 +1,4 @@
-//! Runs of the paper's vessel, side by side as the crate takes them. Every test file uses its own part of it.
+//! Runs of the paper's vessel, in lanes as the crate takes them. No test file uses all of it.
 
 #![allow(dead_code)]
 
@@ -36,7 +36,7 @@ pub fn truth(vessel: &Vessel) -> Vec<f64> {
     vessel.parameters(Source::Value).unwrap()
 }
 
-/// What is done: initial state, inputs N × 3, first sample of each segment.
+/// Initial state, inputs N × 3, first sample of each segment.
 pub struct Experiment {
     pub initial: [f64; 3],
     pub inputs: Vec<f64>,
@@ -113,7 +113,7 @@ impl Recording {
     }
 
     /// Samples `from..to` as a run of their own.
-    pub fn piece(&self, from: usize, to: usize) -> Self {
+    pub fn segment(&self, from: usize, to: usize) -> Self {
         Self {
             measured: self.measured[3 * from..3 * (to + 1)].to_vec(),
             instrument_states: self.instrument_states[3 * from..3 * (to + 1)].to_vec(),
@@ -123,7 +123,7 @@ impl Recording {
     }
 }
 
-/// Up to [`LANES`] runs of equal length in lanes; lanes that are left repeat the last run.
+/// Up to [`LANES`] runs of equal length in lanes; unused lanes repeat the last run.
 pub struct SideBySide {
     measured: Vec<Lane>,
     instrument_states: Vec<Lane>,

@@ -4,7 +4,7 @@ use super::view::View;
 use super::{clip, colours};
 use crate::figures::svg::{Look, Path, Point, Sheet};
 
-/// A border may be this far off \[px\].
+/// Tolerance of a border \[px\].
 const TOLERANCE: f64 = 0.08;
 
 /// Number of shades of depth.
@@ -55,7 +55,7 @@ fn border(view: &View, ring: &[[f64; 2]], outer: bool) -> Vec<Point> {
     simplified(&inside, TOLERANCE)
 }
 
-/// Positive where the ring runs clockwise on the sheet.
+/// Positive if the ring runs clockwise on the sheet.
 fn doubled_area(ring: &[Point]) -> f64 {
     let next = ring.iter().cycle().skip(1);
     ring.iter().zip(next).map(|(a, b)| a.0 * b.1 - b.0 * a.1).sum()

@@ -5,16 +5,18 @@ use super::input::{Cells, Class};
 use super::view::View;
 use crate::figures::svg::{Look, Path, Sheet};
 
-/// Characters that all cells together may take.
-const ROOM: usize = 300_000;
+/// Maximum number of characters of all cells.
+const MOST_CHARACTERS: usize = 300_000;
 
-/// Draws the cells: those of every shade together with all more dangerous ones, the next shade above them, so that no
-/// seam shows between two.
+/// Draws the cells: those of every shade together with all more dangerous ones, then the next shade on top, so that
+/// there is no seam between two.
 pub(crate) fn draw(sheet: &mut Sheet, view: &View, cells: &Cells, limits: &[f64]) {
     let rank = |cell: usize| cells.classes[cell].map_or(0, |class| rank(class, limits));
     let Some(mut ranks) = Ranks::new(view, &cells.grid, rank) else { return };
     let mut layers = layers(view, &ranks, limits);
-    while layers.iter().map(|(path, _)| path.data().len()).sum::<usize>() > ROOM && ranks.size() != (1, 1) {
+    while layers.iter().map(|(path, _)| path.data().len()).sum::<usize>() > MOST_CHARACTERS
+        && ranks.size() != (1, 1)
+    {
         ranks = ranks.merged(2);
         layers = self::layers(view, &ranks, limits);
     }

@@ -46,16 +46,16 @@ pub(crate) fn segment(view: &View, from: Point, to: Point) -> Option<(Point, Poi
     (enter <= leave).then_some((start, end))
 }
 
-/// The part of a ring inside the frame, closed along the frame's sides, one of which is cut along at a time.
+/// The part of a ring inside the frame, closed along the frame's sides, by clipping at one side at a time.
 pub(crate) fn ring(view: &View, ring: &[Point]) -> Vec<Point> {
     let (low, high) = (view.corner, view.opposite);
     let turned = |ring: Vec<Point>| -> Vec<Point> { ring.into_iter().map(|(x, y)| (y, x)).collect() };
-    let across = beside(&beside(ring, low.0, 1.0), high.0, -1.0);
-    turned(beside(&beside(&turned(across), low.1, 1.0), high.1, -1.0))
+    let across = clipped(&clipped(ring, low.0, 1.0), high.0, -1.0);
+    turned(clipped(&clipped(&turned(across), low.1, 1.0), high.1, -1.0))
 }
 
 /// The part of a ring where `sign * (x - limit)` is not negative.
-fn beside(ring: &[Point], limit: f64, sign: f64) -> Vec<Point> {
+fn clipped(ring: &[Point], limit: f64, sign: f64) -> Vec<Point> {
     let is_in = |at: Point| sign * (at.0 - limit) >= 0.0;
     let before = ring.iter().cycle().skip(ring.len().saturating_sub(1));
     let mut kept = Vec::with_capacity(ring.len() + 4);

@@ -57,7 +57,7 @@ pub(crate) const fn margin(purpose: Purpose) -> Look {
 
 pub(crate) const HATCH: Look = Look::drawn(DANGER.faded(0.5), FINE);
 
-/// What lies below a track, so that it stands out.
+/// The halo below a track, which makes it stand out.
 pub(crate) const fn halo(width: f64) -> Look {
     Look::drawn(WHITE.faded(0.85), width)
 }
@@ -80,19 +80,18 @@ pub(crate) fn maneuver_paint(index: usize) -> Paint {
     Paint::solid(palette::series(index))
 }
 
-/// Depths in figures.
-/// A line of one depth, and its value.
+/// A depth contour and its value.
 pub(crate) const CONTOUR_PAINT: Paint = Paint::solid((0x4f, 0x7f, 0xab));
 pub(crate) const CONTOUR: Look = Look::drawn(CONTOUR_PAINT, FINE);
 pub(crate) const DEPTH_DIGITS: Paint = Paint::solid((0x3d, 0x55, 0x6b));
 pub(crate) const DANGER_CIRCLE: Look =
     Look::filled(Paint::solid((0xbf, 0xdc, 0xee))).outlined(DARK, 0.9).dashed(1.2, 1.6);
 
-/// Where simulated vessels went.
+/// The area swept by simulated vessels.
 pub(crate) const TUBE: Look = Look::filled(DARK.faded(0.16)).outlined(DARK.faded(0.45), 0.6);
-/// The edge of the area that is no box.
+/// The edge of an area that is not a box.
 pub(crate) const EDGE: Look = Look::drawn(DARK, 1.3).dashed(7.0, 3.0);
-/// Where speed is limited.
+/// Areas with a speed limit.
 pub(crate) const SPEED_LIMIT: Look = Look::drawn(FORBIDDEN_EDGE.faded(0.9), 1.2).dashed(1.5, 2.5);
 /// The corridor of a leg.
 pub(crate) const CORRIDOR: Look = Look::drawn(VIOLET.faded(0.75), 0.8).dashed(4.0, 2.5);

@@ -19,7 +19,7 @@ pub(crate) struct Ranks {
 }
 
 impl Ranks {
-    /// The part of `grid` that the frame shows; none where they are apart. `rank` is called with a cell's number.
+    /// The part of `grid` inside the frame; `None` if they are disjoint. `rank` is called with a cell's index.
     pub(crate) fn new(view: &View, grid: &Raster, rank: impl Fn(usize) -> u8) -> Option<Self> {
         let Frame { west, south, east, north } = view.frame;
         let (first_i, end_i) = range(west, east, grid.origin[0], grid.cell_m, grid.nx)?;
@@ -91,7 +91,7 @@ impl Ranks {
     }
 }
 
-/// First and end number of the cells between `low` and `high`.
+/// First and end index of the cells between `low` and `high`.
 fn range(low: f64, high: f64, origin: f64, cell: f64, count: usize) -> Option<(usize, usize)> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the count")]
     let index = |at: f64| at.clamp(0.0, count as f64) as usize;

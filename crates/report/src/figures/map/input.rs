@@ -1,48 +1,48 @@
-/// What a map shows. Positions are `[x, y]` in metres, x east, y north.
+/// The contents of a map. Positions are `[x, y]` in metres, x east, y north.
 #[derive(Clone, Debug, Default)]
 pub struct Map {
     /// Accessible name: `Planned trial off Helsinki`.
     pub title: String,
-    /// Accessible description: what a reader who cannot see the map should know.
+    /// Accessible description: for readers who cannot see the map.
     pub description: String,
-    /// Written across the top of the map, where what it shows must not be followed.
+    /// Written across the top of a map whose plan must not be followed.
     pub warning: Option<String>,
-    /// What part of the plane is drawn.
+    /// The part of the plane that is drawn.
     pub frame: Frame,
-    /// Whether nothing is charted where there is neither an area nor a cell; else that is water, of a chart that tells
-    /// land only.
+    /// Whether positions without an area or a cell are uncharted; else they are water, of a chart that shows only
+    /// land.
     pub uncharted: bool,
-    /// Limits between the shades of depth \[m\], increasing, at most twelve; none for a single shade.
+    /// Limits between the shades of depth \[m\], increasing, at most twelve; empty for a single shade.
     pub depth_limits_m: Vec<f64>,
     /// A raster of classes, below the areas.
     pub cells: Option<Cells>,
     /// Polygons.
     pub areas: Vec<Area>,
-    /// Lines of one depth.
+    /// Depth contours.
     pub contours: Vec<Contour>,
     /// Cells that only the safety margin blocks, drawn in this order.
     pub margins: Vec<Margin>,
     /// Charted points.
     pub spots: Vec<Spot>,
-    /// Names, and what they stand at; the first of them come first where there is little room.
+    /// Names and their positions; the first ones have priority if there is little space.
     pub names: Vec<([f64; 2], String)>,
-    /// Where simulated vessels went.
+    /// The area swept by simulated vessels.
     pub tube: Option<Tube>,
     /// The corridor of each leg of the passage, a ring.
     pub corridors: Vec<Vec<[f64; 2]>>,
-    /// The area that the hull is kept in, where that is no box: a ring.
+    /// The area that the hull is kept in, if it is not a box: a ring.
     pub edge: Vec<[f64; 2]>,
-    /// Where speed is limited, rings.
+    /// Areas with a speed limit, as rings.
     pub speed_limits: Vec<Vec<[f64; 2]>>,
-    /// The informative maneuvers, each with how often it is used; their order is that of the colours.
+    /// The informative maneuvers, each with its number of uses; their order is that of the colours.
     pub maneuvers: Vec<(String, u64)>,
     /// Lines.
     pub tracks: Vec<Track>,
     /// Outlines of the hull at chosen poses.
     pub hulls: Vec<Vec<[f64; 2]>>,
-    /// Where the trial begins.
+    /// The start of the trial.
     pub start: Option<[f64; 2]>,
-    /// Where it ends.
+    /// Its end.
     pub goal: Option<[f64; 2]>,
     /// Labels along the frame.
     pub graticule: Graticule,
@@ -68,7 +68,7 @@ impl Default for Frame {
     }
 }
 
-/// What an area or a cell is.
+/// The class of an area or a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Class {
     /// Land.
@@ -77,7 +77,7 @@ pub enum Class {
     NoGo,
     /// Water.
     Depth {
-        /// Its least depth \[m\]; negative where it dries.
+        /// Its least depth \[m\]; negative if it dries.
         least_m: f64,
     },
 }
@@ -85,7 +85,7 @@ pub enum Class {
 /// A polygon with holes. Rings may be closed or open, in either direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Area {
-    /// What it is.
+    /// Its class.
     pub class: Class,
     /// Outer ring.
     pub ring: Vec<[f64; 2]>,
@@ -93,10 +93,10 @@ pub struct Area {
     pub holes: Vec<Vec<[f64; 2]>>,
 }
 
-/// A line of one depth.
+/// A depth contour.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contour {
-    /// Its depth \[m\], where it is known.
+    /// Its depth \[m\], if known.
     pub depth_m: Option<f64>,
     /// Its points in order.
     pub line: Vec<[f64; 2]>,
@@ -118,13 +118,13 @@ pub struct Raster {
 /// A raster of classes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
-    /// Where the cells are.
+    /// The raster of the cells.
     pub grid: Raster,
-    /// One class per cell, in rows from south to north; none where nothing is charted.
+    /// One class per cell, in rows from south to north; `None` if uncharted.
     pub classes: Vec<Option<Class>>,
 }
 
-/// What a margin is kept for.
+/// The purpose of a margin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     /// Passing through: drawn in pale red.
@@ -136,9 +136,9 @@ pub enum Purpose {
 /// Cells that only the safety margin blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Margin {
-    /// What it is kept for.
+    /// Its purpose.
     pub purpose: Purpose,
-    /// Where the cells are.
+    /// The raster of the cells.
     pub grid: Raster,
     /// One value per cell.
     pub blocked: Vec<bool>,
@@ -147,9 +147,9 @@ pub struct Margin {
 /// A charted point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spot {
-    /// Where it is.
+    /// Its position.
     pub at: [f64; 2],
-    /// How it is drawn.
+    /// Its style.
     pub symbol: Symbol,
     /// Depth over it \[m\].
     pub depth_m: Option<f64>,
@@ -162,22 +162,22 @@ pub struct Spot {
 pub enum Symbol {
     /// As a depth.
     Sounding,
-    /// As a thing that is kept clear of.
+    /// As an object to keep clear of.
     Danger,
 }
 
 /// Cells that hulls swept.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tube {
-    /// Where the cells are.
+    /// The raster of the cells.
     pub grid: Raster,
     /// One value per cell.
     pub swept: Vec<bool>,
-    /// How many vessels sailed.
+    /// Number of simulated vessels.
     pub vessels: u64,
 }
 
-/// How a line is drawn.
+/// The style of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrackStyle {
     /// In the colour of maneuver number `0`, `1`, … of [`Map::maneuvers`].
@@ -186,14 +186,14 @@ pub enum TrackStyle {
     Basic,
     /// A run-in before a maneuver: thin.
     RunIn,
-    /// One of many realizations: very thin. At most 200 are drawn, evenly chosen; the legend says of how many.
+    /// One of many realizations: very thin. At most 200 are drawn, evenly chosen; the legend has the total.
     Realization,
 }
 
 /// A line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
-    /// How it is drawn.
+    /// Its style.
     pub style: TrackStyle,
     /// Its points in order; less than two draw nothing.
     pub points: Vec<[f64; 2]>,
@@ -201,7 +201,7 @@ pub struct Track {
     pub number: Option<u64>,
 }
 
-/// Labels along the frame, as longitudes and latitudes. Those outside the frame are left out.
+/// Labels along the frame, as longitudes and latitudes. Those outside the frame are omitted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Graticule {
     /// Positions x \[m\] with their labels, below the frame.

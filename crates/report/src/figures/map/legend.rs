@@ -11,10 +11,10 @@ const HEADING: f64 = 23.0;
 const GAP: f64 = 8.0;
 const LEFT: f64 = view::WIDTH + 10.0;
 const TOP: f64 = 4.0;
-/// Half the size of the chip beside a label [px].
+/// Half the size of the chip next to a label [px].
 const CHIP: (f64, f64) = (17.0, 7.5);
 
-/// The legend, in sections, beside the map.
+/// The legend, in sections, next to the map.
 pub(crate) struct Legend {
     sections: Vec<(&'static str, Vec<Entry>)>,
 }
@@ -53,7 +53,7 @@ fn height(entries: &[Entry]) -> f64 {
     HEADING + entries.len() as f64 * LINE + GAP
 }
 
-/// A chip of the map with what the label explains.
+/// A chip with the sample that the label explains.
 fn draw_sample(sheet: &mut Sheet, sample: Sample, at: Point) {
     let (corner, opposite) = ((at.0 - CHIP.0, at.1 - CHIP.1), (at.0 + CHIP.0, at.1 + CHIP.1));
     let mut chip = |look| sheet.bar(corner, opposite, look);

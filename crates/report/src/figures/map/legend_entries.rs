@@ -3,7 +3,7 @@ use super::input::{Class, Map, Purpose, Symbol, TrackStyle};
 use super::tracks::MOST_REALIZATIONS;
 use crate::figures::text;
 
-/// What a legend shows beside a label.
+/// The sample next to a label of the legend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Sample {
     Track(TrackStyle),
@@ -66,7 +66,7 @@ pub(crate) fn tracks(map: &Map) -> Vec<Entry> {
     entries
 }
 
-/// Every class of the chart that the map has.
+/// Every class of the chart on the map.
 pub(crate) fn chart(map: &Map) -> Vec<Entry> {
     let limits = &map.depth_limits_m;
     let bands = bands(limits);

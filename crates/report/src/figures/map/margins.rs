@@ -5,8 +5,8 @@ use super::input::{Margin, Purpose, Raster, Tube};
 use super::view::View;
 use crate::figures::svg::{Path, Sheet};
 
-/// Characters that one margin may take.
-const ROOM: usize = 120_000;
+/// Maximum number of characters of a margin.
+const MOST_CHARACTERS: usize = 120_000;
 /// Least distance between lines of the hatching [px].
 const APART: f64 = 4.5;
 
@@ -19,7 +19,7 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, margin: &Margin) {
     sheet.path(&border, colours::margin(margin.purpose));
 }
 
-/// Draws where hulls swept.
+/// Draws the area swept by hulls.
 pub(crate) fn tube(sheet: &mut Sheet, view: &View, tube: &Tube) {
     if let Some((_, border)) = bordered(view, &tube.grid, &tube.swept) {
         sheet.path(&border, colours::TUBE);
@@ -30,7 +30,7 @@ pub(crate) fn tube(sheet: &mut Sheet, view: &View, tube: &Tube) {
 fn bordered(view: &View, grid: &Raster, set: &[bool]) -> Option<(Ranks, Path)> {
     let mut cells = Ranks::new(view, grid, |cell| u8::from(set[cell]))?;
     let mut border = cells.border(view, 1..);
-    while border.data().len() > ROOM && cells.size() != (1, 1) {
+    while border.data().len() > MOST_CHARACTERS && cells.size() != (1, 1) {
         cells = cells.merged(2);
         border = cells.border(view, 1..);
     }

@@ -3,7 +3,7 @@ use super::view::View;
 use super::{clip, colours};
 use crate::figures::svg::{Path, Point, Sheet};
 
-/// Radius of the start's disc [px]: smaller than the goal's, so that both show where the trial ends at home.
+/// Radius of the start's disc [px]: smaller than the goal's, so that both are visible if the trial ends at its start.
 pub(crate) const START: f64 = 5.0;
 /// Radius of the goal's disc [px].
 pub(crate) const GOAL: f64 = 8.0;
@@ -15,7 +15,7 @@ pub(crate) fn hulls(sheet: &mut Sheet, view: &View, hulls: &[Vec<[f64; 2]>]) {
     sheet.path(&path, colours::HULL);
 }
 
-/// Goal and start, where they are in the frame.
+/// Goal and start, if they are in the frame.
 pub(crate) fn ends(sheet: &mut Sheet, view: &View, map: &Map) {
     for (at, radius, look, title) in
         [(map.goal, GOAL, colours::GOAL, "goal"), (map.start, START, colours::START, "start")]
@@ -26,7 +26,7 @@ pub(crate) fn ends(sheet: &mut Sheet, view: &View, map: &Map) {
     }
 }
 
-/// Pixel of a mark that is in the frame.
+/// Pixel of a mark, if it is in the frame.
 pub(crate) fn placed(view: &View, at: Option<[f64; 2]>) -> Option<Point> {
     at.map(|at| view.place(at)).filter(|&at| view.holds(at, 0.0))
 }

@@ -9,13 +9,13 @@ use crate::figures::svg::{Anchor, Lettering, Look, Point, Sheet};
 const DISC: f64 = 8.0;
 const DIGITS: f64 = 11.5;
 const DOT: f64 = 2.4;
-/// Distances of a number from its step that are tried, the nearest first [px].
+/// Distances of a number from its step to try, the nearest first [px].
 const DISTANCES: [f64; 3] = [14.0, 21.0, 30.0];
 const DIRECTIONS: u32 = 16;
 /// Side of a square of the clutter's raster [px].
 const SQUARE: f64 = 3.0;
 
-/// Numbers of the steps beside their first points, where they cover least.
+/// Numbers of the steps near their first points, at the positions that cover least.
 pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     let mut taken = Taken::new(view, map);
     let numbered = map.tracks.iter().filter_map(|track| Some((track, track.number?)));
@@ -35,7 +35,7 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     }
 }
 
-/// What the map's lines, marks and numbers cover.
+/// The squares that the map's lines, marks and numbers cover.
 struct Taken {
     corner: Point,
     wide: usize,
@@ -81,7 +81,7 @@ impl Taken {
         square(at.1 - self.corner.1) * self.wide + square(at.0 - self.corner.0)
     }
 
-    /// The best place for a number of a step at `from`; the place is taken then.
+    /// The best position for a number of a step at `from`, which is then marked as covered.
     fn place(&mut self, view: &View, from: Point) -> Point {
         let angles = (0..DIRECTIONS).map(|k| TAU * f64::from(k) / f64::from(DIRECTIONS));
         let places = DISTANCES.into_iter().flat_map(|distance| {
@@ -96,7 +96,7 @@ impl Taken {
         at
     }
 
-    /// What a number at `at` would cover, and how far it would be.
+    /// The cost of a number at `at`: what it would cover, and its distance.
     fn cost(&self, from: Point, at: Point) -> f64 {
         let near =
             |&&(disc, radius): &&(Point, f64)| distance(disc, at) < radius + DISC + 2.0 && disc != from;

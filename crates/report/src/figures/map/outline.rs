@@ -8,7 +8,7 @@ const WEST: u8 = 2;
 const SOUTH: u8 = 3;
 
 /// Borders of the cells of an `nx` × `ny` grid that are `inside`, as closed rings of corners with the cells at their
-/// left: outer rings counter-clockwise, holes clockwise. Cells that touch at a corner only are apart.
+/// left: outer rings counter-clockwise, holes clockwise. Cells that touch only at a corner are separate.
 pub(crate) fn outlines(nx: usize, ny: usize, inside: impl Fn(usize, usize) -> bool) -> Vec<Vec<Vertex>> {
     let mut borders = Borders::new(nx, ny, inside);
     let mut rings = Vec::new();
@@ -70,7 +70,7 @@ impl Borders {
         corners
     }
 
-    /// Where a border goes on: to the left if it can, else straight on, else to the right.
+    /// The next direction of a border: left if possible, else straight on, else right.
     fn turn(&self, at: usize, direction: Option<u8>) -> Option<u8> {
         let came = direction.unwrap_or(EAST);
         let choices = [came + 1, came, came + 3, came + 2].map(|turned| turned % 4);

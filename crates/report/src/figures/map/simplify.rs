@@ -19,7 +19,7 @@ pub(crate) fn simplified(points: &[Point], tolerance: f64) -> Vec<Point> {
     points.iter().zip(kept).filter_map(|(&point, kept)| kept.then_some(point)).collect()
 }
 
-/// From a point to a segment.
+/// Distance of a point from a segment.
 fn distance(point: Point, from: Point, to: Point) -> f64 {
     let (along, off) = ((to.0 - from.0, to.1 - from.1), (point.0 - from.0, point.1 - from.1));
     let square = along.0 * along.0 + along.1 * along.1;

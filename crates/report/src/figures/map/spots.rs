@@ -1,4 +1,4 @@
-//! Soundings, dangers and names, as far as there is room for them.
+//! Soundings, dangers and names, as space allows.
 
 use super::input::{Contour, Map, Spot, Symbol};
 use super::view::View;
@@ -13,11 +13,11 @@ const NAME: f64 = 10.5;
 pub(crate) const CIRCLE: f64 = 4.2;
 /// Half the side of its cross \[px\].
 const CROSS: f64 = 2.2;
-/// Depths are written with a tenth up to here \[m\].
+/// Depths up to this one are written with a tenth \[m\].
 const TENTHS_M: f64 = 31.0;
-/// Corners from which on a contour is long enough to have its value beside it.
+/// Least number of corners of a contour that is labelled.
 const LONG: usize = 12;
-/// Points that are drawn, at most.
+/// Maximum number of points that are drawn.
 const MOST: usize = 400;
 
 /// Draws the dangers, and the soundings between them, the shoalest first; then names.
@@ -50,7 +50,7 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     }
 }
 
-/// Draws a point if there is room for it.
+/// Draws a point if there is space for it.
 fn one(sheet: &mut Sheet, view: &View, spot: &Spot, at: Point, room: &mut Room) -> bool {
     let depth = spot.depth_m.map(depth);
     let letters = |anchor| Lettering::new(DIGITS, anchor).painted(colours::DEPTH_DIGITS);
@@ -68,20 +68,20 @@ fn one(sheet: &mut Sheet, view: &View, spot: &Spot, at: Point, room: &mut Room) 
                 return false;
             }
             sheet.titled(&spot.title, |sheet| danger(sheet, at));
-            let beside = (at.0 + CIRCLE + 2.0, at.1);
+            let right = (at.0 + CIRCLE + 2.0, at.1);
             let depth = depth.map(|depth| (0.5 * text::width(&depth, DIGITS), depth));
             if let Some((half, depth)) = depth
-                && view.holds(beside, 2.0 * half)
-                && room.take((beside.0 + half, beside.1), (half, 0.5 * DIGITS))
+                && view.holds(right, 2.0 * half)
+                && room.take((right.0 + half, right.1), (half, 0.5 * DIGITS))
             {
-                sheet.text(&depth, beside, letters(Anchor::Start));
+                sheet.text(&depth, right, letters(Anchor::Start));
             }
         }
     }
     true
 }
 
-/// The depth of a contour in the middle of its longest part, if there is room for it.
+/// The depth of a contour in the middle of its longest part, if there is space for it.
 fn value(sheet: &mut Sheet, view: &View, contour: &Contour, room: &mut Room) {
     let parts = clip::line(view, &view.placed(&contour.line));
     let Some((part, depth_m)) = parts.iter().max_by_key(|part| part.len()).zip(contour.depth_m) else {
@@ -102,13 +102,13 @@ pub(crate) fn danger(sheet: &mut Sheet, (x, y): Point) {
     sheet.line((x, y - CROSS), (x, y + CROSS), cross);
 }
 
-/// Metres, down to the tenth where that matters.
+/// Metres, with a tenth for shallow depths.
 fn depth(metres: f64) -> String {
     let value = if metres < TENTHS_M { (metres * 10.0).floor() / 10.0 } else { metres.floor() };
     text::signed(&value.to_string())
 }
 
-/// Boxes that are taken.
+/// Boxes that are occupied.
 #[derive(Default)]
 struct Room {
     taken: Vec<(Point, Point)>,

@@ -5,13 +5,13 @@ use crate::figures::axis::round_step;
 use crate::figures::svg::{Anchor, Lettering, Look, Paint, Path, Point, Sheet};
 use crate::figures::text;
 
-/// Room below the frame for labels, scale bar and north arrow [px].
+/// Space below the frame for labels, scale bar and north arrow [px].
 pub(crate) const FOOT: f64 = 56.0;
 /// Height of a warning [px].
 const WARNING: f64 = 22.0;
 const TICK: f64 = 5.0;
 const BAR: f64 = 5.0;
-/// A scale bar takes at least this share of the frame's width.
+/// Least share of the frame's width of a scale bar.
 const LEAST_SHARE: f64 = 0.16;
 
 /// Fine lines across the map.
@@ -36,7 +36,7 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
     north_arrow(sheet, (high.0 - 9.0, high.1 + 38.0));
 }
 
-/// A line across the top of the map that nobody overlooks.
+/// A prominent line across the top of the map.
 pub(crate) fn warning(sheet: &mut Sheet, view: &View, warning: &str) {
     let (left, right) = (view.corner.0, view.opposite.0);
     sheet.bar(view.corner, (right, view.corner.1 + WARNING), Look::filled(colours::DANGER));
@@ -59,7 +59,7 @@ fn within(labels: &[(f64, String)], (low, high): (f64, f64), pixel: impl Fn(f64)
     placed.filter(|(at, _)| (low..=high).contains(at)).collect()
 }
 
-/// Ticks outwards, each with its label where it does not run into the last one or beyond the frame.
+/// Ticks outwards, each with its label if that does not overlap the last one or leave the frame.
 fn labels(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
     let (low, high) = (view.corner, view.opposite);
     let tick = Look::drawn(Paint::ink(0.6), 1.0);
@@ -80,7 +80,7 @@ fn labels(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
     }
 }
 
-/// Room along one side of the frame.
+/// Free space along one side of the frame.
 struct Free {
     low: f64,
     high: f64,
@@ -92,7 +92,7 @@ impl Free {
         Self { low, high, taken: Vec::new() }
     }
 
-    /// Takes the room of a label centred at `at`, if it is free.
+    /// Takes the space of a label centred at `at`, if it is free.
     fn take(&mut self, at: f64, label: &str) -> bool {
         let half = 0.5 * text::width(label, NOTE);
         let (from, to) = (at - half, at + half);

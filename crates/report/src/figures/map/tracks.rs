@@ -4,11 +4,11 @@ use super::view::View;
 use super::{clip, colours};
 use crate::figures::svg::{Look, Path, Sheet};
 
-/// A line may be this far off [px].
+/// Tolerance of a line [px].
 const TOLERANCE: f64 = 0.06;
 /// The same for one of many realizations.
 const COARSE: f64 = 0.25;
-/// Realizations drawn at most.
+/// Maximum number of realizations that are drawn.
 pub(crate) const MOST_REALIZATIONS: usize = 200;
 
 /// Draws the tracks: realizations below, then basic moves, run-ins, and maneuvers on top.
@@ -35,7 +35,7 @@ pub(crate) fn outlines(sheet: &mut Sheet, view: &View, rings: &[Vec<[f64; 2]>], 
     sheet.path(&path, look);
 }
 
-/// Lines of one depth; their values stand with the soundings.
+/// Depth contours; their values are drawn with the soundings.
 pub(crate) fn contours(sheet: &mut Sheet, view: &View, contours: &[Contour]) {
     let mut path = Path::default();
     for contour in contours {
@@ -66,7 +66,7 @@ fn path(view: &View, track: &Track, tolerance: f64) -> Path {
     path
 }
 
-/// At most so many tracks as may be drawn, evenly chosen.
+/// The tracks to draw, evenly chosen up to the maximum.
 fn chosen<'a>(tracks: &[&'a Track]) -> Vec<&'a Track> {
     let (count, drawn) = (tracks.len(), tracks.len().min(MOST_REALIZATIONS));
     (0..drawn).map(|k| tracks[k * count / drawn]).collect()

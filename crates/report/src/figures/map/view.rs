@@ -5,11 +5,11 @@ use crate::figures::svg::Point;
 
 /// Width of the figure \[px\]: on a phone its text is two thirds as large.
 pub(crate) const WIDTH: f64 = 560.0;
-/// Size of the legend's text [px]: legible where the whole figure is 390 pixels wide.
+/// Size of the legend's text [px]: legible if the whole figure is 390 pixels wide.
 pub(crate) const LABEL: f64 = 14.5;
 /// Size of the text along the frame [px].
 pub(crate) const NOTE: f64 = 13.5;
-/// Room left of the frame \[px\], for labels written upwards.
+/// Space left of the frame \[px\], for labels written upwards.
 const LEFT: f64 = 26.0;
 const RIGHT: f64 = 4.0;
 const TOP: f64 = 4.0;
@@ -18,7 +18,7 @@ const TALLEST: f64 = 760.0;
 const SIDES: std::ops::RangeInclusive<f64> = 1e-2..=1e8;
 const MOST_ELONGATED: f64 = 20.0;
 
-/// Refuses what could not be drawn truly.
+/// Refuses frames that cannot be drawn to scale.
 fn check(Frame { west, south, east, north }: &Frame) -> Result<(), Invalid> {
     let (width, height) = (east - west, north - south);
     let refused = |expected: &str, remedy: &str| {
@@ -46,7 +46,7 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// As large as the sheet allows.
+    /// The largest view that fits the sheet.
     ///
     /// # Errors
     /// A frame without area, an absurdly large or a very long one.

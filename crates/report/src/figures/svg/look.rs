@@ -21,7 +21,7 @@ impl Paint {
         Self { rgb: self.rgb, opacity }
     }
 
-    /// An attribute of colour, with its opacity where it is not whole.
+    /// An attribute of colour, with its opacity if it is not 1.
     pub(super) fn attribute(self, name: &str, colours: Colours) -> String {
         let opacity = match self.opacity {
             opacity if opacity < 1.0 => format!(" {name}-opacity=\"{opacity}\""),
@@ -31,12 +31,12 @@ impl Paint {
     }
 }
 
-/// What becomes of the colours on a page with a dark background.
+/// How colours behave on a page with a dark background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Colours {
     /// The page may restyle them: written in capital letters, `#0072B2`, which its rules match.
     Restyled,
-    /// They stay: written in small letters, which no rule matches.
+    /// They are kept: written in small letters, which no rule matches.
     Kept,
 }
 
@@ -51,7 +51,7 @@ impl Colours {
     }
 }
 
-/// How a shape is painted. Widths in pixels.
+/// Fill and stroke of a shape. Widths in pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Look {
     fill: Option<Paint>,
@@ -72,7 +72,7 @@ impl Look {
         Self { stroke: Some((paint, width)), ..self }
     }
 
-    /// `on` pixels drawn, `off` pixels left out.
+    /// `on` pixels drawn, `off` pixels omitted.
     pub(crate) const fn dashed(self, on: f64, off: f64) -> Self {
         Self { dash: Some((on, off)), ..self }
     }
@@ -107,7 +107,7 @@ impl From<(Paint, f64)> for Look {
     }
 }
 
-/// Where a text stands against its point, horizontally. Vertically it is centred.
+/// Horizontal alignment of a text at its point. Vertically it is centred.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Anchor {
     Start,
@@ -115,7 +115,7 @@ pub(crate) enum Anchor {
     End,
 }
 
-/// How a text looks. Sizes in pixels.
+/// The style of a text. Sizes in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lettering {
     size: f64,

@@ -1,6 +1,6 @@
-//! The one writer of SVG: elements on a sheet, in pixels, as short as they can be written.
+//! The SVG writer: elements on a sheet, in pixels, in their shortest form.
 //!
-//! Coordinates are whole tenths of a pixel; what is not finite is left out.
+//! Coordinates are whole tenths of a pixel; values that are not finite are omitted.
 
 mod look;
 mod path;

@@ -1,11 +1,11 @@
 use super::units::{Point, units};
 
-/// The `d` of a path: whole units of the sheet, relative steps, as short as they can be written.
+/// The `d` of a path: whole units of the sheet, relative steps, in their shortest form.
 #[derive(Default)]
 pub(crate) struct Path(String);
 
 impl Path {
-    /// A polyline; nothing where it has less than two points.
+    /// A polyline; nothing with less than two points.
     pub(crate) fn line(&mut self, points: &[Point]) {
         if points.len() > 1 {
             self.steps(points);

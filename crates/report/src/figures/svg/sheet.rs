@@ -13,16 +13,16 @@ impl Sheet {
         Self { body: String::new(), colours }
     }
 
-    /// A figure of `width` × `height` pixels that `draw` draws and whose colours follow the page; `label` is its accessible
-    /// name.
+    /// A figure of `width` × `height` pixels that `draw` draws, with colours that follow the page; `label` is its
+    /// accessible name.
     pub(crate) fn figure(width: f64, height: f64, label: &str, draw: impl FnOnce(&mut Self)) -> String {
         let mut sheet = Self::new(Colours::Restyled);
         draw(&mut sheet);
         sheet.svg((width, height), label, " font-family=\"sans-serif\"", "")
     }
 
-    /// What was drawn, as one SVG of `width` × `height` pixels that scales to the width of whatever holds it. `label` is its
-    /// accessible name; `attributes` of the root begin with a space; `head` stands before everything else.
+    /// The drawing as one SVG of `width` × `height` pixels that scales to the width of its container. `label` is its
+    /// accessible name; `attributes` of the root begin with a space; `head` precedes everything else.
     pub(crate) fn svg(&self, size: (f64, f64), label: &str, attributes: &str, head: &str) -> String {
         format!(
             "<svg role=\"img\" aria-label=\"{}\" stroke-linejoin=\"round\"{attributes} \
@@ -34,7 +34,7 @@ impl Sheet {
         )
     }
 
-    /// `text` as it stands between tags and in attributes, without the characters that XML cannot hold.
+    /// `text` escaped for tags and attributes, without the characters that XML does not allow.
     pub(crate) fn written(text: &str) -> String {
         let held = |c: &char| !c.is_control() && !matches!(c, '\u{FFFE}' | '\u{FFFF}');
         let spaced = text.chars().map(|c| if matches!(c, '\n' | '\t') { ' ' } else { c });
@@ -42,14 +42,14 @@ impl Sheet {
         text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
     }
 
-    /// What `draw` draws, as a group that is called `label`.
+    /// The drawing of `draw` as a group with the name `label`.
     pub(crate) fn labelled(&mut self, label: &str, draw: impl FnOnce(&mut Self)) {
         self.body += &format!("<g aria-label=\"{}\">\n", Self::written(label));
         draw(self);
         self.body += "</g>\n";
     }
 
-    /// What `draw` draws, as one group with a title.
+    /// The drawing of `draw` as a group with a title.
     pub(crate) fn titled(&mut self, title: &str, draw: impl FnOnce(&mut Self)) {
         self.body += &format!("<g><title>{}</title>\n", Self::written(title));
         draw(self);
@@ -63,7 +63,7 @@ impl Sheet {
         }
     }
 
-    /// Points that are not finite are left out.
+    /// Points that are not finite are omitted.
     pub(crate) fn polyline(&mut self, points: &[Point], look: impl Into<Look>) {
         let points: Vec<Point> = points.iter().copied().filter(finite).collect();
         let mut path = Path::default();

@@ -3,7 +3,7 @@ pub(crate) type Point = (f64, f64);
 
 /// Units of the SVG per pixel: whole numbers are short.
 const FINENESS: f64 = 10.0;
-/// Beyond this many pixels a coordinate is cut.
+/// Coordinates are clipped at this many pixels.
 const FARTHEST: f64 = 1e6;
 
 /// Whole units of the SVG.

@@ -1,10 +1,10 @@
-//! What estimates by simulation take as unknown: flags of all stages that make them.
+//! Flags for additional unknowns of estimates by simulation, for all stages that make such estimates.
 
 use std::collections::BTreeMap;
 
 use clap::Args;
 use identification::Estimator;
-use identification::runs::{Beside, Intercepts, UnknownCurrent, UnknownWind};
+use identification::runs::{AdditionalUnknowns, Intercepts, UnknownCurrent, UnknownWind};
 use serde_json::{Value, json};
 
 use crate::choice::choice;
@@ -12,7 +12,7 @@ use crate::failure::Failure;
 
 /// The flags.
 #[derive(Args, Clone, Copy, Debug)]
-pub struct BesideFlags {
+pub struct AdditionalFlags {
     /// Forces that stay, as unknowns of `output-error` and `prediction-error`
     #[arg(long, value_parser = choice(&Intercepts::ALL, Intercepts::name, Intercepts::description), default_value_t = Intercepts::Each)]
     intercepts: Intercepts,
@@ -24,16 +24,20 @@ pub struct BesideFlags {
     unknown_wind: UnknownWind,
 }
 
-impl BesideFlags {
-    /// What they say.
-    pub fn unknown(self) -> Beside {
-        Beside { intercepts: self.intercepts, current: self.unknown_current, wind: self.unknown_wind }
+impl AdditionalFlags {
+    /// The unknowns of the flags.
+    pub fn unknown(self) -> AdditionalUnknowns {
+        AdditionalUnknowns {
+            intercepts: self.intercepts,
+            current: self.unknown_current,
+            wind: self.unknown_wind,
+        }
     }
 
-    /// Refuses what none of the `estimators` takes.
+    /// Refuses flags that none of the `estimators` uses.
     ///
     /// # Errors
-    /// A flag for estimators that are not asked for.
+    /// A flag for estimators that are not requested.
     pub fn check(self, estimators: &[Estimator]) -> Result<(), Failure> {
         let simulated = estimators.contains(&Estimator::OutputError);
         let searched = estimators.iter().any(|estimator| estimator.searches());
@@ -64,9 +68,10 @@ impl BesideFlags {
         Ok(())
     }
 
-    /// Notes what is not as usual.
+    /// Notes values that are not the default.
     pub fn note(self, settings: &mut BTreeMap<String, Value>) {
-        let (usual, Beside { intercepts, current, wind }) = (Beside::default(), self.unknown());
+        let (usual, AdditionalUnknowns { intercepts, current, wind }) =
+            (AdditionalUnknowns::default(), self.unknown());
         if intercepts != usual.intercepts {
             settings.insert("intercepts".into(), json!(intercepts));
         }

@@ -1,4 +1,4 @@
-//! What must hold of pooled estimates where water and wind are unknown, or found by a filter.
+//! Properties of pooled estimates if water and wind are unknown, or found by a filter.
 
 use approx::assert_relative_eq;
 use engine::{RunView, Weather, simulate};
@@ -7,7 +7,7 @@ use identification::pooled::{Follow, Pool, Searched, least_errors};
 use identification::predictor::{
     Fit, Fitted, Flow, InitialState, Levels, Spread, Unknown, output_error, prediction_error,
 };
-use identification::runs::{Beside, Intercepts, UnknownCurrent};
+use identification::runs::{AdditionalUnknowns, Intercepts, UnknownCurrent};
 use model::Vessel;
 use numerics::Lane;
 use regression::pooled::Part;
@@ -15,13 +15,14 @@ use regression::pooled::Part;
 use crate::support::noise::Normals;
 use crate::support::{Experiment, dictionary, paper, truth};
 
-const EARTH: Beside = Beside { current: UnknownCurrent::Earth, intercepts: Intercepts::None, ..NOTHING };
-const NOTHING: Beside = Beside {
+const EARTH: AdditionalUnknowns =
+    AdditionalUnknowns { current: UnknownCurrent::Earth, intercepts: Intercepts::None, ..NOTHING };
+const NOTHING: AdditionalUnknowns = AdditionalUnknowns {
     intercepts: Intercepts::Each,
     current: UnknownCurrent::None,
     wind: identification::runs::UnknownWind::None,
 };
-/// Maneuvers of the dictionary that tell of every parameter, in runs of several lengths.
+/// Maneuvers of the dictionary that are informative about every parameter, in runs of several lengths.
 const PLANS: [&[(usize, usize)]; 4] = [
     &[(0, 80), (5, 110), (7, 50), (10, 90)],
     &[(4, 40), (5, 100), (6, 60), (10, 130)],
@@ -29,11 +30,11 @@ const PLANS: [&[(usize, usize)]; 4] = [
     &[(7, 60), (10, 110), (5, 120), (4, 40)],
 ];
 
-fn unknown(vessel: &Vessel, beside: Beside) -> Unknown {
-    Unknown::new(InitialState::Known, beside, 1.0 / vessel.sample_rate_hz)
+fn unknown(vessel: &Vessel, additional: AdditionalUnknowns) -> Unknown {
+    Unknown::new(InitialState::Known, additional, 1.0 / vessel.sample_rate_hz)
 }
 
-/// Currents that stay or drift over ground, two components a sample.
+/// Constant or drifting currents over ground, two components per sample.
 type Water<'a> = dyn FnMut(usize) -> [f64; 2] + 'a;
 
 /// A run of the paper's vessel in a current, with noise on all samples but the first.
@@ -63,7 +64,7 @@ fn part(
     Part::new("run", "a", RunView::measured(&measured, &experiment.inputs))
 }
 
-/// A current of its own in every run, and what was drawn.
+/// Runs with a different current in each, and the currents.
 fn parts(vessel: &Vessel, noise: f64, seed: u64) -> (Vec<Part>, Vec<[f64; 2]>) {
     let mut normals = Normals::new(seed);
     let waters: Vec<[f64; 2]> = PLANS.iter().map(|_| [0, 1].map(|_| 0.08 * normals.next())).collect();
@@ -84,20 +85,20 @@ fn found(vessel: &Vessel, parts: &Vec<Part>, std: [f64; 3], start: &[f64], follo
 fn law_the_current_of_every_run_is_found_with_the_parameters_of_all() {
     let vessel = paper();
     let (parts, waters) = parts(&vessel, 0.0, 5);
-    let of = |beside| {
-        let follow = Follow::Simulated(unknown(&vessel, beside));
+    let of = |additional| {
+        let follow = Follow::Simulated(unknown(&vessel, additional));
         found(&vessel, &parts, [0.3, 0.1, 0.1], &vessel.nominal, &follow)
     };
     let own = of(EARTH);
     for (found, truth) in own.parameters.iter().zip(truth(&vessel)) {
         assert_relative_eq!(*found, truth, max_relative = 1e-4);
     }
-    for ([found, _], truth) in own.around.iter().zip(waters) {
+    for ([found, _], truth) in own.ambient.iter().zip(waters) {
         assert_relative_eq!(found[0], truth[0], max_relative = 1e-3);
         assert_relative_eq!(found[1], truth[1], max_relative = 1e-3);
     }
-    let still = of(Beside { current: UnknownCurrent::None, ..EARTH });
-    assert!(still.around.is_empty());
+    let still = of(AdditionalUnknowns { current: UnknownCurrent::None, ..EARTH });
+    assert!(still.ambient.is_empty());
     let mut pairs = still.parameters.iter().zip(truth(&vessel));
     assert!(pairs.any(|(found, truth)| (found / truth - 1.0).abs() > 0.05));
 }
@@ -109,21 +110,21 @@ fn converged(fits: Vec<Fit>) -> Fitted {
     }
 }
 
-/// The current that follows the parameters is the one that is searched for beside them.
+/// The current that is projected out equals the one that is estimated with the parameters.
 #[test]
 fn law_of_one_run_pooled_and_single_estimates_are_the_same() {
     let vessel = paper();
     let (mut parts, _) = parts(&vessel, 0.02, 6);
     parts.truncate(1);
     let (view, starts) = (parts[0].view(), vec![vec![vessel.nominal.clone()]]);
-    let around = unknown(&vessel, EARTH);
-    let single = converged(output_error(&vessel.model, &[view], &starts, around, Spread::Blocks));
-    // The weights that likelihood ends at.
-    let pooled = found(&vessel, &parts, single.rmse, &vessel.nominal, &Follow::Simulated(around));
+    let ambient = unknown(&vessel, EARTH);
+    let single = converged(output_error(&vessel.model, &[view], &starts, ambient, Spread::Blocks));
+    // The final weights of the likelihood.
+    let pooled = found(&vessel, &parts, single.rmse, &vessel.nominal, &Follow::Simulated(ambient));
     for (a, b) in pooled.parameters.iter().zip(&single.parameters) {
         assert_relative_eq!(*a, *b, max_relative = 1e-5);
     }
-    for (a, b) in pooled.around[0][0].iter().zip(single.around[0]) {
+    for (a, b) in pooled.ambient[0][0].iter().zip(single.ambient[0]) {
         assert_relative_eq!(*a, b, max_relative = 1e-4, epsilon = 1e-9);
     }
 }
@@ -132,25 +133,25 @@ fn law_of_one_run_pooled_and_single_estimates_are_the_same() {
 fn law_standard_errors_of_currents_are_their_spread() {
     let vessel = paper();
     let follow = Follow::Simulated(unknown(&vessel, EARTH));
-    let (mut squares, mut told, runs) = ([[0.0; 2]; 4], [[0.0; 2]; 4], 60);
+    let (mut squares, mut predicted, runs) = ([[0.0; 2]; 4], [[0.0; 2]; 4], 60);
     for seed in 0..runs {
         let (parts, waters) = parts(&vessel, 0.02, 100 + seed);
         let own = found(&vessel, &parts, [0.02; 3], &truth(&vessel), &follow);
-        for (i, ([values, errors], truth)) in own.around.iter().zip(waters).enumerate() {
+        for (i, ([values, errors], truth)) in own.ambient.iter().zip(waters).enumerate() {
             for c in 0..2 {
                 squares[i][c] += (values[c] - truth[c]).powi(2);
-                told[i][c] += errors[c].powi(2);
+                predicted[i][c] += errors[c].powi(2);
             }
         }
     }
     // Of 60 squares the mean varies by a fifth; standard errors count few samples as correlated and four parts as many.
-    for (square, told) in squares.iter().flatten().zip(told.iter().flatten()) {
-        let ratio = (told / square).sqrt();
-        assert!((0.6..1.6).contains(&ratio), "{ratio}: {squares:?} {told:?}");
+    for (square, predicted) in squares.iter().flatten().zip(predicted.iter().flatten()) {
+        let ratio = (predicted / square).sqrt();
+        assert!((0.6..1.6).contains(&ratio), "{ratio}: {squares:?} {predicted:?}");
     }
 }
 
-/// The same gains, and a start that is as unknown.
+/// The same gains, and an equally unknown start.
 #[test]
 fn law_of_one_run_pooled_and_single_predictions_are_the_same() {
     let vessel = paper();
@@ -186,8 +187,8 @@ fn drifted(vessel: &Vessel, plan: &[(usize, usize)], levels: &Levels, normals: &
     part(vessel, plan, &mut drift, levels.measurement[0], normals)
 }
 
-/// Of runs in a drifting current, which is nothing that a simulation knows: the filter's levels are found, and its parameters are
-/// nearer to the truth.
+/// For runs in a drifting current, which a simulation does not model: the filter's levels are found, and its
+/// parameters are closer to the truth.
 #[test]
 fn law_predictions_of_pooled_runs_find_the_drift_and_better_parameters() {
     let vessel = paper();

@@ -1,23 +1,27 @@
-//! Estimates with the noise that is found of their runs.
+//! Estimates with the noise found for their runs.
 
 use rayon::prelude::*;
 
 use super::noise::Guess;
 use super::problems::{Problems, State};
 
-/// Estimates with the noise that was found of each, in turns: from where they start, else from least squares. `before`: see
-/// [`heard`].
-pub(super) fn listened(problems: &Problems, starts: &[Vec<f64>], before: &[(Guess, f64)]) -> Vec<State> {
+/// Estimates alternating with the noise found for each: from `starts`, else from least squares. `before`: see
+/// [`with_noise`].
+pub(super) fn each_with_noise(
+    problems: &Problems,
+    starts: &[Vec<f64>],
+    before: &[(Guess, f64)],
+) -> Vec<State> {
     let each = starts.par_iter().enumerate().map(|(problem, start)| {
-        let found = heard(problems, problem, std::slice::from_ref(start), before);
+        let found = with_noise(problems, problem, std::slice::from_ref(start), before);
         found.unwrap_or(State { parameters: start.clone(), noise: None })
     });
     each.collect()
 }
 
-/// The same of one of them, from the first of `starts` that leads to any, else from least squares. `before`: the kinds of noise
-/// that were found of nearly the same model, the likeliest first.
-pub(super) fn heard(
+/// The same for one of them, from the first of `starts` that succeeds, else from least squares. `before`: the kinds
+/// of noise that were found for nearly the same model, the likeliest first.
+pub(super) fn with_noise(
     problems: &Problems,
     problem: usize,
     starts: &[Vec<f64>],

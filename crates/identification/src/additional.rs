@@ -1,18 +1,18 @@
-//! What searches take as unknown beside the parameters of the vessel.
+//! Unknowns that searches estimate in addition to the parameters of the vessel.
 
-/// What estimates by simulation and prediction take as unknown beside the parameters of the vessel.
+/// Unknowns that estimates by simulation and prediction include in addition to the parameters of the vessel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Beside {
-    /// A force that stays.
+pub struct AdditionalUnknowns {
+    /// Constant forces.
     pub intercepts: Intercepts,
-    /// A current, of output error alone.
+    /// A current, for output error only.
     pub current: UnknownCurrent,
-    /// A wind, of output error alone.
+    /// A wind, for output error only.
     pub wind: UnknownWind,
 }
 
 refusal::choices! {
-    /// Forces that stay, which no term tells of.
+    /// Constant forces that no term describes.
     pub enum Intercepts {
         /// One for each degree of freedom.
         Each = "each",
@@ -22,7 +22,7 @@ refusal::choices! {
 }
 
 refusal::choices! {
-    /// A current that is not known.
+    /// An unknown current.
     pub enum UnknownCurrent {
         /// None: still water.
         None = "none",
@@ -36,7 +36,7 @@ refusal::choices! {
 }
 
 refusal::choices! {
-    /// A wind whose direction is not known.
+    /// A wind of unknown direction.
     pub enum UnknownWind {
         /// None, or one that terms of measured channels tell of.
         None = "none",
@@ -45,7 +45,7 @@ refusal::choices! {
     }
 }
 
-impl Default for Beside {
+impl Default for AdditionalUnknowns {
     fn default() -> Self {
         Self { intercepts: Intercepts::Each, current: UnknownCurrent::None, wind: UnknownWind::None }
     }

@@ -1,5 +1,5 @@
-//! Where parts start, and water and wind around them, each its own: for any parameters those with the least errors, by which the
-//! errors then are the parameters' alone (variable projection).
+//! The start of each part and its ambient water and wind: minimised out for any parameters, so that the errors depend
+//! on the parameters alone (variable projection).
 
 use std::convert::Infallible;
 
@@ -8,40 +8,40 @@ use numerics::{LANES, Lane, quadratic, times};
 use regression::jackknife;
 
 use crate::predictor::{
-    AROUND, Asked, Linear, Recordings, Residuals, STEPS, Unknown, Weighting, minimize, scaled_inverse,
+    AMBIENT, Asked, Linear, Recordings, Residuals, STEPS, Unknown, Weighting, minimize, scaled_inverse,
 };
 
-/// A part with what is settled around it.
+/// A part with its ambient unknowns minimised out.
 pub(super) struct Settled {
-    /// Its errors by the parameters alone: what is around it follows them.
+    /// Its errors by the parameters alone: the ambient unknowns follow them.
     pub linear: Linear,
-    /// Its offset from the measured start and what is around it, the unknowns alone, in the order of [`Unknown::own`].
-    pub around: Vec<f64>,
-    /// How it follows the parameters, a row for each unknown; and its covariance where they are known.
+    /// The offset of its start and the ambient unknowns, in the order of [`Unknown::own`].
+    pub ambient: Vec<f64>,
+    /// Derivatives of these by the parameters, a row for each unknown; and their covariance at known parameters.
     follows: Vec<f64>,
     known: Vec<f64>,
 }
 
 impl From<Linear> for Settled {
     fn from(linear: Linear) -> Self {
-        Self { linear, around: Vec::new(), follows: Vec::new(), known: Vec::new() }
+        Self { linear, ambient: Vec::new(), follows: Vec::new(), known: Vec::new() }
     }
 }
 
 impl Settled {
-    /// The same without the sums, which are the most of it.
+    /// The same without the sums, which take most of the memory.
     pub(super) fn without_sums(self) -> Self {
         Self { linear: Linear::default(), ..self }
     }
 
-    /// What is around it and standard errors of it, with the parameters' `covariance`, of all [`AROUND`].
-    pub(super) fn around(&self, unknown: Unknown, covariance: &[f64]) -> [[f64; AROUND]; 2] {
-        let q = self.around.len();
+    /// The ambient unknowns and their standard errors, with the parameters' `covariance`, for all [`AMBIENT`].
+    pub(super) fn ambient(&self, unknown: Unknown, covariance: &[f64]) -> [[f64; AMBIENT]; 2] {
+        let q = self.ambient.len();
         let free = self.follows.len() / q.max(1);
-        let mut all = [[0.0; AROUND]; 2];
+        let mut all = [[0.0; AMBIENT]; 2];
         let places = unknown.own().enumerate().filter_map(|(i, own)| Some((i, own.checked_sub(3)?)));
         for (i, place) in places {
-            all[0][place] = self.around[i];
+            all[0][place] = self.ambient[i];
             if free > 0 {
                 let through = quadratic(&self.follows[i * free..(i + 1) * free], covariance);
                 all[1][place] = (self.known[i * q + i] + through).max(0.0).sqrt();
@@ -51,21 +51,21 @@ impl Settled {
     }
 }
 
-/// Parts side by side, simulated with given parameters.
-pub(super) struct Around<'a> {
+/// Parts in lanes, simulated with given parameters.
+pub(super) struct Ambient<'a> {
     recordings: &'a Recordings<'a>,
     unknown: Unknown,
-    /// Places of what is searched for among all unknowns.
+    /// Indices of the estimated ones among all unknowns.
     own: Vec<usize>,
     parameters: &'a [f64],
     weights: [f64; 3],
 }
 
-impl Residuals for Around<'_> {
+impl Residuals for Ambient<'_> {
     type Error = Infallible;
 
     fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Infallible> {
-        // Lanes of parts that are settled go along with the first.
+        // Idle lanes, of converged parts, repeat the point of the first.
         let own = |lane: usize| asked.iter().find(|own| own.problem == lane).or(asked.first());
         let points: Vec<&[f64]> = (0..LANES).filter_map(own).map(|own| own.point.as_slice()).collect();
         let found = self.linears(&points, &self.own);
@@ -74,8 +74,8 @@ impl Residuals for Around<'_> {
     }
 }
 
-impl<'a> Around<'a> {
-    /// Of parts whose squared errors in u, v, r have these `weights`.
+impl<'a> Ambient<'a> {
+    /// The problem of parts whose squared errors in u, v, r have these `weights`.
     pub(super) fn new(
         recordings: &'a Recordings<'a>,
         unknown: Unknown,
@@ -86,8 +86,9 @@ impl<'a> Around<'a> {
         Self { recordings, unknown, own, parameters, weights }
     }
 
-    /// The parts with what has the least errors around them, to the `free` parameters. Searches begin at `starts`, one for each,
-    /// which are empty at first. Where it makes no difference, or the simulation diverges, it stays. With their `spread` where that is wanted.
+    /// Minimises the errors of the parts over their ambient unknowns, and linearises them by the `free` parameters.
+    /// Searches begin at `starts`, one per part, which are empty at first. Unknowns without effect, or of a diverging
+    /// simulation, stay. Computes their `spread` if requested.
     pub(super) fn settled(mut self, free: &[usize], starts: &[Vec<f64>], spread: bool) -> Vec<Settled> {
         let start = |own: &Vec<f64>| match own.is_empty() {
             true => vec![0.0; self.own.len()],
@@ -101,16 +102,16 @@ impl<'a> Around<'a> {
         let blocks = spread.then(|| self.unknown.blocks(self.recordings, &self.unknowns(&points), &self.own));
         let linears = self.linears(&points, &all);
         let each = points.into_iter().zip(linears).enumerate();
-        each.map(|(lane, (around, linear))| {
+        each.map(|(lane, (ambient, linear))| {
             let own = blocks.iter().flatten().map(|block| &block[lane]).collect::<Vec<_>>();
-            projected(&linear, around, self.weights, spread.then_some(&own))
+            projected(&linear, ambient, self.weights, spread.then_some(&own))
         })
         .collect()
     }
 
     fn unknowns(&self, points: &[impl AsRef<[f64]>]) -> Vec<Lane> {
         let mut unknowns: Vec<Lane> = self.parameters.iter().copied().map(Lane::splat).collect();
-        unknowns.resize(self.parameters.len() + 3 + AROUND, Lane::ZERO);
+        unknowns.resize(self.parameters.len() + 3 + AMBIENT, Lane::ZERO);
         for (i, place) in self.own.iter().enumerate() {
             unknowns[*place] = lane(points.len(), |run| points[run].as_ref()[i]);
         }
@@ -122,12 +123,17 @@ impl<'a> Around<'a> {
     }
 }
 
-/// The errors of a part by its parameters alone, after those around it: with A B; Bᵀ N the weighted normal matrix of both and
-/// g, h the gradients, A − B N⁻¹ Bᵀ and g − B N⁻¹ h. `blocks`: sums over blocks of samples by those around it, where their
-/// covariance is wanted, see [`jackknife`].
-fn projected(linear: &Linear, around: Vec<f64>, weights: [f64; 3], blocks: Option<&Vec<&Linear>>) -> Settled {
+/// The errors of a part by its parameters alone, with the ambient unknowns projected out: with A B; Bᵀ N the weighted
+/// normal matrix of both and g, h the gradients, A − B N⁻¹ Bᵀ and g − B N⁻¹ h. `blocks`: sums over blocks of samples
+/// by the ambient unknowns, if their covariance is requested, see [`jackknife`].
+fn projected(
+    linear: &Linear,
+    ambient: Vec<f64>,
+    weights: [f64; 3],
+    blocks: Option<&Vec<&Linear>>,
+) -> Settled {
     let (normal, gradient) = linear.weighted(weights);
-    let (n, q) = (gradient.len(), around.len());
+    let (n, q) = (gradient.len(), ambient.len());
     let p = n - q;
     let rows = |rows: std::ops::Range<usize>, columns: std::ops::Range<usize>| -> Vec<f64> {
         rows.flat_map(|i| columns.clone().map(move |j| (i, j))).map(|(i, j)| normal[i * n + j]).collect()
@@ -141,8 +147,8 @@ fn projected(linear: &Linear, around: Vec<f64>, weights: [f64; 3], blocks: Optio
         let reach: Vec<f64> = (0..q * p).map(|k| entry(k / p, k % p)).collect();
         let step = times(&inverse, &gradient[p..]);
         for k in 0..q {
-            let beside = &across[k * p..(k + 1) * p];
-            for (i, b) in beside.iter().enumerate() {
+            let coupling = &across[k * p..(k + 1) * p];
+            for (i, b) in coupling.iter().enumerate() {
                 slope[i] -= b * step[k];
                 (0..p).for_each(|j| own[i * p + j] -= b * reach[k * p + j]);
             }
@@ -153,14 +159,14 @@ fn projected(linear: &Linear, around: Vec<f64>, weights: [f64; 3], blocks: Optio
             let without = |block: &Linear| {
                 let (own, gradient) = block.weighted(weights);
                 let others: Vec<f64> = whole.iter().zip(own).map(|(whole, own)| whole - own).collect();
-                // What one block alone tells of counts as what all tell little of.
+                // An unknown that only one block determines uses all blocks' matrix.
                 Some(times(&scaled_inverse(&others, q).unwrap_or_else(|_| inverse.clone()), &gradient))
             };
             known = jackknife(blocks.iter().copied(), without).unwrap_or_else(|| vec![f64::NAN; q * q]);
             follows = reach;
         }
     }
-    // All weighed: in the first place, and nothing in the others.
+    // Weighted sums are in the first entry, the others are zero.
     let nothing = |of: &[f64]| vec![0.0; of.len()];
     let (no_slope, no_normal) = (nothing(&slope), nothing(&own));
     let linear = Linear {
@@ -169,5 +175,5 @@ fn projected(linear: &Linear, around: Vec<f64>, weights: [f64; 3], blocks: Optio
         gradient: [slope, no_slope.clone(), no_slope],
         normal: [own, no_normal.clone(), no_normal],
     };
-    Settled { linear, around, follows, known }
+    Settled { linear, ambient, follows, known }
 }
