@@ -161,7 +161,6 @@ impl Task for Validation {
     }
 }
 
-<<<<<<< HEAD
 /// Notes what every maneuver of `dictionary` reached; refuses what it does not, unless that is allowed.
 fn note_reached(
     reached: &[Reached],
@@ -185,11 +184,8 @@ fn note_reached(
     Ok(())
 }
 
-/// Simulates every maneuver on its own. `dictionary` alone says what is simulated. `unreached`: whether maneuvers may miss what
-/// they are called, where that is asked.
-=======
-/// Simulates every maneuver of `dictionary` on its own.
->>>>>>> 1cbb523ce8bf90aa314e4769d0b781db6c4577b8
+/// Simulates every maneuver of `dictionary` on its own. `unreached`: whether maneuvers may miss what they are called, where that
+/// is asked.
 fn undisturbed(
     maneuvers: Result<Maneuvers, Refusal>,
     (vessel, dictionary): (&Path, &Path),

@@ -3,48 +3,10 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use model::Vessel;
 use refusal::Invalid;
 
+use super::figure::{Figure, Hull};
 use super::record::{Record, Smoother};
 use super::{criteria, spirals};
 use crate::standard::{PullOut, Settings, Standard, Stop, TurningCircle, ZigZagTest};
-
-/// The ship that figures are measured by.
-#[derive(Clone, Copy, Debug)]
-pub struct Hull<'a> {
-    /// The vessel, for its inputs.
-    pub vessel: &'a Vessel,
-    /// Length between perpendiculars \[m\].
-    pub length_m: f64,
-}
-
-/// A figure of merit.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Figure {
-    /// Its name in files: `overshoot_1`.
-    pub name: &'static str,
-    /// What it is.
-    pub what: &'static str,
-    /// Its value.
-    pub value: f64,
-    /// Its unit: `deg`, `deg/s`, `m`, `L` (ship lengths), `s`, or the input's.
-    pub unit: String,
-    /// The greatest value that IMO MSC.137(76) allows, where it has one for this test.
-    pub most: Option<f64>,
-}
-
-impl Figure {
-    fn new(name: &'static str, what: &'static str, value: f64, unit: &str) -> Self {
-        Self { name, what, value, unit: unit.to_owned(), most: None }
-    }
-
-    fn at_most(self, most: Option<f64>) -> Self {
-        Self { most, ..self }
-    }
-
-    /// Whether it meets its criterion; `None` without one.
-    pub fn passes(&self) -> Option<bool> {
-        self.most.map(|most| self.value <= most)
-    }
-}
 
 /// The figures of `standard` from what a ship did, which begins with the maneuver.
 ///
@@ -250,15 +212,5 @@ impl Measured<'_> {
             Figure::new("lateral_deviation", "lateral deviation", across / length, "L"),
             Figure::new("stopping_time", "time to stop", self.smoother.seconds(end - from as f64), "s"),
         ])
-    }
-}
-
-impl Figure {
-    /// A figure of a spiral, in the unit of the helm's greatest input.
-    pub(super) fn of_helm(name: &'static str, what: &'static str, value: f64, unit: &str) -> Self {
-        match unit {
-            "rad" => Self::new(name, what, value.to_degrees(), "deg"),
-            unit => Self::new(name, what, value, unit),
-        }
     }
 }

@@ -1,6 +1,6 @@
 use refusal::Invalid;
 
-use super::figures::{Figure, Hull};
+use super::figure::{Figure, Hull};
 use super::record::Record;
 use crate::standard::{ReverseSpiral, Settings, SpiralTest, steps};
 
@@ -79,10 +79,4 @@ pub(super) fn reverse(spiral: &ReverseSpiral, record: &Record, hull: &Hull) -> R
         Figure::of_helm("loop_width", "width of the loop", width, &unit),
         Figure::of_helm("neutral_helm", "helm of no yaw rate", neutral, &unit),
     ])
-}
-
-impl Figure {
-    fn per_second(self) -> Self {
-        Self { unit: format!("{}/s", self.unit), ..self }
-    }
 }

@@ -132,7 +132,10 @@ fn oracle_circles_and_stops_are_as_in_continuous_time() {
         ] {
             let expected = stop[key].as_f64().unwrap() / scale;
             let off = (value(&found, name) - expected).abs();
-            assert!(off < 0.005 && off < 1e-3 * expected.max(1.0) || name == "stopping_time" && off < 0.02, "{name} off by {off}");
+            assert!(
+                off < 0.005 && off < 1e-3 * expected.max(1.0) || name == "stopping_time" && off < 0.02,
+                "{name} off by {off}"
+            );
         }
     }
 }
