@@ -196,18 +196,13 @@ fn undisturbed(
 ) -> Result<Summary, Failure> {
     let files = Files { vessel, ..Files::all(dictionary) };
     let maneuvers = maneuvers.map_err(|e| files.refused(e))?;
-<<<<<<< HEAD
     check_maneuvers(&maneuvers, &files, out)?;
     if let Some(is_allowed) = unreached {
         let reached = maneuvers.reached().map_err(|e| files.refused(e))?;
         note_reached(&reached, dictionary, is_allowed, &mut provenance)?;
     }
     let tally = write_maneuvers(&maneuvers, &files, out, &provenance, common.quiet)?;
-    let mut told = json!({"maneuvers": tally.maneuvers, "samples": tally.samples});
-=======
-    let tally = write_maneuvers(&maneuvers, &files, out, provenance, common.quiet)?;
     let mut details = json!({"maneuvers": tally.maneuvers, "samples": tally.samples});
->>>>>>> 1cbb523ce8bf90aa314e4769d0b781db6c4577b8
     if tally.kept > 0 {
         let left_out = tally.left_out.iter().map(|(name, about)| (name.clone(), json!(about.count)));
         details["generated"] = json!(tally.kept);

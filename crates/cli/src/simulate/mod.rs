@@ -132,16 +132,11 @@ pub fn write_maneuvers(
     Ok(tally)
 }
 
-<<<<<<< HEAD
-/// Refuses maneuvers whose runs do not fit into memory or folder.
+/// Refuses maneuvers whose runs do not fit into memory or on disk.
 ///
 /// # Errors
 /// A maneuver of zero samples, or unbounded; too little memory or disk.
 pub fn check_maneuvers(maneuvers: &Maneuvers, files: &Files, out: &Path) -> Result<(), Failure> {
-=======
-/// Refuses maneuvers whose runs do not fit into memory or on disk.
-fn check_maneuvers(maneuvers: &Maneuvers, files: &Files, out: &Path) -> Result<(), Failure> {
->>>>>>> 1cbb523ce8bf90aa314e4769d0b781db6c4577b8
     let (mut all, mut written, mut block) = (0, 0, 0);
     for start in (0..maneuvers.count()).step_by(BLOCK) {
         let rows = maneuvers.rows(start..maneuvers.count().min(start + BLOCK));
