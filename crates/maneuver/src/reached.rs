@@ -11,7 +11,7 @@ use crate::standard::{Standard, steps};
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tolerance {
-    /// The mean speed over its second half, as a fraction of the greatest wanted one.
+    /// By how much the mean speed over its second half may be beyond all wanted ones, as a fraction of the greatest.
     pub speed: f64,
     /// The change of heading at its end, as a fraction of all turning that is wanted, to either side.
     pub turn: f64,
@@ -127,7 +127,8 @@ pub(crate) fn of_standard(standard: Standard, states: &[f64], rate_hz: f64) -> V
     }
 }
 
-/// The aims of a motion, `wanted` u and r of every sample.
+/// The aims of a motion, `wanted` u and r of every sample, with what `states`, (N+1) × 3, reach of them. A ship may lag behind
+/// speeds that change, so that only those beyond all that are wanted count.
 pub(crate) fn of_motion(
     wanted: &[[f64; 2]],
     states: &[f64],
@@ -136,27 +137,28 @@ pub(crate) fn of_motion(
 ) -> Vec<Aim> {
     let half = wanted.len() / 2;
     let count = (wanted.len() - half).max(1) as f64;
-    let speed = wanted[half..].iter().map(|[u, _]| u).sum::<f64>() / count;
+    let mean = wanted[half..].iter().map(|[u, _]| u).sum::<f64>() / count;
     let reached = states.iter().step_by(3).skip(half).take(wanted.len() - half).sum::<f64>() / count;
-    let fastest = wanted.iter().map(|[u, _]| u.abs()).fold(0.0, f64::max);
-    let turned = |r: &dyn Fn(f64) -> f64| wanted.iter().map(|[_, rate]| r(*rate)).sum::<f64>() / rate_hz;
+    let speeds = || wanted.iter().map(|[u, _]| *u).chain(states.first().copied());
+    let (low, high) = (speeds().fold(f64::INFINITY, f64::min), speeds().fold(f64::NEG_INFINITY, f64::max));
+    let slack = tolerance.speed * low.abs().max(high.abs());
+    let turned = |of: &dyn Fn(f64) -> f64| wanted.iter().map(|[_, rate]| of(*rate)).sum::<f64>() / rate_hz;
     let (turn, all) = (turned(&|r| r), turned(&f64::abs));
     let heading = headings(states, rate_hz).last().copied().unwrap_or(0.0);
-    let least = tolerance.least_turn_rad;
     vec![
         Aim {
             what: "mean speed of the second half".to_owned(),
             unit: "m/s",
-            wanted: speed,
+            wanted: mean,
             reached,
-            is_met: (speed - reached).abs() <= tolerance.speed * fastest,
+            is_met: (low - slack..=high + slack).contains(&reached),
         },
         Aim {
             what: "change of heading".to_owned(),
             unit: "°",
             wanted: turn.to_degrees(),
             reached: heading.to_degrees(),
-            is_met: (turn - heading).abs() <= (tolerance.turn * all).max(least),
+            is_met: (turn - heading).abs() <= (tolerance.turn * all).max(tolerance.least_turn_rad),
         },
     ]
 }
