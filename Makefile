@@ -155,7 +155,16 @@ $(OUT)/planned/scores.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(OUT
 	$(BIN)/validate --vessel $(STUDY)/vessel.toml --campaign $(STUDY)/campaign.toml \
 	  --estimates $(OUT)/planned/estimates.parquet --validation $(OUT)/validation.parquet $(FLAGS) --out $@
 
-$(OUT)/report.html: $(SCORED) $(OUT)/validation.parquet $(wildcard $(STUDY)/reference.toml) $(PLANS) $(BIN)/report
+# A study whose study.mk states the ship's LENGTH_M measures its standard maneuvers.
+ifdef LENGTH_M
+MERIT := $(OUT)/merit.json
+
+$(MERIT): $(STUDY)/vessel.toml $(DICTIONARY) $(OUT)/dictionary.parquet $(BIN)/validate
+	$(BIN)/validate merit --vessel $(STUDY)/vessel.toml --dictionary $(DICTIONARY) --trajectories $(OUT)/dictionary.parquet \
+	  --length-m $(LENGTH_M) $(FLAGS) --out $@
+endif
+
+$(OUT)/report.html: $(MERIT) $(SCORED) $(OUT)/validation.parquet $(wildcard $(STUDY)/reference.toml) $(PLANS) $(BIN)/report
 	$(BIN)/report --study $(STUDY) --dictionary $(DICTIONARY) --results $(OUT) $(FLAGS) --out $@
 
 .PHONY: helsinki

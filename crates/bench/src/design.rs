@@ -45,7 +45,7 @@ pub fn generated(paper: &Paper, count: usize) -> anyhow::Result<Candidates> {
             duration_s: None,
             keeps: Kept::default(),
             executed: maneuver::Executed::Inputs,
-            feedback: maneuver::Controller::default(),
+            feedback: None,
             kind,
         }
     };

@@ -26,7 +26,7 @@ impl GenerateSpec {
                 duration_s: self.duration_s,
                 keeps: Kept::default(),
                 executed: crate::Executed::Inputs,
-                feedback: crate::Controller::default(),
+                feedback: None,
                 kind: draw.kind(kind, index),
             }
         };

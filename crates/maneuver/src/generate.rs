@@ -219,7 +219,8 @@ impl Generator {
         }
         let coupled = !self.tables.contains_key(&index) && maneuver.kind.sway_is_free();
         let nominal = Nominal { inputs, states: &states, coupled };
-        let tracked = Tracked::new(vessel, &self.parameters, &nominal, &maneuver.feedback)?;
+        let tracked =
+            Tracked::new(vessel, &self.parameters, &nominal, &maneuver.feedback.unwrap_or_default())?;
         Ok(Helm::new(tracked))
     }
 

@@ -21,8 +21,8 @@ pub struct ManeuverSpec {
     pub keeps: Kept,
     /// How a motion is carried out; standard maneuvers react by themselves.
     pub executed: Executed,
-    /// The controller of a motion that is executed by feedback.
-    pub feedback: Controller,
+    /// The controller of a motion that is executed by feedback; `None`: the usual one.
+    pub feedback: Option<Controller>,
     /// Its kind and parameters.
     pub kind: Kind,
 }
@@ -66,16 +66,7 @@ impl<'de> Deserialize<'de> for ManeuverSpec {
         let keeps = keeps.map(strictly).transpose().map_err(within("keeps"))?.unwrap_or_default();
         let kind: Kind = strictly(table).map_err(named)?;
         let executed = executed.unwrap_or(Executed::Inputs);
-        let is_tracked = executed == Executed::Feedback;
-        if kind.standard().is_some() && is_tracked {
-            let remedy = "remove `executed`: standard maneuvers react to the ship by themselves";
-            return Err(D::Error::custom(format!("unexpected `executed` (maneuver `{name}`): {remedy}")));
-        }
-        if feedback.is_some() && !is_tracked {
-            let remedy = "add `executed = \"feedback\"`";
-            return Err(D::Error::custom(format!("unexpected `feedback` (maneuver `{name}`): {remedy}")));
-        }
-        let feedback = feedback.map(strictly).transpose().map_err(within("feedback"))?.unwrap_or_default();
+        let feedback = feedback.map(strictly).transpose().map_err(within("feedback"))?;
         Ok(Self { name, description, duration_s, keeps, executed, feedback, kind })
     }
 }
@@ -244,7 +235,7 @@ impl ManeuverSpec {
             self.above_zero("duration_s", self.duration(default_s).ok_or_else(missing)?)?;
         }
         self.keeps.check(&self.name)?;
-        self.feedback.check(&self.name)?;
+        self.check_feedback()?;
         if let Some(standard) = self.kind.standard() {
             standard.check(&self.name, self.duration(default_s))?;
         }
@@ -295,6 +286,29 @@ impl ManeuverSpec {
                 if exact { self.check_exact(start_m_s, sway_m_s) } else { Ok(()) }
             }
             _ => Ok(()),
+        }
+    }
+
+    fn check_feedback(&self) -> Result<(), Invalid> {
+        let refuse = |key: &str, found: &str, expected: &str, remedy: &str| {
+            Err(Invalid::new(format!("maneuver `{}`, `{key}`", self.name), found, expected, remedy))
+        };
+        match (self.executed, &self.feedback) {
+            (Executed::Feedback, _) if self.kind.standard().is_some() => {
+                let expected = "no such key, since a standard maneuver reacts to the ship by itself";
+                refuse("executed", "feedback", expected, "remove it")
+            }
+            (Executed::Inputs, Some(_)) => {
+                let expected = "`executed = \"feedback\"` beside it";
+                refuse(
+                    "feedback",
+                    "a controller of a motion that is executed by inputs",
+                    expected,
+                    "add that",
+                )
+            }
+            (_, Some(controller)) => controller.check(&self.name),
+            (_, None) => Ok(()),
         }
     }
 

@@ -29,6 +29,7 @@ mod load;
 mod loader;
 mod logs;
 mod measured;
+mod merit;
 mod next_trial;
 mod notes;
 mod number;

@@ -66,6 +66,7 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
             .collect::<Result<_, _>>()?,
         vessel,
         trajectory: trajectory(&mut loader)?,
+        merit: loader.document("merit.json", "figures of merit of standard maneuvers")?,
         selection: super::selection::load(&mut loader)?,
         measured: super::measured::load(&mut loader)?,
         sequential: loader.document("sequential.json", "trials designed in rounds and at once")?,

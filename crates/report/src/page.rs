@@ -13,6 +13,7 @@ use super::excitation::excitation;
 use super::headline::{headline, kind};
 use super::logs::logs;
 use super::measured::Measured;
+use super::merit::merit;
 use super::next_trial::next_trial;
 use super::notes::{files, notation};
 use super::parameters::parameters;
@@ -56,6 +57,7 @@ fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
     sections.extend(realizations(study));
     sections.extend(estimators(study));
     sections.extend([allocation(study, figures), certificate(study), dictionary(study, figures)]);
+    sections.extend(merit(study, figures));
     sections.extend(trajectory(study, figures));
     sections.extend(selection(study.selection.as_ref(), figures));
     sections.extend(published_selection(study, figures));
@@ -68,6 +70,7 @@ fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Sec
     let mut sections: Vec<Section> = compared(measured.compared.as_ref(), figures).into_iter().collect();
     sections.extend(searched(measured.searched.as_ref(), figures));
     sections.extend([cross_validation(measured), delivered(measured), trust(measured)]);
+    sections.extend(merit(study, figures));
     sections.extend(selection(study.selection.as_ref(), figures));
     sections.extend(published_selection(study, figures));
     if study.design.is_some() {

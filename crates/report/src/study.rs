@@ -1,6 +1,6 @@
 use study::documents::{
-    DesignDocument, DesignScores, EstimateDocument, MomentsDocument, Reference, SequentialDocument,
-    TallyDocument, ValidationDocument,
+    DesignDocument, DesignScores, EstimateDocument, MeritDocument, MomentsDocument, Reference,
+    SequentialDocument, TallyDocument, ValidationDocument,
 };
 use study::files::{Variable, Vessel};
 use study::scores;
@@ -34,6 +34,8 @@ pub struct Study {
     pub validation_trace: Option<ManeuverTrace>,
     /// Published results to compare with.
     pub reference: Option<Reference>,
+    /// Figures of merit of standard maneuvers; absent in a study without.
+    pub merit: Option<MeritDocument>,
     /// Models from picked sub-experiments; absent in a study without.
     pub selection: Option<super::SelectionStudy>,
     /// Results from measured logs; absent in a study of simulated trials.

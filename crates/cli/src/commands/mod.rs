@@ -8,6 +8,7 @@ mod estimate;
 mod estimate_pool;
 mod export;
 mod ingest;
+mod merit;
 mod moments;
 mod monte_carlo;
 mod plan;
@@ -46,6 +47,7 @@ pub const MONTE_CARLO: Stage = Stage::of::<monte_carlo::Arguments>();
 pub const VALIDATE: Stage = Stage::of::<validate::Arguments>().with(&[
     Stage::of::<compare::Arguments>(),
     Stage::of::<cross::Arguments>(),
+    Stage::of::<merit::Arguments>(),
     Stage::of::<selection::Arguments>(),
 ]);
 /// A study over a grid of its values.

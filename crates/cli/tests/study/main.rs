@@ -31,4 +31,5 @@ mod same_bytes;
 mod sequential;
 mod sweep;
 mod tables;
+mod trials;
 mod units;

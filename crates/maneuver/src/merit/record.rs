@@ -42,6 +42,19 @@ impl Record {
         }
     }
 
+    /// The same with recorded north, east \[m\] and heading \[rad\] of every sample; headings may jump by whole turns.
+    #[must_use]
+    pub fn with_poses(self, poses: &[[f64; 3]]) -> Self {
+        let mut heading = poses.first().map_or(0.0, |pose| pose[2]);
+        let headings = poses.iter().map(|[_, _, psi]| {
+            let turns = ((psi - heading) / std::f64::consts::TAU).round();
+            heading = psi - turns * std::f64::consts::TAU;
+            heading
+        });
+        let heading = headings.collect();
+        Self { heading, place: poses.iter().map(|[north, east, _]| [*north, *east]).collect(), ..self }
+    }
+
     /// The last sample.
     pub(super) fn last(&self) -> usize {
         self.heading.len() - 1

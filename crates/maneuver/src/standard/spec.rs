@@ -196,6 +196,18 @@ pub enum Standard<'a> {
 }
 
 impl Standard<'_> {
+    /// Its kind in `dictionary.toml`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::ZigZagTest(_) => "zig-zag-test",
+            Self::TurningCircle(_) => "turning-circle",
+            Self::PullOut(_) => "pull-out",
+            Self::SpiralTest(_) => "spiral-test",
+            Self::ReverseSpiral(_) => "reverse-spiral",
+            Self::Stop(_) => "stop",
+        }
+    }
+
     /// Speed of the approach \[m/s\].
     pub fn speed_m_s(&self) -> f64 {
         match self {

@@ -11,6 +11,7 @@ mod estimate;
 mod found;
 mod ingest;
 mod map;
+mod merit;
 mod model;
 mod moments;
 mod plan;
@@ -38,6 +39,7 @@ pub use ::model::{DegreeOfFreedom, Source};
 pub use ::search::{Candidate, NestedAverage, NestedRecording, SizeScore};
 pub use ::validation::comparison::{ComparedErrors, ErrorCorrelations, ErrorKind, Traced};
 pub use ::validation::crossval::{EstimatorScore, SourceScore};
+pub use ::validation::merit::{FigureMerit, ManeuverMerit};
 pub use ::validation::selection::{PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
 pub use ::validation::tally::{Bounds, ShareDifference};
 pub use identification::criticism::{Absent, Criticism, FoundNoise, Verdict};
@@ -73,6 +75,7 @@ pub use map::{
     MapMeridian, MapName, MapParallel, MapPlace, MapPurpose, MapRaster, MapRuns, MapSpot, MapSwept,
     MapSymbol, MapTrack, MapTrackKind,
 };
+pub use merit::{MeritDocument, MeritTableRow, merit_rows};
 pub use model::{ModelDegree, ModelDocument, ModelParameter};
 pub use moments::MomentsDocument;
 pub use plan::{
@@ -107,6 +110,7 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (TallyDocument::ID, json_schema::<TallyDocument>()),
         (CellsDocument::ID, json_schema::<CellsDocument>()),
         (SweepDocument::ID, json_schema::<SweepDocument>()),
+        (MeritDocument::ID, json_schema::<MeritDocument>()),
         (PlanDocument::ID, json_schema::<PlanDocument>()),
         (MapDocument::ID, json_schema::<MapDocument>()),
         (ModelDocument::ID, json_schema::<ModelDocument>()),

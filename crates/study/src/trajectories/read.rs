@@ -109,6 +109,26 @@ impl TrajectoryReader {
         Ok(self.runs(0)?.len() as f64 * rows as f64 / of_first.max(1) as f64)
     }
 
+    /// North, east \[m\] and heading \[rad\] of the rows of block `i`, where the file has columns `x`, `y` and `psi` without gaps.
+    ///
+    /// # Errors
+    /// A damaged block.
+    pub fn poses(&self, i: usize) -> Result<Option<Vec<[f64; 3]>>, Error> {
+        const NAMES: [&str; 3] = ["x", "y", "psi"];
+        let is_there = |name: &str| self.table.columns().iter().any(|column| column.name == name);
+        if !NAMES.into_iter().all(is_there) {
+            return Ok(None);
+        }
+        let table = self.table.read_block(i, &NAMES)?;
+        let values: Option<Vec<&[f64]>> =
+            table.columns.iter().map(|column| column.as_f64().filter(|_| column.nulls() == 0)).collect();
+        let rows = |values: Vec<&[f64]>| {
+            let row = |r: usize| [values[0][r], values[1][r], values[2][r]];
+            (0..values[0].len()).map(row).collect()
+        };
+        Ok(values.map(rows))
+    }
+
     /// The runs of block `i`.
     ///
     /// # Errors

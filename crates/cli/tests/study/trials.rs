@@ -1,0 +1,177 @@
+//! Standard maneuvers and motions by feedback, through the binaries.
+
+use artifact::TableReader;
+use tempfile::TempDir;
+
+use crate::support::*;
+
+/// A folder with the coaster's files.
+fn coaster() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    for name in ["vessel.toml", "dictionary.toml", "campaign.toml"] {
+        let text = std::fs::read_to_string(repository().join("pipelines/coaster").join(name)).unwrap();
+        put(&folder, name, &text);
+    }
+    folder
+}
+
+const MERIT: &str = "validate merit --vessel vessel.toml --dictionary dictionary.toml";
+
+/// A dictionary of one maneuver.
+fn one(folder: &TempDir, keys: &str) {
+    put(folder, "dictionary.toml", &format!("[[maneuver]]\nname = \"m\"\n{keys}\n"));
+}
+
+const ZIG_ZAG: &str = "kind = \"zig-zag-test\"\nspeed_m_s = 7.0\nheading_rad = 0.35\nduration_s = 100.0";
+
+#[test]
+fn law_figures_of_simulated_runs_are_those_of_the_simulation() {
+    let folder = coaster();
+    run(&folder, DICTIONARY).succeeds();
+    run(&folder, &format!("{MERIT} --length-m 100 --trajectories dictionary.parquet --out merit.json"))
+        .succeeds();
+    put(&folder, "first.json", &String::from_utf8(bytes(&folder, "merit.json")).unwrap());
+    let first = json(&folder, "merit.json");
+    // The dictionary is simulated with the true parameters, and so is the ship without trajectories.
+    run(&folder, &format!("{MERIT} --length-m 100 --out merit.json")).succeeds();
+    let second = json(&folder, "merit.json");
+    let [first, second] = [&first, &second].map(|found| found["data"]["maneuvers"].as_array().unwrap());
+    assert_eq!(first.len(), 12);
+    for (one, other) in first.iter().zip(second) {
+        for (a, b) in one["figures"].as_array().unwrap().iter().zip(other["figures"].as_array().unwrap()) {
+            let [x, y] = [a, b].map(|figure| figure["value"].as_f64().unwrap());
+            assert!((x - y).abs() < 1e-6 * y.abs().max(1.0), "{}: {a} {b}", one["name"]);
+            assert_eq!(a["passes"], b["passes"]);
+        }
+    }
+    let of = |name: &str| first.iter().find(|own| own["name"] == name).unwrap();
+    let value = |name: &str, figure: &str| {
+        let figures = of(name)["figures"].as_array().unwrap();
+        figures.iter().find(|own| own["name"] == figure).unwrap()["value"].as_f64().unwrap()
+    };
+    // The ship is the same on both sides.
+    for (starboard, port) in
+        [("zig-zag-10-starboard", "zig-zag-10-port"), ("zig-zag-20-starboard", "zig-zag-20-port")]
+    {
+        for figure in ["initial_turning", "overshoot_1", "overshoot_2"] {
+            assert!((value(starboard, figure) - value(port, figure)).abs() < 0.01, "{figure}");
+        }
+    }
+    assert!((value("circle-starboard", "advance") - value("circle-port", "advance")).abs() < 1e-3);
+    // Steps of a minute are too short for the turn to settle: a stable ship seems to have a loop, and has none.
+    assert!(value("spiral", "loop_width") > 1.0 && value("reverse-spiral", "loop_width") < 0.1);
+    assert_eq!(of("zig-zag-10-starboard")["figures"][1]["passes"], true);
+    let table = TableReader::open(&folder.path().join("merit.parquet"), "merit-rows", 1).unwrap();
+    let figures: usize = first.iter().map(|own| own["figures"].as_array().unwrap().len()).sum();
+    assert_eq!(table.rows(), figures);
+}
+
+#[test]
+fn law_noise_and_currents_widen_figures_and_hardly_move_them() {
+    let folder = coaster();
+    run(&folder, DICTIONARY).succeeds();
+    run(&folder, &format!("{MERIT} --length-m 100 --trajectories dictionary.parquet --out merit.json"))
+        .succeeds();
+    let still = json(&folder, "merit.json");
+    run(&folder, MOMENTS).succeeds();
+    run(&folder, DESIGN).succeeds();
+    edit(&folder, "campaign.toml", "realizations = 100", "realizations = 32");
+    run(&folder, CAMPAIGN).succeeds();
+    run(&folder, &format!("{MERIT} --length-m 100 --trajectories campaign.parquet --out merit.json"))
+        .succeeds();
+    let moved = json(&folder, "merit.json");
+    let overshoot = |found: &serde_json::Value| {
+        let maneuvers = found["data"]["maneuvers"].as_array().unwrap();
+        maneuvers.iter().find(|own| own["name"] == "zig-zag-20-starboard").unwrap().clone()
+    };
+    let (still, moved) = (overshoot(&still), overshoot(&moved));
+    assert!(moved["runs"].as_u64().unwrap() > 20, "{moved}");
+    let (one, many) = (&still["figures"][1], &moved["figures"][1]);
+    assert!(
+        one["std"].is_null() && one["low"].is_null() && many["std"].as_f64().unwrap() > 0.01,
+        "{one} {many}"
+    );
+    // Trials come to it from other maneuvers, and so at other speeds.
+    assert!((one["value"].as_f64().unwrap() - many["value"].as_f64().unwrap()).abs() < 1.5, "{one} {many}");
+}
+
+#[test]
+fn motions_that_are_not_reached_are_refused_or_said() {
+    let folder = coaster();
+    one(&folder, &format!("{ZIG_ZAG}\nhelm = {{ delta = 0.01 }}"));
+    let pieces =
+        ["maneuver `m`, heading to starboard", "found", "in 100 s", "expected 20.1°", "--allow-unreached"];
+    refused(&folder, 4, DICTIONARY, &pieces);
+    run(&folder, &format!("{DICTIONARY} --allow-unreached")).succeeds();
+    let table = TableReader::open(&folder.path().join("dictionary.parquet"), "trajectories", 1).unwrap();
+    let words = table.provenance().settings["reached"]["m"].as_str().unwrap().to_owned();
+    assert!(words.contains("heading to starboard") && words.contains("(wanted 20.1°)"), "{words}");
+    let pieces = ["dictionary.toml: maneuver `m`, heading", "at the most", "expected 20.1°"];
+    refused(&folder, 4, &format!("{MERIT} --length-m 100 --out merit.json"), &pieces);
+    one(&folder, "kind = \"turning-circle\"\nspeed_m_s = 7.0\nduration_s = 60.0\nhelm = { delta = 0.35 }");
+    refused(&folder, 4, DICTIONARY, &["maneuver `m`, turn to starboard", "expected 540.0°"]);
+    // Thrust for 7 m/s of the nominal ship, which has other parameters than the true one.
+    let keys = "kind = \"accelerate\"\nfrom_m_s = 3.0\nto_m_s = 7.0\nduration_s = 600.0";
+    put(
+        &folder,
+        "dictionary.toml",
+        &format!(
+            "tolerance = {{ speed = 0.001 }}\ninputs_from = \"nominal\"\n[[maneuver]]\nname = \"m\"\n{keys}\n"
+        ),
+    );
+    edit(&folder, "vessel.toml", "value = 0.02573\n", "value = 0.0514\n");
+    refused(&folder, 4, DICTIONARY, &["maneuver `m`, mean speed of the second half", "m/s in 600 s"]);
+    edit(&folder, "dictionary.toml", "600.0", "600.0\nexecuted = \"feedback\"");
+    run(&folder, DICTIONARY).succeeds();
+}
+
+#[test]
+fn maneuvers_that_no_ship_carries_out_are_refused_by_key() {
+    let folder = coaster();
+    let refuse = |keys: &str, pieces: &[&str]| {
+        one(&folder, keys);
+        refused(&folder, 3, DICTIONARY, pieces);
+    };
+    refuse(ZIG_ZAG, &["maneuver `m`", "helm"]);
+    refuse(
+        &format!("{ZIG_ZAG}\nhelm = {{ rudder = 0.3 }}"),
+        &["`helm.rudder`", "found no input", "`n`, `delta`"],
+    );
+    refuse(&format!("{ZIG_ZAG}\nhelm = {{ delta = 1.0 }}"), &["`helm`", "delta = 1", "from -0.611 to 0.611"]);
+    refuse(&format!("{ZIG_ZAG}\nhelm = {{ delta = 0.0 }}"), &["`helm`", "found none"]);
+    refuse(
+        &format!("{ZIG_ZAG}\nhelm = {{ delta = 0.3 }}\nexecuted = \"feedback\""),
+        &["maneuver `m`, `executed`", "reacts"],
+    );
+    refuse(&format!("{ZIG_ZAG}\nhelm = {{ delta = 0.3 }}\nevery_s = 0.0"), &["`every_s`", "more than 0 s"]);
+    refuse(&format!("{ZIG_ZAG}\nhelm = {{ delta = 0.3 }}\ndelay = 1.0"), &["found key `delay`", "`delay_s`"]);
+    let motion = "kind = \"accelerate\"\nfrom_m_s = 3.0\nto_m_s = 7.0\nduration_s = 60.0";
+    refuse(
+        &format!("{motion}\nfeedback = {{ strength = 1.0 }}"),
+        &["maneuver `m`, `feedback`", "found a controller", "executed = \"feedback\""],
+    );
+    let fed = format!("{motion}\nexecuted = \"feedback\"");
+    refuse(&format!("{fed}\nfeedback = {{ strength = -1.0 }}"), &["`feedback.strength`", "more than 0"]);
+    let spiral = "kind = \"spiral-test\"\nspeed_m_s = 7.0\nhelm = { delta = 0.3 }\ndwell_s = 60.0";
+    refuse(&format!("{spiral}\nduration_s = 100.0"), &["`duration_s`", "found 100 s", "at least 1020 s"]);
+}
+
+#[test]
+fn figures_that_cannot_be_told_are_refused() {
+    let folder = coaster();
+    let merit = |length: &str| format!("{MERIT} --length-m {length} --out merit.json");
+    refused(&folder, 4, &merit("2"), &["samples", "found 2 Hz", "at least"]);
+    refused(&folder, 2, &merit("0"), &["--length-m", "found 0"]);
+    refused(&folder, 3, &format!("{} --draws 10", merit("100")), &["vessel.toml: `covariance`", "--draws"]);
+    one(&folder, "kind = \"accelerate\"\nfrom_m_s = 3.0\nto_m_s = 7.0\nduration_s = 60.0");
+    refused(&folder, 3, &merit("100"), &["[[maneuver]]", "no standard maneuver", "`zig-zag-test`"]);
+    run(&folder, DICTIONARY).succeeds();
+    one(&folder, &format!("{ZIG_ZAG}\nhelm = {{ delta = 0.35 }}").replace("m\"", "other\""));
+    put(
+        &folder,
+        "dictionary.toml",
+        &format!("[[maneuver]]\nname = \"other\"\n{ZIG_ZAG}\nhelm = {{ delta = 0.35 }}\n"),
+    );
+    let line = format!("{} --trajectories dictionary.parquet --allow-mixed", merit("100"));
+    refused(&folder, 4, &line, &["no run of a standard maneuver", "`other`"]);
+}

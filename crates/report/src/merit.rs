@@ -1,0 +1,102 @@
+use maud::{Markup, html};
+
+use super::number::{or_dash, three};
+use super::parts::{Figures, Section};
+use super::study::Study;
+use super::table::{Table, grouped};
+use crate::figures::{Curve, TraceColumn, TraceRow, Track, TrackLine, palette, traces, tracks};
+use study::documents::{FigureMerit, ManeuverMerit, MeritDocument};
+
+/// Figures of merit of the standard maneuvers; none in a study without.
+pub(super) fn merit(study: &Study, figures: &mut Figures) -> Option<Section> {
+    let found = study.merit.as_ref()?;
+    let body = html! {
+        (table(found))
+        (tracked(found, figures))
+        (over_time(found, figures))
+    };
+    Some(Section::new("merit", "Figures of merit", "Figures of merit", body))
+}
+
+fn table(found: &MeritDocument) -> Markup {
+    let table = Table::of(grouped(&found.maneuvers, |maneuver| &maneuver.figures))
+        .mark("first", |(first, ..)| first)
+        .name("Maneuver", |(first, maneuver, _)| if first { maneuver.name.as_str() } else { "" })
+        .text("Figure", |(.., figure)| &figure.what)
+        .number("Value", |(.., figure)| value(figure))
+        .number("95 % interval", |(.., figure)| interval(figure))
+        .number("IMO allows", |(.., figure)| or_dash(figure.most.map(three)))
+        .text("Verdict", |(.., figure)| verdict(figure));
+    let of = match found.intervals.as_str() {
+        "parameters" => "Intervals hold 95 % of the ships that the model's parameters leave possible.",
+        _ => "Intervals are those of the mean over all runs; a single run has none.",
+    };
+    html! {
+        (table)
+        p.note {
+            "L: ship lengths of " (three(found.length_m)) " m. Definitions and limits are those of IMO MSC.137(76), which "
+            "asks for them at 90 % of the speed of 85 % of the power, in calm deep water. " (of)
+        }
+    }
+}
+
+fn value(figure: &FigureMerit) -> String {
+    let unit = if figure.unit == "1" { "" } else { &figure.unit };
+    format!("{} {}", three(figure.value), unit.replace("deg", "°")).trim_end().to_owned()
+}
+
+fn interval(figure: &FigureMerit) -> String {
+    match (figure.low, figure.high) {
+        (Some(low), Some(high)) => format!("{} to {}", three(low), three(high)),
+        _ => "–".to_owned(),
+    }
+}
+
+fn verdict(figure: &FigureMerit) -> &'static str {
+    match (figure.most, figure.passes) {
+        (Some(_), Some(true)) => "passes",
+        (Some(_), Some(false)) => "fails",
+        (Some(_), None) => "open",
+        (None, _) => "",
+    }
+}
+
+/// Tracks in metres.
+fn tracked(found: &MeritDocument, figures: &mut Figures) -> Markup {
+    let places = |of: &[f64]| of.iter().map(|lengths| lengths * found.length_m).collect::<Vec<_>>();
+    let all: Vec<(&str, [Vec<f64>; 2])> = found
+        .maneuvers
+        .iter()
+        .map(|own| (own.name.as_str(), [places(&own.path.ahead), places(&own.path.abeam)]))
+        .collect();
+    let drawn: Vec<Track<'_>> = all
+        .iter()
+        .map(|(name, [x, y])| Track { name, lines: vec![TrackLine { x, y, colour: Some(palette::BLUE) }] })
+        .collect();
+    let caption = html! {
+        b { "Track of every standard maneuver, the first run." }
+        " Up is the course of the approach, right is starboard; the dot marks the start."
+    };
+    figures.place_wide("merit-tracks", tracks(&drawn), &caption)
+}
+
+fn over_time(found: &MeritDocument, figures: &mut Figures) -> Markup {
+    let columns = ["heading [°]", "surge speed u [m/s]", "yaw rate r [°/s]"]
+        .map(|title| TraceColumn { title, legend: Vec::new() });
+    let row = |own: &'_ ManeuverMerit| -> Vec<Vec<Curve>> {
+        let values = [&own.path.heading_deg, &own.path.surge_m_s, &own.path.yaw_rate_deg_s];
+        let curve =
+            |values: &Vec<f64>| vec![Curve { values: values.clone(), colour: None, band: Vec::new() }];
+        values.map(curve).into()
+    };
+    let rows: Vec<TraceRow<'_>> = found
+        .maneuvers
+        .iter()
+        .map(|own| TraceRow { name: &own.name, note: None, t: &own.path.t_s, cells: row(own) })
+        .collect();
+    let caption = html! {
+        b { "Heading, speed and yaw rate of the same runs." }
+        " All rows of a column share one axis."
+    };
+    figures.place_wide("merit-time", traces(&columns, &rows), &caption)
+}

@@ -1,0 +1,94 @@
+use artifact::{Columns, Document, Units};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use validation::merit::{ManeuverMerit, MeritRow};
+
+/// `merit.json`: figures of merit of standard maneuvers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeritDocument {
+    /// Name of the vessel.
+    pub vessel: String,
+    /// Its length between perpendiculars.
+    pub length_m: f64,
+    /// Of what the intervals are: `runs`, or the `parameters` of a model.
+    pub intervals: String,
+    /// Every figure in words.
+    pub statements: Vec<String>,
+    /// The maneuvers, in the order of the dictionary.
+    pub maneuvers: Vec<ManeuverMerit>,
+}
+
+impl MeritDocument {
+    /// Of the figures of `vessel`, whose runs are draws of its parameters or recorded.
+    pub fn new(vessel: &str, length_m: f64, of_parameters: bool, maneuvers: Vec<ManeuverMerit>) -> Self {
+        let words = |own: &ManeuverMerit| {
+            let figures = own.figures.iter().map(|figure| format!("{}: {}", own.name, figure.words()));
+            let without = own.reason.iter().filter(|_| own.without > 0);
+            let without = without.map(|reason| {
+                format!("{}: {} runs without figures, such as {reason}", own.name, own.without)
+            });
+            figures.chain(without).collect::<Vec<_>>()
+        };
+        Self {
+            vessel: vessel.to_owned(),
+            length_m,
+            intervals: if of_parameters { "parameters" } else { "runs" }.to_owned(),
+            statements: maneuvers.iter().flat_map(words).collect(),
+            maneuvers,
+        }
+    }
+}
+
+impl Document for MeritDocument {
+    const ID: &'static str = "merit";
+    const VERSION: u32 = 1;
+    const UNITS: Units = &[
+        ("1", "runs without"),
+        ("m", "length_m"),
+        ("s", "t_s"),
+        ("deg", "heading_deg"),
+        ("m/s", "surge_m_s"),
+        ("deg/s", "yaw_rate_deg_s"),
+        ("ship lengths", "ahead abeam"),
+        ("the unit beside it", "value std low high most"),
+    ];
+}
+
+/// The table of every figure of every run.
+pub fn merit_rows() -> Columns<MeritTableRow> {
+    Columns::<MeritTableRow>::new("merit-rows", 1)
+        .text("design", |r| &r.design, |r, design| r.design = design.to_owned())
+        .integer("run", "1", |r| r.run, |r, run| r.run = run)
+        .text("maneuver", |r| &r.maneuver, |r, maneuver| r.maneuver = maneuver.to_owned())
+        .text("figure", |r| &r.figure, |r, figure| r.figure = figure.to_owned())
+        .text("unit", |r| &r.unit, |r, unit| r.unit = unit.to_owned())
+        .number("value", "the unit beside it", |r| r.value, |r, value| r.value = value)
+        .optional("most", "the unit beside it", |r| r.most, |r, most| r.most = most)
+}
+
+/// A row of [`merit_rows`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeritTableRow {
+    design: String,
+    run: i32,
+    maneuver: String,
+    figure: String,
+    unit: String,
+    value: f64,
+    most: Option<f64>,
+}
+
+impl From<&MeritRow> for MeritTableRow {
+    fn from(own: &MeritRow) -> Self {
+        Self {
+            design: own.design.clone(),
+            run: own.run,
+            maneuver: own.maneuver.clone(),
+            figure: own.figure.name.to_owned(),
+            unit: own.figure.unit.clone(),
+            value: own.figure.value,
+            most: own.figure.most,
+        }
+    }
+}

@@ -1,0 +1,162 @@
+use maneuver::ManeuverSpec;
+use maneuver::merit::{Figure, Record};
+use numerics::statistics::{mean, mean_interval, quantile, spread};
+use refusal::Invalid;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The figures of merit of a standard maneuver.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ManeuverMerit {
+    /// Its name in the dictionary.
+    pub name: String,
+    /// Its kind.
+    pub kind: String,
+    /// Runs that have the figures.
+    pub runs: u64,
+    /// Runs that lack them.
+    pub without: u64,
+    /// Why the first of those lacks them.
+    pub reason: Option<String>,
+    /// The figures.
+    pub figures: Vec<FigureMerit>,
+    /// What the ship did in the first run that has them.
+    pub path: Path,
+}
+
+/// A figure of merit over all runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FigureMerit {
+    /// Its name.
+    pub name: String,
+    /// What it is.
+    pub what: String,
+    /// Unit of its numbers: `deg`, `deg/s`, `L` (ship lengths), `s`, or the input's.
+    pub unit: String,
+    /// Its mean over the runs.
+    pub value: f64,
+    /// Its standard deviation; null of a single run.
+    pub std: Option<f64>,
+    /// Lower end of the 95 % interval: of the mean, or of 95 % of the models that the data leave possible; null of a single run.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+    /// The greatest value that IMO MSC.137(76) allows; null where it says nothing of this test.
+    pub most: Option<f64>,
+    /// Whether it keeps to that; null without a criterion, and where the interval holds it.
+    pub passes: Option<bool>,
+}
+
+/// The track of a ship, from where the maneuver begins.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Path {
+    /// Times.
+    pub t_s: Vec<f64>,
+    /// Changes of heading, to starboard.
+    pub heading_deg: Vec<f64>,
+    /// Ship lengths along the course of the approach.
+    pub ahead: Vec<f64>,
+    /// Ship lengths to starboard of it.
+    pub abeam: Vec<f64>,
+    /// Surge speeds.
+    pub surge_m_s: Vec<f64>,
+    /// Yaw rates.
+    pub yaw_rate_deg_s: Vec<f64>,
+}
+
+/// The most places of a path.
+const MOST: usize = 400;
+
+impl Path {
+    /// That of a record, thinned out.
+    pub fn of(record: &Record, length_m: f64) -> Self {
+        let count = record.heading.len();
+        let step = count.div_ceil(MOST).max(1);
+        let places = || (0..count).step_by(step);
+        let (sin, cos) = libm::sincos(record.heading[0]);
+        let off = |k: usize| [0, 1].map(|axis| (record.place[k][axis] - record.place[0][axis]) / length_m);
+        Self {
+            t_s: places().map(|k| k as f64 / record.rate_hz).collect(),
+            heading_deg: places().map(|k| (record.heading[k] - record.heading[0]).to_degrees()).collect(),
+            ahead: places().map(off).map(|[north, east]| north * cos + east * sin).collect(),
+            abeam: places().map(off).map(|[north, east]| east * cos - north * sin).collect(),
+            surge_m_s: places().map(|k| record.surge[k]).collect(),
+            yaw_rate_deg_s: places().map(|k| record.yaw_rate[k].to_degrees()).collect(),
+        }
+    }
+}
+
+impl ManeuverMerit {
+    /// Of `maneuver`, from the figures of every run, those `without` any, and an example.
+    pub(super) fn new(
+        maneuver: &ManeuverSpec,
+        runs: &[Vec<Figure>],
+        (without, reason): (u64, Option<&Invalid>),
+        path: Path,
+        of_parameters: bool,
+    ) -> Self {
+        let first = runs.first().map_or(&[][..], Vec::as_slice);
+        let one = |figure: &Figure| {
+            let values = runs.iter().flatten().filter(|own| own.name == figure.name).map(|own| own.value);
+            FigureMerit::new(figure, &values.collect::<Vec<_>>(), of_parameters)
+        };
+        Self {
+            name: maneuver.name.clone(),
+            kind: maneuver.kind.standard().map_or("", |own| own.name()).to_owned(),
+            runs: runs.len() as u64,
+            without,
+            reason: reason.map(ToString::to_string),
+            figures: first.iter().map(one).collect(),
+            path,
+        }
+    }
+}
+
+impl FigureMerit {
+    fn new(figure: &Figure, values: &[f64], of_parameters: bool) -> Self {
+        let value = mean(values).unwrap_or(f64::NAN);
+        let ends = if of_parameters { middle(values) } else { mean_interval(values) };
+        let passes = figure.most.and_then(|most| match ends {
+            Some([low, high]) if low <= most && most < high => None,
+            _ => Some(value <= most),
+        });
+        Self {
+            name: figure.name.to_owned(),
+            what: figure.what.to_owned(),
+            unit: figure.unit.clone(),
+            value,
+            std: (values.len() > 1).then(|| spread(values)).flatten(),
+            low: ends.map(|[low, _]| low),
+            high: ends.map(|[_, high]| high),
+            most: figure.most,
+            passes,
+        }
+    }
+
+    /// In words: `first overshoot 4.95 ± 0.10 deg, at most 10 (IMO): passes`.
+    pub fn words(&self) -> String {
+        let Self { what, unit, value, low, high, most, passes, .. } = self;
+        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+        let interval = match (low, high) {
+            (Some(low), Some(high)) => format!(" ({low:.3} to {high:.3})"),
+            _ => String::new(),
+        };
+        let verdict = match (most, passes) {
+            (Some(most), Some(true)) => format!(", IMO allows {most:.1}: passes"),
+            (Some(most), Some(false)) => format!(", IMO allows {most:.1}: fails"),
+            (Some(most), None) => format!(", IMO allows {most:.1}: open"),
+            (None, _) => String::new(),
+        };
+        format!("{what} {value:.3}{unit}{interval}{verdict}")
+    }
+}
+
+/// Between which 95 % of the values are.
+fn middle(values: &[f64]) -> Option<[f64; 2]> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    if sorted.len() < 2 { None } else { Some([quantile(&sorted, 0.025)?, quantile(&sorted, 0.975)?]) }
+}
