@@ -272,6 +272,8 @@ docs: $(BIN)/report
 	sh scripts/front-table.sh docs/results.md README.md
 	sh scripts/results-check.sh $(BIN) --write
 	$(BIN)/report picture --plan out/helsinki --study out/paper --out docs/trial.svg
+	$(MAKE) --no-print-directory STUDY=pipelines/coaster OUT=out/coaster study
+	$(BIN)/report picture --merit out/coaster/merit.json --out docs/trials.svg
 
 .PHONY: smoke
 smoke:

@@ -142,3 +142,9 @@ pub(crate) fn refusal(path: &Path, text: &str, error: &serde_json::Error) -> Err
 fn key_of(line: &str) -> Option<&str> {
     line.trim_start().strip_prefix('"')?.split_once("\":").map(|(key, _)| key)
 }
+
+/// Whether `member` was written with the existing `document`, and so does not belong to a new one.
+pub fn is_member_of<D: Document>(document: &Path, member: &Path) -> bool {
+    let Some(name) = member.file_name().and_then(|name| name.to_str()) else { return false };
+    read_document::<D>(document).is_ok_and(|old| old.members.contains_key(name))
+}

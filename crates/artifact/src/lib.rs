@@ -87,7 +87,7 @@ pub use columns::{Column, FloatColumn, IntegerColumn, Labels, Table, TextColumn}
 pub use decode::decoding;
 pub use digest::{Digest, Digesting};
 pub use document::{Document, Loaded, Units, json_schema, stage_document, stage_set_document, units};
-pub use document_reader::{read_document, read_json, read_part};
+pub use document_reader::{is_member_of, read_document, read_json, read_part};
 pub use encode::{EncodedBlock, encode_block};
 pub use error::{Error, Result};
 pub use foreign::ForeignTable;

@@ -6,8 +6,8 @@ use artifact::{Document, Provenance, Work, read_document};
 use engine::Run;
 use model::Vessel;
 use serde::de::DeserializeOwned;
-use study::Doubtful;
 use study::trajectories::{KeptRuns, Layout, TrajectoryReader};
+use study::{Doubtful, LoggedHelm};
 
 use crate::cli::budget;
 use crate::failure::Failure;
@@ -63,6 +63,7 @@ fn opened(
     fits(path, &format!("a row group of {rows} rows"), at_once * layout.working_bytes())?;
     provenance.made(key, path, reader.digest(), reader.provenance())?;
     Doubtful::of(reader.provenance()).note(provenance);
+    LoggedHelm::of(reader.provenance()).note(provenance);
     Ok(reader)
 }
 

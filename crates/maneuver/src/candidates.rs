@@ -25,7 +25,7 @@ impl GenerateSpec {
                 description: "generated".into(),
                 duration_s: self.duration_s,
                 keeps: Kept::default(),
-                executed: crate::Executed::Inputs,
+                executed: self.executed,
                 feedback: None,
                 kind: draw.kind(kind, index),
             }

@@ -177,7 +177,11 @@ impl Generator {
         }
         let inputs = match table {
             Some(table) => table.first(samples)?.to_vec(),
-            None => self.inputs(&plan, samples).map_err(named)?,
+            None => {
+                // What feedback will need is not known, and actuators keep to their ranges.
+                let within = index < self.written || maneuver.executed == Executed::Inputs;
+                self.inputs(&plan, samples, within).map_err(named)?
+            }
         };
         let helm = match maneuver.executed {
             Executed::Inputs => None,
@@ -240,7 +244,8 @@ impl Generator {
         reached::of_motion(&wanted, states, rate_hz, &self.tolerance)
     }
 
-    fn inputs(&self, plan: &Plan, samples: usize) -> Result<Vec<f64>, Invalid> {
+    /// The inputs that hold or follow the motion of `plan`; `within` the ranges of the vessel's inputs, or not.
+    fn inputs(&self, plan: &Plan, samples: usize, within: bool) -> Result<Vec<f64>, Invalid> {
         let width = self.vessel.model.inputs;
         let mut inputs = Vec::with_capacity(samples * width);
         let mut unknowns = vec![0.0; width + 1];
@@ -253,7 +258,9 @@ impl Generator {
                 unknowns.fill(0.0);
                 steady.follow(motion, gain, &mut unknowns)?;
                 let wanted = || format!("wanted motion: u = {} m/s, r = {} rad/s", motion.u, motion.r);
-                check_range(&self.vessel, &unknowns[..width], wanted)?;
+                if within {
+                    check_range(&self.vessel, &unknowns[..width], wanted)?;
+                }
                 held = Some((motion, gain));
             }
             inputs.extend_from_slice(&unknowns[..width]);

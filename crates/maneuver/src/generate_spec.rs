@@ -7,6 +7,7 @@ use refusal::{Invalid, check_numbers, check_ranges};
 use serde::Deserialize;
 
 use super::signal::{MULTISINE_SAMPLES, SWING_SAMPLES, check_period};
+use crate::feedback::Executed;
 
 /// `[generate]` as written.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -30,8 +31,16 @@ pub struct GenerateSpec {
     /// Periods to draw from \[s\]: shortest and longest.
     #[serde(default = "periods")]
     pub period_s: [f64; 2],
+    /// How they are carried out. By feedback, limits of inputs leave none out: what the nominal ship would need for a motion says
+    /// little of what another one needs, and actuators stay within their ranges.
+    #[serde(default = "inputs")]
+    pub executed: Executed,
     /// Limits of all candidates.
     pub limits: Limits,
+}
+
+fn inputs() -> Executed {
+    Executed::Inputs
 }
 
 fn one() -> u64 {

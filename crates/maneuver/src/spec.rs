@@ -6,7 +6,9 @@ use super::kept::Kept;
 use super::shape::Shape;
 use super::signal::{LONGEST_S, SWING_SAMPLES, Signal, check_period};
 use crate::feedback::{Controller, Executed};
-use crate::standard::{PullOut, ReverseSpiral, SpiralTest, Standard, Stop, TurningCircle, ZigZagTest};
+use crate::standard::{
+    PullOut, ReverseSpiral, Sensors, SpiralTest, Standard, Stop, TurningCircle, ZigZagTest,
+};
 
 /// One maneuver.
 #[derive(Clone, Debug, PartialEq)]
@@ -224,6 +226,17 @@ impl ManeuverSpec {
     /// Its duration \[s\], or the default.
     pub fn duration(&self, default_s: Option<f64>) -> Option<f64> {
         self.duration_s.or(default_s)
+    }
+
+    /// Whether its inputs follow the noise of the logged sensors: a motion is held by what they show. Triggers are reached once,
+    /// and do not.
+    pub fn is_steered_by_the_log(&self) -> bool {
+        let sensors = match (&self.kind, self.executed) {
+            (Kind::ReverseSpiral(own), _) => own.sensors,
+            (_, Executed::Feedback) => self.feedback.unwrap_or_default().sensors,
+            _ => Sensors::Own,
+        };
+        sensors == Sensors::Logged
     }
 
     pub(super) fn check(&self, default_s: Option<f64>) -> Result<(), Invalid> {

@@ -60,7 +60,7 @@ pub use loader::Sources;
 pub use measured::Measured;
 pub use next_trial::NextTrial;
 pub use page::{Rendered, render};
-pub use picture::picture;
+pub use picture::{maneuvers_picture, picture};
 pub use plan_map::plan_map;
 pub use planned_trial::PlannedTrial;
 pub use selection::SelectionStudy;

@@ -61,30 +61,46 @@ fn verdict(figure: &FigureMerit) -> &'static str {
     }
 }
 
-/// Tracks in metres.
-fn tracked(found: &MeritDocument, figures: &mut Figures) -> Markup {
-    let places = |of: &[f64]| of.iter().map(|lengths| lengths * found.length_m).collect::<Vec<_>>();
-    let all: Vec<(&str, [Vec<f64>; 2])> = found
-        .maneuvers
+/// The track of the first maneuver of each kind.
+pub(super) fn first_tracks(found: &MeritDocument) -> String {
+    let mut kinds = Vec::new();
+    let first = |own: &&ManeuverMerit| {
+        let is_new = !kinds.contains(&own.kind);
+        kinds.push(own.kind.clone());
+        is_new && !own.track.t_s.is_empty()
+    };
+    let firsts: Vec<&ManeuverMerit> = found.maneuvers.iter().filter(first).collect();
+    tracks_of(&firsts, found.length_m)
+}
+
+/// Tracks of maneuvers of a ship of this length \[m\].
+fn tracks_of(maneuvers: &[&ManeuverMerit], length_m: f64) -> String {
+    let metres = |of: &[f64]| of.iter().map(|lengths| lengths * length_m).collect::<Vec<_>>();
+    let all: Vec<(&str, [Vec<f64>; 2])> = maneuvers
         .iter()
-        .map(|own| (own.name.as_str(), [places(&own.path.ahead), places(&own.path.abeam)]))
+        .map(|own| (own.name.as_str(), [metres(&own.track.ahead), metres(&own.track.abeam)]))
         .collect();
     let drawn: Vec<Track<'_>> = all
         .iter()
         .map(|(name, [x, y])| Track { name, lines: vec![TrackLine { x, y, colour: Some(palette::BLUE) }] })
         .collect();
+    tracks(&drawn)
+}
+
+fn tracked(found: &MeritDocument, figures: &mut Figures) -> Markup {
     let caption = html! {
         b { "Track of every standard maneuver, the first run." }
         " Up is the course of the approach, right is starboard; the dot marks the start."
     };
-    figures.place_wide("merit-tracks", tracks(&drawn), &caption)
+    let all: Vec<&ManeuverMerit> = found.maneuvers.iter().collect();
+    figures.place_wide("merit-tracks", tracks_of(&all, found.length_m), &caption)
 }
 
 fn over_time(found: &MeritDocument, figures: &mut Figures) -> Markup {
     let columns = ["heading [°]", "surge speed u [m/s]", "yaw rate r [°/s]"]
         .map(|title| TraceColumn { title, legend: Vec::new() });
     let row = |own: &'_ ManeuverMerit| -> Vec<Vec<Curve>> {
-        let values = [&own.path.heading_deg, &own.path.surge_m_s, &own.path.yaw_rate_deg_s];
+        let values = [&own.track.heading_deg, &own.track.surge_m_s, &own.track.yaw_rate_deg_s];
         let curve =
             |values: &Vec<f64>| vec![Curve { values: values.clone(), colour: None, band: Vec::new() }];
         values.map(curve).into()
@@ -92,7 +108,7 @@ fn over_time(found: &MeritDocument, figures: &mut Figures) -> Markup {
     let rows: Vec<TraceRow<'_>> = found
         .maneuvers
         .iter()
-        .map(|own| TraceRow { name: &own.name, note: None, t: &own.path.t_s, cells: row(own) })
+        .map(|own| TraceRow { name: &own.name, note: None, t: &own.track.t_s, cells: row(own) })
         .collect();
     let caption = html! {
         b { "Heading, speed and yaw rate of the same runs." }

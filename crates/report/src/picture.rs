@@ -1,4 +1,8 @@
-//! A plan's map above histograms, as one picture for a front page.
+//! Pictures for pages: a plan's map above histograms, tracks of standard maneuvers.
+
+use study::documents::MeritDocument;
+
+use super::merit::first_tracks;
 
 /// Width and height of the map, of a histogram, and the gap between, in units of the picture.
 const MAP: [u32; 2] = [1140, 760];
@@ -19,6 +23,13 @@ pub fn picture(map: &str, histograms: &[&str; 2]) -> String {
         <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n{}</svg>\n",
         placed.concat()
     )
+}
+
+/// The track of the first maneuver of each kind, on white.
+pub fn maneuvers_picture(found: &MeritDocument) -> String {
+    let tracks = first_tracks(found);
+    let white = |tag: &str| format!("{tag} color=\"#1d242b\" style=\"background: #ffffff\" ");
+    tracks.replacen("<svg ", &white("<svg"), 1) + "\n"
 }
 
 /// `figure` at a position and size; its `viewBox` scales it.

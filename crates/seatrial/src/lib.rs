@@ -5,6 +5,7 @@
 //! - [`Logs`] become runs, [`Pooling`] makes one model of them, [`StructureSearch`] finds its structure, and [`Comparison`]
 //!   validates it on other recordings.
 //! - [`ChartedTrial`] is planned as one walk over a chart, proved to be the cheapest and checked in simulation.
+//! - [`Merits`] are the figures by which standard maneuvers are judged.
 //!
 //! The programs call the same functions, from file to file. Nothing here reads a command line, prints or starts threads:
 //! parallel work runs on rayon's global pool. `examples/` has a program of each kind.
@@ -17,6 +18,7 @@
 mod charted;
 mod comparison;
 mod measured;
+mod merit;
 mod monte_carlo;
 mod pooling;
 mod simulation;
@@ -25,6 +27,7 @@ mod structure;
 pub use charted::{ChartedTrial, PlanError, Planned};
 pub use comparison::Comparison;
 pub use measured::{Ingested, Logs};
+pub use merit::Merits;
 pub use monte_carlo::{MonteCarlo, Realized};
 pub use pooling::Pooling;
 pub use simulation::{Optimum, Study, StudyError, undisturbed};
@@ -38,7 +41,7 @@ pub use {
 pub use artifact::{Budget, Error, Provenance};
 pub use design::{Design, NoDesign};
 pub use engine::Run;
-pub use identification::pooled::{Grown, Judgement, Pool, PoolError, Resampling};
+pub use identification::pooled::{Covariance, Grown, Judgement, Pool, PoolError, Resampling};
 pub use identification::runs::{RunError, RunEstimators};
 pub use identification::{Estimator, RunEstimate, RunScore, ValidationRuns};
 pub use logs::{Plan as LogsPlan, Source as LogsSource, Totals};
@@ -50,8 +53,8 @@ pub use regression::runs::NominalDiverged;
 pub use search::{NamedRoles, SearchError, SearchOptions};
 pub use study::campaign_file::CampaignFile;
 pub use study::documents::{
-    AverageDocument, CompareDocument, DesignScores, IngestDocument, MapDocument, ModelDocument, PlanChart,
-    PlanDocument, RecordingSummary, SearchDocument,
+    AverageDocument, CompareDocument, DesignScores, IngestDocument, MapDocument, MeritDocument,
+    MeritTableRow, ModelDocument, PlanChart, PlanDocument, RecordingSummary, SearchDocument,
 };
 pub use study::ingest_file::IngestFile;
 pub use study::plan::{PlanFile, Routes};

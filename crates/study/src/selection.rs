@@ -1,9 +1,12 @@
-//! The table of realizations of a selection study.
+//! The table of realizations of a selection study; counts of its picks.
+
+use std::collections::BTreeMap;
 
 use artifact::{Columns, Error, TableReader};
 use identification::ScoreStatus;
 use identification::pooled::Pool;
 use model::DegreeOfFreedom;
+use refusal::nearest;
 use regression::pooled::NominalSource;
 pub use validation::selection::Realization as Row;
 use validation::selection::{DEGENERATE, Selection, SelectionOptions};
@@ -105,4 +108,38 @@ pub fn document(
         instrument_fit: found.instrument_fit,
         designs: found.designs.to_vec(),
     }
+}
+
+/// The number of sub-experiments of each maneuver to pick, as `label=n`, at most those that are `available`.
+///
+/// # Errors
+/// In words: an invalid count, or one of an unknown maneuver.
+pub fn counts(
+    written: &[String],
+    available: &BTreeMap<String, u64>,
+) -> Result<BTreeMap<String, u64>, String> {
+    let mut counts = BTreeMap::new();
+    for text in written {
+        let pair =
+            text.rsplit_once('=').and_then(|(name, n)| Some((name.trim(), n.trim().parse::<u64>().ok()?)));
+        let Some((name, count)) = pair else {
+            return Err(format!("--counts: found `{text}`, expected name=number; correct it"));
+        };
+        let Some(there) = available.get(name) else {
+            let near = nearest(name, available.keys().map(String::as_str)).unwrap_or_default();
+            return Err(format!(
+                "--counts: found maneuver `{name}`, expected one of the trajectories'; did you mean `{near}`?"
+            ));
+        };
+        if count > *there {
+            let found = format!("--counts: found {count} of `{name}`, expected at most {there}");
+            return Err(format!("{found}; lower it"));
+        }
+        *counts.entry(name.to_owned()).or_default() += count;
+    }
+    if counts.values().sum::<u64>() == 0 {
+        let found = "--counts: found none, expected name=number or --design";
+        return Err(format!("{found}; name what to pick"));
+    }
+    Ok(counts)
 }

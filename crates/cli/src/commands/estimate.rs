@@ -13,13 +13,12 @@ use model::Vessel;
 use refusal::{Invalid, nearest};
 use regression::MeanRemoval;
 use serde_json::json;
-use study::Doubtful;
 use study::documents::{EstimateDocument, ModelDocument};
 use study::estimates::{self, Row};
 use study::files::{read_campaign, read_followed};
 use study::trajectories::{Layout, TrajectoryReader};
+use study::{Doubtful, LoggedHelm};
 
-use super::earlier::is_of;
 use crate::choice::choice;
 use crate::cli::{Common, Sharding, beside, given, member};
 use crate::failure::Failure;
@@ -138,6 +137,7 @@ impl Arguments {
             additional: self.additional.unknown(),
             levels,
         };
+        LoggedHelm::of(reader.provenance()).check(file, &estimators.estimators)?;
         self.additional.check(&estimators.estimators)?;
         let asks = estimators.asks(self.criticise);
         self.settings(estimator, initial, asks, &mut provenance);
@@ -307,8 +307,10 @@ fn publish(
     let verdict =
         if asked { format!(", {rejected} reject the model") } else { ", model not criticised".to_owned() };
     let summary = || Ok(estimates::summarize(&out, &provenance, vessel, &rows)?);
-    let (also_model, left) =
-        (if model.is_some() { ", a model" } else { "" }, is_of::<EstimateDocument>(document, path));
+    let (also_model, left) = (
+        if model.is_some() { ", a model" } else { "" },
+        artifact::is_member_of::<EstimateDocument>(document, path),
+    );
     match model {
         None => sharded::publish(table, document, &provenance, summary)?,
         Some(model) => {

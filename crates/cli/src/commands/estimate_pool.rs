@@ -11,6 +11,7 @@ use model::Vessel;
 use regression::pooled::{PooledRuns, Recorded};
 use seatrial::Pooling;
 use serde_json::json;
+use study::LoggedHelm;
 use study::files::read_vessel;
 use study::pooled_set::MAIN;
 use study::resamples;
@@ -67,6 +68,7 @@ impl Task for Arguments {
         let pool = Pool { additional: self.additional.unknown(), ..pool };
         let estimator = self.estimator(&pool, &runs)?;
         self.additional.check(&[estimator])?;
+        LoggedHelm::of(&provenance).check(self.flags.of.file(), &[estimator])?;
         let judgement = Judgement { replicates: self.bootstrap.unwrap_or(0), seed: common.seed.unwrap_or(1) };
         let (replicates, threads) = (judgement.replicates, rayon::current_num_threads());
         let bytes = pool.bytes(&runs, estimator, replicates, threads);

@@ -1,15 +1,14 @@
 //! `validate merit`: figures of merit of standard maneuvers.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use artifact::{Provenance, TableWriter, commit, encode_block, stage_set_document};
+use artifact::{TableWriter, commit, encode_block, stage_set_document};
 use clap::Parser;
-use maneuver::Generator;
-use model::Vessel;
+use identification::pooled::Covariance;
+use seatrial::Merits;
 use serde_json::json;
-use study::documents::{MeritDocument, MeritTableRow, merit_rows};
+use study::documents::merit_rows;
 use study::files::{read_dictionary, read_model, read_simulated};
-use validation::merit::{Merit, Uncertain};
 
 use crate::cli::{Common, member};
 use crate::failure::Failure;
@@ -59,19 +58,25 @@ impl Task for Arguments {
         let vessel = read_simulated(&self.vessel, &mut provenance)?;
         let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
         let refused = |e| Failure::invalid(&self.dictionary, &e);
-        let mut merit = Merit::new(&vessel, &generator, self.length_m).map_err(refused)?;
-        match &self.trajectories {
-            Some(file) => recorded(&mut merit, file, &vessel, &mut provenance)?,
-            None => self.simulated(&mut merit, &vessel, &generator, common.seed.unwrap_or(1))?,
+        let mut merits = Merits::new(&vessel, &generator, self.length_m).map_err(refused)?;
+        match (&self.trajectories, self.draws) {
+            (Some(file), _) => {
+                let reader = inputs::trajectories(file, "trajectories", &vessel, &mut provenance)?;
+                for block in 0..reader.blocks() {
+                    merits.add(&reader.runs(block)?, reader.poses(block)?.as_deref());
+                }
+            }
+            (None, None) => merits.simulate().map_err(refused)?,
+            (None, Some(draws)) => {
+                let seed = common.seed.unwrap_or(1);
+                merits.simulate_drawn(&self.covariance()?, draws, seed).map_err(refused)?;
+            }
         }
         let given = [("length_m", json!(self.length_m)), ("draws", json!(self.draws))];
         provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
         let file = self.trajectories.as_ref().unwrap_or(&self.dictionary);
-        let found = merit.summary(self.draws.is_some());
-        let found = found.map_err(|e| Failure::NoAnswer(format!("{}: {e}", file.display())))?;
-        let document = MeritDocument::new(&vessel.name, self.length_m, self.draws.is_some(), found);
-        let columns = merit_rows();
-        let rows: Vec<MeritTableRow> = merit.rows().iter().map(MeritTableRow::from).collect();
+        let found = merits.found().map_err(|e| Failure::NoAnswer(format!("{}: {e}", file.display())));
+        let ((document, rows), columns) = (found?, merit_rows());
         let mut writer = TableWriter::create(&table, columns.schema(), &provenance)?.with_document(&out);
         writer.push(encode_block(columns.schema(), &columns.table(&rows))?)?;
         let members = vec![writer.finish()?];
@@ -84,47 +89,11 @@ impl Task for Arguments {
 }
 
 impl Arguments {
-    fn simulated(
-        &self,
-        merit: &mut Merit,
-        vessel: &Vessel,
-        generator: &Generator,
-        seed: u64,
-    ) -> Result<(), Failure> {
-        let refused = |e| Failure::invalid(&self.dictionary, &e);
-        let Some(draws) = self.draws else {
-            let source = vessel.best_known();
-            let parameters = vessel.parameters(source).map_err(|e| Failure::invalid(&self.vessel, &e))?;
-            return merit.simulate(&parameters, 0).map_err(refused);
-        };
-        let covariance = read_model(&self.vessel)?.and_then(|model| model.covariance);
-        let uncertain = covariance
-            .and_then(|covariance| Uncertain::new(vessel, generator.parameters().to_vec(), &covariance));
-        let uncertain = uncertain.ok_or_else(|| {
-            let found = "no covariance of its parameters";
+    /// What the model's file says of its parameters.
+    fn covariance(&self) -> Result<Covariance, Failure> {
+        read_model(&self.vessel)?.and_then(|model| model.covariance).ok_or_else(|| {
             let expected = "a model with one, as `estimate pool` writes it";
-            Failure::refuse(&self.vessel, "`covariance`", found, expected, "leave out --draws")
-        })?;
-        merit.simulate_drawn(&uncertain, draws, seed).map_err(refused)
+            Failure::refuse(&self.vessel, "`covariance`", "none", expected, "leave out --draws")
+        })
     }
-}
-
-/// Adds the runs of a file.
-fn recorded(
-    merit: &mut Merit,
-    file: &Path,
-    vessel: &Vessel,
-    provenance: &mut Provenance,
-) -> Result<(), Failure> {
-    let reader = inputs::trajectories(file, "trajectories", vessel, provenance)?;
-    for block in 0..reader.blocks() {
-        let poses = reader.poses(block)?;
-        let mut first = 0;
-        for run in reader.runs(block)? {
-            let rows = first..first + run.samples() + 1;
-            first = rows.end;
-            merit.add(&run, poses.as_ref().map(|poses| &poses[rows]));
-        }
-    }
-    Ok(())
 }

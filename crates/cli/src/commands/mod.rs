@@ -3,7 +3,6 @@
 mod compare;
 pub mod counts;
 mod cross;
-mod earlier;
 mod estimate;
 mod estimate_pool;
 mod export;

@@ -85,6 +85,7 @@ impl Arguments {
         let mut provenance = common.provenance("monte-carlo");
         let of = self.of.read(&mut provenance)?;
         let (files, config) = (of.files, &of.config);
+        of.logged_helm().check(files.dictionary, &self.estimator)?;
         let settings = self.settings(config, common, files.campaign)?;
         self.note(&settings, &mut provenance);
         let study = MonteCarlo {

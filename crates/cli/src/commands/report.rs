@@ -8,7 +8,7 @@ use crate::stage::{Summary, Task};
 use artifact::{Staged, commit};
 use clap::Parser;
 use report::results::{Folders, tables};
-use report::{Sources, load, picture, render, render_sweep};
+use report::{Sources, load, maneuvers_picture, picture, render, render_sweep};
 use serde_json::json;
 
 /// Inputs that an output could overwrite: none, since only folders are read.
@@ -45,7 +45,7 @@ pub struct Results {
     written: Option<PathBuf>,
 }
 
-/// Draws a plan's map beside two histograms
+/// Draws a plan's map beside two histograms, or the tracks of standard maneuvers
 #[derive(Parser)]
 #[command(
     name = "picture",
@@ -53,11 +53,14 @@ pub struct Results {
 )]
 pub struct Picture {
     /// Folder of the report with the map
-    #[arg(long, value_name = "FOLDER")]
-    plan: PathBuf,
+    #[arg(long, value_name = "FOLDER", requires = "study", required_unless_present = "merit")]
+    plan: Option<PathBuf>,
     /// Folder of the report with the histograms
-    #[arg(long, value_name = "FOLDER")]
-    study: PathBuf,
+    #[arg(long, value_name = "FOLDER", requires = "plan")]
+    study: Option<PathBuf>,
+    /// Figures of merit: draws the track of the first standard maneuver of each kind instead
+    #[arg(long, value_name = "merit.json", conflicts_with_all = ["plan", "study"])]
+    merit: Option<PathBuf>,
 }
 
 /// Puts a study's results on one self-contained HTML page, with its figures as SVG beside it in figures/
@@ -134,11 +137,17 @@ impl Task for Picture {
             let path = folder.join("figures").join(name);
             artifact::read_to_string(&path)
         };
-        let map = figure(&self.plan, "map.svg")?;
-        let histograms =
-            [figure(&self.study, "parameter-error.svg")?, figure(&self.study, "simulation-error.svg")?];
-        let text = picture(&map, &histograms.each_ref().map(String::as_str));
-        let out = common.main_output("picture.svg", NO_FILES)?;
+        let text = match &self.merit {
+            Some(merit) => maneuvers_picture(&artifact::read_document(merit)?.data),
+            None => {
+                let (plan, study) = (given(&self.plan, "plan")?, given(&self.study, "study")?);
+                let map = figure(plan, "map.svg")?;
+                let histograms =
+                    [figure(study, "parameter-error.svg")?, figure(study, "simulation-error.svg")?];
+                picture(&map, &histograms.each_ref().map(String::as_str))
+            }
+        };
+        let out = common.main_output("picture.svg", &self.merit)?;
         commit(vec![Staged::bytes(&out, text.as_bytes())?])?;
         Ok(Summary::of(&out, format!("{} bytes", text.len()), json!({"bytes": text.len()})))
     }

@@ -12,7 +12,6 @@ use study::TermLists;
 use study::documents::SearchDocument;
 use study::files::read_vessel;
 
-use super::earlier::is_of;
 use crate::cli::{Common, member, samples};
 use crate::failure::Failure;
 use crate::inputs;
@@ -155,7 +154,7 @@ impl Task for Arguments {
         if let Some(average) = &averaged {
             members.push(stage_document(&several, &provenance, average)?);
         }
-        let left = averaged.is_none() && is_of::<SearchDocument>(&out, &several);
+        let left = averaged.is_none() && artifact::is_member_of::<SearchDocument>(&out, &several);
         let main = stage_set_document(&out, &provenance, &search, &members)?;
         commit([main].into_iter().chain(members).collect())?;
         if left {

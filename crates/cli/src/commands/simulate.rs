@@ -21,8 +21,8 @@ use study::documents::{SIMULATED_FILE, SimulatedLogsDocument};
 use study::files::{generator, kept_to_data, read_campaign, read_dictionary, read_simulated};
 use study::logs_file::LogsFile;
 use study::track::read_planned;
-use study::trajectories::{DataLabel, ID, REACHED, VERSION};
-use trial::campaign::{self, Maneuvers, Reached, Refusal, Settings};
+use study::trajectories::{DataLabel, ID, VERSION};
+use trial::campaign::{self, Maneuvers, Refusal, Settings};
 
 /// Simulates a vessel's trajectories
 #[derive(Parser)]
@@ -161,29 +161,6 @@ impl Task for Validation {
     }
 }
 
-/// Notes what every maneuver of `dictionary` reached; refuses what it does not, unless that is allowed.
-fn note_reached(
-    reached: &[Reached],
-    dictionary: &Path,
-    is_allowed: bool,
-    provenance: &mut Provenance,
-) -> Result<(), Failure> {
-    let missed: Vec<_> = reached.iter().filter_map(Reached::missed).collect();
-    if let Some(first) = missed.first().filter(|_| !is_allowed) {
-        let others = match missed.len() - 1 {
-            0 => String::new(),
-            others => format!(" (and {others} more maneuvers)"),
-        };
-        return Err(Failure::NoAnswer(format!("{}: {first}{others}", dictionary.display())));
-    }
-    let words = reached.iter().filter_map(|own| Some((own.maneuver.clone(), json!(own.words()?))));
-    let words: serde_json::Map<_, _> = words.collect();
-    if !words.is_empty() {
-        provenance.settings.insert(REACHED.into(), words.into());
-    }
-    Ok(())
-}
-
 /// Simulates every maneuver of `dictionary` on its own. `unreached`: whether maneuvers may miss what they are called, where that
 /// is asked.
 fn undisturbed(
@@ -199,7 +176,8 @@ fn undisturbed(
     check_maneuvers(&maneuvers, &files, out)?;
     if let Some(is_allowed) = unreached {
         let reached = maneuvers.reached().map_err(|e| files.refused(e))?;
-        note_reached(&reached, dictionary, is_allowed, &mut provenance)?;
+        study::note_reached(&reached, is_allowed, &mut provenance)
+            .map_err(|e| Failure::NoAnswer(format!("{}: {e}", dictionary.display())))?;
     }
     let tally = write_maneuvers(&maneuvers, &files, out, &provenance, common.quiet)?;
     let mut details = json!({"maneuvers": tally.maneuvers, "samples": tally.samples});
@@ -227,6 +205,7 @@ impl Task for Campaign {
         check_campaign(of.files.campaign, runs, samples, &of.vessel, &out)?;
         let campaign = of.campaign(&settings)?;
         note_plays(&campaign, &mut provenance);
+        of.logged_helm().note(&mut provenance);
         disturbed(&campaign, &of.files, &out, &provenance, common)
     }
 }

@@ -4,6 +4,7 @@ use artifact::Provenance;
 use clap::Args;
 use maneuver::Generator;
 use model::Vessel;
+use study::LoggedHelm;
 use study::campaign_file::CampaignFile;
 use study::documents::DesignDocument;
 use study::files::{read_campaign, read_dictionary, read_simulated};
@@ -79,6 +80,11 @@ impl CampaignFlags {
 }
 
 impl CampaignInputs<'_> {
+    /// Maneuvers whose inputs follow the noise of the log.
+    pub fn logged_helm(&self) -> LoggedHelm {
+        LoggedHelm::among(&self.dictionary)
+    }
+
     /// The runs of `settings`.
     ///
     /// # Errors

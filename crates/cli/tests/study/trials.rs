@@ -36,7 +36,7 @@ fn law_figures_of_simulated_runs_are_those_of_the_simulation() {
     run(&folder, &format!("{MERIT} --length-m 100 --out merit.json")).succeeds();
     let second = json(&folder, "merit.json");
     let [first, second] = [&first, &second].map(|found| found["data"]["maneuvers"].as_array().unwrap());
-    assert_eq!(first.len(), 12);
+    assert_eq!(first.len(), 11);
     for (one, other) in first.iter().zip(second) {
         for (a, b) in one["figures"].as_array().unwrap().iter().zip(other["figures"].as_array().unwrap()) {
             let [x, y] = [a, b].map(|figure| figure["value"].as_f64().unwrap());
@@ -162,7 +162,12 @@ fn figures_that_cannot_be_told_are_refused() {
     let merit = |length: &str| format!("{MERIT} --length-m {length} --out merit.json");
     refused(&folder, 4, &merit("2"), &["samples", "found 2 Hz", "at least"]);
     refused(&folder, 2, &merit("0"), &["--length-m", "found 0"]);
-    refused(&folder, 3, &format!("{} --draws 10", merit("100")), &["vessel.toml: `covariance`", "--draws"]);
+    refused(
+        &folder,
+        3,
+        &format!("{} --draws 10", merit("100")),
+        &["vessel.toml: `covariance`", "found none", "--draws"],
+    );
     one(&folder, "kind = \"accelerate\"\nfrom_m_s = 3.0\nto_m_s = 7.0\nduration_s = 60.0");
     refused(&folder, 3, &merit("100"), &["[[maneuver]]", "no standard maneuver", "`zig-zag-test`"]);
     run(&folder, DICTIONARY).succeeds();
@@ -174,4 +179,27 @@ fn figures_that_cannot_be_told_are_refused() {
     );
     let line = format!("{} --trajectories dictionary.parquet --allow-mixed", merit("100"));
     refused(&folder, 4, &line, &["no run of a standard maneuver", "`other`"]);
+}
+
+#[test]
+fn instruments_over_inputs_that_follow_the_noise_of_the_log_are_refused() {
+    let folder = coaster();
+    edit(
+        &folder,
+        "dictionary.toml",
+        "executed = \"feedback\"",
+        "executed = \"feedback\"\nfeedback = { sensors = \"logged\" }",
+    );
+    edit(&folder, "campaign.toml", "realizations = 100", "realizations = 2");
+    for line in [DICTIONARY, MOMENTS, DESIGN, CAMPAIGN] {
+        run(&folder, line).succeeds();
+    }
+    let line = "estimate --vessel vessel.toml --trajectories campaign.parquet --out estimates.parquet";
+    let pieces =
+        ["maneuver `accelerate`", "the noise of the logged sensors", "--estimator iv", "output-error"];
+    refused(&folder, 3, line, &pieces);
+    run(&folder, &format!("{line} --estimator output-error --campaign campaign.toml")).succeeds();
+    let line = "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design design.json \
+                --out tally.json";
+    refused(&folder, 3, line, &["dictionary.toml: maneuver `accelerate`", "--estimator iv"]);
 }

@@ -1,7 +1,7 @@
 use std::ops::Range;
 
 use engine::{Helm, Run, Segment, check_diverged, simulate_command, simulate_one};
-use maneuver::{Aim, Exceeded, Generator, Kept, Realized};
+use maneuver::{Aim, Exceeded, Executed, Generator, Kept, Realized};
 use model::{DegreeOfFreedom, Source, Vessel};
 use rayon::prelude::*;
 use refusal::Invalid;
@@ -203,7 +203,8 @@ pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Jud
     }
     let states = simulate_one(&vessel.model, generator.parameters(), initial, &exogenous);
     maneuver.keeps.check_states(&maneuver.name, &states)?;
-    let exceeded = limits.and_then(|limits| limits.exceeded(&vessel.model, &states, &inputs));
+    let judged: &[f64] = if maneuver.executed == Executed::Feedback { &[] } else { &inputs };
+    let exceeded = limits.and_then(|limits| limits.exceeded(&vessel.model, &states, judged));
     if let Some(exceeded) = exceeded {
         return Ok(Judged::Exceeds(exceeded));
     }

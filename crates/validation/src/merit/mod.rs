@@ -10,7 +10,7 @@ use model::Vessel;
 use refusal::Invalid;
 
 pub use drawn::Uncertain;
-pub use summary::{FigureMerit, ManeuverMerit, Path};
+pub use summary::{FigureMerit, ManeuverMerit, ShipTrack};
 
 /// The figures of one maneuver in one run.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +33,7 @@ struct Gathered {
     /// Runs that lack them, and why the first does.
     without: u64,
     reason: Option<Invalid>,
-    path: Option<Path>,
+    track: Option<ShipTrack>,
 }
 
 /// Figures of the standard maneuvers of a dictionary.
@@ -52,7 +52,7 @@ impl<'a> Merit<'a> {
     pub fn new(vessel: &'a Vessel, generator: &'a Generator, length_m: f64) -> Result<Self, Invalid> {
         let standard = |index: &usize| generator.maneuvers()[*index].kind.standard().is_some();
         let blank =
-            |index: usize| Gathered { index, figures: Vec::new(), without: 0, reason: None, path: None };
+            |index: usize| Gathered { index, figures: Vec::new(), without: 0, reason: None, track: None };
         let gathered: Vec<Gathered> = (0..generator.maneuvers().len()).filter(standard).map(blank).collect();
         if gathered.is_empty() {
             return Err(Invalid::new(
@@ -130,7 +130,7 @@ impl<'a> Merit<'a> {
                     maneuver: maneuver.name.clone(),
                     figure: figure.clone(),
                 }));
-                own.path.get_or_insert_with(|| Path::of(record, self.hull.length_m));
+                own.track.get_or_insert_with(|| ShipTrack::of(record, self.hull.length_m));
                 own.figures.push(found);
             }
             Err(invalid) => {
@@ -173,7 +173,7 @@ impl<'a> Merit<'a> {
                 &self.generator.maneuvers()[own.index],
                 &own.figures,
                 (own.without, own.reason.as_ref()),
-                own.path.clone().unwrap_or_default(),
+                own.track.clone().unwrap_or_default(),
                 of_parameters,
             )
         };

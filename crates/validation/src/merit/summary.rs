@@ -22,7 +22,7 @@ pub struct ManeuverMerit {
     /// The figures.
     pub figures: Vec<FigureMerit>,
     /// What the ship did in the first run that has them.
-    pub path: Path,
+    pub track: ShipTrack,
 }
 
 /// A figure of merit over all runs.
@@ -52,7 +52,7 @@ pub struct FigureMerit {
 /// The track of a ship, from where the maneuver begins.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Path {
+pub struct ShipTrack {
     /// Times.
     pub t_s: Vec<f64>,
     /// Changes of heading, to starboard.
@@ -70,7 +70,7 @@ pub struct Path {
 /// The most places of a path.
 const MOST: usize = 400;
 
-impl Path {
+impl ShipTrack {
     /// That of a record, thinned out.
     pub fn of(record: &Record, length_m: f64) -> Self {
         let count = record.heading.len();
@@ -95,7 +95,7 @@ impl ManeuverMerit {
         maneuver: &ManeuverSpec,
         runs: &[Vec<Figure>],
         (without, reason): (u64, Option<&Invalid>),
-        path: Path,
+        track: ShipTrack,
         of_parameters: bool,
     ) -> Self {
         let first = runs.first().map_or(&[][..], Vec::as_slice);
@@ -110,7 +110,7 @@ impl ManeuverMerit {
             without,
             reason: reason.map(ToString::to_string),
             figures: first.iter().map(one).collect(),
-            path,
+            track,
         }
     }
 }

@@ -1,0 +1,70 @@
+use engine::Run;
+use identification::pooled::Covariance;
+use maneuver::Generator;
+use model::Vessel;
+use refusal::Invalid;
+use study::documents::{MeritDocument, MeritTableRow};
+use validation::merit::{Merit, Uncertain};
+
+/// Figures of merit of the standard maneuvers of a dictionary.
+pub struct Merits<'a> {
+    vessel: &'a Vessel,
+    generator: &'a Generator,
+    length_m: f64,
+    merit: Merit<'a>,
+    /// Whether runs are draws of a model's parameters.
+    is_drawn: bool,
+}
+
+impl<'a> Merits<'a> {
+    /// None so far, for a ship of this length \[m\].
+    ///
+    /// # Errors
+    /// A dictionary without standard maneuvers.
+    pub fn new(vessel: &'a Vessel, generator: &'a Generator, length_m: f64) -> Result<Self, Invalid> {
+        let merit = Merit::new(vessel, generator, length_m)?;
+        Ok(Self { vessel, generator, length_m, merit, is_drawn: false })
+    }
+
+    /// Adds recorded runs, with north, east \[m\] and heading \[rad\] of all of their rows where they were recorded.
+    pub fn add(&mut self, runs: &[Run], poses: Option<&[[f64; 3]]>) {
+        let mut first = 0;
+        for run in runs {
+            let rows = first..first + run.samples() + 1;
+            first = rows.end;
+            self.merit.add(run, poses.map(|poses| &poses[rows]));
+        }
+    }
+
+    /// Adds the undisturbed ship.
+    ///
+    /// # Errors
+    /// A vessel without parameters; a maneuver that it cannot hold.
+    pub fn simulate(&mut self) -> Result<(), Invalid> {
+        let parameters = self.vessel.parameters(self.vessel.best_known())?;
+        self.merit.simulate(&parameters, 0)
+    }
+
+    /// Adds undisturbed ships whose parameters are drawn from a covariance.
+    ///
+    /// # Errors
+    /// What is no covariance; a maneuver that the model cannot hold.
+    pub fn simulate_drawn(&mut self, covariance: &Covariance, draws: u32, seed: u64) -> Result<(), Invalid> {
+        let parameters = self.generator.parameters().to_vec();
+        let uncertain = Uncertain::new(self.vessel, parameters, covariance).ok_or_else(|| {
+            Invalid::new("`covariance`", "numbers that are none", "a covariance", "estimate the model again")
+        })?;
+        self.is_drawn = true;
+        self.merit.simulate_drawn(&uncertain, draws, seed)
+    }
+
+    /// The document, and every figure of every run.
+    ///
+    /// # Errors
+    /// Maneuvers that have no figures in any run; no maneuver that was run.
+    pub fn found(&self) -> Result<(MeritDocument, Vec<MeritTableRow>), Invalid> {
+        let summary = self.merit.summary(self.is_drawn)?;
+        let document = MeritDocument::new(&self.vessel.name, self.length_m, self.is_drawn, summary);
+        Ok((document, self.merit.rows().iter().map(MeritTableRow::from).collect()))
+    }
+}
