@@ -96,6 +96,51 @@ def zig_zag(rudder: float, heading: float, first: int, delay: float) -> dict:
     }
 
 
+def slow_zig_zag(rudder: float, heading: float, lag: float, rate: float) -> dict:
+    """A zig-zag, first to starboard, by a rudder with a time constant or a greatest rate; its angle is a state of its own."""
+    side, t = 1, 0.0
+    state = np.array([SPEED, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    overshoots: list[float] = []
+    for order in range(4):
+        target = side * rudder
+
+        def change(t: float, x: np.ndarray, target: float = target) -> list[float]:
+            angle = x[6]
+            if rate:
+                turning = math.copysign(rate, target - angle) if abs(target - angle) > 1e-9 else 0.0
+            else:
+                turning = (target - angle) / lag
+            return [*rates(x[:6], 1.0, angle), turning]
+
+        legs = []
+        ends = (lambda t, x: side * x[3] - heading,)
+        ends[0].terminal, ends[0].direction = True, 1.0  # type: ignore[attr-defined]
+        if rate:
+            moving = abs(target - state[6]) / rate
+            there = solve_ivp(change, (t, t + moving), state, events=ends, dense_output=True, max_step=0.05, **TIGHT)
+            legs.append(there)
+            t, state = float(there.t[-1]), there.y[:, -1].copy()
+            if there.status == 0:
+                state[6] = target
+        if not legs or legs[-1].status == 0:
+            rest = solve_ivp(change, (t, t + 300.0), state, events=ends, dense_output=True, **TIGHT)
+            legs.append(rest)
+            t, state = float(rest.t[-1]), rest.y[:, -1].copy()
+        if order:
+            peak = max(np.max(-side * leg.sol(np.linspace(leg.t[0], leg.t[-1], 40000))[3]) for leg in legs)
+            overshoots.append(math.degrees(peak - heading))
+        side = -side
+    return {
+        "rudder": rudder,
+        "heading": heading,
+        "first": 1,
+        "delay_s": 0.0,
+        "lag_s": lag,
+        "rate_rad_s": rate,
+        "overshoots_deg": overshoots[:3],
+    }
+
+
 def at_heading(voyage: Voyage, angle: float, side: int) -> np.ndarray:
     """The state where the heading has first changed by `angle`."""
     t, states = voyage.fine()
@@ -155,6 +200,10 @@ def main() -> None:
             zig_zag(degrees(20), degrees(20), 1, 0.0),
             zig_zag(degrees(20), degrees(10), 1, 0.0),
             zig_zag(degrees(20), degrees(20), 1, 1.7),
+        ],
+        "slow_rudders": [
+            slow_zig_zag(degrees(20), degrees(20), 2.0, 0.0),
+            slow_zig_zag(degrees(20), degrees(20), 0.0, degrees(5)),
         ],
         "circles": [circle(degrees(35), 1), circle(degrees(35), -1)],
         "stops": [stop(-1.0, 0.2, 0.0), stop(0.0, 0.0, 0.05 * SPEED)],

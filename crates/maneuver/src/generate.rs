@@ -10,6 +10,7 @@ use super::settings::check_range;
 use super::signal::Wave;
 use super::spec::{Kind, ManeuverSpec};
 use crate::DictionaryFile;
+use crate::actuated::actuated;
 use crate::feedback::{Executed, Linearised, Nominal, Tracked};
 use crate::reached::{self, Aim, Tolerance};
 use crate::standard::{Approach, Orders, Standard};
@@ -172,8 +173,9 @@ impl Generator {
             return Ok(self.react(initial, samples, helm.clone()));
         }
         if let Some(standard) = maneuver.kind.standard() {
-            let orders = self.orders(standard).map_err(named)?;
-            return Ok(self.react(initial, samples, Helm::new(orders)));
+            let (orders, approach) = self.orders(standard).map_err(named)?;
+            let helm = actuated(Helm::new(orders), &self.vessel, &approach);
+            return Ok(self.react(initial, samples, helm));
         }
         let inputs = match table {
             Some(table) => table.first(samples)?.to_vec(),
@@ -197,8 +199,8 @@ impl Generator {
         Realized { initial, inputs: model.inputs_of(&rows), helm: Some(helm) }
     }
 
-    /// The orders of a standard maneuver, which begins as the model holds its approach.
-    fn orders(&self, standard: Standard) -> Result<Orders, Invalid> {
+    /// The orders of a standard maneuver, and the inputs of its approach, by which it begins.
+    fn orders(&self, standard: Standard) -> Result<(Orders, Vec<f64>), Invalid> {
         let (vessel, width) = (&self.vessel, self.vessel.model.inputs);
         let mut inputs = vec![0.0; width + 1];
         let motion = Motion { u: standard.speed_m_s(), v: None, r: 0.0 };
@@ -207,10 +209,11 @@ impl Generator {
         let mut linearised = Linearised::new(vessel, &self.parameters);
         linearised.look([motion.u, 0.0, 0.0], &vessel.model.undisturbed(&inputs));
         let (slopes, decay) = (linearised.by_inputs().to_vec(), linearised.decay());
+        let held = inputs.clone();
         let orders = Orders::new(standard, &Approach { vessel, inputs, slopes, decay });
         let key = standard.settings().0;
         orders.extremes().try_for_each(|inputs| check_range(vessel, &inputs, || format!("`{key}`")))?;
-        Ok(orders)
+        Ok((orders, held))
     }
 
     /// The controller that makes ships move as the nominal one does under `inputs`.
@@ -225,7 +228,7 @@ impl Generator {
         let nominal = Nominal { inputs, states: &states, coupled };
         let tracked =
             Tracked::new(vessel, &self.parameters, &nominal, &maneuver.feedback.unwrap_or_default())?;
-        Ok(Helm::new(tracked))
+        Ok(actuated(Helm::new(tracked), vessel, &inputs[..vessel.model.inputs]))
     }
 
     /// What written maneuver `index` is to reach, and what it reaches in `states`, (N+1) × 3; nothing of one that is

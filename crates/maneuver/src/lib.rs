@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod actuated;
 mod candidates;
 mod dictionary;
 mod draw;

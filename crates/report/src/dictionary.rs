@@ -132,7 +132,7 @@ fn descriptions(maneuvers: &[&ManeuverTrace]) -> Markup {
     let described: Vec<_> = maneuvers.iter().filter(|own| !words(own).is_empty()).collect();
     html! {
         @if !described.is_empty() {
-            dl.names { @for maneuver in described { (entry(&maneuver.name, &words(maneuver))) } }
+            dl.names { @for maneuver in described { (entry(&maneuver.name, words(maneuver))) } }
         }
     }
 }

@@ -61,7 +61,7 @@ fn law_figures_of_simulated_runs_are_those_of_the_simulation() {
     // Steps of a minute are too short for the turn to settle: a stable ship seems to have a loop, and has none.
     assert!(value("spiral", "loop_width") > 1.0 && value("reverse-spiral", "loop_width") < 0.1);
     assert_eq!(of("zig-zag-10-starboard")["figures"][1]["passes"], true);
-    let table = TableReader::open(&folder.path().join("merit.parquet"), "merit-rows", 1).unwrap();
+    let table = TableReader::open(folder.path().join("merit.parquet"), "merit-rows", 1).unwrap();
     let figures: usize = first.iter().map(|own| own["figures"].as_array().unwrap().len()).sum();
     assert_eq!(table.rows(), figures);
 }
@@ -103,7 +103,7 @@ fn motions_that_are_not_reached_are_refused_or_said() {
         ["maneuver `m`, heading to starboard", "found", "in 100 s", "expected 20.1°", "--allow-unreached"];
     refused(&folder, 4, DICTIONARY, &pieces);
     run(&folder, &format!("{DICTIONARY} --allow-unreached")).succeeds();
-    let table = TableReader::open(&folder.path().join("dictionary.parquet"), "trajectories", 1).unwrap();
+    let table = TableReader::open(folder.path().join("dictionary.parquet"), "trajectories", 1).unwrap();
     let words = table.provenance().settings["reached"]["m"].as_str().unwrap().to_owned();
     assert!(words.contains("heading to starboard") && words.contains("(wanted 20.1°)"), "{words}");
     let pieces = ["dictionary.toml: maneuver `m`, heading", "at the most", "expected 20.1°"];

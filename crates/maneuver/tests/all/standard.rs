@@ -231,3 +231,30 @@ fn law_pull_outs_of_a_stable_ship_leave_no_turn() {
         assert!(value(&found, "residual_yaw_rate").abs() < 0.02, "{found:?}");
     }
 }
+
+#[test]
+fn law_slow_rudders_lengthen_overshoots_as_in_continuous_time() {
+    let oracle = oracle();
+    let of = |keys: &str| {
+        let vessel = ship(100.0);
+        let mut actuators = vessel.actuators.clone();
+        let slow = toml::from_str::<std::collections::BTreeMap<String, f64>>(keys).unwrap();
+        actuators[1].lag_s = slow.get("lag_s").copied().unwrap_or(0.0);
+        actuators[1].rate_per_s = slow.get("rate_per_s").copied();
+        Vessel { actuators, ..vessel }
+    };
+    let slow = oracle["slow_rudders"].as_array().unwrap();
+    assert_eq!(slow.len(), 2);
+    for test in slow {
+        let keys = if test["rate_rad_s"].as_f64().unwrap() > 0.0 {
+            format!("rate_per_s = {}", test["rate_rad_s"])
+        } else {
+            format!("lag_s = {}", test["lag_s"])
+        };
+        let found = measured(&of(&keys), &zig_zag_keys(test), 120.0);
+        for (number, name) in ["overshoot_1", "overshoot_2"].iter().enumerate() {
+            let off = value(&found, name) - test["overshoots_deg"][number].as_f64().unwrap();
+            assert!(off.abs() < 0.05, "{keys}: {name} off by {off}°");
+        }
+    }
+}
