@@ -7,6 +7,7 @@ use refusal::{Invalid, check_numbers, check_ranges};
 use serde::Deserialize;
 
 use super::signal::{MULTISINE_SAMPLES, SWING_SAMPLES, check_period};
+use crate::InputLimit;
 use crate::feedback::Executed;
 
 /// `[generate]` as written.
@@ -61,9 +62,12 @@ pub struct Limits {
     pub v_m_s: f64,
     /// Of the yaw rate \[rad/s\].
     pub r_rad_s: f64,
-    /// Of inputs by name, in their units; other inputs have no limit.
+    /// Of inputs by name, in their units: the largest modulus, or the lowest and the highest value; others have no limit.
     #[serde(default)]
-    pub inputs: BTreeMap<String, f64>,
+    pub inputs: BTreeMap<String, InputLimit>,
+    /// Of the inputs' changes by name, in their units per second; others have no limit.
+    #[serde(default)]
+    pub rates: BTreeMap<String, f64>,
 }
 
 refusal::choices! {
@@ -95,9 +99,9 @@ refusal::choices! {
 pub struct Exceeded {
     /// Key of the limit.
     pub limit: String,
-    /// Its value.
+    /// Its value; of an input with two ends, half of the width between them.
     pub allowed: f64,
-    /// The motion's value.
+    /// The motion's value; of such an input, how far it is from the middle.
     pub found: f64,
 }
 
@@ -111,10 +115,13 @@ impl GenerateSpec {
         }
         let limits = &self.limits;
         let named = [("u_m_s", limits.u_m_s), ("v_m_s", limits.v_m_s), ("r_rad_s", limits.r_rad_s)];
-        let inputs = limits.inputs.iter().map(|(name, limit)| (name.as_str(), *limit));
-        let all = named.into_iter().chain(inputs);
-        let all = all.map(|(key, value)| (format!("generate.limits.{key}"), value));
+        let named = named.map(|(key, value)| (format!("generate.limits.{key}"), value));
+        let rates = limits.rates.iter();
+        let rates = rates.map(|(name, rate)| (format!("generate.limits.rates.{name}"), *rate));
+        let all = named.into_iter().chain(rates);
         check_numbers(all, "more than zero", |value| value > 0.0)?;
+        let mut inputs = limits.inputs.iter();
+        inputs.try_for_each(|(name, limit)| limit.check(format!("`generate.limits.inputs.{name}`")))?;
         let duration = self.duration_s.map(|duration| ("generate.duration_s", duration));
         check_numbers(duration, "more than 0 s", |value| value > 0.0)?;
         check_ranges(duration.map(|(key, duration)| (key, duration, 0.0..=1e9, "s")))?;
@@ -204,30 +211,43 @@ impl Limits {
     /// Refuses limits for inputs that `model` does not have.
     pub(crate) fn check(&self, model: &Model) -> Result<(), Invalid> {
         let names = model.input_names();
-        match self.inputs.keys().find(|key| !names.contains(&key.as_str())) {
+        let unknown = |key: &&String| !names.contains(&key.as_str());
+        if let Some(key) = self.inputs.keys().find(unknown) {
+            return Err(Invalid::unknown("`generate.limits.inputs`", key, names));
+        }
+        match self.rates.keys().find(unknown) {
             None => Ok(()),
-            Some(unknown) => Err(Invalid::unknown("`generate.limits.inputs`", unknown, names)),
+            Some(key) => Err(Invalid::unknown("`generate.limits.rates`", key, names)),
         }
     }
 
-    /// The limit that `states` (rows × 3) or `inputs` (rows × inputs) exceed most, if any. NaN exceeds every
-    /// limit.
-    pub fn exceeded(&self, model: &Model, states: &[f64], inputs: &[f64]) -> Option<Exceeded> {
-        let largest = |values: &[f64], column: usize, width: usize| {
-            let moduli = values.iter().skip(column).step_by(width.max(1)).map(|x| x.abs());
-            moduli.fold(0.0, |most: f64, x| if x.is_nan() { f64::INFINITY } else { most.max(x) })
+    /// The limit that `states` (rows × 3) or `inputs` (rows × inputs), which change `rate_hz` times a second, exceed most, if any.
+    /// NaN exceeds every limit.
+    pub fn exceeded(&self, model: &Model, states: &[f64], inputs: &[f64], rate_hz: f64) -> Option<Exceeded> {
+        let most = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold(0.0, |most: f64, x| if x.is_nan() { f64::INFINITY } else { most.max(x) })
         };
-        let states = [("u_m_s", self.u_m_s), ("v_m_s", self.v_m_s), ("r_rad_s", self.r_rad_s)]
-            .into_iter()
-            .enumerate()
-            .map(|(d, (key, allowed))| (key.to_owned(), allowed, largest(states, d, 3)));
-        let inputs = model.input_variables().iter().enumerate().filter_map(|(i, v)| {
-            let allowed = *self.inputs.get(&v.name)?;
-            Some((format!("inputs.{}", v.name), allowed, largest(inputs, i, model.inputs)))
+        let width = model.inputs.max(1);
+        let limits = [("u_m_s", self.u_m_s), ("v_m_s", self.v_m_s), ("r_rad_s", self.r_rad_s)];
+        let states = limits.into_iter().enumerate().map(|(d, (key, allowed))| {
+            let found = most(&mut states.iter().skip(d).step_by(3).map(|x| x.abs()));
+            Exceeded { limit: key.to_owned(), allowed, found }
         });
-        let most = states.chain(inputs).max_by(|a, b| (a.2 / a.1).total_cmp(&(b.2 / b.1)))?;
-        let (limit, allowed, found) = most;
+        let variables = || model.input_variables().iter().enumerate();
+        let settings = variables().filter_map(|(i, own)| {
+            let limit = self.inputs.get(&own.name)?;
+            let away = most(&mut inputs.iter().skip(i).step_by(width).map(|x| (x - limit.middle()).abs()));
+            Some(Exceeded { limit: format!("inputs.{}", own.name), allowed: limit.half(), found: away })
+        });
+        let changes = variables().filter_map(|(i, own)| {
+            let allowed = *self.rates.get(&own.name)?;
+            let places = (i..inputs.len().saturating_sub(width)).step_by(width);
+            let found = most(&mut places.map(|e| (inputs[e + width] - inputs[e]).abs() * rate_hz));
+            Some(Exceeded { limit: format!("rates.{}", own.name), allowed, found })
+        });
+        let share = |own: &Exceeded| own.found / own.allowed;
+        let exceeded = states.chain(settings).chain(changes).max_by(|a, b| share(a).total_cmp(&share(b)))?;
         // An amplitude at its limit may exceed it by rounding.
-        (found > allowed * (1.0 + 1e-9)).then_some(Exceeded { limit, allowed, found })
+        (exceeded.found > exceeded.allowed * (1.0 + 1e-9)).then_some(exceeded)
     }
 }

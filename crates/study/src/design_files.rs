@@ -5,6 +5,7 @@ use std::path::Path;
 
 use artifact::{Digest, Error, Provenance, read_document, read_json};
 use design::Stock;
+use maneuver::InputLimit;
 use refusal::{Invalid, check_numbers};
 use serde::Deserialize;
 use trial::refining::{STATES, StatedLimits};
@@ -56,7 +57,7 @@ fn check_stock(stock: &Stock, maneuvers: &[String]) -> Result<(), Invalid> {
     check_numbers(seconds, "a time of 0 s or more", |seconds| seconds >= 0.0)
 }
 
-/// `limits.toml` as written: largest moduli.
+/// `limits.toml` as written: largest moduli; of inputs also the lowest and the highest value.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LimitsFile {
@@ -64,7 +65,7 @@ struct LimitsFile {
     v_m_s: Option<f64>,
     r_rad_s: Option<f64>,
     #[serde(default)]
-    inputs: BTreeMap<String, f64>,
+    inputs: BTreeMap<String, InputLimit>,
     /// Of the inputs' rates, per second.
     #[serde(default)]
     rates: BTreeMap<String, f64>,
@@ -83,17 +84,18 @@ pub fn read_limits(path: &Path, inputs: &[&str], provenance: &mut Provenance) ->
 }
 
 fn check_limits(limits: &StatedLimits, inputs: &[&str]) -> Result<(), Invalid> {
-    let tables = [("inputs", &limits.inputs), ("rates", &limits.rates)];
-    for (table, values) in tables {
-        if let Some(unknown) = values.keys().find(|key| !inputs.contains(&key.as_str())) {
+    let tables =
+        [("inputs", limits.inputs.keys().collect::<Vec<_>>()), ("rates", limits.rates.keys().collect())];
+    for (table, keys) in tables {
+        if let Some(unknown) = keys.into_iter().find(|key| !inputs.contains(&key.as_str())) {
             return Err(Invalid::unknown(format!("`{table}`"), unknown, inputs.iter().copied()));
         }
     }
+    let mut ranges = limits.inputs.iter();
+    ranges.try_for_each(|(name, range)| range.check(format!("`inputs.{name}`")))?;
     let states = STATES.iter().zip(limits.states);
     let states = states.filter_map(|(key, limit)| Some(((*key).to_owned(), limit?)));
-    let named = |(table, values): (&str, &BTreeMap<String, f64>)| {
-        values.iter().map(|(key, limit)| (format!("{table}.{key}"), *limit)).collect::<Vec<_>>()
-    };
-    let all = states.chain(tables.into_iter().flat_map(named));
+    let rates = limits.rates.iter().map(|(key, limit)| (format!("rates.{key}"), *limit));
+    let all = states.chain(rates);
     check_numbers(all, "a number above 0", |limit| limit > 0.0)
 }

@@ -4,16 +4,16 @@
 
 use super::bounded::Objective;
 use super::criterion::{Forward, TraceCriterion};
-use super::signal::Signal;
+use super::signal::{Signal, centred};
 
-/// Largest moduli.
+/// Limits of a signal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalLimits {
-    /// Of u, v \[m/s\] and r \[rad/s\] in the simulation.
+    /// Largest moduli of u, v \[m/s\] and r \[rad/s\] in the simulation.
     pub states: [f64; 3],
-    /// Of every input.
-    pub inputs: Vec<f64>,
-    /// Of every input's change from one sample to the next; infinite without limit.
+    /// Lowest and highest value of every input.
+    pub inputs: Vec<[f64; 2]>,
+    /// Largest modulus of every input's change from one sample to the next; infinite without limit.
     pub steps: Vec<f64>,
 }
 
@@ -25,7 +25,10 @@ impl SignalLimits {
         let largest =
             |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |most, x| most.max(x.abs()));
         let state = |d: usize| largest(&mut states.iter().skip(d).step_by(3).copied()) / self.states[d];
-        let input = |i: usize| largest(&mut inputs.iter().skip(i).step_by(width).copied()) / self.inputs[i];
+        let input = |i: usize| {
+            let [middle, half] = centred(self.inputs[i]);
+            largest(&mut inputs.iter().skip(i).step_by(width).map(|x| x - middle)) / half
+        };
         let change = |e: usize| inputs[e + width] - inputs[e];
         let step = |i: usize| {
             let places = (i..inputs.len().saturating_sub(width)).step_by(width);

@@ -1,16 +1,16 @@
 //! Inputs as a correction of those at the start: piecewise linear between knots.
 
-/// Corrections of inputs at knots, `knot` samples apart, in units of the inputs' limits.
+/// Corrections of inputs at knots, `knot` samples apart, in units of half the width of the inputs' limits.
 pub(super) struct Signal<'a> {
     /// Inputs at the start, N × inputs.
     start: &'a [f64],
-    /// Limit of every input.
-    limits: &'a [f64],
+    /// Lowest and highest value of every input.
+    limits: &'a [[f64; 2]],
     knot: usize,
 }
 
 impl<'a> Signal<'a> {
-    pub(super) fn new(start: &'a [f64], limits: &'a [f64], knot: usize) -> Self {
+    pub(super) fn new(start: &'a [f64], limits: &'a [[f64; 2]], knot: usize) -> Self {
         Self { start, limits, knot }
     }
 
@@ -37,7 +37,8 @@ impl<'a> Signal<'a> {
             let (knot, share) = self.place(k);
             let touched = if share > 0.0 { knot..knot + 2 } else { knot..knot + 1 };
             for (i, x) in touched.flat_map(|m| row.iter().enumerate().map(move |(i, x)| (m * width + i, x))) {
-                let start = (x / self.limits[i % width]).clamp(-1.0, 1.0);
+                let [middle, half] = centred(self.limits[i % width]);
+                let start = ((x - middle) / half).clamp(-1.0, 1.0);
                 low[i] = low[i].max(-1.0 - start);
                 high[i] = high[i].min(1.0 - start);
             }
@@ -55,8 +56,9 @@ impl<'a> Signal<'a> {
             let at = |m: usize| corrections.get(m * width + e % width).copied().unwrap_or(0.0);
             let correction =
                 if share > 0.0 { (1.0 - share) * at(knot) + share * at(knot + 1) } else { at(knot) };
-            let limit = self.limits[e % width];
-            if correction == 0.0 { *x } else { (x + limit * correction).clamp(-limit, limit) }
+            let [low, high] = self.limits[e % width];
+            let [_, half] = centred([low, high]);
+            if correction == 0.0 { *x } else { (x + half * correction).clamp(low, high) }
         };
         self.start.iter().enumerate().map(of).collect()
     }
@@ -67,7 +69,7 @@ impl<'a> Signal<'a> {
         let mut out = vec![0.0; self.knots() * width];
         for (e, slope) in slopes.iter().enumerate() {
             let (knot, share) = self.place(e / width);
-            let slope = slope * self.limits[e % width];
+            let slope = slope * centred(self.limits[e % width])[1];
             out[knot * width + e % width] += (1.0 - share) * slope;
             if share > 0.0 {
                 out[(knot + 1) * width + e % width] += share * slope;
@@ -75,6 +77,11 @@ impl<'a> Signal<'a> {
         }
         out
     }
+}
+
+/// Middle and half width of limits.
+pub(super) fn centred([low, high]: [f64; 2]) -> [f64; 2] {
+    [0.5 * (low + high), 0.5 * (high - low)]
 }
 
 #[cfg(test)]
@@ -85,13 +92,14 @@ mod tests {
     fn law_corrections_within_their_bounds_keep_the_limits_and_slopes_are_the_transpose() {
         let start: Vec<f64> =
             (0..22).map(|k| if k % 10 < 5 { 2.0 } else { -1.0 + 0.1 * f64::from(k) }).collect();
-        let limits = [2.0, 4.0];
+        let limits = [[-2.0, 2.0], [-1.0, 4.0]];
         for knot in [1, 3, 4] {
             let signal = Signal::new(&start, &limits, knot);
             let [low, high] = signal.bounds();
             for corrections in [&low, &high] {
                 let inputs = signal.inputs(corrections);
-                assert!(inputs.iter().enumerate().all(|(e, x)| x.abs() <= limits[e % 2]), "{inputs:?}");
+                let within = |(e, x): (usize, &f64)| (limits[e % 2][0]..=limits[e % 2][1]).contains(x);
+                assert!(inputs.iter().enumerate().all(within), "{inputs:?}");
             }
             assert_eq!(signal.inputs(&vec![0.0; low.len()]), start);
             let slopes: Vec<f64> = (0..22).map(|e| f64::from(e * e % 7)).collect();

@@ -113,7 +113,7 @@ fn law_refined_inputs_keep_every_limit_and_make_the_criterion_smaller() {
     let states = experiment.states(&vessel, model::Source::Value);
     let free = SignalLimits {
         states: [0, 1, 2].map(|d| largest(&states, d)),
-        inputs: (0..3).map(|i| largest(&experiment.inputs, i)).collect(),
+        inputs: (0..3).map(|i| largest(&experiment.inputs, i)).map(|most| [-most, most]).collect(),
         steps: vec![f64::INFINITY; 3],
     };
     let changes: Vec<f64> =
@@ -125,7 +125,13 @@ fn law_refined_inputs_keep_every_limit_and_make_the_criterion_smaller() {
     let run = |limits: &SignalLimits, knot: usize| {
         watched(limits, Effort { knot, iterations: 400 }, &Watch::default())
     };
-    for (limits, knot) in [(&free, 1), (&free, 8), (&slow, 1)] {
+    let lowest =
+        |i: usize| experiment.inputs.iter().skip(i).step_by(3).copied().fold(f64::INFINITY, f64::min);
+    let one_sided = SignalLimits {
+        inputs: free.inputs.iter().enumerate().map(|(i, [_, high])| [lowest(i), *high]).collect(),
+        ..free.clone()
+    };
+    for (limits, knot) in [(&free, 1), (&free, 8), (&slow, 1), (&one_sided, 1)] {
         let found = run(limits, knot);
         assert!(limits.kept(&found.after.states, &found.inputs));
         assert!(found.after.value < 0.9 * found.before.value, "{} {}", found.after.value, found.before.value);

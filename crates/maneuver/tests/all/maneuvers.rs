@@ -274,3 +274,39 @@ fn law_an_unstretched_maneuver_begins_like_a_shorter_one() {
         }
     }
 }
+
+#[test]
+fn law_limits_with_two_ends_and_rates_keep_candidates_within() {
+    let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+    // The inputs of all candidates within these limits.
+    let kept = |limits: &str| {
+        let text = format!(
+            "[generate]\ncandidates = 120\nduration_s = 20.0\n\
+             [generate.limits]\nu_m_s = 1.0\nv_m_s = 0.2\nr_rad_s = 0.3\n{limits}\n"
+        );
+        let file: DictionaryFile = toml::from_str(&text).unwrap_or_else(|e| panic!("{text}: {e}"));
+        let generator = Generator::without_tables(&vessel, &file).unwrap();
+        let within = |index: usize| {
+            let realized = generator.realize(index, 160).ok()?;
+            let (model, rate_hz) = (&vessel.model, vessel.sample_rate_hz);
+            let exogenous = model.undisturbed(&realized.inputs);
+            let states = simulate_one(model, generator.parameters(), realized.initial, &exogenous);
+            let limits = generator.limits(index).unwrap();
+            limits.exceeded(model, &states, &realized.inputs, rate_hz).is_none().then_some(realized.inputs)
+        };
+        (0..120).filter_map(within).collect::<Vec<Vec<f64>>>()
+    };
+    let free = kept("");
+    let only = |holds: &dyn Fn(&[f64]) -> bool| {
+        let some: Vec<Vec<f64>> = free.iter().filter(|own| holds(own)).cloned().collect();
+        assert!(some.len() > 2 && some.len() < free.len(), "{} of {}", some.len(), free.len());
+        some
+    };
+    let thrusts = |own: &[f64]| own.iter().step_by(3).copied().collect::<Vec<f64>>();
+    let ahead = only(&|own| thrusts(own).iter().all(|tau| (0.0..=4000.0).contains(tau)));
+    assert_eq!(kept("inputs.tau1 = [0.0, 4000.0]"), ahead);
+    let small = only(&|own| thrusts(own).iter().all(|tau| tau.abs() <= 4000.0));
+    assert_eq!(kept("inputs.tau1 = 4000.0"), small);
+    let slow = only(&|own| thrusts(own).windows(2).all(|pair| (pair[1] - pair[0]).abs() * 8.0 <= 500.0));
+    assert_eq!(kept("rates.tau1 = 500.0"), slow);
+}

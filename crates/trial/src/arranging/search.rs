@@ -65,7 +65,7 @@ impl Arranging<'_> {
         let Some(limits) = generated_limits(self.generator) else { return Kept::Unlimited };
         let model = &self.vessel.model;
         let states = simulate_one(model, self.generator.parameters(), *initial, &model.undisturbed(inputs));
-        limits.exceeded(model, &states, inputs).map_or(Kept::Within, Kept::Beyond)
+        limits.exceeded(model, &states, inputs, self.vessel.sample_rate_hz).map_or(Kept::Within, Kept::Beyond)
     }
 
     /// The generator's index of every maneuver of the dictionary.

@@ -23,7 +23,8 @@ impl Arranging<'_> {
         let penalty = |i: usize| {
             let Some(limits) = generated_limits(self.generator) else { return 0.0 };
             let states = simulate_one(model, self.generator.parameters(), runs[i].0, &exogenous[i]);
-            limits.exceeded(model, &states, &runs[i].1).map_or(0.0, |e| PENALTY * (e.found / e.allowed - 1.0))
+            let exceeded = limits.exceeded(model, &states, &runs[i].1, self.vessel.sample_rate_hz);
+            exceeded.map_or(0.0, |e| PENALTY * (e.found / e.allowed - 1.0))
         };
         let values = match self.estimated {
             Estimated::Iv(removal) => self.instrumental(runs, &exogenous, removal),

@@ -204,7 +204,8 @@ pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Jud
     let states = simulate_one(&vessel.model, generator.parameters(), initial, &exogenous);
     maneuver.keeps.check_states(&maneuver.name, &states)?;
     let judged: &[f64] = if maneuver.executed == Executed::Feedback { &[] } else { &inputs };
-    let exceeded = limits.and_then(|limits| limits.exceeded(&vessel.model, &states, judged));
+    let exceeded =
+        limits.and_then(|limits| limits.exceeded(&vessel.model, &states, judged, vessel.sample_rate_hz));
     if let Some(exceeded) = exceeded {
         return Ok(Judged::Exceeds(exceeded));
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use identification::refine::SignalLimits;
-use maneuver::Generator;
+use maneuver::{Generator, InputLimit};
 use model::Vessel;
 use refusal::Invalid;
 
@@ -11,13 +11,13 @@ use super::{Refusal, Start};
 use crate::arranging::generated_limits;
 use crate::campaign;
 
-/// Stated limits: largest moduli.
+/// Stated limits; of states and rates largest moduli.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StatedLimits {
     /// Of u, v \[m/s\] and r \[rad/s\].
     pub states: [Option<f64>; 3],
     /// Of inputs by name, in their units.
-    pub inputs: BTreeMap<String, f64>,
+    pub inputs: BTreeMap<String, InputLimit>,
     /// Of the inputs' rates by name, per second.
     pub rates: BTreeMap<String, f64>,
 }
@@ -61,11 +61,14 @@ impl Limits {
         };
         let input = |(i, name): (usize, &&str)| {
             let known = stated.inputs.get(*name).or_else(|| generated?.inputs.get(*name)).copied();
-            known.unwrap_or_else(|| largest(&start.inputs, i, inputs.len()))
+            known.unwrap_or_else(|| largest(&start.inputs, i, inputs.len()).into())
         };
-        let rate = |name: &&str| stated.rates.get(*name).copied().unwrap_or(f64::INFINITY);
+        let rate = |name: &&str| {
+            let known = stated.rates.get(*name).or_else(|| generated?.rates.get(*name)).copied();
+            known.unwrap_or(f64::INFINITY)
+        };
         let states = [0, 1, 2].map(state);
-        let amplitudes: Vec<f64> = inputs.iter().enumerate().map(input).collect();
+        let ranges: Vec<InputLimit> = inputs.iter().enumerate().map(input).collect();
         let rates: Vec<f64> = inputs.iter().map(rate).collect();
         let steps = rates.iter().map(|rate| rate / vessel.sample_rate_hz).collect();
         let under = |table: &'static str| inputs.iter().map(move |name| format!("{table}.{name}"));
@@ -76,8 +79,12 @@ impl Limits {
                 .chain(under("inputs"))
                 .chain(under("rates"))
                 .collect(),
-            allowed: states.iter().chain(&amplitudes).chain(&rates).copied().collect(),
-            signal: SignalLimits { states, inputs: amplitudes, steps },
+            allowed: states.into_iter().chain(ranges.iter().map(InputLimit::modulus)).chain(rates).collect(),
+            signal: SignalLimits {
+                states,
+                inputs: ranges.iter().map(|own| [own.low, own.high]).collect(),
+                steps,
+            },
         };
         limits.check(start)?;
         Ok(limits)
@@ -86,8 +93,11 @@ impl Limits {
     /// The largest moduli of an experiment, in the limits' units, at a sampling rate of `rate_hz`.
     pub fn moduli(&self, states: &[f64], inputs: &[f64], rate_hz: f64) -> Vec<f64> {
         let width = self.signal.inputs.len();
-        let unit =
-            SignalLimits { states: [1.0; 3], inputs: vec![1.0; width], steps: vec![1.0 / rate_hz; width] };
+        let unit = SignalLimits {
+            states: [1.0; 3],
+            inputs: vec![[-1.0, 1.0]; width],
+            steps: vec![1.0 / rate_hz; width],
+        };
         unit.reached(states, inputs)
     }
 
