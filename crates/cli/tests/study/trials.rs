@@ -203,3 +203,41 @@ fn instruments_over_inputs_that_follow_the_noise_of_the_log_are_refused() {
                 --out tally.json";
     refused(&folder, 3, line, &["dictionary.toml: maneuver `accelerate`", "--estimator iv"]);
 }
+
+#[test]
+fn law_uncertain_parameters_make_uncertain_figures() {
+    let folder = coaster();
+    edit(&folder, "campaign.toml", "realizations = 100", "realizations = 1");
+    edit(&folder, "campaign.toml", "duration_s = 5400.0", "duration_s = 3600.0");
+    for line in [DICTIONARY, MOMENTS, DESIGN, CAMPAIGN] {
+        run(&folder, line).succeeds();
+    }
+    let pool = "estimate pool --vessel vessel.toml --trajectories campaign.parquet --runs optimized/0 --estimator iv \
+                --out estimates.parquet";
+    run(&folder, pool).succeeds();
+    let merit = |of: &str, flags: &str| {
+        let line = format!(
+            "validate merit --vessel {of} --dictionary dictionary.toml --length-m 100 {flags} --out merit.json"
+        );
+        run(&folder, &line).succeeds();
+        json(&folder, "merit.json")["data"].clone()
+    };
+    let (truth, drawn) = (merit("vessel.toml", ""), merit("model.json", "--draws 60 --seed 2"));
+    assert_eq!((&truth["intervals"], &drawn["intervals"]), (&"runs".into(), &"parameters".into()));
+    let (mut inside, mut all) = (0, 0);
+    for (one, other) in
+        drawn["maneuvers"].as_array().unwrap().iter().zip(truth["maneuvers"].as_array().unwrap())
+    {
+        for (figure, known) in
+            one["figures"].as_array().unwrap().iter().zip(other["figures"].as_array().unwrap())
+        {
+            let [low, high] = ["low", "high"].map(|key| figure[key].as_f64().unwrap());
+            assert!(low <= high, "{figure}");
+            all += 1;
+            inside += i32::from((low..=high).contains(&known["value"].as_f64().unwrap()));
+        }
+    }
+    assert!(all > 30 && 2 * inside > all, "{inside} of {all} intervals hold the truth");
+    assert_eq!(merit("model.json", "--draws 60 --seed 2"), drawn);
+    assert_ne!(merit("model.json", "--draws 60 --seed 3"), drawn);
+}

@@ -78,7 +78,13 @@ impl Orders {
     /// The orders of `standard` from `approach`.
     pub fn new(standard: Standard, approach: &Approach) -> Self {
         let (held, helm) = (&approach.inputs, changes(standard.settings().1, approach.vessel));
-        let helm_of = |part: f64| Act::Set(held.iter().zip(&helm).map(|(u, h)| u + part * h).collect());
+        let stopped = |i: usize, input: f64| {
+            approach.vessel.actuators[i].range.map_or(input, |own| at_stop(own, input))
+        };
+        let helm_of = |part: f64| {
+            let inputs = held.iter().zip(&helm).enumerate();
+            Act::Set(inputs.map(|(i, (u, h))| stopped(i, u + part * h)).collect())
+        };
         let mut own = Sequence {
             orders: Vec::new(),
             again: None,
@@ -159,6 +165,15 @@ impl Turning {
     fn inputs(&self, part: f64) -> Vec<f64> {
         self.amidships.iter().zip(&self.helm).map(|(u, h)| u + part * h).collect()
     }
+}
+
+/// By what part of its range the most helm may be beyond the stop, since the helm of the approach is not quite amidships.
+const BEYOND_STOP: f64 = 0.05;
+
+/// An input that is a little beyond the end of its range, at that end; others are as they are.
+fn at_stop([low, high]: [f64; 2], input: f64) -> f64 {
+    let stop = input.clamp(low, high);
+    if (input - stop).abs() <= BEYOND_STOP * (high - low) { stop } else { input }
 }
 
 /// `settings` as a row of inputs; inputs that follow others do so here, too.

@@ -258,3 +258,18 @@ fn law_slow_rudders_lengthen_overshoots_as_in_continuous_time() {
         }
     }
 }
+
+#[test]
+fn law_the_most_helm_is_at_the_stop() {
+    // The rudder's neutral angle is a little to starboard.
+    let vessel = ship(10.0);
+    let text = "[[maneuver]]\nname = \"m\"\nkind = \"turning-circle\"\nspeed_m_s = 1.2\nduration_s = 200.0\n";
+    let rudder = |helm: f64| {
+        let file: DictionaryFile = toml::from_str(&format!("{text}helm = {{ delta = {helm} }}\n")).unwrap();
+        let realized = Generator::without_tables(&vessel, &file).unwrap().realize(0, 100);
+        realized.map(|own| own.inputs[2 * 50 + 1])
+    };
+    assert_eq!(rudder(0.61).unwrap(), 0.61);
+    assert_eq!(rudder(0.63).unwrap(), 0.62);
+    assert!(rudder(0.75).unwrap_err().to_string().contains("from -0.62 to 0.62"));
+}
