@@ -4,8 +4,8 @@ use refusal::Invalid;
 /// Half the time over which a heading is smoothed, as a part of the time in which the ship covers her length.
 const HALF: f64 = 0.3;
 
-/// The fewest samples in twice that time.
-const FEWEST: usize = 5;
+/// The longest time between samples, as such a part: overshoots between them are then told within 0.01°.
+const LONGEST: f64 = 0.2;
 
 /// What a ship did in a maneuver: N+1 samples, evenly spaced.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,12 +86,12 @@ impl Smoother {
     /// Samples that are too far apart.
     pub fn new(length_m: f64, speed_m_s: f64, rate_hz: f64) -> Result<Self, Invalid> {
         let half = (HALF * length_m / speed_m_s * rate_hz).floor() as usize;
-        if 2 * half + 1 < FEWEST {
-            let expected = (FEWEST / 2) as f64 * speed_m_s / (HALF * length_m);
+        let least = speed_m_s / (LONGEST * length_m);
+        if rate_hz < least * (1.0 - 1e-9) {
             return Err(Invalid::new(
                 "samples",
                 format!("{rate_hz} Hz, {:.2} s in a ship's length", length_m / speed_m_s),
-                format!("at least {expected:.3} Hz for figures of merit"),
+                format!("at least {least:.3} Hz for figures of merit, five samples in that time"),
                 "log more often",
             ));
         }

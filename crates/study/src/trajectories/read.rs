@@ -109,14 +109,17 @@ impl TrajectoryReader {
         Ok(self.runs(0)?.len() as f64 * rows as f64 / of_first.max(1) as f64)
     }
 
-    /// North, east \[m\] and heading \[rad\] of the rows of block `i`, where the file has columns `x`, `y` and `psi` without gaps.
+    /// North, east \[m\] and heading \[rad\] of the rows of block `i`, where the file has columns `x`, `y` and `psi` in these units, without
+    /// gaps.
     ///
     /// # Errors
     /// A damaged block.
     pub fn poses(&self, i: usize) -> Result<Option<Vec<[f64; 3]>>, Error> {
         const NAMES: [&str; 3] = ["x", "y", "psi"];
-        let is_there = |name: &str| self.table.columns().iter().any(|column| column.name == name);
-        if !NAMES.into_iter().all(is_there) {
+        let is_there = |(name, unit): (&str, &str)| {
+            self.table.columns().iter().any(|column| column.name == name && column.unit == unit)
+        };
+        if !NAMES.into_iter().zip(["m", "m", "rad"]).all(is_there) {
             return Ok(None);
         }
         let table = self.table.read_block(i, &NAMES)?;
