@@ -99,9 +99,8 @@ impl Measured<'_> {
             let over = (peak - test.heading_rad).to_degrees();
             all.push(Figure::new(name, what, over, "deg").at_most(allowed));
         }
-        if all.len() < 3 {
-            let found = format!("{} overshoots", all.len() - 1);
-            return Err(Invalid::new("zig-zag", found, "two of them", "run it longer"));
+        if all.len() < 2 {
+            return Err(Invalid::new("overshoot", "a heading that still grows", "its peak", "run it longer"));
         }
         Ok(all)
     }
