@@ -98,7 +98,13 @@ impl ManeuverMerit {
         track: ShipTrack,
         of_parameters: bool,
     ) -> Self {
-        let first = runs.first().map_or(&[][..], Vec::as_slice);
+        // A run may lack some of them.
+        let mut known: Vec<&Figure> = Vec::new();
+        for figure in runs.iter().flatten() {
+            if known.iter().all(|own| own.name != figure.name) {
+                known.push(figure);
+            }
+        }
         let one = |figure: &Figure| {
             let values = runs.iter().flatten().filter(|own| own.name == figure.name).map(|own| own.value);
             FigureMerit::new(figure, &values.collect::<Vec<_>>(), of_parameters)
@@ -109,7 +115,7 @@ impl ManeuverMerit {
             runs: runs.len() as u64,
             without,
             reason: reason.map(ToString::to_string),
-            figures: first.iter().map(one).collect(),
+            figures: known.into_iter().map(one).collect(),
             track,
         }
     }
