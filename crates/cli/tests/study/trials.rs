@@ -241,3 +241,59 @@ fn law_uncertain_parameters_make_uncertain_figures() {
     assert_eq!(merit("model.json", "--draws 60 --seed 2"), drawn);
     assert_ne!(merit("model.json", "--draws 60 --seed 3"), drawn);
 }
+
+/// First and second overshoot of a log of 20 Hz in a towing tank, whose largest samples are exact enough \[°\].
+fn raw_overshoots(log: &std::path::Path, heading: f64, side: f64) -> [f64; 2] {
+    let text = std::fs::read_to_string(log).unwrap();
+    let mut lines = text.lines();
+    let place = lines.next().unwrap().split(',').position(|name| name == "psi_rad").unwrap();
+    let headings: Vec<f64> = lines.map(|line| line.split(',').nth(place).unwrap().parse().unwrap()).collect();
+    let turned = |k: usize| side * (headings[k] - headings[0]).to_degrees();
+    let first = (0..headings.len()).find(|k| turned(*k) >= heading).unwrap();
+    let second = (first..headings.len()).find(|k| turned(*k) <= -heading).unwrap();
+    let third = (second..headings.len()).find(|k| turned(*k) >= heading).unwrap_or(headings.len());
+    let most = |range: std::ops::Range<usize>, sign: f64| range.map(|k| sign * turned(k)).fold(0.0, f64::max);
+    [most(first..second, 1.0) - heading, most(second..third, -1.0) - heading]
+}
+
+#[test]
+fn oracle_overshoots_of_the_kvlcc2_from_samples_of_a_second_are_those_of_its_logs() {
+    let logs = repository().join("../shared/data/kvlcc2_hsva");
+    if !logs.is_dir() {
+        eprintln!("skipped: there is no {}", logs.display());
+        return;
+    }
+    let folder = TempDir::new().unwrap();
+    for name in ["vessel.toml", "ingest.toml"] {
+        put(
+            &folder,
+            name,
+            &std::fs::read_to_string(repository().join("pipelines/kvlcc2").join(name)).unwrap(),
+        );
+    }
+    let tests =
+        [("Z_10_10_S", 10.0, 10.0, 1.0), ("Z_10_10_P", 10.0, 10.0, -1.0), ("Z_20_10_S", 20.0, 10.0, 1.0)];
+    let maneuver = |(name, helm, heading, side): &(&str, f64, f64, f64)| {
+        let (to, helm, heading) =
+            (if *side > 0.0 { "starboard" } else { "port" }, helm.to_radians(), heading.to_radians());
+        format!(
+            "[[maneuver]]\nname = \"{name}\"\nkind = \"zig-zag-test\"\nspeed_m_s = 1.179\nhelm = {{ delta = {helm} }}\n\
+             heading_rad = {heading}\nto = \"{to}\"\nduration_s = 70.0\n"
+        )
+    };
+    put(&folder, "dictionary.toml", &tests.iter().map(maneuver).collect::<String>());
+    let ingest =
+        format!("ingest --config ingest.toml --vessel vessel.toml --logs {} --out t.parquet", logs.display());
+    run(&folder, &ingest).succeeds();
+    run(&folder, &format!("{MERIT} --length-m 7 --trajectories t.parquet --allow-mixed --out merit.json"))
+        .succeeds();
+    let found = json(&folder, "merit.json");
+    for ((name, _, heading, side), own) in tests.iter().zip(found["data"]["maneuvers"].as_array().unwrap()) {
+        let raw = raw_overshoots(&logs.join(format!("kvlcc2_hsva_{name}.csv")), *heading, *side);
+        for (number, expected) in raw.iter().enumerate() {
+            let figure = &own["figures"][number + 1];
+            let off = figure["value"].as_f64().unwrap() - expected;
+            assert!(off.abs() < 0.1, "{name}: {figure}, {expected} in the log");
+        }
+    }
+}
