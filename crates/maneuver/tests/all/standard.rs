@@ -273,3 +273,77 @@ fn law_the_most_helm_is_at_the_stop() {
     assert_eq!(rudder(0.63).unwrap(), 0.62);
     assert!(rudder(0.75).unwrap_err().to_string().contains("from -0.62 to 0.62"));
 }
+
+/// The record of a standard maneuver, which is held for 5 s first.
+fn recorded(vessel: &Vessel, keys: &str, duration_s: f64) -> (Generator, Record) {
+    let generator = generator(vessel, keys, duration_s);
+    let (inputs, states) = run(vessel, &generator);
+    let record = Record::of_states(&states, inputs, vessel.sample_rate_hz);
+    (generator, record)
+}
+
+#[test]
+fn law_figures_depend_on_no_course_place_or_turns_of_the_compass() {
+    let vessel = ship(20.0);
+    let hull = Hull { vessel: &vessel, length_m: 7.0 };
+    for keys in [
+        "kind = \"zig-zag-test\"\nhelm = { delta = 0.35 }\nheading_rad = 0.35\nto = \"port\"\nhold_s = 5.0",
+        "kind = \"turning-circle\"\nhelm = { delta = 0.6 }\nhold_s = 5.0",
+        "kind = \"stop\"\ninputs = { n = -1.0, delta = 0.2 }\nhold_s = 5.0",
+    ] {
+        let (generator, record) = recorded(&vessel, keys, 150.0);
+        let standard = generator.maneuvers()[0].kind.standard().unwrap();
+        let (sin, cos) = 2.5_f64.sin_cos();
+        let moved = record.place.iter().zip(&record.heading).map(|([x, y], psi)| {
+            let compass = (psi + 2.5 + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU);
+            [100.0 + x * cos - y * sin, -50.0 + x * sin + y * cos, compass - std::f64::consts::PI]
+        });
+        let moved = record.clone().with_poses(&moved.collect::<Vec<_>>());
+        let [one, other] = [&record, &moved].map(|own| figures(standard, own, &hull).unwrap());
+        assert_eq!(one.len(), other.len());
+        for (a, b) in one.iter().zip(&other) {
+            assert!((a.value - b.value).abs() < 1e-6 * a.value.abs().max(1.0), "{keys}: {a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn records_that_end_too_early_have_no_figures() {
+    let vessel = ship(10.0);
+    let hull = Hull { vessel: &vessel, length_m: 7.0 };
+    let keys = "kind = \"spiral-test\"\nhelm = { delta = 0.4 }\nsteps = 2\ndwell_s = 20.0";
+    let (generator, record) = recorded(&vessel, keys, 180.0);
+    let standard = generator.maneuvers()[0].kind.standard().unwrap();
+    assert!(figures(standard, &record, &hull).is_ok());
+    let cut = Record {
+        heading: record.heading[..1500].to_vec(),
+        place: record.place[..1500].to_vec(),
+        surge: record.surge[..1500].to_vec(),
+        speed: record.speed[..1500].to_vec(),
+        yaw_rate: record.yaw_rate[..1500].to_vec(),
+        ..record
+    };
+    let refused = figures(standard, &cut, &hull).unwrap_err().to_string();
+    assert!(refused.contains("found 149.9 s, expected 180 s"), "{refused}");
+    let late = Record { rate_hz: 0.5, ..cut };
+    assert!(figures(standard, &late, &hull).unwrap_err().to_string().contains("at least 0.857 Hz"));
+}
+
+#[test]
+fn what_is_wanted_of_a_motion_is_its_mean_speed_and_its_turn() {
+    let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+    let text = "[[maneuver]]\nname = \"m\"\nkind = \"steady-turn\"\nspeed_m_s = 0.5\nyaw_rate_rad_s = 0.1\nduration_s = 40.0\n";
+    let generator = Generator::without_tables(&vessel, &toml::from_str(text).unwrap()).unwrap();
+    let states = [0.5, 0.0, 0.1].repeat(321);
+    let aims = generator.reached(0, &states);
+    for (aim, value) in aims.iter().zip([0.5, 4.0_f64.to_degrees()]) {
+        assert!(
+            (aim.wanted - value).abs() < 1e-9 && (aim.reached - value).abs() < 1e-9 && aim.is_met,
+            "{aim}"
+        );
+    }
+    // Half a turn more than is wanted, and twice the speed.
+    let states = [[0.5, 0.0, 0.1].to_vec(), [1.0, 0.0, 0.18].repeat(320)].concat();
+    let aims = generator.reached(0, &states);
+    assert!(aims.iter().all(|aim| !aim.is_met), "{aims:?}");
+}
