@@ -161,8 +161,8 @@ impl Task for Validation {
     }
 }
 
-/// Simulates every maneuver of `dictionary` on its own. `unreached`: whether maneuvers may miss what they are called, where that
-/// is asked.
+/// Simulates every maneuver of `dictionary` on its own. `unreached`: whether maneuvers may miss their aims; `None`
+/// skips the check.
 fn undisturbed(
     maneuvers: Result<Maneuvers, Refusal>,
     (vessel, dictionary): (&Path, &Path),

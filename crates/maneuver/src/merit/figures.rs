@@ -11,8 +11,7 @@ use crate::standard::{PullOut, Settings, Standard, Stop, TurningCircle, ZigZagTe
 /// The figures of `standard` from what a ship did, which begins with the maneuver.
 ///
 /// # Errors
-/// A record that is too coarse, or that ends before the figures can be told: a heading that is not reached, a circle that does
-/// not close.
+/// A record that is too coarse or too short: a heading that is not reached, a circle that does not close.
 pub fn figures(standard: Standard, record: &Record, hull: &Hull) -> Result<Vec<Figure>, Invalid> {
     let smoother = Smoother::new(hull.length_m, standard.speed_m_s(), record.rate_hz)?;
     let own = Measured { record, smoother, hull };
@@ -175,7 +174,13 @@ impl Measured<'_> {
     }
 
     fn pull_out(&self, turn: &PullOut) -> Result<Vec<Figure>, Invalid> {
-        let over = self.record.sample(turn.hold_s + turn.turn_s);
+        let needed = turn.hold_s + turn.turn_s;
+        let over = self.record.sample(needed);
+        if !self.smoother.is_inside(over, self.record.last()) {
+            let found = format!("{:.1} s", self.record.last() as f64 / self.record.rate_hz);
+            let expected = format!("more than {needed} s, until the helm is amidships");
+            return Err(Invalid::new("pull-out", found, expected, "run it longer"));
+        }
         let tail = self.record.last() - (self.record.last() - over) / 5;
         let mean = |range: std::ops::Range<usize>| {
             range.clone().map(|k| self.record.yaw_rate[k]).sum::<f64>() / range.len().max(1) as f64

@@ -4,7 +4,7 @@ use refusal::Invalid;
 /// Half the time over which a heading is smoothed, as a part of the time in which the ship covers her length.
 const HALF: f64 = 0.3;
 
-/// The longest time between samples, as such a part: overshoots between them are then told within 0.01°.
+/// The longest time between samples, as a part of the same time: without noise, overshoots are then exact within 0.01°.
 const LONGEST: f64 = 0.2;
 
 /// What a ship did in a maneuver: N+1 samples, evenly spaced.

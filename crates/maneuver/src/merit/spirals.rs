@@ -60,7 +60,7 @@ pub(super) fn direct(spiral: &SpiralTest, record: &Record, hull: &Hull) -> Resul
     ])
 }
 
-/// The loop of a reverse spiral: by how much the helm goes back while the yaw rate goes on.
+/// The loop of a reverse spiral: the range of helm in which the curve of helm over yaw rate falls.
 pub(super) fn reverse(spiral: &ReverseSpiral, record: &Record, hull: &Hull) -> Result<Vec<Figure>, Invalid> {
     let (input, unit) = rudder(&spiral.helm, hull);
     let points = settled(record, input, steps(spiral.steps, false).count(), spiral.dwell_s)?;

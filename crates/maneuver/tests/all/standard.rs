@@ -307,6 +307,18 @@ fn law_figures_depend_on_no_course_place_or_turns_of_the_compass() {
     }
 }
 
+/// The first samples of a record.
+fn begun(record: &Record, samples: usize) -> Record {
+    Record {
+        heading: record.heading[..samples].to_vec(),
+        place: record.place[..samples].to_vec(),
+        surge: record.surge[..samples].to_vec(),
+        speed: record.speed[..samples].to_vec(),
+        yaw_rate: record.yaw_rate[..samples].to_vec(),
+        ..record.clone()
+    }
+}
+
 #[test]
 fn records_that_end_too_early_have_no_figures() {
     let vessel = ship(10.0);
@@ -315,14 +327,7 @@ fn records_that_end_too_early_have_no_figures() {
     let (generator, record) = recorded(&vessel, keys, 180.0);
     let standard = generator.maneuvers()[0].kind.standard().unwrap();
     assert!(figures(standard, &record, &hull).is_ok());
-    let cut = Record {
-        heading: record.heading[..1500].to_vec(),
-        place: record.place[..1500].to_vec(),
-        surge: record.surge[..1500].to_vec(),
-        speed: record.speed[..1500].to_vec(),
-        yaw_rate: record.yaw_rate[..1500].to_vec(),
-        ..record
-    };
+    let cut = begun(&record, 1500);
     let refused = figures(standard, &cut, &hull).unwrap_err().to_string();
     assert!(refused.contains("found 149.9 s, expected 180 s"), "{refused}");
     let late = Record { rate_hz: 0.5, ..cut };
@@ -346,4 +351,17 @@ fn what_is_wanted_of_a_motion_is_its_mean_speed_and_its_turn() {
     let states = [[0.5, 0.0, 0.1].to_vec(), [1.0, 0.0, 0.18].repeat(320)].concat();
     let aims = generator.reached(0, &states);
     assert!(aims.iter().all(|aim| !aim.is_met), "{aims:?}");
+}
+
+#[test]
+fn a_turn_without_its_pull_out_has_no_figures() {
+    let vessel = ship(10.0);
+    let hull = Hull { vessel: &vessel, length_m: 7.0 };
+    let keys = "kind = \"pull-out\"\nhelm = { delta = 0.35 }\nturn_s = 60.0";
+    let (generator, record) = recorded(&vessel, keys, 100.0);
+    let standard = generator.maneuvers()[0].kind.standard().unwrap();
+    assert!(figures(standard, &record, &hull).is_ok());
+    let cut = begun(&record, 500);
+    let refused = figures(standard, &cut, &hull).unwrap_err().to_string();
+    assert!(refused.contains("found 49.9 s, expected more than 60 s"), "{refused}");
 }
