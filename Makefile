@@ -351,6 +351,7 @@ oracle:
 	$(PYTHON) scripts/independent/average.py --out fixtures/oracle/average.json
 	$(PYTHON) scripts/independent/derived.py --out fixtures/oracle/derived.json
 	$(PYTHON) scripts/independent/standard_maneuvers.py --out fixtures/oracle/standard_maneuvers.json
+	$(PYTHON) scripts/independent/reference_ships.py --out fixtures/oracle/reference_ships.json
 	$(PYTHON) scripts/independent/criteria.py --study pipelines/paper --fixtures fixtures/oracle
 	$(PYTHON) scripts/independent/chain.py --oracle fixtures/oracle
 	$(PYTHON) scripts/independent/output_error.py --study pipelines/paper --fixtures fixtures/oracle

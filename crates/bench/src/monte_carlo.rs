@@ -53,6 +53,7 @@ impl<'a> Study<'a> {
                 model,
                 measured: &self.experiment.measured(first),
                 instrument_states: &nominal,
+                instrument_exogenous: inputs,
                 exogenous: inputs,
                 segments: [segments; LANES],
             };

@@ -66,7 +66,12 @@ impl<'a> Realizations<'a> {
 
     fn recording<'b>(&'b self, run: &'b Measured) -> RunView<'b> {
         let Experiment { inputs, initial, .. } = &self.experiment;
-        RunView { measured: &run.measured, exogenous: inputs, initial: *initial }
+        RunView {
+            measured: &run.measured,
+            instrument_exogenous: inputs,
+            exogenous: inputs,
+            initial: *initial,
+        }
     }
 
     fn told(&self, run: usize, fit: &Fit) -> Value {
@@ -89,6 +94,7 @@ fn measured(experiment: &Experiment, first: u32) -> Vec<Measured> {
         model: &vessel.model,
         measured: &measured,
         instrument_states: &experiment.nominal_states(),
+        instrument_exogenous: &experiment.inputs,
         exogenous: &experiment.inputs,
         segments: [&[0]; LANES],
     };

@@ -59,6 +59,7 @@ impl Paper {
                 model: &self.vessel.model,
                 measured: &measured,
                 instrument_states: &instrument_states,
+                instrument_exogenous: &inputs,
                 exogenous: &inputs,
                 segments: [&[0]; LANES],
             };

@@ -26,6 +26,11 @@ pub trait Command: Send {
 pub trait Program: Debug + Send + Sync {
     /// Begins its commands.
     fn begin(&self) -> Box<dyn Command>;
+
+    /// Whether it tracks a motion at every sample, so that its inputs follow all that it sees.
+    fn tracks(&self) -> bool {
+        false
+    }
 }
 
 /// A shared program.
@@ -51,6 +56,11 @@ impl Helm {
     /// Begins its commands.
     pub fn begin(&self) -> Box<dyn Command> {
         self.0.begin()
+    }
+
+    /// See [`Program::tracks`].
+    pub fn tracks(&self) -> bool {
+        self.0.tracks()
     }
 }
 

@@ -9,6 +9,8 @@ pub struct Run {
     pub segments: Vec<Segment>,
     /// Inputs and measured disturbances, N × exogenous, row-major.
     pub exogenous: Vec<f64>,
+    /// Those that instruments are simulated with, N × exogenous; empty where they are the recorded ones.
+    pub instrument_exogenous: Vec<f64>,
     /// Measured states, (N+1) × 3, row-major.
     pub measured: Vec<f64>,
     /// State that simulations of the run start from: the true one if the file has it, else the measured one.
@@ -31,6 +33,9 @@ pub struct RunView<'a> {
     pub measured: &'a [f64],
     /// Inputs and measured disturbances: N × exogenous.
     pub exogenous: &'a [f64],
+    /// Those that instruments are simulated with: N × exogenous. The recorded ones follow the noise of the measured states,
+    /// where a controller reads the logged sensors; those of a nominal ship under the same controller do not.
+    pub instrument_exogenous: &'a [f64],
     /// State that simulations start from.
     pub initial: [f64; 3],
 }
@@ -38,7 +43,7 @@ pub struct RunView<'a> {
 impl<'a> RunView<'a> {
     /// A measured run, whose simulations start from its first state.
     pub fn measured(measured: &'a [f64], exogenous: &'a [f64]) -> Self {
-        Self { measured, exogenous, initial: [0, 1, 2].map(|d| measured[d]) }
+        Self { measured, exogenous, instrument_exogenous: exogenous, initial: [0, 1, 2].map(|d| measured[d]) }
     }
 
     /// Number of samples N.
@@ -49,15 +54,20 @@ impl<'a> RunView<'a> {
     /// A part of `samples`; simulations start from the first measured state there.
     pub fn part(&self, samples: std::ops::Range<usize>) -> Self {
         let width = self.exogenous.len() / self.samples().max(1);
-        let exogenous = &self.exogenous[samples.start * width..samples.end * width];
-        Self::measured(&self.measured[3 * samples.start..3 * (samples.end + 1)], exogenous)
+        let rows = samples.start * width..samples.end * width;
+        let measured = &self.measured[3 * samples.start..3 * (samples.end + 1)];
+        let instrument_exogenous = &self.instrument_exogenous[rows.clone()];
+        Self { instrument_exogenous, ..Self::measured(measured, &self.exogenous[rows]) }
     }
 }
 
 impl Run {
     /// The whole run.
     pub fn view(&self) -> RunView<'_> {
-        RunView { measured: &self.measured, exogenous: &self.exogenous, initial: self.initial }
+        let Self { measured, exogenous, instrument_exogenous, initial, .. } = self;
+        let instrument_exogenous =
+            if instrument_exogenous.is_empty() { exogenous } else { instrument_exogenous };
+        RunView { measured, exogenous, instrument_exogenous, initial: *initial }
     }
 
     /// Number of regression pairs N.

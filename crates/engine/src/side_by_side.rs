@@ -12,6 +12,8 @@ pub struct SideBySide {
     pub measured: Vec<Lane>,
     /// Inputs and measured disturbances: N × exogenous.
     pub exogenous: Vec<Lane>,
+    /// Those that instruments are simulated with, N × exogenous; empty where all are the recorded ones.
+    pub instrument_exogenous: Vec<Lane>,
     /// State that simulations start from.
     pub initial: [Lane; 3],
     /// Samples of each run.
@@ -19,6 +21,11 @@ pub struct SideBySide {
 }
 
 impl SideBySide {
+    /// What instruments are simulated with: N × exogenous.
+    pub fn instrument_exogenous(&self) -> &[Lane] {
+        if self.instrument_exogenous.is_empty() { &self.exogenous } else { &self.instrument_exogenous }
+    }
+
     /// Packs `runs`; idle lanes repeat the last one.
     pub fn of(runs: &[RunView]) -> Self {
         let mut of = Self::default();
@@ -34,6 +41,10 @@ impl SideBySide {
         self.runs = runs.len();
         rows(|run| run.measured, &mut self.measured);
         rows(|run| run.exogenous, &mut self.exogenous);
+        self.instrument_exogenous.clear();
+        if runs.iter().any(|run| !std::ptr::eq(run.exogenous, run.instrument_exogenous)) {
+            rows(|run| run.instrument_exogenous, &mut self.instrument_exogenous);
+        }
         self.initial = [0, 1, 2].map(|d: usize| lane(runs.len(), |run| runs[run].initial[d]));
         self.samples = by_lane(runs.len(), |run| runs[run].samples());
     }

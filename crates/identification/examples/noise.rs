@@ -249,6 +249,7 @@ impl Ship {
             design: "noise".to_owned(),
             run: run as i32,
             initial: if self.known_start { self.initial } else { [measured[0], measured[1], measured[2]] },
+            instrument_exogenous: Vec::new(),
             exogenous: self.inputs.clone(),
             measured,
             segments: vec![Segment { maneuver: "all".to_owned(), start: 0 }],

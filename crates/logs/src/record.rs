@@ -94,6 +94,7 @@ impl RecordedRun {
             design: design.to_owned(),
             run: self.number,
             segments: self.segments.clone(),
+            instrument_exogenous: Vec::new(),
             exogenous: rows(exogenous, self.samples()),
             initial: [0, 1, 2].map(|d| measured[d]),
             measured,

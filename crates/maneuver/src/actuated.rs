@@ -33,6 +33,10 @@ impl Program for Actuated {
             sample_s: self.sample_s,
         })
     }
+
+    fn tracks(&self) -> bool {
+        self.helm.tracks()
+    }
 }
 
 /// Commands with the present settings.

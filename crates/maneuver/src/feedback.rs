@@ -270,6 +270,10 @@ impl Program for Tracked {
             own: Loop::default(),
         })
     }
+
+    fn tracks(&self) -> bool {
+        true
+    }
 }
 
 /// A motion while it is tracked.

@@ -157,6 +157,19 @@ impl Generator {
         self.helms.contains_key(&index) || self.maneuvers[index].kind.is_unstretched()
     }
 
+    /// Whether any maneuver tracks a motion by feedback.
+    pub fn tracks(&self) -> bool {
+        self.maneuvers.iter().any(|maneuver| maneuver.executed == Executed::Feedback)
+            || self.helms.values().any(Helm::tracks)
+    }
+
+    /// Whether what is commanded in maneuver `index` depends on the ship's motion.
+    pub fn reacts(&self, index: usize) -> bool {
+        let maneuver = &self.maneuvers[index];
+        let by_kind = maneuver.kind.standard().is_some() || maneuver.executed == Executed::Feedback;
+        by_kind || self.helms.contains_key(&index)
+    }
+
     /// The inputs of maneuver `index` in `samples` samples. Swings keep their period, sweeps are stretched to
     /// the length. Tables are played from their first row.
     ///

@@ -228,15 +228,18 @@ impl ManeuverSpec {
         self.duration_s.or(default_s)
     }
 
-    /// Whether its inputs follow the noise of the logged sensors: a motion is held by what they show. Triggers are reached once,
-    /// and do not.
+    /// Whether its inputs follow the noise of the logged sensors, and no instruments are known that do not: rates of turn are held
+    /// by what they show. Triggers are reached once; a tracked motion has the inputs of the nominal ship as instruments.
     pub fn is_steered_by_the_log(&self) -> bool {
-        let sensors = match (&self.kind, self.executed) {
-            (Kind::ReverseSpiral(own), _) => own.sensors,
-            (_, Executed::Feedback) => self.feedback.unwrap_or_default().sensors,
-            _ => Sensors::Own,
-        };
-        sensors == Sensors::Logged
+        matches!(&self.kind, Kind::ReverseSpiral(own) if own.sensors == Sensors::Logged)
+    }
+
+    /// Whether it is commanded by what logged sensors show.
+    pub fn reads_logged_sensors(&self) -> bool {
+        let by_kind = self.kind.standard().is_some_and(|own| own.sensors() == Sensors::Logged);
+        let tracked = self.executed == Executed::Feedback
+            && self.feedback.unwrap_or_default().sensors == Sensors::Logged;
+        by_kind || tracked
     }
 
     pub(super) fn check(&self, default_s: Option<f64>) -> Result<(), Invalid> {

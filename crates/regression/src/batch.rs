@@ -16,6 +16,8 @@ pub struct Batch<'a, X = Lane> {
     pub instrument_states: &'a [X],
     /// Inputs and measured disturbances: N × exogenous.
     pub exogenous: &'a [X],
+    /// Those that the instruments are evaluated with: N × exogenous. For least squares the above.
+    pub instrument_exogenous: &'a [X],
     /// Per run, the first sample of each segment, ascending from 0.
     pub segments: [&'a [usize]; LANES],
 }
@@ -53,14 +55,34 @@ impl<'a, X: Number> Batch<'a, X> {
     /// This batch with its number type erased.
     pub(crate) fn any(&self) -> AnyBatch<'a> {
         let Self { model, measured, segments, .. } = *self;
-        match (X::numbers(self.instrument_states), X::numbers(self.exogenous)) {
-            (Numbers::Lanes(instrument_states), Numbers::Lanes(exogenous)) => {
-                AnyBatch::Lanes(Batch { model, measured, instrument_states, exogenous, segments })
-            }
-            (Numbers::Shared(instrument_states), Numbers::Shared(exogenous)) => {
-                AnyBatch::Shared(Batch { model, measured, instrument_states, exogenous, segments })
-            }
-            _ => unreachable!("both are made of X"),
+        let numbers =
+            [self.instrument_states, self.exogenous, self.instrument_exogenous].map(|own| X::numbers(own));
+        match numbers {
+            [
+                Numbers::Lanes(instrument_states),
+                Numbers::Lanes(exogenous),
+                Numbers::Lanes(instrument_exogenous),
+            ] => AnyBatch::Lanes(Batch {
+                model,
+                measured,
+                instrument_states,
+                exogenous,
+                instrument_exogenous,
+                segments,
+            }),
+            [
+                Numbers::Shared(instrument_states),
+                Numbers::Shared(exogenous),
+                Numbers::Shared(instrument_exogenous),
+            ] => AnyBatch::Shared(Batch {
+                model,
+                measured,
+                instrument_states,
+                exogenous,
+                instrument_exogenous,
+                segments,
+            }),
+            _ => unreachable!("all are made of X"),
         }
     }
 }

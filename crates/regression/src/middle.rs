@@ -60,15 +60,15 @@ fn draws(
     own: &mut Compiled<Lane>,
     noise: &Noise,
 ) -> [Degree; 3] {
-    let Batch { model, measured, instrument_states, exogenous, .. } = *batch;
+    let Batch { model, measured, instrument_states, exogenous, instrument_exogenous, .. } = *batch;
     let (width, samples) = (model.exogenous(), batch.samples());
     let zeros = |count: usize| vec![Lane::ZERO; count];
     let sizes = model.degrees.each_ref().map(|degree| degree.terms.len() + 1);
     let mut degrees = sizes.map(|n| Degree { sum: zeros(n * n), zeta: [zeros(n), zeros(n)] });
     for k in 0..samples {
-        let exogenous = &exogenous[width * k..width * (k + 1)];
-        own.look(measured.as_chunks().0[k], exogenous, None);
-        nominal.look(instrument_states.as_chunks().0[k], exogenous, None);
+        let row = width * k..width * (k + 1);
+        own.look(measured.as_chunks().0[k], &exogenous[row.clone()], None);
+        nominal.look(instrument_states.as_chunks().0[k], &instrument_exogenous[row], None);
         let slopes = own.slopes();
         let mut first = 0;
         for (d, Degree { sum, zeta: [before, zeta] }) in degrees.iter_mut().enumerate() {

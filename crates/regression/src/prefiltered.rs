@@ -267,9 +267,10 @@ fn filter(
     let width = batch.model.exogenous();
     let most = 1.0 - 1.0 / range.len() as f64;
     for k in range.clone() {
-        let exogenous = &batch.exogenous[width * k..width * (k + 1)];
-        simulated.look(batch.instrument_states.as_chunks().0[k], exogenous, None);
-        measured.look(batch.measured.as_chunks().0[k], exogenous, None);
+        let row = width * k..width * (k + 1);
+        let instrument_exogenous = &batch.instrument_exogenous[row.clone()];
+        simulated.look(batch.instrument_states.as_chunks().0[k], instrument_exogenous, None);
+        measured.look(batch.measured.as_chunks().0[k], &batch.exogenous[row], None);
         let (slopes, known) = (simulated.slopes(), measured.known());
         let mut first = 0;
         for (d, degree) in degrees.iter_mut().enumerate() {

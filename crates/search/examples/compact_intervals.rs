@@ -96,6 +96,7 @@ pub fn recorded(vessel: &Vessel, disturbed: Disturbed, streams: &Streams, realiz
             run: number as i32,
             segments: vec![Segment { maneuver: "zigzag".to_owned(), start: 0 }],
             initial: [0, 1, 2].map(|d| measured[d]),
+            instrument_exogenous: Vec::new(),
             exogenous,
             measured,
         }

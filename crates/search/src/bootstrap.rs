@@ -154,6 +154,7 @@ mod tests {
             label: String::new(),
             source: String::new(),
             measured: vec![0.0; 3 * (samples + 1)],
+            instrument_exogenous: Vec::new(),
             exogenous: vec![0.0; samples],
         };
         let one = |(i, name)| Recording::new(name, vec![part(10 + i)], cut);

@@ -36,6 +36,7 @@ mod tests {
             label: String::new(),
             source: String::new(),
             measured: vec![0.0; 3 * (samples + 1)],
+            instrument_exogenous: Vec::new(),
             exogenous: vec![0.0; samples],
         };
         let cut = Cut { window: 10, every: 5, scored: None };

@@ -44,17 +44,19 @@ pub struct Kept {
 }
 
 impl Kept {
-    /// Empty tables; trajectories of the `first` runs per design, or of all.
+    /// Empty tables; trajectories of the `first` runs per design, or of all. `tracks`: whether any of them has instruments other
+    /// than its inputs.
     ///
     /// # Errors
     /// Output that fails.
     pub fn new(
         (keep, first): (Keep, Option<u32>),
         vessel: &Vessel,
+        tracks: bool,
         out: &Path,
         provenance: &Provenance,
     ) -> Result<Self, Error> {
-        let layout = Layout::new(&vessel.model);
+        let layout = Layout::new(&vessel.model).with_instruments(tracks);
         let table = |least: Keep, name: &str, schema: &artifact::TableSchema, document: Option<&str>| {
             if !keep.keeps(least) {
                 return Ok::<_, Error>(None);

@@ -97,7 +97,8 @@ impl Arguments {
         note_plays(&study.campaign, &mut provenance);
         self.check_room(&study, files.campaign, out)?;
         let done = Done { study: &study, files: &files, bounds: config.bounds(), quiet: common.quiet };
-        let mut kept = Kept::new((self.keep, self.keep_first), study.campaign.vessel(), out, &provenance)?;
+        let (campaign, keep) = (&study.campaign, (self.keep, self.keep_first));
+        let mut kept = Kept::new(keep, campaign.vessel(), campaign.tracks(), out, &provenance)?;
         let tally = match self.until {
             None => done.tallied(self.mine(&study), &mut kept)?,
             Some(width) => done.until(width)?,

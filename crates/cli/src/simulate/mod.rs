@@ -111,7 +111,7 @@ pub fn write_maneuvers(
     let count = maneuvers.count();
     let blocks = count.div_ceil(BLOCK);
     let mine = provenance.shard.map_or(0..blocks, |shard| shard.range(blocks));
-    let (layout, mut writer) = writer(out, maneuvers.vessel(), provenance)?;
+    let (layout, mut writer) = writer(out, maneuvers.vessel(), maneuvers.tracks(), provenance)?;
     let progress = Progress::new("maneuvers", count.min(mine.len() * BLOCK), quiet);
     let mut tally = Tally::default();
     let work = |block: usize| {
@@ -160,7 +160,7 @@ pub fn write_campaign(
     provenance: &Provenance,
     quiet: bool,
 ) -> Result<usize, Failure> {
-    let (layout, mut writer) = writer(out, campaign.vessel(), provenance)?;
+    let (layout, mut writer) = writer(out, campaign.vessel(), campaign.tracks(), provenance)?;
     let blocks = blocks(campaign);
     let mine = provenance.shard.as_ref().map_or(0..blocks.len(), |s: &Shard| s.range(blocks.len()));
     let runs = blocks[mine.clone()].iter().map(|(_, runs)| runs.len()).sum();
@@ -184,8 +184,13 @@ fn blocks(campaign: &Campaign) -> Vec<(usize, Range<usize>)> {
     (0..campaign.designs()).flat_map(of).collect()
 }
 
-fn writer(out: &Path, vessel: &Vessel, provenance: &Provenance) -> Result<(Layout, TableWriter), Failure> {
-    let layout = Layout::new(&vessel.model);
+fn writer(
+    out: &Path,
+    vessel: &Vessel,
+    tracks: bool,
+    provenance: &Provenance,
+) -> Result<(Layout, TableWriter), Failure> {
+    let layout = Layout::new(&vessel.model).with_instruments(tracks);
     let writer = TableWriter::create(out, &layout.schema(), provenance)?;
     Ok((layout, writer))
 }

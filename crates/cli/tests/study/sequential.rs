@@ -52,6 +52,24 @@ fn found(folder: &TempDir) -> SequentialDocument {
 }
 
 #[test]
+fn law_motions_are_held_by_feedback_in_rounds_too() {
+    let folder = folder(CONFIG);
+    let text = std::fs::read_to_string(folder.path().join("dictionary.toml")).unwrap();
+    let of = |executed: &str| {
+        let maneuver = format!("[[maneuver]]\nexecuted = \"{executed}\"\n");
+        let own = text.replace("[[maneuver]]\n", &maneuver);
+        put(&folder, "dictionary.toml", &own.replace("inputs_from = \"value\"", "inputs_from = \"nominal\""));
+        run(&folder, SEQUENTIAL).succeeds();
+        let random = rows(&folder).into_iter().filter(|row| row.0 == "random");
+        random.collect::<Vec<_>>()
+    };
+    let (inputs, feedback) = (of("inputs"), of("feedback"));
+    assert_eq!(inputs.len(), 16 * 3);
+    // The same maneuvers in the same sea: only what the ship does of them is another.
+    assert!(inputs.iter().zip(&feedback).all(|(one, other)| one.4 != other.4), "{inputs:?} {feedback:?}");
+}
+
+#[test]
 fn law_more_time_and_a_design_leave_less_error_and_every_outcome_is_counted() {
     let folder = folder(CONFIG);
     let ran = run(&folder, SEQUENTIAL).succeeds();

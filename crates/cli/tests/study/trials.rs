@@ -1,6 +1,8 @@
 //! Standard maneuvers and motions by feedback, through the binaries.
 
 use artifact::TableReader;
+use model::Vessel;
+use study::estimates;
 use tempfile::TempDir;
 
 use crate::support::*;
@@ -181,27 +183,65 @@ fn figures_that_cannot_be_told_are_refused() {
     refused(&folder, 4, &line, &["no run of a standard maneuver", "`other`"]);
 }
 
-#[test]
-fn instruments_over_inputs_that_follow_the_noise_of_the_log_are_refused() {
+/// The coaster's files, with two runs of which `kind` is steered by the logged sensors.
+fn steered_by_the_log(kind: &str, edits: [&str; 2]) -> TempDir {
     let folder = coaster();
-    edit(
-        &folder,
-        "dictionary.toml",
-        "executed = \"feedback\"",
-        "executed = \"feedback\"\nfeedback = { sensors = \"logged\" }",
-    );
+    let all = std::fs::read_to_string(folder.path().join("dictionary.toml")).unwrap();
+    assert!(all.contains(kind));
+    edit(&folder, "dictionary.toml", edits[0], edits[1]);
     edit(&folder, "campaign.toml", "realizations = 100", "realizations = 2");
     for line in [DICTIONARY, MOMENTS, DESIGN, CAMPAIGN] {
         run(&folder, line).succeeds();
     }
-    let line = "estimate --vessel vessel.toml --trajectories campaign.parquet --out estimates.parquet";
+    folder
+}
+
+const TALLIED: &str = "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design design.json \
+                       --keep estimates --out tallied/tally.json";
+const ESTIMATED: &str =
+    "estimate --vessel vessel.toml --trajectories campaign.parquet --out estimates.parquet";
+
+fn estimates_of(folder: &TempDir, name: &str) -> Vec<estimates::Row> {
+    let text = std::fs::read_to_string(folder.path().join("vessel.toml")).unwrap();
+    let vessel = Vessel::from_file(toml::from_str(&text).unwrap()).unwrap();
+    let file = folder.path().join(name);
+    let table = TableReader::open(&file, estimates::ID, estimates::VERSION).unwrap();
+    (0..table.blocks()).flat_map(|i| estimates::rows(&table, &vessel, &file, i).unwrap()).collect()
+}
+
+#[test]
+fn law_instruments_of_tracked_motions_are_the_same_in_memory_and_in_files() {
+    let feedback = "executed = \"feedback\"";
+    let logged = "executed = \"feedback\"\nfeedback = { sensors = \"logged\" }";
+    let folder = steered_by_the_log("accelerate", [feedback, logged]);
+    let table = TableReader::open(folder.path().join("campaign.parquet"), "trajectories", 1).unwrap();
+    let names: Vec<&str> = table.columns().iter().map(|column| column.name.as_str()).collect();
+    assert!(names.ends_with(&["psi", "instrument_n", "instrument_delta"]), "{names:?}");
+    run(&folder, ESTIMATED).succeeds();
+    std::fs::create_dir(folder.path().join("tallied")).unwrap();
+    run(&folder, TALLIED).succeeds();
+    let own = estimates_of(&folder, "estimates.parquet");
+    assert_eq!(own, estimates_of(&folder, "tallied/estimates.parquet"));
+    // Recorded inputs would be other instruments.
+    let text = std::fs::read_to_string(folder.path().join("dictionary.toml")).unwrap();
+    put(&folder, "dictionary.toml", &text.replace(logged, ""));
+    for line in [DICTIONARY, MOMENTS, DESIGN, CAMPAIGN, ESTIMATED] {
+        run(&folder, line).succeeds();
+    }
+    assert_ne!(own, estimates_of(&folder, "estimates.parquet"));
+}
+
+#[test]
+fn instruments_over_inputs_that_follow_the_noise_of_the_log_are_refused() {
+    let keys = "yaw_rate_rad_s = 0.0105\n";
+    let folder =
+        steered_by_the_log("reverse-spiral", [keys, "yaw_rate_rad_s = 0.0105\nsensors = \"logged\"\n"]);
     let pieces =
-        ["maneuver `accelerate`", "the noise of the logged sensors", "--estimator iv", "output-error"];
-    refused(&folder, 3, line, &pieces);
-    run(&folder, &format!("{line} --estimator output-error --campaign campaign.toml")).succeeds();
-    let line = "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design design.json \
-                --out tally.json";
-    refused(&folder, 3, line, &["dictionary.toml: maneuver `accelerate`", "--estimator iv"]);
+        ["maneuver `reverse-spiral`", "the noise of the logged sensors", "--estimator iv", "output-error"];
+    refused(&folder, 3, ESTIMATED, &pieces);
+    run(&folder, &format!("{ESTIMATED} --estimator output-error --campaign campaign.toml")).succeeds();
+    std::fs::create_dir(folder.path().join("tallied")).unwrap();
+    refused(&folder, 3, TALLIED, &["dictionary.toml: maneuver `reverse-spiral`", "--estimator iv"]);
 }
 
 #[test]

@@ -49,7 +49,9 @@ pub(super) fn white_once_named(
         let exogenous = std::mem::take(&mut richer.exogenous);
         let model = richer.model.clone();
         let own = runs.iter().zip(&exogenous);
-        let views: Vec<RunView> = own.map(|(run, exogenous)| RunView { exogenous, ..*run }).collect();
+        let views: Vec<RunView> = own
+            .map(|(run, exogenous)| RunView { exogenous, instrument_exogenous: exogenous, ..*run })
+            .collect();
         let subject = Subject { model: &model, runs: &views, ..*problems.subject };
         let problems = Problems::new(&subject, true);
         let before = richer.state.noise.as_ref().map_or(&[][..], |noise| &noise.kinds);

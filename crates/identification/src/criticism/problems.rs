@@ -221,7 +221,7 @@ fn look_at<const N: usize>(
         filter_each::<N>(&own, &with_start(parameters.clone()), &levels, subject.known_start);
     let predicted: Vec<Lane> = runs.measured.iter().zip(&innovations).map(|(y, e)| *y - *e).collect();
     let exogenous = with_effects(subject.model, &parameters, &predicted, &runs.exogenous, subject.rate_hz);
-    let wider = SideBySide { exogenous, ..runs.clone() };
+    let wider = SideBySide { exogenous, instrument_exogenous: Vec::new(), ..runs.clone() };
     let recordings = Recordings::of(&lifted.model, &wider);
     let free: Vec<usize> = lifted.known.iter().chain(&lifted.others).copied().collect();
     let all = with_start(lifted.parameters(&parameters, Lane::ZERO));

@@ -122,6 +122,7 @@ mod tests {
         let part = |first: f64, samples: usize| Part {
             label: String::new(),
             source: first.to_string(),
+            instrument_exogenous: Vec::new(),
             exogenous: (0..samples).map(|k| first + k as f64).collect(),
             measured: (0..3 * (samples + 1)).map(|k| first + k as f64).collect(),
         };

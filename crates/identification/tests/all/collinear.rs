@@ -17,6 +17,7 @@ fn zig_zag(vessel: &Vessel, design: &str, thrust: impl Fn(usize) -> f64) -> Run 
         run: 0,
         segments: vec![Segment { maneuver: "zig-zag".to_owned(), start: 0 }],
         measured: engine::simulate_one(&vessel.model, &vessel.nominal, initial, &exogenous),
+        instrument_exogenous: Vec::new(),
         exogenous,
         initial,
     }

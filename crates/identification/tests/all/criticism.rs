@@ -58,6 +58,7 @@ fn whole(experiment: &Experiment, measured: Vec<Vec<f64>>) -> Vec<Run> {
         design: "test".to_owned(),
         run: run as i32,
         initial: experiment.initial,
+        instrument_exogenous: Vec::new(),
         exogenous: experiment.inputs.clone(),
         measured,
         segments: vec![Segment { maneuver: "all".to_owned(), start: 0 }],
@@ -73,8 +74,10 @@ fn criticised(
     levels: Option<Levels>,
 ) -> Criticism {
     let (exogenous, initial) = (&experiment.inputs, experiment.initial);
-    let views: Vec<RunView> =
-        measured.iter().map(|measured| RunView { measured, exogenous, initial }).collect();
+    let views: Vec<RunView> = measured
+        .iter()
+        .map(|measured| RunView { measured, instrument_exogenous: exogenous, exogenous, initial })
+        .collect();
     criticise(
         &Subject { model, runs: &views, rate_hz: 8.0, known_start: true, levels, names: &[] },
         parameters,
@@ -169,8 +172,10 @@ fn law_the_verdict_on_a_run_does_not_depend_on_its_company() {
     let experiment = experiment(&vessel);
     let measured = recorded(&experiment, &vessel, &[(2, "r |r|", -0.1)], 9);
     let (exogenous, initial) = (&experiment.inputs, experiment.initial);
-    let views: Vec<RunView> =
-        measured.iter().map(|measured| RunView { measured, exogenous, initial }).collect();
+    let views: Vec<RunView> = measured
+        .iter()
+        .map(|measured| RunView { measured, instrument_exogenous: exogenous, exogenous, initial })
+        .collect();
     let subject = |runs, levels| Subject {
         model: &vessel.model,
         runs,

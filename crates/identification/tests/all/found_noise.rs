@@ -86,6 +86,7 @@ fn recorded(model: &Model, theta: &[f64], experiment: &Experiment, sea: Sea, see
         design: "test".to_owned(),
         run: seed as i32,
         initial: experiment.initial,
+        instrument_exogenous: Vec::new(),
         exogenous: experiment.inputs.clone(),
         measured,
         segments: vec![Segment { maneuver: "all".to_owned(), start: 0 }],

@@ -46,7 +46,12 @@ fn converged(fits: Vec<Fit>) -> Vec<Fitted> {
 fn runs<'a>(experiment: &'a Experiment, measured: &[Lane]) -> Vec<RunView<'a>> {
     let one = |lane: usize| {
         let own: Vec<f64> = measured.iter().map(|y| y[lane]).collect();
-        RunView { measured: own.leak(), exogenous: &experiment.inputs, initial: experiment.initial }
+        RunView {
+            measured: own.leak(),
+            instrument_exogenous: &experiment.inputs,
+            exogenous: &experiment.inputs,
+            initial: experiment.initial,
+        }
     };
     (0..LANES).map(one).collect()
 }
@@ -308,6 +313,7 @@ fn estimates(
                 model: &vessel.model,
                 measured,
                 instrument_states: &splat(&experiment.states(vessel, Source::Value)),
+                instrument_exogenous: &splat(&experiment.inputs),
                 exogenous: &splat(&experiment.inputs),
                 segments: [&[0]; LANES],
             };

@@ -65,7 +65,12 @@ impl Run {
         let starts: Vec<Vec<Vec<f64>>> = (0..LANES).map(|run| vec![woven(run)]).collect();
         let first = |lanes: &[Lane]| lanes.iter().map(|lane| lane[0]).collect::<Vec<f64>>();
         let (measured, exogenous) = (first(&self.measured), first(&self.inputs));
-        let run = RunView { measured: &measured, exogenous: &exogenous, initial: self.initial.map(|x| x[0]) };
+        let run = RunView {
+            measured: &measured,
+            instrument_exogenous: &exogenous,
+            exogenous: &exogenous,
+            initial: self.initial.map(|x| x[0]),
+        };
         let fits = output_error(&model, &[run; LANES], &starts, initial, spread);
         let converged = |fit: Fit| match fit {
             Fit::Converged(found) => found,
@@ -121,7 +126,12 @@ fn law_an_estimate_does_not_depend_on_the_runs_that_are_searched_for_beside_it()
         .enumerate()
         .map(|(i, measured)| {
             let run = i % all.len();
-            RunView { measured, exogenous: &exogenous[run], initial: all[run].initial.map(|x| x[0]) }
+            RunView {
+                measured,
+                instrument_exogenous: &exogenous[run],
+                exogenous: &exogenous[run],
+                initial: all[run].initial.map(|x| x[0]),
+            }
         })
         .collect();
     let start = |factor: f64| {
@@ -191,6 +201,7 @@ fn oracle_prefiltered_instrumental_variables_agree_with_triangular_matrices() {
             model: &run.vessel.model,
             measured: &run.measured,
             instrument_states: &states,
+            instrument_exogenous: &run.inputs,
             exogenous: &run.inputs,
             segments: [segments; LANES],
         };

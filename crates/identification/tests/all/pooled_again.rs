@@ -43,7 +43,15 @@ pub fn runs(vessel: &Vessel) -> Vec<Run> {
         let segments = starts.map(|start| Segment { maneuver: format!("from {start}"), start }).collect();
         let initial = [0, 1, 2].map(|d| part.measured[d]);
         let design = "measured".to_owned();
-        Run { design, run: i as i32, segments, exogenous: part.exogenous, measured: part.measured, initial }
+        Run {
+            design,
+            run: i as i32,
+            segments,
+            instrument_exogenous: Vec::new(),
+            exogenous: part.exogenous,
+            measured: part.measured,
+            initial,
+        }
     };
     let mut runs: Vec<Run> = lengths.into_iter().enumerate().map(run).collect();
     let end: Vec<f64> = runs[3].measured[runs[3].measured.len() - 3..].to_vec();

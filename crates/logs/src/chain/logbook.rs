@@ -1,12 +1,13 @@
 use std::collections::BTreeMap;
 
+use engine::Helm;
 use maneuver::Generator;
 use model::Vessel;
 use rayon::prelude::*;
 use refusal::Invalid;
 use serde::Deserialize;
 
-use super::{Chain, Drift, Failed, Hits, Key, Weather, Wind};
+use super::{Chain, Commanded, Drift, Failed, Hits, Key, Weather, Wind};
 use crate::factor;
 
 /// The forces of azimuth thrusters, by their names in [`crate::Plan`].
@@ -128,21 +129,34 @@ impl<'a> Logbook<'a> {
     /// Runs the maneuvers of `generator` on `chain` as `schedule` says.
     ///
     /// # Errors
-    /// Maneuvers whose names cannot be file names.
+    /// Maneuvers whose names cannot be file names, or that are commanded by sensors which are not logged.
     pub fn new(
         chain: Chain<'a>,
         generator: &'a Generator,
         schedule: Schedule,
         seed: u64,
     ) -> Result<Self, NoLogs> {
+        let book = Self { chain, generator, schedule, seed };
+        let refuse = |index: usize, found: &str, expected: &str, remedy: &str| {
+            let thing = format!("maneuver `{}`", generator.maneuvers()[index].name);
+            Err(Fault::Maneuvers.is(Invalid::new(thing, found, expected, remedy)))
+        };
         let plain = |name: &str| name.chars().all(|c| c.is_ascii_alphanumeric() || "-.".contains(c));
-        match generator.maneuvers().iter().find(|maneuver| !plain(&maneuver.name)) {
-            Some(maneuver) => {
+        for (index, maneuver) in generator.maneuvers().iter().enumerate() {
+            if !plain(&maneuver.name) {
                 let expected = "letters, digits, - and . alone, for the name of a log";
-                let thing = format!("maneuver `{}`", maneuver.name);
-                Err(Fault::Maneuvers.is(Invalid::new(thing, "another character", expected, "rename it")))
+                return refuse(index, "another character", expected, "rename it");
             }
-            None => Ok(Self { chain, generator, schedule, seed }),
+        }
+        let logged = |index: &usize| generator.maneuvers()[*index].reads_logged_sensors();
+        match book.maneuvers().into_iter().find(logged) {
+            Some(index) => refuse(
+                index,
+                "commands by the logged sensors",
+                "commands by sensors of the helmsman's own, since these logs have neither speed nor rate of turn",
+                "use `sensors = \"own\"`",
+            ),
+            None => Ok(book),
         }
     }
 
@@ -177,14 +191,17 @@ impl<'a> Logbook<'a> {
         let rows = settle + schedule.samples as usize + 2;
         let realized = self.generator.realize(index, rows).map_err(|e| Fault::Maneuvers.is(e))?;
         let mirrored = schedule.alternate_sides && repeat % 2 == 1;
-        let side = if mirrored { -1.0 } else { 1.0 };
-        let inputs = realized.inputs.chunks_exact(chain.model.inputs);
-        let forces: Vec<[f64; 3]> = inputs.map(|row| [row[0], side * row[1], side * row[2]]).collect();
+        let commanded = Commanded {
+            helm: realized.helm.unwrap_or_else(|| Helm::table(&realized.inputs)),
+            is_mirrored: mirrored,
+            initial: realized.initial,
+            samples: rows,
+        };
         let days: Vec<&Day> = self.days_of(name).collect();
         let day = days[repeat as usize % days.len()];
         let key = Key { seed: self.seed, maneuver: name, repeat };
         let recording = chain
-            .record(key, &forces, realized.initial, &day.weather(), settle)
+            .record(key, &commanded, &day.weather(), settle)
             .map_err(|failed| no_logs(failed, name, repeat + 1))?;
         let share = |hits: &Hits| hits.speed.max(hits.speed_rate).max(hits.angle_rate) as f64 / rows as f64;
         Ok(Entry {

@@ -17,7 +17,7 @@ mod wind;
 pub use actuator::{Actuator, Hits};
 pub use logbook::{Day, Entry, Fault, Logbook, NoLogs, Schedule, force_factors};
 pub use motion::{Pace, advance};
-pub use recording::{Chain, Failed, Key, Recording, Truth};
+pub use recording::{Chain, Commanded, Failed, Key, Recording, Truth};
 pub use sensor::{Compass, Gnss, quantised};
 pub use weather::{Drift, GaussMarkov, Weather};
 pub use wind::{Hull, Wind};

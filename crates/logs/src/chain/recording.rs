@@ -1,6 +1,6 @@
 use std::f64::consts::{PI, TAU};
 
-use engine::{Ambient, Compiled, Diverged, Pose, Streams, check_diverged};
+use engine::{Ambient, Compiled, Diverged, Helm, Origin, Pose, Seen, Streams, check_diverged};
 use model::Model;
 
 use super::{Actuator, Compass, GaussMarkov, Gnss, Hits, Hull, Pace, Weather, advance, quantised};
@@ -40,6 +40,32 @@ pub struct Key<'a> {
     pub maneuver: &'a str,
     /// Its repeat, from 0.
     pub repeat: u32,
+}
+
+/// What a ship is commanded to do.
+#[derive(Clone, Debug)]
+pub struct Commanded {
+    /// The forces τ1, τ2, τ3 in the model's units; the helmsman sees the true motion.
+    pub helm: Helm,
+    /// Whether it is carried out to the other side.
+    pub is_mirrored: bool,
+    /// State at the start: u, v over ground \[m/s\], r \[rad/s\].
+    pub initial: [f64; 3],
+    /// For so many samples.
+    pub samples: usize,
+}
+
+impl Commanded {
+    /// What the helmsman sees of a motion and a place: of a mirrored maneuver, their mirror image.
+    fn seen(&self, state: [f64; 3], pose: Pose) -> Seen {
+        let side = self.side();
+        let state = [state[0], side * state[1], side * state[2]];
+        Seen { state, own: state, pose: Pose { x: pose.x, y: side * pose.y, psi: side * pose.psi } }
+    }
+
+    fn side(&self) -> f64 {
+        if self.is_mirrored { -1.0 } else { 1.0 }
+    }
 }
 
 /// What was logged, a row per sample.
@@ -154,30 +180,27 @@ impl Sea {
 }
 
 impl Chain<'_> {
-    /// Simulates `forces` (τ1, τ2, τ3 in the model's units, one row per sample) from `initial` (u, v over
-    /// ground, r) in `weather`, and logs the instruments from row `from` on.
+    /// Simulates what is `commanded` in `weather`, and logs the instruments from row `from` on.
     ///
     /// # Errors
     /// Forces that the thrusters cannot produce; a motion that diverges.
     pub fn record(
         &self,
         key: Key,
-        forces: &[[f64; 3]],
-        initial: [f64; 3],
+        commanded: &Commanded,
         weather: &Weather,
         from: usize,
     ) -> Result<Recording, Failed> {
         let streams = Streams::new(key.seed, &format!("logs {}", key.maneuver));
-        let draws = Draws { streams, key, rows: forces.len(), dt: 1.0 / self.rate_hz };
-        let (truth, hits) = self.simulate(&draws, forces, initial, weather)?;
+        let draws = Draws { streams, key, rows: commanded.samples, dt: 1.0 / self.rate_hz };
+        let (truth, hits) = self.simulate(&draws, commanded, weather)?;
         Ok(self.logged(&draws, truth, hits, from))
     }
 
     fn simulate(
         &self,
         draws: &Draws,
-        forces: &[[f64; 3]],
-        initial: [f64; 3],
+        orders: &Commanded,
         weather: &Weather,
     ) -> Result<(Truth, Vec<Hits>), Failed> {
         let allocation = Allocation::new(self.actuators.iter().map(Actuator::thruster).collect());
@@ -186,11 +209,16 @@ impl Chain<'_> {
         let mut hits = vec![Hits::default(); self.actuators.len()];
         let mut at: Option<Vec<Setting>> = None;
         let mut truth = Truth::default();
-        let (mut state, mut pose) =
-            (initial, Pose { psi: self.course_rad.unwrap_or_else(|| draws.heading()), ..Pose::default() });
+        let (mut state, mut pose) = (
+            orders.initial,
+            Pose { psi: self.course_rad.unwrap_or_else(|| draws.heading()), ..Pose::default() },
+        );
         let still = vec![Setting::default(); self.actuators.len()];
         let mut model = Compiled::new(self.model, self.parameters);
-        for (sample, wanted) in forces.iter().enumerate() {
+        let (origin, mut command, mut wanted) = (Origin::from(pose), orders.helm.begin(), [0.0; 3]);
+        for sample in 0..orders.samples {
+            command.command(&orders.seen(state, origin.sees(pose)), &mut wanted);
+            let wanted = [wanted[0], orders.side() * wanted[1], orders.side() * wanted[2]];
             let newtons = [0, 1, 2].map(|i| scatter * wanted[i] / self.units[i]);
             let near = at.as_deref().unwrap_or(&still);
             let commanded =

@@ -1,7 +1,9 @@
 //! What a chain of instruments logs, and that `assemble` gets the motion back from it.
 
-use logs::chain::{Actuator, Chain, Compass, Drift, Gnss, Hull, Key, Recording, Weather, Wind};
+use engine::Helm;
+use logs::chain::{Actuator, Chain, Commanded, Compass, Drift, Gnss, Hull, Key, Recording, Weather, Wind};
 use logs::{Channels, Conventions, Law, Method, Propulsor, Series, assemble, body_velocity};
+use maneuver::Generator;
 use model::{Source, Vessel, VesselFile};
 
 use crate::declared;
@@ -54,6 +56,12 @@ impl Setup {
     }
 
     fn record(&self, key: Key, weather: &Weather) -> Recording {
+        let helm = Helm::table(&slalom(200).concat());
+        let commanded = Commanded { helm, is_mirrored: false, initial: [0.8, 0.0, 0.0], samples: 200 };
+        self.sail(key, &commanded, weather)
+    }
+
+    fn sail(&self, key: Key, commanded: &Commanded, weather: &Weather) -> Recording {
         let chain = Chain {
             model: &self.vessel.model,
             parameters: &self.parameters,
@@ -84,7 +92,7 @@ impl Setup {
             scatter_std: 0.0,
             course_rad: None,
         };
-        chain.record(key, &slalom(200), [0.8, 0.0, 0.0], weather, 0).unwrap()
+        chain.record(key, commanded, weather, 0).unwrap()
     }
 }
 
@@ -182,5 +190,27 @@ fn law_a_recording_depends_on_its_own_key_alone() {
     let noise = |r: &Recording, k: usize| r.fixes[k].unwrap()[0] - r.truth.poses[k].x;
     for k in 0..200 {
         assert!((noise(&calm, k) - noise(&found, k)).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn law_logged_zig_zags_go_over_where_the_heading_is_reached_to_either_side() {
+    let setup = Setup::new(0.0, 0.0);
+    let text = "[[maneuver]]\nname = \"zig-zag\"\nkind = \"zig-zag-test\"\nspeed_m_s = 0.8\nduration_s = 60.0\n\
+                helm = { tau3 = 600.0 }\nheading_rad = 0.35\n";
+    let generator = Generator::without_tables(&setup.vessel, &toml::from_str(text).unwrap()).unwrap();
+    let realized = generator.realize(0, 480).unwrap();
+    for is_mirrored in [false, true] {
+        let helm = realized.helm.clone().unwrap();
+        let commanded = Commanded { helm, is_mirrored, initial: realized.initial, samples: 480 };
+        let truth = setup.sail(KEY, &commanded, &weather()).truth;
+        let side = if is_mirrored { -1.0 } else { 1.0 };
+        let heading = |k: usize| side * (truth.poses[k].psi - truth.poses[0].psi);
+        let torque = |k: usize| side * truth.forces[k][2];
+        assert!(torque(0) > 599.0, "{}", torque(0));
+        let over: Vec<usize> = (1..480).filter(|k| torque(k - 1) > 0.0 && torque(*k) < 0.0).collect();
+        assert!(over.len() >= 2, "{over:?}");
+        // Within the sample before it; the current turns the ship, too.
+        over.iter().for_each(|k| assert!((heading(*k) - 0.35).abs() < 0.1, "{k}: {}", heading(*k)));
     }
 }

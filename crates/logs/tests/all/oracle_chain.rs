@@ -1,7 +1,8 @@
 //! Against numbers computed by numpy and scipy: `fixtures/oracle/chain.json`, written by `scripts/independent/chain.py`.
 
+use engine::Helm;
 use logs::Law;
-use logs::chain::{Actuator, Chain, Compass, Drift, Gnss, Hull, Key, Recording, Weather, Wind};
+use logs::chain::{Actuator, Chain, Commanded, Compass, Drift, Gnss, Hull, Key, Recording, Weather, Wind};
 use model::{Source, Vessel, VesselFile};
 use serde_json::Value;
 
@@ -62,13 +63,15 @@ fn recording() -> Recording {
         let turn = 150.0 * (0.4 * k).sin();
         [3000.0 * (0.15 * k).cos(), -2.0 * turn + 300.0, turn + 40.0]
     };
-    let forces: Vec<[f64; 3]> = (0..40).map(wanted).collect();
+    let forces: Vec<f64> = (0..40).flat_map(wanted).collect();
+    let (helm, initial) = (Helm::table(&forces), [0.5, 0.1, 0.02]);
+    let commanded = Commanded { helm, is_mirrored: false, initial, samples: 40 };
     let weather = Weather {
         current: Drift { north_m_s: 0.2, east_m_s: -0.1, std_m_s: 0.0, time_s: None },
         wind: Some(Wind { speed_m_s: 6.0, from_rad: 2.2, gust_std_m_s: 0.0, gust_time_s: None }),
     };
     let key = Key { seed: 1, maneuver: "any", repeat: 0 };
-    chain.record(key, &forces, [0.5, 0.1, 0.02], &weather, 0).unwrap()
+    chain.record(key, &commanded, &weather, 0).unwrap()
 }
 
 fn numbers(value: &Value) -> Vec<f64> {

@@ -76,7 +76,8 @@ impl Measured<'_> {
         let (from, length) = (self.record.sample(test.hold_s), self.hull.length_m);
         let turned = self.record.turned(from, test.to.sign());
         let most = |sign: f64| turned.iter().map(|psi| sign * psi).fold(0.0, f64::max);
-        let first = self.smoother.crossing(&turned[from..], test.heading_rad);
+        // The helm goes over at this heading, so the samples after it follow another law.
+        let first = self.smoother.end(&turned[from..], test.heading_rad, 0.0);
         let first = first.ok_or_else(|| unreached("heading", most(1.0), test.heading_rad))? + from as f64;
         let seconds = length / test.speed_m_s;
         let helm = angle(&test.helm, self.hull.vessel);

@@ -220,6 +220,15 @@ impl Standard<'_> {
         }
     }
 
+    /// The sensor that decides when orders are given.
+    pub fn sensors(&self) -> Sensors {
+        match self {
+            Self::ZigZagTest(own) => own.sensors,
+            Self::ReverseSpiral(own) => own.sensors,
+            Self::TurningCircle(_) | Self::PullOut(_) | Self::SpiralTest(_) | Self::Stop(_) => Sensors::Own,
+        }
+    }
+
     /// Its helm to starboard or, of a stop, its settings, and their key.
     pub(crate) fn settings(&self) -> (&'static str, &Settings) {
         match self {

@@ -5,4 +5,5 @@ mod equilibria;
 mod feedback;
 mod maneuvers;
 mod oracle;
+mod reference_ships;
 mod standard;

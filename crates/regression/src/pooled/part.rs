@@ -15,6 +15,8 @@ pub struct Part {
     pub source: String,
     /// Inputs and measured disturbances: N × exogenous, row-major.
     pub exogenous: Vec<f64>,
+    /// Those that instruments are simulated with, N × exogenous; empty where they are the above.
+    pub instrument_exogenous: Vec<f64>,
     /// Measured states u, v \[m/s\], r \[rad/s\]: (N+1) × 3, row-major.
     pub measured: Vec<f64>,
 }
@@ -42,6 +44,10 @@ impl Part {
             label: label.to_owned(),
             source: source.to_owned(),
             exogenous: measured.exogenous.to_vec(),
+            instrument_exogenous: match std::ptr::eq(measured.exogenous, measured.instrument_exogenous) {
+                true => Vec::new(),
+                false => measured.instrument_exogenous.to_vec(),
+            },
             measured: measured.measured.to_vec(),
         }
     }
@@ -53,7 +59,11 @@ impl Part {
 
     /// Its samples.
     pub fn view(&self) -> RunView<'_> {
-        RunView::measured(&self.measured, &self.exogenous)
+        let whole = RunView::measured(&self.measured, &self.exogenous);
+        match self.instrument_exogenous.as_slice() {
+            [] => whole,
+            instrument_exogenous => RunView { instrument_exogenous, ..whole },
+        }
     }
 
     /// The whole part, borrowed.
@@ -68,7 +78,7 @@ impl PartView<'_> {
     /// # Errors
     /// The simulation diverges.
     pub fn simulated(&self, model: &Model, parameters: &[f64]) -> Result<Vec<f64>, LostInstruments> {
-        let states = simulate_one(model, parameters, self.run.initial, self.run.exogenous);
+        let states = simulate_one(model, parameters, self.run.initial, self.run.instrument_exogenous);
         match check_diverged(states.iter().copied()) {
             None => Ok(states),
             Some(at) => {

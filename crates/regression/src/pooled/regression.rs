@@ -31,14 +31,16 @@ pub struct DegreeRegression {
 impl Regression {
     /// Evaluates the terms of `model` over `part`, with its regressors as instruments.
     pub fn of(model: &Model, part: &PartView) -> Self {
-        Self::with(model, part, part.run.measured)
+        let RunView { measured, exogenous, .. } = part.run;
+        let run = RunView { instrument_exogenous: exogenous, ..part.run };
+        Self::with(model, &PartView { run, ..*part }, measured)
     }
 
     /// The same with instruments at `states`, (N+1) × 3.
     pub fn with(model: &Model, part: &PartView, states: &[f64]) -> Self {
-        let RunView { measured, exogenous, .. } = part.run;
+        let RunView { measured, exogenous, instrument_exogenous, .. } = part.run;
         let samples = part.run.samples();
-        let (phi, zeta) = (terms(model, exogenous, measured), terms(model, exogenous, states));
+        let (phi, zeta) = (terms(model, exogenous, measured), terms(model, instrument_exogenous, states));
         let gains = known_gains(model, exogenous, measured);
         let mut signals = phi.into_iter().zip(zeta);
         let degrees = [0, 1, 2].map(|d| {

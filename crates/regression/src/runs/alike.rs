@@ -76,5 +76,12 @@ fn batch<'b>(
     starts: &'b [usize],
     measured: &'b [Lane],
 ) -> Batch<'b, f64> {
-    Batch { model: &vessel.model, measured, instrument_states, exogenous, segments: [starts; LANES] }
+    Batch {
+        model: &vessel.model,
+        measured,
+        instrument_states,
+        exogenous,
+        instrument_exogenous: exogenous,
+        segments: [starts; LANES],
+    }
 }

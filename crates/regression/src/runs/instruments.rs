@@ -19,6 +19,8 @@ pub struct Prepared<'a> {
     vessel: &'a Vessel,
     runs: SideBySide,
     instrument_states: Vec<Lane>,
+    /// Whether these are simulated; else they are the measured ones, and the recorded inputs belong to them.
+    is_simulated: bool,
     starts: Vec<Vec<usize>>,
 }
 
@@ -103,7 +105,7 @@ impl<'a> RunInstruments<'a> {
             outcomes.extend(Instruments::new(&batch, removal).estimate(&batch).into_iter().take(count));
         }
         for Prepared { runs, instrument_states, .. } in all {
-            recycle([runs.measured, runs.exogenous, instrument_states]);
+            recycle([runs.measured, runs.exogenous, runs.instrument_exogenous, instrument_states]);
         }
         Ok(outcomes)
     }
@@ -131,12 +133,12 @@ impl<'a> Prepared<'a> {
 
     /// Runs whose segments start at `starts`, and whose instruments are their regressors.
     fn of(vessel: &'a Vessel, runs: SideBySide, starts: Vec<Vec<usize>>) -> Self {
-        Self { vessel, instrument_states: runs.measured.clone(), runs, starts }
+        Self { vessel, instrument_states: runs.measured.clone(), is_simulated: false, runs, starts }
     }
 
     /// Runs whose instruments are not simulated yet.
     fn calm(vessel: &'a Vessel, runs: SideBySide, starts: Vec<Vec<usize>>) -> Self {
-        Self { vessel, instrument_states: buffer(runs.measured.len()), runs, starts }
+        Self { vessel, instrument_states: buffer(runs.measured.len()), is_simulated: false, runs, starts }
     }
 
     fn as_long_as(&self, other: &Self) -> bool {
@@ -147,22 +149,18 @@ impl<'a> Prepared<'a> {
     fn simulate_groups(groups: &mut [Self; GROUPS], parameters: &[Lane]) {
         let vessel = groups[0].vessel;
         let initial = [0, 1, 2].map(|d: usize| Wide(groups.each_ref().map(|own| own.runs.initial[d])));
+        groups.iter_mut().for_each(|own| own.is_simulated = true);
         let runs = groups.each_mut();
-        let runs = runs.map(|own| (own.runs.exogenous.as_slice(), own.instrument_states.as_mut_slice()));
+        let runs = runs.map(|own| (own.runs.instrument_exogenous(), own.instrument_states.as_mut_slice()));
         simulate_groups(&vessel.model, parameters, initial, runs);
     }
 
     /// Simulates every run with `parameters`, one lane each, and takes the states as instruments.
     pub fn simulate(&mut self, parameters: &[Lane]) {
-        let SideBySide { exogenous, initial, .. } = &self.runs;
-        simulate(
-            &self.vessel.model,
-            parameters,
-            *initial,
-            exogenous,
-            &Weather::CALM,
-            &mut self.instrument_states,
-        );
+        let exogenous = self.runs.instrument_exogenous();
+        let (model, initial) = (&self.vessel.model, self.runs.initial);
+        self.is_simulated = true;
+        simulate(model, parameters, initial, exogenous, &Weather::CALM, &mut self.instrument_states);
     }
 
     /// Where the simulation of one run diverged.
@@ -177,6 +175,10 @@ impl<'a> Prepared<'a> {
             measured: &self.runs.measured,
             instrument_states: &self.instrument_states,
             exogenous: &self.runs.exogenous,
+            instrument_exogenous: match self.is_simulated {
+                true => self.runs.instrument_exogenous(),
+                false => &self.runs.exogenous,
+            },
             segments: by_lane(self.starts.len(), |run| self.starts[run].as_slice()),
         }
     }
@@ -184,5 +186,9 @@ impl<'a> Prepared<'a> {
 
 /// Whether two runs have the same instruments.
 fn alike(one: &Run, other: &Run) -> bool {
-    one.initial == other.initial && one.segments == other.segments && one.exogenous == other.exogenous
+    one.initial == other.initial
+        && one.segments == other.segments
+        && one.exogenous == other.exogenous
+        && one.instrument_exogenous.is_empty()
+        && other.instrument_exogenous.is_empty()
 }

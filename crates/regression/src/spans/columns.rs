@@ -20,7 +20,7 @@ pub(crate) fn add_instruments<X: Instrument>(
     range: Range<usize>,
     sums: &mut [DegreeSums<Lane>; 3],
 ) {
-    let orders = Order::of(batch.model);
+    let orders = Order::of_batch(batch);
     let mut zeta = X::zeta(batch, kept, ALL);
     let mut columns = [0, 1, 2].map(|d: usize| {
         let p = sums[d].parameters();
@@ -57,7 +57,7 @@ pub(crate) fn add_measured<X: Instrument>(
     range: Range<usize>,
     sums: &mut [DegreeSums<Lane>; 3],
 ) {
-    let orders = Order::of(batch.model);
+    let orders = Order::of_batch(batch);
     let mut phi = Regressors::phi(batch, orders.each_ref().map(|order| 0..order.measured));
     let mut zeta = X::zeta(batch, kept, ALL);
     let mut columns = [0, 1, 2].map(|d: usize| Columns::new(sums[d].parameters(), orders[d].measured + 1));

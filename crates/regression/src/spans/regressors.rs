@@ -9,14 +9,23 @@ use crate::Batch;
 use numerics::registers::{parts, put};
 
 /// The order in which the passes process the terms of a degree of freedom: first those with states, then those of
-/// inputs alone, which are the same in φ and in ζ.
+/// inputs alone.
 pub(super) struct Order {
     pub terms: Vec<usize>,
-    /// The number of terms with states.
+    /// The number of terms that are not the same in φ and in ζ: those with states, or all where instruments have other inputs.
     pub measured: usize,
 }
 
 impl Order {
+    /// Of each degree of freedom of a batch.
+    pub(super) fn of_batch<X>(batch: &Batch<X>) -> [Self; 3] {
+        let is_same = std::ptr::eq(batch.exogenous, batch.instrument_exogenous);
+        Self::of(batch.model).map(|order| match is_same {
+            true => order,
+            false => Self { measured: order.terms.len(), ..order },
+        })
+    }
+
     /// Of each degree of freedom.
     pub(super) fn of(model: &Model) -> [Self; 3] {
         model.degrees.each_ref().map(|degree| {
@@ -91,7 +100,7 @@ impl<'a> Regressors<'a> {
 
     /// ζ of a batch, likewise.
     pub(super) fn zeta(batch: &Batch<'a, Lane>, terms: [Range<usize>; 3]) -> Self {
-        Self::of(batch.model, batch.instrument_states, Numbers::Lanes(batch.exogenous), terms)
+        Self::of(batch.model, batch.instrument_states, Numbers::Lanes(batch.instrument_exogenous), terms)
     }
 
     fn of(model: &'a Model, states: &'a [Lane], inputs: Numbers<'a>, terms: [Range<usize>; 3]) -> Self {

@@ -23,7 +23,7 @@ pub(crate) fn add_residuals<X: Instrument>(
 ) {
     let mut edges = [Lane::ZERO; 3];
     let mut intercepts = Constants::<BLOCK>::new(intercepts, 3);
-    let orders = Order::of(batch.model);
+    let orders = Order::of_batch(batch);
     let mut phi = Regressors::phi(batch, orders.each_ref().map(|order| 0..order.measured));
     let mut inputs = X::zeta(batch, kept, orders.each_ref().map(|order| order.measured..usize::MAX));
     let mut rest = theta;

@@ -25,7 +25,7 @@ impl Kept {
         let width = batch.model.exogenous();
         for k in 0..batch.samples() {
             let states = batch.instrument_states.as_chunks().0[k];
-            terms.look(states, &batch.exogenous[width * k..width * (k + 1)], None);
+            terms.look(states, &batch.instrument_exogenous[width * k..width * (k + 1)], None);
             let mut first = 0;
             for (columns, order) in columns.iter_mut().zip(&orders) {
                 for (column, i) in columns.iter_mut().zip(&order.terms) {

@@ -151,8 +151,14 @@ fn check_model(model: &Model, removals: &[MeanRemoval]) {
         let side_by_side = SideBySide::new(&runs.iter().collect::<Vec<_>>());
         let own = side_by_side.batch(model);
         let (instrument_states, exogenous) = (&runs[0].instrument_states, &runs[0].exogenous);
-        let shared =
-            Batch { model, measured: own.measured, instrument_states, exogenous, segments: own.segments };
+        let shared = Batch {
+            model,
+            measured: own.measured,
+            instrument_states,
+            instrument_exogenous: exogenous,
+            exogenous,
+            segments: own.segments,
+        };
         let found = estimate(&shared, removal);
         check(model, &runs, removal, &found);
         assert_eq!(format!("{found:?}"), format!("{:?}", estimate(&own, removal)));

@@ -183,6 +183,7 @@ proptest! {
             model: own.model,
             measured: &unmeasured,
             instrument_states: runs[0].instrument_states.as_slice(),
+            instrument_exogenous: runs[0].exogenous.as_slice(),
             exogenous: runs[0].exogenous.as_slice(),
             segments: own.segments,
         };
@@ -210,6 +211,7 @@ proptest! {
             model: own.model,
             measured: own.measured,
             instrument_states: runs[0].instrument_states.as_slice(),
+            instrument_exogenous: runs[0].exogenous.as_slice(),
             exogenous: runs[0].exogenous.as_slice(),
             segments: own.segments,
         };
@@ -218,13 +220,13 @@ proptest! {
         let theta: Vec<Lane> = truth(&vessel).into_iter().map(Lane::splat).collect();
         for removal in REMOVALS {
             let found = format!("{:?}", estimate_prefiltered(&own, &theta, removal, None));
-            let general = Batch { model: &any, exogenous: &wider, ..own };
+            let general = Batch { model: &any, exogenous: &wider, instrument_exogenous: &wider, ..own };
             prop_assert_eq!(&found, &format!("{:?}", estimate_prefiltered(&general, &theta, removal, None)));
             let found = format!("{:?}", estimate(&own, removal));
-            let general = estimate(&Batch { model: &any, exogenous: &wider, ..own }, removal);
+            let general = estimate(&Batch { model: &any, exogenous: &wider, instrument_exogenous: &wider, ..own }, removal);
             prop_assert_eq!(&found, &format!("{general:?}"));
             prop_assert_eq!(&found, &format!("{:?}", estimate(&shared, removal)));
-            let general = estimate(&Batch { model: &any, exogenous: &wider_numbers, ..shared }, removal);
+            let general = estimate(&Batch { model: &any, exogenous: &wider_numbers, instrument_exogenous: &wider_numbers, ..shared }, removal);
             prop_assert_eq!(&found, &format!("{general:?}"));
         }
     }

@@ -24,13 +24,31 @@ pub struct Layout {
     pub exogenous: Vec<(String, String)>,
     /// The definitions of the derived ones.
     pub derived: Vec<DerivedChannel>,
+    /// How many of the above are inputs: the first.
+    pub inputs: usize,
+    /// Whether runs have instruments other than their inputs.
+    pub instruments: bool,
 }
 
 impl Layout {
     /// The columns for `model`.
     pub fn new(model: &Model) -> Self {
         let exogenous = model.variables[3..].iter().map(|v| (v.name.clone(), v.unit.clone())).collect();
-        Self { exogenous, derived: model.derived.clone() }
+        Self { exogenous, derived: model.derived.clone(), inputs: model.inputs, instruments: false }
+    }
+
+    /// With the inputs that instruments are simulated with, if runs have others than their own.
+    #[must_use]
+    pub fn with_instruments(self, instruments: bool) -> Self {
+        Self { instruments, ..self }
+    }
+
+    /// The columns of the inputs that instruments are simulated with.
+    pub fn of_instruments(&self) -> Vec<ColumnSpec> {
+        let column = |(name, unit): &(String, String)| {
+            ColumnSpec::new(format!("instrument_{name}"), unit, Kind::F64, true)
+        };
+        self.exogenous[..self.inputs].iter().map(column).collect()
     }
 
     /// Bytes of memory of a row while runs are simulated and their block is encoded.
@@ -50,6 +68,9 @@ impl Layout {
         let pose = [("x", "m"), ("y", "m"), ("psi", "rad")]
             .map(|(name, unit)| ColumnSpec::new(name, unit, Kind::F64, false));
         columns.extend(truth.into_iter().chain(pose));
+        if self.instruments {
+            columns.extend(self.of_instruments());
+        }
         TableSchema { id: ID, version: VERSION, columns }
     }
 

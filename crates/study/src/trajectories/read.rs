@@ -20,6 +20,8 @@ pub struct TrajectoryReader {
     /// Channels that follow from others, and whether the file has a column of each.
     derived: Vec<(DerivedChannel, bool)>,
     truth: bool,
+    /// Number of inputs that instruments are simulated with; 0 if the file does not have them.
+    instruments: usize,
     rate_hz: f64,
     /// The first row of every run that was read, by design and number.
     known: Mutex<HashMap<String, HashMap<i32, usize>>>,
@@ -47,8 +49,14 @@ impl TrajectoryReader {
         if truth {
             columns.extend(["u", "v", "r"].map(str::to_owned));
         }
-        let (width, known) = (layout.exogenous.len(), Mutex::default());
-        Ok(Self { table, path: path.to_owned(), columns, width, places, derived, truth, rate_hz, known })
+        let own = layout.of_instruments();
+        let instruments = if own.iter().all(|column| there(&column.name)) { own.len() } else { 0 };
+        if instruments > 0 {
+            table.require(&own)?;
+            columns.extend(own.into_iter().map(|column| column.name));
+        }
+        let (width, known, path) = (layout.exogenous.len(), Mutex::default(), path.to_owned());
+        Ok(Self { table, path, columns, width, places, derived, truth, instruments, rate_hz, known })
     }
 
     /// Number of blocks.
@@ -172,6 +180,7 @@ struct Block<'a> {
     t: &'a [f64],
     exogenous: &'a [Column],
     states: Vec<&'a [f64]>,
+    instruments: Vec<&'a [f64]>,
 }
 
 impl<'a> Block<'a> {
@@ -184,6 +193,7 @@ impl<'a> Block<'a> {
         }
         let i32s = |i: usize| columns[i].as_i32().ok_or_else(|| reader.wrong_kind(i));
         let f64s = |i: usize| columns[i].as_f64().ok_or_else(|| reader.wrong_kind(i));
+        let instruments = columns.len() - reader.instruments;
         Ok(Self {
             reader,
             design: &columns[0],
@@ -193,7 +203,8 @@ impl<'a> Block<'a> {
             sample: i32s(4)?,
             t: f64s(5)?,
             exogenous: &columns[6..6 + reader.places.len()],
-            states: (6 + reader.places.len()..columns.len()).map(f64s).collect::<Result<_, _>>()?,
+            states: (6 + reader.places.len()..instruments).map(f64s).collect::<Result<_, _>>()?,
+            instruments: (instruments..columns.len()).map(f64s).collect::<Result<_, _>>()?,
         })
     }
 
@@ -250,6 +261,7 @@ impl<'a> Block<'a> {
             design: self.design.text_at(start).unwrap_or("").to_owned(),
             run: self.run[start],
             segments: self.segments(start, end),
+            instrument_exogenous: self.instrument_rows(start, &exogenous),
             exogenous,
             measured: (start..end).flat_map(|r| (0..3).map(move |i| self.states[i][r])).collect(),
             initial: [0, 1, 2].map(|i| self.states[initial + i][start]),
@@ -262,12 +274,13 @@ impl<'a> Block<'a> {
         let exogenous =
             self.exogenous.iter().filter_map(Column::as_f64).map(|column| &column[start..end - 1]);
         let states = self.states.iter().map(|column| &column[start..end]);
-        for (i, column) in exogenous.chain(states).enumerate() {
+        let instruments = self.instruments.iter().map(|column| &column[start..end - 1]);
+        for (i, column) in exogenous.chain(states).chain(instruments).enumerate() {
             // Checks all values, which is faster than stopping early.
             if column.iter().fold(true, |kept, value| kept & (value.abs() <= MOST)) {
                 continue;
             }
-            let r = column.iter().position(|value| value.abs() > MOST).unwrap_or_default();
+            let r = column.iter().position(|value| value.is_nan() || value.abs() > MOST).unwrap_or_default();
             let thing = format!("column `{}`, {}", self.reader.columns[6 + i], row(start + r));
             let expected = format!("magnitudes up to {MOST:e}");
             return Err(self.reader.refuse(
@@ -338,6 +351,21 @@ impl<'a> Block<'a> {
             }
         }
         rows
+    }
+}
+
+impl Block<'_> {
+    /// What instruments of a run with these `recorded` inputs and disturbances are simulated with; empty if that are its own.
+    fn instrument_rows(&self, start: usize, recorded: &[f64]) -> Vec<f64> {
+        let (mut rows, width) = (recorded.to_vec(), self.reader.width);
+        for (r, row) in rows.chunks_exact_mut(width).enumerate() {
+            let own = self.instruments.iter().map(|column| column[start + r]);
+            row.iter_mut().zip(own).for_each(|(to, own)| *to = own);
+            for (own, _) in self.reader.derived.iter().filter(|_| !self.instruments.is_empty()) {
+                row[own.variable - 3] = own.value(row);
+            }
+        }
+        if rows == recorded { Vec::new() } else { rows }
     }
 }
 

@@ -13,7 +13,7 @@ pub(super) struct Rows {
     t: Vec<f64>,
     exogenous: Vec<Vec<f64>>,
     /// Whether a row has inputs: all but a run's last.
-    present: Vec<bool>,
+    pub(super) present: Vec<bool>,
     measured: [Vec<f64>; 3],
 }
 

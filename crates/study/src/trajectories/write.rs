@@ -21,12 +21,15 @@ pub struct BlockBuilder {
     rows: Rows,
     /// True states, position and heading.
     truth: [Vec<f64>; 6],
+    /// The inputs that instruments are simulated with; no column if runs have no others than their own.
+    instruments: Vec<Vec<f64>>,
 }
 
 impl BlockBuilder {
     /// An empty block of runs at `rate_hz`.
     pub fn new(layout: &Layout, rate_hz: f64) -> Self {
-        Self { rows: Rows::new(layout, rate_hz), truth: [const { Vec::new() }; 6] }
+        let instruments = if layout.instruments { vec![Vec::new(); layout.inputs] } else { Vec::new() };
+        Self { rows: Rows::new(layout, rate_hz), truth: [const { Vec::new() }; 6], instruments }
     }
 
     /// Appends a run.
@@ -38,12 +41,21 @@ impl BlockBuilder {
             self.truth[4].push(pose.y);
             self.truth[5].push(pose.psi);
         }
+        let own = run.view().instrument_exogenous;
+        let width = own.len() / run.samples().max(1);
+        for (i, column) in self.instruments.iter_mut().enumerate() {
+            column.extend(own.iter().skip(i).step_by(width));
+            column.push(0.0);
+        }
     }
 
     /// The block, with the columns of [`Layout::schema`].
     pub fn table(self) -> Table {
+        let present = self.rows.present.clone();
         let mut columns = self.rows.columns();
         columns.extend(self.truth.map(Column::f64));
+        let instruments = self.instruments.into_iter();
+        columns.extend(instruments.map(|values| Column::nullable_f64(values, present.clone())));
         Table { columns }
     }
 }

@@ -77,6 +77,7 @@ impl Arranging<'_> {
             measured: &measured,
             instrument_states: &instrument_states,
             exogenous: &inputs,
+            instrument_exogenous: &inputs,
             segments: [&[0]; LANES],
         };
         let found = moments(&batch);

@@ -58,15 +58,19 @@ impl Parts {
         (initial, plan.iter().map(|part| self.part(part).1).collect::<Vec<_>>().concat())
     }
 
-    /// The helm of a realized plan, if any of its parts reacts.
-    pub(crate) fn helm(&self, plan: &[(usize, usize)]) -> Option<Helm> {
+    /// The helms of a realized plan, each for its samples; tables for parts that do not react.
+    pub(crate) fn helms(&self, plan: &[(usize, usize)]) -> Vec<(Helm, usize)> {
         let own = |part: &(usize, usize)| {
             let (made, inputs) = self.part(part);
             (made.helm.clone().unwrap_or_else(|| Helm::table(inputs)), part.1)
         };
+        plan.iter().map(own).collect()
+    }
+
+    /// Whether any part that was realized reacts.
+    pub(crate) fn react(&self) -> bool {
         let mut all = self.stretched.values().chain(self.longest.values().map(|(_, own)| &**own));
-        let reacts = all.any(|own| own.helm.is_some());
-        reacts.then(|| Helm::sequence(plan.iter().map(own).collect()))
+        all.any(|own| own.helm.is_some())
     }
 
     /// A realized part, and its inputs.

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use refusal::Invalid;
 
 use super::Refusal;
+use super::own_loop::OwnLoop;
 use super::sea::SimulatedRun;
 use super::tally::{BEYOND_LOGS, Tally};
 
@@ -19,6 +20,11 @@ pub struct Maneuvers<'a> {
 }
 
 impl<'a> Maneuvers<'a> {
+    /// Whether any of them tracks a motion, so that runs have instruments other than their inputs.
+    pub fn tracks(&self) -> bool {
+        self.generator.tracks()
+    }
+
     /// The maneuvers of `generator` as runs of `design`, simulated with the parameters of `source`.
     ///
     /// # Errors
@@ -95,18 +101,22 @@ impl<'a> Maneuvers<'a> {
         match judge(self.vessel, self.generator, index).map_err(Refusal::Dictionary)? {
             Judged::Within { initial, mut exogenous, helm } => {
                 let (model, rate_hz) = (&self.vessel.model, self.vessel.sample_rate_hz);
+                let mut instruments = Vec::new();
                 let states = match helm {
                     None => simulate_one(model, &self.parameters, initial, &exogenous),
                     Some(helm) => {
                         let samples = exogenous.len() / model.exogenous().max(1);
+                        let own_loop = OwnLoop::new(self.vessel, initial, &[(helm.clone(), samples)]);
                         let simulated =
                             simulate_command(model, &self.parameters, initial, samples, rate_hz, &helm);
                         exogenous = simulated.0;
+                        instruments =
+                            own_loop.map(|own| own.instruments(model, &exogenous)).unwrap_or_default();
                         simulated.1
                     }
                 };
                 match check_diverged(states.iter().copied()) {
-                    None => return Ok(Some(self.run(index, exogenous, states))),
+                    None => return Ok(Some(self.run(index, [exogenous, instruments], states))),
                     Some(_) if self.generator.limits(index).is_some() => tally.unsteady(),
                     Some(at) => {
                         let name = &self.generator.maneuvers()[index].name;
@@ -120,13 +130,19 @@ impl<'a> Maneuvers<'a> {
         Ok(None)
     }
 
-    fn run(&self, index: usize, exogenous: Vec<f64>, states: Vec<f64>) -> SimulatedRun {
+    fn run(
+        &self,
+        index: usize,
+        [exogenous, instrument_exogenous]: [Vec<f64>; 2],
+        states: Vec<f64>,
+    ) -> SimulatedRun {
         let maneuver = self.generator.maneuvers()[index].name.clone();
         let run = Run {
             design: self.design.to_owned(),
             run: index as i32,
             segments: vec![Segment { maneuver, start: 0 }],
             exogenous,
+            instrument_exogenous,
             measured: states.clone(),
             initial: [states[0], states[1], states[2]],
         };

@@ -2,6 +2,7 @@
 
 mod designed;
 mod maneuvers;
+mod own_loop;
 mod plays;
 mod realizations;
 mod refusal;
@@ -12,6 +13,7 @@ mod together;
 pub(crate) use designed::Parts;
 pub use designed::{Designed, check_shares};
 pub use maneuvers::{Judged, Maneuvers, Reached, judge};
+pub use own_loop::OwnLoop;
 pub use plays::{Plan, Tables};
 pub(crate) use plays::{drawable, shared_out};
 pub(crate) use realizations::even_lengths;

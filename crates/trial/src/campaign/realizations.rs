@@ -3,7 +3,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use design::apportion;
-use engine::{Segment, Streams, refuse_endless};
+use engine::{Helm, Segment, Streams, refuse_endless};
 use maneuver::{Generator, Realized};
 use model::Vessel;
 use numerics::{GROUPS, LANES};
@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::Refusal;
 use super::designed::{Designed, Parts, too_short};
+use super::own_loop::OwnLoop;
 use super::plays::{Plan, drawable, left_out};
 use super::sea::{Group, Sea, SimulatedRun, States};
 use super::together::{Experiment, Together};
@@ -59,6 +60,8 @@ pub struct Campaign<'a> {
     names: Vec<String>,
     /// Statements about maneuvers with tables of inputs.
     statements: Vec<String>,
+    /// Whether any maneuver tracks a motion, so that runs have instruments other than their inputs.
+    tracks: bool,
 }
 
 struct Design {
@@ -167,7 +170,8 @@ impl<'a> Campaign<'a> {
             parts.make(generator, &plan).map_err(Refusal::Dictionary)?;
         }
         let realizations = settings.realizations;
-        Ok(Self { sea, samples, realizations, designs, parts, names, statements }.prepared())
+        let tracks = generator.tracks();
+        Ok(Self { sea, samples, realizations, designs, parts, names, statements, tracks }.prepared())
     }
 
     /// Repeats `inputs` (N × inputs) from `initial`, open loop, as design `planned`.
@@ -191,7 +195,7 @@ impl<'a> Campaign<'a> {
         let names = segments.iter().map(|segment| segment.maneuver.clone()).collect();
         let designs = vec![Design::new("planned", settings.seed, Rule::Fixed(plan))];
         let (realizations, statements) = (settings.realizations, Vec::new());
-        Self { sea, samples, realizations, designs, parts, names, statements }.prepared()
+        Self { sea, samples, realizations, designs, parts, names, statements, tracks: false }.prepared()
     }
 
     /// Prepares the common experiment of all runs of a design once.
@@ -209,7 +213,10 @@ impl<'a> Campaign<'a> {
         let (initial, inputs) = self.parts.joined(plan);
         let model = &self.sea.vessel().model;
         let exogenous = if model.exogenous() == model.inputs { inputs } else { model.undisturbed(&inputs) };
-        Experiment { segments: self.segments(plan), initial, exogenous, helm: self.parts.helm(plan) }
+        let helms = self.parts.react().then(|| self.parts.helms(plan));
+        let own_loop = helms.as_deref().and_then(|helms| OwnLoop::new(self.vessel(), initial, helms));
+        let helm = helms.map(Helm::sequence);
+        Experiment { segments: self.segments(plan), initial, exogenous, helm, own_loop }
     }
 
     /// The vessel.
@@ -220,6 +227,11 @@ impl<'a> Campaign<'a> {
     /// Statements about maneuvers with tables of inputs, one line each.
     pub fn statements(&self) -> &[String] {
         &self.statements
+    }
+
+    /// Whether any maneuver tracks a motion, so that runs have instruments other than their inputs.
+    pub fn tracks(&self) -> bool {
+        self.tracks
     }
 
     /// Number of designs.
@@ -293,7 +305,7 @@ impl<'a> Campaign<'a> {
         design: usize,
         runs: Range<usize>,
         wanted: bool,
-    ) -> Result<Vec<Together>, Refusal> {
+    ) -> Result<Vec<Together<'a>>, Refusal> {
         let design = &self.designs[design];
         let all: Vec<Doing> = groups(runs, LANES).map(|group| self.doing(design, group)).collect();
         let groups: Vec<Group> = all.iter().map(|doing| doing.group(design)).collect();
@@ -306,7 +318,9 @@ impl<'a> Campaign<'a> {
                 }
             }
         }
+        let model = &self.vessel().model;
         let together = |(doing, states): (Doing, States)| Together {
+            model,
             design: design.name,
             first: doing.numbers.first().copied().unwrap_or(0),
             experiments: doing.experiments,

@@ -58,6 +58,11 @@ impl States {
     pub fn of(&self, lane: usize) -> [Vec<f64>; 2] {
         [&self.truth, &self.measured].map(|states| lane_of(states, lane))
     }
+
+    /// The exogenous inputs of one run, N × exogenous; `None` where all runs have the same ones.
+    pub fn exogenous_of(&self, lane: usize) -> Option<Vec<f64>> {
+        (!self.exogenous.is_empty()).then(|| lane_of(&self.exogenous, lane))
+    }
 }
 
 impl<'a> Sea<'a> {

@@ -1,9 +1,11 @@
 use std::sync::Arc;
 
 use engine::{Helm, Run, Segment, SideBySide};
+use model::Model;
 use numerics::lanes::{interleave, lane, lane_of, recycle};
 use numerics::{LANES, Lane};
 
+use super::own_loop::OwnLoop;
 use super::sea::{SimulatedRun, States};
 
 /// The planned content of a run, without disturbances.
@@ -17,10 +19,13 @@ pub struct Experiment {
     pub exogenous: Vec<f64>,
     /// Its commands, if they depend on the ship's motion. Then the above are those of an undisturbed ship.
     pub helm: Option<Helm>,
+    /// The instruments of motions that it tracks.
+    pub own_loop: Option<OwnLoop>,
 }
 
 /// Up to [`LANES`] simulated runs of one design, in lanes.
-pub struct Together {
+pub struct Together<'a> {
+    pub(super) model: &'a Model,
     pub(super) design: &'static str,
     /// Number of the first.
     pub(super) first: u32,
@@ -29,7 +34,7 @@ pub struct Together {
     pub(super) states: States,
 }
 
-impl Together {
+impl Together<'_> {
     /// How many runs there are.
     pub fn runs(&self) -> usize {
         self.experiments.len()
@@ -55,15 +60,33 @@ impl Together {
     /// The runs in the form that estimators take.
     pub fn side_by_side(self) -> SideBySide {
         let rows = || self.experiments.iter().map(|own| own.exogenous.as_slice()).collect::<Vec<_>>();
+        let instrument_exogenous = self.instrument_exogenous();
         let known = self.states.exogenous;
         SideBySide {
             runs: self.experiments.len(),
+            instrument_exogenous,
             exogenous: if known.is_empty() { interleave(&rows()) } else { known },
             initial: [0, 1, 2]
                 .map(|d: usize| lane(self.experiments.len(), |run| self.experiments[run].initial[d])),
             samples: [self.states.measured.len() / 3 - 1; LANES],
             measured: self.states.measured,
         }
+    }
+
+    /// What instruments are simulated with, N × exogenous; empty where that are the recorded inputs of all runs.
+    fn instrument_exogenous(&self) -> Vec<Lane> {
+        if self.experiments.iter().all(|own| own.own_loop.is_none()) {
+            return Vec::new();
+        }
+        let rows = |(lane, own): (usize, &Arc<Experiment>)| {
+            let recorded = lane_of(&self.states.exogenous, lane);
+            match &own.own_loop {
+                Some(own) => own.instruments(self.model, &recorded),
+                None => recorded,
+            }
+        };
+        let rows: Vec<Vec<f64>> = self.experiments.iter().enumerate().map(rows).collect();
+        interleave(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>())
     }
 
     /// Recycles the buffer of the states.
@@ -74,14 +97,19 @@ impl Together {
     /// A run by itself.
     pub fn run(&self, lane: usize) -> SimulatedRun {
         let [states, measured] = self.states.of(lane);
-        let Experiment { segments, initial, exogenous, helm } = &*self.experiments[lane];
+        let Experiment { segments, initial, exogenous, helm, own_loop } = &*self.experiments[lane];
+        let exogenous = match helm {
+            None => exogenous.clone(),
+            Some(_) => lane_of(&self.states.exogenous, lane),
+        };
+        let instruments =
+            own_loop.as_ref().map(|own| own.instruments(self.model, &exogenous)).unwrap_or_default();
         let run = Run {
             design: self.design.to_owned(),
             run: self.number(lane),
             segments: segments.clone(),
-            exogenous: helm
-                .as_ref()
-                .map_or_else(|| exogenous.clone(), |_| lane_of(&self.states.exogenous, lane)),
+            exogenous,
+            instrument_exogenous: instruments,
             measured,
             initial: *initial,
         };

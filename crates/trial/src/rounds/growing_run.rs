@@ -1,19 +1,21 @@
-use engine::{Run, Segment};
+use engine::{Helm, Run, Segment};
 use maneuver::Generator;
 use model::Vessel;
 use refusal::Invalid;
 
-use crate::campaign::Parts;
+use crate::campaign::{OwnLoop, Parts};
 
 /// One realization's run so far: it grows, the ship does not restart.
 #[derive(Clone, Debug, Default)]
 pub struct GrowingRun {
     /// State at its first sample: u, v \[m/s\], r \[rad/s\].
     pub initial: [f64; 3],
-    /// Inputs and measured disturbances, N × exogenous, row-major.
+    /// Inputs and measured disturbances, N × exogenous, row-major; before a reacting part is run, those of an undisturbed ship.
     pub exogenous: Vec<f64>,
     /// Maneuver and first sample of every segment.
     segments: Vec<(usize, usize)>,
+    /// The helm of every segment, with its samples.
+    helms: Vec<(Helm, usize)>,
 }
 
 impl GrowingRun {
@@ -45,11 +47,26 @@ impl GrowingRun {
             start += samples;
         }
         self.exogenous.extend(vessel.model.undisturbed(&inputs));
+        self.helms.extend(parts.helms(plan));
         Ok(())
     }
 
+    /// Its commands.
+    pub fn helm(&self) -> Helm {
+        Helm::sequence(self.helms.clone())
+    }
+
     /// As a run of `design` with its measured states, (N+1) × 3.
-    pub fn recorded(&self, generator: &Generator, design: &str, run: u32, measured: Vec<f64>) -> Run {
+    pub fn recorded(
+        &self,
+        vessel: &Vessel,
+        generator: &Generator,
+        design: &str,
+        run: u32,
+        measured: Vec<f64>,
+    ) -> Run {
+        let own_loop = OwnLoop::new(vessel, self.initial, &self.helms);
+        let instruments = own_loop.map(|own| own.instruments(&vessel.model, &self.exogenous));
         let segment = |(maneuver, start): &(usize, usize)| Segment {
             maneuver: generator.maneuvers()[*maneuver].name.clone(),
             start: *start,
@@ -59,6 +76,7 @@ impl GrowingRun {
             run: run as i32,
             segments: self.segments.iter().map(segment).collect(),
             exogenous: self.exogenous.clone(),
+            instrument_exogenous: instruments.unwrap_or_default(),
             measured,
             initial: self.initial,
         }

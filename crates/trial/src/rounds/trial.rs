@@ -29,6 +29,8 @@ pub struct Trial<'a> {
     informed: Vec<f64>,
     ends: Vec<usize>,
     random_segments: usize,
+    /// Whether what is commanded in any maneuver depends on the ship's motion.
+    reacts: bool,
     /// Maneuvers that were realized for other realizations.
     parts: Mutex<Parts>,
 }
@@ -53,6 +55,8 @@ struct Realization<'a> {
     /// Shares of the latest plan.
     shares: Vec<f64>,
     run: GrowingRun,
+    /// The run as it was last recorded.
+    recorded: Option<Run>,
     /// The latest estimate.
     latest: Option<Vec<f64>>,
 }
@@ -93,6 +97,7 @@ impl<'a> Trial<'a> {
             informed,
             ends,
             random_segments,
+            reacts: (0..generator.maneuvers().len()).any(|index| generator.reacts(index)),
             parts,
         })
     }
@@ -148,7 +153,7 @@ impl<'a> Trial<'a> {
     fn begin<'s>(&self, arm: Arm, start: &'s Start) -> Realization<'s> {
         let known = if arm == Arm::Informed { self.truth.clone() } else { start.crude.clone() };
         let run = GrowingRun::default();
-        Realization { arm, start, known, shares: Vec::new(), run, latest: None }
+        Realization { arm, start, known, shares: Vec::new(), run, recorded: None, latest: None }
     }
 
     /// A round of all arms: plan, run, estimate, learn.
@@ -166,6 +171,7 @@ impl<'a> Trial<'a> {
             each.map(|(realization, information)| self.extend(realization, information, parts, samples));
         let shared: Vec<Shared> = shared.collect::<Result<_, _>>()?;
         let expected = self.expected(&arms[Arm::OneShot as usize]);
+        self.sail(round, arms)?;
         let found = self.estimated(round, arms)?;
         let row = |((realization, found), shared): ((&mut Realization, Option<RunEstimate>), _)| {
             let estimate = found.as_ref().and_then(|found| found.estimate.as_ref());
@@ -188,15 +194,13 @@ impl<'a> Trial<'a> {
         Ok(rows)
     }
 
-    /// The estimates at the end of a round, arm by arm. In the first round the arms that begin with the crude
-    /// model are the same.
+    /// The estimates at the end of a round, arm by arm.
     fn estimated(&self, round: usize, arms: &[Vec<Realization>]) -> Result<Found, Refusal> {
-        let repeats = |arm: &Arm| round == 0 && *arm == Arm::OneShot;
-        let own = Arm::ALL.into_iter().filter(|arm| !repeats(arm));
+        let own = Arm::ALL.into_iter().filter(|arm| !repeats(round, *arm));
         let mut found = self.found(round, own.map(|arm| arms[arm as usize].as_slice()))?.into_iter();
         let mut all: Vec<Found> = Vec::with_capacity(arms.len());
-        for (arm, realizations) in Arm::ALL.iter().zip(arms) {
-            all.push(match repeats(arm) {
+        for (arm, realizations) in Arm::ALL.into_iter().zip(arms) {
+            all.push(match repeats(round, arm) {
                 true => all[Arm::Sequential as usize].clone(),
                 false => found.by_ref().take(realizations.len()).collect(),
             });
@@ -303,22 +307,25 @@ impl<'a> Trial<'a> {
         one_shot.iter().zip(self.information(one_shot)).map(expected).collect()
     }
 
-    /// Simulates the runs of `arms` in lanes and estimates from each, arm by arm; `None` where the nominal
-    /// model diverges. All arms have the same disturbances in a realization.
+    /// Simulates the runs of `arms` in lanes. All arms have the same disturbances in a realization.
+    fn sail(&self, round: usize, arms: &mut [Vec<Realization>]) -> Result<(), Refusal> {
+        let own = Arm::ALL.into_iter().zip(arms).filter(|(arm, _)| !repeats(round, *arm));
+        own.flat_map(|(_, all)| all.chunks_mut(LANES)).try_for_each(|group| self.measure(group))
+    }
+
+    /// Estimates from the runs of `arms`, arm by arm; `None` where the nominal model diverges.
     fn found<'r>(
         &self,
         round: usize,
         arms: impl Iterator<Item = &'r [Realization<'r>]>,
     ) -> Result<Found, Refusal> {
         let (mut kept, mut near, mut bounded) = (Vec::new(), Vec::new(), Vec::new());
-        for group in arms.flat_map(|all| all.chunks(LANES)) {
-            let runs = self.measured(group)?;
-            for (realization, run) in group.iter().zip(runs) {
-                bounded.push(self.bounded(&realization.run));
-                if bounded.last() == Some(&true) {
-                    kept.push(run);
-                    near.push(realization.latest.clone());
-                }
+        for realization in arms.flatten() {
+            let run = realization.recorded.as_ref().filter(|run| self.bounded(run));
+            bounded.push(run.is_some());
+            if let Some(run) = run {
+                kept.push(run.clone());
+                near.push(realization.latest.clone());
             }
         }
         // After the first round the search starts from the previous estimates.
@@ -327,8 +334,8 @@ impl<'a> Trial<'a> {
         Ok(bounded.into_iter().map(|b| b.then(|| found.next()).flatten()).collect())
     }
 
-    /// The measured runs of up to [`LANES`] realizations of an arm.
-    fn measured<'r>(&'r self, group: &'r [Realization]) -> Result<impl Iterator<Item = Run> + 'r, Refusal> {
+    /// Runs up to [`LANES`] realizations of an arm.
+    fn measure(&self, group: &mut [Realization]) -> Result<(), Refusal> {
         let numbers: Vec<u32> = group.iter().map(|realization| realization.start.number).collect();
         let design = group.first().map_or("", |realization| realization.arm.name());
         let states = self.sea.simulate(&Group {
@@ -337,20 +344,31 @@ impl<'a> Trial<'a> {
             runs: &numbers,
             initial: group.iter().map(|realization| realization.run.initial).collect(),
             exogenous: group.iter().map(|realization| realization.run.exogenous.as_slice()).collect(),
-            helms: Vec::new(),
+            helms: group.iter().filter(|_| self.reacts).map(|realization| realization.run.helm()).collect(),
         })?;
-        Ok(group.iter().enumerate().map(move |(lane, realization)| {
-            let [_, measured] = states.of(lane);
-            realization.run.recorded(self.generator, design, numbers[lane], measured)
-        }))
+        for (lane, realization) in group.iter_mut().enumerate() {
+            let ([_, measured], run) = (states.of(lane), &mut realization.run);
+            if let Some(exogenous) = states.exogenous_of(lane).filter(|_| self.reacts) {
+                run.exogenous = exogenous;
+            }
+            let recorded = run.recorded(self.sea.vessel(), self.generator, design, numbers[lane], measured);
+            realization.recorded = Some(recorded);
+        }
+        Ok(())
     }
 
     /// Whether instruments can be simulated: the nominal model stays bounded.
-    fn bounded(&self, run: &GrowingRun) -> bool {
+    fn bounded(&self, run: &Run) -> bool {
         let vessel = self.sea.vessel();
-        let states = simulate_one(&vessel.model, &vessel.nominal, run.initial, &run.exogenous);
+        let exogenous = run.view().instrument_exogenous;
+        let states = simulate_one(&vessel.model, &vessel.nominal, run.initial, exogenous);
         check_diverged(states.into_iter()).is_none()
     }
+}
+
+/// Whether an arm is the same as another one: in the first round, one that begins with the crude model.
+fn repeats(round: usize, arm: Arm) -> bool {
+    round == 0 && arm == Arm::OneShot
 }
 
 /// The true parameters; errors are relative to them.

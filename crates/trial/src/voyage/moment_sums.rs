@@ -28,6 +28,7 @@ impl MomentSums {
             measured: &measured,
             instrument_states: &instruments,
             exogenous: &exogenous,
+            instrument_exogenous: &exogenous,
             segments: [&[0]; LANES],
         };
         let found = moments(&batch).swap_remove(0);

@@ -1,6 +1,7 @@
 //! The crate as its users see it.
 
 mod campaign;
+mod closed_loop;
 mod daylight;
 mod grid;
 mod handling;

@@ -51,6 +51,7 @@ fn runs(oracle: &Value) -> PooledRuns {
             segments: Vec::new(),
             initial: [0, 1, 2].map(|d: usize| measured[d]),
             measured,
+            instrument_exogenous: Vec::new(),
             exogenous: numbers(&own["inputs"]),
         }
     };

@@ -25,6 +25,7 @@ fn run(model: &Model, number: i32, samples: usize, value: impl Fn(usize, usize) 
         run: number,
         segments: Vec::new(),
         measured: rows(samples + 1, 0, 3),
+        instrument_exogenous: Vec::new(),
         exogenous: rows(samples, 3, width),
         initial: [0.0; 3],
     }

@@ -319,7 +319,12 @@ mod tests {
         let model = vessel.model.with_intercepts();
         let theta = model.layout().woven(&vessel.parameters(Source::Value).unwrap(), [1e-3, 0.0, -1e-3]);
         let (measured, exogenous) = run(&model, &theta);
-        let view = RunView { measured: &measured, exogenous: &exogenous, initial: [0.6, 0.05, 0.1] };
+        let view = RunView {
+            measured: &measured,
+            instrument_exogenous: &exogenous,
+            exogenous: &exogenous,
+            initial: [0.6, 0.05, 0.1],
+        };
         let line = Line::free(&model, &theta, view);
         let search = Search {
             layout: model.layout(),

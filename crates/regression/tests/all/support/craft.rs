@@ -26,6 +26,7 @@ pub fn runs(parts: &[Part]) -> Vec<Run> {
         run: i as i32,
         segments: vec![Segment { maneuver: "zigzag".to_owned(), start: 0 }],
         initial: [0, 1, 2].map(|d| part.measured[d]),
+        instrument_exogenous: Vec::new(),
         exogenous: part.exogenous.clone(),
         measured: part.measured.clone(),
     };

@@ -147,6 +147,7 @@ impl SideBySide {
             model,
             measured: &self.measured,
             instrument_states: &self.instrument_states,
+            instrument_exogenous: &self.exogenous,
             exogenous: &self.exogenous,
             segments: std::array::from_fn(|lane| self.segments[lane].as_slice()),
         }
