@@ -7,6 +7,10 @@ const HALF: f64 = 0.3;
 /// The longest time between samples, as a part of the same time: without noise, overshoots are then exact within 0.01°.
 const LONGEST: f64 = 0.2;
 
+/// How far before a level a ship may end an order that ends there, as a part of her last step: as the step of the sample before
+/// foretells it.
+const SHORT: f64 = 0.25;
+
 /// What a ship did in a maneuver: N+1 samples, evenly spaced.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
@@ -114,10 +118,13 @@ impl Smoother {
         Some(self.root(self.window(first, values.len()), first, values, level))
     }
 
-    /// The same by the samples before the first within `near` of the level: what comes after it follows another law.
+    /// The same by the samples before the first that passes it: an order that ends there spoils that sample and what comes
+    /// after. A simulated ship may end it just short of the level, by a part of her last step or of `near`.
     pub fn end(&self, values: &[f64], level: f64, near: f64) -> Option<f64> {
-        let first = values.iter().position(|value| *value >= level - near)?;
-        Some(self.root(first.saturating_sub(2 * self.half)..first + 1, first, values, level))
+        let short = |k: usize| near.max(if k > 0 { SHORT * (values[k] - values[k - 1]) } else { 0.0 });
+        let first = (0..values.len()).find(|k| values[*k] >= level - short(*k))?;
+        let range = first.saturating_sub(2 * self.half + 1)..first.max(3).min(values.len());
+        Some(self.root(range, first, values, level))
     }
 
     fn root(&self, range: std::ops::Range<usize>, first: usize, values: &[f64], level: f64) -> f64 {
