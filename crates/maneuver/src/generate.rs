@@ -96,6 +96,18 @@ impl Generator {
         self
     }
 
+    /// The generator with the approaches of zig-zag tests held for so much longer \[s\]: their helm then goes over elsewhere
+    /// within samples.
+    #[must_use]
+    pub fn later(mut self, seconds: f64) -> Self {
+        for maneuver in &mut self.maneuvers {
+            if let Kind::ZigZagTest(test) = &mut maneuver.kind {
+                test.hold_s += seconds;
+            }
+        }
+        self
+    }
+
     /// A generator for a dictionary without tables of inputs.
     ///
     /// # Errors

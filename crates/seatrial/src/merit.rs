@@ -3,8 +3,12 @@ use identification::pooled::Covariance;
 use maneuver::Generator;
 use model::Vessel;
 use refusal::Invalid;
-use study::documents::{MeritDocument, MeritTableRow};
+use study::documents::{MeritDocument, MeritTableRow, SlopesAt};
 use validation::merit::{Merit, Uncertain};
+
+/// Step of the differences that figures' slopes are computed by, as a part of the parameter: large against what the sampling of
+/// a figure leaves, small against what the model's terms bend.
+const STEP: f64 = 0.02;
 
 /// Figures of merit of the standard maneuvers of a dictionary.
 pub struct Merits<'a> {
@@ -14,6 +18,7 @@ pub struct Merits<'a> {
     merit: Merit<'a>,
     /// Whether runs are draws of a model's parameters.
     is_drawn: bool,
+    slopes_at: Option<SlopesAt>,
 }
 
 impl<'a> Merits<'a> {
@@ -23,7 +28,7 @@ impl<'a> Merits<'a> {
     /// A dictionary without standard maneuvers.
     pub fn new(vessel: &'a Vessel, generator: &'a Generator, length_m: f64) -> Result<Self, Invalid> {
         let merit = Merit::new(vessel, generator, length_m)?;
-        Ok(Self { vessel, generator, length_m, merit, is_drawn: false })
+        Ok(Self { vessel, generator, length_m, merit, is_drawn: false, slopes_at: None })
     }
 
     /// Adds recorded runs, with north, east \[m\] and heading \[rad\] of all of their rows where they were recorded.
@@ -58,6 +63,18 @@ impl<'a> Merits<'a> {
         self.merit.simulate_drawn(&uncertain, draws, seed)
     }
 
+    /// Computes the derivatives of every figure by every parameter of the undisturbed ship.
+    ///
+    /// # Errors
+    /// A vessel without parameters, or with one of 0; a maneuver that it cannot hold.
+    pub fn differentiate(&mut self) -> Result<(), Invalid> {
+        let values = self.vessel.parameters(self.vessel.best_known())?;
+        self.merit.differentiate(&values, STEP)?;
+        let names = self.vessel.model.parameter_names().map(str::to_owned);
+        self.slopes_at = Some(SlopesAt { parameters: names.zip(values).collect(), step: STEP });
+        Ok(())
+    }
+
     /// The document, and every figure of every run.
     ///
     /// # Errors
@@ -65,6 +82,7 @@ impl<'a> Merits<'a> {
     pub fn found(&self) -> Result<(MeritDocument, Vec<MeritTableRow>), Invalid> {
         let summary = self.merit.summary(self.is_drawn)?;
         let document = MeritDocument::new(&self.vessel.name, self.length_m, self.is_drawn, summary);
+        let document = document.with_slopes_at(self.slopes_at.clone());
         Ok((document, self.merit.rows().iter().map(MeritTableRow::from).collect()))
     }
 }

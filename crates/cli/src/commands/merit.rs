@@ -38,6 +38,9 @@ pub struct Arguments {
     /// Simulates a model with so many draws of its parameters from their covariance
     #[arg(long, value_name = "N", conflicts_with = "trajectories", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     draws: Option<u32>,
+    /// Adds the derivative of every figure by every parameter of the model, for `design --criterion figures`
+    #[arg(long)]
+    slopes: bool,
 }
 
 /// What the document is usually called.
@@ -71,6 +74,9 @@ impl Task for Arguments {
                 let seed = common.seed.unwrap_or(1);
                 merits.simulate_drawn(&self.covariance()?, draws, seed).map_err(refused)?;
             }
+        }
+        if self.slopes {
+            merits.differentiate().map_err(|e| Failure::invalid(&self.vessel, &e))?;
         }
         let given = [("length_m", json!(self.length_m)), ("draws", json!(self.draws))];
         provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));

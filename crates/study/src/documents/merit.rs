@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use artifact::{Columns, Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -17,6 +19,19 @@ pub struct MeritDocument {
     pub statements: Vec<String>,
     /// The maneuvers, in the order of the dictionary.
     pub maneuvers: Vec<ManeuverMerit>,
+    /// Where the figures' slopes were computed; absent without `--slopes`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slopes_at: Option<SlopesAt>,
+}
+
+/// Where the slopes of figures were computed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SlopesAt {
+    /// The parameters of the model, in units of the state's increment per unit of the term.
+    pub parameters: BTreeMap<String, f64>,
+    /// Step of the central differences, as a part of the parameter.
+    pub step: f64,
 }
 
 impl MeritDocument {
@@ -28,7 +43,11 @@ impl MeritDocument {
             let without = without.map(|reason| {
                 format!("{}: {} runs without figures, such as {reason}", own.name, own.without)
             });
-            figures.chain(without).collect::<Vec<_>>()
+            let unsloped = own.figures.iter().filter_map(|figure| {
+                let why = figure.without_slopes.as_ref()?;
+                Some(format!("{}: no slopes of {}: {why}", own.name, figure.what))
+            });
+            figures.chain(without).chain(unsloped).collect::<Vec<_>>()
         };
         Self {
             vessel: vessel.to_owned(),
@@ -36,7 +55,14 @@ impl MeritDocument {
             intervals: if of_parameters { "parameters" } else { "runs" }.to_owned(),
             statements: maneuvers.iter().flat_map(words).collect(),
             maneuvers,
+            slopes_at: None,
         }
+    }
+
+    /// With the parameters that its figures' slopes were computed at.
+    #[must_use]
+    pub fn with_slopes_at(self, slopes_at: Option<SlopesAt>) -> Self {
+        Self { slopes_at, ..self }
     }
 }
 
@@ -44,7 +70,7 @@ impl Document for MeritDocument {
     const ID: &'static str = "merit";
     const VERSION: u32 = 1;
     const UNITS: Units = &[
-        ("1", "runs without"),
+        ("1", "runs without step"),
         ("m", "length_m"),
         ("s", "t_s"),
         ("deg", "heading_deg"),
@@ -52,6 +78,7 @@ impl Document for MeritDocument {
         ("deg/s", "yaw_rate_deg_s"),
         ("ship lengths", "ahead abeam"),
         ("the unit beside it", "value std low high most"),
+        ("the unit beside it per unit of the parameter", "slopes"),
     ];
 }
 

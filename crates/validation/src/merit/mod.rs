@@ -1,15 +1,17 @@
 //! Figures of merit of standard maneuvers over many runs, or of a model with uncertain parameters.
 
 mod drawn;
+mod slopes;
 mod summary;
 
 use engine::{Run, Streams, simulate_command};
-use maneuver::Generator;
 use maneuver::merit::{Figure, Hull, Record, figures};
+use maneuver::{Generator, Standard};
 use model::Vessel;
 use refusal::Invalid;
 
 pub use drawn::Uncertain;
+pub use slopes::FigureSlopes;
 pub use summary::{FigureMerit, ManeuverMerit, ShipTrack};
 
 /// The figures of one maneuver in one run.
@@ -34,6 +36,8 @@ struct Gathered {
     without: u64,
     reason: Option<Invalid>,
     track: Option<ShipTrack>,
+    /// The derivatives of the figures, or why the undisturbed ship has no figures; `None` where they were not computed.
+    slopes: Option<Result<Vec<FigureSlopes>, Invalid>>,
 }
 
 /// Figures of the standard maneuvers of a dictionary.
@@ -51,8 +55,14 @@ impl<'a> Merit<'a> {
     /// A dictionary without standard maneuvers.
     pub fn new(vessel: &'a Vessel, generator: &'a Generator, length_m: f64) -> Result<Self, Invalid> {
         let standard = |index: &usize| generator.maneuvers()[*index].kind.standard().is_some();
-        let blank =
-            |index: usize| Gathered { index, figures: Vec::new(), without: 0, reason: None, track: None };
+        let blank = |index: usize| Gathered {
+            index,
+            figures: Vec::new(),
+            without: 0,
+            reason: None,
+            track: None,
+            slopes: None,
+        };
         let gathered: Vec<Gathered> = (0..generator.maneuvers().len()).filter(standard).map(blank).collect();
         if gathered.is_empty() {
             return Err(Invalid::new(
@@ -94,16 +104,9 @@ impl<'a> Merit<'a> {
     /// # Errors
     /// A maneuver that the model cannot hold.
     pub fn simulate(&mut self, parameters: &[f64], run: i32) -> Result<(), Invalid> {
-        let vessel = self.hull.vessel;
         for place in 0..self.gathered.len() {
             let index = self.gathered[place].index;
-            let samples = self.generator.samples(index)?;
-            let realized = self.generator.realize(index, samples)?;
-            let Some(helm) = &realized.helm else { continue };
-            let (model, rate_hz) = (&vessel.model, vessel.sample_rate_hz);
-            let (rows, states) =
-                simulate_command(model, parameters, realized.initial, samples, rate_hz, helm);
-            let record = Record::of_states(&states, model.inputs_of(&rows), rate_hz);
+            let (_, record) = undisturbed(self.hull.vessel, self.generator, index, parameters)?;
             self.measure(place, "model", run, &record);
         }
         Ok(())
@@ -176,7 +179,26 @@ impl<'a> Merit<'a> {
                 own.track.clone().unwrap_or_default(),
                 of_parameters,
             )
+            .with_slopes(own.slopes.as_ref())
         };
         Ok(all.into_iter().map(one).collect())
     }
+}
+
+/// A maneuver, and what the undisturbed ship with `parameters` does in it.
+fn undisturbed<'a>(
+    vessel: &Vessel,
+    generator: &'a Generator,
+    index: usize,
+    parameters: &[f64],
+) -> Result<(Standard<'a>, Record), Invalid> {
+    let samples = generator.samples(index)?;
+    let realized = generator.realize(index, samples)?;
+    let kind = &generator.maneuvers()[index].kind;
+    let (Some(standard), Some(helm)) = (kind.standard(), &realized.helm) else {
+        return Err(Invalid::new("maneuver", "no orders", "those of a standard maneuver", "remove it"));
+    };
+    let (model, rate_hz) = (&vessel.model, vessel.sample_rate_hz);
+    let (rows, states) = simulate_command(model, parameters, realized.initial, samples, rate_hz, helm);
+    Ok((standard, Record::of_states(&states, model.inputs_of(&rows), rate_hz)))
 }

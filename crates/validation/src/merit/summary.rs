@@ -1,9 +1,13 @@
+use std::collections::BTreeMap;
+
 use maneuver::ManeuverSpec;
 use maneuver::merit::{Figure, Record};
 use numerics::statistics::{mean, mean_interval, quantile, spread};
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use super::FigureSlopes;
 
 /// The figures of merit of a standard maneuver.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -47,6 +51,13 @@ pub struct FigureMerit {
     pub most: Option<f64>,
     /// Whether it keeps to that; null without a criterion, and where the interval holds it.
     pub passes: Option<bool>,
+    /// Its derivative by every parameter of the model, in its unit per unit of the parameter, by central differences of the
+    /// undisturbed ship; absent without `--slopes`, and where a ship with another parameter has no such figure.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slopes: Option<BTreeMap<String, f64>>,
+    /// Why it has no derivatives, where they were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub without_slopes: Option<String>,
 }
 
 /// The track of a ship, from where the maneuver begins.
@@ -119,6 +130,23 @@ impl ManeuverMerit {
             track,
         }
     }
+
+    /// With the derivatives of its figures; `None` where they were not computed.
+    pub(super) fn with_slopes(mut self, slopes: Option<&Result<Vec<FigureSlopes>, Invalid>>) -> Self {
+        let Some(slopes) = slopes else { return self };
+        for figure in &mut self.figures {
+            let own = slopes.as_ref().map(|all| all.iter().find(|own| own.figure == figure.name));
+            match own.map(|own| own.map(|own| &own.slopes)) {
+                Ok(Some(Ok(slopes))) => figure.slopes = Some(slopes.clone()),
+                Ok(Some(Err(why))) | Err(why) => figure.without_slopes = Some(why.to_string()),
+                Ok(None) => {
+                    let why = "the undisturbed model has no such figure";
+                    figure.without_slopes = Some(why.to_owned());
+                }
+            }
+        }
+        self
+    }
 }
 
 impl FigureMerit {
@@ -139,6 +167,8 @@ impl FigureMerit {
             high: ends.map(|[_, high]| high),
             most: figure.most,
             passes,
+            slopes: None,
+            without_slopes: None,
         }
     }
 

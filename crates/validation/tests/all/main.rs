@@ -2,4 +2,5 @@
 
 mod average;
 mod correlations;
+mod slopes;
 mod validity;
