@@ -1,4 +1,5 @@
-//! Standard errors relative to the parameters, and the time that an experiment needs to reach them.
+//! Standard errors relative to the parameters, or to those wanted of figures, and the time that an experiment needs to
+//! reach them.
 
 use crate::dictionary::Dictionary;
 use crate::no_design::NoDesign;
@@ -8,7 +9,7 @@ use crate::{Bounds, Candidates, Covariance, CovarianceCriterion, Error, Norm, Op
 /// Iterations of the minimax search for the largest error.
 const ROUNDS: usize = 30;
 
-/// Predicts relative standard errors.
+/// Predicts standard errors relative to what is wanted.
 #[derive(Clone, Debug)]
 pub struct Errors<'a> {
     dictionary: &'a Dictionary,
@@ -17,6 +18,8 @@ pub struct Errors<'a> {
     rows: Vec<usize>,
     /// The squares that variances are relative to, one per parameter.
     squares: &'a [f64],
+    /// The slopes of figures by row, over the standard errors that are wanted of them.
+    figures: Vec<Vec<f64>>,
     of: AccuracyOf,
 }
 
@@ -30,7 +33,21 @@ impl<'a> Errors<'a> {
         of: AccuracyOf,
     ) -> Self {
         let (covariance, rows) = (&criterion.covariance, dictionary.parameter_rows());
-        Self { dictionary, meat, covariance, rows, squares, of }
+        Self { dictionary, meat, covariance, rows, squares, figures: Vec::new(), of }
+    }
+
+    /// Of figures instead, by their slopes by parameter and the wanted standard error in the figure's unit.
+    pub fn of_figures(
+        dictionary: &'a Dictionary,
+        meat: &'a Candidates,
+        criterion: &'a CovarianceCriterion,
+        wanted: &[(Vec<f64>, f64)],
+    ) -> Self {
+        let over = |(slopes, wanted): &(Vec<f64>, f64)| {
+            dictionary.by_row(&slopes.iter().map(|slope| slope / wanted).collect::<Vec<_>>())
+        };
+        let figures = wanted.iter().map(over).collect();
+        Self { figures, ..Self::new(dictionary, meat, criterion, &[], AccuracyOf::Figures) }
     }
 
     /// The variance of every parameter relative to its square, per sample.
@@ -41,10 +58,14 @@ impl<'a> Errors<'a> {
 
     /// The squared accuracy for one sample; infinite if the shares do not excite every parameter.
     pub fn squared(&self, shares: &[f64]) -> f64 {
-        let Some(relative) = self.relative(shares) else { return f64::INFINITY };
+        let squares = match self.of {
+            AccuracyOf::Figures => self.covariance.variances_of(shares, &self.figures),
+            _ => self.relative(shares),
+        };
+        let Some(squares) = squares else { return f64::INFINITY };
         match self.of {
-            AccuracyOf::PerParameter => relative.iter().copied().fold(0.0, f64::max),
-            AccuracyOf::Overall => relative.iter().sum(),
+            AccuracyOf::Overall => squares.iter().sum(),
+            AccuracyOf::PerParameter | AccuracyOf::Figures => squares.iter().copied().fold(0.0, f64::max),
         }
     }
 

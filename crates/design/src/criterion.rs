@@ -1,56 +1,12 @@
 //! The criterion that shares are optimised for.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use crate::design::alone;
+use crate::figures::weighted;
 use crate::{
     Bounds, Candidates, CountOptions, Counted, Covariance, CovariancePoint, Design, Dictionary, Error,
     Evaluation, Method, NoDesign, Norm, Objective, Options, Restricted, Restriction, Selected,
-    count_segments, select, solve_covariance, solve_within,
+    WeightedFigure, count_segments, select, solve_covariance, solve_within,
 };
-
-/// The criteria by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum CriterionName {
-    /// log|det| of the information matrix (the paper's).
-    DHessian,
-    /// log det of the estimate's covariance.
-    D,
-    /// Sum of the variances.
-    A,
-    /// Sum of the variances relative to the parameters' squares.
-    ARelative,
-    /// Variance of free runs over the validation maneuvers.
-    V,
-}
-
-impl CriterionName {
-    /// All of them.
-    pub const ALL: [Self; 5] = [Self::DHessian, Self::D, Self::A, Self::ARelative, Self::V];
-
-    /// The name on the command line.
-    pub fn name(self) -> &'static str {
-        ["d-hessian", "d", "a", "a-relative", "v"][self as usize]
-    }
-
-    /// The name in reports.
-    pub fn title(self) -> &'static str {
-        ["D", "covariance D", "covariance A", "covariance relative A", "covariance V"][self as usize]
-    }
-
-    /// Its meaning in one line.
-    pub fn description(self) -> &'static str {
-        match self {
-            Self::DHessian => "log|det| of the information matrix (the paper's)",
-            Self::D => "log det of the estimate's covariance",
-            Self::A => "Sum of the variances",
-            Self::ARelative => "Sum of the variances relative to the parameters' squares",
-            Self::V => "Variance of free runs over the validation maneuvers (with --for output-error)",
-        }
-    }
-}
 
 /// The criterion that is maximised.
 #[derive(Clone, Debug)]
@@ -68,8 +24,18 @@ pub struct CovarianceCriterion {
     pub covariance: Covariance,
     /// Weights of the parameters' variances, in their order.
     pub weights: Vec<f64>,
-    /// G of the free runs for a criterion of their error.
-    g: Option<Vec<f64>>,
+    of: Weighed,
+}
+
+/// What a criterion of the covariance adds up.
+#[derive(Clone, Debug)]
+enum Weighed {
+    /// The weighted variances of the parameters.
+    Parameters,
+    /// G of the free runs: tr(cov G).
+    Matrix(Vec<f64>),
+    /// The variances of functions of the parameters, by row.
+    Functions(Vec<Vec<f64>>),
 }
 
 /// The prediction of a criterion of the covariance for a number of samples.
@@ -121,7 +87,28 @@ impl Criterion {
         let rows = dictionary.by_row(&weights);
         let built = Covariance::new(&dictionary.information, meat, &rows, norm);
         let covariance = built.map_err(|e| dictionary.explain(e))?;
-        Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, g: None })))
+        let of = Weighed::Parameters;
+        Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, of })))
+    }
+
+    /// Σ weight · gᵀ cov g / value² over `figures`, plus 10⁻⁵ of the sum of the variances relative to `parameters`,
+    /// which are in the order of the dictionary and not 0.
+    ///
+    /// # Errors
+    /// As [`Criterion::of_covariance`]; a weighted figure of 0.
+    pub fn of_figures(
+        dictionary: &Dictionary,
+        meat: &Candidates,
+        figures: &[WeightedFigure],
+        parameters: &[f64],
+    ) -> Result<Self, NoDesign> {
+        let rows = weighted(figures, parameters);
+        let functions: Vec<Vec<f64>> = rows.iter().map(|row| dictionary.by_row(row)).collect();
+        let built = Covariance::of_functions(&dictionary.information, meat, &functions);
+        let covariance = built.map_err(|e| dictionary.explain(e))?;
+        let weights = vec![1.0; dictionary.parameters()];
+        let of = Weighed::Functions(functions);
+        Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, of })))
     }
 
     /// The mean square of a free run's error: tr(cov G), one block of all rows.
@@ -134,7 +121,8 @@ impl Criterion {
         let covariance = built.map_err(|e| dictionary.explain(e))?;
         let weights = vec![1.0; dictionary.parameters()];
         let [g] = g;
-        Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, g: Some(g) })))
+        let of = Weighed::Matrix(g);
+        Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, of })))
     }
 
     /// The best shares within `bounds`.
@@ -237,9 +225,13 @@ impl Criterion {
             let (scaled, offset) = information.scaled().ok()?;
             return scaled.value(&[1.0], &mut Evaluation::default()).map(|value| value + offset);
         };
-        let covariance = match &c.g {
-            Some(g) => Covariance::of_matrices(information, meat?, std::slice::from_ref(g)),
-            None => Covariance::new(information, meat?, &dictionary.by_row(&c.weights), c.covariance.norm()),
+        let covariance = match &c.of {
+            Weighed::Matrix(g) => Covariance::of_matrices(information, meat?, std::slice::from_ref(g)),
+            Weighed::Functions(functions) => Covariance::of_functions(information, meat?, functions),
+            Weighed::Parameters => {
+                let rows = dictionary.by_row(&c.weights);
+                Covariance::new(information, meat?, &rows, c.covariance.norm())
+            }
         };
         covariance.ok()?.value(&[1.0], &mut CovariancePoint::default())
     }

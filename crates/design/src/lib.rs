@@ -29,8 +29,10 @@ mod certificate;
 mod counts;
 mod covariance;
 mod criterion;
+mod criterion_name;
 mod design;
 mod dictionary;
+mod figures;
 mod no_design;
 mod norm;
 mod objective;
@@ -52,12 +54,14 @@ pub use candidates::{Candidates, Error, Evaluation};
 pub use certificate::is_concave;
 pub use counts::{CountOptions, Counted, Method, count_segments};
 pub use covariance::{Covariance, CovariancePoint};
-pub use criterion::{CovarianceCriterion, Criterion, CriterionName, Predicted};
+pub use criterion::{CovarianceCriterion, Criterion, Predicted};
+pub use criterion_name::CriterionName;
 pub use design::{
     Design, Options, Start, Status, solve, solve_covariance, solve_covariance_among, solve_covariance_from,
     solve_within,
 };
 pub use dictionary::{Degree, Dictionary};
+pub use figures::{FigureErrors, WeightedFigure};
 pub use no_design::NoDesign;
 pub use norm::Norm;
 pub use objective::Objective;

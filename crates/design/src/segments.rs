@@ -1,6 +1,6 @@
 //! Whole segments of a design.
 
-use crate::{CountOptions, Counted, Criterion, Design, Error, apportion};
+use crate::{Available, CountOptions, Counted, Criterion, Design, Error, apportion};
 
 /// The requested whole segments.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,6 +11,24 @@ pub struct Segments {
     pub samples: u64,
     /// Maximum number of segments of every maneuver.
     pub limits: Option<Vec<u64>>,
+}
+
+impl Segments {
+    /// So many segments of so many samples, within what is available; none of maneuvers that a restricted design does
+    /// not use.
+    pub fn within(
+        (total, samples): (u64, u64),
+        available: Option<&Available>,
+        restricted: Option<&Design>,
+    ) -> Self {
+        let mut limits = available.and_then(|available| available.counts.clone());
+        if let Some(design) = restricted {
+            let known = limits.unwrap_or_else(|| vec![total; design.shares.len()]);
+            let used = known.iter().zip(&design.shares);
+            limits = Some(used.map(|(limit, share)| if *share > 0.0 { *limit } else { 0 }).collect());
+        }
+        Self { total, samples, limits }
+    }
 }
 
 /// Counts of whole segments, and their efficiency against the shares.

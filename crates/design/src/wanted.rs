@@ -11,6 +11,8 @@ pub enum AccuracyOf {
     Overall,
     /// The largest relative standard error.
     PerParameter,
+    /// The largest standard error of a figure of merit over the wanted one.
+    Figures,
 }
 
 impl fmt::Display for AccuracyOf {
@@ -18,6 +20,7 @@ impl fmt::Display for AccuracyOf {
         f.write_str(match self {
             Self::Overall => "root of the sum of squared relative standard errors",
             Self::PerParameter => "largest relative standard error",
+            Self::Figures => "largest standard error of a figure over the wanted one",
         })
     }
 }
@@ -25,7 +28,7 @@ impl fmt::Display for AccuracyOf {
 /// The accuracy that is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted {
-    /// The standard error, relative to the parameters.
+    /// The standard error, relative to the parameters or to those that are wanted of figures.
     pub accuracy: f64,
     /// Which one.
     pub of: AccuracyOf,

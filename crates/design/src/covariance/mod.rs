@@ -108,6 +108,30 @@ impl Covariance {
         })
     }
 
+    /// The sum of the variances of linear functions of the parameters. `functions`: the derivatives of each by every
+    /// row. Rows of different blocks count as uncorrelated.
+    ///
+    /// # Errors
+    /// As [`Covariance::new`]; [`Error::Weight`] for a derivative that is not finite.
+    pub fn of_functions(
+        information: &Candidates,
+        meat: &Candidates,
+        functions: &[Vec<f64>],
+    ) -> Result<Self, Error> {
+        let expected = information.dimension();
+        for function in functions {
+            if function.len() != expected {
+                return Err(Error::Shape { found: function.len(), expected });
+            }
+            if let Some(row) = function.iter().position(|slope| !slope.is_finite()) {
+                return Err(Error::Weight { row, found: function[row] });
+            }
+        }
+        Self::built(information, meat, Norm::Trace, |_, rows| {
+            functions.iter().flat_map(|function| function[rows.clone()].iter().copied()).collect()
+        })
+    }
+
     /// `root`: V of a block of n rows, with indices `rows`, in units of the candidates.
     fn built(
         information: &Candidates,
@@ -229,5 +253,22 @@ impl Covariance {
             (0..block.n).map(diagonal).collect::<Vec<_>>()
         };
         Some(self.blocks().flat_map(of).collect())
+    }
+
+    /// gᵀ C g of linear functions of the parameters at `shares`, per unit of experiment; g has a derivative by every
+    /// row, in `functions`. `None` if the information is singular.
+    pub fn variances_of(&self, shares: &[f64], functions: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let mut at = CovariancePoint::default();
+        self.invert(shares, &mut at)?;
+        let of = |function: &Vec<f64>| {
+            let own = |block: Block<'_>| {
+                let rows = function[block.rows.clone()].iter().zip(&self.rows[block.rows.clone()]);
+                let root: Vec<f64> = rows.map(|(slope, unit)| slope / unit).collect();
+                let block = Block { root: &root, ..block };
+                block.weighted(&at.covariance[block.range.clone()]).iter().sum::<f64>()
+            };
+            self.blocks().map(own).sum()
+        };
+        Some(functions.iter().map(of).collect())
     }
 }

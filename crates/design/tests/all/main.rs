@@ -3,6 +3,7 @@
 mod counts;
 mod covariance;
 mod designs;
+mod figures;
 mod oracle;
 mod oracle_covariance;
 mod oracle_output_error;
