@@ -11,6 +11,7 @@ pub(super) fn accuracy_of(design: &DesignDocument, figures: &mut Figures) -> Mar
     let title = match found.of {
         AccuracyOf::Overall => "root of Σ (std error/θ)² [1]",
         AccuracyOf::PerParameter => "largest std error/θ [1]",
+        AccuracyOf::Figures => "largest std error of a figure/wanted [1]",
     };
     let figure = accuracy(&curves(found), (found.duration_s, found.wanted), title);
     html! {

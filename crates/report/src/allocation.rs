@@ -4,6 +4,7 @@ use crate::figures::{SensitivityRow, ShareRow, sensitivities, shares};
 use maud::{Markup, html};
 
 use super::accuracy::accuracy_of;
+use super::designed_figures::figure_errors;
 use super::number::{exact, or_dash, percent, published, three_or_dash};
 use super::parts::{Figures, Section, missing};
 use super::shown::{omission, shown, used};
@@ -44,6 +45,7 @@ fn designed(study: &Study, design: &DesignDocument, figures: &mut Figures) -> Ma
         (omission(design.order.len(), names.len()))
         (table(&names, design, reference, study.experiment_s))
         (accuracy_of(design, figures))
+        (figure_errors(design))
         @if let Some(sequence) = &design.sequence { p.note { "Order: " (order(sequence)) ". " (sequence.statement) } }
     }
 }

@@ -15,6 +15,7 @@ mod compared;
 mod comparison;
 mod crossval;
 mod delivered;
+mod designed_figures;
 mod dictionary;
 mod drawing;
 mod errors;

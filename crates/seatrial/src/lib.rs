@@ -5,6 +5,7 @@
 //! - [`Logs`] become runs, [`Pooling`] makes one model of them, [`StructureSearch`] finds its structure, and [`Comparison`]
 //!   validates it on other recordings.
 //! - [`ChartedTrial`] is planned as one walk over a chart, proved to be the cheapest and checked in simulation.
+//! - [`Designing`] finds the shares of a trial by any criterion, and the shortest trial of an accuracy.
 //! - [`Merits`] are the figures by which standard maneuvers are judged.
 //!
 //! The programs call the same functions, from file to file. Nothing here reads a command line, prints or starts threads:
@@ -17,6 +18,7 @@
 
 mod charted;
 mod comparison;
+mod designing;
 mod measured;
 mod merit;
 mod monte_carlo;
@@ -26,6 +28,7 @@ mod structure;
 
 pub use charted::{ChartedTrial, PlanError, Planned};
 pub use comparison::Comparison;
+pub use designing::{Designing, Wish};
 pub use measured::{Ingested, Logs};
 pub use merit::Merits;
 pub use monte_carlo::{MonteCarlo, Realized};
@@ -39,7 +42,10 @@ pub use {
 };
 
 pub use artifact::{Budget, Error, Provenance};
-pub use design::{Design, NoDesign};
+pub use design::{
+    Accuracy, Bounds, Criterion, CriterionName, Design, Dictionary, NoDesign, Options, Restricted, Stock,
+    Wanted,
+};
 pub use engine::Run;
 pub use identification::pooled::{Covariance, Grown, Judgement, Pool, PoolError, Resampling};
 pub use identification::runs::{RunError, RunEstimators};
@@ -48,21 +54,23 @@ pub use logs::{Plan as LogsPlan, Source as LogsSource, Totals};
 pub use maneuver::{DictionaryFile, Generator};
 pub use model::{Model, Source, Vessel};
 pub use refusal::Invalid;
+pub use regression::MeanRemoval;
 pub use regression::pooled::{NominalSource, PooledRuns, Recorded};
 pub use regression::runs::NominalDiverged;
 pub use search::{NamedRoles, SearchError, SearchOptions};
 pub use study::campaign_file::CampaignFile;
 pub use study::documents::{
-    AverageDocument, CompareDocument, DesignScores, IngestDocument, MapDocument, MeritDocument,
-    MeritTableRow, ModelDocument, PlanChart, PlanDocument, RecordingSummary, SearchDocument,
+    AverageDocument, CompareDocument, DesignScores, Few, IngestDocument, MapDocument, MeritDocument,
+    MeritTableRow, ModelDocument, PlanChart, PlanDocument, RecordingSummary, SearchDocument, SolvedFigures,
 };
+pub use study::figure_goals::FigureGoals;
 pub use study::ingest_file::IngestFile;
 pub use study::plan::{PlanFile, Routes};
 pub use study::pooled_set::PooledSet;
 pub use study::trajectories::DataLabel;
 pub use study::{TermLists, Tried};
 pub use trial::campaign::{Campaign, Designed, Refusal, SimulatedRun};
-pub use trial::moments::Moments;
+pub use trial::moments::{Estimated, Moments, NoCriterion};
 pub use trial::voyage::{Brief, Check, Prepared, Sailing, Search, Shares, Solved, VoyageError};
 pub use validation::comparison::Traced;
 pub use validation::crossval::CrossError;

@@ -11,6 +11,7 @@ pub mod documents;
 mod doubtful;
 pub mod estimates;
 pub mod exported;
+pub mod figure_goals;
 pub mod files;
 pub mod folder;
 pub mod ingest_file;

@@ -9,6 +9,7 @@ use identification::Estimator;
 use model::Source;
 use regression::MeanRemoval;
 use serde_json::json;
+use study::figure_goals::{FigureWeight, StatedAccuracy};
 use trial::moments::Estimated;
 
 use crate::choice::choice;
@@ -52,9 +53,16 @@ pub struct Arguments {
     #[arg(long, value_name = "S")]
     pub(super) minimal_s: Option<f64>,
     /// Find the shortest experiment of this standard error, relative to the parameters (--relative-to), and from which length on
-    /// that holds
-    #[arg(long, value_name = "SHARE", conflicts_with_all = ["segments", "duration_s"])]
-    pub(super) accuracy: Option<f64>,
+    /// that holds; or of one of a figure of merit in its unit, repeatable
+    #[arg(long, value_name = "SHARE|FIGURE=ERROR UNIT", conflicts_with_all = ["segments", "duration_s"])]
+    pub(super) accuracy: Vec<StatedAccuracy>,
+    /// Figures of merit with their slopes, as `validate merit --slopes` writes them: says how well each will be known
+    #[arg(long, value_name = "merit.json")]
+    pub(super) figures: Option<PathBuf>,
+    /// Weight of a figure in the criterion `figures`, repeatable; without any it is 1, of those in --accuracy if there are such.
+    /// Names as in merit.json: `advance`, `overshoot` for all its numbers, `circle/advance` of one maneuver, `all`
+    #[arg(long, value_name = "FIGURE=NUMBER", requires = "figures")]
+    pub(super) weight: Vec<FigureWeight>,
     /// The accuracy is that of every parameter, not of all together (the root of the sum of squares)
     #[arg(long, requires = "accuracy")]
     pub(super) per_parameter: bool,
@@ -116,7 +124,29 @@ impl Arguments {
         check_positive("--tolerance", Some(self.tolerance))?;
         check_positive("--duration-s", self.duration_s)?;
         check_positive("--minimal-s", self.minimal_s)?;
-        check_positive("--accuracy", self.accuracy)
+        let usage =
+            |found: &str, expected: &str| Err(Failure::Usage(format!("{found}, expected {expected}")));
+        match (self.accuracy.as_slice(), self.share(), &self.figures) {
+            ([_, _, ..], Some(_), _) => {
+                usage("--accuracy: found several, one a share", "one share, or figures")
+            }
+            ([_, ..], None, None) => {
+                usage("--accuracy: found a figure without --figures", "its merit.json; add it")
+            }
+            ([_, ..], None, _) if self.per_parameter => {
+                usage("--per-parameter: found an --accuracy of figures", "a share; leave one of them out")
+            }
+            _ if self.criterion == Some(CriterionName::Figures) && self.figures.is_none() => usage(
+                "--criterion: found figures without --figures",
+                "a file of them; add --figures merit.json",
+            ),
+            (_, share, _) => check_positive("--accuracy", share),
+        }
+    }
+
+    /// The standard error that is wanted, relative to the parameters.
+    fn share(&self) -> Option<f64> {
+        self.accuracy.iter().find_map(StatedAccuracy::share)
     }
 
     /// The name of the requested criterion or the default.
@@ -127,18 +157,18 @@ impl Arguments {
         let output_error = self.estimator == Estimator::OutputError;
         match self.criterion {
             Some(CriterionName::DHessian) if output_error => {
-                usage("d-hessian for output-error, which has no instruments", "d, a, a-relative or v")
+                usage("d-hessian for output-error, which has no instruments", "d, a, a-relative, v or figures")
             }
             Some(CriterionName::V) if !output_error => usage("v for iv", "v with --for output-error"),
-            Some(CriterionName::DHessian) if self.accuracy.is_some() => Err(Failure::Usage(
+            Some(CriterionName::DHessian) if !self.accuracy.is_empty() => Err(Failure::Usage(
                 "--accuracy: found --criterion d-hessian, which predicts no standard errors, expected a criterion of the \
                  covariance; leave --criterion out or take a-relative"
                     .into(),
             )),
             Some(name) => Ok(name),
-            None if self.accuracy.is_some() => Ok(CriterionName::ARelative),
-            None if output_error => Ok(CriterionName::D),
-            None => Ok(CriterionName::DHessian),
+            None if self.share().is_some() => Ok(CriterionName::ARelative),
+            None if !self.accuracy.is_empty() => Ok(CriterionName::Figures),
+            None => Ok(self.estimated().d_optimal()),
         }
     }
 
@@ -170,10 +200,15 @@ impl Arguments {
         }
     }
 
-    /// The accuracy of --accuracy.
-    pub(super) fn wanted(&self, accuracy: f64) -> Wanted {
-        let of = if self.per_parameter { AccuracyOf::PerParameter } else { AccuracyOf::Overall };
-        Wanted { accuracy, of, longest_s: LONGEST_S }
+    /// The accuracy of --accuracy, if it is given.
+    pub(super) fn wanted(&self) -> Option<Wanted> {
+        let (accuracy, of) = match (self.share(), self.per_parameter) {
+            (None, _) if self.accuracy.is_empty() => return None,
+            (None, _) => (1.0, AccuracyOf::Figures),
+            (Some(share), true) => (share, AccuracyOf::PerParameter),
+            (Some(share), false) => (share, AccuracyOf::Overall),
+        };
+        Some(Wanted { accuracy, of, longest_s: LONGEST_S })
     }
 
     /// The experiment's length, as far as it is given.
@@ -193,12 +228,15 @@ impl Arguments {
         if name != CriterionName::DHessian {
             settings.insert("criterion".into(), json!(name));
         }
-        if name == CriterionName::ARelative || self.accuracy.is_some() {
+        if name == CriterionName::ARelative || self.share().is_some() {
             settings.insert("relative_to".into(), json!(self.relative_to));
         }
         if self.estimator == Estimator::OutputError {
             settings.insert("estimator".into(), json!(self.estimator));
             settings.insert("noise".into(), json!(name_of(self.noise)));
+        }
+        for FigureWeight { name, weight } in &self.weight {
+            settings.entry("weights".into()).or_insert_with(|| json!({}))[name.text()] = json!(weight);
         }
         if let Some(duration) = self.duration_s {
             settings.insert("duration_s".into(), json!(duration));

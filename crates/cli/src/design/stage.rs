@@ -1,9 +1,7 @@
 use std::path::Path;
 
 use artifact::{Provenance, commit, is_written, read_document, stage_document};
-use design::{
-    Available, Bounds, CountOptions, Design, Length, Options, Segments, Streamed, counted, solve_streamed,
-};
+use design::{Bounds, CountOptions, Design, Length, Options, Segments, Streamed, counted, solve_streamed};
 use serde_json::json;
 
 use super::Arguments;
@@ -19,7 +17,7 @@ use trial::moments::Moments;
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         self.check()?;
-        let inputs = [&self.moments].into_iter().chain(&self.available);
+        let inputs = [&self.moments].into_iter().chain(&self.available).chain(&self.figures);
         let out = common.main_output("design.json", inputs)?;
         let loaded = read_document::<MomentsDocument>(&self.moments)?;
         let moments = loaded.data.moments().map_err(|e| Failure::invalid(&self.moments, &e))?;
@@ -85,7 +83,7 @@ fn design(
     provenance: &mut Provenance,
 ) -> Result<DesignDocument, Failure> {
     let problem = Problem::read(a, seed, moments, provenance)?;
-    let (dictionary, criterion) = (&problem.dictionary, &problem.criterion);
+    let (dictionary, criterion) = (&problem.of.dictionary, &problem.of.criterion);
     let refuse = |e| problem.refuse(dictionary.explain(e));
     let options = a.options(seed);
     let shortest = problem.shortest(&options)?;
@@ -93,7 +91,7 @@ fn design(
         Some((_, accuracy)) => Length { samples: Some(accuracy.samples as f64), segments: None },
         None => a.length(dictionary),
     };
-    let available = match (&problem.stock, &a.available) {
+    let available = match (&problem.of.stock, &a.available) {
         (Some(stock), Some(path)) => Some(stock.within(dictionary, &length).map_err(|e| scarce(path, e))?),
         _ => None,
     };
@@ -112,37 +110,31 @@ fn design(
     let restricted = few.as_ref().map(|(_, found)| &found.design);
     let design = restricted.unwrap_or(&relaxed);
     let count_options = CountOptions { random_starts: a.starts, seed, ..CountOptions::default() };
+    let figures = problem.figures(design, &bounds, length.samples, &options)?;
     let sequence = problem.arranged(design, length.samples, provenance)?;
     let segments = length.segments.map(|(total, samples)| {
-        let segments = Segments { total, samples, limits: limits(available.as_ref(), restricted, total) };
+        let segments = Segments::within((total, samples), available.as_ref(), restricted);
         let whole = counted(criterion, design, &segments, &count_options, dictionary.parameters());
         whole.map(|whole| (segments, whole))
     });
     Ok(Solved {
         dictionary,
-        name: problem.name,
+        name: problem.of.wish.name,
         criterion,
-        estimated: problem.estimated,
+        estimated: problem.of.wish.estimated,
         removal: a.mean_removal,
         design,
         available: available.as_ref(),
         segments: segments.transpose().map_err(refuse)?,
         samples: length.samples,
         restricted: few.as_ref().map(|(few, found)| (*few, found)),
+        figures,
         accuracy: accuracy.as_ref(),
         sequence,
         streamed: streamed.as_ref(),
         beyond: moments.beyond.clone(),
     }
     .into())
-}
-
-/// Maximum number of segments of every maneuver: zero for those that a restricted design does not use.
-fn limits(available: Option<&Available>, restricted: Option<&Design>, total: u64) -> Option<Vec<u64>> {
-    let limits = available.and_then(|available| available.counts.clone());
-    let Some(design) = restricted else { return limits };
-    let limits = limits.unwrap_or_else(|| vec![total; design.shares.len()]);
-    Some(limits.iter().zip(&design.shares).map(|(limit, w)| if *w > 0.0 { *limit } else { 0 }).collect())
 }
 
 fn summary(out: &Path, document: &DesignDocument) -> Summary {

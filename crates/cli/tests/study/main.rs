@@ -12,6 +12,7 @@ mod estimates;
 mod estimators;
 mod export;
 mod few;
+mod figures;
 mod generated;
 mod golden;
 mod in_memory;

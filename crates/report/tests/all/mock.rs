@@ -156,6 +156,7 @@ fn design() -> DesignDocument {
         counted: None,
         available: None,
         covariance: None,
+        figures: None,
         accuracy: None,
         estimator: None,
         restricted: None,

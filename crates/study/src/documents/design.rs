@@ -9,6 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trial::campaign::{Designed, check_shares};
 
+use super::design_figures::DesignFigures;
 use super::design_status::DesignStatus;
 use super::titles;
 
@@ -18,8 +19,8 @@ pub use design::AccuracyPoint;
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DesignDocument {
-    /// `D`: log|det| of the information matrix; `covariance D`, `A`, `relative A` or `V`: a criterion of the estimate's
-    /// covariance, see `covariance`.
+    /// `D`: log|det| of the information matrix; `covariance D`, `A`, `relative A`, `V`, or `figures`: a criterion of the
+    /// estimate's covariance, see `covariance`.
     #[serde(with = "titles")]
     #[schemars(schema_with = "titles::schema")]
     pub criterion: CriterionName,
@@ -82,6 +83,9 @@ pub struct DesignDocument {
     /// About few or long maneuvers, where they were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restricted: Option<Restricted>,
+    /// Standard errors of figures of merit, where `--figures` was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub figures: Option<DesignFigures>,
     /// How long the experiment has to be, where an accuracy was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
@@ -145,7 +149,7 @@ pub struct Restricted {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Accuracy {
-    /// The wanted standard error, relative to the parameters.
+    /// The wanted standard error, relative to the parameters; 1 where it is that of figures, relative to those wanted.
     pub wanted: f64,
     /// Which relative standard error.
     pub of: AccuracyOf,
@@ -175,7 +179,8 @@ pub struct CovarianceCriterion {
     /// Its name on the command line.
     pub name: CriterionName,
     /// What is smallest at the shares, for an experiment of `samples`: Σ_d log det cov θ̂_d (d), Σ weight × variance
-    /// (a, a-relative), or the mean square of a free run's error (v).
+    /// (a, a-relative), the mean square of a free run's error (v), or Σ weight × variance/value² of figures of merit and
+    /// 10⁻⁵ of that of parameters (figures).
     pub value: f64,
     /// Weight of every parameter's variance; with d whether it counts.
     pub weights: BTreeMap<String, f64>,
@@ -240,6 +245,7 @@ impl Document for DesignDocument {
         ("1", "shares sensitivities dimension gap relative_gap log_det iterations equal_shares single"),
         ("1", "candidates counts segments segment_samples efficiency samples wanted reached"),
         ("s", "minimal_s duration_s"),
+        ("the unit beside it", "standard_error d_optimal"),
     ];
 
     fn check(&self) -> Result<(), Invalid> {

@@ -6,6 +6,7 @@ mod compare;
 mod constrained;
 mod crossval;
 mod design;
+mod design_figures;
 mod design_status;
 mod estimate;
 mod found;
@@ -63,6 +64,7 @@ pub use design::{
     Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, Efficiency, Restricted, Sequence,
     SequencePart, Start,
 };
+pub use design_figures::{DesignFigure, DesignFigures, SolvedFigures};
 pub use design_status::DesignStatus;
 pub(crate) use estimate::bounded;
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
@@ -75,7 +77,7 @@ pub use map::{
     MapMeridian, MapName, MapParallel, MapPlace, MapPurpose, MapRaster, MapRuns, MapSpot, MapSwept,
     MapSymbol, MapTrack, MapTrackKind,
 };
-pub use merit::{MeritDocument, MeritTableRow, merit_rows};
+pub use merit::{MeritDocument, MeritTableRow, SlopesAt, merit_rows};
 pub use model::{ModelDegree, ModelDocument, ModelParameter};
 pub use moments::MomentsDocument;
 pub use plan::{

@@ -129,6 +129,7 @@ impl RefinedFiles<'_> {
             }),
             estimator: Some(Estimator::OutputError),
             restricted: None,
+            figures: None,
             accuracy: None,
             sequence: Some(Sequence {
                 parts: vec![SequencePart { maneuver: NAME.into(), samples }],

@@ -15,6 +15,7 @@ use super::design::{
     Accuracy as AccuracyDocument, Counts, CovarianceCriterion, DesignDocument, Efficiency,
     Restricted as RestrictedDocument, Sequence, SequencePart, Start,
 };
+use super::design_figures::SolvedFigures;
 use super::design_status::DesignStatus;
 use super::statements;
 
@@ -40,6 +41,8 @@ pub struct Solved<'a> {
     pub samples: Option<f64>,
     /// A restriction, if requested.
     pub restricted: Option<(Few, &'a Restricted)>,
+    /// Figures of merit, if given.
+    pub figures: Option<SolvedFigures<'a>>,
     /// The time for a wanted accuracy, if requested.
     pub accuracy: Option<&'a Accuracy>,
     /// Order and lengths, if requested.
@@ -105,6 +108,7 @@ impl From<Solved<'_>> for DesignDocument {
             estimator: matches!(solved.estimated, Estimated::OutputError { .. })
                 .then_some(Estimator::OutputError),
             restricted: solved.restricted.map(|(few, found)| restriction(few, found)),
+            figures: solved.figures.as_ref().map(|figures| figures.document(samples(&solved) as u64)),
             accuracy: solved.accuracy.map(accuracy),
             sequence: solved.sequence.map(Into::into),
             order: dictionary.maneuvers.clone(),
@@ -122,9 +126,14 @@ fn least_largest(solved: &Solved) -> bool {
     solved.accuracy.is_some_and(|accuracy| accuracy.bound_s.is_some())
 }
 
+/// Samples of the experiment, 1 if they are not known.
+fn samples(solved: &Solved) -> f64 {
+    solved.samples.map_or(1.0, f64::round).max(1.0)
+}
+
 fn covariance(solved: &Solved) -> Option<CovarianceCriterion> {
     let Criterion::Covariance(criterion) = solved.criterion else { return None };
-    let samples = solved.samples.map_or(1.0, f64::round).max(1.0);
+    let samples = samples(solved);
     let names = || solved.dictionary.parameter_names().map(str::to_owned);
     let Predicted { value, standard_errors } =
         criterion.predicted(solved.dictionary, &solved.design.shares, samples)?;

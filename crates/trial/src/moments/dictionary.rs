@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use design::{Candidates, Dictionary};
+use design::{Candidates, CriterionName, Dictionary};
 use model::Source;
 use refusal::Invalid;
 use regression::MeanRemoval;
@@ -22,6 +22,14 @@ pub enum Estimated {
 }
 
 impl Estimated {
+    /// The criterion of a D-optimal design for it.
+    pub fn d_optimal(self) -> CriterionName {
+        match self {
+            Self::Iv(_) => CriterionName::DHessian,
+            Self::OutputError { .. } => CriterionName::D,
+        }
+    }
+
     /// Whether intercepts are among the unknowns.
     fn has_intercepts(self) -> bool {
         match self {
@@ -65,7 +73,7 @@ impl Moments {
                 "`data.disturbances`",
                 "no expected disturbances",
                 "those that the covariance of the estimate is predicted from",
-                "run `moments` with --campaign campaign.toml, or take --criterion d-hessian",
+                "run `moments` with --campaign campaign.toml, or take --criterion d-hessian without --figures",
             ));
         }
         match estimated {

@@ -1,6 +1,7 @@
 //! The information of maneuvers about a model's parameters: moments of measured and simulated runs, pooled by
 //! maneuver, and the dictionaries that designs choose from.
 
+mod criteria;
 mod dictionary;
 mod free_runs;
 mod matrices;
@@ -9,6 +10,7 @@ mod rivals;
 
 use std::collections::BTreeMap;
 
+pub use criteria::{CriterionOf, NoCriterion};
 use design::Degree;
 pub use dictionary::{Estimated, leading, malformed};
 pub use free_runs::{FreeRunModel, Unpredictable};

@@ -1,0 +1,256 @@
+//! Figures of merit that a design is for, from `merit.json`.
+
+mod stated;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use artifact::{Error, Provenance, STUDY_ROLES, read_document};
+use design::WeightedFigure;
+use refusal::Invalid;
+use trial::moments::Moments;
+
+use crate::documents::{FigureMerit, MeritDocument};
+use crate::invalid;
+
+pub use stated::{FigureName, FigureWeight, StatedAccuracy, WantedFigure};
+
+/// A figure of this size or less, in its unit, is zero: no error is relative to it.
+const ZERO: f64 = 1e-6;
+
+/// A figure of merit that a design may be for; distances in metres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FigureGoal {
+    /// The maneuver.
+    pub maneuver: String,
+    /// Its name.
+    pub name: String,
+    /// What it is.
+    pub what: String,
+    /// Its unit.
+    pub unit: String,
+    /// Value, derivatives by parameter in the order of the moments, and weight.
+    pub figure: WeightedFigure,
+    /// The standard error that is wanted.
+    pub wanted: Option<f64>,
+}
+
+/// The figures of a `merit.json` for the parameters of moments.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FigureGoals {
+    /// Those with slopes, in the order of the file, each with a weight of 1.
+    pub goals: Vec<FigureGoal>,
+    /// The parameters that they were differentiated at, in the order of the moments; none is 0.
+    pub parameters: Vec<f64>,
+    /// Why others are left out, or have no weight.
+    pub left_out: Vec<String>,
+    /// Length of the ship \[m\].
+    length_m: f64,
+}
+
+impl FigureGoals {
+    /// Reads the figures of the `merit.json` at `path` as an input; it may be of another dictionary than the moments.
+    ///
+    /// # Errors
+    /// As [`FigureGoals::new`]; a file that is refused, or was made of another vessel's.
+    pub fn read(path: &Path, moments: &Moments, provenance: &mut Provenance) -> Result<Self, Error> {
+        let loaded = read_document::<MeritDocument>(path)?;
+        let goals = Self::new(&loaded.data, moments).map_err(|e| invalid(path, &e))?;
+        let mut from = loaded.provenance;
+        let others: Vec<&str> = STUDY_ROLES.into_iter().filter(|role| *role != "vessel").collect();
+        from.forget(&others);
+        provenance.made("figures", path, loaded.digest, &from)?;
+        Ok(goals)
+    }
+
+    /// The figures of `document` for the parameters of `moments`.
+    ///
+    /// # Errors
+    /// Figures without slopes, of another vessel, or of other parameters.
+    pub fn new(document: &MeritDocument, moments: &Moments) -> Result<Self, Invalid> {
+        let again = "run `validate merit --slopes` with the vessel of the moments";
+        if document.vessel != moments.vessel {
+            let [found, expected] = [&document.vessel, &moments.vessel].map(|name| format!("`{name}`"));
+            return Err(Invalid::new("`data.vessel`", found, expected + ", as in the moments", again));
+        }
+        let Some(at) = &document.slopes_at else {
+            let expected = "the parameters that the figures' slopes were computed at";
+            return Err(Invalid::new("`data.slopes_at`", "none", expected, again));
+        };
+        let names: Vec<&String> = moments.degrees.iter().flat_map(|degree| &degree.parameters).collect();
+        let parameters = by_parameter(&at.parameters, &names, "`data.slopes_at.parameters`")?;
+        if let Some((name, value)) = names.iter().zip(&parameters).find(|(_, value)| **value == 0.0) {
+            let thing = format!("`data.slopes_at.parameters.{name}`");
+            return Err(Invalid::new(thing, value.to_string(), "a value other than 0", again));
+        }
+        let mut own =
+            Self { goals: Vec::new(), parameters, left_out: Vec::new(), length_m: document.length_m };
+        for maneuver in &document.maneuvers {
+            for figure in &maneuver.figures {
+                own.add(&maneuver.name, figure, &names)?;
+            }
+        }
+        match own.goals.is_empty() {
+            true => Err(Invalid::new("`data.maneuvers`", "no figure with slopes", "at least one", again)),
+            false => Ok(own),
+        }
+    }
+
+    fn add(&mut self, maneuver: &str, figure: &FigureMerit, names: &[&String]) -> Result<(), Invalid> {
+        let place = format!("{maneuver}/{}", figure.name);
+        let Some(slopes) = &figure.slopes else {
+            let why = figure.without_slopes.as_deref().unwrap_or("it has no slopes");
+            self.left_out.push(format!("{place} is left out: {why}."));
+            return Ok(());
+        };
+        let mut slopes = by_parameter(slopes, names, &format!("slopes of `{place}`"))?;
+        let (scale, unit) = match figure.unit.as_str() {
+            "L" => (self.length_m, "m"),
+            unit => (1.0, unit),
+        };
+        slopes.iter_mut().for_each(|slope| *slope *= scale);
+        self.goals.push(FigureGoal {
+            maneuver: maneuver.to_owned(),
+            name: figure.name.clone(),
+            what: figure.what.clone(),
+            unit: unit.to_owned(),
+            figure: WeightedFigure { value: scale * figure.value, slopes, weight: 1.0 },
+            wanted: None,
+        });
+        Ok(())
+    }
+
+    /// Sets the weights as stated, the later over the earlier. Without any, figures with a wanted error count relative to that,
+    /// or all. A figure of zero has no weight unless it is named.
+    ///
+    /// # Errors
+    /// An unknown figure; a weight for a figure of zero; no weight above 0.
+    pub fn weigh(&mut self, weights: &[FigureWeight]) -> Result<(), Invalid> {
+        if weights.is_empty() {
+            self.weigh_wanted();
+        }
+        for stated in weights {
+            for index in self.named("--weight", &stated.name)? {
+                let goal = &mut self.goals[index];
+                goal.figure.weight = stated.weight;
+                if is_zero(goal) && stated.weight > 0.0 && !stated.name.is_all() {
+                    let thing = format!("--weight {}", stated.name.text());
+                    let found = format!("{} of {}", goal.figure.value, goal.maneuver);
+                    let expected = "a figure other than 0, which its error is relative to";
+                    return Err(Invalid::new(thing, found, expected, "leave it out"));
+                }
+            }
+        }
+        for goal in self.goals.iter_mut().filter(|goal| is_zero(goal) && goal.figure.weight > 0.0) {
+            goal.figure.weight = 0.0;
+            let said = format!(
+                "{}/{} is 0 and has no weight: no error is relative to it.",
+                goal.maneuver, goal.name
+            );
+            self.left_out.push(said);
+        }
+        if self.goals.iter().all(|goal| goal.figure.weight == 0.0) {
+            return Err(Invalid::new(
+                "--weight",
+                "0 for every figure",
+                "one above 0",
+                "leave one of them out",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Weighs the figures with a wanted error, if there are such, by variance/wanted², and no others; the largest weight is 1.
+    fn weigh_wanted(&mut self) {
+        let of = |goal: &FigureGoal| goal.wanted.map(|wanted| (goal.figure.value / wanted).powi(2));
+        let largest = self.goals.iter().filter_map(of).fold(0.0, f64::max);
+        for goal in self.goals.iter_mut().filter(|_| largest > 0.0) {
+            goal.figure.weight = of(goal).unwrap_or(0.0) / largest;
+        }
+    }
+
+    /// Sets the standard errors that are wanted of figures.
+    ///
+    /// # Errors
+    /// An unknown figure; a unit that is not the figure's.
+    pub fn want(&mut self, accuracy: &[StatedAccuracy]) -> Result<(), Invalid> {
+        for stated in accuracy {
+            let StatedAccuracy::Figure(stated) = stated else { continue };
+            for index in self.named("--accuracy", &stated.name)? {
+                let length_m = self.length_m;
+                let goal = &mut self.goals[index];
+                let factor = match (goal.unit.as_str(), stated.unit.as_str()) {
+                    (own, unit) if own == unit => 1.0,
+                    ("m", "L") => length_m,
+                    ("deg", "°") => 1.0,
+                    ("1", "") => 1.0,
+                    (own, unit) => {
+                        let found = if unit.is_empty() { "no unit".into() } else { format!("`{unit}`") };
+                        let expected = if own == "m" { "m, or L (ship lengths)" } else { own };
+                        let thing = format!("--accuracy {}", stated.name.text());
+                        return Err(Invalid::new(thing, found, expected, "correct the unit"));
+                    }
+                };
+                goal.wanted = Some(factor * stated.error);
+            }
+        }
+        Ok(())
+    }
+
+    /// The places of the figures of this name.
+    fn named(&self, flag: &str, name: &FigureName) -> Result<Vec<usize>, Invalid> {
+        let all = self.goals.iter().enumerate();
+        let found = all.filter(|(_, goal)| name.matches(&goal.maneuver, &goal.name));
+        let found: Vec<usize> = found.map(|(index, _)| index).collect();
+        if !found.is_empty() {
+            return Ok(found);
+        }
+        let mut known: Vec<&str> = Vec::new();
+        for goal in self
+            .goals
+            .iter()
+            .filter(|goal| !name.text().contains('/') || name.text().contains(&goal.maneuver))
+        {
+            if !known.contains(&goal.name.as_str()) {
+                known.push(&goal.name);
+            }
+        }
+        Err(Invalid::unknown(flag, name.text(), known))
+    }
+
+    /// The figures as a criterion has them.
+    pub fn weighted(&self) -> Vec<WeightedFigure> {
+        self.goals.iter().map(|goal| goal.figure.clone()).collect()
+    }
+
+    /// The slopes of every figure, by parameter.
+    pub fn slopes(&self) -> Vec<Vec<f64>> {
+        self.goals.iter().map(|goal| goal.figure.slopes.clone()).collect()
+    }
+
+    /// Slopes and error of the figures with a wanted one.
+    pub fn wanted(&self) -> Vec<(Vec<f64>, f64)> {
+        self.goals.iter().filter_map(|goal| Some((goal.figure.slopes.clone(), goal.wanted?))).collect()
+    }
+}
+
+fn is_zero(goal: &FigureGoal) -> bool {
+    goal.figure.value.abs() <= ZERO
+}
+
+/// One value of every parameter, in their order.
+fn by_parameter(values: &BTreeMap<String, f64>, names: &[&String], thing: &str) -> Result<Vec<f64>, Invalid> {
+    let refuse = |found: String| {
+        let expected = "the parameters of the moments";
+        Invalid::new(thing, found, expected, "run `validate merit --slopes` with the vessel of the moments")
+    };
+    if let Some(other) = values.keys().find(|name| !names.contains(name)) {
+        return Err(refuse(format!("`{other}`")));
+    }
+    let of = |name: &&String| match values.get(*name) {
+        Some(value) if value.is_finite() => Ok(*value),
+        Some(value) => Err(refuse(format!("{value} of `{name}`"))),
+        None => Err(refuse(format!("no `{name}`"))),
+    };
+    names.iter().map(of).collect()
+}
