@@ -38,7 +38,7 @@ fn killed(watched: &Watched, line: &str, after: Duration, which: usize) -> Resul
 
 #[test]
 fn law_processes_that_are_ended_at_any_moment_leave_the_old_files_or_the_new() {
-    let each = asked().map_or(2, |cases| cases / 10 / 33);
+    let each = asked().map_or(1, |cases| cases / 10 / 33);
     for_every_stage("signals", |stage, ground, line| {
         let watched = Watched::new(ground, line);
         let started = Instant::now();

@@ -168,14 +168,8 @@ fn resamples_that_are_not_those_asked_for_are_refused() {
 fn runs_that_are_read_again_give_the_same_bytes() {
     let folder = with(&["campaign.parquet"]);
     let path = folder.path().join("campaign.parquet");
-    let mut some = craft::read(&path, "trajectories").in_blocks_of(3 * 1001);
-    some.blocks.truncate(4);
-    some.write(&path);
-    for flags in [
-        "refined-iv --mean-removal batch",
-        "auto --part-s 20 --bootstrap 2",
-        "output-error --nominal least-squares --bootstrap 2",
-    ] {
+    craft::read(&path, "trajectories").in_blocks_of(3 * 1001).write(&path);
+    for flags in ["refined-iv --mean-removal batch", "iv --nominal least-squares --part-s 20 --bootstrap 2"] {
         let made = |memory: &str| {
             let line = format!("{POOL} --allow-mixed --estimator {flags} {memory} --out estimates.parquet");
             run(&folder, &line).succeeds();
