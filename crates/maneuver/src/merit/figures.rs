@@ -77,7 +77,7 @@ impl Measured<'_> {
         let turned = self.record.turned(from, test.to.sign());
         let most = |sign: f64| turned.iter().map(|psi| sign * psi).fold(0.0, f64::max);
         // The helm goes over at this heading, so the samples after it follow another law.
-        let first = self.smoother.end(&turned[from..], test.heading_rad, 0.0);
+        let first = self.smoother.reached(&turned[from..], test.heading_rad);
         let first = first.ok_or_else(|| unreached("heading", most(1.0), test.heading_rad))? + from as f64;
         let seconds = length / test.speed_m_s;
         let helm = angle(&test.helm, self.hull.vessel);
@@ -202,7 +202,12 @@ impl Measured<'_> {
     fn stop(&self, stop: &Stop) -> Result<Vec<Figure>, Invalid> {
         let (from, length) = (self.record.sample(stop.hold_s), self.hull.length_m);
         let slowed: Vec<f64> = self.record.surge[from..].iter().map(|u| -u).collect();
-        let end = self.smoother.end(&slowed, -stop.end_m_s(), 1e-5 * stop.speed_m_s).ok_or_else(|| {
+        // A crash stop ends there, so that the samples after it follow another law; an inertial stop goes on.
+        let end = match stop.inputs.is_empty() {
+            true => self.smoother.crossing(&slowed, -stop.end_m_s()),
+            false => self.smoother.end(&slowed, -stop.end_m_s(), 1e-5 * stop.speed_m_s),
+        };
+        let end = end.ok_or_else(|| {
             let least = self.record.surge[from..].iter().copied().fold(f64::INFINITY, f64::min);
             let (found, expected) =
                 (format!("{least:.3} m/s at the least"), format!("{:.3} m/s", stop.end_m_s()));

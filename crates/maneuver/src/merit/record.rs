@@ -118,6 +118,12 @@ impl Smoother {
         Some(self.root(self.window(first, values.len()), first, values, level))
     }
 
+    /// The same by the samples up to the first beyond it: the helm goes over there, and what comes after follows another law.
+    pub fn reached(&self, values: &[f64], level: f64) -> Option<f64> {
+        let first = values.iter().position(|value| *value >= level)?;
+        Some(self.root(first.saturating_sub(2 * self.half)..first + 1, first, values, level))
+    }
+
     /// The same by the samples before the first that passes it: an order that ends there spoils that sample and what comes
     /// after. A simulated ship may end it just short of the level, by a part of her last step or of `near`.
     pub fn end(&self, values: &[f64], level: f64, near: f64) -> Option<f64> {
