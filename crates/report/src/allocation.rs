@@ -138,7 +138,7 @@ fn footnotes(design: &DesignDocument) -> Markup {
             }
         }
         @if let Some(log_det) = design.log_det {
-            p.note { "Value of the criterion: log|det| = " (exact((log_det * 1e4).round() / 1e4)) "." }
+            p.note { "log|det| of the information matrix: " (exact((log_det * 1e4).round() / 1e4)) "." }
         }
     }
 }
