@@ -46,6 +46,16 @@ impl<'a> RunView<'a> {
         Self { measured, exogenous, instrument_exogenous: exogenous, initial: [0, 1, 2].map(|d| measured[d]) }
     }
 
+    /// Whether instruments are simulated with other inputs than the recorded ones.
+    pub fn has_instrument_inputs(&self) -> bool {
+        !std::ptr::eq(self.exogenous, self.instrument_exogenous)
+    }
+
+    /// A copy of the inputs that instruments are simulated with; empty where they are the recorded ones.
+    pub fn own_instrument_inputs(&self) -> Vec<f64> {
+        if self.has_instrument_inputs() { self.instrument_exogenous.to_vec() } else { Vec::new() }
+    }
+
     /// Number of samples N.
     pub fn samples(&self) -> usize {
         self.measured.len() / 3 - 1

@@ -42,7 +42,7 @@ impl SideBySide {
         rows(|run| run.measured, &mut self.measured);
         rows(|run| run.exogenous, &mut self.exogenous);
         self.instrument_exogenous.clear();
-        if runs.iter().any(|run| !std::ptr::eq(run.exogenous, run.instrument_exogenous)) {
+        if runs.iter().any(RunView::has_instrument_inputs) {
             rows(|run| run.instrument_exogenous, &mut self.instrument_exogenous);
         }
         self.initial = [0, 1, 2].map(|d: usize| lane(runs.len(), |run| runs[run].initial[d]));

@@ -54,36 +54,23 @@ impl<'a> AnyBatch<'a> {
 impl<'a, X: Number> Batch<'a, X> {
     /// This batch with its number type erased.
     pub(crate) fn any(&self) -> AnyBatch<'a> {
-        let Self { model, measured, segments, .. } = *self;
         let numbers =
             [self.instrument_states, self.exogenous, self.instrument_exogenous].map(|own| X::numbers(own));
         match numbers {
-            [
-                Numbers::Lanes(instrument_states),
-                Numbers::Lanes(exogenous),
-                Numbers::Lanes(instrument_exogenous),
-            ] => AnyBatch::Lanes(Batch {
-                model,
-                measured,
-                instrument_states,
-                exogenous,
-                instrument_exogenous,
-                segments,
-            }),
-            [
-                Numbers::Shared(instrument_states),
-                Numbers::Shared(exogenous),
-                Numbers::Shared(instrument_exogenous),
-            ] => AnyBatch::Shared(Batch {
-                model,
-                measured,
-                instrument_states,
-                exogenous,
-                instrument_exogenous,
-                segments,
-            }),
+            [Numbers::Lanes(states), Numbers::Lanes(own), Numbers::Lanes(instruments)] => {
+                AnyBatch::Lanes(self.of([states, own, instruments]))
+            }
+            [Numbers::Shared(states), Numbers::Shared(own), Numbers::Shared(instruments)] => {
+                AnyBatch::Shared(self.of([states, own, instruments]))
+            }
             _ => unreachable!("all are made of X"),
         }
+    }
+
+    /// This batch with its data as numbers of another type.
+    fn of<Y>(&self, [instrument_states, exogenous, instrument_exogenous]: [&'a [Y]; 3]) -> Batch<'a, Y> {
+        let Self { model, measured, segments, .. } = *self;
+        Batch { model, measured, instrument_states, exogenous, instrument_exogenous, segments }
     }
 }
 

@@ -202,7 +202,7 @@ impl Measured<'_> {
     fn stop(&self, stop: &Stop) -> Result<Vec<Figure>, Invalid> {
         let (from, length) = (self.record.sample(stop.hold_s), self.hull.length_m);
         let slowed: Vec<f64> = self.record.surge[from..].iter().map(|u| -u).collect();
-        // A crash stop ends there, so that the samples after it follow another law; an inertial stop goes on.
+        // A crash stop ends there. An inertial stop goes on, so the samples after it count, too.
         let end = match stop.inputs.is_empty() {
             true => self.smoother.crossing(&slowed, -stop.end_m_s()),
             false => self.smoother.end(&slowed, -stop.end_m_s(), 1e-5 * stop.speed_m_s),

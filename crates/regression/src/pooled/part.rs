@@ -44,10 +44,7 @@ impl Part {
             label: label.to_owned(),
             source: source.to_owned(),
             exogenous: measured.exogenous.to_vec(),
-            instrument_exogenous: match std::ptr::eq(measured.exogenous, measured.instrument_exogenous) {
-                true => Vec::new(),
-                false => measured.instrument_exogenous.to_vec(),
-            },
+            instrument_exogenous: measured.own_instrument_inputs(),
             measured: measured.measured.to_vec(),
         }
     }

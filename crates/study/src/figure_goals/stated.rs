@@ -58,7 +58,7 @@ impl FromStr for FigureWeight {
     }
 }
 
-/// A standard error that is asked for: `--accuracy`.
+/// The value of `--accuracy`: a standard error that is wanted.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StatedAccuracy {
     /// Relative to the parameters.

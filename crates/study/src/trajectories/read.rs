@@ -357,11 +357,14 @@ impl<'a> Block<'a> {
 impl Block<'_> {
     /// What instruments of a run with these `recorded` inputs and disturbances are simulated with; empty if that are its own.
     fn instrument_rows(&self, start: usize, recorded: &[f64]) -> Vec<f64> {
+        if self.instruments.is_empty() {
+            return Vec::new();
+        }
         let (mut rows, width) = (recorded.to_vec(), self.reader.width);
         for (r, row) in rows.chunks_exact_mut(width).enumerate() {
             let own = self.instruments.iter().map(|column| column[start + r]);
             row.iter_mut().zip(own).for_each(|(to, own)| *to = own);
-            for (own, _) in self.reader.derived.iter().filter(|_| !self.instruments.is_empty()) {
+            for (own, _) in &self.reader.derived {
                 row[own.variable - 3] = own.value(row);
             }
         }

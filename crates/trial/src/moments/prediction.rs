@@ -36,7 +36,7 @@ fn segments(run: &Run) -> Vec<Run> {
             run: run.run,
             segments: vec![Segment { maneuver: segment.maneuver.clone(), start: 0 }],
             exogenous: own.exogenous.to_vec(),
-            instrument_exogenous: own.instrument_exogenous.to_vec(),
+            instrument_exogenous: own.own_instrument_inputs(),
             measured: own.measured.to_vec(),
             initial: if segment.start == 0 { run.initial } else { own.initial },
         }
