@@ -184,7 +184,8 @@ impl Log {
         let cells = with_angles(cells.collect(), spec, &rows.lines)?;
         let channels: Vec<_> = cells.into_iter().zip(specs).collect();
         let channel = |(cells, ((spec, unit), limit))| rows.channel(cells, spec, unit, limit);
-        let judged = channels.into_par_iter().map(channel).collect::<Result<Vec<_>, _>>()?;
+        let judged: Vec<_> = channels.into_par_iter().map(channel).collect();
+        let judged = judged.into_iter().collect::<Result<Vec<_>, _>>()?;
         let labels = labels.map(|labels| rows.labels(labels));
         let mut omitted = Omissions::default();
         omitted.append(&by_column, |column| {

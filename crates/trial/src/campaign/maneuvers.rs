@@ -93,7 +93,9 @@ impl<'a> Maneuvers<'a> {
             let seconds = seconds / self.vessel.sample_rate_hz;
             Ok(Reached { maneuver: self.generator.maneuvers()[index].name.clone(), seconds, aims })
         };
-        (0..self.generator.written()).into_par_iter().map(one).collect()
+        // All, then the first refusal in order: one that a race chose would differ from run to run.
+        let all: Vec<_> = (0..self.generator.written()).into_par_iter().map(one).collect();
+        all.into_iter().collect()
     }
 
     /// Simulates a maneuver, unless it is generated and exceeds its limits.

@@ -175,8 +175,10 @@ impl Checking<'_> {
         let (mut next, mut concurrent, mut aside) = (0, Some(concurrent), None);
         while next < runs && (counter_examples.is_empty() || self.is_last) {
             let some = next..(next + FIRST_RUNS.max(next * FIRST_RUNS)).min(runs);
-            let simulate =
-                || some.clone().into_par_iter().map(one).collect::<Result<Vec<Run>, VoyageError>>();
+            let simulate = || -> Result<Vec<Run>, VoyageError> {
+                let all: Vec<_> = some.clone().into_par_iter().map(one).collect();
+                all.into_iter().collect()
+            };
             let mut new = match concurrent.take_if(|_| some.end == runs) {
                 Some(own) => {
                     let (new, own) = rayon::join(simulate, own);

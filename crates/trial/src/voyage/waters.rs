@@ -113,13 +113,14 @@ impl Prepared {
         let (task, grid) = (&self.brief.task, &self.grid);
         let raster = task.raster(grid);
         let (kinds, layer_of_leg) = self.obstacle_kinds();
-        let obstacles: Vec<Obstacles> = kinds
+        let obstacles: Vec<_> = kinds
             .par_iter()
             .map(|(depth, margin, maneuvers)| {
                 let new = if *maneuvers { Obstacles::new } else { Obstacles::in_transit };
                 in_time().and_then(|()| Ok(new(&self.chart, raster, *depth, *margin)?))
             })
-            .collect::<Result<_, VoyageError>>()?;
+            .collect();
+        let obstacles: Vec<Obstacles> = obstacles.into_iter().collect::<Result<_, VoyageError>>()?;
         let node_distance_m = match task.cost.secondary {
             Secondary::Clearance => self.node_distances_m(raster, keep_going)?,
             _ => Vec::new(),
