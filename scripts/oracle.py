@@ -68,8 +68,7 @@ CONVENTIONS = {
     "designs": "shares in the order of the maneuvers; log_det = Σ_d log|det| of the information matrix at shares that "
     "sum to 1; gap = max sensitivity − dimension",
     "runs": "of runs.parquet; theta in the order of `parameters`; per degree of freedom: condition (scaled to unit root "
-    "mean square, means removed), gamma0, gamma1 of the residual; standard_error is null where the moving-average "
-    "formula gives no positive variance; standard_error_bounded limits gamma1 to ± gamma0 / 2",
+    "mean square, means removed), gamma0, gamma1 of the likeliest moving average of order 1 of the residual",
     "validation": "RMSE of u, v, r over samples 1 to N, simulated from `initial` in still water",
 }
 
@@ -147,13 +146,8 @@ def estimate_entry(study: Study, e: Estimate) -> dict[str, Any]:
         "condition": e.condition,
         "gamma0": e.gamma0,
         "gamma1": e.gamma1,
-        "standard_error": roots(e.variance),
-        "standard_error_bounded": roots(e.variance_bounded),
+        "standard_error": np.sqrt(e.variance).tolist(),
     }
-
-
-def roots(variances: np.ndarray) -> list[float | None]:
-    return [math.sqrt(v) if v > 0.0 else None for v in variances.tolist()]
 
 
 def validation_entry(study: Study, estimates: list[Estimates]) -> dict[str, Any]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.fft import dst
+from scipy.optimize import minimize_scalar
 
 from .motion import regressors, simulate
 from .removal import condition, without_mean
@@ -21,7 +23,6 @@ class Estimate:
     gamma0: list[float]
     gamma1: list[float]
     variance: np.ndarray
-    variance_bounded: np.ndarray
 
 
 def estimate(vessel: Vessel, run: Run, estimator: str, removal: str) -> Estimate:
@@ -40,8 +41,8 @@ def estimate(vessel: Vessel, run: Run, estimator: str, removal: str) -> Estimate
         _spread(z, f, target[:, d], part, removal, run.segment)
         for d, (z, f, part) in enumerate(zip(centred, phi, parts))
     ]
-    gamma0, gamma1, variance, bounded = zip(*spreads)
-    return Estimate(theta, conditions, list(gamma0), list(gamma1), np.concatenate(variance), np.concatenate(bounded))
+    gamma0, gamma1, variance = zip(*spreads)
+    return Estimate(theta, conditions, list(gamma0), list(gamma1), np.concatenate(variance))
 
 
 def _blocks(parts: list[np.ndarray]) -> np.ndarray:
@@ -69,22 +70,39 @@ def _solve(z: np.ndarray, phi: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 def _spread(
     zeta: np.ndarray, phi: np.ndarray, target: np.ndarray, theta: np.ndarray, removal: str, segment: np.ndarray
-) -> tuple[float, float, np.ndarray, np.ndarray]:
+) -> tuple[float, float, np.ndarray]:
     """γ0, γ1 of the residual and the parameters' variances A⁻¹ ζᵀ Γ ζ A⁻ᵀ, Γ the residual's covariance matrix: γ0 on
-    its diagonal, γ1 beside it. Last: the same with γ1 limited to ± γ0/2, the range of a moving average of order 1.
+    its diagonal, γ1 beside it, those of the likeliest moving average of order 1.
 
     `zeta` is without its mean; the residual loses the mean that the removal's intercepts take.
     """
     n, p = phi.shape
     residual = without_mean((target - phi @ theta)[:, None], removal, segment)[:, 0]
     intercepts = {"none": 0, "complete": 1, "batch": len(np.unique(segment))}[removal]
-    gamma0 = float(residual @ residual) / (n - p - intercepts)
-    gamma1 = float(residual[:-1] @ residual[1:]) / (n - p - intercepts)
+    gamma0, gamma1 = (gamma * n / (n - p - intercepts) for gamma in _moving_average(residual))
     inverse = np.linalg.inv(zeta.T @ phi)
     beside = np.eye(n, k=1) + np.eye(n, k=-1)
+    middle = zeta.T @ (gamma0 * np.eye(n) + gamma1 * beside) @ zeta
+    return gamma0, gamma1, np.diag(inverse @ middle @ inverse.T)
 
-    def variances(lag: float) -> np.ndarray:
-        middle = zeta.T @ (gamma0 * np.eye(n) + lag * beside) @ zeta
-        return np.diag(inverse @ middle @ inverse.T)
 
-    return gamma0, gamma1, variances(gamma1), variances(float(np.clip(gamma1, -gamma0 / 2, gamma0 / 2)))
+def _moving_average(sequence: np.ndarray) -> tuple[float, float]:
+    """γ0, γ1 of the moving average of order 1 that makes a sequence likeliest.
+
+    Sines are the eigenvectors of its covariance matrix, which is tridiagonal and Toeplitz: 1 + θ² + 2 θ cos(π j/(n + 1)).
+    """
+    n = len(sequence)
+    angles = np.pi * np.arange(1, n + 1) / (n + 1)
+    squares = (dst(sequence, type=1) / np.sqrt(2.0 * (n + 1))) ** 2
+
+    def likelihood(theta: float) -> tuple[float, float]:
+        eigenvalues = 1.0 + theta * theta + 2.0 * theta * np.cos(angles)
+        variance = float(np.mean(squares / eigenvalues))
+        return n * np.log(variance) + float(np.log(eigenvalues).sum()), variance
+
+    grid = np.sin(np.linspace(-np.pi / 2, np.pi / 2, 401))
+    best = int(np.argmin([likelihood(theta)[0] for theta in grid]))
+    between = (grid[max(best - 1, 0)], grid[min(best + 1, 400)])
+    theta = minimize_scalar(lambda t: likelihood(t)[0], bounds=between, method="bounded", options={"xatol": 1e-9}).x
+    variance = likelihood(theta)[1]
+    return variance * (1.0 + theta * theta), variance * theta

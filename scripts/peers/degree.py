@@ -1,30 +1,27 @@
-"""Estimate and standard errors of one degree of freedom in numba: every sum over the samples in one vectorised pass."""
+"""Estimate of one degree of freedom in numba: every sum over the samples in one vectorised pass."""
 
 from __future__ import annotations
 
 from numba import njit
-import numpy as np
 
 
 @njit(fastmath=True)
-def instruments(zeta, near, far):  # type: ignore[no-untyped-def]
-    """What depends on the instruments alone: their sums with each other and with the next sample's, bordered by 1."""
+def instruments(zeta, near):  # type: ignore[no-untyped-def]
+    """What depends on the instruments alone: their sums with each other, bordered by 1."""
     p, n = len(zeta), zeta[0].shape[0]
     for i in range(p):
         x = zeta[i]
         for j in range(p):
             y = zeta[j]
-            near_sum = far_sum = 0.0
-            for k in range(n - 1):
-                near_sum += x[k] * y[k]
-                far_sum += x[k] * y[k + 1]
-            near[i, j], far[i, j] = near_sum + x[n - 1] * y[n - 1], far_sum
+            total = 0.0
+            for k in range(n):
+                total += x[k] * y[k]
+            near[i, j] = total
         total = 0.0
         for k in range(n):
             total += x[k]
         near[i, p] = near[p, i] = total
-        far[i, p], far[p, i] = total - x[n - 1], total - x[0]
-    near[p, p], far[p, p] = n, n - 1
+    near[p, p] = n
 
 
 @njit(fastmath=True)
@@ -97,33 +94,10 @@ def invert(a, m, inverse):  # type: ignore[no-untyped-def]
 
 
 @njit(fastmath=True)
-def finish(p, inverse, near, far, b, residual, phi, target, theta, error):  # type: ignore[no-untyped-def]
-    """θ̂, then its standard errors from the residual's γ0 and γ1 (a moving average: |γ1| ≤ γ0/2)."""
-    n = target.shape[0]
+def solved(p, inverse, b, theta):  # type: ignore[no-untyped-def]
+    """The estimate without its intercept."""
     for i in range(p):
         total = 0.0
         for j in range(p + 1):
             total += inverse[i, j] * b[j]
         theta[i] = total
-    intercept = 0.0
-    for j in range(p + 1):
-        intercept += inverse[p, j] * b[j]
-    for k in range(n):
-        residual[k] = target[k] - intercept
-    for i in range(p):
-        column, parameter = phi[i], theta[i]
-        for k in range(n):
-            residual[k] -= column[k] * parameter
-    gamma0 = gamma1 = 0.0
-    for k in range(n - 1):
-        gamma0 += residual[k] * residual[k]
-        gamma1 += residual[k] * residual[k + 1]
-    gamma0 = (gamma0 + residual[n - 1] ** 2) / (n - p - 1)
-    gamma1 = min(max(gamma1 / (n - p - 1), -0.5 * gamma0), 0.5 * gamma0)
-    for i in range(p):
-        variance = 0.0
-        for j in range(p + 1):
-            for l in range(p + 1):
-                middle = gamma0 * near[j, l] + gamma1 * (far[j, l] + far[l, j])
-                variance += inverse[i, j] * middle * inverse[i, l]
-        error[i] = np.sqrt(max(variance, 0.0))

@@ -1,7 +1,7 @@
 """The Monte Carlo loop of the paper in numba: one realization after the other, one thread.
 
 The instruments, which all realizations share, once. Per realization: white current and measurement noise, the
-simulated run, the instrumental-variable estimate with complete mean removal (an intercept), its standard errors (moving-average residual), the free simulation
+simulated run, the instrumental-variable estimate with complete mean removal (an intercept), the free simulation
 over the validation input, parameter and simulation error. Columns lie one after the other in memory, so that every sum
 over the samples is a vectorised pass.
 """
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from independent.motion import realize, simulate, steady_inputs
 from independent.study import Study, read_study
 
-from .degree import finish, four, instruments, intercept_row, invert, three
+from .degree import four, instruments, intercept_row, invert, solved, three
 
 # A whole-sample rounding of the optimal shares over 1000 samples.
 COUNTS = {
@@ -76,40 +76,40 @@ def _products(x, out):  # type: ignore[no-untyped-def]
 
 
 @njit(fastmath=True)
-def _surge(phi, zeta, target, near, far, work, residual, theta, error):  # type: ignore[no-untyped-def]
+def _surge(phi, zeta, target, near, work, theta):  # type: ignore[no-untyped-def]
     a, inverse, b = work[0], work[1], work[2, 0]
     for i in range(4):
         four(zeta[i], phi[0], phi[1], phi[2], target, a, near, b, i)
     intercept_row(phi, target, a, near, b)
     invert(a, 5, inverse)
-    finish(4, inverse, near, far, b, residual, phi, target, theta, error)
+    solved(4, inverse, b, theta)
 
 
 @njit(fastmath=True)
-def _sway_or_yaw(phi, zeta, target, near, far, work, residual, theta, error):  # type: ignore[no-untyped-def]
+def _sway_or_yaw(phi, zeta, target, near, work, theta):  # type: ignore[no-untyped-def]
     a, inverse, b = work[0], work[1], work[2, 0]
     for i in range(3):
         three(zeta[i], phi[0], phi[1], target, a, near, b, i)
     intercept_row(phi, target, a, near, b)
     invert(a, 4, inverse)
-    finish(3, inverse, near, far, b, residual, phi, target, theta, error)
+    solved(3, inverse, b, theta)
 
 
 @njit(fastmath=True)
 def realizations(  # type: ignore[no-untyped-def]
     rng, count, truth, nominal, start, tau, s_current, s, v_start, v_tau, v_truth, out
 ):
-    """`count` realizations; out count × 12: parameter error, simulation error, standard errors."""
+    """`count` realizations; out count × 2: parameter error, simulation error."""
     n = tau.shape[1]
     y, z, free = np.empty((3, n + 1)), np.empty((3, n + 1)), np.empty((3, v_tau.shape[1] + 1))
-    f, g, residual, target = np.empty((4, n)), np.empty((4, n)), np.empty(n), np.empty((3, n))
-    theta, work, near, far = np.empty(10), np.empty((3, 5, 5)), np.empty((3, 5, 5)), np.empty((3, 5, 5))
+    f, g, target = np.empty((4, n)), np.empty((4, n)), np.empty((3, n))
+    theta, work, near = np.empty(10), np.empty((3, 5, 5)), np.empty((3, 5, 5))
     # Start and inputs are the same in all realizations, and so are the instruments.
     _states(nominal, start, tau, z)
     _products(z, g)
-    instruments((z[0, :n], g[0], g[1], tau[0]), near[0], far[0])
+    instruments((z[0, :n], g[0], g[1], tau[0]), near[0])
     for d in range(1, 3):
-        instruments((z[d, :n], g[d + 1], tau[d]), near[d], far[d])
+        instruments((z[d, :n], g[d + 1], tau[d]), near[d])
     for row in range(count):
         _measured(rng, truth, start, tau, s_current, s, y)
         _products(y, f)
@@ -117,13 +117,10 @@ def realizations(  # type: ignore[no-untyped-def]
             for k in range(n):
                 target[d, k] = y[d, k + 1] - y[d, k]
         phi, zeta = (y[0, :n], f[0], f[1], tau[0]), (z[0, :n], g[0], g[1], tau[0])
-        _surge(phi, zeta, target[0], near[0], far[0], work, residual, theta[:4], out[row, 2:6])
+        _surge(phi, zeta, target[0], near[0], work, theta[:4])
         for d in range(1, 3):
             phi3, zeta3 = (y[d, :n], f[d + 1], tau[d]), (z[d, :n], g[d + 1], tau[d])
-            first = 3 * d + 1
-            _sway_or_yaw(
-                phi3, zeta3, target[d], near[d], far[d], work, residual, theta[first:], out[row, first + 2 :]
-            )
+            _sway_or_yaw(phi3, zeta3, target[d], near[d], work, theta[3 * d + 1 :])
         _states(theta, v_start, v_tau, free)
         parameter, simulation = 0.0, 0.0
         for i in range(10):
@@ -150,8 +147,8 @@ class MonteCarlo:
         self.run(2)
 
     def run(self, count: int) -> Floats:
-        """`count` realizations, count × 12."""
-        out = np.empty((count, 12))
+        """`count` realizations, count × 2."""
+        out = np.empty((count, 2))
         realizations(self.rng, count, *self.fixed, out)
         return out
 

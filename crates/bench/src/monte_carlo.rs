@@ -59,12 +59,12 @@ impl<'a> Study<'a> {
             };
             let instruments =
                 instruments.get_or_insert_with(|| Instruments::new(&batch, MeanRemoval::Complete));
-            let outcomes = instruments.estimate(&batch);
+            let outcomes = instruments.parameters(&batch);
             let mut lanes = vec![Lane::ZERO; model.parameters()];
             for (lane, outcome) in outcomes.iter().enumerate() {
                 let Outcome::Identified(found) = outcome else { continue };
-                lanes.iter_mut().zip(&found.parameters).for_each(|(l, p)| l[lane] = *p);
-                let error = parameter_error(&found.parameters, &self.truth);
+                lanes.iter_mut().zip(found).for_each(|(l, p)| l[lane] = *p);
+                let error = parameter_error(found, &self.truth);
                 good.0 += usize::from(error.is_some_and(|e| e < 5.0));
             }
             let errors = free_runs(model, &lanes, &self.validation, &self.reference);

@@ -1,12 +1,13 @@
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use numerics::lanes::lane_of;
 use numerics::{LANES, Lane, Number, quadratic};
 
 use crate::bounded::estimated;
 use crate::groups::Group;
-use crate::lags::Lags;
 use crate::lane_sums::LaneSums;
+use crate::moving_average::autocovariances;
 use crate::residual::{InstrumentSquares, residuals};
 use crate::solve::{Normal, SolvedLanes};
 use crate::spans::Kept;
@@ -21,15 +22,40 @@ pub struct Estimate {
     pub standard_errors: Vec<f64>,
 }
 
-/// The outcome of the estimation from one run.
+/// The outcome of the estimation from one run: an [`Estimate`], or its parameters alone.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Outcome {
+pub enum Outcome<T = Estimate> {
     /// An estimate.
-    Identified(Estimate),
+    Identified(T),
     /// A direction is not excited: no estimate.
     NotIdentifiable(Direction),
     /// Fewer samples than unknowns.
     TooShort,
+}
+
+/// Why a run has no estimate.
+enum Unsolved {
+    NotIdentifiable(Direction),
+    TooShort,
+}
+
+impl Unsolved {
+    fn outcome<T>(self) -> Outcome<T> {
+        match self {
+            Self::NotIdentifiable(direction) => Outcome::NotIdentifiable(direction),
+            Self::TooShort => Outcome::TooShort,
+        }
+    }
+}
+
+/// The solutions of all lanes.
+struct Fit {
+    groups: Vec<[DegreeSums<Lane>; 3]>,
+    normals: [Normal<Lane>; 3],
+    solved: [SolvedLanes; 3],
+    unsolved: Vec<Option<Unsolved>>,
+    /// One lane per parameter.
+    theta: Vec<Lane>,
 }
 
 /// The part of an estimate that depends on the instruments alone: computed once for all batches that share model,
@@ -41,7 +67,8 @@ pub struct Instruments {
     sums: BTreeMap<(usize, usize), LaneSums>,
     /// Per run its groups with the instruments' means, one per parameter.
     means: [Vec<Group>; LANES],
-    squares: InstrumentSquares,
+    /// Computed when first asked for: only standard errors need them.
+    squares: OnceLock<InstrumentSquares>,
     /// ζ, if the runs share it.
     kept: Kept,
     /// Which degrees of freedom have a term 1, whose parameter is the intercept.
@@ -64,46 +91,66 @@ impl Instruments {
             };
             ranges(batch, removal, lane).map(group).collect()
         });
-        let squares = InstrumentSquares::over(batch.any(), &kept, means.each_ref().map(Vec::as_slice));
         let constant = batch.model.degrees.each_ref().map(|degree| degree.constant().is_some());
-        Self { removal, sums, means, squares, kept, constant }
+        Self { removal, sums, means, squares: OnceLock::new(), kept, constant }
     }
 
     /// Estimates every run of a batch with these instruments: instrumental variables, or least squares if they are
     /// the measured states.
     pub fn estimate<X: Number>(&self, batch: &Batch<X>) -> Vec<Outcome> {
-        self.fit(batch).0
+        self.outcomes(batch, self.fit(batch))
+    }
+
+    /// The parameters of [`Instruments::estimate`]. Their standard errors take as long as all the rest.
+    pub fn parameters<X: Number>(&self, batch: &Batch<X>) -> Vec<Outcome<Vec<f64>>> {
+        let Fit { unsolved, theta, .. } = self.fit(batch);
+        let found = |(lane, unsolved): (usize, Option<Unsolved>)| match unsolved {
+            Some(unsolved) => unsolved.outcome(),
+            None => Outcome::Identified(lane_of(&theta, lane)),
+        };
+        unsolved.into_iter().enumerate().map(found).collect()
     }
 
     /// [`Instruments::estimate`], and per run the [`Excitation`] of surge, sway and yaw.
     pub fn estimate_with_excitation<X: Number>(&self, batch: &Batch<X>) -> Vec<(Outcome, [Excitation; 3])> {
-        let (outcomes, normals) = self.fit(batch);
-        let excitation = |lane: usize| [0, 1, 2].map(|d: usize| normals[d].lane(lane).excitation());
-        outcomes.into_iter().zip((0..LANES).map(excitation)).collect()
+        let fit = self.fit(batch);
+        let excitation = |lane: usize| fit.normals.each_ref().map(|own| own.lane(lane).excitation());
+        let excitations: Vec<_> = (0..LANES).map(excitation).collect();
+        self.outcomes(batch, fit).into_iter().zip(excitations).collect()
     }
 
-    /// The estimates and their normal equations.
-    fn fit<X: Number>(&self, batch: &Batch<X>) -> (Vec<Outcome>, [Normal<Lane>; 3]) {
+    /// Solves the normal equations of all runs.
+    fn fit<X: Number>(&self, batch: &Batch<X>) -> Fit {
         let groups = self.groups(batch);
         let centred = self.removal != MeanRemoval::None;
         let normals = [0, 1, 2].map(|d: usize| Normal::new(groups.iter().map(|group| &group[d]), centred));
         let solved = normals.each_ref().map(Normal::solve_lanes);
-        let unsolved: Vec<Option<Outcome>> =
+        let unsolved: Vec<Option<Unsolved>> =
             (0..LANES).map(|lane| self.unsolved(&solved, batch.samples(), lane)).collect();
         let mut theta: Vec<Lane> = solved.iter().flat_map(|degree| degree.theta.iter().copied()).collect();
         for lane in (0..LANES).filter(|lane| unsolved[*lane].is_some()) {
             theta.iter_mut().for_each(|lanes| lanes[lane] = 0.0);
         }
+        Fit { groups, normals, solved, unsolved, theta }
+    }
+
+    /// The estimates with their standard errors.
+    fn outcomes<X: Number>(&self, batch: &Batch<X>, fit: Fit) -> Vec<Outcome> {
+        let Fit { groups, solved, unsolved, theta, .. } = fit;
         let intercepts = self.intercepts(&groups, &theta);
         let intercepts = intercepts.each_ref().map(Vec::as_slice);
         let residuals = residuals(batch.any(), &self.kept, &theta, intercepts);
-        let errors = self.standard_errors(&solved, &residuals, batch.samples());
-        let found = |(lane, unsolved): (usize, Option<Outcome>)| {
-            let estimate =
-                || Estimate { parameters: lane_of(&theta, lane), standard_errors: lane_of(&errors, lane) };
-            unsolved.unwrap_or_else(|| Outcome::Identified(estimate()))
+        let means = || self.means.each_ref().map(Vec::as_slice);
+        let squares = self.squares.get_or_init(|| InstrumentSquares::over(batch.any(), &self.kept, means()));
+        let errors = self.standard_errors(squares, &solved, &residuals);
+        let found = |(lane, unsolved): (usize, Option<Unsolved>)| match unsolved {
+            Some(unsolved) => unsolved.outcome(),
+            None => Outcome::Identified(Estimate {
+                parameters: lane_of(&theta, lane),
+                standard_errors: lane_of(&errors, lane),
+            }),
         };
-        (unsolved.into_iter().enumerate().map(found).collect(), normals)
+        unsolved.into_iter().enumerate().map(found).collect()
     }
 
     /// All sums of a batch. Runs with fewer groups than others have empty ones.
@@ -127,15 +174,15 @@ impl Instruments {
     }
 
     /// Why a lane has no estimate.
-    fn unsolved(&self, solved: &[SolvedLanes; 3], samples: usize, lane: usize) -> Option<Outcome> {
+    fn unsolved(&self, solved: &[SolvedLanes; 3], samples: usize, lane: usize) -> Option<Unsolved> {
         solved.iter().enumerate().find_map(|(degree, own)| {
             let (p, inverse) = (own.theta.len(), &own.inverse);
             let held = || (0..p * p).all(|k| inverse[k][lane] == 0.0);
             if samples <= p + self.intercepts_of(degree, lane) {
-                return Some(Outcome::TooShort);
+                return Some(Unsolved::TooShort);
             }
             let unexcited = own.unexcited[lane].or_else(|| held().then_some(0));
-            unexcited.map(|parameter| Outcome::NotIdentifiable(Direction { degree, parameter }))
+            unexcited.map(|parameter| Unsolved::NotIdentifiable(Direction { degree, parameter }))
         })
     }
 
@@ -167,7 +214,13 @@ impl Instruments {
     }
 
     /// Of all lanes: from A⁻¹ (γ₀ Σζᶜζᶜᵀ + γ₁ Σ neighbours) A⁻ᵀ.
-    fn standard_errors(&self, solved: &[SolvedLanes; 3], residuals: &Lags, samples: usize) -> Vec<Lane> {
+    fn standard_errors(
+        &self,
+        squares: &InstrumentSquares,
+        solved: &[SolvedLanes; 3],
+        residuals: &[Vec<Lane>; 3],
+    ) -> Vec<Lane> {
+        let samples = residuals[0].len();
         let freedom = |d: usize| {
             Lane(std::array::from_fn(|lane| {
                 let p = solved[d].theta.len();
@@ -176,14 +229,14 @@ impl Instruments {
             }))
         };
         let freedom = [0, 1, 2].map(freedom);
+        let gammas = residuals.each_ref().map(|own| autocovariances(own));
         numerics::vectorized!({
             let mut errors = Vec::new();
-            let mut pairs = self.squares.squares.iter().zip(&self.squares.neighbours);
+            let mut pairs = squares.squares.iter().zip(&squares.neighbours);
             for (d, SolvedLanes { theta, inverse, .. }) in solved.iter().enumerate() {
                 let p = theta.len();
-                let gamma0 = residuals.lag0[d] / freedom[d];
-                let within = |gamma1: f64, gamma0: f64| gamma1.max(-0.5 * gamma0).min(0.5 * gamma0);
-                let gamma1 = (residuals.lag1[d] / freedom[d]).each(gamma0, within);
+                let factor = Lane::splat(samples as f64) / freedom[d];
+                let [gamma0, gamma1] = gammas[d].map(|gamma| gamma * factor);
                 let mut meat = vec![Lane::ZERO; p * p];
                 for i in 0..p {
                     for (j, (squares, neighbours)) in (i..p).zip(pairs.by_ref()) {

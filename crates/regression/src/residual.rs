@@ -1,14 +1,12 @@
 //! The contribution of the residuals to the covariance of an estimate.
 //!
-//! θ̂ − θ = A⁻¹ Σ ζᶜ(k) ε(k). The residual contains e(k+1) − e(k), so it is correlated with its neighbours: it is
-//! modelled as a moving average of order one with autocovariances γ₀, γ₁, where |γ₁| ≤ γ₀/2 as for every such
-//! process.
+//! θ̂ − θ = A⁻¹ Σ ζᶜ(k) ε(k). The residual contains e(k+1) − e(k), so it is correlated with its neighbours: its
+//! autocovariances γ₀, γ₁ are those of the likeliest moving average of order one.
 
 use numerics::Lane;
 
 use crate::batch::{AnyBatch, over_batch};
 use crate::groups::Groups;
-use crate::lags::Lags;
 use crate::spans::{self, Kept};
 
 /// Per degree of freedom Σ ζᶜζᶜᵀ and Σ (ζᶜ(k−1) ζᶜ(k)ᵀ + its transpose), upper triangles.
@@ -31,12 +29,12 @@ impl InstrumentSquares {
     }
 }
 
-/// The sums of the residuals of `theta`, one lane per parameter. `kept` is ζ, if stored. `intercepts`: three per run
-/// and group.
-pub(crate) fn residuals(batch: AnyBatch, kept: &Kept, theta: &[Lane], intercepts: Groups) -> Lags {
-    let mut lags = Lags::ZERO;
+/// The residuals of `theta`, one lane per parameter: surge, sway, yaw. `kept` is ζ, if stored. `intercepts`: three per
+/// run and group.
+pub(crate) fn residuals(batch: AnyBatch, kept: &Kept, theta: &[Lane], intercepts: Groups) -> [Vec<Lane>; 3] {
+    let mut all = [const { Vec::new() }; 3];
     over_batch!(batch, |batch| {
-        spans::add_residuals(&batch, kept, theta, intercepts, &mut lags);
+        spans::put_residuals(&batch, kept, theta, intercepts, &mut all);
     });
-    lags
+    all
 }

@@ -149,14 +149,14 @@ impl MonteCarlo<'_> {
                 continue;
             };
             for own in all {
-                outcomes.extend(alike.estimates(own.measured()).into_iter().take(own.runs()));
+                outcomes.extend(alike.parameters(own.measured()).into_iter().take(own.runs()));
                 own.recycle();
             }
         }
         let candidate = |i: usize| {
             let (run, outcome) = ((first + i) as i32, &outcomes[i]);
             let (status, parameters) = match outcome {
-                Outcome::Identified(own) => (EstimateStatus::Identified, Some(own.parameters.as_slice())),
+                Outcome::Identified(own) => (EstimateStatus::Identified, Some(own.as_slice())),
                 Outcome::NotIdentifiable(_) => (EstimateStatus::NotIdentifiable, None),
                 Outcome::TooShort => {
                     let samples = self.campaign.samples();

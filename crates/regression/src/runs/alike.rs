@@ -54,12 +54,12 @@ impl<'a> Alike<'a> {
         Ok(Self { vessel, exogenous, starts, states, sums })
     }
 
-    /// Estimates of [`LANES`] such runs from their `measured` states, (N+1) × 3.
-    pub fn estimates(&self, measured: &[Lane]) -> Vec<Outcome> {
-        self.sums.estimate(&self.batch(measured))
+    /// The parameters of [`LANES`] such runs from their `measured` states, (N+1) × 3.
+    pub fn parameters(&self, measured: &[Lane]) -> Vec<Outcome<Vec<f64>>> {
+        self.sums.parameters(&self.batch(measured))
     }
 
-    /// [`Self::estimates`], and the excitation of each degree of freedom.
+    /// Their estimates, and the excitation of each degree of freedom.
     pub(super) fn estimates_with_excitation(&self, measured: &[Lane]) -> Vec<(Outcome, [Excitation; 3])> {
         self.sums.estimate_with_excitation(&self.batch(measured))
     }

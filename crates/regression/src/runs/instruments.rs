@@ -76,7 +76,7 @@ impl<'a> RunInstruments<'a> {
         Ok(all)
     }
 
-    /// Estimates from runs that are already in lanes, group by group, with the starts of their segments. Instruments
+    /// The parameters of runs that are already in lanes, group by group, with the starts of their segments. Instruments
     /// are simulated with the nominal model, regardless of `kind`.
     ///
     /// # Errors
@@ -85,7 +85,7 @@ impl<'a> RunInstruments<'a> {
         &self,
         groups: impl IntoIterator<Item = (Vec<Vec<usize>>, SideBySide)>,
         removal: MeanRemoval,
-    ) -> Result<Vec<Outcome>, (usize, Diverged)> {
+    ) -> Result<Vec<Outcome<Vec<f64>>>, (usize, Diverged)> {
         let mut all: Vec<Prepared> =
             groups.into_iter().map(|(starts, runs)| Prepared::calm(self.vessel, runs, starts)).collect();
         match <&mut [Prepared; GROUPS]>::try_from(all.as_mut_slice()) {
@@ -102,7 +102,7 @@ impl<'a> RunInstruments<'a> {
                 return Err((outcomes.len() + lane, at));
             }
             let batch = own.batch();
-            outcomes.extend(Instruments::new(&batch, removal).estimate(&batch).into_iter().take(count));
+            outcomes.extend(Instruments::new(&batch, removal).parameters(&batch).into_iter().take(count));
         }
         for Prepared { runs, instrument_states, .. } in all {
             recycle([runs.measured, runs.exogenous, runs.instrument_exogenous, instrument_states]);

@@ -8,6 +8,6 @@ mod squares;
 mod zeta;
 
 pub(crate) use columns::{add_instruments, add_measured};
-pub(crate) use residuals::add_residuals;
+pub(crate) use residuals::put_residuals;
 pub(crate) use squares::add_squares;
 pub(crate) use zeta::Kept;

@@ -1,4 +1,4 @@
-//! Residuals, and their products with each other.
+//! Residuals.
 
 use numerics::Lane;
 use pulp::{Simd, WithSimd};
@@ -8,20 +8,20 @@ use super::signals::{Blocks, Column, Difference, SPAN, Signal, Signals, spans};
 use super::zeta::{Instrument, Kept, Zeta};
 use crate::Batch;
 use crate::groups::{Constants, Groups};
-use crate::lags::Lags;
-use numerics::registers::{BLOCK, Block};
-use numerics::registers::{add, part, parts, put};
 
-/// Adds the sums of the residuals of `theta`, one lane per parameter. `intercepts`: three per run and group.
+use numerics::registers::{BLOCK, Block};
+use numerics::registers::{part, parts, put};
+
+/// The residuals of `theta`, one lane per parameter, into `all`: surge, sway, yaw. `intercepts`: three per run and group.
 #[inline(always)]
-pub(crate) fn add_residuals<X: Instrument>(
+pub(crate) fn put_residuals<X: Instrument>(
     batch: &Batch<X>,
     kept: &Kept,
     theta: &[Lane],
     intercepts: Groups,
-    lags: &mut Lags,
+    all: &mut [Vec<Lane>; 3],
 ) {
-    let mut edges = [Lane::ZERO; 3];
+    all.iter_mut().for_each(|own| own.resize(batch.samples().next_multiple_of(SPAN), Lane::ZERO));
     let mut intercepts = Constants::<BLOCK>::new(intercepts, 3);
     let orders = Order::of_batch(batch);
     let mut phi = Regressors::phi(batch, orders.each_ref().map(|order| 0..order.measured));
@@ -46,11 +46,12 @@ pub(crate) fn add_residuals<X: Instrument>(
                     inputs: inputs.terms(d),
                     less: &less[d],
                 };
-                terms.add([&mut lags.lag0[d], &mut lags.lag1[d]], &mut edges[d]);
+                terms.put(&mut all[d][k..k + SPAN]);
             }
             at = end;
         }
     }
+    all.iter_mut().for_each(|own| own.truncate(batch.samples()));
 }
 
 /// Blocks of a degree of freedom, with the same intercepts in each.
@@ -69,35 +70,33 @@ struct Terms<'a, M, I> {
 const AT_ONCE: usize = 4;
 
 impl<M: Signals, I: Signals> Terms<'_, M, I> {
-    /// Adds the residuals' products to the sums of both lags; `edge` is the residual before them, and becomes the
-    /// last.
-    fn add(self, lags: [&mut Lane; 2], edge: &mut Lane) {
+    fn put(self, out: &mut [Lane]) {
         if self.measured.count() > AT_ONCE || self.inputs.count() > 1 {
-            return self.add_many(lags, edge);
+            return self.add_many(out);
         }
         match (self.measured.count(), self.inputs.count()) {
-            (0, 0) => self.add_few::<0, 0>(lags, edge),
-            (0, _) => self.add_few::<0, 1>(lags, edge),
-            (1, 0) => self.add_few::<1, 0>(lags, edge),
-            (1, _) => self.add_few::<1, 1>(lags, edge),
-            (2, 0) => self.add_few::<2, 0>(lags, edge),
-            (2, _) => self.add_few::<2, 1>(lags, edge),
-            (3, 0) => self.add_few::<3, 0>(lags, edge),
-            (3, _) => self.add_few::<3, 1>(lags, edge),
-            (_, 0) => self.add_few::<AT_ONCE, 0>(lags, edge),
-            (_, _) => self.add_few::<AT_ONCE, 1>(lags, edge),
+            (0, 0) => self.add_few::<0, 0>(out),
+            (0, _) => self.add_few::<0, 1>(out),
+            (1, 0) => self.add_few::<1, 0>(out),
+            (1, _) => self.add_few::<1, 1>(out),
+            (2, 0) => self.add_few::<2, 0>(out),
+            (2, _) => self.add_few::<2, 1>(out),
+            (3, 0) => self.add_few::<3, 0>(out),
+            (3, _) => self.add_few::<3, 1>(out),
+            (_, 0) => self.add_few::<AT_ONCE, 0>(out),
+            (_, _) => self.add_few::<AT_ONCE, 1>(out),
         }
     }
 
     /// All terms are subtracted at once.
-    fn add_few<const C: usize, const D: usize>(self, lags: [&mut Lane; 2], edge: &mut Lane) {
+    fn add_few<const C: usize, const D: usize>(self, out: &mut [Lane]) {
         let Self { blocks, increments, intercepts, measured, inputs, less } = self;
         let (measured, inputs) = (measured.some::<C>(0), inputs.some::<D>(0));
-        numerics::dispatch(Residuals { blocks, increments, intercepts, measured, inputs, less, lags, edge });
+        numerics::dispatch(Residuals { blocks, increments, intercepts, measured, inputs, less, out });
     }
 
     /// Terms are subtracted one after the other.
-    fn add_many(self, lags: [&mut Lane; 2], edge: &mut Lane) {
+    fn add_many(self, out: &mut [Lane]) {
         let Self { blocks, increments, intercepts, measured, inputs, less } = self;
         let mut left = vec![Lane::ZERO; 3 * SPAN];
         fill(increments, &mut left);
@@ -112,7 +111,7 @@ impl<M: Signals, I: Signals> Terms<'_, M, I> {
         let (measured, inputs) = (measured.part(0..0), inputs.part(0..0));
         let increments = Difference([Column::of(&left), Column::ZERO]);
         Terms { blocks, increments, intercepts: &[Lane::ZERO; BLOCK], measured, inputs, less }
-            .add_few::<0, 0>(lags, edge);
+            .add_few::<0, 0>(out);
     }
 }
 
@@ -139,7 +138,7 @@ impl<T: Signal> WithSimd for Less<'_, T> {
     }
 }
 
-/// Residuals of few terms, and the sums of their products.
+/// Residuals of few terms.
 struct Residuals<'a, M, I, const C: usize, const D: usize> {
     blocks: Blocks,
     increments: Difference<'a>,
@@ -147,8 +146,8 @@ struct Residuals<'a, M, I, const C: usize, const D: usize> {
     measured: [M; C],
     inputs: [I; D],
     less: &'a [Lane],
-    lags: [&'a mut Lane; 2],
-    edge: &'a mut Lane,
+    /// At the samples of the span.
+    out: &'a mut [Lane],
 }
 
 impl<M: Signal, I: Signal, const C: usize, const D: usize> WithSimd for Residuals<'_, M, I, C, D> {
@@ -157,7 +156,7 @@ impl<M: Signal, I: Signal, const C: usize, const D: usize> WithSimd for Residual
     #[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { blocks, increments, intercepts, measured, inputs, less, lags, edge } = self;
+        let Self { blocks, increments, intercepts, measured, inputs, less, out } = self;
         let zero = simd.splat_f64s(0.0);
         for at in 0..parts::<S>() {
             let (mut first, mut last) = ([zero; C], [zero; D]);
@@ -167,9 +166,7 @@ impl<M: Signal, I: Signal, const C: usize, const D: usize> WithSimd for Residual
             for i in 0..D {
                 last[i] = part::<S>(&less[C + i], at);
             }
-            let mut before = part::<S>(edge, at);
             for block in blocks.starts() {
-                let mut own = [zero; 2];
                 for (t, intercept) in intercepts.iter().enumerate() {
                     let t = block + t;
                     let increment = increments.at(simd, t, at);
@@ -180,14 +177,9 @@ impl<M: Signal, I: Signal, const C: usize, const D: usize> WithSimd for Residual
                     for i in 0..D {
                         now = simd.mul_add_f64s(inputs[i].at(simd, t, at), last[i], now);
                     }
-                    own[0] = simd.mul_add_f64s(now, now, own[0]);
-                    own[1] = simd.mul_add_f64s(before, now, own[1]);
-                    before = now;
+                    put::<S>(&mut out[t], at, now);
                 }
-                add(simd, lags[0], at, own[0]);
-                add(simd, lags[1], at, own[1]);
             }
-            put::<S>(edge, at, before);
         }
     }
 }
