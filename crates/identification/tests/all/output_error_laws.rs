@@ -319,7 +319,7 @@ fn estimates(
             };
             let (poles, noise) = (splat(&truth(vessel)), levels.white());
             let found = estimate_prefiltered(&batch, &poles, MeanRemoval::Complete, noise.as_ref());
-            let identified = |outcome| match outcome {
+            let identified = |outcome: Outcome| match outcome {
                 Outcome::Identified(found) => (found.parameters, found.standard_errors),
                 other => panic!("{other:?}"),
             };
