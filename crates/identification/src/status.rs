@@ -9,6 +9,8 @@ refusal::choices! {
         Diverges = "estimated, simulation diverges",
         /// There is an estimate, whose errors follow no noise that is known here: its standard errors are approximate.
         Approximate = "identified, errors approximate",
+        /// There is an estimate by instruments of the run's own model of least output error: the nominal one diverges.
+        OwnInstruments = "identified, instruments by output error",
         /// There is one that could not be refined further: a simulation with it diverged.
         Kept = "kept",
         /// A direction of the parameters is not excited.
@@ -21,7 +23,7 @@ refusal::choices! {
 impl EstimateStatus {
     /// Whether there is an estimate.
     pub fn estimated(self) -> bool {
-        matches!(self, Self::Identified | Self::Rejected | Self::Approximate | Self::Diverges | Self::Kept)
+        !matches!(self, Self::NotIdentifiable | Self::NotConverged)
     }
 }
 

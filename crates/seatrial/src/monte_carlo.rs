@@ -123,9 +123,17 @@ impl MonteCarlo<'_> {
             };
             Alike::new(vessel, &doing, removal)
         });
-        let alike = alike.transpose()?;
-        let found = parts_of(runs, TOGETHER, |runs| self.scores_side_by_side(alike.as_ref(), design, runs));
-        Ok(found.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
+        let found = match alike.transpose() {
+            Ok(alike) => parts_of(runs.clone(), TOGETHER, |runs| {
+                self.scores_side_by_side(alike.as_ref(), design, runs)
+            }),
+            Err(diverged) => vec![Err(diverged.into())],
+        };
+        match found.into_iter().collect::<Result<Vec<_>, _>>() {
+            // Such runs get instruments of their own, one by one.
+            Err(StudyError::Estimate(RunError::Diverged(_))) => Ok(self.realize(design, runs, 0)?.scores),
+            all => Ok(all?.concat()),
+        }
     }
 
     fn scores_side_by_side(

@@ -300,9 +300,11 @@ fn publish(
         count(EstimateStatus::Rejected),
         count(EstimateStatus::Approximate),
     );
+    let own_instruments = count(EstimateStatus::OwnInstruments);
     let also = |count: usize, what: &str| if count > 0 { format!(", {count} {what}") } else { String::new() };
     let searched = also(unconverged, EstimateStatus::NotConverged.name())
         + &also(kept, "kept unrefined")
+        + &also(own_instruments, "with instruments by output error: the nominal model diverges")
         + &also(approximate, "with approximate standard errors: these errors follow no noise known here");
     let verdict =
         if asked { format!(", {rejected} reject the model") } else { ", model not criticised".to_owned() };

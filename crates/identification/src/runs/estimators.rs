@@ -133,7 +133,7 @@ impl RunEstimators<'_> {
             found.ls = self.regressed(InstrumentKind::Regressors, runs)?;
         }
         if self.estimators.iter().any(|e| *e != Ls) {
-            found.iv = self.regressed(InstrumentKind::Nominal, runs)?;
+            found.iv = self.instrumented(runs)?;
         }
         if let (Some(near), false) = (near, wanted(&[RefinedIv])) {
             let each = near.iter().zip(&found.iv);
@@ -158,7 +158,7 @@ impl RunEstimators<'_> {
         Ok(found)
     }
 
-    fn regressed(&self, kind: InstrumentKind, runs: &[Run]) -> Result<Vec<Regressed>, RunError> {
+    pub(super) fn regressed(&self, kind: InstrumentKind, runs: &[Run]) -> Result<Vec<Regressed>, RunError> {
         let outcomes = RunInstruments::new(self.vessel, kind).estimates(runs, self.removal)?;
         let each = runs.iter().zip(outcomes);
         each.map(|(run, (outcome, excitation))| Regressed::new(run, outcome, excitation)).collect()

@@ -88,6 +88,12 @@ impl Regressed {
         }
     }
 
+    /// The same without an estimate.
+    pub(super) fn without(mut self, status: EstimateStatus) -> Self {
+        self.found = Found::none(status);
+        self
+    }
+
     /// The same without an estimate, because of this parameter.
     pub(super) fn unidentified(mut self, degree: usize, parameter: usize) -> Self {
         self.found = Found::none(EstimateStatus::NotIdentifiable);

@@ -4,6 +4,7 @@ mod criticised;
 mod error;
 mod estimators;
 mod found;
+mod instrumented;
 mod refined;
 mod searched;
 

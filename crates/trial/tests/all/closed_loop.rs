@@ -3,6 +3,9 @@
 use std::collections::BTreeMap;
 
 use engine::{Current, Disturbances, Measurement, Run};
+use identification::predictor::InitialState;
+use identification::runs::{AdditionalUnknowns, RunError, RunEstimators};
+use identification::{EstimateStatus, Estimator};
 use maneuver::{DictionaryFile, Generator};
 use model::Vessel;
 use regression::runs::RunInstruments;
@@ -121,4 +124,58 @@ fn law_recorded_inputs_are_no_instruments_where_logged_sensors_are_tracked() {
     let damping = names.iter().position(|name| *name == "N_r").unwrap();
     let (inside, mean) = covered[damping];
     assert!(inside < 20.0 && mean > 1.3, "{names:?} {covered:?}");
+}
+
+/// The paper's ship, whose nominal model speeds up without bounds.
+fn diverging() -> Vessel {
+    let mut vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+    let names: Vec<&str> = vessel.model.parameter_names().collect();
+    let drag = names.iter().position(|name| *name == "X_u").unwrap();
+    vessel.nominal[drag] = 2.5;
+    vessel
+}
+
+fn estimators(vessel: &Vessel) -> RunEstimators<'_> {
+    RunEstimators {
+        vessel,
+        estimators: vec![Estimator::Iv],
+        removal: MeanRemoval::Complete,
+        initial: InitialState::Known,
+        additional: AdditionalUnknowns::default(),
+        levels: None,
+    }
+}
+
+#[test]
+fn law_instruments_by_output_error_serve_where_the_nominal_model_diverges() {
+    let (vessel, truth) = (diverging(), Vessel::preset("ljungberg-model-ship").unwrap());
+    let mut runs = runs(&truth, &triggered("own"));
+    runs.truncate(160);
+    let nominal = RunInstruments::new(&vessel, InstrumentKind::Nominal);
+    assert!(nominal.estimates(&runs[..1], MeanRemoval::Complete).is_err());
+    let truth = truth.parameters(model::Source::Value).unwrap();
+    let found = estimators(&vessel).estimates(&runs).unwrap();
+    assert_eq!(found.len(), runs.len());
+    let mut inside = vec![0.0; truth.len()];
+    for own in found {
+        assert_eq!(own.status, EstimateStatus::OwnInstruments);
+        let (theta, errors) = own.estimate.unwrap();
+        for (((theta, error), truth), inside) in theta.iter().zip(errors).zip(&truth).zip(&mut inside) {
+            *inside += f64::from((theta - truth).abs() <= 1.96 * error) / runs.len() as f64 * 100.0;
+        }
+    }
+    let mean = inside.iter().sum::<f64>() / inside.len() as f64;
+    let least = inside.iter().copied().fold(100.0, f64::min);
+    assert!((92.0..=98.0).contains(&mean) && least >= 85.0, "mean {mean}, least {least}: {inside:?}");
+}
+
+#[test]
+fn a_run_without_a_model_of_its_own_is_refused_where_the_nominal_model_diverges() {
+    let vessel = diverging();
+    let mut runs = runs(&Vessel::preset("ljungberg-model-ship").unwrap(), &triggered("own"));
+    runs.truncate(1);
+    runs[0].exogenous.fill(0.0);
+    runs[0].measured.chunks_exact_mut(3).for_each(|state| state.copy_from_slice(&[0.5, 0.0, 0.0]));
+    let error = estimators(&vessel).estimates(&runs).unwrap_err();
+    assert!(matches!(error, RunError::Diverged(_)), "{error:?}");
 }
