@@ -72,6 +72,12 @@ pub struct InputSpec {
     /// How much it changes in a second at most.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_per_s: Option<f64>,
+    /// How far a command has to be from the setting to move the actuator.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dead_band: Option<f64>,
+    /// How long the actuator follows a command before it takes the next one \[s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hold_s: Option<f64>,
 }
 
 /// A measured disturbance.
@@ -157,8 +163,7 @@ impl Vessel {
         let variables = variables(&file)?;
         let terms = terms(&file, &variables)?;
         let couplings = couplings(&file.input)?;
-        let actuator = |own: &InputSpec| Actuator::new(&own.name, own.range, own.lag_s, own.rate_per_s);
-        let actuators = file.input.iter().map(actuator).collect::<Result<_, _>>()?;
+        let actuators = file.input.iter().map(Actuator::new).collect::<Result<_, _>>()?;
         let written = replaced(&file)?;
         check_parameters(&written)?;
         let (mut value, mut nominal, mut constrained) = (Vec::new(), Vec::new(), Vec::new());
@@ -356,7 +361,9 @@ fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
         if !v.unit.is_empty() {
             check_name(format!("`unit` of channel `{}`", v.name), &v.unit)?;
         }
-        let reserved = i >= 3 && RESERVED.contains(&v.name.as_str());
+        let of_input = ["command_", "instrument_"].into_iter().find_map(|column| v.name.strip_prefix(column));
+        let of_input = of_input.is_some_and(|name| file.input.iter().any(|own| own.name == name));
+        let reserved = i >= 3 && (of_input || RESERVED.contains(&v.name.as_str()));
         let plain = v.name.chars().all(|c| c.is_alphanumeric() || c == '_') && !v.name.is_empty();
         if all[..i].iter().any(|w| w.name == v.name) || reserved || !plain {
             let what =

@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod acting;
 mod actuator;
 mod constraint;
 mod derived;
@@ -23,6 +24,7 @@ mod rows;
 mod term;
 pub mod terms;
 
+pub use acting::{Acting, Ordered};
 pub use actuator::Actuator;
 pub use constraint::{Constrained, Constraint, Written};
 pub use derived::{DerivedChannel, DerivedSpec};

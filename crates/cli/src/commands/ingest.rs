@@ -12,6 +12,7 @@ use crate::stage::{Summary, Task};
 use artifact::{Digest, Scratch, TableWriter, commit_with_document, free_bytes};
 use clap::Parser;
 use logs::{BLOCK, Plan, Recorded, RowSummary, Source, Totals};
+use maneuver::Reacting;
 use seatrial::Logs;
 use serde_json::json;
 use study::Doubtful;
@@ -83,7 +84,7 @@ impl Arguments {
 
 fn layout(plan: &Plan) -> Layout {
     let exogenous = plan.exogenous.iter().map(|input| (input.name.clone(), input.unit.clone())).collect();
-    Layout { exogenous, derived: plan.derived.clone(), inputs: 0, instruments: false }
+    Layout { exogenous, derived: plan.derived.clone(), inputs: 0, reacting: Reacting::default() }
 }
 
 /// The result for all recordings.
