@@ -12,7 +12,6 @@ use crate::stage::{Summary, Task};
 use artifact::{Digest, Scratch, TableWriter, commit_with_document, free_bytes};
 use clap::Parser;
 use logs::{BLOCK, Plan, Recorded, RowSummary, Source, Totals};
-use maneuver::Reacting;
 use seatrial::Logs;
 use serde_json::json;
 use study::Doubtful;
@@ -84,7 +83,7 @@ impl Arguments {
 
 fn layout(plan: &Plan) -> Layout {
     let exogenous = plan.exogenous.iter().map(|input| (input.name.clone(), input.unit.clone())).collect();
-    Layout { exogenous, derived: plan.derived.clone(), inputs: 0, reacting: Reacting::default() }
+    Layout { exogenous, derived: plan.derived.clone(), ..Layout::default() }
 }
 
 /// The result for all recordings.

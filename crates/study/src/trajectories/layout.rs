@@ -18,8 +18,13 @@ pub const LEAST_ROW_BYTES: f64 = 72.0;
 /// (0.22 s for 800,000).
 pub const SIMULATED_PER_SECOND: f64 = 4e6;
 
+/// The column of what is commanded of `input`.
+pub(super) fn commanded(input: &str) -> String {
+    format!("command_{input}")
+}
+
 /// The columns of trajectories of one vessel.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Layout {
     /// Names and units of inputs, measured disturbances and derived channels, in the model's order.
     pub exogenous: Vec<(String, String)>,
@@ -61,7 +66,7 @@ impl Layout {
     pub fn of_commands(&self) -> Vec<ColumnSpec> {
         let column = |i: &usize| {
             let (name, unit) = &self.exogenous[*i];
-            ColumnSpec::new(format!("command_{name}"), unit, Kind::F64, true)
+            ColumnSpec::new(commanded(name), unit, Kind::F64, true)
         };
         self.reacting.followed.iter().map(column).collect()
     }
