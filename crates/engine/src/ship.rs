@@ -52,6 +52,7 @@ impl<'a> Ship<'a> {
     fn act(&mut self, commands: &[f64], next: fn(&mut Acting, &Actuator, f64, f64) -> f64) -> &[f64] {
         if self.acting.is_empty() {
             self.step(commands);
+            self.acting.iter_mut().zip(commands).for_each(|(own, command)| *own = Acting::begun(*command));
             return &self.exogenous[..self.vessel.model.inputs];
         }
         let each = self.acting.iter_mut().zip(commands).zip(&self.vessel.actuators);

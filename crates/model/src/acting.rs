@@ -45,6 +45,11 @@ impl Acting {
         Self { setting, held: setting, bound_for: setting, samples: 0 }
     }
 
+    /// After a first sample in which it was at `command`.
+    pub fn begun(command: f64) -> Self {
+        Self { samples: 1, ..Self::at(command) }
+    }
+
     /// The present setting.
     pub fn setting(&self) -> f64 {
         self.setting
