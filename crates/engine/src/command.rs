@@ -20,6 +20,17 @@ pub struct Seen {
 pub trait Command: Send {
     /// Sets the inputs of the sample that begins with `seen`.
     fn command(&mut self, seen: &Seen, inputs: &mut [f64]);
+
+    /// What was commanded in the last sample, where actuators followed it to the inputs that were set.
+    fn commanded(&self) -> Option<&[f64]> {
+        None
+    }
+
+    /// The inputs at the beginning and the end of the last sample, where they changed within it. Those set are their
+    /// mean.
+    fn ends(&self) -> Option<[&[f64]; 2]> {
+        None
+    }
 }
 
 /// A program of commands, which each run begins anew.
@@ -123,5 +134,13 @@ impl Command for InTurn {
         if let Some((command, from)) = &mut self.now {
             command.command(&Seen { pose: from.sees(seen.pose), ..*seen }, inputs);
         }
+    }
+
+    fn commanded(&self) -> Option<&[f64]> {
+        self.now.as_ref().and_then(|(command, _)| command.commanded())
+    }
+
+    fn ends(&self) -> Option<[&[f64]; 2]> {
+        self.now.as_ref().and_then(|(command, _)| command.ends())
     }
 }

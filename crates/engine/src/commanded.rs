@@ -6,8 +6,26 @@ use numerics::{Lane, Wide, vectorized};
 use crate::simulate::{AT_ONCE, Follow, mark_beyond};
 use crate::{Ambient, Command, Compiled, Helm, Pose, Recording, Seen};
 
-/// Simulates one run in still water under commands: returns N × exogenous, and (N+1) × 3 states. The helmsman
-/// sees the true states.
+/// A run under commands, row-major.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Commanded {
+    /// N × exogenous.
+    pub exogenous: Vec<f64>,
+    /// What was commanded: N × inputs. It differs from the inputs where actuators follow it.
+    pub commands: Vec<f64>,
+    /// u, v \[m/s\], r \[rad/s\]: (N+1) × 3.
+    pub states: Vec<f64>,
+}
+
+/// The inputs of runs in lanes, row-major.
+pub struct Driving<'a> {
+    /// N × exogenous.
+    pub exogenous: &'a mut [Lane],
+    /// What was commanded, N × inputs; empty where it is not needed.
+    pub commands: &'a mut [Lane],
+}
+
+/// Simulates one run in still water under commands. The helmsman sees the true states.
 pub fn simulate_command(
     model: &Model,
     parameters: &[f64],
@@ -15,24 +33,26 @@ pub fn simulate_command(
     samples: usize,
     rate_hz: f64,
     helm: &Helm,
-) -> (Vec<f64>, Vec<f64>) {
+) -> Commanded {
     let width = model.exogenous().max(1);
     let mut compiled = Compiled::new(model, parameters);
     let mut helmsman = Helmsman::new(helm, width);
     let (mut exogenous, mut states) = (Vec::with_capacity(width * samples), initial.to_vec());
+    let mut commands = Vec::with_capacity(model.inputs * samples);
     let mut state = initial;
     for _ in 0..samples {
         let row = helmsman.commands(model, state, state, rate_hz);
         exogenous.extend_from_slice(row);
         state = compiled.step(state, row, Ambient::default());
         states.extend(state);
+        commands.extend_from_slice(helmsman.commanded(model));
     }
-    (exogenous, states)
+    Commanded { exogenous, commands, states }
 }
 
 /// Simulates and measures up to [`numerics::LANES`] disturbed runs, each commanded by its own of `helms`, who
-/// see the measured states. `exogenous` is filled with the exogenous inputs, N × exogenous. Returns a number
-/// above zero in lanes where a state is beyond [`crate::DIVERGED`] or not finite.
+/// see the measured states. `driving` is filled with their inputs. Returns a number above zero in lanes where a state
+/// is beyond [`crate::DIVERGED`] or not finite.
 pub fn simulate_commanded(
     model: &Model,
     parameters: &[Lane],
@@ -40,8 +60,9 @@ pub fn simulate_commanded(
     helms: &[Helm],
     rate_hz: f64,
     recording: Recording,
-    exogenous: &mut [Lane],
+    driving: Driving,
 ) -> Lane {
+    let Driving { exogenous, commands } = driving;
     let Recording { mut disturbing, truth, measured } = recording;
     let width = model.exogenous().max(1);
     let mut helmsmen: Vec<Helmsman> = helms.iter().map(|helm| Helmsman::new(helm, width)).collect();
@@ -73,6 +94,10 @@ pub fn simulate_commanded(
                 let of = |states: [Lane; 3]| states.map(|own| own[lane]);
                 let own = helmsman.commands(model, of(seen), of(state), rate_hz);
                 row.iter_mut().zip(own).for_each(|(to, from)| to[lane] = *from);
+                if !commands.is_empty() {
+                    let to = commands[model.inputs * k..].iter_mut();
+                    to.zip(helmsman.commanded(model)).for_each(|(to, from)| to[lane] = *from);
+                }
             }
             let here = [weather.from(i)];
             vectorized!(follow.go(&&*row, 0..1, &here, &mut [&mut []]));
@@ -101,5 +126,10 @@ impl Helmsman {
         model.complete(&mut self.row);
         self.pose.advance(state, 1.0 / rate_hz);
         &self.row
+    }
+
+    /// What was commanded in the last sample.
+    fn commanded(&self, model: &Model) -> &[f64] {
+        self.command.commanded().unwrap_or(&self.row[..model.inputs])
     }
 }

@@ -18,7 +18,7 @@ mod side_by_side;
 mod simulate;
 
 pub use command::{Command, Helm, Program, Seen};
-pub use commanded::{simulate_command, simulate_commanded};
+pub use commanded::{Commanded, Driving, simulate_command, simulate_commanded};
 pub use compiled::{Ambient, Compiled};
 pub use disturbance::{
     Axes, Current, Disturbances, Disturbing, MOST_CURRENT_M_S, Measurement, Weather, Wind, check_currents,

@@ -1,5 +1,5 @@
 use crate::{Ambient, Compiled, Pose};
-use model::{Actuator, Vessel};
+use model::{Acting, Actuator, Vessel};
 
 /// A vessel under way: pose and state, advanced sample by sample in a current.
 #[derive(Clone, Debug)]
@@ -9,8 +9,8 @@ pub struct Ship<'a> {
     sample_s: f64,
     /// Actuator settings, then measured disturbances and derived channels.
     exogenous: Vec<f64>,
-    /// Whether the actuators have been set: the first command is reached at once.
-    is_set: bool,
+    /// The actuators; none before the first command, which is reached at once.
+    acting: Vec<Acting>,
     /// North and east components of the current \[m/s\].
     pub current_m_s: [f64; 2],
     /// Where it is.
@@ -27,7 +27,7 @@ impl<'a> Ship<'a> {
             model: Compiled::new(&vessel.model, parameters),
             sample_s: 1.0 / vessel.sample_rate_hz,
             exogenous: vec![0.0; vessel.model.exogenous()],
-            is_set: false,
+            acting: Vec::new(),
             current_m_s: [0.0; 2],
             pose,
             state: [speed_m_s, 0.0, 0.0],
@@ -41,18 +41,23 @@ impl<'a> Ship<'a> {
 
     /// Advances by one sample while the actuators follow `commands`; returns their settings.
     pub fn command(&mut self, commands: &[f64]) -> &[f64] {
-        self.act(commands, Actuator::after)
+        self.act(commands, |acting, own, command, seconds| acting.follow(own, command.into(), seconds))
     }
 
-    /// Advances by one sample with the actuators as near to `wanted` as any commands take them; returns their
-    /// settings.
+    /// Advances by one sample with the actuators as near to `wanted` as commands take them; returns their settings.
     pub fn reach(&mut self, wanted: &[f64]) -> &[f64] {
-        self.act(wanted, Actuator::towards)
+        self.act(wanted, Acting::reach)
     }
 
-    fn act(&mut self, commands: &[f64], reached: fn(&Actuator, f64, f64, f64) -> f64) -> &[f64] {
-        for ((setting, command), own) in self.exogenous.iter_mut().zip(commands).zip(&self.vessel.actuators) {
-            *setting = if self.is_set { reached(own, *setting, *command, self.sample_s) } else { *command };
+    fn act(&mut self, commands: &[f64], next: fn(&mut Acting, &Actuator, f64, f64) -> f64) -> &[f64] {
+        if self.acting.is_empty() {
+            self.step(commands);
+            self.acting.iter_mut().zip(commands).for_each(|(own, command)| *own = Acting::begun(*command));
+            return &self.exogenous[..self.vessel.model.inputs];
+        }
+        let each = self.acting.iter_mut().zip(commands).zip(&self.vessel.actuators);
+        for (setting, ((acting, command), own)) in self.exogenous.iter_mut().zip(each) {
+            *setting = next(acting, own, *command, self.sample_s);
         }
         self.advance();
         &self.exogenous[..self.vessel.model.inputs]
@@ -60,13 +65,14 @@ impl<'a> Ship<'a> {
 
     /// Advances by one sample under `inputs`, regardless of the actuators.
     pub fn step(&mut self, inputs: &[f64]) {
+        self.acting.clear();
+        self.acting.extend(inputs.iter().map(|input| Acting::at(*input)));
         self.exogenous.iter_mut().zip(inputs).for_each(|(to, from)| *to = *from);
         self.advance();
     }
 
     /// x(k+1) = x(k) + θᵀφ, then the pose by an explicit Euler step.
     fn advance(&mut self) {
-        self.is_set = true;
         let (sin, cos) = libm::sincos(self.pose.psi);
         let [north, east] = self.current_m_s;
         let current = Some([north * cos + east * sin, east * cos - north * sin]);

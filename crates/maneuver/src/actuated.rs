@@ -3,13 +3,12 @@
 use std::sync::Arc;
 
 use engine::{Command, Helm, Program, Seen};
-use model::{Actuator, Vessel};
+use model::{Acting, Actuator, Ordered, Vessel};
 
 /// `helm` by way of the actuators of `vessel`, which are at `settings` before its first command; itself where all of them follow at
 /// once.
 pub(crate) fn actuated(helm: Helm, vessel: &Vessel, settings: &[f64]) -> Helm {
-    let is_slow = |own: &Actuator| own.lag_s > 0.0 || own.rate_per_s.is_some();
-    if !vessel.actuators.iter().any(is_slow) {
+    if vessel.actuators.iter().all(Actuator::is_immediate) {
         return helm;
     }
     let (actuators, settings) = (vessel.actuators.clone().into(), settings.into());
@@ -29,7 +28,8 @@ impl Program for Actuated {
         Box::new(Following {
             command: self.helm.begin(),
             actuators: Arc::clone(&self.actuators),
-            settings: self.settings.to_vec(),
+            acting: self.settings.iter().map(|setting| Acting::at(*setting)).collect(),
+            commanded: Vec::new(),
             sample_s: self.sample_s,
         })
     }
@@ -39,20 +39,31 @@ impl Program for Actuated {
     }
 }
 
-/// Commands with the present settings.
+/// Commands while actuators follow them.
 struct Following {
     command: Box<dyn Command>,
     actuators: Arc<[Actuator]>,
-    settings: Vec<f64>,
+    acting: Vec<Acting>,
+    /// The commands of the last sample.
+    commanded: Vec<f64>,
     sample_s: f64,
 }
 
 impl Command for Following {
     fn command(&mut self, seen: &Seen, inputs: &mut [f64]) {
         self.command.command(seen, inputs);
-        for ((input, setting), own) in inputs.iter_mut().zip(&mut self.settings).zip(&*self.actuators) {
-            *setting = own.after(*setting, *input, self.sample_s);
-            *input = *setting;
+        self.commanded.clear();
+        self.commanded.extend_from_slice(inputs);
+        let ends = self.command.ends();
+        for (i, (acting, own)) in self.acting.iter_mut().zip(&*self.actuators).enumerate() {
+            let mean = inputs[i];
+            let ordered =
+                ends.map_or(mean.into(), |[first, last]| Ordered { first: first[i], mean, last: last[i] });
+            inputs[i] = acting.follow(own, ordered, self.sample_s);
         }
+    }
+
+    fn commanded(&self) -> Option<&[f64]> {
+        Some(&self.commanded)
     }
 }

@@ -28,6 +28,15 @@ pub struct Realized {
     pub helm: Option<Helm>,
 }
 
+/// What the maneuvers of a dictionary react by.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Reacting {
+    /// Whether any of them tracks a motion by feedback, so that runs have instruments other than their inputs.
+    pub tracks: bool,
+    /// The inputs, by index, whose actuators follow the commands of any of them with a lag, a rate, a dead band or a hold.
+    pub followed: Vec<usize>,
+}
+
 /// Turns the maneuvers of a dictionary into inputs for one vessel.
 #[derive(Clone, Debug)]
 pub struct Generator {
@@ -76,7 +85,7 @@ impl Generator {
                 standard.check_inputs(&maneuver.name, vessel)?;
             }
         }
-        Ok(Self {
+        let own = Self {
             vessel: vessel.clone(),
             parameters: vessel.parameters(source)?,
             maneuvers,
@@ -86,7 +95,33 @@ impl Generator {
             tolerance: dictionary.tolerance,
             tables,
             helms: BTreeMap::new(),
-        })
+        };
+        own.check_holds()?;
+        Ok(own)
+    }
+
+    /// Refuses a maneuver that reacts and ends before an actuator takes a second command.
+    fn check_holds(&self) -> Result<(), Invalid> {
+        let actuators = self.vessel.actuators.iter().zip(self.vessel.model.input_variables());
+        let Some((own, input)) = actuators.max_by(|(a, _), (b, _)| a.hold_s.total_cmp(&b.hold_s)) else {
+            return Ok(());
+        };
+        let seconds = |index: usize| match self.tables.get(&index) {
+            Some(table) => Some(table.samples as f64 / self.vessel.sample_rate_hz),
+            None => self.maneuvers[index].duration(self.default_s),
+        };
+        let mut reacting = (0..self.maneuvers.len()).filter(|index| self.reacts(*index));
+        let ended =
+            reacting.find_map(|index| Some((index, seconds(index).filter(|all| own.hold_s >= *all)?)));
+        match ended {
+            None => Ok(()),
+            Some((index, duration_s)) => Err(Invalid::new(
+                format!("maneuver `{}` of {duration_s} s", self.maneuvers[index].name),
+                format!("`hold_s` = {} s of input `{}` in the vessel's file", own.hold_s, input.name),
+                "a shorter hold, so that a command can follow the ship's motion",
+                "shorten the hold, or lengthen the maneuver with `duration_s`",
+            )),
+        }
     }
 
     /// The generator with maneuver `index` commanded by `helm`; its motion only determines the initial state.
@@ -169,10 +204,14 @@ impl Generator {
         self.helms.contains_key(&index) || self.maneuvers[index].kind.is_unstretched()
     }
 
-    /// Whether any maneuver tracks a motion by feedback.
-    pub fn tracks(&self) -> bool {
-        self.maneuvers.iter().any(|maneuver| maneuver.executed == Executed::Feedback)
-            || self.helms.values().any(Helm::tracks)
+    /// What the maneuvers react by.
+    pub fn reacting(&self) -> Reacting {
+        let tracks = self.maneuvers.iter().any(|maneuver| maneuver.executed == Executed::Feedback)
+            || self.helms.values().any(Helm::tracks);
+        let reacts = (0..self.maneuvers.len()).any(|index| self.reacts(index));
+        let actuators = self.vessel.actuators.iter().enumerate();
+        let followed = actuators.filter(|(_, own)| reacts && !own.is_immediate()).map(|(i, _)| i).collect();
+        Reacting { tracks, followed }
     }
 
     /// Whether what is commanded in maneuver `index` depends on the ship's motion.
@@ -220,8 +259,8 @@ impl Generator {
     /// The commands of `helm` to the undisturbed ship.
     fn react(&self, initial: [f64; 3], samples: usize, helm: Helm) -> Realized {
         let (model, rate_hz) = (&self.vessel.model, self.vessel.sample_rate_hz);
-        let (rows, _) = simulate_command(model, &self.parameters, initial, samples, rate_hz, &helm);
-        Realized { initial, inputs: model.inputs_of(&rows), helm: Some(helm) }
+        let run = simulate_command(model, &self.parameters, initial, samples, rate_hz, &helm);
+        Realized { initial, inputs: model.inputs_of(&run.exogenous), helm: Some(helm) }
     }
 
     /// The orders of a standard maneuver, and the inputs of its approach, by which it begins.

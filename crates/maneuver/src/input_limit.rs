@@ -32,6 +32,13 @@ impl InputLimit {
         self.high.max(-self.low)
     }
 
+    /// As much of it as is within the `range` of an actuator; all of that where they have nothing in common.
+    #[must_use]
+    pub fn within(self, [low, high]: [f64; 2]) -> Self {
+        let both = Self { low: self.low.max(low), high: self.high.min(high) };
+        if both.low < both.high { both } else { Self { low, high } }
+    }
+
     /// Refuses one without width; `thing` names it.
     ///
     /// # Errors

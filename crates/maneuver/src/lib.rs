@@ -27,7 +27,7 @@ mod steady;
 
 pub use dictionary::DictionaryFile;
 pub use feedback::{Controller, Executed};
-pub use generate::{Generator, Realized};
+pub use generate::{Generator, Reacting, Realized};
 pub use generate_spec::{CandidateKind, Exceeded, GenerateSpec, Limits};
 pub use input_limit::InputLimit;
 pub use input_table::{InputTable, Pace};

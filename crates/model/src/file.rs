@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::derived::derive;
 use crate::equation::{Equation, Reduced, TermSpec};
-use crate::{Actuator, Constrained, DegreeOfFreedom, DerivedSpec, Model, Term, Variable, Written};
+use crate::{Actuator, Constrained, DegreeOfFreedom, DerivedSpec, InputSpec, Model, Term, Variable, Written};
 
 /// `vessel.toml` as written.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -46,32 +46,6 @@ pub struct VesselFile {
     /// Known increments of u, v \[m/s\] and r \[rad/s\] per sample that do not depend on the vessel.
     #[serde(default)]
     pub constant: [f64; 3],
-}
-
-/// An input.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(rename = "ModelInput")]
-pub struct InputSpec {
-    /// Name as used in terms and as a column.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
-    /// Another input that this one is coupled to …
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub follows: Option<String>,
-    /// … by this factor.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub factor: Option<f64>,
-    /// Between which the actuator can be set.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub range: Option<[f64; 2]>,
-    /// Time constant with which the actuator follows a command \[s\].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lag_s: Option<f64>,
-    /// How much it changes in a second at most.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rate_per_s: Option<f64>,
 }
 
 /// A measured disturbance.
@@ -157,8 +131,7 @@ impl Vessel {
         let variables = variables(&file)?;
         let terms = terms(&file, &variables)?;
         let couplings = couplings(&file.input)?;
-        let actuator = |own: &InputSpec| Actuator::new(&own.name, own.range, own.lag_s, own.rate_per_s);
-        let actuators = file.input.iter().map(actuator).collect::<Result<_, _>>()?;
+        let actuators = file.input.iter().map(Actuator::new).collect::<Result<_, _>>()?;
         let written = replaced(&file)?;
         check_parameters(&written)?;
         let (mut value, mut nominal, mut constrained) = (Vec::new(), Vec::new(), Vec::new());
@@ -356,7 +329,9 @@ fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
         if !v.unit.is_empty() {
             check_name(format!("`unit` of channel `{}`", v.name), &v.unit)?;
         }
-        let reserved = i >= 3 && RESERVED.contains(&v.name.as_str());
+        let of_input = ["command_", "instrument_"].into_iter().find_map(|column| v.name.strip_prefix(column));
+        let of_input = of_input.is_some_and(|name| file.input.iter().any(|own| own.name == name));
+        let reserved = i >= 3 && (of_input || RESERVED.contains(&v.name.as_str()));
         let plain = v.name.chars().all(|c| c.is_alphanumeric() || c == '_') && !v.name.is_empty();
         if all[..i].iter().any(|w| w.name == v.name) || reserved || !plain {
             let what =

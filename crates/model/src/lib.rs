@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod acting;
 mod actuator;
 mod constraint;
 mod derived;
@@ -16,6 +17,7 @@ mod equation;
 mod file;
 mod formula;
 mod held;
+mod input;
 mod layout;
 mod model;
 mod more_channels;
@@ -23,12 +25,14 @@ mod rows;
 mod term;
 pub mod terms;
 
+pub use acting::{Acting, Ordered};
 pub use actuator::Actuator;
 pub use constraint::{Constrained, Constraint, Written};
 pub use derived::{DerivedChannel, DerivedSpec};
 pub use equation::TermSpec;
-pub use file::{InputSpec, MeasuredSpec, Source, Vessel, VesselFile};
+pub use file::{MeasuredSpec, Source, Vessel, VesselFile};
 pub use formula::{Formula, Function, Malformed};
+pub use input::InputSpec;
 pub use layout::ParameterLayout;
 pub use model::{Degree, DegreeOfFreedom, Model, Variable};
 pub use term::{Factor, Product, Term};

@@ -104,8 +104,8 @@ fn over_time(trace: &[Traced], figures: &mut Figures) -> Markup {
         let measured = own.iter().map(|row| row.measured[d]).collect();
         let simulated = own.iter().map(|row| row.simulated[d]).collect();
         vec![
-            Curve { values: simulated, colour: Some(palette::BLUE), band },
-            Curve { values: measured, colour: None, band: Vec::new() },
+            Curve { values: simulated, colour: Some(palette::BLUE), band, is_thin: false },
+            Curve { values: measured, ..Curve::default() },
         ]
     };
     let row = |(own, t): (&&[Traced], &'_ Vec<f64>)| {

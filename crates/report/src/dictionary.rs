@@ -23,7 +23,7 @@ fn drawn(all: &[ManeuverTrace], design: Option<&DesignDocument>, figures: &mut F
     let paths: Vec<Track<'_>> = maneuvers.iter().copied().map(path).collect();
     html! {
         (omission(all.len(), maneuvers.len()))
-        (figures.place_wide("dictionary", over_time, &time_caption()))
+        (figures.place_wide("dictionary", over_time, &time_caption(&maneuvers)))
         (figures.place_wide("tracks", tracks(&paths), &track_caption()))
         (descriptions(&maneuvers))
     }
@@ -64,7 +64,7 @@ fn row<'a>(
     let design = design.filter(|design| used(design, &maneuver.name));
     let share = design.and_then(|design| design.shares.get(&maneuver.name));
     let states = [&maneuver.u, &maneuver.v, &maneuver.r];
-    let states = states.map(|values| vec![Curve { values: values.clone(), colour: None, band: Vec::new() }]);
+    let states = states.map(|values| vec![Curve { values: values.clone(), ..Curve::default() }]);
     TraceRow {
         name: &maneuver.name,
         note: share.map(|share| format!("{} of the optimal experiment", percent(*share))),
@@ -99,21 +99,26 @@ impl<'a> Inputs<'a> {
     }
 
     fn curves(&self, maneuver: &ManeuverTrace) -> Vec<Curve> {
-        let curve = |(name, _, values): &(String, String, Vec<f64>)| {
-            let index = self.all.iter().position(|(known, ..)| known == name)?;
+        let curve = |name: &str, values: &[f64], is_thin: bool| {
+            let index = self.all.iter().position(|(known, ..)| *known == name)?;
             let largest = self.all[index].2;
             let scale = if largest > 0.0 { 1.0 / largest } else { 0.0 };
             let values = values.iter().map(|value| scale * value).collect();
-            Some(Curve { values, colour: Some(palette::input(index)), band: Vec::new() })
+            Some(Curve { values, colour: Some(palette::input(index)), is_thin, ..Curve::default() })
         };
-        maneuver.inputs.iter().filter_map(curve).collect()
+        let settings = maneuver.inputs.iter().map(|(name, _, values)| curve(name, values, false));
+        let commands = maneuver.commands.iter().map(|(name, values)| curve(name, values, true));
+        settings.chain(commands).flatten().collect()
     }
 }
 
-fn time_caption() -> Markup {
+fn time_caption(maneuvers: &[&ManeuverTrace]) -> Markup {
     html! {
         b { "Inputs and undisturbed states of every maneuver." }
         " All rows of a column share one axis. Each input is divided by its largest modulus over all maneuvers, named above."
+        @if maneuvers.iter().any(|maneuver| !maneuver.commands.is_empty()) {
+            " Thin lines are what was commanded, which the actuators followed."
+        }
     }
 }
 

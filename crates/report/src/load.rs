@@ -143,7 +143,15 @@ impl Loader<'_> {
         let mut traces = Vec::new();
         for block in 0..reader.blocks() {
             if traces.len() < MOST_TRACES {
-                traces.extend(reader.runs(block)?.iter().map(|run| trace(vessel, run)));
+                let (mut first, commands) = (0, reader.commands(block)?);
+                for run in reader.runs(block)? {
+                    let rows = first..first + run.samples();
+                    let own =
+                        |(name, values): &(String, Vec<f64>)| (name.clone(), values[rows.clone()].to_vec());
+                    let commands = commands.iter().map(own).collect();
+                    traces.push(ManeuverTrace { commands, ..trace(vessel, &run) });
+                    first += run.samples() + 1;
+                }
             }
         }
         for trace in &mut traces {
@@ -169,6 +177,7 @@ fn trace(vessel: &Vessel, run: &Run) -> ManeuverTrace {
         reached: String::new(),
         t: (0..samples).map(|k| k as f64 / vessel.sample_rate_hz).collect(),
         inputs: (0..vessel.model.inputs).map(input).collect(),
+        commands: Vec::new(),
         u: state(0),
         v: state(1),
         r: state(2),

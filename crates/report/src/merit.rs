@@ -101,8 +101,7 @@ fn over_time(found: &MeritDocument, figures: &mut Figures) -> Markup {
         .map(|title| TraceColumn { title, legend: Vec::new() });
     let row = |own: &'_ ManeuverMerit| -> Vec<Vec<Curve>> {
         let values = [&own.track.heading_deg, &own.track.surge_m_s, &own.track.yaw_rate_deg_s];
-        let curve =
-            |values: &Vec<f64>| vec![Curve { values: values.clone(), colour: None, band: Vec::new() }];
+        let curve = |values: &Vec<f64>| vec![Curve { values: values.clone(), ..Curve::default() }];
         values.map(curve).into()
     };
     let rows: Vec<TraceRow<'_>> = found

@@ -91,6 +91,8 @@ pub struct ManeuverTrace {
     pub t: Vec<f64>,
     /// Name, unit and values of every input.
     pub inputs: Vec<(String, String, Vec<f64>)>,
+    /// What was commanded of inputs whose actuators follow it, by their names.
+    pub commands: Vec<(String, Vec<f64>)>,
     /// Surge speed \[m/s\].
     pub u: Vec<f64>,
     /// Sway speed \[m/s\].

@@ -9,7 +9,7 @@ use numerics::{GROUPS, LANES};
 use rayon::prelude::*;
 use regression::runs::{Alike, Doing, NominalDiverged, RunInstruments};
 use regression::{InstrumentKind, Outcome};
-use trial::campaign::{Campaign, SimulatedRun};
+use trial::campaign::{Campaign, SimulatedRun, Wanted};
 
 use crate::simulation::StudyError;
 
@@ -94,11 +94,13 @@ impl MonteCarlo<'_> {
     }
 
     fn some(&self, design: usize, runs: Range<usize>, kept: usize) -> Result<Realized, StudyError> {
-        let simulated = self.campaign.simulate(design, runs)?.into_iter();
-        let (own, states): (Vec<Run>, Vec<Vec<f64>>) = simulated.map(|s| (s.run, s.states)).unzip();
+        let wanted = if runs.start < kept { Wanted::Commands } else { Wanted::Truth };
+        let simulated = self.campaign.simulate(design, runs, wanted)?.into_iter();
+        let (own, rest): (Vec<Run>, Vec<_>) = simulated.map(|s| (s.run, (s.states, s.commands))).unzip();
         let estimates = self.estimators.estimates(&own)?;
         let scores = self.validation.score(&estimates, self.truth.as_deref());
-        let again = own.into_iter().zip(states).map(|(run, states)| SimulatedRun { run, states });
+        let again = own.into_iter().zip(rest);
+        let again = again.map(|(run, (states, commands))| SimulatedRun { run, states, commands });
         let kept = again.filter(|simulated| (simulated.run.run as usize) < kept).collect();
         Ok(Realized { runs: kept, estimates, scores })
     }
@@ -148,7 +150,7 @@ impl MonteCarlo<'_> {
         let mut outcomes = Vec::with_capacity(runs.len());
         for start in runs.clone().step_by(GROUPS * LANES) {
             let some = start..runs.end.min(start + GROUPS * LANES);
-            let all = self.campaign.together(design, some, false)?;
+            let all = self.campaign.together(design, some, Wanted::Measured)?;
             let Some(alike) = alike else {
                 let before = first + outcomes.len();
                 let groups = all.into_iter().map(|own| (own.starts(), own.side_by_side()));

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use artifact::{Error, Provenance, Staged, TableWriter, stage_set_document};
 use identification::{RunEstimate, RunScore};
+use maneuver::Reacting;
 use model::Vessel;
 use trial::campaign::SimulatedRun;
 use validation::tally::Bounds;
@@ -44,19 +45,18 @@ pub struct Kept {
 }
 
 impl Kept {
-    /// Empty tables; trajectories of the `first` runs per design, or of all. `tracks`: whether any of them has instruments other
-    /// than its inputs.
+    /// Empty tables; trajectories of the `first` runs per design, or of all, with the columns of what reacts.
     ///
     /// # Errors
     /// Output that fails.
     pub fn new(
         (keep, first): (Keep, Option<u32>),
         vessel: &Vessel,
-        tracks: bool,
+        reacting: &Reacting,
         out: &Path,
         provenance: &Provenance,
     ) -> Result<Self, Error> {
-        let layout = Layout::new(&vessel.model).with_instruments(tracks);
+        let layout = Layout::new(&vessel.model).reacting(reacting);
         let table = |least: Keep, name: &str, schema: &artifact::TableSchema, document: Option<&str>| {
             if !keep.keeps(least) {
                 return Ok::<_, Error>(None);

@@ -53,9 +53,9 @@ pub struct Ability {
     pub acceleration_m_s2: Option<f64>,
     /// How fast it can lose speed in every mode \[m/s²\]; null where no range bounds it.
     pub braking_m_s2: Option<f64>,
-    /// How fast it loses speed with all inputs at zero, in its slowest mode \[m/s²\].
+    /// How fast it loses speed with all inputs as near to zero as their ranges allow, in its slowest mode \[m/s²\].
     pub coasting_m_s2: f64,
-    /// Longest lag of its actuators \[s\].
+    /// Longest lag of its actuators, with the time for which they hold a command \[s\].
     pub lag_s: f64,
 }
 
@@ -202,8 +202,8 @@ impl Ability {
             turn_acceleration_rad_s2: None,
             acceleration_m_s2: None,
             braking_m_s2: None,
-            coasting_m_s2: -gains(vessel, slowest, &vec![0.0; vessel.model.inputs])[0],
-            lag_s: vessel.actuators.iter().map(|own| own.lag_s).fold(0.0, f64::max),
+            coasting_m_s2: -gains(vessel, slowest, &idle(vessel))[0],
+            lag_s: vessel.actuators.iter().map(|own| own.lag_s + own.hold_s).fold(0.0, f64::max),
         };
         let least = |known: &mut Option<f64>, new: Option<f64>| {
             *known = [*known, new].into_iter().flatten().reduce(f64::min);
@@ -219,6 +219,12 @@ impl Ability {
         }
         Ok(own)
     }
+}
+
+/// The settings nearest to zero.
+fn idle(vessel: &Vessel) -> Vec<f64> {
+    let setting = |range: [f64; 2]| 0.0_f64.clamp(range[0], range[1]);
+    vessel.actuators.iter().map(|own| own.range.map_or(0.0, setting)).collect()
 }
 
 /// The inputs that hold a speed and a yaw rate within the actuators' ranges.

@@ -34,6 +34,13 @@ impl Piece {
         self.helm.as_ref().map_or_else(|| Helm::table(&self.inputs).begin(), Helm::begin)
     }
 
+    /// Whether its inputs, multiplied by `signs`, are within their ranges, too.
+    pub fn is_mirrored_within(&self, vessel: &Vessel, signs: &[f64]) -> bool {
+        let mirrored =
+            |row: &[f64]| row.iter().zip(signs).map(|(input, sign)| sign * input).collect::<Vec<f64>>();
+        self.inputs.chunks_exact(signs.len()).all(|row| vessel.beyond_range(&mirrored(row)).is_none())
+    }
+
     /// Its first `target` samples, or the nearest number of whole periods if the inputs are periodic; all of
     /// it without a target.
     ///

@@ -83,7 +83,7 @@ impl Arguments {
 
 fn layout(plan: &Plan) -> Layout {
     let exogenous = plan.exogenous.iter().map(|input| (input.name.clone(), input.unit.clone())).collect();
-    Layout { exogenous, derived: plan.derived.clone(), inputs: 0, instruments: false }
+    Layout { exogenous, derived: plan.derived.clone(), ..Layout::default() }
 }
 
 /// The result for all recordings.

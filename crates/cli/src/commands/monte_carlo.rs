@@ -98,7 +98,7 @@ impl Arguments {
         self.check_room(&study, files.campaign, out)?;
         let done = Done { study: &study, files: &files, bounds: config.bounds(), quiet: common.quiet };
         let (campaign, keep) = (&study.campaign, (self.keep, self.keep_first));
-        let mut kept = Kept::new(keep, campaign.vessel(), campaign.tracks(), out, &provenance)?;
+        let mut kept = Kept::new(keep, campaign.vessel(), campaign.reacting(), out, &provenance)?;
         let tally = match self.until {
             None => done.tallied(self.mine(&study), &mut kept)?,
             Some(width) => done.until(width)?,

@@ -10,7 +10,7 @@ use artifact::{EncodedBlock, Provenance, Shard, TableWriter, Work, commit, encod
 pub use flags::{CampaignFlags, CampaignInputs, note_plays};
 use model::Vessel;
 use study::trajectories::{BlockBuilder, LEAST_ROW_BYTES, Layout, SIMULATED_PER_SECOND, rows_per_block};
-use trial::campaign::{Campaign, Maneuvers, Refusal, SimulatedRun, Tally};
+use trial::campaign::{Campaign, Maneuvers, Refusal, SimulatedRun, Tally, Wanted};
 
 use crate::cli::{budget, folder_of};
 use crate::failure::Failure;
@@ -111,7 +111,8 @@ pub fn write_maneuvers(
     let count = maneuvers.count();
     let blocks = count.div_ceil(BLOCK);
     let mine = provenance.shard.map_or(0..blocks, |shard| shard.range(blocks));
-    let (layout, mut writer) = writer(out, maneuvers.vessel(), maneuvers.tracks(), provenance)?;
+    let (layout, mut writer) =
+        writer(out, Layout::new(&maneuvers.vessel().model).reacting(&maneuvers.reacting()), provenance)?;
     let progress = Progress::new("maneuvers", count.min(mine.len() * BLOCK), quiet);
     let mut tally = Tally::default();
     let work = |block: usize| {
@@ -160,7 +161,8 @@ pub fn write_campaign(
     provenance: &Provenance,
     quiet: bool,
 ) -> Result<usize, Failure> {
-    let (layout, mut writer) = writer(out, campaign.vessel(), campaign.tracks(), provenance)?;
+    let (layout, mut writer) =
+        writer(out, Layout::new(&campaign.vessel().model).reacting(campaign.reacting()), provenance)?;
     let blocks = blocks(campaign);
     let mine = provenance.shard.as_ref().map_or(0..blocks.len(), |s: &Shard| s.range(blocks.len()));
     let runs = blocks[mine.clone()].iter().map(|(_, runs)| runs.len()).sum();
@@ -169,7 +171,7 @@ pub fn write_campaign(
     let work = |i: usize| {
         let (design, runs) = blocks[i].clone();
         progress.advance(runs.len());
-        let runs = campaign.simulate(design, runs).map_err(|e| files.refused(e))?;
+        let runs = campaign.simulate(design, runs, Wanted::Commands).map_err(|e| files.refused(e))?;
         encoded(&layout, campaign.vessel(), &runs)
     };
     ordered(mine, work, |block| Ok(writer.push(block)?))?;
@@ -184,13 +186,7 @@ fn blocks(campaign: &Campaign) -> Vec<(usize, Range<usize>)> {
     (0..campaign.designs()).flat_map(of).collect()
 }
 
-fn writer(
-    out: &Path,
-    vessel: &Vessel,
-    tracks: bool,
-    provenance: &Provenance,
-) -> Result<(Layout, TableWriter), Failure> {
-    let layout = Layout::new(&vessel.model).with_instruments(tracks);
+fn writer(out: &Path, layout: Layout, provenance: &Provenance) -> Result<(Layout, TableWriter), Failure> {
     let writer = TableWriter::create(out, &layout.schema(), provenance)?;
     Ok((layout, writer))
 }

@@ -29,7 +29,7 @@ const NUMBERS: [&str; 8] =
 const SOME: usize = 120;
 
 /// Numbers that the small studies do not state: the file and their position in it.
-const UNSTATED: [(&str, &str); 57] = [
+const UNSTATED: [(&str, &str); 59] = [
     ("vessel.toml", "sample_rate_hz"),
     ("vessel.toml", "constant.0"),
     ("vessel.toml", "value.X_u"),
@@ -37,6 +37,8 @@ const UNSTATED: [(&str, &str); 57] = [
     ("vessel.toml", "input.0.factor"),
     ("vessel.toml", "input.0.lag_s"),
     ("vessel.toml", "input.0.rate_per_s"),
+    ("vessel.toml", "input.0.dead_band"),
+    ("vessel.toml", "input.0.hold_s"),
     ("dictionary.toml", "maneuver.2.duration_s"),
     ("dictionary.toml", "generate.candidates"),
     ("dictionary.toml", "generate.duration_s"),

@@ -42,3 +42,20 @@ fn a_vessel_that_cannot_hold_its_track_is_refused_in_one_line() {
         refused(&folder, code, &format!("{PLAN} --allow-mixed"), &pieces);
     }
 }
+
+#[test]
+fn law_actuators_of_a_plan_take_commands_when_their_hold_ends() {
+    let folder = small_with(&[]);
+    let text = std::fs::read_to_string(folder.path().join("vessel.toml")).unwrap();
+    put(&folder, "vessel.toml", &text.replace("unit = \"kN", "hold_s = 3.0\nunit = \"kN"));
+    run(&folder, &format!("{PLAN} --allow-mixed")).succeeds();
+    let planned = Planned::of(&folder);
+    let voyage = planned.voyage();
+    assert_eq!(voyage["check"]["safe"], true);
+    // A sample is a second.
+    assert_eq!(voyage["handling"]["derived"]["ability"]["lag_s"], 3.0);
+    let inputs = &planned.track.inputs;
+    let changed = |k: &usize| inputs[*k] != inputs[k - 1];
+    assert!((1..inputs.len()).filter(changed).all(|k| k.is_multiple_of(3)));
+    assert!((1..inputs.len()).filter(changed).count() > 100);
+}

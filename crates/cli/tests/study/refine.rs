@@ -37,6 +37,28 @@ fn refined(folder: &TempDir) -> Value {
 const WRITES: [&str; 4] = ["refined.json", "inputs.csv", "refined-dictionary.toml", "design.json"];
 
 #[test]
+fn law_refined_inputs_stay_within_the_range_of_the_vessel() {
+    let folder = designed();
+    let own = std::fs::read_to_string(repository().join("pipelines/paper/vessel.toml")).unwrap();
+    let within = |range: &str| own.replace("name = \"tau1\"", &format!("name = \"tau1\"\nrange = {range}"));
+    let lowest = |range: &str, flags: &str| {
+        put(&folder, "vessel.toml", &within(range));
+        [DICTIONARY, OUTPUT_ERROR, DESIGN_FOR].iter().for_each(|line| drop(run(&folder, line).succeeds()));
+        run(&folder, &format!("{REFINE} {flags}").replace("120", "20")).succeeds();
+        let text = String::from_utf8(bytes(&folder, "refined/inputs.csv")).unwrap();
+        assert!(text.starts_with("tau1,") || text.starts_with("t,tau1,"), "{}", &text[..40]);
+        let column = usize::from(text.starts_with("t,"));
+        let value = |line: &str| line.split(',').nth(column).unwrap().parse::<f64>().unwrap();
+        text.lines().skip(1).map(value).fold(f64::INFINITY, f64::min)
+    };
+    // Without a range the descent goes astern.
+    assert!(lowest("[-6500.0, 6500.0]", "") < -100.0);
+    for flags in ["", "--limits limits.toml"] {
+        assert!(lowest("[0.0, 6500.0]", flags) >= 0.0, "{flags}");
+    }
+}
+
+#[test]
 fn refined_inputs_are_worth_more_keep_the_limits_and_run_as_a_campaign() {
     let folder = designed();
     run(&folder, &format!("{REFINE} --limits limits.toml")).succeeds();

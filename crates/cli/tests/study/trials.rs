@@ -337,3 +337,135 @@ fn oracle_overshoots_of_the_kvlcc2_from_samples_of_a_second_are_those_of_its_log
         }
     }
 }
+
+/// The coaster's files with `keys` of her rudder.
+fn with_rudder(keys: &str) -> TempDir {
+    let folder = coaster();
+    let range = "range = [-0.611, 0.611]";
+    edit(&folder, "vessel.toml", range, &format!("{range}\n{keys}"));
+    folder
+}
+
+/// Names of the columns of a table of trajectories that say what was commanded.
+fn of_commands(folder: &TempDir, name: &str) -> Vec<String> {
+    let table = TableReader::open(folder.path().join(name), "trajectories", 1).unwrap();
+    let names = table.columns().iter().map(|column| column.name.clone());
+    names.filter(|name| name.starts_with("command_")).collect()
+}
+
+#[test]
+fn what_is_commanded_has_a_column_where_an_actuator_follows_it() {
+    let folder = with_rudder("dead_band = 0.02\nhold_s = 2.0\nrate_per_s = 0.05");
+    edit(&folder, "campaign.toml", "realizations = 100", "realizations = 2");
+    for line in [DICTIONARY, MOMENTS, DESIGN, CAMPAIGN] {
+        run(&folder, line).succeeds();
+    }
+    std::fs::create_dir(folder.path().join("tallied")).unwrap();
+    let tallied = TALLIED.replace("--keep estimates", "--keep trajectories");
+    run(&folder, &tallied).succeeds();
+    for name in ["dictionary.parquet", "campaign.parquet", "tallied/campaign.parquet"] {
+        assert_eq!(of_commands(&folder, name), ["command_delta"], "{name}");
+    }
+    let commands = |name: &str| {
+        let table = TableReader::open(folder.path().join(name), "trajectories", 1).unwrap();
+        let of = |block| {
+            table.read_block(block, &["command_delta"]).unwrap().columns[0].as_f64().unwrap().to_vec()
+        };
+        // The last row of a run has no inputs.
+        (0..table.blocks()).flat_map(of).filter(|own| !own.is_nan()).collect::<Vec<f64>>()
+    };
+    let (campaign, tallied) = (commands("campaign.parquet"), commands("tallied/campaign.parquet"));
+    assert!(campaign == tallied, "{} and {} rows", campaign.len(), tallied.len());
+    let table = TableReader::open(folder.path().join("dictionary.parquet"), "trajectories", 1).unwrap();
+    let block = table.read_block(0, &["maneuver", "delta", "command_delta"]).unwrap();
+    let [set, commanded] = [1, 2].map(|i: usize| block.columns[i].as_f64().unwrap());
+    let is_zig_zag = |k: usize| block.columns[0].text_at(k) == Some("zig-zag-20-starboard");
+    let rows: Vec<usize> = (0..set.len() - 1).filter(|k| is_zig_zag(*k) && is_zig_zag(k + 1)).collect();
+    // A sample is half a second.
+    assert!(rows.windows(2).all(|k| (set[k[1]] - set[k[0]]).abs() <= 0.025 + 1e-12));
+    assert!(rows.windows(2).any(|k| (commanded[k[1]] - commanded[k[0]]).abs() > 0.3));
+    run(&folder, "report --study . --results . --out report.html").succeeds();
+    let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
+    assert!(page.contains("Thin lines are what was commanded"));
+    // Of every maneuver, in tenths of a pixel.
+    assert_eq!(page.matches("stroke-width=\"6\"").count(), 12);
+    // Immediate actuators, and a study in which nothing reacts, have no such columns.
+    let folder = coaster();
+    run(&folder, DICTIONARY).succeeds();
+    assert!(of_commands(&folder, "dictionary.parquet").is_empty());
+    let folder = with_rudder("lag_s = 3.0");
+    one(&folder, "kind = \"steady-turn\"\nspeed_m_s = 7.0\nyaw_rate_rad_s = 0.005\nduration_s = 300.0");
+    run(&folder, &format!("{DICTIONARY} --allow-unreached")).succeeds();
+    assert!(of_commands(&folder, "dictionary.parquet").is_empty());
+}
+
+#[test]
+fn actuators_that_cannot_be_are_refused_by_key() {
+    for (keys, pieces) in [
+        (
+            "dead_band = -0.01",
+            ["vessel.toml", "`dead_band` of input `delta`", "found -0.01", "0 or more, and less than 1.222"],
+        ),
+        (
+            "dead_band = 1.3",
+            [
+                "vessel.toml",
+                "`dead_band` of input `delta`",
+                "found 1.3",
+                "the width of its `range` [-0.611, 0.611]",
+            ],
+        ),
+        ("dead_band = \"2 deg\"", ["vessel.toml", "dead_band", "2 deg", "number"]),
+        ("hold_s = 0.0", ["vessel.toml", "`hold_s` of input `delta`", "found 0", "more than 0 s"]),
+        ("hold_s = nan", ["vessel.toml", "`hold_s` of input `delta`", "found NaN", "more than 0 s"]),
+        (
+            "hold_s = 200.0",
+            [
+                "dictionary.toml",
+                "maneuver `zig-zag-10-starboard` of 200 s",
+                "`hold_s` = 200 s of input `delta`",
+                "`duration_s`",
+            ],
+        ),
+        ("deadband = 0.01", ["vessel.toml", "found key `deadband`", "`dead_band`", "delta"]),
+    ] {
+        let folder = with_rudder(keys);
+        let pieces =
+            if keys.starts_with("deadband") || keys.contains("deg") { &pieces[..3] } else { &pieces[..] };
+        refused(&folder, 3, DICTIONARY, pieces);
+        assert!(!folder.path().join("dictionary.parquet").exists());
+    }
+    let folder = coaster();
+    edit(
+        &folder,
+        "vessel.toml",
+        "[[surge]]",
+        "[[measured]]\nname = \"command_delta\"\nunit = \"1\"\nsimulated = 0.0\n\n[[surge]]",
+    );
+    refused(&folder, 3, DICTIONARY, &["`command_delta`", "taken", "rename it"]);
+}
+
+#[test]
+fn inputs_of_one_side_are_kept_to_in_every_maneuver_or_refused() {
+    let folder = coaster();
+    edit(&folder, "vessel.toml", "range = [-1.2, 1.2]", "range = [0.0, 1.2]");
+    refused(&folder, 3, DICTIONARY, &["maneuver `crash-stop`", "`inputs`", "n = -", "from 0 to 1.2"]);
+    let keys = "kind = \"stop\"\nspeed_m_s = 7.0\nduration_s = 1500.0";
+    one(&folder, keys);
+    run(&folder, &format!("{DICTIONARY} --allow-unreached")).succeeds();
+    // Propulsion that cannot be stopped.
+    edit(&folder, "vessel.toml", "range = [0.0, 1.2]", "range = [0.1, 1.2]");
+    refused(&folder, 3, DICTIONARY, &["maneuver `m`", "`inputs`", "n = 0", "from 0.1 to 1.2"]);
+    for executed in ["inputs", "feedback"] {
+        one(
+            &folder,
+            &format!(
+                "kind = \"zig-zag\"\nspeed_m_s = 5.0\nyaw_rate_amplitude_rad_s = 0.004\nperiod_s = 120.0\nduration_s = 240.0\nexecuted = \"{executed}\""
+            ),
+        );
+        run(&folder, &format!("{DICTIONARY} --allow-unreached")).succeeds();
+        let table = TableReader::open(folder.path().join("dictionary.parquet"), "trajectories", 1).unwrap();
+        let n = table.read_block(0, &["n"]).unwrap().columns[0].as_f64().unwrap().to_vec();
+        assert!(n[..n.len() - 1].iter().all(|n| (0.1..=1.2).contains(n)), "{executed}");
+    }
+}

@@ -202,6 +202,7 @@ impl Program for Orders {
             speed: None,
             part: 0.0,
             turning: Loop::default(),
+            ends: None,
         })
     }
 }
@@ -224,6 +225,8 @@ struct Helmsman {
     /// Part of the greatest helm that holds a yaw rate.
     part: f64,
     turning: Loop,
+    /// Inputs at the beginning and the end of the last sample, where they changed within it.
+    ends: Option<[Vec<f64>; 2]>,
 }
 
 /// What is seen at the beginning of a sample, and what is expected within it.
@@ -279,6 +282,13 @@ impl Helmsman {
         due_s
     }
 
+    /// The inputs of the present order.
+    fn present(&self, width: usize) -> Vec<f64> {
+        let mut inputs = vec![0.0; width];
+        self.add(1.0, &mut inputs);
+        inputs
+    }
+
     /// Adds `weight` times the inputs of the present order.
     fn add(&self, weight: f64, inputs: &mut [f64]) {
         match (&self.program.orders[self.now].act, &self.program.turning) {
@@ -318,11 +328,15 @@ impl Command for Helmsman {
         let look = Look { at_s, length_s, heading, yaw_rate, speed, gain };
         inputs.fill(0.0);
         self.turn(yaw_rate);
-        let mut from = 0.0;
+        self.ends = None;
+        let (mut from, mut first) = (0.0, None);
         loop {
             let to = ((self.end_s(&look) - at_s) / length_s).clamp(from, 1.0);
             if to > from {
                 self.add(to - from, inputs);
+                if to < 1.0 {
+                    first.get_or_insert_with(|| self.present(inputs.len()));
+                }
             }
             let next = if self.now + 1 < program.orders.len() { Some(self.now + 1) } else { program.again };
             let Some(next) = next.filter(|_| to < 1.0) else {
@@ -337,8 +351,13 @@ impl Command for Helmsman {
             }
             self.turn(yaw_rate);
         }
+        self.ends = first.map(|first| [first, self.present(inputs.len())]);
         self.sample += 1;
         self.speed = Some(speed);
         self.heading += length_s * yaw_rate;
+    }
+
+    fn ends(&self) -> Option<[&[f64]; 2]> {
+        self.ends.as_ref().map(|ends| ends.each_ref().map(Vec::as_slice))
     }
 }

@@ -26,7 +26,8 @@ fn errors(vessel: &Vessel, generator: &Generator, index: usize) -> [f64; 3] {
     let states = match &realized.helm {
         None => simulate_one(&vessel.model, &truth, realized.initial, &exogenous),
         Some(helm) => {
-            simulate_command(&vessel.model, &truth, realized.initial, samples, vessel.sample_rate_hz, helm).1
+            simulate_command(&vessel.model, &truth, realized.initial, samples, vessel.sample_rate_hz, helm)
+                .states
         }
     };
     [0, 1, 2].map(|d| {
@@ -55,7 +56,7 @@ fn law_feedback_changes_nothing_of_the_nominal_ship() {
     for index in 0..3 {
         let samples = closed.samples(index).unwrap();
         let realized = closed.realize(index, samples).unwrap();
-        let (rows, _) = simulate_command(
+        let run = simulate_command(
             &vessel.model,
             closed.parameters(),
             realized.initial,
@@ -63,7 +64,7 @@ fn law_feedback_changes_nothing_of_the_nominal_ship() {
             vessel.sample_rate_hz,
             realized.helm.as_ref().unwrap(),
         );
-        let inputs = vessel.model.inputs_of(&rows);
+        let inputs = vessel.model.inputs_of(&run.exogenous);
         let off = inputs.iter().zip(&realized.inputs).map(|(a, b)| (a - b).abs() / b.abs().max(1.0));
         let worst = off.fold(0.0, f64::max);
         assert!(worst < 1e-9, "maneuver {index}: {worst}");
@@ -88,7 +89,7 @@ fn law_a_motion_that_another_ship_does_not_reach_is_said_and_feedback_reaches_it
                 ),
                 Some(helm) => {
                     let (model, rate) = (&vessel.model, vessel.sample_rate_hz);
-                    simulate_command(model, &truth, realized.initial, samples, rate, helm).1
+                    simulate_command(model, &truth, realized.initial, samples, rate, helm).states
                 }
             };
             generator.reached(index, &states).iter().all(|aim| aim.is_met)

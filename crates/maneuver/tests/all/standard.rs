@@ -3,7 +3,7 @@
 use engine::simulate_command;
 use maneuver::merit::{Figure, Hull, Record, figures};
 use maneuver::{DictionaryFile, Generator};
-use model::{Source, Vessel, VesselFile};
+use model::{Actuator, Source, Vessel, VesselFile};
 use serde_json::Value;
 
 /// The ship of scripts/independent/standard_maneuvers.py, in steps of 1/`rate` s.
@@ -50,7 +50,9 @@ fn run(vessel: &Vessel, generator: &Generator) -> (Vec<f64>, Vec<f64>) {
     let realized = generator.realize(0, samples).unwrap();
     let parameters = vessel.parameters(Source::Value).unwrap();
     let helm = realized.helm.unwrap();
-    simulate_command(&vessel.model, &parameters, realized.initial, samples, vessel.sample_rate_hz, &helm)
+    let rate_hz = vessel.sample_rate_hz;
+    let run = simulate_command(&vessel.model, &parameters, realized.initial, samples, rate_hz, &helm);
+    (run.exogenous, run.states)
 }
 
 fn measured(vessel: &Vessel, keys: &str, duration_s: f64) -> Vec<Figure> {
@@ -257,6 +259,112 @@ fn law_slow_rudders_lengthen_overshoots_as_in_continuous_time() {
             assert!(off.abs() < 0.05, "{keys}: {name} off by {off}°");
         }
     }
+}
+
+/// The ship with a rudder that is changed.
+fn with_rudder(rate_hz: f64, change: impl Fn(&mut Actuator)) -> Vessel {
+    let mut vessel = ship(rate_hz);
+    change(&mut vessel.actuators[1]);
+    vessel
+}
+
+const ZIG_ZAG_20: &str = "kind = \"zig-zag-test\"\nhelm = { delta = 0.35 }\nheading_rad = 0.35";
+
+#[test]
+fn oracle_a_rudder_that_holds_its_command_is_one_of_a_helmsman_who_looks_as_often() {
+    for hold_s in [0.5, 1.0, 2.5] {
+        let holds = with_rudder(10.0, |own| own.hold_s = hold_s);
+        let by_hold = run(&holds, &generator(&holds, ZIG_ZAG_20, 120.0));
+        let looks = ship(10.0);
+        let keys = format!("{ZIG_ZAG_20}\nevery_s = {hold_s:.1}");
+        let by_look = run(&looks, &generator(&looks, &keys, 120.0));
+        let most_off = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let off = [most_off(&by_hold.0, &by_look.0), most_off(&by_hold.1, &by_look.1)];
+        assert!(off[0] < 1e-9 && off[1] < 1e-9, "{hold_s} s: {off:?}");
+        let continuous = run(&looks, &generator(&looks, ZIG_ZAG_20, 120.0));
+        assert!(most_off(&by_hold.0, &continuous.0) > 0.3);
+    }
+}
+
+#[test]
+fn law_overshoots_grow_with_the_hold_by_half_of_what_the_ship_turns_in_it() {
+    // A mean over headings, since a hold ends at any time after one is reached.
+    let overshoot = |hold_s: f64| {
+        let vessel = with_rudder(20.0, |own| own.hold_s = hold_s);
+        let one = |step: u32| {
+            let heading = 0.5 + 0.0125 * f64::from(step);
+            let keys = format!("kind = \"zig-zag-test\"\nhelm = {{ delta = 0.35 }}\nheading_rad = {heading}");
+            value(&measured(&vessel, &keys, 60.0), "overshoot_1")
+        };
+        (0..32).map(one).sum::<f64>() / 32.0
+    };
+    let [none, one, two, four] = [0.0, 1.0, 2.0, 4.0].map(overshoot);
+    let more = [one - none, two - none, four - none];
+    assert!(more[0] > 0.5, "{none} {more:?}");
+    for (added, hold_s) in more.into_iter().zip([1.0, 2.0, 4.0]) {
+        assert!((added / hold_s / more[0] - 1.0).abs() < 0.2, "{hold_s} s: {none} {more:?}");
+    }
+}
+
+#[test]
+fn law_a_dead_band_that_no_order_is_within_changes_nothing() {
+    let wide = with_rudder(10.0, |own| (own.dead_band, own.rate_per_s) = (0.3, Some(0.1)));
+    let plain = with_rudder(10.0, |own| own.rate_per_s = Some(0.1));
+    assert_eq!(
+        run(&wide, &generator(&wide, ZIG_ZAG_20, 120.0)),
+        run(&plain, &generator(&plain, ZIG_ZAG_20, 120.0))
+    );
+    // Corrections of a motion by feedback are small, and within it.
+    let keys = "kind = \"zig-zag\"\nshape = \"sine\"\nyaw_rate_amplitude_rad_s = 0.02\nperiod_s = 40.0\nexecuted = \"feedback\"";
+    let moves = |vessel: &Vessel| {
+        let (rows, _) = run(vessel, &generator(vessel, keys, 120.0));
+        rows.windows(4).skip(1).step_by(2).filter(|two| two[0] != two[2]).count()
+    };
+    let counts = [0.0, 0.01, 0.04].map(|band| moves(&with_rudder(10.0, |own| own.dead_band = band)));
+    assert!(counts[0] > 1000 && counts[1] < 200 && counts[2] < counts[1] && counts[2] > 4, "{counts:?}");
+}
+
+/// Rudder before a sample, command in it and rudder after it, in a zig-zag of 120 s at 10 Hz.
+fn rudder_and_command(change: impl Fn(&mut Actuator)) -> Vec<[f64; 3]> {
+    let vessel = with_rudder(10.0, change);
+    let of = generator(&vessel, ZIG_ZAG_20, 120.0);
+    let (realized, parameters) = (of.realize(0, 1200).unwrap(), vessel.parameters(Source::Value).unwrap());
+    let helm = realized.helm.unwrap();
+    let found = simulate_command(&vessel.model, &parameters, realized.initial, 1200, 10.0, &helm);
+    let rows = found.commands.as_chunks::<2>().0.iter().zip(found.exogenous.as_chunks::<2>().0);
+    // The engine is immediate.
+    assert!(rows.clone().all(|(command, row)| command[0] == row[0]));
+    let mut before = found.exogenous[1];
+    let of =
+        |(command, row): (&[f64; 2], &[f64; 2])| [std::mem::replace(&mut before, row[1]), command[1], row[1]];
+    rows.map(of).skip(1).collect()
+}
+
+#[test]
+fn law_what_is_commanded_leads_to_the_settings_by_the_actuator() {
+    for [before, command, after] in rudder_and_command(|own| own.lag_s = 2.0) {
+        assert!((after - (command + (before - command) * (-0.05_f64).exp())).abs() < 1e-12);
+    }
+    for [before, command, after] in rudder_and_command(|own| own.rate_per_s = Some(0.05)) {
+        let step = (command - before).clamp(-0.005, 0.005);
+        assert!((after - before - step).abs() < 1e-12, "{before} {command} {after}");
+    }
+    let held = rudder_and_command(|own| own.hold_s = 1.5);
+    let moves: Vec<usize> = (1..).zip(&held).filter(|(_, own)| own[0] != own[2]).map(|(k, _)| k).collect();
+    assert!(moves.len() > 4 && moves.iter().all(|k| k.is_multiple_of(15)), "{moves:?}");
+    assert!(held.iter().any(|own| own[1] != own[2]) && held.iter().any(|own| own[1] > 0.34));
+}
+
+#[test]
+fn a_maneuver_no_longer_than_the_hold_is_refused() {
+    let vessel = with_rudder(10.0, |own| own.hold_s = 60.0);
+    let text = format!("[[maneuver]]\nname = \"m\"\nduration_s = 60.0\nspeed_m_s = 1.2\n{ZIG_ZAG_20}\n");
+    let file: DictionaryFile = toml::from_str(&text).unwrap();
+    let refused = Generator::without_tables(&vessel, &file).unwrap_err().to_string();
+    assert!(
+        refused.contains("maneuver `m` of 60 s") && refused.contains("`hold_s` = 60 s of input `delta`"),
+        "{refused}"
+    );
 }
 
 #[test]

@@ -14,7 +14,7 @@ pub struct TraceColumn<'a> {
 }
 
 /// One curve of a cell.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Curve {
     /// One value per time of the row; values that are not finite are omitted.
     pub values: Vec<f64>,
@@ -22,6 +22,8 @@ pub struct Curve {
     pub colour: Option<Rgb>,
     /// Half-widths of its band; empty for none.
     pub band: Vec<f64>,
+    /// Whether it is drawn thin.
+    pub is_thin: bool,
 }
 
 /// One row of the small multiples.
@@ -173,6 +175,7 @@ impl Cell<'_> {
             sheet.polyline(&around, Paint::solid(colour).faded(0.2));
         }
         let paint = Paint::solid(colour);
-        sheet.polyline(&thinned(points, MOST_POINTS), (paint, 1.5));
+        let width = if curve.is_thin { 0.6 } else { 1.5 };
+        sheet.polyline(&thinned(points, MOST_POINTS), (paint, width));
     }
 }

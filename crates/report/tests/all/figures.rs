@@ -126,8 +126,8 @@ fn traces_survive_gaps_and_unequal_lengths() {
         TraceColumn { title: "surge u [m/s]", legend: Vec::new() },
     ];
     let cells = vec![
-        vec![Curve { values, colour: Some(palette::input(0)), band: Vec::new() }],
-        vec![Curve { values: vec![1.0; 7], colour: None, band: Vec::new() }],
+        vec![Curve { values, colour: Some(palette::input(0)), ..Curve::default() }],
+        vec![Curve { values: vec![1.0; 7], ..Curve::default() }],
     ];
     let row = TraceRow { name: "zig-zag", note: Some("10.0 % of the time".to_owned()), t: &t, cells };
     let svg = traces(&columns, &[row]);
@@ -281,7 +281,7 @@ fn peaks_survive_and_gaps_are_dropped() {
     (values[4321], values[77]) = (7.0, f64::NAN);
     let t: Vec<f64> = (0..10_000).map(f64::from).collect();
     let column = TraceColumn { title: "u", legend: Vec::new() };
-    let cells = vec![vec![Curve { values, colour: None, band: Vec::new() }]];
+    let cells = vec![vec![Curve { values, ..Curve::default() }]];
     let svg = traces(&[column], &[TraceRow { name: "m", note: None, t: &t, cells }]);
     check(&svg);
     let curve = elements(&svg, "path").flat_map(corners).max_by_key(Vec::len).unwrap();

@@ -92,6 +92,7 @@ fn trace(&(name, .., from, to, rate, sweeps): &Maneuver) -> ManeuverTrace {
         description: "as in the paper".to_owned(),
         t,
         inputs,
+        commands: Vec::new(),
         u,
         v,
         r,

@@ -209,6 +209,8 @@ impl ModelDocument {
                 range: vessel.actuators[i].range,
                 lag_s: Some(vessel.actuators[i].lag_s).filter(|lag| *lag > 0.0),
                 rate_per_s: vessel.actuators[i].rate_per_s,
+                dead_band: Some(vessel.actuators[i].dead_band).filter(|band| *band > 0.0),
+                hold_s: Some(vessel.actuators[i].hold_s).filter(|hold| *hold > 0.0),
             }
         };
         let measured = |(place, variable): (usize, &Variable)| MeasuredSpec {
@@ -408,13 +410,13 @@ impl Document for ModelDocument {
     const UNITS: Units = &[
         ("Hz", "sample_rate_hz"),
         ("1", "samples stretches factor part"),
-        ("s", "stretch_s lag_s"),
+        ("s", "stretch_s lag_s hold_s"),
         ("the channel's unit a second", "rate_per_s"),
         ("the parameter's unit", "value standard_error least_squares truth bounds"),
         ("m/s, m/s, rad/s", "left_out_rmse"),
         ("the unit of the row's name times that of the column's", "entries"),
         ("the state's unit", "constant constant_least_squares increment_std output_rmse"),
-        ("the channel's unit", "simulated range"),
+        ("the channel's unit", "simulated range dead_band"),
         ("the unit of what it belongs to", "low high"),
         ("m/s", "constant_u constant_v"),
         ("rad/s", "constant_r"),

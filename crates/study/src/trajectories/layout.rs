@@ -1,4 +1,5 @@
 use artifact::{ColumnSpec, Kind, TableSchema};
+use maneuver::Reacting;
 use model::{DegreeOfFreedom, DerivedChannel, Model};
 
 /// Schema id of trajectories.
@@ -17,8 +18,13 @@ pub const LEAST_ROW_BYTES: f64 = 72.0;
 /// (0.22 s for 800,000).
 pub const SIMULATED_PER_SECOND: f64 = 4e6;
 
+/// The column of what is commanded of `input`.
+pub(super) fn commanded(input: &str) -> String {
+    format!("command_{input}")
+}
+
 /// The columns of trajectories of one vessel.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Layout {
     /// Names and units of inputs, measured disturbances and derived channels, in the model's order.
     pub exogenous: Vec<(String, String)>,
@@ -26,21 +32,26 @@ pub struct Layout {
     pub derived: Vec<DerivedChannel>,
     /// How many of the above are inputs: the first.
     pub inputs: usize,
-    /// Whether runs have instruments other than their inputs.
-    pub instruments: bool,
+    /// Whether runs have instruments other than their inputs, and which inputs follow commands.
+    pub reacting: Reacting,
 }
 
 impl Layout {
     /// The columns for `model`.
     pub fn new(model: &Model) -> Self {
         let exogenous = model.variables[3..].iter().map(|v| (v.name.clone(), v.unit.clone())).collect();
-        Self { exogenous, derived: model.derived.clone(), inputs: model.inputs, instruments: false }
+        Self {
+            exogenous,
+            derived: model.derived.clone(),
+            inputs: model.inputs,
+            reacting: Reacting::default(),
+        }
     }
 
-    /// With the inputs that instruments are simulated with, if runs have others than their own.
+    /// With the inputs that instruments are simulated with and what is commanded, where those are not the inputs.
     #[must_use]
-    pub fn with_instruments(self, instruments: bool) -> Self {
-        Self { instruments, ..self }
+    pub fn reacting(self, reacting: &Reacting) -> Self {
+        Self { reacting: reacting.clone(), ..self }
     }
 
     /// The columns of the inputs that instruments are simulated with.
@@ -49,6 +60,15 @@ impl Layout {
             ColumnSpec::new(format!("instrument_{name}"), unit, Kind::F64, true)
         };
         self.exogenous[..self.inputs].iter().map(column).collect()
+    }
+
+    /// The columns of what is commanded.
+    pub fn of_commands(&self) -> Vec<ColumnSpec> {
+        let column = |i: &usize| {
+            let (name, unit) = &self.exogenous[*i];
+            ColumnSpec::new(commanded(name), unit, Kind::F64, true)
+        };
+        self.reacting.followed.iter().map(column).collect()
     }
 
     /// Bytes of memory of a row while runs are simulated and their block is encoded.
@@ -68,9 +88,10 @@ impl Layout {
         let pose = [("x", "m"), ("y", "m"), ("psi", "rad")]
             .map(|(name, unit)| ColumnSpec::new(name, unit, Kind::F64, false));
         columns.extend(truth.into_iter().chain(pose));
-        if self.instruments {
+        if self.reacting.tracks {
             columns.extend(self.of_instruments());
         }
+        columns.extend(self.of_commands());
         TableSchema { id: ID, version: VERSION, columns }
     }
 

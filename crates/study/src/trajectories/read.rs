@@ -7,6 +7,7 @@ use engine::{Run, Segment};
 use model::DerivedChannel;
 use refusal::check_name;
 
+use super::layout::commanded;
 use super::{ID, Layout, VERSION};
 
 /// Reads trajectories block by block; every run is within a block.
@@ -19,6 +20,8 @@ pub struct TrajectoryReader {
     places: Vec<usize>,
     /// Channels that follow from others, and whether the file has a column of each.
     derived: Vec<(DerivedChannel, bool)>,
+    /// Inputs of which the file has what was commanded, and those columns.
+    commanded: Vec<(String, String)>,
     truth: bool,
     /// Number of inputs that instruments are simulated with; 0 if the file does not have them.
     instruments: usize,
@@ -55,8 +58,23 @@ impl TrajectoryReader {
             table.require(&own)?;
             columns.extend(own.into_iter().map(|column| column.name));
         }
+        let inputs = layout.exogenous[..layout.inputs].iter().map(|(name, _)| name.clone());
+        let commanded = inputs.map(|name| (commanded(&name), name)).filter(|(column, _)| there(column));
+        let commanded = commanded.map(|(column, name)| (name, column)).collect();
         let (width, known, path) = (layout.exogenous.len(), Mutex::default(), path.to_owned());
-        Ok(Self { table, path, columns, width, places, derived, truth, instruments, rate_hz, known })
+        Ok(Self {
+            table,
+            path,
+            columns,
+            width,
+            places,
+            derived,
+            commanded,
+            truth,
+            instruments,
+            rate_hz,
+            known,
+        })
     }
 
     /// Number of blocks.
@@ -138,6 +156,22 @@ impl TrajectoryReader {
             (0..values[0].len()).map(row).collect()
         };
         Ok(values.map(rows))
+    }
+
+    /// What was commanded in the rows of block `i`, by input; nothing of inputs without such a column.
+    ///
+    /// # Errors
+    /// A damaged block.
+    pub fn commands(&self, i: usize) -> Result<Vec<(String, Vec<f64>)>, Error> {
+        let columns: Vec<&str> = self.commanded.iter().map(|(_, column)| column.as_str()).collect();
+        if columns.is_empty() {
+            return Ok(Vec::new());
+        }
+        let table = self.table.read_block(i, &columns)?;
+        let own = |((name, _), column): (&(String, String), &Column)| {
+            Some((name.clone(), column.as_f64()?.to_vec()))
+        };
+        Ok(self.commanded.iter().zip(&table.columns).filter_map(own).collect())
     }
 
     /// The runs of block `i`.

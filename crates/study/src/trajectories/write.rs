@@ -23,17 +23,24 @@ pub struct BlockBuilder {
     truth: [Vec<f64>; 6],
     /// The inputs that instruments are simulated with; no column if runs have no others than their own.
     instruments: Vec<Vec<f64>>,
+    /// What was commanded, of inputs that follow it.
+    commands: Vec<(usize, Vec<f64>)>,
+    /// Number of inputs.
+    inputs: usize,
 }
 
 impl BlockBuilder {
     /// An empty block of runs at `rate_hz`.
     pub fn new(layout: &Layout, rate_hz: f64) -> Self {
-        let instruments = if layout.instruments { vec![Vec::new(); layout.inputs] } else { Vec::new() };
-        Self { rows: Rows::new(layout, rate_hz), truth: [const { Vec::new() }; 6], instruments }
+        let (inputs, reacting) = (layout.inputs, &layout.reacting);
+        let instruments = if reacting.tracks { vec![Vec::new(); inputs] } else { Vec::new() };
+        let commands = reacting.followed.iter().map(|i| (*i, Vec::new())).collect();
+        let truth = [const { Vec::new() }; 6];
+        Self { rows: Rows::new(layout, rate_hz), truth, instruments, commands, inputs }
     }
 
     /// Appends a run.
-    pub fn push(&mut self, SimulatedRun { run, states }: &SimulatedRun) {
+    pub fn push(&mut self, SimulatedRun { run, states, commands }: &SimulatedRun) {
         self.rows.push(run);
         extend(&mut self.truth[..3], states);
         for pose in track(states, self.rows.rate_hz()) {
@@ -47,6 +54,13 @@ impl BlockBuilder {
             column.extend(own.iter().skip(i).step_by(width));
             column.push(0.0);
         }
+        // What does not react commands its inputs.
+        let (commands, width) =
+            if commands.is_empty() { (&run.exogenous, width) } else { (commands, self.inputs) };
+        for (i, column) in &mut self.commands {
+            column.extend(commands.iter().skip(*i).step_by(width));
+            column.push(0.0);
+        }
     }
 
     /// The block, with the columns of [`Layout::schema`].
@@ -54,8 +68,8 @@ impl BlockBuilder {
         let present = self.rows.present.clone();
         let mut columns = self.rows.columns();
         columns.extend(self.truth.map(Column::f64));
-        let instruments = self.instruments.into_iter();
-        columns.extend(instruments.map(|values| Column::nullable_f64(values, present.clone())));
+        let further = self.instruments.into_iter().chain(self.commands.into_iter().map(|(_, values)| values));
+        columns.extend(further.map(|values| Column::nullable_f64(values, present.clone())));
         Table { columns }
     }
 }

@@ -1,7 +1,7 @@
 use std::ops::Range;
 
 use engine::{Helm, Run, Segment, check_diverged, simulate_command, simulate_one};
-use maneuver::{Aim, Exceeded, Executed, Generator, Kept, Realized};
+use maneuver::{Aim, Exceeded, Executed, Generator, Kept, Reacting, Realized};
 use model::{DegreeOfFreedom, Source, Vessel};
 use rayon::prelude::*;
 use refusal::Invalid;
@@ -20,9 +20,9 @@ pub struct Maneuvers<'a> {
 }
 
 impl<'a> Maneuvers<'a> {
-    /// Whether any of them tracks a motion, so that runs have instruments other than their inputs.
-    pub fn tracks(&self) -> bool {
-        self.generator.tracks()
+    /// What they react by.
+    pub fn reacting(&self) -> Reacting {
+        self.generator.reacting()
     }
 
     /// The maneuvers of `generator` as runs of `design`, simulated with the parameters of `source`.
@@ -103,22 +103,24 @@ impl<'a> Maneuvers<'a> {
         match judge(self.vessel, self.generator, index).map_err(Refusal::Dictionary)? {
             Judged::Within { initial, mut exogenous, helm } => {
                 let (model, rate_hz) = (&self.vessel.model, self.vessel.sample_rate_hz);
-                let mut instruments = Vec::new();
+                let (mut instruments, mut commands) = (Vec::new(), Vec::new());
                 let states = match helm {
                     None => simulate_one(model, &self.parameters, initial, &exogenous),
                     Some(helm) => {
                         let samples = exogenous.len() / model.exogenous().max(1);
                         let own_loop = OwnLoop::new(self.vessel, initial, &[(helm.clone(), samples)]);
-                        let simulated =
-                            simulate_command(model, &self.parameters, initial, samples, rate_hz, &helm);
-                        exogenous = simulated.0;
+                        let ran = simulate_command(model, &self.parameters, initial, samples, rate_hz, &helm);
+                        (exogenous, commands) = (ran.exogenous, ran.commands);
                         instruments =
                             own_loop.map(|own| own.instruments(model, &exogenous)).unwrap_or_default();
-                        simulated.1
+                        ran.states
                     }
                 };
                 match check_diverged(states.iter().copied()) {
-                    None => return Ok(Some(self.run(index, [exogenous, instruments], states))),
+                    None => {
+                        let run = self.run(index, [exogenous, instruments], &states);
+                        return Ok(Some(SimulatedRun { run, states, commands }));
+                    }
                     Some(_) if self.generator.limits(index).is_some() => tally.unsteady(),
                     Some(at) => {
                         let name = &self.generator.maneuvers()[index].name;
@@ -132,23 +134,17 @@ impl<'a> Maneuvers<'a> {
         Ok(None)
     }
 
-    fn run(
-        &self,
-        index: usize,
-        [exogenous, instrument_exogenous]: [Vec<f64>; 2],
-        states: Vec<f64>,
-    ) -> SimulatedRun {
+    fn run(&self, index: usize, [exogenous, instrument_exogenous]: [Vec<f64>; 2], states: &[f64]) -> Run {
         let maneuver = self.generator.maneuvers()[index].name.clone();
-        let run = Run {
+        Run {
             design: self.design.to_owned(),
             run: index as i32,
             segments: vec![Segment { maneuver, start: 0 }],
             exogenous,
             instrument_exogenous,
-            measured: states.clone(),
+            measured: states.to_vec(),
             initial: [states[0], states[1], states[2]],
-        };
-        SimulatedRun { run, states }
+        }
     }
 }
 

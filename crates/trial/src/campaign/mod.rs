@@ -19,6 +19,6 @@ pub(crate) use plays::{drawable, shared_out};
 pub(crate) use realizations::even_lengths;
 pub use realizations::{Campaign, Settings, random_segments};
 pub use refusal::Refusal;
-pub use sea::{Group, Sea, SimulatedRun, States};
+pub use sea::{Group, Sea, SimulatedRun, States, Wanted};
 pub use tally::{LeftOut, Tally};
 pub use together::{Experiment, Together};

@@ -28,8 +28,8 @@ impl OwnLoop {
         }
         let (model, rate_hz) = (&vessel.model, vessel.sample_rate_hz);
         let helm = Helm::sequence(parts.to_vec());
-        let (exogenous, _) = simulate_command(model, &vessel.nominal, initial, end, rate_hz, &helm);
-        Some(Self { exogenous, tracked })
+        let run = simulate_command(model, &vessel.nominal, initial, end, rate_hz, &helm);
+        Some(Self { exogenous: run.exogenous, tracked })
     }
 
     /// What instruments are simulated with in a run with these `recorded` inputs and measured disturbances, N × exogenous.

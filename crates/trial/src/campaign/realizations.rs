@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use design::apportion;
 use engine::{Helm, Segment, Streams, refuse_endless};
-use maneuver::{Generator, Realized};
+use maneuver::{Generator, Reacting, Realized};
 use model::Vessel;
 use numerics::{GROUPS, LANES};
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ use super::Refusal;
 use super::designed::{Designed, Parts, too_short};
 use super::own_loop::OwnLoop;
 use super::plays::{Plan, drawable, left_out};
-use super::sea::{Group, Sea, SimulatedRun, States};
+use super::sea::{Group, Sea, SimulatedRun, States, Wanted};
 use super::together::{Experiment, Together};
 
 /// Channel of the random stream that draws a random design's maneuvers.
@@ -60,8 +60,8 @@ pub struct Campaign<'a> {
     names: Vec<String>,
     /// Statements about maneuvers with tables of inputs.
     statements: Vec<String>,
-    /// Whether any maneuver tracks a motion, so that runs have instruments other than their inputs.
-    tracks: bool,
+    /// What the maneuvers react by.
+    reacting: Reacting,
 }
 
 struct Design {
@@ -170,8 +170,8 @@ impl<'a> Campaign<'a> {
             parts.make(generator, &plan).map_err(Refusal::Dictionary)?;
         }
         let realizations = settings.realizations;
-        let tracks = generator.tracks();
-        Ok(Self { sea, samples, realizations, designs, parts, names, statements, tracks }.prepared())
+        let reacting = generator.reacting();
+        Ok(Self { sea, samples, realizations, designs, parts, names, statements, reacting }.prepared())
     }
 
     /// Repeats `inputs` (N × inputs) from `initial`, open loop, as design `planned`.
@@ -194,8 +194,8 @@ impl<'a> Campaign<'a> {
         let parts = plan.iter().zip(segments).map(realize).collect();
         let names = segments.iter().map(|segment| segment.maneuver.clone()).collect();
         let designs = vec![Design::new("planned", settings.seed, Rule::Fixed(plan))];
-        let (realizations, statements) = (settings.realizations, Vec::new());
-        Self { sea, samples, realizations, designs, parts, names, statements, tracks: false }.prepared()
+        let (realizations, statements, reacting) = (settings.realizations, Vec::new(), Reacting::default());
+        Self { sea, samples, realizations, designs, parts, names, statements, reacting }.prepared()
     }
 
     /// Prepares the common experiment of all runs of a design once.
@@ -229,9 +229,9 @@ impl<'a> Campaign<'a> {
         &self.statements
     }
 
-    /// Whether any maneuver tracks a motion, so that runs have instruments other than their inputs.
-    pub fn tracks(&self) -> bool {
-        self.tracks
+    /// What the maneuvers react by.
+    pub fn reacting(&self) -> &Reacting {
+        &self.reacting
     }
 
     /// Number of designs.
@@ -267,7 +267,7 @@ impl<'a> Campaign<'a> {
         let groups = self.realizations().div_ceil(LANES);
         let group = |i: usize| {
             let (design, first) = (i / groups, i % groups * LANES);
-            self.simulate(design, first..self.realizations().min(first + LANES))
+            self.simulate(design, first..self.realizations().min(first + LANES), Wanted::Truth)
         };
         let found: Vec<_> = (0..self.designs.len() * groups).into_par_iter().map(group).collect();
         found.into_iter().try_fold(Vec::with_capacity(self.runs()), |mut all, runs| {
@@ -276,14 +276,19 @@ impl<'a> Campaign<'a> {
         })
     }
 
-    /// Simulates some runs of one design.
+    /// Simulates some runs of one design, with what is `wanted` of them.
     ///
     /// # Errors
     /// A simulation that diverges.
-    pub fn simulate(&self, design: usize, runs: Range<usize>) -> Result<Vec<SimulatedRun>, Refusal> {
+    pub fn simulate(
+        &self,
+        design: usize,
+        runs: Range<usize>,
+        wanted: Wanted,
+    ) -> Result<Vec<SimulatedRun>, Refusal> {
         let mut all = Vec::with_capacity(runs.len());
         for some in groups(runs, GROUPS * LANES) {
-            for together in self.together(design, some, true)? {
+            for together in self.together(design, some, wanted)? {
                 all.extend((0..together.runs()).map(|lane| together.run(lane)));
             }
         }
@@ -295,8 +300,7 @@ impl<'a> Campaign<'a> {
         self.designs[design].all.as_ref().filter(|all| all.helm.is_none())
     }
 
-    /// Simulates up to [`GROUPS`] times [`LANES`] runs of one design in lanes; their true states only where
-    /// they are `wanted`.
+    /// Simulates up to [`GROUPS`] times [`LANES`] runs of one design in lanes, with what is `wanted` of them.
     ///
     /// # Errors
     /// A simulation that diverges.
@@ -304,7 +308,7 @@ impl<'a> Campaign<'a> {
         &self,
         design: usize,
         runs: Range<usize>,
-        wanted: bool,
+        wanted: Wanted,
     ) -> Result<Vec<Together<'a>>, Refusal> {
         let design = &self.designs[design];
         let all: Vec<Doing> = groups(runs, LANES).map(|group| self.doing(design, group)).collect();

@@ -1,5 +1,5 @@
 use engine::{
-    Current, Disturbances, Diverged, Driven, Helm, Recording, Run, Streams, Wind, diverged_lanes,
+    Current, Disturbances, Diverged, Driven, Driving, Helm, Recording, Run, Streams, Wind, diverged_lanes,
     simulate_commanded, simulate_disturbed,
 };
 use model::{Source, Vessel};
@@ -34,6 +34,17 @@ pub struct Group<'a> {
     pub helms: Vec<Helm>,
 }
 
+/// What of simulated runs is wanted in addition to their measured states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Wanted {
+    /// Nothing.
+    Measured,
+    /// The true states.
+    Truth,
+    /// The true states, and what was commanded where maneuvers react.
+    Commands,
+}
+
 /// States of a group's runs, (N+1) × 3, row-major.
 pub struct States {
     /// The true ones; empty if not requested.
@@ -42,6 +53,8 @@ pub struct States {
     pub measured: Vec<Lane>,
     /// The exogenous inputs of the runs, N × exogenous; empty where all runs have the same ones.
     pub(super) exogenous: Vec<Lane>,
+    /// What was commanded, N × inputs; empty where it is not wanted, or no maneuver reacts.
+    pub(super) commands: Vec<Lane>,
 }
 
 /// A run as it would be recorded, with the true states.
@@ -51,6 +64,8 @@ pub struct SimulatedRun {
     pub run: Run,
     /// True states, (N+1) × 3, row-major.
     pub states: Vec<f64>,
+    /// What was commanded, N × inputs, row-major; empty where no maneuver reacts, or it is not wanted.
+    pub commands: Vec<f64>,
 }
 
 impl States {
@@ -85,23 +100,23 @@ impl<'a> Sea<'a> {
     /// # Errors
     /// A vessel whose motion diverges, or disturbances that cause it.
     pub fn simulate(&self, group: &Group) -> Result<States, Refusal> {
-        let [states] = self.simulate_groups([group], true)?;
+        let [states] = self.simulate_groups([group], Wanted::Truth)?;
         Ok(states)
     }
 
-    /// Simulates groups of runs of one length; their true states only where they are `wanted`.
+    /// Simulates groups of runs of one length, with what is `wanted` of them.
     ///
     /// # Errors
     /// See [`Self::simulate`].
     pub(super) fn simulate_groups<const G: usize>(
         &self,
         groups: [&Group; G],
-        wanted: bool,
+        wanted: Wanted,
     ) -> Result<[States; G], Refusal> {
         let (states, beyond) = self.followed(groups, wanted);
         for (group, beyond) in groups.into_iter().zip(beyond) {
             if (0..group.runs.len()).any(|lane| beyond[lane] > 0.0) {
-                let [States { truth, .. }] = self.followed([group], true).0;
+                let [States { truth, .. }] = self.followed([group], Wanted::Truth).0;
                 let mut each = diverged_lanes(&truth).into_iter().enumerate();
                 if let Some((lane, at)) = each.find_map(|(lane, at)| Some((lane, at?))) {
                     return Err(self.at_fault(group, lane, at));
@@ -112,10 +127,10 @@ impl<'a> Sea<'a> {
     }
 
     /// Buffers for the states of a group.
-    fn states(&self, group: &Group, wanted: bool) -> States {
+    fn states(&self, group: &Group, wanted: Wanted) -> States {
         let own = || buffer(3 * (self.samples(group) + 1));
-        let truth = if wanted { own() } else { Vec::new() };
-        States { truth, measured: own(), exogenous: Vec::new() }
+        let truth = if wanted >= Wanted::Truth { own() } else { Vec::new() };
+        States { truth, measured: own(), exogenous: Vec::new(), commands: Vec::new() }
     }
 
     /// A group's recording, in the buffers of its states.
@@ -126,20 +141,23 @@ impl<'a> Sea<'a> {
     }
 
     /// The states of a group of commanded runs, as [`Self::followed`].
-    fn commanded(&self, group: &Group, wanted: bool) -> (States, Lane) {
+    fn commanded(&self, group: &Group, wanted: Wanted) -> (States, Lane) {
         let model = &self.vessel.model;
         let mut states = self.states(group, wanted);
-        states.exogenous = vec![Lane::ZERO; self.samples(group) * model.exogenous().max(1)];
-        let States { truth, measured, exogenous } = &mut states;
+        let zeros = |width: usize| vec![Lane::ZERO; self.samples(group) * width];
+        states.exogenous = zeros(model.exogenous().max(1));
+        states.commands = if wanted == Wanted::Commands { zeros(model.inputs) } else { Vec::new() };
+        let States { truth, measured, exogenous, commands } = &mut states;
         let recording = self.recording(group, truth, measured);
         let rate_hz = self.vessel.sample_rate_hz;
         let (truth, helms) = (&self.truth, &group.helms);
-        let beyond = simulate_commanded(model, truth, group.start(), helms, rate_hz, recording, exogenous);
+        let driving = Driving { exogenous, commands };
+        let beyond = simulate_commanded(model, truth, group.start(), helms, rate_hz, recording, driving);
         (states, beyond)
     }
 
     /// The states, and a number above zero in lanes that diverge.
-    fn followed<const G: usize>(&self, groups: [&Group; G], wanted: bool) -> ([States; G], [Lane; G]) {
+    fn followed<const G: usize>(&self, groups: [&Group; G], wanted: Wanted) -> ([States; G], [Lane; G]) {
         if groups.iter().any(|group| !group.helms.is_empty()) {
             let all = groups.map(|group| self.commanded(group, wanted));
             let beyond = all.each_ref().map(|(_, beyond)| *beyond);
@@ -174,7 +192,7 @@ impl<'a> Sea<'a> {
         let still = Disturbances { current: Current::None, ..self.disturbances };
         let bounded = |disturbances, wind| {
             let sea = Sea { vessel: self.vessel, truth: self.truth.clone(), disturbances, wind };
-            let [beyond] = sea.followed([group], false).1;
+            let [beyond] = sea.followed([group], Wanted::Measured).1;
             beyond[lane] == 0.0
         };
         let run = format!("design {}, run {}", group.design, group.runs[lane]);

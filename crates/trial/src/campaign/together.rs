@@ -113,6 +113,6 @@ impl Together<'_> {
             measured,
             initial: *initial,
         };
-        SimulatedRun { run, states }
+        SimulatedRun { run, states, commands: lane_of(&self.states.commands, lane) }
     }
 }

@@ -61,7 +61,8 @@ impl Limits {
         };
         let input = |(i, name): (usize, &&str)| {
             let known = stated.inputs.get(*name).or_else(|| generated?.inputs.get(*name)).copied();
-            known.unwrap_or_else(|| largest(&start.inputs, i, inputs.len()).into())
+            let limit = known.unwrap_or_else(|| largest(&start.inputs, i, inputs.len()).into());
+            vessel.actuators[i].range.map_or(limit, |range| limit.within(range))
         };
         let rate = |name: &&str| {
             let known = stated.rates.get(*name).or_else(|| generated?.rates.get(*name)).copied();

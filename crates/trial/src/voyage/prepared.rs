@@ -55,7 +55,9 @@ impl Prepared {
         let (chart, grid) = task.ground(vessel, &layers, brief.drift_m(&wanted), search.keep_going)?;
         drop(layers);
         let information = pieces.iter().map(|piece| MomentSums::of_piece(vessel, piece)).collect();
-        let (mirror, others) = (mirror(vessel), brief.sampled_vessels());
+        let others = brief.sampled_vessels();
+        let mirror =
+            mirror(vessel).filter(|signs| pieces.iter().all(|own| own.is_mirrored_within(vessel, signs)));
         let (legs, dropped) = (Vec::new(), Vec::new());
         let mut prepared = Self {
             brief,

@@ -39,3 +39,15 @@ fn the_papers_ship_is_mirrored_by_turning_sway_force_and_yaw_moment_round() {
     let vessel = Vessel::from_file(file).unwrap();
     assert_eq!(mirror(&vessel), Some(vec![1.0, -1.0, -1.0]));
 }
+
+#[test]
+fn law_the_mirror_image_of_a_piece_may_be_beyond_a_one_sided_range() {
+    let mut vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+    let turn = Piece { samples: 2, ..piece(&[500.0, 20.0, 300.0, 500.0, -10.0, 250.0]) };
+    let is_within = |vessel: &Vessel| turn.is_mirrored_within(vessel, &[1.0, -1.0, -1.0]);
+    assert!(is_within(&vessel));
+    vessel.actuators[0].range = Some([0.0, 5978.1]);
+    assert!(is_within(&vessel));
+    vessel.actuators[2].range = Some([-260.0, 600.0]);
+    assert!(!is_within(&vessel));
+}

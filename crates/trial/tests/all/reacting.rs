@@ -6,8 +6,8 @@ use engine::{
     Axes, Command, Current, Disturbances, Helm, Measurement, Program, Seen, Wind, simulate_one, track,
 };
 use maneuver::{DictionaryFile, Generator};
-use model::{Source, Vessel};
-use trial::campaign::{Campaign, Designed, Maneuvers, Sea, Settings, SimulatedRun};
+use model::{Actuator, Source, Vessel};
+use trial::campaign::{Campaign, Designed, Maneuvers, Sea, Settings, SimulatedRun, Wanted};
 use trial::{Piece, Purpose, Side, mirror};
 
 use crate::legs::{grid, others, repertoire, study};
@@ -125,8 +125,37 @@ fn law_a_heading_trigger_runs_in_campaigns() {
         assert_eq!(rows_of(run, 240..720), wanted, "run {}", run.run.run);
     }
     assert!(rows_of(&runs[0], 240..720) != rows_of(&runs[1], 240..720), "each changes sides in its own time");
-    assert_eq!(campaign.simulate(0, 8..11).unwrap(), runs[8..]);
+    assert_eq!(campaign.simulate(0, 8..11, Wanted::Truth).unwrap(), runs[8..]);
     assert!(campaign.experiment_of_all(0).is_none(), "their experiments differ");
+}
+
+#[test]
+fn law_lanes_and_single_runs_follow_the_same_actuators_to_the_bit() {
+    let mut vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+    vessel.actuators[2] =
+        Actuator { lag_s: 0.4, rate_per_s: Some(900.0), dead_band: 40.0, hold_s: 0.5, ..vessel.actuators[2] };
+    let text = "[[maneuver]]\nname = \"zig-zag\"\nkind = \"zig-zag-test\"\nspeed_m_s = 0.6\n\
+                helm = { tau3 = 600.0 }\nheading_rad = 0.35\nduration_s = 60.0\n";
+    let generator = Generator::without_tables(&vessel, &toml::from_str(text).unwrap()).unwrap();
+    assert_eq!(generator.reacting().followed, [2]);
+    let maneuvers = Maneuvers::new(&vessel, &generator, Source::Value, "dictionary").unwrap();
+    let alone = maneuvers.simulate(0..1).unwrap().0.remove(0);
+    let settings = Settings { duration_s: 60.0, realizations: 9, random_segments: None, seed: 3 };
+    let design = Designed { shares: BTreeMap::from([("zig-zag".to_owned(), 1.0)]), order: None };
+    let still = Disturbances { current: Current::None, measurement: SENSORS };
+    let campaign =
+        Campaign::new(Sea::new(&vessel, still, None).unwrap(), &generator, &design, &settings).unwrap();
+    let all = campaign.simulate(0, 0..9, Wanted::Commands).unwrap();
+    assert_eq!(all.len(), 9);
+    for run in &all {
+        assert_eq!(run.run.exogenous, alone.run.exogenous);
+        assert_eq!(run.commands, alone.commands);
+        assert_eq!(run.states, alone.states);
+    }
+    assert_ne!(alone.commands, vessel.model.inputs_of(&alone.run.exogenous));
+    // Nothing is kept that nobody writes.
+    let measured = campaign.simulate(0, 0..9, Wanted::Truth).unwrap();
+    assert!(measured.iter().all(|run| run.commands.is_empty() && run.run == all[run.run.run as usize].run));
 }
 
 #[test]
@@ -137,7 +166,7 @@ fn law_what_was_commanded_moves_the_model_as_it_moved_the_ship() {
     let still =
         Sea::new(&vessel, Disturbances { current: Current::None, measurement: SENSORS }, None).unwrap();
     let truth = vessel.parameters(Source::Value).unwrap();
-    for SimulatedRun { run, states } in
+    for SimulatedRun { run, states, .. } in
         Campaign::new(still, &generator, &design, &settings).unwrap().simulate_all().unwrap()
     {
         assert_eq!(simulate_one(&vessel.model, &truth, run.initial, &run.exogenous), states);

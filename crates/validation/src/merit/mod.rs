@@ -199,6 +199,6 @@ fn undisturbed<'a>(
         return Err(Invalid::new("maneuver", "no orders", "those of a standard maneuver", "remove it"));
     };
     let (model, rate_hz) = (&vessel.model, vessel.sample_rate_hz);
-    let (rows, states) = simulate_command(model, parameters, realized.initial, samples, rate_hz, helm);
-    Ok((standard, Record::of_states(&states, model.inputs_of(&rows), rate_hz)))
+    let run = simulate_command(model, parameters, realized.initial, samples, rate_hz, helm);
+    Ok((standard, Record::of_states(&run.states, model.inputs_of(&run.exogenous), rate_hz)))
 }
