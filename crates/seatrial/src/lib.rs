@@ -6,6 +6,7 @@
 //!   validates it on other recordings.
 //! - [`ChartedTrial`] is planned as one walk over a chart, proved to be the cheapest and checked in simulation.
 //! - [`Designing`] finds the shares of a trial by any criterion, and the shortest trial of an accuracy.
+//! - [`Updating`] states the promise of a design anew from an estimate of its trial.
 //! - [`Merits`] are the figures by which standard maneuvers are judged.
 //!
 //! The programs call the same functions, from file to file. Nothing here reads a command line, prints or starts threads:
@@ -23,8 +24,10 @@ mod measured;
 mod merit;
 mod monte_carlo;
 mod pooling;
+mod sampling;
 mod simulation;
 mod structure;
+mod updating;
 
 pub use charted::{ChartedTrial, PlanError, Planned};
 pub use comparison::Comparison;
@@ -33,8 +36,10 @@ pub use measured::{Ingested, Logs};
 pub use merit::Merits;
 pub use monte_carlo::{MonteCarlo, Realized};
 pub use pooling::Pooling;
+pub use sampling::sampled_ships;
 pub use simulation::{Optimum, Study, StudyError, undisturbed};
 pub use structure::{FoundStructure, StructureSearch};
+pub use updating::{UpdateError, Updating};
 
 pub use {
     artifact, chart, design, engine, identification, lattice, logs, maneuver, model, refusal, regression,

@@ -141,6 +141,8 @@ fn design() -> DesignDocument {
                     not prove a global optimum; all 6 starts reached the same value."
             .to_owned(),
         beyond: vec!["u leaves the 0.1000 to 0.4500 m/s that the model was fitted on in 5 samples (1.2 %)".to_owned()],
+        unreached: None,
+        promise: None,
         shares: by_name(|m| m.1),
         order: MANEUVERS.iter().map(|m| m.0.to_owned()).collect(),
         candidates: None,
@@ -193,6 +195,7 @@ fn moments() -> MomentsDocument {
         beyond: Vec::new(),
         disturbances: None,
         output_error: None,
+        sampled: None,
     })
 }
 
