@@ -64,18 +64,20 @@ pub use regression::pooled::{NominalSource, PooledRuns, Recorded};
 pub use regression::runs::NominalDiverged;
 pub use search::{NamedRoles, SearchError, SearchOptions};
 pub use study::campaign_file::CampaignFile;
+pub use study::design_files::Promised;
 pub use study::documents::{
-    AverageDocument, CompareDocument, DesignScores, Few, IngestDocument, MapDocument, MeritDocument,
-    MeritTableRow, ModelDocument, PlanChart, PlanDocument, RecordingSummary, SearchDocument, SolvedFigures,
+    AverageDocument, CompareDocument, DesignDocument, DesignScores, DesignUpdateDocument, Few,
+    IngestDocument, MapDocument, MeritDocument, MeritTableRow, ModelDocument, PlanChart, PlanDocument,
+    RecordingSummary, SearchDocument, SolvedFigures,
 };
 pub use study::figure_goals::FigureGoals;
 pub use study::ingest_file::IngestFile;
 pub use study::plan::{PlanFile, Routes};
 pub use study::pooled_set::PooledSet;
-pub use study::trajectories::DataLabel;
+pub use study::trajectories::{DataLabel, TrajectoryReader};
 pub use study::{TermLists, Tried};
 pub use trial::campaign::{Campaign, Designed, Refusal, SimulatedRun};
-pub use trial::moments::{Estimated, Moments, NoCriterion};
+pub use trial::moments::{Estimated, Moments, NoCriterion, SampledShips};
 pub use trial::voyage::{Brief, Check, Prepared, Sailing, Search, Shares, Solved, VoyageError};
 pub use validation::comparison::Traced;
 pub use validation::crossval::CrossError;

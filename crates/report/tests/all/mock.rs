@@ -49,6 +49,7 @@ pub fn study() -> Study {
     let scores = [scores("optimized", 1.9, 0.42), scores("random", 3.9, 1.35)];
     Study {
         merit: None,
+        update: None,
         name: "paper".to_owned(),
         experiment_s: Some(125.0),
         vessel: Some(Vessel::preset("ljungberg-model-ship").expect("a preset")),
