@@ -45,6 +45,7 @@ mod spectrum;
 mod stock;
 mod streamed;
 mod subset;
+mod update;
 mod wanted;
 
 pub use accuracy::Errors;
@@ -72,4 +73,5 @@ pub use select::{Restricted, Restriction, Selected, select};
 pub use shortest::{Accuracy, AccuracyPoint, MOST, Question, Rivals, Shortest, holds_from};
 pub use stock::{Available, Length, Stock};
 pub use streamed::{Blocks, Streamed, solve_streamed};
+pub use update::{error_of, promised_error};
 pub use wanted::{AccuracyOf, OutOfReach, Wanted};

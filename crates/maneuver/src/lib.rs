@@ -33,7 +33,7 @@ pub use input_limit::InputLimit;
 pub use input_table::{InputTable, Pace};
 pub use kept::Kept;
 pub use played::PlayedTable;
-pub use reached::{Aim, Tolerance};
+pub use reached::{Aim, Tolerance, of_motion as aims_of_motion};
 pub use shape::Shape;
 pub use signal::{Signal, SignalShape};
 pub use spec::{Kind, ManeuverSpec};

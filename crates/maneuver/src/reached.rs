@@ -129,12 +129,7 @@ pub(crate) fn of_standard(standard: Standard, states: &[f64], rate_hz: f64) -> V
 
 /// The aims of a motion, `wanted` u and r of every sample, with what `states`, (N+1) × 3, reach of them. A ship may lag behind
 /// speeds that change, so that only those beyond all that are wanted count.
-pub(crate) fn of_motion(
-    wanted: &[[f64; 2]],
-    states: &[f64],
-    rate_hz: f64,
-    tolerance: &Tolerance,
-) -> Vec<Aim> {
+pub fn of_motion(wanted: &[[f64; 2]], states: &[f64], rate_hz: f64, tolerance: &Tolerance) -> Vec<Aim> {
     let half = wanted.len() / 2;
     let count = (wanted.len() - half).max(1) as f64;
     let mean = wanted[half..].iter().map(|[u, _]| u).sum::<f64>() / count;

@@ -10,6 +10,7 @@ use super::parts::{Figures, Section, missing};
 use super::shown::{omission, shown, used};
 use super::study::Study;
 use super::table::Table;
+use super::updated::updated;
 use study::documents::{DesignDocument, Reference, Sequence, SequencePart};
 
 /// The time of each maneuver, and the efficiency of the unused ones.
@@ -46,6 +47,7 @@ fn designed(study: &Study, design: &DesignDocument, figures: &mut Figures) -> Ma
         (table(&names, design, reference, study.experiment_s))
         (accuracy_of(design, figures))
         (figure_errors(design))
+        (updated(study.update.as_ref()))
         @if let Some(sequence) = &design.sequence { p.note { "Order: " (order(sequence)) ". " (sequence.statement) } }
     }
 }

@@ -1,7 +1,7 @@
 use maud::{Markup, display, html};
 
 use super::number::{exact, percent, three};
-use super::parts::{Section, entry, missing};
+use super::parts::{Section, coded, entry, missing};
 use super::study::Study;
 use super::table::Table;
 use study::documents::{DesignDocument, Start};
@@ -18,7 +18,9 @@ pub(super) fn certificate(study: &Study) -> Section {
 fn certified(design: &DesignDocument) -> Markup {
     html! {
         p { (design.statement) }
+        @if let Some(promise) = &design.promise { p { (promise.statement) } }
         (super::parts::beyond(&design.beyond))
+        @if let Some(found) = &design.unreached { p.caution { b { "Missed by inputs." } " " (coded(&found.statement)) } }
         (facts(design))
         @if !design.starts.is_empty() {
             p { (agreement(&design.starts)) }

@@ -55,6 +55,7 @@ mod sweep;
 mod table;
 mod trajectory;
 mod trust;
+mod updated;
 
 pub use load::load;
 pub use loader::Sources;

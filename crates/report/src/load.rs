@@ -52,6 +52,7 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
         dictionary,
         moments: loader.document("moments.json", "moments of every maneuver")?,
         design: loader.document("design.json", "optimal shares with their certificate")?,
+        update: loader.document("design-update.json", "the promise of the design after its trial")?,
         validation_trace: loader
             .traces(&vessel, "validation.parquet", "validation maneuvers")?
             .and_then(|traces| traces.into_iter().next()),

@@ -1,6 +1,6 @@
 use study::documents::{
-    DesignDocument, DesignScores, EstimateDocument, MeritDocument, MomentsDocument, Reference,
-    SequentialDocument, TallyDocument, ValidationDocument,
+    DesignDocument, DesignScores, DesignUpdateDocument, EstimateDocument, MeritDocument, MomentsDocument,
+    Reference, SequentialDocument, TallyDocument, ValidationDocument,
 };
 use study::files::{Variable, Vessel};
 use study::scores;
@@ -22,6 +22,8 @@ pub struct Study {
     pub moments: Option<MomentsDocument>,
     /// `design.json`.
     pub design: Option<DesignDocument>,
+    /// `design-update.json`; absent before the trial.
+    pub update: Option<DesignUpdateDocument>,
     /// `estimate.json`.
     pub estimate: Option<EstimateDocument>,
     /// `validation.json`.

@@ -6,6 +6,7 @@
 //!   validates it on other recordings.
 //! - [`ChartedTrial`] is planned as one walk over a chart, proved to be the cheapest and checked in simulation.
 //! - [`Designing`] finds the shares of a trial by any criterion, and the shortest trial of an accuracy.
+//! - [`Updating`] states the promise of a design anew from an estimate of its trial.
 //! - [`Merits`] are the figures by which standard maneuvers are judged.
 //!
 //! The programs call the same functions, from file to file. Nothing here reads a command line, prints or starts threads:
@@ -23,8 +24,10 @@ mod measured;
 mod merit;
 mod monte_carlo;
 mod pooling;
+mod sampling;
 mod simulation;
 mod structure;
+mod updating;
 
 pub use charted::{ChartedTrial, PlanError, Planned};
 pub use comparison::Comparison;
@@ -33,8 +36,10 @@ pub use measured::{Ingested, Logs};
 pub use merit::Merits;
 pub use monte_carlo::{MonteCarlo, Realized};
 pub use pooling::Pooling;
+pub use sampling::sampled_ships;
 pub use simulation::{Optimum, Study, StudyError, undisturbed};
 pub use structure::{FoundStructure, StructureSearch};
+pub use updating::{UpdateError, Updating};
 
 pub use {
     artifact, chart, design, engine, identification, lattice, logs, maneuver, model, refusal, regression,
@@ -59,18 +64,20 @@ pub use regression::pooled::{NominalSource, PooledRuns, Recorded};
 pub use regression::runs::NominalDiverged;
 pub use search::{NamedRoles, SearchError, SearchOptions};
 pub use study::campaign_file::CampaignFile;
+pub use study::design_files::Promised;
 pub use study::documents::{
-    AverageDocument, CompareDocument, DesignScores, Few, IngestDocument, MapDocument, MeritDocument,
-    MeritTableRow, ModelDocument, PlanChart, PlanDocument, RecordingSummary, SearchDocument, SolvedFigures,
+    AverageDocument, CompareDocument, DesignDocument, DesignScores, DesignUpdateDocument, Few,
+    IngestDocument, MapDocument, MeritDocument, MeritTableRow, ModelDocument, PlanChart, PlanDocument,
+    RecordingSummary, SearchDocument, SolvedFigures,
 };
 pub use study::figure_goals::FigureGoals;
 pub use study::ingest_file::IngestFile;
 pub use study::plan::{PlanFile, Routes};
 pub use study::pooled_set::PooledSet;
-pub use study::trajectories::DataLabel;
+pub use study::trajectories::{DataLabel, TrajectoryReader};
 pub use study::{TermLists, Tried};
 pub use trial::campaign::{Campaign, Designed, Refusal, SimulatedRun};
-pub use trial::moments::{Estimated, Moments, NoCriterion};
+pub use trial::moments::{Estimated, Moments, NoCriterion, SampledShips};
 pub use trial::voyage::{Brief, Check, Prepared, Sailing, Search, Shares, Solved, VoyageError};
 pub use validation::comparison::Traced;
 pub use validation::crossval::CrossError;

@@ -1,10 +1,10 @@
 use engine::Run;
-use identification::pooled::Covariance;
+use identification::pooled::{Covariance, Uncertain};
 use maneuver::Generator;
 use model::Vessel;
 use refusal::Invalid;
 use study::documents::{MeritDocument, MeritTableRow, SlopesAt};
-use validation::merit::{Merit, Uncertain};
+use validation::merit::Merit;
 
 /// Step of the differences that figures' slopes are computed by, as a part of the parameter: large against what the sampling of
 /// a figure leaves, small against what the model's terms bend.

@@ -118,6 +118,7 @@ impl Study {
             beyond: Vec::new(),
             disturbances: None,
             output_error: None,
+            sampled: None,
         })
     }
 

@@ -54,6 +54,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         beyond: Vec::new(),
         disturbances: None,
         output_error: None,
+        sampled: None,
     };
     commit_with_document(writer.finish()?, &out, &provenance, &MomentsDocument(head))?;
     Ok(())

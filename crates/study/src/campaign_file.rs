@@ -5,7 +5,7 @@ use identification::predictor::{Flow, Gusts, Levels};
 use maneuver::{DictionaryFile, ManeuverSpec};
 use model::{Source, Vessel};
 use refusal::{Invalid, check_numbers, check_ranges};
-use regression::Noise;
+use regression::{InstrumentKind, Noise};
 use serde::Deserialize;
 use trial::campaign::{Sea, Settings};
 use validation::tally::Bounds;
@@ -174,6 +174,37 @@ impl CampaignFile {
         let expected = "`none` or `white`, which the covariance of the estimate is predicted for";
         let lasting = || Invalid::new("`current.kind`", "a current that lasts", expected, remedy);
         self.noise().ok_or_else(lasting)
+    }
+
+    /// [`CampaignFile::white_noise`] for the covariance of estimates with these instruments. Not for the measured regressors: a
+    /// covariance does not contain the bias of least squares.
+    ///
+    /// # Errors
+    /// A correlated current; noise in the regressors that instruments are made of.
+    pub fn noise_for(&self, instruments: InstrumentKind) -> Result<Noise, Invalid> {
+        let noise = self.white_noise("leave out --campaign")?;
+        if instruments == InstrumentKind::Regressors && noise.measurement.iter().any(|std| *std > 0.0) {
+            return Err(Invalid::new(
+                "`measurement`",
+                "noise in the regressors that --instruments regressors makes the instruments of",
+                "instruments free of noise: a covariance does not tell how far least squares is off",
+                "take --instruments nominal, or leave out --campaign",
+            ));
+        }
+        Ok(noise)
+    }
+
+    /// [`CampaignFile::white_noise`], of which there is some.
+    ///
+    /// # Errors
+    /// A correlated current; no disturbance.
+    pub fn some_noise(&self) -> Result<Noise, Invalid> {
+        let noise = self.white_noise("name a campaign with one of these")?;
+        if noise.current == 0.0 && noise.measurement == [0.0; 3] {
+            let expected = "errors of measurement or a current, without which every experiment is as good";
+            return Err(Invalid::new("`measurement`", "no disturbance at all", expected, "state them"));
+        }
+        Ok(noise)
     }
 
     /// The validation maneuvers as a dictionary.

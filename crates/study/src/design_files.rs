@@ -3,15 +3,70 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Digest, Error, Provenance, read_document, read_json};
+use artifact::{Digest, Error, Provenance, STUDY_ROLES, read_document, read_json};
 use design::Stock;
 use maneuver::InputLimit;
+use model::Source;
 use refusal::{Invalid, check_numbers};
 use serde::Deserialize;
+use trial::moments::Moments;
 use trial::refining::{STATES, StatedLimits};
 
-use crate::documents::IngestDocument;
+use crate::documents::{DesignDocument, IngestDocument, ModelDocument, MomentsDocument};
+use crate::figure_goals::FigureGoals;
 use crate::invalid;
+
+/// A design whose trial has been run, and what it was made from.
+pub struct Promised {
+    /// The design.
+    pub design: DesignDocument,
+    /// Its moments.
+    pub moments: Moments,
+    /// The parameters that its errors are relative to.
+    pub relative_to: Source,
+    /// Figures of merit, if given.
+    pub figures: Option<FigureGoals>,
+}
+
+impl Promised {
+    /// Reads the files and notes their digests.
+    ///
+    /// # Errors
+    /// A file that is refused; moments that the design was not made from.
+    pub fn read(
+        design: &Path,
+        moments: &Path,
+        figures: Option<&Path>,
+        provenance: &mut Provenance,
+    ) -> Result<Self, Error> {
+        let own = read_document::<DesignDocument>(design)?;
+        provenance.made("design", design, own.digest, &own.provenance)?;
+        let read = read_document::<MomentsDocument>(moments)?;
+        provenance.made("moments", moments, read.digest, &read.provenance)?;
+        let of = read.data.moments().map_err(|e| invalid(moments, &e))?;
+        let relative_to = own.provenance.settings.get("relative_to").and_then(|name| name.as_str());
+        let is_value = relative_to == Some(Source::Value.name());
+        Ok(Self {
+            design: own.data,
+            figures: figures.map(|path| FigureGoals::read(path, &of, provenance)).transpose()?,
+            moments: of,
+            relative_to: if is_value { Source::Value } else { Source::Nominal },
+        })
+    }
+
+    /// Reads the estimate of the trial; it may be by another vessel.toml than the design's, with other nominal values.
+    ///
+    /// # Errors
+    /// A file that is refused, or was made from another design.
+    pub fn model(&self, path: &Path, provenance: &mut Provenance) -> Result<ModelDocument, Error> {
+        let loaded = read_document::<ModelDocument>(path)?;
+        let mut from = loaded.provenance;
+        let others: Vec<&str> = STUDY_ROLES.into_iter().filter(|role| *role != "design").collect();
+        from.forget(&others);
+        provenance.made("model", path, loaded.digest, &from)?;
+        Ok(loaded.data)
+    }
+}
 
 /// Reads the available amount of every maneuver and notes the file's digest: tables `seconds` and `segments` in TOML
 /// or JSON, or the segments that `ingest.json` counts.

@@ -1,15 +1,16 @@
 use artifact::Provenance;
 use refusal::Invalid;
 use serde_json::json;
-use trial::campaign::Reached;
+use trial::campaign::{Maneuvers, Reached};
 
-use crate::trajectories::REACHED;
+use crate::trajectories::{REACHED, Reacting};
 
-/// Notes what the maneuvers of a dictionary reached, in words.
+/// Notes what the `maneuvers` of a dictionary reached, in words, and which of them react.
 ///
 /// # Errors
 /// The first that misses what it is called, with the number of others, unless that is allowed.
 pub fn note_reached(
+    maneuvers: &Maneuvers,
     reached: &[Reached],
     is_allowed: bool,
     provenance: &mut Provenance,
@@ -27,5 +28,6 @@ pub fn note_reached(
     if !words.is_empty() {
         provenance.settings.insert(REACHED.into(), words.into());
     }
+    Reacting::of(maneuvers).note(provenance);
     Ok(())
 }

@@ -6,12 +6,12 @@ use artifact::{Columns, Error, TableReader};
 use identification::ScoreStatus;
 use identification::pooled::Pool;
 use model::DegreeOfFreedom;
-use refusal::nearest;
+use refusal::{Invalid, nearest};
 use regression::pooled::NominalSource;
 pub use validation::selection::Realization as Row;
 use validation::selection::{DEGENERATE, Selection, SelectionOptions};
 
-use crate::documents::SelectionDocument;
+use crate::documents::{DesignDocument, SelectionDocument};
 
 /// Schema id of the realizations of a selection study.
 pub const ID: &str = "selection-realizations";
@@ -107,6 +107,32 @@ pub fn document(
         statements: found.statements.clone(),
         instrument_fit: found.instrument_fit,
         designs: found.designs.to_vec(),
+    }
+}
+
+/// The counts of `design`, no more than available.
+///
+/// # Errors
+/// A design without counts; more than available.
+pub fn counts_of(
+    design: &DesignDocument,
+    available: &BTreeMap<String, u64>,
+) -> Result<BTreeMap<String, u64>, Invalid> {
+    let Some(counts) = &design.counts else {
+        let remedy = "make it with `design --segments`, or name --counts";
+        return Err(Invalid::new("counts", "none", "those of whole segments", remedy));
+    };
+    let counts: BTreeMap<String, u64> =
+        counts.iter().filter(|(_, count)| **count > 0).map(|(name, count)| (name.clone(), *count)).collect();
+    let there = |name: &str| available.get(name).copied().unwrap_or(0);
+    match counts.iter().find(|(name, count)| **count > there(name)) {
+        None => Ok(counts),
+        Some((name, count)) => Err(Invalid::new(
+            "counts",
+            format!("{count} of `{name}`"),
+            format!("at most {}", there(name)),
+            "bound the design by what there is, or name --counts",
+        )),
     }
 }
 

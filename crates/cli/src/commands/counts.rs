@@ -24,17 +24,5 @@ pub fn counts(
         return study::selection::counts(written, available).map_err(Failure::Usage);
     };
     let design: DesignDocument = inputs::document(path, "design", provenance)?;
-    let Some(counts) = design.counts else {
-        let remedy = "make it with `design --segments`, or name --counts";
-        return Err(Failure::refuse(path, "counts", "none", "those of whole segments", remedy));
-    };
-    for (name, count) in counts.iter().filter(|(_, count)| **count > 0) {
-        let there = available.get(name).copied().unwrap_or(0);
-        if *count > there {
-            let found = format!("{count} of `{name}`");
-            let remedy = "bound the design by what there is, or name --counts";
-            return Err(Failure::refuse(path, "counts", &found, &format!("at most {there}"), remedy));
-        }
-    }
-    Ok(counts.into_iter().filter(|(_, count)| *count > 0).collect())
+    study::selection::counts_of(&design, available).map_err(|e| Failure::invalid(path, &e))
 }

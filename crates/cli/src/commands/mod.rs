@@ -35,8 +35,8 @@ pub const INGEST: Stage = Stage::of::<ingest::Arguments>();
 /// The information of each maneuver about the parameters.
 pub const MOMENTS: Stage = Stage::of::<moments::Arguments>();
 /// The time of each maneuver, and its inputs.
-pub const DESIGN: Stage =
-    Stage::of::<crate::design::Arguments>().with(&[Stage::of::<crate::design::refine::Refine>()]);
+pub const DESIGN: Stage = Stage::of::<crate::design::Arguments>()
+    .with(&[Stage::of::<crate::design::refine::Refine>(), Stage::of::<crate::design::update::Update>()]);
 /// Parameters of every run, or of all runs together.
 pub const ESTIMATE: Stage = Stage::of::<estimate::Arguments>()
     .with(&[Stage::of::<estimate_pool::Arguments>(), Stage::of::<search::Arguments>()]);

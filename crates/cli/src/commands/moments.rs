@@ -12,8 +12,8 @@ use refusal::Invalid;
 use regression::pooled::{PooledRuns, PooledSums, Regression};
 use regression::runs::RunInstruments;
 use regression::{InstrumentKind, MeanRemoval, Sums};
+use seatrial::sampled_ships;
 use serde_json::json;
-use study::campaign_file::CampaignFile;
 use study::documents::MomentsDocument;
 use study::files::{generator, read_campaign, read_vessel};
 use study::moments_table::{self, table_of};
@@ -86,6 +86,8 @@ impl Task for Arguments {
         }
         provenance.settings.insert("instruments".into(), json!(self.instruments));
         let beyond = study::beyond(&self.vessel, &self.trajectories)?;
+        let is_own = !self.table && matches!(self.nominal, None | Some(Nominal::Given));
+        let sampled = is_own.then(|| sampled_ships(&self.vessel, &vessel, &reader)).transpose()?.flatten();
         let (disturbances, output_error) = predicted(self, &vessel, &mut provenance)?;
         let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);
         let out = common.main_output("moments.json", inputs.chain(&self.sharding.gather))?;
@@ -101,6 +103,7 @@ impl Task for Arguments {
                 beyond: beyond.clone(),
                 disturbances: disturbances.clone(),
                 output_error: output_error.clone(),
+                sampled: sampled.clone(),
             })
         };
         if self.table {
@@ -215,7 +218,8 @@ fn predicted(
 ) -> Result<(Option<Expected>, Option<FreeRunModel>), Failure> {
     let Some(campaign) = &a.campaign else { return Ok((None, None)) };
     let config = read_campaign(campaign, provenance)?;
-    let expected = Expected::new(vessel, noise(a, campaign, &config)?);
+    let noise = config.noise_for(a.instruments).map_err(|e| Failure::invalid(campaign, &e))?;
+    let expected = Expected::new(vessel, noise);
     let expected = expected.map_err(|e| Failure::invalid(&a.vessel, &e))?;
     if a.estimator != Estimator::OutputError {
         return Ok((Some(expected), None));
@@ -226,22 +230,6 @@ fn predicted(
         Unpredictable::Vessel(e) => Failure::invalid(&a.vessel, &e),
     })?;
     Ok((Some(expected), Some(model)))
-}
-
-/// The noise of every sample. Not for the measured regressors as instruments: a covariance does not contain the bias
-/// of least squares.
-fn noise(a: &Arguments, campaign: &Path, config: &CampaignFile) -> Result<regression::Noise, Failure> {
-    let refused = |e: Invalid| Failure::invalid(campaign, &e);
-    let noise = config.white_noise("leave out --campaign").map_err(refused)?;
-    if a.instruments == InstrumentKind::Regressors && noise.measurement.iter().any(|std| *std > 0.0) {
-        return Err(refused(Invalid::new(
-            "`measurement`",
-            "noise in the regressors that --instruments regressors makes the instruments of",
-            "instruments free of noise: a covariance does not tell how far least squares is off",
-            "take --instruments nominal, or leave out --campaign",
-        )));
-    }
-    Ok(noise)
 }
 
 /// The nominal parameters of `--nominal`, without intercepts.

@@ -176,7 +176,7 @@ fn undisturbed(
     check_maneuvers(&maneuvers, &files, out)?;
     if let Some(is_allowed) = unreached {
         let reached = maneuvers.reached().map_err(|e| files.refused(e))?;
-        study::note_reached(&reached, is_allowed, &mut provenance)
+        study::note_reached(&maneuvers, &reached, is_allowed, &mut provenance)
             .map_err(|e| Failure::NoAnswer(format!("{}: {e}", dictionary.display())))?;
     }
     let tally = write_maneuvers(&maneuvers, &files, out, &provenance, common.quiet)?;

@@ -1,9 +1,10 @@
-//! `design`: the time of each maneuver, and `design refine`: the input signals themselves.
+//! `design`: the time of each maneuver, `design refine`: the input signals themselves, and `design update`: what became of its promise.
 
 mod arguments;
 mod problem;
 pub mod refine;
 mod refusal;
 mod stage;
+pub mod update;
 
 pub use arguments::Arguments;

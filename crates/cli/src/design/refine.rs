@@ -8,8 +8,6 @@ use engine::refuse_endless;
 use maneuver::Generator;
 use model::Vessel;
 use numerics::Watch;
-use refusal::Invalid;
-use regression::Noise;
 use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::design_files::read_limits;
@@ -105,7 +103,7 @@ fn search(
     let config = read_campaign(&a.campaign, provenance)?;
     let design = inputs::document(&a.design, "design", provenance)?;
     let plan = plan(a, vessel, &generator, &config, &design)?;
-    let noise = noise(&config).map_err(|e| Failure::invalid(&a.campaign, &e))?;
+    let noise = config.some_noise().map_err(|e| Failure::invalid(&a.campaign, &e))?;
     let refused = |e| not_refined(a, e);
     let start = Start::new(vessel, &generator, &plan, noise).map_err(|e| files(a).refused(e))?;
     let model = &vessel.model;
@@ -114,7 +112,7 @@ fn search(
         Some(path) => read_limits(path, &inputs, provenance)?,
         None => StatedLimits::default(),
     };
-    let limits = Limits::new(&stated, vessel, &generator, &start).map_err(refused)?;
+    let (limits, start) = Limits::new(&stated, vessel, &generator, start).map_err(refused)?;
     let progress = Progress::new("iterations, at most", a.iterations as usize, quiet);
     let watch = Watch::new(move || {
         progress.advance(1);
@@ -140,16 +138,6 @@ fn plan(
 fn files(a: &Refine) -> Files<'_> {
     let (campaign, sea) = (&a.campaign, &a.campaign);
     Files { vessel: &a.vessel, dictionary: &a.dictionary, campaign, sea, design: &a.design }
-}
-
-/// The disturbances of the predicted covariance.
-fn noise(config: &CampaignFile) -> Result<Noise, Invalid> {
-    let noise = config.white_noise("name a campaign with one of these")?;
-    if noise.current == 0.0 && noise.measurement == [0.0; 3] {
-        let expected = "errors of measurement or a current, without which every experiment is as good";
-        return Err(Invalid::new("`measurement`", "no disturbance at all", expected, "state them"));
-    }
-    Ok(noise)
 }
 
 /// The settings that the result depends on besides the inputs.

@@ -1,5 +1,3 @@
-use std::path::Path;
-
 use artifact::{Provenance, commit, is_written, read_document, stage_document};
 use design::{Bounds, CountOptions, Design, Length, Options, Segments, Streamed, counted, solve_streamed};
 use serde_json::json;
@@ -34,7 +32,9 @@ impl Task for Arguments {
         let document = design(self, (seed, streamed), &moments, &mut provenance)?;
         self.settings(seed, &mut provenance);
         commit(vec![stage_document(&out, &provenance, &document)?])?;
-        Ok(summary(&out, &document))
+        let (status, gap, used) = (document.status, document.relative_gap, document.used());
+        let details = json!({"status": status, "relative_gap": gap, "used": used});
+        Ok(Summary::of(&out, document.summary(), details))
     }
 }
 
@@ -132,27 +132,7 @@ fn design(
         accuracy: accuracy.as_ref(),
         sequence,
         streamed: streamed.as_ref(),
-        beyond: moments.beyond.clone(),
+        moments,
     }
     .into())
-}
-
-fn summary(out: &Path, document: &DesignDocument) -> Summary {
-    let used = document.shares.values().filter(|w| **w > 0.0).count();
-    let gap = document.relative_gap;
-    let within = gap.map_or(String::new(), |gap| format!(", relative gap {gap:.1e}"));
-    let too_short = document.accuracy.as_ref().and_then(|accuracy| {
-        let from = accuracy.holds_from_s.filter(|from| accuracy.duration_s < *from)?;
-        Some(format!(
-            "; {:.1} s are too short for the predicted error, which holds from {from:.1} s on",
-            accuracy.duration_s
-        ))
-    });
-    let (all, status) = (document.shares.len(), document.status);
-    let details = json!({"status": status, "relative_gap": gap, "used": used});
-    Summary::of(
-        out,
-        format!("{used} of {all} maneuvers, {status}{within}{}", too_short.unwrap_or_default()),
-        details,
-    )
 }

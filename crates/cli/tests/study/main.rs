@@ -23,6 +23,7 @@ mod names;
 mod oracle;
 mod paper;
 mod pipeline;
+mod promises;
 mod propeller;
 mod refine;
 mod refusals_files;

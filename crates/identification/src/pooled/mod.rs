@@ -7,6 +7,7 @@ mod bootstrap;
 mod continued;
 mod delivered;
 mod demand;
+mod drawn;
 mod enriched;
 mod entangled;
 mod estimate;
@@ -23,6 +24,7 @@ mod windows;
 
 pub use bootstrap::{Bootstrap, Resample, Resampled, redraw};
 pub use delivered::{Covariance, Covered, Delivered, RecordingConstant, covered};
+pub use drawn::Uncertain;
 pub use enriched::{Added, Enriched, Grown, enriched, grown};
 pub use estimate::{PoolError, Pooled, StandardErrors, estimate, resampled, standard_errors, unstated};
 pub use instrument_fit::InstrumentFit;

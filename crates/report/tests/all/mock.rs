@@ -49,6 +49,7 @@ pub fn study() -> Study {
     let scores = [scores("optimized", 1.9, 0.42), scores("random", 3.9, 1.35)];
     Study {
         merit: None,
+        update: None,
         name: "paper".to_owned(),
         experiment_s: Some(125.0),
         vessel: Some(Vessel::preset("ljungberg-model-ship").expect("a preset")),
@@ -142,6 +143,8 @@ fn design() -> DesignDocument {
                     not prove a global optimum; all 6 starts reached the same value."
             .to_owned(),
         beyond: vec!["u leaves the 0.1000 to 0.4500 m/s that the model was fitted on in 5 samples (1.2 %)".to_owned()],
+        unreached: None,
+        promise: None,
         shares: by_name(|m| m.1),
         order: MANEUVERS.iter().map(|m| m.0.to_owned()).collect(),
         candidates: None,
@@ -194,6 +197,7 @@ fn moments() -> MomentsDocument {
         beyond: Vec::new(),
         disturbances: None,
         output_error: None,
+        sampled: None,
     })
 }
 

@@ -2,6 +2,9 @@
 
 use crate::mock;
 use report::{ManeuverTrace, Rendered, Study, render};
+use study::documents::{
+    DesignPromise, DesignUpdateDocument, Estimator, SampledFrom, Unreached, UpdatedError, UpdatedParameter,
+};
 
 const SECTIONS: [&str; 9] = [
     "comparison",
@@ -180,4 +183,47 @@ fn a_large_dictionary_is_shown_by_the_maneuvers_that_matter() {
     let html = rendered(&study).html;
     assert!(html.contains("40 of 3011 maneuvers are shown"));
     assert!(html.contains("spiral-fast") && !html.contains("candidate-17<"));
+}
+
+#[test]
+fn a_promise_is_shown_with_its_range_and_what_became_of_it() {
+    let error = UpdatedError::of(0.5, 0.4);
+    let update = DesignUpdateDocument {
+        statement: "After 125.0 s the parameter error is 0.400".to_owned(),
+        estimator: Estimator::OutputError,
+        samples: 1000,
+        duration_s: 125.0,
+        parameters: vec![UpdatedParameter {
+            name: "X_u".to_owned(),
+            estimate: -0.061,
+            scale: Some(0.05),
+            standard_error: error,
+        }],
+        parameter_error: Some(error),
+        criterion: None,
+        figures: Vec::new(),
+        after_another: None,
+        accuracy: None,
+        statements: vec!["The promise is one for iv.".to_owned()],
+    };
+    let mut study = mock::study();
+    assert!(!rendered(&study).html.contains("became of the promise"));
+    study.update = Some(update);
+    let design = study.design.as_mut().unwrap();
+    let statement =
+        "Promised parameter error: 0.82 (0.48 to 1.40, as the nominal model may be off by some 40 %).";
+    design.promise =
+        Some(DesignPromise { parameter_error: 0.82, range: [0.48, 1.4], statement: statement.to_owned() });
+    design.unreached = Some(Unreached {
+        from: SampledFrom::Nominal,
+        ships: 64,
+        motions: Vec::new(),
+        statement: "Inputs miss `zig-zag`.".to_owned(),
+    });
+    let html = rendered(&study).html.replace('\u{a0}', " ");
+    for piece in
+        [statement, "Inputs miss <code>zig-zag</code>", "After 125.0 s", "1.25", "The promise is one for iv."]
+    {
+        assert!(html.contains(piece), "{piece}");
+    }
 }

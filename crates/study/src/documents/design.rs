@@ -8,6 +8,7 @@ use regression::MeanRemoval;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trial::campaign::{Designed, check_shares};
+use trial::moments::{SampledFrom, UnreachedMotion};
 
 use super::design_figures::DesignFigures;
 use super::design_status::DesignStatus;
@@ -34,6 +35,10 @@ pub struct DesignDocument {
     /// Where its maneuvers leave what the logs of the model cover, in words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub beyond: Vec<String>,
+    /// Where the parameters that it was designed with are a guess or an estimate: which of its maneuvers, executed by inputs, many
+    /// ships with other parameters miss.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unreached: Option<Unreached>,
     /// Share of the experiment time per maneuver, in the dictionary's order; sums to 1.
     pub shares: BTreeMap<String, f64>,
     /// Maneuver names in the dictionary's order.
@@ -77,6 +82,10 @@ pub struct DesignDocument {
     /// About a criterion of the covariance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub covariance: Option<CovarianceCriterion>,
+    /// What error of the parameters it promises, where the parameters that this was predicted with are a guess: nominal ones
+    /// without true ones.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub promise: Option<DesignPromise>,
     /// `output-error` where the covariance is that of an output-error estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimator: Option<Estimator>,
@@ -101,6 +110,62 @@ impl DesignDocument {
         let order = self.sequence.as_ref().map(|sequence| sequence.parts.iter().map(part).collect());
         Designed { shares: self.shares.clone(), order }
     }
+
+    /// How many maneuvers have a share.
+    pub fn used(&self) -> usize {
+        self.shares.values().filter(|share| **share > 0.0).count()
+    }
+
+    /// What to print of it, with its promise and its warnings.
+    pub fn summary(&self) -> String {
+        let used = self.used();
+        let within = self.relative_gap.map_or(String::new(), |gap| format!(", relative gap {gap:.1e}"));
+        let too_short = self.accuracy.as_ref().and_then(|accuracy| {
+            let from = accuracy.holds_from_s.filter(|from| accuracy.duration_s < *from)?;
+            Some(format!(
+                "; {:.1} s are too short for the predicted error, which holds from {from:.1} s on",
+                accuracy.duration_s
+            ))
+        });
+        let promise = self.promise.as_ref().map(|own| format!("; {}", own.statement));
+        let unreached = self.unreached.as_ref().map(|own| format!("; {}", own.statement));
+        format!(
+            "{used} of {} maneuvers, {}{within}{}{}{}",
+            self.shares.len(),
+            self.status,
+            too_short.unwrap_or_default(),
+            promise.unwrap_or_default(),
+            unreached.unwrap_or_default(),
+        )
+    }
+}
+
+/// The parameter error that a design promises, with a range: an error is relative to a parameter, and the nominal one may be
+/// off.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DesignPromise {
+    /// Root of Σ (standard error/nominal parameter)², as predicted.
+    pub parameter_error: f64,
+    /// The range that was measured where each nominal parameter was off by a factor e^(0.4 z), z standard normal: 90 % of trials
+    /// in one experiment, 31 of 40 in another (docs/design.md).
+    pub range: [f64; 2],
+    /// Both in words.
+    pub statement: String,
+}
+
+/// Maneuvers by inputs that many ships miss.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Unreached {
+    /// What the ships' parameters were drawn from.
+    pub from: SampledFrom,
+    /// How many ships were simulated.
+    pub ships: u32,
+    /// The maneuvers.
+    pub motions: Vec<UnreachedMotion>,
+    /// The warning in words, with a remedy.
+    pub statement: String,
 }
 
 /// Maneuvers one after the other.
@@ -159,6 +224,9 @@ pub struct Accuracy {
     pub samples: u64,
     /// The accuracy that it is predicted to have.
     pub reached: f64,
+    /// The range to expect it in, as in `promise`: of `overall`, where the nominal parameters are a guess.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
     /// From which duration on that prediction holds \[s\]: maneuvers that take four fifths of the time are then as long as in the
     /// dictionary, whose matrices the prediction adds up. Trials that are shorter consist of their beginnings, and err more.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -244,6 +312,7 @@ impl Document for DesignDocument {
     const UNITS: Units = &[
         ("1", "shares sensitivities dimension gap relative_gap log_det iterations equal_shares single"),
         ("1", "candidates counts segments segment_samples efficiency samples wanted reached"),
+        ("1", "range parameter_error missed share interval ships"),
         ("s", "minimal_s duration_s"),
         ("the unit beside it", "standard_error d_optimal"),
     ];

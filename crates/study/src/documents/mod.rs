@@ -8,6 +8,7 @@ mod crossval;
 mod design;
 mod design_figures;
 mod design_status;
+mod design_update;
 mod estimate;
 mod found;
 mod ingest;
@@ -48,7 +49,7 @@ pub use identification::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, Sou
 pub use identification::{Estimator, Quantiles, ScoreStatus, Share};
 pub use regression::pooled::COLLINEAR;
 pub use regression::{InstrumentKind, MeanRemoval};
-pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments};
+pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments, SampledFrom, UnreachedMotion};
 pub use trial::rounds::{Arm, ArmSummary, RoundGain, Stopping};
 pub use trial::voyage::{
     Check, FrontPoint, Information, NearestDanger, Passage, PassageLeg, Primitive, Secondary, Tide, VoyageLeg,
@@ -61,11 +62,14 @@ pub use compare::{CompareDocument, traces};
 pub use constrained::ConstrainedParameter;
 pub use crossval::CrossvalDocument;
 pub use design::{
-    Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, Efficiency, Restricted, Sequence,
-    SequencePart, Start,
+    Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, DesignPromise, Efficiency,
+    Restricted, Sequence, SequencePart, Start, Unreached,
 };
 pub use design_figures::{DesignFigure, DesignFigures, SolvedFigures};
 pub use design_status::DesignStatus;
+pub use design_update::{
+    DesignUpdateDocument, UpdatedAccuracy, UpdatedCriterion, UpdatedError, UpdatedFigure, UpdatedParameter,
+};
 pub(crate) use estimate::bounded;
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
 pub use ingest::{
@@ -105,6 +109,7 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
     vec![
         (MomentsDocument::ID, json_schema::<MomentsDocument>()),
         (DesignDocument::ID, json_schema::<DesignDocument>()),
+        (DesignUpdateDocument::ID, json_schema::<DesignUpdateDocument>()),
         (RefinedDocument::ID, json_schema::<RefinedDocument>()),
         (EstimateDocument::ID, json_schema::<EstimateDocument>()),
         (IngestDocument::ID, json_schema::<IngestDocument>()),

@@ -14,7 +14,7 @@ impl Document for MomentsDocument {
     const VERSION: u32 = 1;
     const UNITS: Units = &[
         ("Hz", "sample_rate_hz"),
-        ("1", "samples shape nonstationarity"),
+        ("1", "samples shape nonstationarity ships"),
         ("unit of regressor i times unit of instrument j", "M"),
     ];
 }

@@ -30,6 +30,10 @@ pub struct RefinedDocument {
     pub after: RefinedExperiment,
     /// Value before over value after: how many times the time the start would need for the same errors.
     pub worth: f64,
+    /// Inputs that changed faster in the design's experiment than their rates allow: `before` is of one in which they follow it
+    /// as fast as they may.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub slowed: Vec<String>,
     /// Every limit with what was reached.
     pub limits: Vec<RefinedLimit>,
     /// Time between the knots of a correction \[s\].

@@ -3,17 +3,18 @@
 use std::collections::BTreeMap;
 
 use design::{
-    Accuracy, Available, Bounds, Criterion, CriterionName, Design, Dictionary, Predicted, Restricted,
-    Segments, Status, Streamed, Whole,
+    Accuracy, AccuracyOf, Available, Bounds, Criterion, CriterionName, Design, Dictionary, Predicted,
+    Restricted, Segments, Status, Streamed, Whole,
 };
 use identification::Estimator;
+use model::Source;
 use regression::MeanRemoval;
 use trial::arranging::Arranged;
-use trial::moments::Estimated;
+use trial::moments::{Estimated, Moments, Promise};
 
 use super::design::{
-    Accuracy as AccuracyDocument, Counts, CovarianceCriterion, DesignDocument, Efficiency,
-    Restricted as RestrictedDocument, Sequence, SequencePart, Start,
+    Accuracy as AccuracyDocument, Counts, CovarianceCriterion, DesignDocument, DesignPromise, Efficiency,
+    Restricted as RestrictedDocument, Sequence, SequencePart, Start, Unreached,
 };
 use super::design_figures::SolvedFigures;
 use super::design_status::DesignStatus;
@@ -49,8 +50,8 @@ pub struct Solved<'a> {
     pub sequence: Option<Arranged>,
     /// The result over all maneuvers of a table, if only those with a share are in the dictionary.
     pub streamed: Option<&'a Streamed>,
-    /// Warnings about maneuvers that leave the range of the model's logs.
-    pub beyond: Vec<String>,
+    /// The moments that the dictionary was made from.
+    pub moments: &'a Moments,
 }
 
 /// A requested restriction.
@@ -74,7 +75,7 @@ impl From<Solved<'_>> for DesignDocument {
             Criterion::Information(_) => Some(design.log_det),
             Criterion::Covariance(_) => dictionary.information.log_det(&design.shares),
         };
-        let least_largest = least_largest(&solved);
+        let (least_largest, covariance) = (least_largest(&solved), covariance(&solved));
         let equal_shares = match solved.streamed {
             Some(all) => design.efficiency(&all.mean, &[1.0], parameters),
             None => criterion.efficiency(design, &vec![1.0 / count as f64; count], parameters),
@@ -88,7 +89,8 @@ impl From<Solved<'_>> for DesignDocument {
                 None => design.status.into(),
             },
             statement,
-            beyond: solved.beyond.clone(),
+            beyond: solved.moments.beyond.clone(),
+            unreached: unreached(&solved),
             shares: named(&design.shares),
             sensitivities: named(&design.sensitivities),
             dimension: Some(p as u64),
@@ -104,12 +106,13 @@ impl From<Solved<'_>> for DesignDocument {
             counts: solved.segments.as_ref().map(|(_, whole)| by_name(&dictionary.maneuvers, &whole.counts)),
             counted: solved.segments.as_ref().map(|(segments, whole)| counts(design, segments, whole)),
             available: solved.available.map(|a| named(&a.shares)),
-            covariance: covariance(&solved),
+            promise: covariance.as_ref().and_then(|own| promise(&solved, own)),
+            covariance,
             estimator: matches!(solved.estimated, Estimated::OutputError { .. })
                 .then_some(Estimator::OutputError),
             restricted: solved.restricted.map(|(few, found)| restriction(few, found)),
             figures: solved.figures.as_ref().map(|figures| figures.document(samples(&solved) as u64)),
-            accuracy: solved.accuracy.map(accuracy),
+            accuracy: solved.accuracy.map(|found| accuracy(found, range(&solved, found))),
             sequence: solved.sequence.map(Into::into),
             order: dictionary.maneuvers.clone(),
             candidates: solved.streamed.map(|all| all.candidates as u64),
@@ -146,6 +149,43 @@ fn covariance(solved: &Solved) -> Option<CovarianceCriterion> {
     })
 }
 
+/// What an error of the parameters is as a promise, if these are a guess.
+fn promised(solved: &Solved, parameter_error: f64) -> Option<Promise> {
+    let used = |name: &str| is_used(solved, name);
+    solved.moments.sampled.as_ref()?.promise(parameter_error, used)
+}
+
+/// Of an experiment of a known length; none where a parameter is zero, or of a criterion that predicts no errors.
+fn promise(solved: &Solved, covariance: &CovarianceCriterion) -> Option<DesignPromise> {
+    solved.samples?;
+    let squares = solved.moments.squares(Source::Nominal).ok()?;
+    let names = solved.dictionary.parameter_names();
+    let relative = names.zip(squares).map(|(name, square)| covariance.standard_errors[name].powi(2) / square);
+    let Promise { parameter_error, range } = promised(solved, relative.sum::<f64>().sqrt())?;
+    let statement = statements::promise(parameter_error, range);
+    Some(DesignPromise { parameter_error, range, statement })
+}
+
+/// The range of an accuracy, if it is the error of all parameters.
+fn range(solved: &Solved, found: &Accuracy) -> Option<[f64; 2]> {
+    let is_overall = found.wanted.of == AccuracyOf::Overall;
+    is_overall.then(|| promised(solved, found.reached)).flatten().map(|promise| promise.range)
+}
+
+/// Whether a maneuver has a share.
+fn is_used(solved: &Solved, name: &str) -> bool {
+    let maneuvers = solved.dictionary.maneuvers.iter().zip(&solved.design.shares);
+    maneuvers.into_iter().any(|(own, share)| own == name && *share > 0.0)
+}
+
+/// The maneuvers in use that many ships miss, if there are any.
+fn unreached(solved: &Solved) -> Option<Unreached> {
+    let sampled = solved.moments.sampled.as_ref()?;
+    let motions = sampled.unreached(|name| is_used(solved, name));
+    let statement = statements::unreached(&motions, sampled)?;
+    Some(Unreached { from: sampled.from, ships: sampled.ships, motions, statement })
+}
+
 fn starts(design: &Design) -> Vec<Start> {
     let start = |(i, s): (usize, &design::Start)| Start {
         name: if i == 0 { "equal".into() } else { format!("random {i}") },
@@ -161,7 +201,7 @@ fn statement(solved: &Solved, starts: &[Start]) -> String {
     let accuracy = solved.accuracy.filter(|_| least_largest(solved));
     match (&solved.restricted, accuracy) {
         (Some((_, restricted)), _) => statements::restricted(restricted),
-        (None, Some(accuracy)) => statements::accuracy(accuracy),
+        (None, Some(accuracy)) => statements::accuracy(accuracy, range(solved, accuracy)),
         (None, None) => {
             let binds = |a: &Available| Bounds::new(&a.shares).is_ok_and(|bounds| bounds.bind());
             statements::certificate(
@@ -195,17 +235,18 @@ fn counts(design: &Design, segments: &Segments, whole: &Whole) -> Counts {
     }
 }
 
-fn accuracy(accuracy: &Accuracy) -> AccuracyDocument {
+fn accuracy(accuracy: &Accuracy, range: Option<[f64; 2]>) -> AccuracyDocument {
     AccuracyDocument {
         wanted: accuracy.wanted.accuracy,
         of: accuracy.wanted.of,
         duration_s: accuracy.duration_s,
         samples: accuracy.samples,
         reached: accuracy.reached,
+        range,
         holds_from_s: Some(accuracy.holds_from_s).filter(|from| from.is_finite()),
         bound_s: accuracy.bound_s,
         curve: accuracy.curve.clone(),
-        statement: statements::accuracy(accuracy),
+        statement: statements::accuracy(accuracy, range),
     }
 }
 

@@ -3,6 +3,7 @@
 use design::{Accuracy, Criterion, Design, Method, Restricted, Status, Whole};
 use model::Source;
 use trial::arranging::{Arranged, Kept};
+use trial::moments::{SampledFrom, SampledShips, UnreachedMotion};
 use trial::refining::Refinement;
 
 use super::design::Start;
@@ -78,8 +79,41 @@ pub(super) fn counts(design: &Design, whole: &Whole) -> String {
     )
 }
 
-/// About the time for an accuracy.
-pub(super) fn accuracy(accuracy: &Accuracy) -> String {
+/// About the parameter error that a design promises.
+pub(super) fn promise(parameter_error: f64, range: [f64; 2]) -> String {
+    format!("Promised parameter error: {parameter_error:.2} {}.", expected(range))
+}
+
+/// `(1.3 to 3.7, as the nominal model may be off by some 40 %)`.
+fn expected([low, high]: [f64; 2]) -> String {
+    format!("({low:.2} to {high:.2}, as the nominal model may be off by some 40 %)")
+}
+
+/// About maneuvers by inputs that many ships miss; `None` where there are none.
+pub(super) fn unreached(motions: &[UnreachedMotion], sampled: &SampledShips) -> Option<String> {
+    let worst = motions.iter().max_by(|a, b| a.missed.share.total_cmp(&b.missed.share))?;
+    let parameters = match sampled.from {
+        SampledFrom::Nominal => "nominal parameters that are off by some 40 %",
+        SampledFrom::Covariance => "parameters off by what the model's covariance leaves open",
+    };
+    let [low, high] = worst.missed.interval.unwrap_or([0.0, 1.0]).map(|end| 100.0 * end);
+    let others = match motions.len() - 1 {
+        0 => String::new(),
+        1 => "; one more maneuver is missed by a quarter or more".to_owned(),
+        others => format!("; {others} more maneuvers are missed by a quarter or more"),
+    };
+    Some(format!(
+        "Inputs of the nominal model do not make the motions that they are for: with {parameters}, {:.0} % ({low:.0} to \
+         {high:.0}) of {} ships miss `{}` ({}){others}. Hold such motions with `executed = \"feedback\"`.",
+        100.0 * worst.missed.share,
+        sampled.ships,
+        worst.maneuver,
+        worst.what,
+    ))
+}
+
+/// About the time for an accuracy, with the range to expect it in.
+pub(super) fn accuracy(accuracy: &Accuracy, range: Option<[f64; 2]>) -> String {
     let needed = |what: &str, seconds: Option<f64>| {
         seconds.map_or(String::new(), |seconds| format!("; {what} need {seconds:.1} s"))
     };
@@ -88,11 +122,12 @@ pub(super) fn accuracy(accuracy: &Accuracy) -> String {
         false => "",
     };
     format!(
-        "{:.1} s reach a {} of {}{}{}{}{}. This adds up what maneuvers tell at their whole lengths, and holds from {:.1} s on: \
+        "{:.1} s reach a {} of {}{}{}{}{}{}. This adds up what maneuvers tell at their whole lengths, and holds from {:.1} s on: \
          there maneuvers that take four fifths of the time are whole{too_short}.",
         accuracy.duration_s,
         accuracy.wanted.of,
         accuracy.wanted.accuracy,
+        range.map_or(String::new(), |range| format!(" {}", expected(range))),
         needed("the shares of the paper's criterion", accuracy.paper_s),
         needed("equal shares", accuracy.equal_s),
         needed(
@@ -125,14 +160,19 @@ pub(super) fn sequence(arranged: &Arranged) -> String {
 
 /// About refined inputs.
 pub(super) fn refinement(found: &Refinement) -> String {
+    let slowed = found.start.slowed.join(", ");
+    let slowed = match slowed.is_empty() {
+        true => String::new(),
+        false => format!(" The start is the design's experiment with {slowed} as fast as their rates allow."),
+    };
     if found.unchanged() {
-        return "Nothing better was found within the limits: the inputs are the start's.".into();
+        return format!("Nothing better was found within the limits: the inputs are the start's.{slowed}");
     }
     let refined = &found.refined;
     let ended = if refined.settled { "settled" } else { "stopped at its limit of iterations" };
     format!(
         "Predicted parameter error {:.3} instead of {:.3}, worth {:.0} % more time; a local search that {ended} after {} \
-         iterations, not proved best; the simulation with {} parameters and without disturbances keeps every limit.",
+         iterations, not proved best; the simulation with {} parameters and without disturbances keeps every limit.{slowed}",
         refined.after.parameter_error(),
         refined.before.parameter_error(),
         100.0 * (found.efficiency() - 1.0),

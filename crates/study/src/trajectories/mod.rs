@@ -3,6 +3,7 @@
 mod kept;
 mod label;
 mod layout;
+mod reacting;
 mod read;
 mod rows;
 mod write;
@@ -10,5 +11,6 @@ mod write;
 pub use kept::KeptRuns;
 pub use label::{DataLabel, label};
 pub use layout::{ID, LEAST_ROW_BYTES, Layout, REACHED, SIMULATED_PER_SECOND, VERSION};
+pub use reacting::Reacting;
 pub use read::{TrajectoryReader, refuse_shard};
 pub use write::{BlockBuilder, MeasuredBlock, rows_per_block};

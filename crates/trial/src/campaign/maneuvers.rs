@@ -98,6 +98,15 @@ impl<'a> Maneuvers<'a> {
         all.into_iter().collect()
     }
 
+    /// The maneuvers whose commands depend on the ship's motion: names of those that are written by hand, and from which number
+    /// on all are generated ones that do.
+    pub fn reacting(&self) -> (Vec<String>, Option<usize>) {
+        let (all, written) = (self.generator.maneuvers(), self.generator.written());
+        let names = (0..written).filter(|i| self.generator.reacts(*i)).map(|i| all[i].name.clone());
+        let generated = (written < all.len() && self.generator.reacts(written)).then_some(written);
+        (names.collect(), generated)
+    }
+
     /// Simulates a maneuver, unless it is generated and exceeds its limits.
     fn one(&self, index: usize, tally: &mut Tally) -> Result<Option<SimulatedRun>, Refusal> {
         match judge(self.vessel, self.generator, index).map_err(Refusal::Dictionary)? {

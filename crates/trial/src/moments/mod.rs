@@ -7,6 +7,7 @@ mod free_runs;
 mod matrices;
 mod prediction;
 mod rivals;
+mod sampled;
 
 use std::collections::BTreeMap;
 
@@ -19,6 +20,9 @@ use model::{DegreeOfFreedom, Model, Source, Vessel};
 pub use prediction::Prediction;
 use refusal::Invalid;
 use regression::{InstrumentKind, Noise};
+pub use sampled::{
+    MissedAim, PlayedMotion, Promise, SampledFrom, SampledShips, ShipSampler, UnreachedMotion,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -46,6 +50,9 @@ pub struct Moments {
     /// What the matrices `F` and `P` of an output-error estimate are about, where there are any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_error: Option<FreeRunModel>,
+    /// What ships with other parameters do, where the true ones are not known and the maneuvers were simulated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sampled: Option<SampledShips>,
 }
 
 /// The disturbances that an estimate's covariance is predicted from, white per sample.

@@ -37,22 +37,30 @@ pub struct Limits {
 pub const STATES: [&str; 3] = ["u_m_s", "v_m_s", "r_rad_s"];
 
 impl Limits {
-    /// Limits that `start` keeps.
+    /// Limits, and the start that keeps them: inputs of `start` that jump follow it as fast as they may.
     ///
     /// # Errors
-    /// A limit that the start exceeds; a quantity without a limit that is constant in the start.
+    /// A limit of inputs or motion that the start exceeds; a quantity without a limit that is constant in the start; slowed
+    /// inputs that make the simulation diverge.
     pub fn new(
         stated: &StatedLimits,
         vessel: &Vessel,
         generator: &Generator,
-        start: &Start,
-    ) -> Result<Self, Refusal> {
+        start: Start,
+    ) -> Result<(Self, Start), Refusal> {
         let model = &vessel.model;
         let inputs = model.input_names();
         let generated = generated_limits(generator);
         let largest = |values: &[f64], i: usize, width: usize| {
             values.iter().skip(i).step_by(width).fold(0.0_f64, |most, x| most.max(x.abs()))
         };
+        let rate = |name: &&str| {
+            let known = stated.rates.get(*name).or_else(|| generated?.rates.get(*name)).copied();
+            known.unwrap_or(f64::INFINITY)
+        };
+        let rates: Vec<f64> = inputs.iter().map(rate).collect();
+        let steps: Vec<f64> = rates.iter().map(|rate| rate / vessel.sample_rate_hz).collect();
+        let start = start.within_rates(vessel, &steps)?;
         let generated_states = generated.map(|g| [g.u_m_s, g.v_m_s, g.r_rad_s]);
         let state = |d: usize| {
             stated.states[d]
@@ -64,14 +72,8 @@ impl Limits {
             let limit = known.unwrap_or_else(|| largest(&start.inputs, i, inputs.len()).into());
             vessel.actuators[i].range.map_or(limit, |range| limit.within(range))
         };
-        let rate = |name: &&str| {
-            let known = stated.rates.get(*name).or_else(|| generated?.rates.get(*name)).copied();
-            known.unwrap_or(f64::INFINITY)
-        };
         let states = [0, 1, 2].map(state);
         let ranges: Vec<InputLimit> = inputs.iter().enumerate().map(input).collect();
-        let rates: Vec<f64> = inputs.iter().map(rate).collect();
-        let steps = rates.iter().map(|rate| rate / vessel.sample_rate_hz).collect();
         let under = |table: &'static str| inputs.iter().map(move |name| format!("{table}.{name}"));
         let limits = Self {
             names: STATES
@@ -87,8 +89,8 @@ impl Limits {
                 steps,
             },
         };
-        limits.check(start)?;
-        Ok(limits)
+        limits.check(&start)?;
+        Ok((limits, start))
     }
 
     /// The largest moduli of an experiment, in the limits' units, at a sampling rate of `rate_hz`.

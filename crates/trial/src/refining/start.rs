@@ -31,6 +31,8 @@ pub struct Start {
     pub weights: Vec<f64>,
     /// The disturbances of the experiment.
     pub noise: Noise,
+    /// Names of the inputs that follow the design's experiment as fast as their rates allow, instead of jumping with it.
+    pub slowed: Vec<String>,
 }
 
 impl Start {
@@ -50,11 +52,24 @@ impl Start {
         let source = vessel.best_known();
         let parameters = vessel.parameters(source).map_err(Refusal::Vessel)?;
         let weights = weights(vessel, &parameters)?;
-        let states = simulate_one(&vessel.model, &parameters, initial, &vessel.model.undisturbed(&inputs));
-        if let Some(at) = check_diverged(states.iter().copied()) {
-            return Err(Refusal::Vessel(at.invalid("the design's experiment")));
+        let states = states(vessel, &parameters, initial, &inputs)?;
+        Ok(Self { inputs, initial, states, source, parameters, weights, noise, slowed: Vec::new() })
+    }
+
+    /// The experiment with inputs that change by no more than `steps` from sample to sample, by input: over the whole of it, as
+    /// inputs jump where one maneuver ends and the next begins.
+    ///
+    /// # Errors
+    /// A simulation that diverges.
+    pub fn within_rates(self, vessel: &Vessel, steps: &[f64]) -> Result<Self, Refusal> {
+        let (inputs, slowed) = slowed(&self.inputs, steps);
+        if slowed.is_empty() {
+            return Ok(self);
         }
-        Ok(Self { inputs, initial, states, source, parameters, weights, noise })
+        let states = states(vessel, &self.parameters, self.initial, &inputs)?;
+        let names = vessel.model.input_names();
+        let slowed = slowed.into_iter().map(|i| names[i].to_owned()).collect();
+        Ok(Self { inputs, states, slowed, ..self })
     }
 
     /// The criterion of runs from the same initial state.
@@ -86,6 +101,41 @@ impl Start {
     }
 }
 
+/// The simulated states, (N+1) × 3.
+///
+/// # Errors
+/// A simulation that diverges.
+fn states(
+    vessel: &Vessel,
+    parameters: &[f64],
+    initial: [f64; 3],
+    inputs: &[f64],
+) -> Result<Vec<f64>, Refusal> {
+    let states = simulate_one(&vessel.model, parameters, initial, &vessel.model.undisturbed(inputs));
+    match check_diverged(states.iter().copied()) {
+        Some(at) => Err(Refusal::Vessel(at.invalid("the design's experiment"))),
+        None => Ok(states),
+    }
+}
+
+/// What a step may be larger than its limit by rounding, as a part of it.
+const ROUNDING: f64 = 1e-9;
+
+/// `inputs`, N × steps, each following its own signal by at most its step from sample to sample, and which of them had to.
+fn slowed(inputs: &[f64], steps: &[f64]) -> (Vec<f64>, Vec<usize>) {
+    let width = steps.len();
+    let mut out = inputs.to_vec();
+    let mut is_slowed = vec![false; width];
+    for e in width..out.len() {
+        let (before, step) = (out[e - width], steps[e % width]);
+        if (out[e] - before).abs() > step * (1.0 + ROUNDING) {
+            out[e] = out[e].clamp(before - step, before + step);
+            is_slowed[e % width] = true;
+        }
+    }
+    (out, (0..width).filter(|i| is_slowed[*i]).collect())
+}
+
 /// 1/θ².
 fn weights(vessel: &Vessel, parameters: &[f64]) -> Result<Vec<f64>, Refusal> {
     let by_name: BTreeMap<&str, f64> =
@@ -98,5 +148,22 @@ fn weights(vessel: &Vessel, parameters: &[f64]) -> Result<Vec<f64>, Refusal> {
             "a value other than 0 that its error can be relative to",
             "give it another value, or leave the term out",
         ))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_slowed_inputs_keep_their_steps_across_jumps_and_end_where_they_were_to() {
+        // Two inputs; the first jumps by 5, where a maneuver ends; the second has no limit.
+        let jumps = [0.0, 1.0, 0.5, 9.0, 5.5, 9.0, 5.5, -3.0, 5.5, -3.0, 5.5, -3.0, 5.5, 0.0];
+        let (slow, which) = slowed(&jumps, &[2.0, f64::INFINITY]);
+        assert_eq!(which, [0]);
+        let own: Vec<f64> = slow.iter().copied().step_by(2).collect();
+        assert_eq!(own, [0.0, 0.5, 2.5, 4.5, 5.5, 5.5, 5.5]);
+        assert!(slow.iter().zip(jumps).skip(1).step_by(2).all(|(now, before)| *now == before));
+        assert_eq!(slowed(&slow, &[2.0, f64::INFINITY]), (slow.clone(), Vec::new()));
     }
 }

@@ -1,16 +1,15 @@
 //! Figures of merit of standard maneuvers over many runs, or of a model with uncertain parameters.
 
-mod drawn;
 mod slopes;
 mod summary;
 
 use engine::{Run, Streams, simulate_command};
+use identification::pooled::Uncertain;
 use maneuver::merit::{Figure, Hull, Record, figures};
 use maneuver::{Generator, Standard};
 use model::Vessel;
 use refusal::Invalid;
 
-pub use drawn::Uncertain;
 pub use slopes::FigureSlopes;
 pub use summary::{FigureMerit, ManeuverMerit, ShipTrack};
 

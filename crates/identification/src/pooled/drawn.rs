@@ -1,7 +1,8 @@
 use engine::Streams;
-use identification::pooled::Covariance;
 use model::Vessel;
 use numerics::symmetric;
+
+use super::delivered::Covariance;
 
 /// Parameters and what an estimate leaves uncertain of them.
 pub struct Uncertain {

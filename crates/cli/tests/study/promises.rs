@@ -1,0 +1,325 @@
+//! What designs promise: ranges, motions that inputs miss, and `design update` after the trial.
+
+use std::sync::OnceLock;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::support::*;
+
+const MOMENTS: &str = "moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --estimator \
+     output-error --out moments.json";
+const DESIGN: &str = "design --moments moments.json --for output-error --criterion a-relative --duration-s 125 --out design.json";
+const UPDATE: &str =
+    "design update --design design.json --moments moments.json --model model.json --out update.json";
+/// Without what says which files belong together.
+const MIXED: &str = "design update --allow-mixed --design design.json --moments moments.json --model model.json --out update.json";
+
+const MANEUVERS: &str = "duration_s = 30.0\n
+[generate]\ncandidates = 80\nexecuted = \"inputs\"\nstart_m_s = [0.4, 0.8]\n
+[generate.limits]\nu_m_s = 1.3\nv_m_s = 0.3\nr_rad_s = 0.5\n";
+
+const CAMPAIGN: &str = "seed = 1\nrealizations = 1\nduration_s = 125.0\n
+[current]\nkind = \"white\"\nstd_m_s = 0.158\n
+[measurement]\nstd_u_m_s = 0.158\nstd_v_m_s = 0.158\nstd_r_rad_s = 0.158\n
+[validation]\nparameter_error_bound = 5.0\nsimulation_error_bound = 0.15\n
+[[validation.maneuver]]\nname = \"slow\"\nkind = \"accelerate\"\nduration_s = 20.0\nfrom_m_s = 0.2\nto_m_s = 0.3\n";
+
+/// The paper's vessel with nominal values alone, each a fifth off, and again with the true ones.
+fn vessels(folder: &TempDir) {
+    let text = std::fs::read_to_string(repository().join("pipelines/paper/vessel.toml")).unwrap();
+    let (mut truth, mut count) = (0.0, 0);
+    let off = |line: &str| {
+        if let Some(value) = line.strip_prefix("value = ") {
+            truth = value.parse::<f64>().unwrap();
+        }
+        if !line.starts_with("nominal = ") {
+            return line.to_owned();
+        }
+        count += 1;
+        format!("nominal = {:?}", if count % 2 == 0 { 0.8 * truth } else { 1.2 * truth })
+    };
+    let all: Vec<String> = text.lines().map(off).collect();
+    put(folder, "true.toml", &all.join("\n"));
+    let nominal: Vec<String> = all.into_iter().filter(|line| !line.starts_with("value = ")).collect();
+    put(folder, "vessel.toml", &nominal.join("\n"));
+}
+
+/// A folder with a design for a nominal vessel, and the estimate of one trial of it.
+fn sailed() -> TempDir {
+    static MADE: OnceLock<Study> = OnceLock::new();
+    let make = || {
+        let folder = written(1);
+        vessels(&folder);
+        put(&folder, "dictionary.toml", MANEUVERS);
+        put(&folder, "campaign.toml", CAMPAIGN);
+        for line in [DICTIONARY, MOMENTS, DESIGN] {
+            run(&folder, line).succeeds();
+        }
+        trial(&folder);
+        Study::of(&folder)
+    };
+    let names = [
+        "design.json",
+        "moments.json",
+        "model.json",
+        "true.toml",
+        "vessel.toml",
+        "dictionary.toml",
+        "campaign.toml",
+    ];
+    MADE.get_or_init(make).with(&names)
+}
+
+/// Runs the designed trial once with the true vessel, and estimates it.
+fn trial(folder: &TempDir) {
+    let sail = "simulate campaign --allow-mixed --vessel true.toml --dictionary dictionary.toml --campaign campaign.toml --design \
+         design.json --out campaign.parquet";
+    let estimate = "estimate --allow-mixed --vessel true.toml --trajectories campaign.parquet --campaign campaign.toml --estimator \
+         output-error --out estimates.parquet";
+    run(folder, sail).succeeds();
+    run(folder, estimate).succeeds();
+}
+
+fn data(folder: &TempDir, name: &str) -> Value {
+    json(folder, name)["data"].clone()
+}
+
+fn number(of: &Value) -> f64 {
+    of.as_f64().unwrap_or_else(|| panic!("{of}"))
+}
+
+/// Writes `name` again, changed and without its seal.
+fn change(folder: &TempDir, name: &str, change: impl Fn(&mut Value)) {
+    let mut document = json(folder, name);
+    document["seal"] = Value::Null;
+    change(&mut document);
+    put(folder, name, &document.to_string());
+}
+
+#[test]
+fn law_a_promise_by_a_guess_has_a_range_and_one_by_the_truth_has_none() {
+    let folder = sailed();
+    let design = data(&folder, "design.json");
+    let promise = &design["promise"];
+    let errors = design["covariance"]["standard_errors"].as_object().unwrap();
+    let weights = &design["covariance"]["weights"];
+    let sum: f64 = errors.iter().map(|(name, e)| number(e).powi(2) * number(&weights[name])).sum();
+    assert!((number(&promise["parameter_error"]) - sum.sqrt()).abs() < 1e-9 * sum, "{promise}");
+    // By inputs it is wide: promised over found was .26 to 5.4.
+    let over = |end: usize| number(&promise["parameter_error"]) / number(&promise["range"][end]);
+    assert!((over(0) - 5.4).abs() < 1e-9 && (over(1) - 0.26).abs() < 1e-9, "{promise}");
+    let said = run(&folder, &DESIGN.replace("design.json", "again.json")).succeeds();
+    assert!(said.stdout.contains("as the nominal model may be off by some 40 %"), "{}", said.stdout);
+    // An accuracy has it too.
+    run(&folder, &format!("{DESIGN} --accuracy 0.5").replace("--duration-s 125 ", "")).succeeds();
+    let accuracy = data(&folder, "design.json")["accuracy"].clone();
+    let [low, high] = [0, 1].map(|end| number(&accuracy["range"][end]) / number(&accuracy["reached"]));
+    assert!((low * 5.4 - 1.0).abs() < 1e-9 && (high * 0.26 - 1.0).abs() < 1e-9, "{accuracy}");
+    // By feedback it is narrower.
+    put(&folder, "dictionary.toml", &MANEUVERS.replace("\"inputs\"", "\"feedback\""));
+    for line in [DICTIONARY, MOMENTS, DESIGN] {
+        run(&folder, line).succeeds();
+    }
+    let steered = data(&folder, "design.json");
+    let factor = number(&steered["promise"]["range"][1]) / number(&steered["promise"]["parameter_error"]);
+    assert!((factor - 1.7).abs() < 1e-9, "{steered}");
+    assert!(steered.get("unreached").is_none());
+    // Where the truth is known, or the criterion predicts nothing, no range is stated.
+    run(
+        &folder,
+        &format!("{DESIGN} --criterion d-hessian").replace("--for output-error --criterion a-relative", ""),
+    )
+    .succeeds();
+    assert!(data(&folder, "design.json").get("promise").is_none());
+    let with = |line: &str| line.replace("vessel.toml", "true.toml");
+    for line in [with(DICTIONARY), with(MOMENTS), DESIGN.into()] {
+        run(&folder, &line).succeeds();
+    }
+    let known = data(&folder, "design.json");
+    assert!(known.get("promise").is_none() && known.get("unreached").is_none(), "{known}");
+    assert!(data(&folder, "moments.json").get("sampled").is_none());
+}
+
+#[test]
+fn law_motions_that_ships_miss_are_warned_of_with_a_remedy() {
+    let folder = sailed();
+    let found = data(&folder, "design.json")["unreached"].clone();
+    assert_eq!(found["from"], "nominal");
+    let motions = found["motions"].as_array().unwrap();
+    assert!(!motions.is_empty());
+    let design = data(&folder, "design.json");
+    for motion in motions {
+        let share = number(&motion["missed"]["share"]);
+        assert!(share >= 0.25, "{motion}");
+        let [low, high] = [0, 1].map(|end| number(&motion["missed"]["interval"][end]));
+        assert!(low < share && share < high, "{motion}");
+        assert!(number(&design["shares"][motion["maneuver"].as_str().unwrap()]) > 0.0, "{motion}");
+    }
+    let said = found["statement"].as_str().unwrap();
+    assert!(said.contains("executed = \"feedback\"") && said.contains("of 64 ships"), "{said}");
+    // A model of which little is uncertain reaches its motions, and promises without a guess.
+    change(&folder, "model.json", |model| {
+        let entries = model["data"]["degrees"].as_array().unwrap().iter();
+        let names: Vec<Value> = entries
+            .flat_map(|degree| degree["parameters"].as_array().unwrap().iter().map(|p| p["name"].clone()))
+            .collect();
+        let n = names.len();
+        let zeros: Vec<f64> = vec![0.0; n * n];
+        model["data"]["covariance"] = serde_json::json!({"joint": true, "names": names, "entries": zeros});
+    });
+    let next = |line: &str| line.replace("--vessel vessel.toml", "--vessel model.json");
+    for line in [next(DICTIONARY), next(MOMENTS), DESIGN.into()] {
+        run(&folder, &line).succeeds();
+    }
+    let sampled = data(&folder, "moments.json")["sampled"].clone();
+    assert_eq!(sampled["from"], "covariance");
+    let by_inputs = sampled["by_inputs"].as_array().unwrap();
+    assert!(by_inputs.len() > 10);
+    let missed = |motion: &Value| {
+        motion["missed"].as_array().unwrap().iter().map(|m| m["ships"].as_u64().unwrap()).sum::<u64>()
+    };
+    assert_eq!(by_inputs.iter().map(missed).sum::<u64>(), 0);
+    let design = data(&folder, "design.json");
+    assert!(design.get("promise").is_none() && design.get("unreached").is_none(), "{design}");
+}
+
+#[test]
+fn law_standard_maneuvers_are_not_played_by_inputs() {
+    let folder = sailed();
+    let zig_zag = "name = \"zig-zag\"\nkind = \"zig-zag-test\"\nspeed_m_s = 0.6\nhelm = { tau3 = 30.0 }\nheading_rad = 0.2";
+    let written = "name = \"steady\"\nkind = \"steady-turn\"\nspeed_m_s = 0.6\nyaw_rate_rad_s = 0.1";
+    put(
+        &folder,
+        "dictionary.toml",
+        &format!("duration_s = 40.0\n[[maneuver]]\n{zig_zag}\n[[maneuver]]\n{written}\n"),
+    );
+    run(&folder, &format!("{DICTIONARY} --allow-unreached")).succeeds();
+    run(&folder, MOMENTS).succeeds();
+    let sampled = data(&folder, "moments.json")["sampled"].clone();
+    let names: Vec<&Value> =
+        sampled["by_inputs"].as_array().unwrap().iter().map(|own| &own["maneuver"]).collect();
+    assert_eq!(names, ["steady"], "{sampled}");
+}
+
+#[test]
+fn oracle_an_update_compares_promised_and_estimated_errors_over_fixed_scales() {
+    let folder = sailed();
+    let said = run(&folder, UPDATE).succeeds();
+    let (found, model, design) =
+        (data(&folder, "update.json"), data(&folder, "model.json"), data(&folder, "design.json"));
+    let vessel: toml::Value =
+        toml::from_str(&String::from_utf8(bytes(&folder, "vessel.toml")).unwrap()).unwrap();
+    let nominal = |name: &str| {
+        let terms = ["surge", "sway", "yaw"].iter().flat_map(|degree| vessel[*degree].as_array().unwrap());
+        let own = terms.into_iter().find(|term| term["parameter"].as_str() == Some(name)).unwrap();
+        own["nominal"].as_float().unwrap()
+    };
+    let degrees = model["degrees"].as_array().unwrap().iter();
+    let estimated: Vec<&Value> =
+        degrees.flat_map(|degree| degree["parameters"].as_array().unwrap()).collect();
+    let (samples, mut before, mut now) = (number(&model["samples"]), 0.0, 0.0);
+    let shorter = (number(&design["covariance"]["samples"]) / samples).sqrt();
+    for (own, parameter) in estimated.iter().zip(found["parameters"].as_array().unwrap()) {
+        let name = own["name"].as_str().unwrap();
+        let promised = shorter * number(&design["covariance"]["standard_errors"][name]);
+        let error = number(&own["standard_error"]);
+        let stated = &parameter["standard_error"];
+        assert_eq!(parameter["name"], name);
+        assert!((number(&parameter["scale"]) / nominal(name).abs() - 1.0).abs() < 1e-12, "{parameter}");
+        assert!((number(&stated["promised"]) / promised - 1.0).abs() < 1e-12, "{parameter}");
+        assert!((number(&stated["ratio"]) / (promised / error) - 1.0).abs() < 1e-9, "{parameter}");
+        before += (promised / nominal(name)).powi(2);
+        now += (error / nominal(name)).powi(2);
+    }
+    let all = &found["parameter_error"];
+    assert!((number(&all["promised"]) - before.sqrt()).abs() < 1e-9, "{all}");
+    assert!((number(&all["now"]) - now.sqrt()).abs() < 1e-9, "{all}");
+    assert!(said.stdout.contains(found["statement"].as_str().unwrap()), "{}", said.stdout);
+    // The criterion a-relative is that of the same scales.
+    assert!((number(&found["criterion"]["error"]["now"]) / now.sqrt() - 1.0).abs() < 1e-9, "{found}");
+    assert!((number(&found["after_another"]) - now.sqrt() / 2.0_f64.sqrt()).abs() < 1e-9);
+    assert!((number(&found["duration_s"]) - samples / 8.0).abs() < 1e-9);
+}
+
+#[test]
+fn law_the_time_that_is_left_follows_from_the_error_that_was_reached() {
+    let folder = sailed();
+    run(&folder, &format!("{DESIGN} --accuracy 0.3").replace("--duration-s 125 ", "")).succeeds();
+    run(&folder, MIXED).succeeds();
+    let found = data(&folder, "update.json");
+    let accuracy = &found["accuracy"];
+    let needed = number(&found["duration_s"]) * (number(&accuracy["reached"]) / 0.3).powi(2);
+    assert!((number(&accuracy["needed_s"]) / needed - 1.0).abs() < 1e-12, "{accuracy}");
+    let left = number(&accuracy["needed_s"]) - number(&found["duration_s"]);
+    assert!((number(&accuracy["remaining_s"]) - left.max(0.0)).abs() < 1e-9, "{accuracy}");
+    assert_eq!(accuracy["reached"], found["parameter_error"]["now"]);
+    // A determinant needs the covariances between parameters, which the estimate of one run has not.
+    run(&folder, &DESIGN.replace("a-relative", "d")).succeeds();
+    refused(
+        &folder,
+        3,
+        MIXED,
+        &["model.json", "`data.covariance`", "found none", "criterion d", "estimate pool"],
+    );
+}
+
+#[test]
+fn refusals_of_updates() {
+    let folder = sailed();
+    refused(&folder, 2, "design update --out update.json", &["--design", "--help"]);
+    refused(&folder, 2, &MIXED.replace("--out update.json", "--out model.json"), &["--out", "also an input"]);
+    let try_model = |broken: &dyn Fn(&mut Value), pieces: &[&str]| {
+        let before = String::from_utf8(bytes(&folder, "model.json")).unwrap();
+        change(&folder, "model.json", broken);
+        refused(&folder, 3, MIXED, &[&["model.json"], pieces].concat());
+        put(&folder, "model.json", &before);
+    };
+    try_model(&|m| m["data"]["vessel"] = "another".into(), &["`data.vessel`", "`another`", "moments"]);
+    try_model(&|m| m["data"]["sample_rate_hz"] = 4.0.into(), &["`data.sample_rate_hz`", "4 Hz", "8 Hz"]);
+    try_model(
+        &|m| m["data"]["degrees"][0]["parameters"][0]["standard_error"] = Value::Null,
+        &["`X_u`", "no standard error", "estimate pool"],
+    );
+    try_model(
+        &|m| m["data"]["degrees"][0]["parameters"][0]["name"] = "X_other".into(),
+        &["parameter `X_u`", "found none", "an estimate"],
+    );
+    try_model(
+        &|m| m["data"]["degrees"][0]["parameters"][0]["fixed"] = true.into(),
+        &["parameter `X_u`", "not estimated"],
+    );
+    try_model(&|m| m["data"]["samples"] = 0.into(), &["`data.samples`", "found 0"]);
+    let covariance = |m: &mut Value, entries: &dyn Fn(usize, usize) -> f64, all: bool| {
+        let degrees = m["data"]["degrees"].as_array().unwrap().iter();
+        let names: Vec<Value> = degrees
+            .flat_map(|degree| degree["parameters"].as_array().unwrap().iter().map(|p| p["name"].clone()))
+            .skip(usize::from(!all))
+            .collect();
+        let n = names.len();
+        let entries: Vec<f64> = (0..n * n).map(|k| entries(k / n, k % n)).collect();
+        m["data"]["covariance"] = serde_json::json!({"joint": true, "names": names, "entries": entries});
+    };
+    let one = |i: usize, j: usize| f64::from(u8::from(i == j));
+    try_model(
+        &|m| covariance(m, &|i, j| -one(i, j), true),
+        &["`data.covariance`", "a variance of -1", "`X_u`"],
+    );
+    try_model(
+        &|m| covariance(m, &|i, j| if i + j == 1 { 2.0 } else { one(i, j) }, true),
+        &["`data.covariance`", "2 between", "more than they vary"],
+    );
+    try_model(&|m| covariance(m, &one, false), &["`data.covariance`", "no `X_u`"]);
+    // A trial of another design.
+    run(&folder, &DESIGN.replace("--duration-s 125", "--duration-s 250")).succeeds();
+    refused(&folder, 3, UPDATE, &["model.json", "design"]);
+    // A design without promise.
+    run(&folder, "design --moments moments.json --out design.json").succeeds();
+    refused(&folder, 3, MIXED, &["design.json", "`data.covariance`", "no promise", "--campaign"]);
+    // Other moments.
+    run(&folder, DESIGN).succeeds();
+    run(&folder, DICTIONARY).succeeds();
+    run(&folder, &MOMENTS.replace(" --estimator output-error", "")).succeeds();
+    refused(&folder, 3, UPDATE, &["moments"]);
+    refused(&folder, 3, &MIXED.replace("model.json", "design.json"), &["design.json", "model/1"]);
+}

@@ -1,0 +1,137 @@
+use artifact::{Document, Units};
+use design::{AccuracyOf, CriterionName};
+use identification::Estimator;
+use refusal::{Invalid, check_numbers};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `design-update.json`: what a design promised, and what an estimate of its trial leaves uncertain.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DesignUpdateDocument {
+    /// The update in words.
+    pub statement: String,
+    /// The estimator of the estimate.
+    pub estimator: Estimator,
+    /// Samples of the trial.
+    pub samples: u64,
+    /// Its duration \[s\]. All promises are for this length.
+    pub duration_s: f64,
+    /// Every parameter, in order.
+    pub parameters: Vec<UpdatedParameter>,
+    /// Root of Σ (standard error/scale)², with the fixed scales of `parameters`; absent where one is zero.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parameter_error: Option<UpdatedError>,
+    /// The criterion of the design, where parameters alone tell it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub criterion: Option<UpdatedCriterion>,
+    /// Figures of merit, where they were given.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub figures: Vec<UpdatedFigure>,
+    /// Root of Σ (standard error/scale)² after one more trial of the same design and length.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub after_another: Option<f64>,
+    /// How much longer trials of the same design have to be, where an accuracy was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<UpdatedAccuracy>,
+    /// What to know before using it, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub statements: Vec<String>,
+}
+
+/// An error as it was promised, and as it is now.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UpdatedError {
+    /// Before the trial, for its length.
+    pub promised: f64,
+    /// From the covariance at the estimate.
+    pub now: f64,
+    /// The first over the second; absent where the second is zero.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ratio: Option<f64>,
+}
+
+/// A parameter, in its unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UpdatedParameter {
+    /// Its name.
+    pub name: String,
+    /// The estimate.
+    pub estimate: f64,
+    /// What its error is relative to, before and after the trial: the modulus of the value that the design had.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
+    /// Its standard error.
+    pub standard_error: UpdatedError,
+}
+
+/// The criterion of a design as an error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UpdatedCriterion {
+    /// Its name on the command line.
+    pub name: CriterionName,
+    /// a, a-relative: root of Σ weight × variance, with the weights of the design; d: |covariance|^(1/(2 × parameters)), by degree
+    /// of freedom where each is estimated by itself.
+    pub error: UpdatedError,
+}
+
+/// A figure of merit, in its unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UpdatedFigure {
+    /// The maneuver.
+    pub maneuver: String,
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Its standard error.
+    pub standard_error: UpdatedError,
+}
+
+/// The time that an accuracy takes, from the covariance after the trial.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UpdatedAccuracy {
+    /// The standard error that the design was asked for.
+    pub wanted: f64,
+    /// Which one.
+    pub of: AccuracyOf,
+    /// What the trial reached.
+    pub reached: f64,
+    /// Time of this design in all \[s\].
+    pub needed_s: f64,
+    /// What is left of it; 0 where the accuracy is reached \[s\].
+    pub remaining_s: f64,
+}
+
+impl DesignUpdateDocument {
+    /// What to print of it.
+    pub fn summary(&self) -> String {
+        std::iter::once(&self.statement).chain(&self.statements).cloned().collect::<Vec<_>>().join(" ")
+    }
+}
+
+impl UpdatedError {
+    /// Of both errors.
+    pub fn of(promised: f64, now: f64) -> Self {
+        Self { promised, now, ratio: (now > 0.0).then(|| promised / now) }
+    }
+}
+
+impl Document for DesignUpdateDocument {
+    const ID: &'static str = "design-update";
+    const VERSION: u32 = 1;
+    const UNITS: Units = &[
+        ("1", "samples ratio after_another wanted reached"),
+        ("s", "duration_s needed_s remaining_s"),
+        ("the unit of what it belongs to", "estimate scale promised now"),
+    ];
+
+    fn check(&self) -> Result<(), Invalid> {
+        check_numbers([("data.duration_s", self.duration_s)], "a time above 0 s", |time| time > 0.0)
+    }
+}
