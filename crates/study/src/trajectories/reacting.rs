@@ -19,7 +19,7 @@ pub struct Reacting {
 impl Reacting {
     /// Those of `maneuvers`.
     pub fn of(maneuvers: &Maneuvers) -> Self {
-        let (names, generated_from) = maneuvers.reacting();
+        let (names, generated_from) = maneuvers.which_react();
         Self { names: names.into_iter().collect(), generated_from }
     }
 

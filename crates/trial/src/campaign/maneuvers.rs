@@ -100,7 +100,7 @@ impl<'a> Maneuvers<'a> {
 
     /// The maneuvers whose commands depend on the ship's motion: names of those that are written by hand, and from which number
     /// on all are generated ones that do.
-    pub fn reacting(&self) -> (Vec<String>, Option<usize>) {
+    pub fn which_react(&self) -> (Vec<String>, Option<usize>) {
         let (all, written) = (self.generator.maneuvers(), self.generator.written());
         let names = (0..written).filter(|i| self.generator.reacts(*i)).map(|i| all[i].name.clone());
         let generated = (written < all.len() && self.generator.reacts(written)).then_some(written);
