@@ -3,6 +3,7 @@ use std::ops::Range;
 use design::{AccuracyOf, CriterionName, Norm, error_of, promised_error};
 use identification::Estimator;
 use model::Source;
+use numerics::quadratic;
 use refusal::Invalid;
 use study::design_files::Promised;
 use study::documents::{
@@ -177,7 +178,7 @@ impl<'a> Updating<'a> {
                 goal.maneuver == figure.maneuver && goal.name == figure.name
             };
             let slopes = &goals.goals.iter().find(is_it)?.figure.slopes;
-            let now = quadratic(&covariance, slopes).max(0.0).sqrt();
+            let now = quadratic(slopes, &covariance).max(0.0).sqrt();
             Some(UpdatedFigure {
                 maneuver: figure.maneuver.clone(),
                 name: figure.name.clone(),
@@ -320,12 +321,6 @@ fn covariance(rows: &[String], entries: &[f64], names: &[&str]) -> Result<Vec<f6
 fn diagonal(variances: &[f64]) -> Vec<f64> {
     let n = variances.len();
     (0..n * n).map(|k| if k % (n + 1) == 0 { variances[k / n] } else { 0.0 }).collect()
-}
-
-/// gᵀ C g.
-fn quadratic(covariance: &[f64], g: &[f64]) -> f64 {
-    let row = |own: &[f64]| own.iter().zip(g).map(|(c, g)| c * g).sum::<f64>();
-    covariance.chunks_exact(g.len().max(1)).zip(g).map(|(own, g)| g * row(own)).sum()
 }
 
 /// The update in words.
