@@ -64,8 +64,11 @@ fn law_a_lane_whose_pivot_is_small_is_solved_by_itself_and_disturbs_no_other() {
     let mut runs: Vec<Recording> = (0..LANES as u64).map(|seed| run(TRUTH, seed)).collect();
     let before = outcomes(&two_terms(), &runs);
     let [u, v] = [0, 1].map(|d| regressor(&runs[2], d));
-    // Both pivots are zero, and the equations are well conditioned.
-    runs[2] = with_instruments(runs[2].clone(), [orthogonal(&v, &u), orthogonal(&u, &v)]);
+    // Both pivots are nearly zero, and the equations are well conditioned.
+    let instrument = |of: &[f64], own: &[f64]| -> Vec<f64> {
+        orthogonal(of, own).iter().zip(own).map(|(x, own)| x + 1e-9 * own).collect()
+    };
+    runs[2] = with_instruments(runs[2].clone(), [instrument(&v, &u), instrument(&u, &v)]);
     let same = regressor(&runs[5], 0);
     runs[5] = with_instruments(runs[5].clone(), [same.clone(), same]);
     let found = outcomes(&two_terms(), &runs);
