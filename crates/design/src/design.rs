@@ -167,8 +167,8 @@ pub(crate) fn from_points<O: Objective>(
             starts.push(run(objective, bounds, from, options)?);
         }
     }
-    let best =
-        best(&starts, options.tolerance).ok_or_else(|| Error::Solver("every start was singular".into()))?;
+    let best = Start::best(&starts, options.tolerance)
+        .ok_or_else(|| Error::Solver("every start was singular".into()))?;
     let mut at = O::Point::default();
     objective.evaluate(&best.shares, &mut at);
     let sensitivities = objective.sensitivities(&at);
@@ -181,15 +181,6 @@ pub(crate) fn from_points<O: Objective>(
     };
     let (shares, log_det) = (best.shares.clone(), best.log_det);
     Ok(Design { shares, log_det, sensitivities, gap, status, starts })
-}
-
-/// The best of the starts that converged; or one that did not, if it is better by more than [`DIGITS`] or none
-/// converged.
-fn best(starts: &[Start], tolerance: f64) -> Option<&Start> {
-    let highest = |a: &&Start, b: &&Start| a.log_det.total_cmp(&b.log_det);
-    let best = starts.iter().max_by(highest)?;
-    let converged = starts.iter().filter(|start| start.relative_gap <= tolerance).max_by(highest);
-    Some(converged.filter(|own| own.log_det > best.log_det - DIGITS).unwrap_or(best))
 }
 
 /// Equal and random shares, projected into the bounds.
@@ -251,6 +242,17 @@ pub(crate) fn alone(count: usize, of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     (0..count).map(&mut single).collect()
 }
 
+impl Start {
+    /// The best of `starts` that reached a relative gap of `tolerance`; or one that did not, if it is better by more than
+    /// 1e-9 or none did. `None` without starts.
+    pub fn best(starts: &[Self], tolerance: f64) -> Option<&Self> {
+        let highest = |a: &&Self, b: &&Self| a.log_det.total_cmp(&b.log_det);
+        let best = starts.iter().max_by(highest)?;
+        let converged = starts.iter().filter(|start| start.relative_gap <= tolerance).max_by(highest);
+        Some(converged.filter(|own| own.log_det > best.log_det - DIGITS).unwrap_or(best))
+    }
+}
+
 impl Design {
     /// Whether another start reached the same value.
     pub fn agrees(&self, start: &Start) -> bool {
@@ -285,23 +287,5 @@ impl Design {
             }
         }
         libm::exp((log_det - self.log_det) / parameters as f64)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_start_that_stalled_wins_by_more_than_digits_alone() {
-        let start =
-            |log_det: f64, relative_gap: f64| Start { shares: vec![], log_det, relative_gap, iterations: 1 };
-        let won = |of: &[Start]| best(of, 1e-10).map(|own| (own.log_det, own.relative_gap));
-        let (converged, near, far) = (start(5.0, 1e-11), start(5.0 + 1e-11, 1e-7), start(5.1, 1e-7));
-        assert_eq!(won(&[near.clone(), converged.clone()]), Some((5.0, 1e-11)));
-        assert_eq!(won(&[converged.clone(), start(4.0, 1e-12)]), Some((5.0, 1e-11)));
-        assert_eq!(won(&[converged, far.clone(), near]), Some((5.1, 1e-7)));
-        assert_eq!(won(&[far]), Some((5.1, 1e-7)));
-        assert_eq!(won(&[]), None);
     }
 }

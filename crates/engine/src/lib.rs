@@ -24,6 +24,7 @@ pub use disturbance::{
     Axes, Current, Disturbances, Disturbing, MOST_CURRENT_M_S, Measurement, Weather, Wind, check_currents,
 };
 pub use noise::Streams;
+pub use normals::fill_normals;
 pub use pose::{Origin, Pose, track};
 pub use refusals::{MOST_SAMPLES, refuse_endless};
 pub use run::{Run, RunView, Segment};

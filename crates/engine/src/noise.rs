@@ -3,7 +3,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use crate::normals::{Normals, fill};
+use crate::normals::{Normals, fill_normals};
 
 /// Random numbers keyed by their purpose: one ChaCha8 key per (seed, design), one stream per run, of which 32
 /// bytes per channel seed the fast generator that the channel draws from. A run's draws depend on nothing
@@ -29,7 +29,7 @@ impl Streams {
 
     /// Fills `out` with standard normal numbers from one channel of one run.
     pub fn normals(&self, run: u32, channel: u32, out: &mut [f64]) {
-        fill(self.channel(run, channel), out);
+        fill_normals(self.channel(run, channel), out);
     }
 
     /// The channels of [`LANES`] runs from `first` on.

@@ -51,8 +51,9 @@ impl Normals {
     }
 }
 
-/// Fills `out` with the numbers of a single generator, two at a time.
-pub(crate) fn fill(mut generator: impl Rng, out: &mut [f64]) {
+/// Fills `out` with standard normal numbers from the bits of `generator`, two from each two of its 64-bit numbers, by the
+/// method of Box and Muller. [`Streams::normals`](crate::Streams::normals) has those of a channel.
+pub fn fill_normals(mut generator: impl Rng, out: &mut [f64]) {
     vectorized!({
         for out in out.chunks_mut(2 * LANES) {
             let (mut radius, mut angle) = ([0; LANES], [0; LANES]);
@@ -168,53 +169,3 @@ const COSINE: [f64; 5] = [
     -0.00032593858594451996,
     3.5297971357780916e-6,
 ];
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use rand::SeedableRng;
-    use rand_xoshiro::Xoshiro256PlusPlus;
-
-    #[test]
-    fn oracle_every_lane_draws_the_bits_of_xoshiro() {
-        let seed = |lane: usize| std::array::from_fn::<u8, 32, _>(|i| (31 * lane + 7 * i + 1) as u8);
-        let words = |lane: usize| {
-            let seed = seed(lane);
-            std::array::from_fn(|i| u64::from_le_bytes(std::array::from_fn(|byte| seed[8 * i + byte])))
-        };
-        let seeds: [[u64; 4]; LANES] = std::array::from_fn(words);
-        let mut normals =
-            Normals { state: std::array::from_fn(|word| std::array::from_fn(|lane| seeds[lane][word])) };
-        let mut expected: [_; LANES] = std::array::from_fn(|lane| Xoshiro256PlusPlus::from_seed(seed(lane)));
-        for _ in 0..100 {
-            assert_eq!(normals.bits(), expected.each_mut().map(|rng| rng.next_u64()));
-        }
-    }
-
-    #[test]
-    fn oracle_polynomials_are_the_functions() {
-        for i in 1..=100_000 {
-            let t = f64::from(i) * 1e-5;
-            let angle = std::f64::consts::FRAC_PI_4 * t;
-            approx::assert_relative_eq!(minus_twice_log(t), -2.0 * libm::log(t), max_relative = 2e-10);
-            approx::assert_relative_eq!(t * sine(t * t), libm::sin(angle), max_relative = 2e-10);
-            approx::assert_relative_eq!(cosine(t * t), libm::cos(angle), max_relative = 2e-10);
-            let small = t * 2.0_f64.powi(-i % 53);
-            approx::assert_relative_eq!(
-                minus_twice_log(small),
-                -2.0 * libm::log(small),
-                max_relative = 2e-10
-            );
-        }
-    }
-
-    #[test]
-    fn extreme_bits_give_finite_numbers() {
-        for radius in [0, u64::MAX, 1 << 63, 0xfff] {
-            for angle in [0, u64::MAX, 1 << 10, 1 << 11] {
-                let (one, two) = box_muller(radius, angle);
-                assert!(one.abs() < 8.5 && two.abs() < 8.5, "{radius} {angle}: {one} {two}");
-            }
-        }
-    }
-}

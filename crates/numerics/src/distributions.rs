@@ -8,6 +8,15 @@ pub fn chi_square_tail(x: f64, freedom: f64) -> f64 {
     ChiSquared::new(freedom).map_or(1.0, |distribution| distribution.sf(x))
 }
 
+/// log P(χ² ≥ x) for `freedom` degrees of freedom, at least one; by the tail's expansion if the probability underflows.
+pub fn log_chi_square_tail(x: f64, freedom: usize) -> f64 {
+    let (p, half) = (chi_square_tail(x.max(0.0), freedom as f64), 0.5 * freedom as f64);
+    match p > 1e-290 {
+        true => libm::log(p),
+        false => (half - 1.0) * libm::log(0.5 * x) - 0.5 * x - libm::lgamma(half),
+    }
+}
+
 /// P(|Z| ≥ |z|) for a standard normal Z, to a relative 1e-10.
 pub fn normal_tails(z: f64) -> f64 {
     erfc(z.abs() / std::f64::consts::SQRT_2)

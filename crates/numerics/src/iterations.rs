@@ -83,29 +83,3 @@ pub fn iterate(name: &'static str, most: usize, watch: &Watch, step: impl FnMut(
     // The search keeps what it has found; its steps do not fail, so an error says that the watch has ended it.
     let _ = observed.run();
 }
-
-#[cfg(test)]
-mod tests {
-    use std::sync::atomic::AtomicUsize;
-
-    use super::*;
-
-    #[test]
-    fn a_search_ends_by_itself_after_so_many_steps_or_by_its_watch() {
-        let taken = |most: usize, last: usize, watch: &Watch| {
-            let mut steps = 0;
-            iterate("counting", most, watch, || {
-                steps += 1;
-                (steps < last).then_some(())
-            });
-            steps
-        };
-        let none = Watch::default();
-        assert_eq!([taken(7, 9, &none), taken(9, 7, &none), taken(0, 7, &none)], [7, 7, 0]);
-        let seen = AtomicUsize::new(0);
-        let watch = Watch::new(move || seen.fetch_add(1, Ordering::Relaxed) < 3);
-        assert!(!watch.ended());
-        assert_eq!(taken(9, 7, &watch), 4);
-        assert!(watch.ended() && !none.ended());
-    }
-}

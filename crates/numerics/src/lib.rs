@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod bounded;
 mod decompositions;
 pub mod distributions;
 mod instructions;
@@ -16,6 +17,7 @@ pub mod lanes;
 mod lu;
 mod product;
 pub mod registers;
+mod semidefinite;
 pub mod statistics;
 #[doc(hidden)]
 pub mod vectorized;
@@ -27,4 +29,5 @@ pub use iterations::{Watch, iterate};
 pub use lane::{Arithmetic, LANES, Lane, Number, Numbers, Row};
 pub use lu::{LogDet, condition, inverse, inverse_and_log_det, inverse_in_order, log_det, one_norm, solve};
 pub use product::{add_outer, add_rows, congruence, dot, product, quadratic, times, transposed};
+pub use semidefinite::quadratic_of_inverse;
 pub use wide::{GROUPS, Wide};

@@ -1,7 +1,7 @@
 //! Designs whose answer is known by theory.
 
 use argmin::core::{Executor, IterState, State as _};
-use design::{ActiveSetNewton, Candidates, Error, Options, Status, is_concave, solve};
+use design::{ActiveSetNewton, Candidates, Error, Options, Start, Status, is_concave, solve};
 use proptest::prelude::*;
 
 /// φφᵀ of polynomial regression of `degree` at points between −1 and 1.
@@ -181,4 +181,17 @@ proptest! {
             prop_assert!((a - b).abs() < 1e-6 * 13.0, "{a} {b}");
         }
     }
+}
+
+#[test]
+fn a_start_that_stalled_wins_by_more_than_digits_alone() {
+    let start =
+        |log_det: f64, relative_gap: f64| Start { shares: vec![], log_det, relative_gap, iterations: 1 };
+    let won = |of: &[Start]| Start::best(of, 1e-10).map(|own| (own.log_det, own.relative_gap));
+    let (converged, near, far) = (start(5.0, 1e-11), start(5.0 + 1e-11, 1e-7), start(5.1, 1e-7));
+    assert_eq!(won(&[near.clone(), converged.clone()]), Some((5.0, 1e-11)));
+    assert_eq!(won(&[converged.clone(), start(4.0, 1e-12)]), Some((5.0, 1e-11)));
+    assert_eq!(won(&[converged, far.clone(), near]), Some((5.1, 1e-7)));
+    assert_eq!(won(&[far]), Some((5.1, 1e-7)));
+    assert_eq!(won(&[]), None);
 }

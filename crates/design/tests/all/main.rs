@@ -11,3 +11,4 @@ mod restrictions;
 mod rounding;
 mod shortest;
 mod streamed;
+mod update;

@@ -4,4 +4,5 @@ mod compiled;
 mod constraints;
 mod layout;
 mod noise;
+mod normals;
 mod steps;

@@ -2,9 +2,9 @@
 
 use super::found::Apart;
 use super::problems::{Problems, State};
-use super::score::log_tail;
 use crate::predictor::{Linear, scaled_inverse};
-use numerics::times;
+use numerics::distributions::log_chi_square_tail;
+use numerics::{quadratic_of_inverse, times};
 
 /// A recording contradicts the others if chance explains any of them with a smaller probability than this.
 const LEVEL: f64 = 1e-4;
@@ -67,48 +67,8 @@ fn farthest(all: &[(String, Linear)]) -> Option<(usize, f64)> {
             })
             .collect();
         let whole: Vec<f64> = (0..p).map(|i| own[i * p + i]).collect();
-        let (statistic, rank) = form(covariance, scores, &whole);
-        (rank > 0).then(|| (i, log_tail(statistic / variance, rank)))
+        let (statistic, rank) = quadratic_of_inverse(covariance, scores, &whole, LEFT);
+        (rank > 0).then(|| (i, log_chi_square_tail(statistic / variance, rank)))
     });
     tested.min_by(|a, b| a.1.total_cmp(&b.1))
-}
-
-/// sᵀV⁺s and the rank of V, by pivots that are at least a share of `whole`.
-fn form(mut v: Vec<f64>, mut s: Vec<f64>, whole: &[f64]) -> (f64, usize) {
-    let p = s.len();
-    let (mut statistic, mut rank) = (0.0, 0);
-    loop {
-        let share = |i: &usize| if whole[*i] > 0.0 { v[i * p + i] / whole[*i] } else { 0.0 };
-        let Some(best) = (0..p).max_by(|a, b| share(a).total_cmp(&share(b))) else { break };
-        if share(&best) <= LEFT {
-            break;
-        }
-        let pivot = v[best * p + best];
-        let row: Vec<f64> = v[best * p..(best + 1) * p].to_vec();
-        let score = s[best];
-        statistic += score * score / pivot;
-        rank += 1;
-        for i in 0..p {
-            s[i] -= row[i] * score / pivot;
-            for j in 0..p {
-                v[i * p + j] -= row[i] * row[j] / pivot;
-            }
-        }
-        v[best * p + best] = 0.0;
-    }
-    (statistic, rank)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn law_what_a_form_cannot_tell_counts_for_nothing() {
-        // The third unknown is the sum of the others, the fourth has no effect.
-        let v = [[4.0, 1.0, 5.0, 0.0], [1.0, 2.0, 3.0, 0.0], [5.0, 3.0, 8.0, 0.0], [0.0; 4]].concat();
-        let (statistic, rank) = form(v, vec![1.0, -1.0, 0.0, 0.0], &[4.0, 2.0, 8.0, 0.0]);
-        // (1, −1) [[4, 1], [1, 2]]⁻¹ (1, −1)ᵀ.
-        assert!((statistic - 8.0 / 7.0).abs() < 1e-12 && rank == 2, "{statistic} {rank}");
-    }
 }

@@ -1,6 +1,7 @@
 use engine::Streams;
+use numerics::distributions::log_chi_square_tail;
 
-use super::score::{Group, Projected, Score, log_tail};
+use super::score::{Group, Projected, Score};
 
 /// Number of draws of the scores under the model.
 const DRAWS: usize = 2000;
@@ -51,7 +52,8 @@ impl Draws {
                 let statistic = numerics::quadratic(&x[*first..first + q], inverse);
                 most[*q] = most[*q].max(statistic);
             }
-            let tail = |(q, most): (usize, &f64)| if *most > 0.0 { log_tail(*most, q) } else { 0.0 };
+            let tail =
+                |(q, most): (usize, &f64)| if *most > 0.0 { log_chi_square_tail(*most, q) } else { 0.0 };
             most.iter().enumerate().map(tail).fold(0.0, f64::min)
         };
         let mut all: Vec<f64> = self.normals.chunks_exact(self.width.max(1)).take(DRAWS).map(least).collect();
@@ -89,49 +91,4 @@ fn lower(n: usize, a: &[f64]) -> Vec<f64> {
         }
     }
     l
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::predictor::Linear;
-
-    /// Scores of columns with this correlation, and one estimated unknown that is independent of them.
-    fn projected(n: usize, correlation: impl Fn(usize, usize) -> f64) -> Projected {
-        let all = n + 1;
-        let entry = |(i, j): (usize, usize)| match (i, j) {
-            (0, 0) => 1.0,
-            (0, _) | (_, 0) => 0.0,
-            (i, j) => correlation(i - 1, j - 1),
-        };
-        let normal: Vec<f64> = (0..all * all).map(|k| entry((k / all, k % all))).collect();
-        let zeros = [vec![0.0; all * all], vec![0.0; all * all]];
-        let gradient: Vec<f64> = (0..all).map(|i| if i == 1 { 2.5 } else { 0.0 }).collect();
-        let [second, third] = zeros;
-        let sums = Linear {
-            samples: 100.0,
-            squares: [300.0, 0.0, 0.0],
-            gradient: [gradient, vec![0.0; all], vec![0.0; all]],
-            normal: [normal, second, third],
-        };
-        Projected::new(&sums, 1).unwrap()
-    }
-
-    fn first(n: usize, correlation: impl Fn(usize, usize) -> f64) -> (f64, f64) {
-        let projected = projected(n, correlation);
-        let groups: Vec<Group> = (0..n).map(|i| Group { unknowns: vec![vec![i]] }).collect();
-        let scores: Vec<Score> = groups.iter().map(|group| projected.score(group).unwrap()).collect();
-        let pairs: Vec<(&Group, &Score)> = groups.iter().zip(&scores).collect();
-        (Draws::new(n).adjusted(&projected, &pairs)[0], libm::exp(scores[0].log_p))
-    }
-
-    #[test]
-    fn law_tests_that_are_one_count_once_and_independent_ones_each() {
-        let (one, p) = first(1, |_, _| 1.0);
-        assert!((0.005..0.03).contains(&p) && (one - p).abs() < 0.005, "{one} {p}");
-        let (apart, _) = first(8, |i, j| if i == j { 1.0 } else { 0.0 });
-        assert!((apart - (1.0 - (1.0 - p).powi(8))).abs() < 0.02, "{apart} {p}");
-        let (alike, _) = first(8, |i, j| if i == j { 1.0 } else { 0.999_999 });
-        assert!((alike - p).abs() < 0.006, "{alike} {p}");
-    }
 }

@@ -1,4 +1,5 @@
-use numerics::{distributions::chi_square_tail, inverse, times};
+use numerics::distributions::log_chi_square_tail;
+use numerics::{inverse, times};
 
 use crate::predictor::{Linear, scaled_inverse};
 
@@ -107,29 +108,9 @@ impl Projected {
         Some(Score {
             statistic,
             freedom: q,
-            log_p: log_tail(statistic, q),
+            log_p: log_chi_square_tail(statistic, q),
             standard_errors: (0..q).map(error).collect(),
             values,
         })
-    }
-}
-
-/// log P(χ² ≥ x) with `freedom` degrees of freedom; by the tail's expansion if that underflows.
-pub(super) fn log_tail(x: f64, freedom: usize) -> f64 {
-    let (p, half) = (chi_square_tail(x.max(0.0), freedom as f64), 0.5 * freedom as f64);
-    match p > 1e-290 {
-        true => libm::log(p),
-        false => (half - 1.0) * libm::log(0.5 * x) - 0.5 * x - libm::lgamma(half),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn law_the_tail_goes_on_where_numbers_end() {
-        let (near, far) = (log_tail(1300.0, 2), log_tail(1400.0, 2));
-        assert!((near + 650.0).abs() < 1e-9 && (far + 700.0).abs() < 1e-9, "{near} {far}");
     }
 }

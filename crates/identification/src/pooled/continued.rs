@@ -1,6 +1,4 @@
-use std::ops::Range;
-
-use regression::pooled::{PartView, Parts};
+use regression::pooled::{Parts, Windowed};
 
 use super::windows::Score;
 use super::{Pool, Scales, Searched, least_errors};
@@ -70,74 +68,5 @@ impl Pool<'_> {
             }
         })?;
         Ok(named)
-    }
-}
-
-/// Windows of parts, with a maximum number of samples.
-struct Windowed<'a, P> {
-    parts: &'a P,
-    /// The part of each window, and its samples.
-    windows: Vec<(usize, Range<usize>)>,
-}
-
-impl<'a, P: Parts> Windowed<'a, P> {
-    fn new(parts: &'a P, most: usize) -> Self {
-        let of = |i: usize| {
-            let samples = parts.samples(i);
-            (0..samples).step_by(most).map(move |first| (i, first..(first + most).min(samples)))
-        };
-        Self { parts, windows: (0..parts.count()).flat_map(of).collect() }
-    }
-}
-
-impl<P: Parts> Parts for Windowed<'_, P> {
-    type Error = P::Error;
-
-    fn count(&self) -> usize {
-        self.windows.len()
-    }
-
-    fn samples(&self, i: usize) -> usize {
-        self.windows[i].1.len()
-    }
-
-    fn at(&self, places: &[usize], mut look: impl FnMut(PartView)) -> Result<(), P::Error> {
-        let wanted: Vec<usize> = places.iter().map(|i| self.windows[*i].0).collect();
-        let mut windows = places.iter().map(|i| &self.windows[*i].1);
-        self.parts.at(&wanted, |part| {
-            if let Some(samples) = windows.next() {
-                look(PartView { run: part.run.part(samples.clone()), ..part });
-            }
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use regression::pooled::Part;
-
-    #[test]
-    fn law_windows_hold_every_sample_once_and_come_in_any_order() {
-        let part = |first: f64, samples: usize| Part {
-            label: String::new(),
-            source: first.to_string(),
-            instrument_exogenous: Vec::new(),
-            exogenous: (0..samples).map(|k| first + k as f64).collect(),
-            measured: (0..3 * (samples + 1)).map(|k| first + k as f64).collect(),
-        };
-        let parts = vec![part(100.0, 19), part(200.0, 8), part(300.0, 3)];
-        let windows = Windowed::new(&parts, 8);
-        assert_eq!((0..windows.count()).map(|i| windows.samples(i)).collect::<Vec<_>>(), [8, 8, 3, 8, 3]);
-        let mut inputs = Vec::new();
-        let Ok(()) = windows.each(|window| inputs.extend_from_slice(window.run.exogenous));
-        assert_eq!(inputs, parts.iter().flat_map(|part| part.exogenous.clone()).collect::<Vec<_>>());
-        let mut firsts = Vec::new();
-        let Ok(()) = windows.at(&[4, 1, 1, 0], |w| firsts.push((w.source.to_owned(), w.run.measured[0])));
-        let named = |source: &str, first| (source.to_owned(), first);
-        assert_eq!(
-            firsts,
-            [named("300", 300.0), named("100", 124.0), named("100", 124.0), named("100", 100.0)]
-        );
     }
 }

@@ -20,9 +20,9 @@ struct Pair<'a> {
     correlation: f64,
 }
 
-/// The pairs of estimates of `delivered`, whose model with intercepts has this `layout`, that correlate most: the
-/// accuracy of each, and of their best combination.
-pub(super) fn entangled(delivered: &Delivered, layout: ParameterLayout) -> Vec<String> {
+/// The pairs of estimates of `delivered`, whose model with intercepts has this `layout`, that correlate most: a sentence
+/// each with the accuracy of both, and of their best combination.
+pub fn entangled(delivered: &Delivered, layout: ParameterLayout) -> Vec<String> {
     let mut pairs = pairs(delivered, layout);
     pairs.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
     let sentences = pairs.iter().take(MOST).map(Pair::sentence);
@@ -114,79 +114,4 @@ fn three(value: f64) -> String {
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent < 10.0 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::pooled::Covariance;
-    use model::Vessel;
-
-    /// Two surge parameters of these values, standard errors and correlation.
-    fn sentences(values: [f64; 2], errors: [f64; 2], correlation: f64) -> Vec<String> {
-        let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
-        let crossed = correlation * errors[0] * errors[1];
-        let delivered = Delivered {
-            theta: values.to_vec(),
-            constant: [0.0; 3],
-            covariance: Some(Covariance {
-                joint: false,
-                names: vec!["N_v".to_owned(), "N_r".to_owned()],
-                entries: vec![errors[0].powi(2), crossed, crossed, errors[1].powi(2)],
-            }),
-            least_squares: None,
-            increment_std: [0.0; 3],
-            output_rmse: None,
-            surroundings: Vec::new(),
-            recordings: Vec::new(),
-            covered: Vec::new(),
-        };
-        entangled(&delivered, vessel.model.layout())
-    }
-
-    #[test]
-    fn what_two_estimates_have_in_common_is_told() {
-        // var(N_v + N_r) = 0.04 (2 − 2 · 0.995): 0.02 of 1; the best multiple is 0.995.
-        let said = sentences([0.4, 0.6], [0.2, 0.2], -0.995);
-        assert_eq!(
-            said,
-            [
-                "`N_v` and `N_r` cannot be told apart: correlation -0.995, each alone is known to 50 % and 33 %, \
-              `N_r` + 0.995 `N_v` to 2.0 %"
-            ]
-        );
-        let said = sentences([0.4, -0.6], [0.2, 0.4], 0.96);
-        assert!(said[0].contains("can hardly be told apart"), "{said:?}");
-        assert!(said[0].ends_with("`N_v` − 0.480 `N_r` to 8.1 %"), "{said:?}");
-    }
-
-    #[test]
-    fn what_is_known_or_hardly_correlates_is_not_told() {
-        assert!(sentences([0.4, 0.6], [0.2, 0.2], 0.9).is_empty());
-        assert!(sentences([0.4, 0.6], [0.01, 0.01], 0.999).is_empty());
-        assert!(sentences([0.4, 0.6], [0.2, 0.01], 0.999).is_empty());
-    }
-
-    #[test]
-    fn law_a_ratio_is_known_where_both_err_alike() {
-        let said = sentences([-0.4, 0.6], [0.1, 0.15], -0.999);
-        // √(2 (1 − 0.999)) of a quarter.
-        assert!(said[0].ends_with("`N_v`/`N_r` to 1.1 %"), "{said:?}");
-        // The ratio's variance by the slopes 1/b and −a/b² of a/b.
-        let (a, b, var_a, var_b, cov) = (1.2, -0.7, 0.09, 0.25, 0.13);
-        let slopes = [1.0 / b, -a / (b * b)];
-        let variance =
-            slopes[0] * slopes[0] * var_a + slopes[1] * slopes[1] * var_b + 2.0 * slopes[0] * slopes[1] * cov;
-        let pair = Pair { names: ["a", "b"], values: [a, b], errors: [0.3, 0.5], correlation: cov / 0.15 };
-        assert!((pair.ratio().1 * (a / b).abs() - f64::sqrt(variance)).abs() < 1e-12);
-    }
-
-    #[test]
-    fn law_no_other_multiple_leaves_less_error() {
-        let pair = Pair { names: ["a", "b"], values: [1.0, 2.0], errors: [0.3, 0.5], correlation: 0.97 };
-        let error = |factor: f64| (0.09 + 2.0 * factor * 0.97 * 0.15 + factor * factor * 0.25_f64).sqrt();
-        let (factor, relative) = pair.common([0, 1]);
-        assert!((relative * (1.0 + 2.0 * factor).abs() - error(factor)).abs() < 1e-12);
-        assert!([-0.1, -0.01, 0.01, 0.1].iter().all(|more| error(factor + more) > error(factor)));
-    }
 }

@@ -26,6 +26,7 @@ pub use bootstrap::{Bootstrap, Resample, Resampled, redraw};
 pub use delivered::{Covariance, Covered, Delivered, RecordingConstant, covered};
 pub use drawn::Uncertain;
 pub use enriched::{Added, Enriched, Grown, enriched, grown};
+pub use entangled::entangled;
 pub use estimate::{PoolError, Pooled, StandardErrors, estimate, resampled, standard_errors, unstated};
 pub use instrument_fit::InstrumentFit;
 pub use pool::{Estimated, NoEstimate, Pool};

@@ -24,4 +24,6 @@ pub use sums::Linear;
 pub(crate) use sums::{linearize, linearize_each};
 pub use unknown::{AMBIENT, InitialState, Unknown};
 
-pub use crate::sensitivity::{Drift, Flow, Gusts, Levels, Recordings, Sensitivities, Step, free_sweep};
+pub use crate::sensitivity::{
+    Drift, Flow, Gusts, Levels, Recordings, Sensitivities, Slopes, Step, free_sweep, slopes,
+};

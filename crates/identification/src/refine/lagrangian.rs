@@ -2,7 +2,8 @@
 //!
 //! Source: Nocedal & Wright 2006, Numerical optimization, chapter 17.
 
-use super::bounded::Objective;
+use numerics::bounded::Objective;
+
 use super::criterion::{Forward, TraceCriterion};
 use super::signal::{Signal, centred};
 

@@ -5,7 +5,6 @@
 //! gradient by all inputs of all samples takes one pass forward and one backward ([`TraceCriterion`]); [`refine`]
 //! follows it within limits of the inputs, of their rates and of the simulated motion.
 
-mod bounded;
 mod criterion;
 mod gradient;
 mod lagrangian;

@@ -1,8 +1,8 @@
 //! Rounds of minimisation, with updates of the multipliers between them.
 
+use numerics::bounded::minimise;
 use numerics::{Watch, iterate};
 
-use super::bounded::minimise;
 use super::criterion::{Forward, TraceCriterion};
 use super::lagrangian::{Lagrangian, SignalLimits};
 use super::signal::Signal;

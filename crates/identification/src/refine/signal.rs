@@ -83,31 +83,3 @@ impl<'a> Signal<'a> {
 pub(super) fn centred([low, high]: [f64; 2]) -> [f64; 2] {
     [0.5 * (low + high), 0.5 * (high - low)]
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn law_corrections_within_their_bounds_keep_the_limits_and_slopes_are_the_transpose() {
-        let start: Vec<f64> =
-            (0..22).map(|k| if k % 10 < 5 { 2.0 } else { -1.0 + 0.1 * f64::from(k) }).collect();
-        let limits = [[-2.0, 2.0], [-1.0, 4.0]];
-        for knot in [1, 3, 4] {
-            let signal = Signal::new(&start, &limits, knot);
-            let [low, high] = signal.bounds();
-            for corrections in [&low, &high] {
-                let inputs = signal.inputs(corrections);
-                let within = |(e, x): (usize, &f64)| (limits[e % 2][0]..=limits[e % 2][1]).contains(x);
-                assert!(inputs.iter().enumerate().all(within), "{inputs:?}");
-            }
-            assert_eq!(signal.inputs(&vec![0.0; low.len()]), start);
-            let slopes: Vec<f64> = (0..22).map(|e| f64::from(e * e % 7)).collect();
-            let inner: Vec<f64> = low.iter().zip(&high).map(|(l, h)| 0.3 * l + 0.2 * h).collect();
-            let moved = signal.inputs(&inner);
-            let one: f64 = (0..22).map(|e| slopes[e] * (moved[e] - start[e])).sum();
-            let other: f64 = signal.gathered(&slopes).iter().zip(&inner).map(|(g, c)| g * c).sum();
-            assert!((one - other).abs() < 1e-12, "{one} {other}");
-        }
-    }
-}

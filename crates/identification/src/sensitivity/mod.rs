@@ -30,6 +30,6 @@ pub use levels::{Drift, Flow, Gusts, Levels};
 pub(crate) use products::Products;
 pub use recordings::Recordings;
 pub(crate) use recordings::{groups, of_one_length};
-pub(crate) use slopes::{Slopes, slopes};
+pub use slopes::{Slopes, slopes};
 pub(crate) use sweep::sweep;
 pub use sweep::{Sensitivities, Step, free_sweep};

@@ -4,7 +4,8 @@ use super::dynamics::Dynamics;
 use super::recordings::Recordings;
 
 /// Squared errors of a free simulation, and their gradient by the unknowns.
-pub(crate) struct Slopes {
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slopes {
     /// Σ e² of u, v, r.
     pub squares: [f64; 3],
     /// Σ_d w_d Σ s_d e_d, an entry per free unknown.
@@ -12,9 +13,9 @@ pub(crate) struct Slopes {
 }
 
 /// The gradient for `recordings` simulated with `unknowns`, per lane, by the unknowns in `free`. `weights` is called
-/// with lane and squared errors, `path` is a buffer for the states. One adjoint, λ(k) = Aᵀλ(k+1) + W e(k), replaces
+/// with lane and squared errors, `path` is a buffer for the states. Sample 0 counts where `from_start`. One adjoint, λ(k) = Aᵀλ(k+1) + W e(k), replaces
 /// all sensitivities: a parameter's entry is Σ φ(k) λ(k+1).
-pub(crate) fn slopes(
+pub fn slopes(
     recordings: &Recordings,
     unknowns: &[Lane],
     free: &[usize],
@@ -91,50 +92,4 @@ fn there_and_back(
     }
     gradient[all..].copy_from_slice(&adjoint);
     (squares, gradient)
-}
-
-#[cfg(test)]
-mod tests {
-    use model::{Source, Vessel};
-    use numerics::Lane;
-
-    use super::*;
-    use crate::predictor::linearize;
-
-    #[test]
-    fn law_slopes_are_those_of_all_sensitivities() {
-        let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
-        let model = vessel.model.with_intercepts();
-        let wave = |k: usize, by: f64| Lane::splat((by * k as f64).sin());
-        let inputs =
-            |k: usize| [500.0, 90.0, 40.0].map(|size| Lane::splat(size) * wave(k, 0.05 + 0.001 * size));
-        let exogenous: Vec<Lane> = (0..203).flat_map(inputs).collect();
-        let measured: Vec<Lane> = (0..3 * 204).map(|k| Lane::splat(0.3) * wave(k, 1.7)).collect();
-        let mut samples = [203; LANES];
-        let theta = model.layout().woven(&vessel.parameters(Source::Value).unwrap(), [1e-3, -2e-3, 1e-3]);
-        let unknowns: Vec<Lane> =
-            [theta, vec![0.02, -0.01, 0.03]].concat().into_iter().map(Lane::splat).collect();
-        let free: Vec<usize> = (0..unknowns.len()).collect();
-        for (shorter, from_start) in [(203, true), (203, false), (90, true)] {
-            samples[3] = shorter;
-            let recordings = Recordings {
-                model: &model,
-                measured: &measured,
-                exogenous: &exogenous,
-                initial: [Lane::ZERO; 3],
-                samples,
-            };
-            let all = linearize::<3>(&recordings, &unknowns, &free, None, &[], from_start);
-            let weights = |lane: usize, squares: [f64; 3]| squares.map(|square| (lane + 1) as f64 / square);
-            let found = slopes(&recordings, &unknowns, &free, from_start, weights, &mut Vec::new());
-            for (lane, (found, all)) in found.iter().zip(&all).enumerate() {
-                let (_, gradient) = all.weighted(weights(lane, all.squares));
-                let size = gradient.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
-                let near =
-                    |a: f64, b: f64, size: f64| assert!((a - b).abs() <= 1e-11 * size, "{lane}: {a} {b}");
-                (0..3).for_each(|d| near(found.squares[d], all.squares[d], all.squares[d]));
-                found.gradient.iter().zip(&gradient).for_each(|(a, b)| near(*a, *b, size));
-            }
-        }
-    }
 }

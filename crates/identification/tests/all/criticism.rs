@@ -378,3 +378,18 @@ fn a_current_that_lasts_is_said_to_spoil_standard_errors() {
         assert_eq!(said(harmless).0, "");
     }
 }
+
+/// Tests overlap: without correction for their number the mean would be below 0.1, and above 0.7 with a factor for each.
+#[test]
+fn law_the_probability_of_the_likeliest_candidate_is_uniform_under_a_right_model() {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    let measured = recorded(&experiment, &vessel, &[], 32);
+    let probability = |own: &Vec<f64>| {
+        let found = criticised(&vessel.model, &truth(&vessel), &experiment, &[own], Some(STATED));
+        found.p_value.unwrap()
+    };
+    let mean = measured.iter().map(probability).sum::<f64>() / 32.0;
+    // Three standard errors of a mean of 32.
+    assert!((mean - 0.5).abs() < 0.153, "{mean}");
+}

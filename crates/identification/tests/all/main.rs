@@ -4,6 +4,7 @@ mod collinear;
 mod constraints;
 mod criticism;
 mod cross_validation;
+mod entangled;
 mod found_noise;
 mod free_runs;
 mod names;
@@ -18,5 +19,8 @@ mod quantiles;
 mod recommendation;
 mod refine_laws;
 mod repeated;
+mod restricted_likelihood;
+mod slopes;
 #[path = "../../../regression/tests/all/support/mod.rs"]
 mod support;
+mod white_noise;

@@ -2,10 +2,11 @@
 
 use engine::{RunView, Weather, simulate};
 use identification::predictor::{
-    Fit, Fitted, Flow, Gusts, InitialState, Levels, Recordings, Spread, innovations, output_error,
+    Drift, Fit, Fitted, Flow, Gusts, InitialState, Levels, Recordings, Sensitivities, Spread, innovations,
+    output_error,
 };
 use model::Vessel;
-use numerics::{LANES, Lane};
+use numerics::{LANES, Lane, dot, quadratic};
 use regression::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
 use serde_json::Value;
 
@@ -184,6 +185,51 @@ fn oracle_standard_errors_agree_with_the_response_to_every_draw() {
             // The oracle's differences straddle the kink of u |u| at standstill.
             approx::assert_relative_eq!(*error, expected[i], max_relative = 2e-4);
         }
+    }
+}
+
+/// Drift of the sensors enters as it is measured: by its covariance at all pairs of samples.
+#[test]
+fn oracle_standard_errors_under_drifting_sensors_are_those_of_all_pairs_of_samples() {
+    let (std, factor) = ([0.3, 0.2, 0.1], 0.9_f64);
+    let levels = Levels {
+        measurement: [0.02, 0.03, 0.01],
+        current: Flow::Still,
+        force: None,
+        drift: Some(Drift { std, factor }),
+    };
+    let run = &Run::all()[0];
+    let found = &run.fits(InitialState::Known, Spread::Stated(&levels))[0];
+    let model = run.vessel.model.with_intercepts();
+    let recordings = Recordings { model: &model, ..run.recordings() };
+    let unknowns = model.layout().woven(&found.parameters, found.intercepts).into_iter().chain([0.0; 3]);
+    let unknowns: Vec<Lane> = unknowns.map(Lane::splat).collect();
+    let n = model.layout().parameters();
+    let all = Sensitivities::of(&recordings, &unknowns, &(0..n).collect::<Vec<_>>(), false);
+    let samples = recordings.longest();
+    let weights = found.rmse.map(|rmse| rmse.powi(-2));
+    let column = |i: usize, d: usize| (1..=samples).map(|k| all.by(k, i)[d][0]).collect::<Vec<f64>>();
+    let (mut normal, mut meat) = (vec![0.0; n * n], vec![0.0; n * n]);
+    for d in 0..3 {
+        let columns: Vec<Vec<f64>> = (0..n).map(|i| column(i, d)).collect();
+        let covariance = |k: usize, l: usize| {
+            let white = if k == l { levels.measurement[d].powi(2) } else { 0.0 };
+            white + std[d] * std[d] * factor.powi(k.abs_diff(l) as i32)
+        };
+        let coloured = |own: &Vec<f64>| -> Vec<f64> {
+            (0..samples).map(|k| (0..samples).map(|l| covariance(k, l) * own[l]).sum()).collect()
+        };
+        let coloured: Vec<Vec<f64>> = columns.iter().map(coloured).collect();
+        for e in 0..n * n {
+            normal[e] += weights[d] * dot(&columns[e / n], &columns[e % n]);
+            meat[e] += weights[d] * weights[d] * dot(&columns[e / n], &coloured[e % n]);
+        }
+    }
+    let mut inverted = vec![0.0; n * n];
+    numerics::inverse(n, &mut normal, &mut inverted).unwrap();
+    let errors: Vec<f64> = inverted.chunks_exact(n).map(|row| quadratic(row, &meat).sqrt()).collect();
+    for (found, expected) in found.standard_errors.iter().zip(model.layout().theta(&errors)) {
+        approx::assert_relative_eq!(*found, expected, max_relative = 1e-5);
     }
 }
 

@@ -6,4 +6,6 @@ mod feedback;
 mod maneuvers;
 mod oracle;
 mod reference_ships;
+mod signals;
+mod stamps;
 mod standard;

@@ -1,6 +1,6 @@
 //! Quantiles and spread.
 
-use numerics::statistics::{median, quantile, sorted, spread};
+use numerics::statistics::{median, median_again, quantile, sorted, spread};
 
 #[test]
 fn law_spread_is_the_sample_standard_deviation() {
@@ -16,4 +16,20 @@ fn law_the_median_halves_what_is_there() {
     assert_eq!(median(vec![5.0, 1.0, 4.0, 2.0, -9.0]), Some(2.0));
     let values = [0.3, 0.1, 0.7, 0.2];
     assert_eq!(median(values.to_vec()), quantile(&sorted(values.into_iter().map(Some)), 0.5));
+}
+
+#[test]
+fn law_many_values_have_the_median_that_they_have_in_memory() {
+    let mixed = |n: u64| (0..n).map(|i| (i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 - 8e6);
+    let near = |n: u64| (0..n).map(|i| 0.01 + 1e-13 * ((i * 7919) % 4001) as f64);
+    let few = |n: u64| (0..n).map(|i| f64::from(i % 3 == 0) - 0.0);
+    // More than are selected from in memory.
+    let many = (1 << 18) + 1;
+    for n in [0, 1, 2, 5, many, many + 1] {
+        assert_eq!(median_again(|| mixed(n)), median(mixed(n).collect()), "{n} mixed");
+        assert_eq!(median_again(|| near(n)), median(near(n).collect()), "{n} near each other");
+        assert_eq!(median_again(|| few(n)), median(few(n).collect()), "{n} of two values");
+    }
+    let halves = || (0..2 * many).map(|i| if i < many { 1.0 } else { 2.0 });
+    assert_eq!(median_again(halves), Some(1.5));
 }

@@ -19,6 +19,7 @@ mod residual_tests;
 mod runs;
 mod sandwich;
 mod strength;
+mod windowed;
 mod words;
 
 pub use centre::Centring;
@@ -33,4 +34,5 @@ pub use residual_tests::{CrossCorrelation, ResidualTests, Whiteness, residuals, 
 pub use runs::{CutRuns, PooledRuns, SelectError};
 pub use sandwich::{Meat, default_bandwidth, sandwich};
 pub use strength::{Strength, strength};
+pub use windowed::Windowed;
 pub use words::{collinear, first_named, unidentified, weakest};

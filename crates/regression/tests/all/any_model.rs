@@ -23,7 +23,7 @@ const MODELS: [[&[&str]; 3]; 3] = [
     [&["u", "u^2 |v| delta", "r |r|", "v r", "|n| n u"], &["v", "u r", "v |v|", "u v", "delta"], &["r"]],
 ];
 
-fn model(terms: [&[&str]; 3]) -> Model {
+pub fn model(terms: [&[&str]; 3]) -> Model {
     let degrees = terms.map(|texts| {
         Degree::new(
             texts.iter().map(|text| (*text).to_owned()).collect(),

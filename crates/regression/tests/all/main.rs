@@ -1,6 +1,8 @@
 //! Properties of regressions, and comparisons with independent computations.
 
 mod any_model;
+mod bounded;
+mod lanes;
 mod laws;
 mod names;
 mod oracle;

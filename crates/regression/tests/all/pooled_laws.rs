@@ -4,7 +4,7 @@ use approx::assert_relative_eq;
 use engine::RunView;
 use regression::Sums;
 use regression::pooled::Options;
-use regression::pooled::{COLLINEAR, Part, Prior, Regression, Status, fit};
+use regression::pooled::{COLLINEAR, Part, Parts, Prior, Regression, Status, Windowed, fit};
 
 use crate::support::craft::{
     COMPLETE, TRUTH, craft, errors, many, part, regressions, simulated, with_instruments,
@@ -116,4 +116,25 @@ fn too_little_data_and_constant_terms_are_not_identified() {
     let found = fit(&sums.iter().collect::<Vec<_>>(), &COMPLETE);
     assert_eq!(found[2].status, Status::NotExcited(2));
     assert!(found[0].solution.is_some());
+}
+
+#[test]
+fn law_windows_hold_every_sample_once_and_come_in_any_order() {
+    let part = |first: f64, samples: usize| Part {
+        label: String::new(),
+        source: first.to_string(),
+        instrument_exogenous: Vec::new(),
+        exogenous: (0..samples).map(|k| first + k as f64).collect(),
+        measured: (0..3 * (samples + 1)).map(|k| first + k as f64).collect(),
+    };
+    let parts = vec![part(100.0, 19), part(200.0, 8), part(300.0, 3)];
+    let windows = Windowed::new(&parts, 8);
+    assert_eq!((0..windows.count()).map(|i| windows.samples(i)).collect::<Vec<_>>(), [8, 8, 3, 8, 3]);
+    let mut inputs = Vec::new();
+    let Ok(()) = windows.each(|window| inputs.extend_from_slice(window.run.exogenous));
+    assert_eq!(inputs, parts.iter().flat_map(|part| part.exogenous.clone()).collect::<Vec<_>>());
+    let mut firsts = Vec::new();
+    let Ok(()) = windows.at(&[4, 1, 1, 0], |w| firsts.push((w.source.to_owned(), w.run.measured[0])));
+    let named = |source: &str, first| (source.to_owned(), first);
+    assert_eq!(firsts, [named("300", 300.0), named("100", 124.0), named("100", 124.0), named("100", 100.0)]);
 }

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::error::CrossError;
-use super::folds::{Fold, Folds, folds};
+use super::folds::Folds;
 use identification::pooled::{Estimated, FreeRunErrors, NoEstimate, Pool, Score, deviations};
 use identification::{Contender, Estimator, Recommendation, ScoreStatus};
 
@@ -107,10 +107,10 @@ pub fn cross_validate(
 ) -> Result<CrossValidation, CrossError> {
     let cut = Cut::new(pool, runs, options)?;
     let sources: Vec<&str> = cut.windows.iter().map(|(source, _)| source.as_str()).collect();
-    let folds = folds(&sources, &options.folds)?;
+    let folds = options.folds.left_out(&sources)?;
     let score = |estimator: &Estimator| {
-        let fold = |fold: &Fold| {
-            let tried = cut.fold(fold, *estimator);
+        let fold = |left_out: &Vec<usize>| {
+            let tried = cut.fold(left_out, *estimator);
             done(1);
             tried
         };
@@ -158,11 +158,10 @@ impl<'a> Cut<'a> {
         Ok(Self { pool, parts: runs.parts(pool.part_samples), windows, std })
     }
 
-    fn fold(&self, fold: &Fold, estimator: Estimator) -> Tried {
-        let left_out =
-            |place: &usize| fold.left_out.iter().any(|i| self.windows[*i].0 == self.parts[*place].source);
+    fn fold(&self, fold: &[usize], estimator: Estimator) -> Tried {
+        let left_out = |place: &usize| fold.iter().any(|i| self.windows[*i].0 == self.parts[*place].source);
         let places: Vec<usize> = (0..self.parts.len()).filter(|place| !left_out(place)).collect();
-        let without: Vec<&str> = fold.left_out.iter().map(|i| self.windows[*i].0.as_str()).collect();
+        let without: Vec<&str> = fold.iter().map(|i| self.windows[*i].0.as_str()).collect();
         let without = without.join(", ");
         let mut tried = Tried { scores: Vec::new(), by_instruments: [false; 3], failed: None };
         match self.pool.estimate(&Drawn { parts: &self.parts, places: &places }, estimator) {
@@ -174,7 +173,7 @@ impl<'a> Cut<'a> {
         tried
     }
 
-    fn simulate(&self, fold: &Fold, found: &Estimated, without: &str, tried: &mut Tried) {
+    fn simulate(&self, fold: &[usize], found: &Estimated, without: &str, tried: &mut Tried) {
         tried.by_instruments =
             [0, 1, 2].map(|d: usize| found.used[d].by_instruments() && found.degrees[d].solution.is_some());
         if let Some(unfound) = &found.unfound {
@@ -190,7 +189,7 @@ impl<'a> Cut<'a> {
             let windows = self.windows[*source].1.iter().map(Part::view);
             (*source, Score::of(&self.pool.model, &model, windows))
         };
-        tried.scores = fold.left_out.iter().map(score).collect();
+        tried.scores = fold.iter().map(score).collect();
     }
 
     fn score(&self, estimator: Estimator, tried: &[Tried]) -> EstimatorScore {

@@ -45,26 +45,3 @@ impl Draw {
         picked
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn law_picks_are_those_counted_and_none_comes_twice() {
-        let labels = ["a", "b", "a", "a", "b", "c"];
-        let counts: BTreeMap<String, u64> = [("a".to_owned(), 2), ("b".to_owned(), 1)].into();
-        let draw = Draw::by_design(7, &labels, &counts);
-        let mut seen = [0; 6];
-        for number in 0..200 {
-            let picked = draw.realization(number);
-            let of = |label: &str| picked.iter().filter(|i| labels[**i] == label).count();
-            assert_eq!((picked.len(), of("a"), of("b")), (3, 2, 1));
-            assert!(picked.windows(2).all(|w| w[0] < w[1]));
-            picked.iter().for_each(|i| seen[*i] += 1);
-        }
-        assert!(seen[..5].iter().all(|n| *n > 60) && seen[5] == 0, "{seen:?}");
-        assert_eq!(draw.realization(3), Draw::by_design(7, &labels, &counts).realization(3));
-        assert_eq!(Draw::at_random(7, 6, 6).realization(0), [0, 1, 2, 3, 4, 5]);
-    }
-}

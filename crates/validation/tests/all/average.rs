@@ -21,7 +21,7 @@ fn three(value: &Value) -> [f64; 3] {
 }
 
 /// A vessel with inputs a and b whose parameters are those of `model`.
-fn vessel(model: &Value) -> Vessel {
+pub fn vessel(model: &Value) -> Vessel {
     let terms = |degree: &str| -> Vec<Value> {
         let all = model[degree].as_object().unwrap().iter();
         all.map(

@@ -2,5 +2,8 @@
 
 mod average;
 mod correlations;
+mod exact_sums;
+mod folds;
+mod selection;
 mod slopes;
 mod validity;

@@ -110,6 +110,12 @@ impl<'a> Turns<'a> {
         None
     }
 
+    /// Twice the restricted log-likelihood of all runs, with the model linearised about free simulations with `theta`.
+    pub fn likelihood(&self, theta: &[f64], guess: Guess) -> f64 {
+        let lines: Vec<Line> = self.runs.iter().map(|run| Line::free(self.model, theta, *run)).collect();
+        self.search(&lines, (usize::MAX, RISE)).sums(&[guess; LANES], None).likelihood[0]
+    }
+
     /// A search over the first samples of the runs.
     fn search<'l>(&self, lines: &'l [Line<'l>], (most, rise): (usize, f64)) -> Search<'l> {
         let mut left = most;

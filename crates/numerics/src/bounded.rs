@@ -4,10 +4,10 @@
 
 use std::collections::VecDeque;
 
-use numerics::{Watch, dot, iterate};
+use crate::{Watch, dot, iterate};
 
 /// The objective that is minimised.
-pub(super) trait Objective {
+pub trait Objective {
     /// The workspace of a value, for the gradient.
     type Point;
     /// The value; `None` where it is not defined.
@@ -29,9 +29,9 @@ const FIRST: f64 = 0.01;
 /// A decrease below this, relative, ends the iterations.
 const SMALL: f64 = 1e-10;
 
-/// Minimises from `x`, where the objective must be defined, in at most `iterations`; returns the number of those that
-/// improved.
-pub(super) fn minimise<O: Objective>(
+/// Minimises from `x`, where the objective must be defined, within `bounds`, the lowest and the highest values. Returns
+/// how many of at most `iterations` improved; `watch` may end them earlier.
+pub fn minimise<O: Objective>(
     objective: &mut O,
     x: &mut Vec<f64>,
     bounds: [&[f64]; 2],
@@ -118,33 +118,4 @@ fn direction(gradient: &[f64], free: &[bool], memory: &VecDeque<(Vec<f64>, Vec<f
         q.iter_mut().zip(s).for_each(|(q, s)| *q += (part - back) * s);
     }
     q.iter().map(|q| -q).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    struct Rosenbrock;
-
-    impl Objective for Rosenbrock {
-        type Point = [f64; 2];
-        fn value(&mut self, x: &[f64]) -> Option<(f64, [f64; 2])> {
-            Some(((1.0 - x[0]).powi(2) + 100.0 * (x[1] - x[0] * x[0]).powi(2), [x[0], x[1]]))
-        }
-        fn gradient(&self, x: &[f64; 2]) -> Vec<f64> {
-            let inner = x[1] - x[0] * x[0];
-            vec![-2.0 * (1.0 - x[0]) - 400.0 * x[0] * inner, 200.0 * inner]
-        }
-        fn keep(&mut self, x: &[f64], _: &[f64; 2]) {
-            assert!(x[0] <= 0.5);
-        }
-    }
-
-    #[test]
-    fn law_the_bound_that_binds_is_reached_and_the_rest_is_minimal() {
-        let mut x = vec![-1.2, 1.0];
-        minimise(&mut Rosenbrock, &mut x, [&[-2.0, -2.0], &[0.5, 2.0]], 200, &Watch::default());
-        // At x = 1/2 the best y is 1/4.
-        assert!((x[0] - 0.5).abs() < 1e-8 && (x[1] - 0.25).abs() < 1e-6, "{x:?}");
-    }
 }
