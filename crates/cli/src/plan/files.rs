@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use artifact::Provenance;
 use study::documents::{DesignDocument, PlanDocument};
 use study::files::{kept_to_data, read_plan, read_vessel};
-use study::plan::{PlanFile, in_tide, resumed};
+use study::plan::{PlanFile, in_tide, resumed, uncertain};
 use trial::voyage::{Brief, Place, Shares};
 
 use crate::cli::beside;
@@ -67,6 +67,7 @@ impl VoyageFiles<'_> {
         let vessel = kept_to_data(self.vessel, vessel, self.beyond_range)?;
         let config = read_plan(self.config, provenance)?;
         let task = config.task(&vessel).map_err(|e| Failure::invalid(self.config, &e))?;
+        let task = uncertain([self.config, self.vessel], &config, &vessel, task)?;
         let task = in_tide(self.config, &config, task, provenance)?;
         let task = match &self.resumed {
             Some(Resumed { plan, done, from }) => {

@@ -49,7 +49,6 @@ const UNSTATED: [(&str, &str); 57] = [
     ("plan.toml", "raster_per_cell"),
     ("plan.toml", "informative_s"),
     ("plan.toml", "safety.parameter_error"),
-    ("plan.toml", "safety.vessels"),
     ("plan.toml", "safety.aground_probability"),
     ("plan.toml", "safety.transit_depth_m"),
     ("plan.toml", "safety.trial_depth_m"),

@@ -7,6 +7,7 @@
 
 mod budget;
 mod check;
+mod check_run;
 mod clearance;
 mod counts;
 mod daylight;
@@ -30,9 +31,11 @@ mod script;
 mod search;
 mod settled_legs;
 mod solve;
+mod steered;
 mod task;
 mod tide;
 mod waters;
+mod worst;
 
 pub use check::Check;
 pub use counts::Wanted;
@@ -59,3 +62,4 @@ pub use task::{
 };
 pub use tide::{Tide, TideRow, current_m_s};
 pub use waters::Waters;
+pub use worst::{WorstVessel, WorstVessels};
