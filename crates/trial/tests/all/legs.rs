@@ -108,7 +108,7 @@ fn law_every_leg_ends_settled_at_its_node_for_any_vessel() {
     let others = others(&vessel);
     for (headings, current) in [(4, [0.0, 0.0]), (8, [0.0, 0.0]), (8, [0.2, 0.1])] {
         let grid = grid(headings);
-        for Settled { leg, sailed, tracks } in legs(headings, current, &grid, &others) {
+        for Settled { leg, sailed, tracks, .. } in legs(headings, current, &grid, &others) {
             let [north, east] = grid.displacement(leg.di, leg.dj);
             let (level, mode) = grid.level_and_mode(leg.to);
             let (pose, [u, v, r]) = sailed.ends[0];
