@@ -191,6 +191,8 @@ pub struct Safety {
     /// Simulations of the finished plan with such currents and vessels; by default as many as
     /// `aground_probability` needs.
     pub runs: Option<u32>,
+    /// Without effect, for files that have it: every run has a vessel of its own.
+    pub vessels: Option<u32>,
     /// The probability of running aground that the check must exclude, with 95 % confidence.
     pub aground_probability: Option<f64>,
 }
