@@ -2,19 +2,15 @@
 //! ends of legs, by the nominal model, by the worst vessels that a search finds, and by drawn ones.
 
 use numerics::statistics::{quantile, sorted, wilson};
-use rayon::prelude::*;
-use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check_run::{Drawn, Run, Vessel};
-use super::clearance::Clearance;
+use super::check_run::{Checking, Drawn, Vessel};
 use super::error::VoyageError;
 use super::prepared::Prepared;
-use super::script::Script;
 use super::search::Search;
-use super::worst::{Searched, WorstVessels, parameters_in_words};
-use crate::{Fix, Sailed, SampledVessel};
+use super::worst::{Searched, WorstVessels};
+use crate::{Fix, SampledVessel};
 
 /// Tracks that are kept for drawing.
 pub(super) const TRACKS: u32 = 200;
@@ -22,8 +18,6 @@ pub(super) const TRACKS: u32 = 200;
 const FIRST_RUNS: u32 = 64;
 /// Probability, over all rounds, that a bound does not hold.
 const DOUBT: f64 = 0.05;
-/// Share of the ends of legs that noisy sensors may leave beyond a tolerance.
-const ASTRAY_BY_NOISE: f64 = 0.01;
 /// Fraction by which the simulated time may differ from the proved one.
 const LONGER: f64 = 0.02;
 
@@ -101,20 +95,6 @@ pub(super) struct Checked {
     pub counter_examples: Vec<(usize, SampledVessel)>,
 }
 
-/// A plan that is checked.
-pub(super) struct Checking<'a> {
-    pub script: &'a Script<'a>,
-    pub clearance: &'a Clearance,
-    /// The leg of every step.
-    pub legs: &'a [usize],
-    /// The trajectory of the nominal model without unknown current.
-    pub nominal: &'a Sailed,
-    /// Number of checks so far, including this one.
-    pub round: u32,
-    /// Whether all runs are simulated, even after one has failed.
-    pub is_last: bool,
-}
-
 impl Prepared {
     /// The number of runs of a check in this round.
     pub(super) fn runs(&self, round: u32) -> u32 {
@@ -140,10 +120,6 @@ fn doubt(round: u32) -> f64 {
 }
 
 impl Checking<'_> {
-    pub(super) fn prepared(&self) -> &Prepared {
-        self.script.prepared
-    }
-
     /// Searches the worst vessels, then simulates the script with drawn parameters and in drawn currents; `concurrent`
     /// is executed along with the last runs, if all of them are simulated.
     ///
@@ -179,36 +155,6 @@ impl Checking<'_> {
         // The counter-examples of the last round are not used.
         let counter_examples = if self.is_last { Vec::new() } else { counter_examples };
         Ok((Checked { check, tracks, counter_examples }, aside))
-    }
-
-    /// The share of the ends of legs that may be beyond a tolerance: none, unless that is by the noise of sensors.
-    pub(super) fn tolerated_astray(&self) -> f64 {
-        if self.prepared().brief.task.sensors.are_exact() { 0.0 } else { ASTRAY_BY_NOISE }
-    }
-
-    /// Whether more ends of legs than that are beyond a tolerance.
-    pub(super) fn are_too_many_astray(&self, runs: &[&Run]) -> bool {
-        let astray: u64 = runs.iter().map(|run| run.ends_astray()).sum();
-        let ends: usize = runs.iter().map(|run| run.ends.len()).sum();
-        astray as f64 > self.tolerated_astray() * ends as f64
-    }
-
-    /// A run of every one of `vessels`, in their order.
-    ///
-    /// # Errors
-    /// A simulation that diverges; no time.
-    pub(super) fn all(&self, vessels: Vec<Vessel>, search: &Search) -> Result<Vec<Run>, VoyageError> {
-        let one = |vessel: Vessel| {
-            if !(search.keep_going)() {
-                return Err(VoyageError::OutOfTime("the check of the plan"));
-            }
-            let words = parameters_in_words(&self.prepared().brief.vessel, &vessel.parameters);
-            // A vessel that cannot be simulated is not the fault of a file.
-            let named = |own: Invalid| Invalid { thing: format!("{} with {words}", own.thing), ..own };
-            self.run(vessel).map_err(|own| VoyageError::NoAnswer(named(own)))
-        };
-        let all: Vec<_> = vessels.into_par_iter().map(one).collect();
-        all.into_iter().collect()
     }
 
     fn drawn(&self, run: u32) -> Vessel {

@@ -1,12 +1,34 @@
-//! One simulation of the whole plan in a check.
+//! Simulations of the whole plan in a check.
 
 use engine::Pose;
+use rayon::prelude::*;
 use refusal::Invalid;
 
-use super::check::Checking;
-use super::clearance::Passage;
+use super::clearance::{Clearance, Passage};
+use super::error::VoyageError;
+use super::off_nominal::parameters_in_words;
+use super::prepared::Prepared;
+use super::script::Script;
+use super::search::Search;
 use crate::leg::turned_back;
-use crate::{Astray, End, Fix, SampledVessel};
+use crate::{Astray, End, Fix, Sailed, SampledVessel};
+
+/// Share of the ends of legs that noisy sensors may leave beyond a tolerance.
+const ASTRAY_BY_NOISE: f64 = 0.01;
+
+/// A plan that is checked.
+pub(super) struct Checking<'a> {
+    pub script: &'a Script<'a>,
+    pub clearance: &'a Clearance,
+    /// The leg of every step.
+    pub legs: &'a [usize],
+    /// The trajectory of the nominal model without unknown current.
+    pub nominal: &'a Sailed,
+    /// Number of checks so far, including this one.
+    pub round: u32,
+    /// Whether all runs are simulated, even after one has failed.
+    pub is_last: bool,
+}
 
 /// A vessel in a current, to be simulated over the whole plan.
 #[derive(Clone, Debug)]
@@ -40,6 +62,40 @@ pub(super) struct Run {
 }
 
 impl Checking<'_> {
+    pub(super) fn prepared(&self) -> &Prepared {
+        self.script.prepared
+    }
+
+    /// The share of the ends of legs that may be beyond a tolerance: none, unless that is by the noise of sensors.
+    pub(super) fn tolerated_astray(&self) -> f64 {
+        if self.prepared().brief.task.sensors.are_exact() { 0.0 } else { ASTRAY_BY_NOISE }
+    }
+
+    /// Whether more ends of legs than that are beyond a tolerance.
+    pub(super) fn are_too_many_astray(&self, runs: &[&Run]) -> bool {
+        let astray: u64 = runs.iter().map(|run| run.ends_astray()).sum();
+        let ends: usize = runs.iter().map(|run| run.ends.len()).sum();
+        astray as f64 > self.tolerated_astray() * ends as f64
+    }
+
+    /// A run of every one of `vessels`, in their order.
+    ///
+    /// # Errors
+    /// A simulation that diverges; no time.
+    pub(super) fn all(&self, vessels: Vec<Vessel>, search: &Search) -> Result<Vec<Run>, VoyageError> {
+        let one = |vessel: Vessel| {
+            if !(search.keep_going)() {
+                return Err(VoyageError::OutOfTime("the check of the plan"));
+            }
+            let words = parameters_in_words(&self.prepared().brief.vessel, &vessel.parameters);
+            // A vessel that cannot be simulated is not the fault of a file.
+            let named = |own: Invalid| Invalid { thing: format!("{} with {words}", own.thing), ..own };
+            self.run(vessel).map_err(|own| VoyageError::NoAnswer(named(own)))
+        };
+        let all: Vec<_> = vessels.into_par_iter().map(one).collect();
+        all.into_iter().collect()
+    }
+
     /// Simulates a vessel.
     ///
     /// # Errors

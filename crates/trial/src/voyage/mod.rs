@@ -21,6 +21,7 @@ mod legs;
 mod map;
 mod moment_sums;
 mod moves;
+mod off_nominal;
 mod passage;
 mod passage_lines;
 mod places;

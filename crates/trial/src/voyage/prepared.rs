@@ -8,10 +8,10 @@ use refusal::Invalid;
 use super::counts::Wanted;
 use super::error::VoyageError;
 use super::moment_sums::MomentSums;
+use super::off_nominal::parameters_in_words;
 use super::search::Search;
 use super::settled_legs::{Dropped, Group, LegSimulation, SettledLeg, groups};
 use super::task::Brief;
-use super::worst::parameters_in_words;
 use crate::{Grid, Piece, Repertoire, SampledVessel, mirror};
 
 /// The groups of legs, the legs on which all vessels settle, and the others.

@@ -3,7 +3,8 @@
 use lattice::{Problem, Solution};
 use refusal::Invalid;
 
-use super::check::{Check, Checked, Checking};
+use super::check::{Check, Checked};
+use super::check_run::Checking;
 use super::clearance::Clearance;
 use super::error::VoyageError;
 use super::information::Information;

@@ -5,11 +5,11 @@ use lattice::{Lattice, MoveId, NoPlan, Poll, Problem, Reason, Solution};
 use super::error::VoyageError;
 use super::front::FrontPoint;
 use super::moves::Moves;
+use super::off_nominal::parameters_in_words;
 use super::prepared::Prepared;
 use super::search::{Search, in_words};
 use super::task::Secondary;
 use super::waters::Waters;
-use super::worst::parameters_in_words;
 
 /// A solved trial.
 #[derive(Clone, Debug)]

@@ -2,8 +2,8 @@
 
 use refusal::Invalid;
 
+use super::off_nominal::parameters_in_words;
 use super::prepared::Prepared;
-use super::worst::parameters_in_words;
 use crate::Used;
 use crate::deviations::Candidate;
 
