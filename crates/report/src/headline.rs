@@ -7,7 +7,7 @@ use super::study::Study;
 use super::trajectory::words::{clearance, cost, gap, minutes};
 use study::documents::{
     Arm, Check, DesignDocument, DesignScores, PlanDocument, RoundGain, SequentialDocument,
-    ValidationDocument, Voyage,
+    ValidationDocument, Voyage, WorstVessels,
 };
 
 /// The kind of the page.
@@ -106,14 +106,31 @@ fn planned(plan: &PlanDocument) -> String {
     let hull = if check.clear { format!("stays {}", clear(check)) } else { clear(check) };
     format!(
         "The planned trial of {} holds {uses} informative maneuvers and costs {cost}{proof}. In simulation the hull {hull}; \
-         in unknown current of up to {}\u{a0}m/s, with parameters off by up to {}, {} of {} runs touch an obstacle.{}",
+         in unknown current of up to {}\u{a0}m/s, with parameters off by up to {}, {} of {} runs touch an obstacle{}.{}",
         minutes(voyage.duration_s),
         exact(check.unknown_current_m_s),
-        percent(check.parameter_error),
+        errors(check),
         check.aground,
         check.runs,
+        check.worst.as_ref().map_or(String::new(), searched),
         if check.safe { "" } else { " The plan is unsafe: it fails its own check." },
     )
+}
+
+/// The bound on the errors of the parameters.
+fn errors(check: &Check) -> String {
+    match check.standard_errors {
+        Some(errors) => format!("{} standard errors of the model", exact(errors)),
+        None => percent(check.parameter_error),
+    }
+}
+
+/// What a search for the worst vessels found.
+fn searched(worst: &WorstVessels) -> String {
+    match worst.aground {
+        0 => format!(", nor does any of {} vessels that a search for the worst tried", worst.searched),
+        aground => format!(", and {aground} of {} vessels that a search for the worst tried", worst.searched),
+    }
 }
 
 /// The clearance of the simulated plan from obstacles.

@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut trial = ChartedTrial::read(config, vessel, dictionary, None)?;
     // For a quick example: each maneuver once, and a check with few currents.
     trial.brief.task.maneuvers.iter_mut().for_each(|maneuver| maneuver.count = Some(1));
-    (trial.brief.task.safety.runs, trial.brief.task.safety.vessels) = (Some(48), Some(24));
+    trial.brief.task.safety.runs = Some(48);
 
     let planned = trial.plan(&Search::unlimited(), false)?;
     println!("{}", planned.document.statement);

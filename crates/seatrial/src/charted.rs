@@ -7,7 +7,7 @@ use engine::Run;
 use model::Vessel;
 use study::documents::{MapDocument, PlanChart, PlanDocument};
 use study::files::read_plan;
-use study::plan::{ChartsError, Means, PlanFile, Routes, in_tide, map_of, of_voyage, read_charts};
+use study::plan::{ChartsError, Means, PlanFile, Routes, in_tide, map_of, of_voyage, read_charts, uncertain};
 use thiserror::Error;
 use trial::voyage::{Brief, Check, Prepared, SailedPlan, Sailing, Search, Shares, Solved, VoyageError};
 
@@ -50,6 +50,8 @@ impl ChartedTrial {
         let config = read_plan(file, &mut provenance)?;
         let vessel = vessel.with_disturbances_held();
         let task = config.task(&vessel).map_err(|e| Error::invalid(file, e))?;
+        // The vessel has no covariance.
+        let task = uncertain([file; 2], &config, &vessel, task)?;
         let task = in_tide(file, &config, task, &mut provenance)?;
         let (layers, chart_bytes) = (Vec::new(), 0);
         let brief = Brief { vessel, task, layers, chart_bytes, dictionary, design, seed: 1 };

@@ -2,8 +2,8 @@ use engine::Pose;
 use refusal::Invalid;
 
 use crate::grid::{around, wrap};
-use crate::repertoire::{Outcome, Settled, Unsettled};
-use crate::sampled_vessel::{Crew, Underway};
+use crate::repertoire::{Farthest, Outcome, Settled, Unsettled};
+use crate::sampled_vessel::{Crew, Failed, Underway};
 use crate::{Leg, Phase, Piece, Purpose, Repertoire, Sailed, SampledVessel, Side, Used};
 
 /// How often a run-in is lengthened, and by which factor, before a maneuver is given up.
@@ -27,10 +27,9 @@ impl Repertoire<'_> {
     ) -> Result<Vec<Outcome>, Invalid> {
         let from = self.grid.layer(level, self.mode_of(index)?);
         let search = Search { repertoire: self, index, from };
-        let mut crew = self.crew(from, others)?;
         let mirrored = (self.mirror.is_some() && !search.is_straight()).then_some(Side::Mirrored);
         let sides = [Side::AsDesigned].into_iter().chain(mirrored);
-        sides.map(|side| search.leg(side, &mut crew)).collect()
+        sides.map(|side| search.leg(side, others)).collect()
     }
 
     /// The mode that piece `index` begins in.
@@ -75,12 +74,13 @@ impl Run<'_> {
     /// Appends the recoveries of all vessels.
     fn with(self, recovered: Settled) -> Settled {
         let Self { mut leg, mut sailed, mut tracks, .. } = self;
-        let Settled { leg: Leg { di, dj, to, phases, .. }, sailed: last, tracks: lasts } = recovered;
+        let Settled { leg: Leg { di, dj, to, phases, .. }, sailed: last, tracks: lasts, farthest } =
+            recovered;
         sailed.samples.extend(last.samples);
         sailed.ends = last.ends;
         tracks.iter_mut().zip(lasts).for_each(|(track, last)| track.extend(last));
         leg.phases.extend(phases);
-        Settled { leg: Leg { di, dj, to, ..leg }, sailed, tracks }
+        Settled { leg: Leg { di, dj, to, ..leg }, sailed, tracks, farthest }
     }
 }
 
@@ -106,58 +106,76 @@ impl Search<'_> {
         rows.flat_map(|row| row.iter().zip(signs)).all(|(u, s)| *s > 0.0 || *u == 0.0)
     }
 
-    fn leg(&self, side: Side, crew: &mut Crew) -> Result<Outcome, Invalid> {
+    fn leg(&self, side: Side, others: &[SampledVessel]) -> Result<Outcome, Invalid> {
         let (from, purpose) = (self.from, Purpose::Informative { piece: self.index, side });
-        let run = match self.run_in(&purpose, crew)? {
-            Ok(run_in) => self.run(run_in, crew)?,
-            Err(used) => {
-                let why = format!("before the maneuver {used} at best");
-                return Ok(Err(Unsettled { from, purpose, why }));
+        let mut all = others.to_vec();
+        all.extend(self.farthest(&purpose)?);
+        let mut crew = self.repertoire.crew(from, &all)?;
+        let run = match self.run_in(&purpose, &mut crew)? {
+            Ok(run_in) => self.run(run_in, &mut crew)?,
+            Err(failed) => {
+                let when = "before the maneuver ".to_owned();
+                return Ok(Err(Unsettled::of((from, purpose), when, failed, &all)));
             }
         };
         let recovered = match run {
             Ok(run) => self.recovered(run)?,
-            Err(lost) => Err(lost),
+            Err(failed) => Err(failed),
         };
-        Ok(recovered.map_err(|used| Unsettled { from, purpose, why: used.to_string() }))
+        Ok(match recovered {
+            Ok(settled) => Ok(Settled { farthest: farthest(&settled, &all), ..settled }),
+            Err(failed) => Err(Unsettled::of((from, purpose), String::new(), failed, &all)),
+        })
+    }
+
+    /// The vessels that end the maneuver farthest off, after its shortest approach.
+    fn farthest(&self, purpose: &Purpose) -> Result<Vec<SampledVessel>, Invalid> {
+        let (mut approached, _) = self.approach(purpose, self.repertoire.approach.run_in_s);
+        approached.phases.push(Phase::Maneuver);
+        self.repertoire.farthest(&approached)
+    }
+
+    /// A steady approach of so many seconds, at rest a hold, and where it ends.
+    fn approach(&self, purpose: &Purpose, seconds: f64) -> (Leg, [f64; 2]) {
+        let (level, _) = self.repertoire.grid.level_and_mode(self.from);
+        let heading_rad = self.repertoire.grid.heading_rad(level);
+        let speed = self.piece().speed_m_s;
+        let way = speed * seconds;
+        let to = [way * libm::cos(heading_rad), way * libm::sin(heading_rad)];
+        let phases = match (speed, way) {
+            (0.0, _) => vec![Phase::Hold { at: [0.0; 2], heading_rad }],
+            (_, 0.0) => Vec::new(),
+            _ => vec![Phase::Line { to, heading_rad, from_m_s: speed, to_m_s: speed }],
+        };
+        let purpose = purpose.clone();
+        (Leg { purpose, from: self.from, di: 0, dj: 0, to: self.from, phases }, to)
     }
 
     /// The shortest steady approach after which all are settled.
-    fn run_in(&self, purpose: &Purpose, crew: &mut Crew) -> Result<Result<Leg, Used>, Invalid> {
-        let (level, _) = self.repertoire.grid.level_and_mode(self.from);
-        let heading_rad = self.repertoire.grid.heading_rad(level);
-        let leg =
-            |phases| Leg { purpose: purpose.clone(), from: self.from, di: 0, dj: 0, to: self.from, phases };
-        let speed = self.piece().speed_m_s;
-        if speed == 0.0 {
-            let leg = leg(vec![Phase::Hold { at: [0.0; 2], heading_rad }]);
-            return Ok(self.approached(&leg, [0.0; 2], crew)?.map(|()| leg));
-        }
+    fn run_in(&self, purpose: &Purpose, crew: &mut Crew) -> Result<Result<Leg, Failed>, Invalid> {
         let (least, response) = (self.repertoire.approach.run_in_s, self.repertoire.handling.response_s);
-        let mut best = Used::LOST;
-        for longer in 0..RUN_INS {
+        let tries = if self.piece().speed_m_s == 0.0 { 1 } else { RUN_INS };
+        let mut best = Failed::LOST;
+        for longer in 0..tries {
             let seconds = if longer == 0 { least } else { least.max(response) * LONGER.powi(longer) };
-            let way = speed * seconds;
-            let to = [way * libm::cos(heading_rad), way * libm::sin(heading_rad)];
-            let line = Phase::Line { to, heading_rad, from_m_s: speed, to_m_s: speed };
-            let leg = leg(if way > 0.0 { vec![line] } else { Vec::new() });
+            let (leg, to) = self.approach(purpose, seconds);
             match self.approached(&leg, to, crew)? {
                 Ok(()) => return Ok(Ok(leg)),
-                Err(used) => best = best.or(used),
+                Err(failed) => best = best.or(failed),
             }
         }
         Ok(Err(best))
     }
 
     /// Whether all are settled at `place` after an approach.
-    fn approached(&self, leg: &Leg, place: [f64; 2], crew: &mut Crew) -> Result<Result<(), Used>, Invalid> {
+    fn approached(&self, leg: &Leg, place: [f64; 2], crew: &mut Crew) -> Result<Result<(), Failed>, Invalid> {
         let tolerance = self.repertoire.approach.tolerance.ended();
         let settled = |end| {
             let used = self.repertoire.used_at(&tolerance, leg.from, place, end);
             if used.part > 1.0 { Err(used) } else { Ok(()) }
         };
         let (_, end) = self.repertoire.track(leg, &mut crew.nominal.clone())?;
-        Ok(settled(end).and_then(|()| {
+        Ok(settled(end).map_err(Failed::from).and_then(|()| {
             let others = crew.each(|mut underway| {
                 let (_, end) = self.repertoire.track(leg, &mut underway).map_err(|_| Used::LOST)?;
                 settled(end)
@@ -167,7 +185,7 @@ impl Search<'_> {
     }
 
     /// Approach and maneuver, by all vessels.
-    fn run<'a>(&self, approach: Leg, crew: &mut Crew<'a>) -> Result<Result<Run<'a>, Used>, Invalid> {
+    fn run<'a>(&self, approach: Leg, crew: &mut Crew<'a>) -> Result<Result<Run<'a>, Failed>, Invalid> {
         let mut leg = approach;
         leg.phases.push(Phase::Maneuver);
         let mut nominal = crew.nominal.clone();
@@ -185,8 +203,8 @@ impl Search<'_> {
     }
 
     /// Adds a recovery to the first node where all of them settle.
-    fn recovered(&self, mut run: Run) -> Result<Result<Settled, Used>, Invalid> {
-        let mut best = Used::LOST;
+    fn recovered(&self, mut run: Run) -> Result<Result<Settled, Failed>, Invalid> {
+        let mut best = Failed::LOST;
         let speed = run.crew.nominal.ship.state[0];
         let nodes = self.nodes(&run.crew, speed);
         let step = nodes.len().saturating_sub(NEAREST).div_ceil(FARTHER).max(1);
@@ -194,7 +212,7 @@ impl Search<'_> {
             let recovery = self.recovery(&run.leg, *node, speed);
             match self.repertoire.all_settle(&recovery, &mut run.crew)? {
                 Ok(recovered) => return Ok(Ok(run.with(recovered))),
-                Err(used) => best = best.or(used),
+                Err(failed) => best = best.or(failed),
             }
         }
         Ok(Err(best))
@@ -250,6 +268,20 @@ impl Search<'_> {
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         found
     }
+}
+
+/// The one of `others`, whose tracks these are, that is farthest from the nominal vessel at the end of its
+/// open-loop part.
+fn farthest(Settled { sailed, tracks, .. }: &Settled, others: &[SampledVessel]) -> Option<Farthest> {
+    let open = sailed.samples.iter().rposition(|s| s.informative)?;
+    let own = sailed.samples[open].pose;
+    let off = |(track, who): (&Vec<Pose>, &SampledVessel)| {
+        let pose = track.get(open)?;
+        let distance_m = libm::hypot(pose.x - own.x, pose.y - own.y);
+        Some(Farthest { distance_m, parameters: who.parameters.clone() })
+    };
+    let all = tracks.iter().zip(others).filter_map(off);
+    all.reduce(|most, own| if own.distance_m > most.distance_m { own } else { most })
 }
 
 /// The displacement of a place from a vessel on `heading`, ahead and across.

@@ -27,8 +27,8 @@ pub(crate) struct Inversion<'a> {
     looked: Option<([f64; 3], [f64; 2])>,
     /// Increments of u, v, r in a sample that the model does not explain.
     pub unexplained: [f64; 3],
-    /// Fraction of a new observation that is learnt.
-    believed: f64,
+    /// Fraction of a new observation of u, v, r that is learnt.
+    believed: [f64; 3],
 }
 
 /// Commanded increments in a sample; sway may be left to the drift of the turn.
@@ -53,8 +53,13 @@ impl<'a> Inversion<'a> {
             last: Vec::new(),
             looked: None,
             unexplained: [0.0; 3],
-            believed: (1.0 / (memory_s * vessel.sample_rate_hz)).min(MOST_BELIEVED),
+            believed: [(1.0 / (memory_s * vessel.sample_rate_hz)).min(MOST_BELIEVED); 3],
         }
+    }
+
+    /// Limits what is learnt of each of u, v, r from an observation.
+    pub fn limit_belief(&mut self, most: [f64; 3]) {
+        self.believed.iter_mut().zip(most).for_each(|(own, most)| *own = own.min(most));
     }
 
     /// The inputs that produce `wanted` at `state`, in a known current of body components `current`.
@@ -167,13 +172,20 @@ impl<'a> Inversion<'a> {
         self.model.look(state, &self.exogenous, Some(current));
     }
 
+    /// The motion a sample after `before`, under `inputs`, with what was learnt so far.
+    pub fn predicted(&mut self, before: [f64; 3], inputs: &[f64], current: [f64; 2]) -> [f64; 3] {
+        self.look(before, current, Some(inputs));
+        let increments = self.model.increments();
+        [0, 1, 2].map(|d| before[d] + increments[d] + self.unexplained[d])
+    }
+
     /// Learns from a sample: `before` became `after` under `inputs`.
     pub fn observe(&mut self, before: [f64; 3], inputs: &[f64], current: [f64; 2], after: [f64; 3]) {
         self.look(before, current, Some(inputs));
         let increments = self.model.increments();
         for d in 0..3 {
             let lacking = after[d] - before[d] - increments[d] - self.unexplained[d];
-            self.unexplained[d] += self.believed * lacking;
+            self.unexplained[d] += self.believed[d] * lacking;
         }
     }
 }

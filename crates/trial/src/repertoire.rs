@@ -1,13 +1,13 @@
-use engine::{Pose, Ship};
+use engine::{Pose, Ship, Streams};
 use model::Vessel;
 use refusal::Invalid;
 
 use crate::leg::turned;
-use crate::sampled_vessel::{Crew, Underway};
+use crate::sampled_vessel::{Crew, Failed, Underway};
 use crate::simulate::End;
 use crate::{
-    Astray, Autopilot, Grid, Handling, Leg, Piece, Purpose, Sailed, SampledVessel, Tolerance, Used,
-    basic_moves, simulate_legs,
+    Astray, Autopilot, Deviations, Fixed, Grid, Handling, Leg, Piece, Purpose, Sailed, SampledVessel,
+    Sensors, Tolerance, Used, basic_moves, simulate_legs,
 };
 
 /// The parts of a leg before and after an informative maneuver.
@@ -36,6 +36,12 @@ pub struct Repertoire<'a> {
     pub mirror: Option<&'a [f64]>,
     /// North and east components of the known mean current \[m/s\].
     pub mean_current_m_s: [f64; 2],
+    /// The vessels that legs have to hold for.
+    pub deviations: &'a Deviations,
+    /// Bound on the unknown current \[m/s\].
+    pub unknown_current_m_s: f64,
+    /// The noise of the ship's sensors, and the seed of its streams.
+    pub sensors: (Sensors, u64),
 }
 
 /// A leg on which all sampled vessels settle at its node.
@@ -47,6 +53,17 @@ pub struct Settled {
     pub sailed: Sailed,
     /// The poses of the sampled vessels.
     pub tracks: Vec<Vec<Pose>>,
+    /// The sampled vessel that is farthest from the nominal one after a maneuver.
+    pub farthest: Option<Farthest>,
+}
+
+/// A vessel at the end of a maneuver.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Farthest {
+    /// Distance from the nominal vessel at the same time \[m\].
+    pub distance_m: f64,
+    /// Its parameters.
+    pub parameters: Vec<f64>,
 }
 
 /// A leg that cannot be offered to the search.
@@ -58,10 +75,25 @@ pub struct Unsettled {
     pub purpose: Purpose,
     /// The best attempt's violation of the tolerance.
     pub why: String,
+    /// Parameters of the vessel that violates it; `None` for the nominal one.
+    pub parameters: Option<Vec<f64>>,
 }
 
 /// The result of trying a leg.
 pub type Outcome = Result<Settled, Unsettled>;
+
+impl Unsettled {
+    /// The purpose of a leg from a layer, tried by the nominal vessel and `others`; `when` is a beginning of the reason.
+    pub(crate) fn of(
+        (from, purpose): (usize, Purpose),
+        when: String,
+        failed: Failed,
+        others: &[SampledVessel],
+    ) -> Self {
+        let parameters = failed.who.and_then(|who| others.get(who)).map(|own| own.parameters.clone());
+        Self { from, purpose, why: format!("{when}{}", failed.used), parameters }
+    }
+}
 
 impl Settled {
     /// The leg rotated to port by quarter turns.
@@ -74,7 +106,8 @@ impl Settled {
         sailed.samples.iter_mut().for_each(|sample| sample.pose = pose(&sample.pose));
         sailed.ends.iter_mut().for_each(|end| end.0 = pose(&end.0));
         let tracks = self.tracks.iter().map(|track| track.iter().map(pose).collect()).collect();
-        Self { leg: self.leg.turned(quarters, grid), sailed, tracks }
+        let (leg, farthest) = (self.leg.turned(quarters, grid), self.farthest.clone());
+        Self { leg, sailed, tracks, farthest }
     }
 }
 
@@ -92,28 +125,33 @@ impl Repertoire<'_> {
         let moves = basic_moves(self.grid, self.handling, level, mode);
         let mut crew = self.crew(self.grid.layer(level, mode), others)?;
         let moves = moves.into_iter().filter(|legs| !legs.is_empty());
-        moves.map(|legs| self.shortest(legs, &mut crew)).collect()
+        moves.map(|legs| self.shortest(legs, &mut crew, others)).collect()
     }
 
     /// The first of `legs` on which all settle.
-    fn shortest(&self, legs: Vec<Leg>, crew: &mut Crew) -> Result<Outcome, Invalid> {
+    fn shortest(
+        &self,
+        legs: Vec<Leg>,
+        crew: &mut Crew,
+        others: &[SampledVessel],
+    ) -> Result<Outcome, Invalid> {
         let from = (legs[0].from, legs[0].purpose.clone());
-        let mut best = Used::LOST;
+        let mut best = Failed::LOST;
         for leg in legs {
             match self.all_settle(&leg, crew)? {
                 Ok(settled) => return Ok(Ok(settled)),
-                Err(used) => best = best.or(used),
+                Err(failed) => best = best.or(failed),
             }
         }
-        Ok(Err(Unsettled { from: from.0, purpose: from.1, why: best.to_string() }))
+        Ok(Err(Unsettled::of(from, String::new(), best, others)))
     }
 
     /// The trajectories of `crew` on `leg`, unless one vessel does not settle.
-    pub(crate) fn all_settle(&self, leg: &Leg, crew: &mut Crew) -> Result<Result<Settled, Used>, Invalid> {
+    pub(crate) fn all_settle(&self, leg: &Leg, crew: &mut Crew) -> Result<Result<Settled, Failed>, Invalid> {
         let sailed = self.simulated(leg, &mut crew.nominal.clone())?;
         let used = self.used(leg, sailed.ends.last());
         if used.part > 1.0 {
-            return Ok(Err(used));
+            return Ok(Err(used.into()));
         }
         let tracks = crew.each(|mut underway| {
             // A vessel that cannot be simulated is lost.
@@ -121,7 +159,7 @@ impl Repertoire<'_> {
             let used = self.used(leg, Some(&end));
             if used.part > 1.0 { Err(used) } else { Ok(poses) }
         });
-        Ok(tracks.map(|tracks| Settled { leg: leg.clone(), sailed, tracks }))
+        Ok(tracks.map(|tracks| Settled { leg: leg.clone(), sailed, tracks, farthest: None }))
     }
 
     /// The trajectory of a vessel on `leg`.
@@ -171,13 +209,19 @@ impl Repertoire<'_> {
 impl Repertoire<'_> {
     /// The nominal vessel and `others` at the origin, in `layer`.
     pub(crate) fn crew(&self, layer: usize, others: &[SampledVessel]) -> Result<Crew<'_>, Invalid> {
-        let others = others.iter().map(|who| self.underway(layer, Some(who)));
-        Ok(Crew::new(self.underway(layer, None)?, others.collect::<Result<_, _>>()?))
+        let others = others.iter().zip(0..).map(|(who, run)| self.underway(layer, Some(who), Some(run)));
+        Ok(Crew::new(self.underway(layer, None, None)?, others.collect::<Result<_, _>>()?))
     }
 
     /// A vessel at the origin, in `layer`: the nominal one on its node, or a sampled one at its offset. Its
-    /// autopilot has held it for a while to learn its model errors.
-    fn underway(&self, layer: usize, who: Option<&SampledVessel>) -> Result<Underway<'_>, Invalid> {
+    /// autopilot has held it for a while to learn its model errors. `noise` of its sensors: their run; without it
+    /// they are exact.
+    pub(crate) fn underway(
+        &self,
+        layer: usize,
+        who: Option<&SampledVessel>,
+        noise: Option<u32>,
+    ) -> Result<Underway<'_>, Invalid> {
         let (level, mode) = self.grid.level_and_mode(layer);
         let (heading, speed) = (self.grid.heading_rad(level), self.grid.modes[mode].speed_m_s);
         let parameters = who.map_or(&self.vessel.nominal, |who| &who.parameters);
@@ -191,12 +235,17 @@ impl Repertoire<'_> {
         ship.current_m_s = [0, 1].map(|d| self.mean_current_m_s[d] + unknown[d]);
         let mut autopilot = Autopilot::new(self.vessel, &self.vessel.nominal, *self.handling);
         autopilot.known_current_m_s = self.mean_current_m_s;
+        if let Some(run) = noise {
+            let (sensors, seed) = self.sensors;
+            autopilot = autopilot.with_sensors(sensors, Streams::new(seed, "rehearsal-sensors"), run);
+        }
         let mut underway = Underway { ship, autopilot };
         if let Some(who) = who {
             underway.hold(heading, speed, self.handling.response_s)?;
             let [x, y] = turned([who.off[0], who.off[1]]);
             underway.ship.pose = Pose { x, y, psi: heading + who.off[2] };
             underway.ship.state = [speed + who.motion[0], who.motion[1], who.motion[2]];
+            underway.autopilot.see(Fixed::from(&underway.ship), true);
         }
         Ok(underway)
     }

@@ -1,7 +1,7 @@
 use engine::Ship;
 use refusal::Invalid;
 
-use crate::{Autopilot, Phase, Used};
+use crate::{Autopilot, Fixed, Phase, Used};
 
 /// A sampled vessel: its parameters, an unknown current, and its initial offset from the node.
 #[derive(Clone, Debug)]
@@ -33,6 +33,32 @@ pub(crate) struct Crew<'a> {
     order: Vec<usize>,
 }
 
+/// A vessel that does not settle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Failed {
+    /// The used part of a tolerance.
+    pub used: Used,
+    /// Index among the sampled vessels; `None` for the nominal one.
+    pub who: Option<usize>,
+}
+
+impl Failed {
+    /// The nominal vessel, if it is lost.
+    pub const LOST: Self = Self { used: Used::LOST, who: None };
+
+    /// The better one of two.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        if other.used.part < self.used.part { other } else { self }
+    }
+}
+
+impl From<Used> for Failed {
+    fn from(used: Used) -> Self {
+        Self { used, who: None }
+    }
+}
+
 impl<'a> Crew<'a> {
     /// The nominal vessel and the sampled ones.
     pub fn new(nominal: Underway<'a>, others: Vec<Underway<'a>>) -> Self {
@@ -41,7 +67,7 @@ impl<'a> Crew<'a> {
     }
 
     /// Applies `tried` to every sampled vessel, unless one fails; results are in their order.
-    pub fn each<T>(&mut self, tried: impl Fn(Underway<'a>) -> Result<T, Used>) -> Result<Vec<T>, Used> {
+    pub fn each<T>(&mut self, tried: impl Fn(Underway<'a>) -> Result<T, Used>) -> Result<Vec<T>, Failed> {
         let mut found: Vec<Option<T>> = self.others.iter().map(|_| None).collect();
         for place in 0..self.order.len() {
             let index = self.order[place];
@@ -49,7 +75,7 @@ impl<'a> Crew<'a> {
                 Ok(own) => found[index] = Some(own),
                 Err(used) => {
                     self.order[..=place].rotate_right(1);
-                    return Err(used);
+                    return Err(Failed { used, who: Some(index) });
                 }
             }
         }
@@ -69,12 +95,12 @@ impl Underway<'_> {
             Phase::Hold { at: [0.0; 2], heading_rad }
         };
         let start = ship.pose;
+        let mut seen = autopilot.see(Fixed::from(&*ship), true);
         let samples = (seconds / ship.sample_s()).ceil().min(HELD_SAMPLES) as usize;
         for _ in 0..samples {
-            let wanted = autopilot.steer(&phase, [0.0; 2], start, ship)?;
-            let (pose, state) = (ship.pose, ship.state);
+            let wanted = autopilot.steer(&phase, [0.0; 2], start, &seen)?;
             let inputs = ship.reach(wanted).to_vec();
-            autopilot.observe(pose, state, &inputs, ship.state);
+            seen = autopilot.observe(seen, &inputs, Fixed::from(&*ship));
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 use engine::{Origin, Pose, Seen, Ship};
 use refusal::Invalid;
 
-use crate::{Autopilot, Leg, Phase, Piece, Purpose, Side};
+use crate::{Autopilot, Fixed, Leg, Phase, Piece, Purpose, Side};
 
 /// A sample of a simulated vessel.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,7 +99,8 @@ pub fn simulate_legs<'l>(
     mut record: impl FnMut(Passing),
 ) -> Result<Vec<End>, Invalid> {
     let mut ends = Vec::new();
-    let mut way = Way { ship, autopilot, record: &mut record, inputs: Vec::new() };
+    let seen = autopilot.see(Fixed::from(&*ship), false);
+    let mut way = Way { ship, autopilot, seen, record: &mut record, inputs: Vec::new() };
     for (index, (node, leg)) in legs.into_iter().enumerate() {
         for phase in &leg.phases {
             match (phase, &leg.purpose) {
@@ -122,6 +123,8 @@ const LONGEST_PHASE: usize = 500_000;
 struct Way<'w, 's, 'a> {
     ship: &'w mut Ship<'s>,
     autopilot: &'w mut Autopilot<'a>,
+    /// The ship as the autopilot sees it.
+    seen: Fixed,
     record: &'w mut dyn FnMut(Passing),
     inputs: Vec<f64>,
 }
@@ -129,11 +132,11 @@ struct Way<'w, 's, 'a> {
 impl<'s> Way<'_, 's, '_> {
     /// Runs a piece, to the other side if there are `signs` of its inputs.
     fn run(&mut self, leg: usize, piece: &Piece, signs: &[f64]) -> Result<(), Invalid> {
-        let (mut command, origin) = (piece.begin(), Origin::from(self.ship.pose));
+        let (mut command, origin) = (piece.begin(), Origin::from(self.seen.pose));
         let side = if signs.is_empty() { 1.0 } else { -1.0 };
         self.inputs.resize(piece.inputs.len() / piece.samples, 0.0);
         for _ in 0..piece.samples {
-            let ([u, v, r], pose) = (self.ship.state, origin.sees(self.ship.pose));
+            let ([u, v, r], pose) = (self.seen.state, origin.sees(self.seen.pose));
             let state = [u, side * v, side * r];
             let pose = Pose { x: pose.x, y: side * pose.y, psi: side * pose.psi };
             let seen = Seen { state, own: state, pose };
@@ -145,17 +148,17 @@ impl<'s> Way<'_, 's, '_> {
     }
 
     fn follow(&mut self, phase: &Phase, node: [f64; 2], leg: usize) -> Result<(), Invalid> {
-        let start = self.ship.pose;
+        let start = self.seen.pose;
         let patience_s = self.autopilot.patience_s(phase, node, start);
         let mut elapsed_s = 0.0;
-        while !self.autopilot.is_done(phase, node, self.ship, elapsed_s > patience_s) {
+        while !self.autopilot.is_done(phase, node, &self.seen, elapsed_s > patience_s) {
             if elapsed_s > LONGEST_PHASE as f64 * self.ship.sample_s() {
                 let expected = format!("at most {LONGEST_PHASE} samples of a turn or a line");
                 let remedy = "correct `cell_m`, the speeds or `handling`";
                 let found = format!("over {elapsed_s:.0} s");
                 return Err(Invalid::new("leg under way", found, expected, remedy));
             }
-            let inputs = self.autopilot.steer(phase, node, start, self.ship)?;
+            let inputs = self.autopilot.steer(phase, node, start, &self.seen)?;
             self.inputs.clear();
             self.inputs.extend_from_slice(inputs);
             self.advance(leg, false, Ship::reach)?;
@@ -171,11 +174,11 @@ impl<'s> Way<'_, 's, '_> {
         informative: bool,
         set: for<'i> fn(&'i mut Ship<'s>, &[f64]) -> &'i [f64],
     ) -> Result<(), Invalid> {
-        let Self { ship, autopilot, record, inputs } = self;
+        let Self { ship, autopilot, seen, record, inputs } = self;
         let (pose, state) = (ship.pose, ship.state);
         let actual = set(ship, inputs);
         inputs.copy_from_slice(actual);
-        autopilot.observe(pose, state, inputs, ship.state);
+        *seen = autopilot.observe(*seen, inputs, Fixed::from(&**ship));
         record(Passing { leg, informative, pose, state, inputs });
         if ship.state.iter().all(|s| s.abs() <= engine::DIVERGED) {
             return Ok(());

@@ -53,12 +53,6 @@ pub struct Used {
 impl Used {
     /// Of a vessel that is lost.
     pub const LOST: Self = Self { part: f64::INFINITY, of: "motion" };
-
-    /// The better one of two.
-    #[must_use]
-    pub(crate) fn or(self, other: Self) -> Self {
-        if other.part < self.part { other } else { self }
-    }
 }
 
 impl fmt::Display for Used {
@@ -95,17 +89,28 @@ impl Tolerance {
         }
     }
 
-    /// The largest used fraction of a vessel at a node of `heading_rad` and `speed_m_s`.
-    pub fn used(&self, vessel: &Astray, heading_rad: f64, speed_m_s: f64) -> Used {
-        let [u, v, r] = vessel.state;
-        let parts = [
-            ("position", vessel.distance_m() / self.distance_m),
-            ("heading", wrap(vessel.pose.psi - heading_rad).abs() / self.heading_rad),
+    /// The largest used fraction of a vessel under way at `speed_m_s`, wherever it is.
+    pub fn used_in_motion(&self, [u, v, r]: [f64; 3], speed_m_s: f64) -> Used {
+        most([
             ("speed", (u - speed_m_s).abs() / self.surge_m_s),
             ("sway", v.abs() / self.sway_m_s),
             ("yaw rate", r.abs() / self.yaw_rate_rad_s),
-        ];
-        let most = parts.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
-        most.map_or(Used::LOST, |(of, part)| Used { part, of })
+        ])
     }
+
+    /// The largest used fraction of a vessel at a node of `heading_rad` and `speed_m_s`.
+    pub fn used(&self, vessel: &Astray, heading_rad: f64, speed_m_s: f64) -> Used {
+        let there = most([
+            ("position", vessel.distance_m() / self.distance_m),
+            ("heading", wrap(vessel.pose.psi - heading_rad).abs() / self.heading_rad),
+        ]);
+        let moving = self.used_in_motion(vessel.state, speed_m_s);
+        if moving.part.total_cmp(&there.part).is_ge() { moving } else { there }
+    }
+}
+
+/// The largest of some parts, the last of equals.
+fn most<const N: usize>(parts: [(&'static str, f64); N]) -> Used {
+    let most = parts.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    most.map_or(Used::LOST, |(of, part)| Used { part, of })
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use artifact::Provenance;
 use study::documents::{DesignDocument, PlanDocument};
 use study::files::{kept_to_data, read_plan, read_vessel};
-use study::plan::{PlanFile, in_tide, resumed};
+use study::plan::{PlanFile, in_tide, resumed, uncertain};
 use trial::voyage::{Brief, Place, Shares};
 
 use crate::cli::beside;
@@ -67,7 +67,8 @@ impl VoyageFiles<'_> {
         let vessel = kept_to_data(self.vessel, vessel, self.beyond_range)?;
         let config = read_plan(self.config, provenance)?;
         let task = config.task(&vessel).map_err(|e| Failure::invalid(self.config, &e))?;
-        let task = in_tide(self.config, &config, task, provenance)?;
+        let task = uncertain([self.config, self.vessel], &config, &vessel, task)
+            .and_then(|task| in_tide(self.config, &config, task, provenance))?;
         let task = match &self.resumed {
             Some(Resumed { plan, done, from }) => {
                 let begun = inputs::document::<PlanDocument>(plan, "plan", provenance)?;
@@ -78,8 +79,7 @@ impl VoyageFiles<'_> {
         let dictionary = inputs::runs(self.trajectories, &vessel, provenance)?;
         let design = self.design.map(|path| inputs::document::<DesignDocument>(path, "design", provenance));
         let design = design.transpose()?.map(|d| Shares { order: d.order, share: d.shares });
-        let (layers, chart_bytes) = (Vec::new(), 0);
-        Ok((Brief { vessel, task, layers, chart_bytes, dictionary, design, seed }, config))
+        Ok((Brief { vessel, task, layers: Vec::new(), chart_bytes: 0, dictionary, design, seed }, config))
     }
 
     /// Refuses to overwrite an input: those next to `out`, and charts by the name of an output.

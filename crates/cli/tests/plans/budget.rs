@@ -97,7 +97,7 @@ pub fn peak_mib(folder: &TempDir, line: &str) -> (Option<i32>, f64) {
 #[test]
 fn law_a_plan_that_is_kept_although_unsafe_keeps_to_the_memory() {
     let folder = small_with(&[
-        ("runs = 4", "runs = 1000\nparameter_error = 0.9"),
+        ("runs = 4", "runs = 64\nparameter_error = 0.7"),
         ("margin_m = 20.0", "margin_m = 60.0"),
         ("headings = 4", "headings = 4\nraster_per_cell = 64"),
     ]);

@@ -125,7 +125,10 @@ fn tolerances_below_what_the_sensors_tell_apart_are_refused() {
         edited("[start]", &sensors(refused), &pieces);
         edited("[start]", &sensors("-0.1"), &[&format!("`sensors.{key}`")]);
         edited("[start]", &sensors("nan"), &[&format!("`sensors.{key}`")]);
-        run(&small_with(&[("[start]", &sensors(kept))]), PLAN).succeeds();
+        // That is no refusal of the file, though the noise may leave no leg.
+        let ran = run(&small_with(&[("[start]", &sensors(kept))]), PLAN);
+        assert!(!ran.stderr.contains("standard deviations"), "{ran}");
+        assert!(ran.code == Some(0) || ran.code == Some(4), "{ran}");
     }
     edited("[start]", "[sensors]\nposition = 1.0\n\n[start]", &["`position`", "`position_m`?"]);
 }

@@ -267,7 +267,7 @@ fn oracle_the_hull_keeps_the_clearance_that_the_check_tells() {
 fn no_run_of_any_vessel_in_any_current_goes_aground_or_misses_what_was_proved() {
     for planned in all() {
         let check = &planned.voyage()["check"];
-        let none = ["aground", "below_margin", "vessels_aground"].map(|key| check[key].as_u64());
+        let none = ["aground", "below_margin", "ends_astray"].map(|key| check[key].as_u64());
         assert_eq!((none, &check["safe"]), ([Some(0); 3], &true.into()), "{check}");
         assert!(check["clearance_quantiles_m"][0].as_f64() >= check["margin_m"].as_f64(), "{check}");
         let number = |key: &str| check[key].as_f64().unwrap();
@@ -277,7 +277,7 @@ fn no_run_of_any_vessel_in_any_current_goes_aground_or_misses_what_was_proved() 
     }
     for planned in helsinki_planned() {
         let check = &planned.voyage()["check"];
-        assert_eq!((&check["runs"], &check["vessels"]), (&1536.into(), &24.into()), "{check}");
+        assert_eq!(check["runs"], 1536, "{check}");
         assert_eq!((&check["parameter_error"], &check["margin_m"]), (&0.35.into(), &50.0.into()), "{check}");
     }
     for planned in all() {

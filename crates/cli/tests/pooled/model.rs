@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::search::unsealed;
 use crate::support::*;
 use crate::{CROSS, POOL};
 
@@ -381,4 +382,71 @@ fn pooled_predictions_say_what_disturbances_they_found() {
         "{statements:?}"
     );
     assert!(model["surroundings"].is_null());
+}
+
+/// A plan for the vessels within two standard errors; its charts and maneuvers are read after the covariance.
+const PLAN_TOML: &str = r#"cell_m = 120.0
+headings = 4
+
+[area]
+west_deg = 24.98
+south_deg = 59.99
+east_deg = 25.02
+north_deg = 60.01
+
+[[chart]]
+file = "land.geojson"
+kind = "land"
+
+[hull]
+length_m = 30.0
+beam_m = 8.0
+
+[safety]
+margin_m = 20.0
+standard_errors = 2.0
+
+[[speed_mode]]
+name = "half"
+speed_m_s = 1.0
+
+[start]
+longitude_deg = 24.985
+latitude_deg = 60.0
+heading_deg = 0.0
+
+[goal]
+kind = "home"
+"#;
+
+#[test]
+fn a_covariance_that_is_not_positive_is_refused_for_a_plan() {
+    let folder = with(&["campaign.parquet"]);
+    run(&folder, &format!("{MODEL} --estimator output-error")).succeeds();
+    put(&folder, "plan.toml", PLAN_TOML);
+    let plan = |vessel: &str| {
+        format!(
+            "plan --vessel {vessel} --trajectories none.parquet --config plan.toml --beyond-range --out plan.json"
+        )
+    };
+    // Its own covariance is positive: only the maneuvers are missing.
+    refused(&folder, 1, &plan("model.json"), &["none.parquet"]);
+    let refuses = |change: &dyn Fn(&mut Value), pieces: &[&str]| {
+        let mut data = json(&folder, "model.json")["data"].take();
+        change(&mut data["covariance"]);
+        unsealed(&folder, "model.json", "changed.json", data);
+        refused(&folder, 3, &plan("changed.json"), pieces);
+    };
+    let negative = |covariance: &mut Value| {
+        let entry = covariance["entries"][0].as_f64().unwrap();
+        covariance["entries"][0] = (-entry).into();
+    };
+    refuses(&negative, &["changed.json", "`data.covariance`", "X_", "a positive definite matrix"]);
+    refuses(
+        &|covariance| *covariance = Value::Null,
+        &["plan.toml", "`safety.standard_errors`", "which has none"],
+    );
+    refused(&folder, 3, &plan("vessel.toml"), &["plan.toml", "`safety.standard_errors`", "no model.json"]);
+    edit(&folder, "plan.toml", "standard_errors = 2.0", "standard_errors = 2.0\nparameter_error = 0.1");
+    refused(&folder, 3, &plan("model.json"), &["plan.toml", "`safety.standard_errors`", "one of both"]);
 }

@@ -211,7 +211,7 @@ fn averaged() -> (TempDir, String) {
 }
 
 /// Writes `data` as an average, or as the model of one.
-fn unsealed(folder: &TempDir, of: &str, name: &str, data: Value) {
+pub fn unsealed(folder: &TempDir, of: &str, name: &str, data: Value) {
     let mut document = json(folder, of);
     document["seal"] = Value::Null;
     document["data"] = data;

@@ -3,7 +3,9 @@ use maud::{Markup, html};
 use super::words::{clearance, cost, gap, minutes, part};
 use crate::number::{exact, or_dash, percent, three, three_or_dash};
 use crate::parts::entry;
-use study::documents::{Check, Information, PlanDocument, Secondary, SecondaryCost, Voyage};
+use study::documents::{
+    Check, Information, PlanDocument, Secondary, SecondaryCost, Voyage, WorstVessel, WorstVessels,
+};
 
 /// Facts about the plan and about the vessel at sea.
 pub(super) fn facts(plan: &PlanDocument) -> Markup {
@@ -88,14 +90,14 @@ fn currents(check: &Check) -> Markup {
         h3 { "In unknown current, with parameters that are off" }
         p.note {
             (check.runs) " simulations of the whole plan (seed " (check.seed) "), each with a constant current of its own, up to "
-            (exact(check.unknown_current_m_s)) "\u{a0}m/s and from any side, and with parameters of its own, evenly within "
-            (percent(check.parameter_error)) " of the nominal ones. Errors of one leg are carried into the next."
+            (exact(check.unknown_current_m_s)) "\u{a0}m/s and from any side, and with parameters of its own, "
+            (errors(check)) ". Errors of one leg are carried into the next."
         }
+        @if let Some(worst) = &check.worst { (searched(worst, check.margin_m)) }
         dl.facts {
             (fact("Aground", &part(check.aground, check.runs), &format!("95\u{a0}% interval {from} to {to}; position corrected between the maneuvers")))
             (fact("Nearer than the margin", &part(check.below_margin, check.runs), &format!("of {}\u{a0}m, those aground among them", exact(check.margin_m))))
-            (fact("Going aground", &bound(check.aground_bound), &format!("{} where runs of one vessel count as one ({} vessels)",
-                bound(check.aground_bound_by_vessels), check.vessels)))
+            (fact("Going aground", &bound(check.aground_bound), "for a vessel and a current drawn like these"))
             (fact("Ends of moves beyond a tolerance", &part(check.ends_astray, check.ends),
                 &searches(check.rounds)))
             (fact("Outside of the area", &part(check.left_area, check.runs), "its edge is no obstacle"))
@@ -108,6 +110,32 @@ fn currents(check: &Check) -> Markup {
                 "Every run has the clearance of the undisturbed plan: distances are measured in steps of the chart's raster, and the nearest \
                  point may be one that no current moves, such as the start."
             }
+        }
+    }
+}
+
+/// How the parameters of the runs are off.
+fn errors(check: &Check) -> String {
+    match check.standard_errors {
+        Some(errors) => format!("jointly within {} standard errors of the model", exact(errors)),
+        None => format!("evenly within {} of the nominal ones", percent(check.parameter_error)),
+    }
+}
+
+/// What the search for the worst vessels found, apart from the drawn ones.
+fn searched(worst: &WorstVessels, margin_m: f64) -> Markup {
+    let found = |count: u64, what: &str| match count {
+        0 => format!("none found that {what}"),
+        _ => format!("{count} found that {what}"),
+    };
+    let at = |who: &WorstVessel| format!("step {} {}, by a vessel with {}", who.step, who.leg, who.words());
+    html! {
+        p.note { (worst.searched) " vessels and currents within the same bounds were searched for what is worst for each leg." }
+        dl.facts {
+            (fact("Worst vessels", &found(worst.aground, "run aground"), &format!("of {} searched", worst.searched)))
+            (fact("Nearer than the margin", &found(worst.below_margin, "come nearer"), &format!("of {}\u{a0}m, those aground among them", exact(margin_m))))
+            (fact("Least clearance found", &format!("{}\u{a0}m", three(worst.clearance_m)), &at(&worst.nearest)))
+            (fact("Largest part of a tolerance found", &percent(worst.tolerance_used), &at(&worst.farthest)))
         }
     }
 }

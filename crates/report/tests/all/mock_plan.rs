@@ -7,7 +7,7 @@ use report::{PlannedTrial, Study, Trajectory};
 use study::documents::{
     Ability, Check, CostUnit, DerivedHandling, FrontPoint, Handling, Information, NearestDanger, Passage,
     PassageLeg, PlanDocument, PlanHandling, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive,
-    Secondary, SecondaryCost, Side, Tide, ValidationDocument, Voyage, VoyageLeg,
+    Secondary, SecondaryCost, Side, Tide, ValidationDocument, Voyage, VoyageLeg, WorstVessel, WorstVessels,
 };
 
 pub const MAP: &str = "<svg role=\"img\" aria-label=\"Planned trial\" viewBox=\"0 0 5600 8370\" \
@@ -138,14 +138,12 @@ fn voyage() -> Voyage {
             sight_m: 550.0,
             unknown_current_m_s: 0.15,
             parameter_error: 0.35,
+            standard_errors: None,
             seed: 1,
             runs: 64,
-            vessels: 64,
             aground: 2,
             aground_interval: [0.009, 0.107],
-            vessels_aground: 2,
             aground_bound: None,
-            aground_bound_by_vessels: None,
             below_margin: 2,
             ends: 384,
             ends_astray: 1,
@@ -157,6 +155,17 @@ fn voyage() -> Voyage {
             left_area: 0,
             clearance_quantiles_m: [0.0, 12.5, 60.0],
             aground_open_loop: 17,
+            worst: Some(WorstVessels {
+                searched: 375,
+                aground: 1,
+                below_margin: 3,
+                ends: 2250,
+                ends_astray: 0,
+                clearance_m: 0.0,
+                nearest: worst_vessel(2, "steep"),
+                tolerance_used: 0.92,
+                farthest: worst_vessel(5, "sway"),
+            }),
         },
         uncharted_share: 0.034,
         uncharted_is_water: false,
@@ -243,4 +252,15 @@ fn primitive(maneuver: &str, fits: u64) -> Primitive {
 
 fn point(steep: u64, sway: u64, cost: f64, log_det: f64) -> FrontPoint {
     FrontPoint { counts: counts(steep, sway), cost, informative_s: 200.0 * (steep + sway) as f64, log_det }
+}
+
+fn worst_vessel(step: u64, leg: &str) -> WorstVessel {
+    WorstVessel {
+        step,
+        leg: leg.to_owned(),
+        informative: true,
+        parameters_percent: BTreeMap::from([("X_tau".to_owned(), 35.0), ("X_u".to_owned(), -35.0)]),
+        current_m_s: 0.15,
+        towards_deg: 90.0,
+    }
 }

@@ -235,7 +235,7 @@ fn the_headline_answers_from_the_plan_where_nothing_is_validated() {
         &html.replace('\u{a0}', " "),
         &[
             "The planned trial of 12 min 02 s holds 2 informative maneuvers and costs 4 basic moves, and no plan costs less.",
-            "2 of 64 runs touch an obstacle.",
+            "2 of 64 runs touch an obstacle, and 1 of 375 vessels that a search for the worst tried.",
         ],
     );
     assert!(!html.contains("Nothing has been designed"));

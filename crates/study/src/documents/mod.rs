@@ -52,7 +52,8 @@ pub use regression::{InstrumentKind, MeanRemoval};
 pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments, SampledFrom, UnreachedMotion};
 pub use trial::rounds::{Arm, ArmSummary, RoundGain, Stopping};
 pub use trial::voyage::{
-    Check, FrontPoint, Information, NearestDanger, Passage, PassageLeg, Primitive, Secondary, Tide, VoyageLeg,
+    Check, FrontPoint, Information, NearestDanger, Passage, PassageLeg, Primitive, Secondary, Tide,
+    VoyageLeg, WorstVessel, WorstVessels,
 };
 pub use trial::{Ability, DerivedHandling, Handling, Side};
 

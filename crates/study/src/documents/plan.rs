@@ -317,24 +317,22 @@ pub struct DroppedMove {
 
 impl Document for PlanDocument {
     const ID: &'static str = "plan";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
     const UNITS: Units = &[
         ("1 or s, as cost_unit says", "cost lower_bound gap"),
         ("1 or s", "value"),
         ("1", "counts variant i j h to_h di dj fits nx ny headings runs aground aground_open_loop seed"),
-        ("1", "below_margin left_area aground_interval parameter_error vessels vessels_aground"),
-        (
-            "1",
-            "aground_bound aground_bound_by_vessels ends ends_astray tolerance_used rounds uncharted_share",
-        ),
+        ("1", "below_margin left_area aground_interval parameter_error searched step standard_errors"),
+        ("%", "parameters_percent"),
+        ("1", "aground_bound ends ends_astray tolerance_used rounds uncharted_share"),
         ("1", "predicted_log_det realised_log_det whole_log_det efficiency design_efficiency dimension"),
         ("1", "log_det"),
         ("m", "cell_m residual_m end_error_m spread_m clearance_m clearance_quantiles_m"),
         ("m", "margin_m shortfall_m sight_m lookahead_m"),
         ("1", "objects avoided maneuvers_avoid ignored reasons update scale invalid"),
         ("as unit says", "offset"),
-        ("deg", "longitude_deg latitude_deg heading_deg residual_deg"),
-        ("m/s", "modes speed_m_s unknown_current_m_s crawl_m_s"),
+        ("deg", "longitude_deg latitude_deg heading_deg residual_deg towards_deg"),
+        ("m/s", "modes speed_m_s unknown_current_m_s crawl_m_s current_m_s"),
         ("m/s^2", "acceleration_m_s2 braking_m_s2 coasting_m_s2"),
         ("rad/s", "turn_rate_rad_s"),
         ("rad/s^2", "turn_acceleration_rad_s2"),

@@ -90,13 +90,13 @@ impl PlanFile {
             ("safety.trial_depth_m", safety.trial_depth_m, from_0_to(12_000.0), "m"),
             ("safety.unknown_current_m_s", safety.unknown_current_m_s, from_0_to(MOST_CURRENT_M_S), "m/s"),
             ("safety.parameter_error", safety.parameter_error, from_0_to(0.99), "(1 is 100 %)"),
-            ("safety.runs", f64::from(safety.runs.unwrap_or(1)), (Included(1.0), Included(1e6)), "runs"),
             (
-                "safety.vessels",
-                f64::from(safety.vessels.unwrap_or(1)),
-                (Included(1.0), Included(1e6)),
-                "vessels",
+                "safety.standard_errors",
+                safety.standard_errors.unwrap_or(1.0),
+                above_0_to(10.0),
+                "standard errors",
             ),
+            ("safety.runs", f64::from(safety.runs.unwrap_or(1)), (Included(1.0), Included(1e6)), "runs"),
             (
                 "safety.aground_probability",
                 safety.aground_probability.unwrap_or(0.5),
@@ -160,6 +160,10 @@ impl PlanFile {
                 self.raster_per_cell.to_string(),
                 "an even number from 2 to 64",
             );
+        }
+        if let (Some(errors), true) = (self.safety.standard_errors, self.safety.parameter_error > 0.0) {
+            let found = format!("{errors} besides `parameter_error` {}", self.safety.parameter_error);
+            return refuse("safety.standard_errors", found, "one of both");
         }
         if self.safety.trial_depth_m < self.safety.transit_depth_m {
             return Err(Invalid::new(

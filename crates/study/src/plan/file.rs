@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 use trial::voyage::{CostRule, Goal, Hull, ManeuverUse, Place, Safety, SpeedLimit};
-use trial::{Mode, StatedHandling};
+use trial::{Mode, Sensors, StatedHandling};
 
 /// `plan.toml` as written.
 #[derive(Clone, Debug, Deserialize)]
@@ -209,4 +209,11 @@ pub struct SensorSpec {
     pub speed_m_s: f64,
     /// Yaw rate \[rad/s\].
     pub yaw_rate_rad_s: f64,
+}
+
+impl From<SensorSpec> for Sensors {
+    fn from(own: SensorSpec) -> Self {
+        let SensorSpec { position_m, heading_deg, speed_m_s, yaw_rate_rad_s } = own;
+        Self { position_m, heading_rad: heading_deg.to_radians(), speed_m_s, yaw_rate_rad_s }
+    }
 }

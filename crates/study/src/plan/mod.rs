@@ -18,6 +18,7 @@ mod routes;
 mod slot;
 mod task;
 mod tide;
+mod uncertain;
 mod updates;
 
 // Types of routes.
@@ -33,3 +34,4 @@ pub use map::map_of;
 pub use resume::{place, resumed};
 pub use routes::{NamedFile, Routes};
 pub use tide::in_tide;
+pub use uncertain::uncertain;

@@ -4,7 +4,7 @@ use chart::route::Timestamp;
 use model::Vessel;
 use refusal::Invalid;
 use trial::voyage::{Task, current_m_s};
-use trial::{Approach, DerivedHandling, Handling, Tolerance};
+use trial::{Approach, DerivedHandling, Deviations, Handling, Tolerance};
 
 use super::file::PlanFile;
 
@@ -45,6 +45,8 @@ impl PlanFile {
             uncharted: self.uncharted,
             hull: self.hull,
             safety: self.safety,
+            deviations: Deviations::Box(self.safety.parameter_error),
+            sensors: self.sensors.into(),
             known_current_m_s: self
                 .known_current
                 .map_or([0.0; 2], |own| current_m_s(own.speed_m_s, own.towards_deg)),

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use lattice::{Demand, Lattice};
 
-use super::check::{Run, TRACKS};
+use super::check::TRACKS;
+use super::check_run::Drawn;
 use super::clearance::cells_around;
 use super::error::VoyageError;
 use super::footing::Footing;
@@ -103,10 +104,10 @@ impl Prepared {
 
     /// Bytes of a check's runs, of the tracks that are kept of them and of the nominal one.
     fn check_bytes(&self, round: u32, samples: usize) -> u128 {
-        let [runs, _] = self.runs(round);
+        let runs = self.runs(round);
         let sample = size_of::<Sample>() + 8 * self.brief.vessel.model.inputs;
         let tracks = runs.min(TRACKS) as usize * size_of::<Fix>() * 9 / 8;
-        WRITTEN_BYTES + (runs as usize * size_of::<Run>()) as u128 + (samples * (tracks + sample)) as u128
+        WRITTEN_BYTES + (runs as usize * size_of::<Drawn>()) as u128 + (samples * (tracks + sample)) as u128
     }
 
     /// Samples of all maneuvers, each from the fastest heading: any plan has more.

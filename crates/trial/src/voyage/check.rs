@@ -1,18 +1,16 @@
 //! The check of a plan in continuous space: clearance of the hull from charted obstacles and settling at the
-//! ends of legs, by the nominal model, and by sampled vessels in unknown currents.
+//! ends of legs, by the nominal model, by the worst vessels that a search finds, and by drawn ones.
 
 use numerics::statistics::{quantile, sorted, wilson};
-use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::clearance::{Clearance, Passage};
+use super::check_run::{Checking, Drawn, Vessel};
 use super::error::VoyageError;
 use super::prepared::Prepared;
-use super::script::Script;
 use super::search::Search;
-use crate::leg::turned_back;
-use crate::{Astray, End, Fix, Sailed, SampledVessel};
+use super::worst::{Searched, WorstVessels};
+use crate::{Fix, SampledVessel};
 
 /// Tracks that are kept for drawing.
 pub(super) const TRACKS: u32 = 200;
@@ -45,24 +43,21 @@ pub struct Check {
     pub unknown_current_m_s: f64,
     /// Bound on the relative error of every parameter.
     pub parameter_error: f64,
+    /// Bound on the errors of all parameters jointly, in standard errors of the model; absent where each is bounded alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub standard_errors: Option<f64>,
     /// Of the currents and parameters.
     pub seed: u64,
-    /// Simulations of the whole plan, each with a constant current of its own, by vessels whose parameters are even within
+    /// Simulations of the whole plan, each with a constant current and a vessel of its own, whose parameters are even within
     /// that bound.
     pub runs: u64,
-    /// How many vessels were drawn for them.
-    pub vessels: u64,
     /// Of which touched an obstacle, or went where the chart was not read.
     pub aground: u64,
     /// The share of them that this leaves possible, Wilson's 95 %.
     pub aground_interval: [f64; 2],
-    /// Vessels of which a run went aground.
-    pub vessels_aground: u64,
-    /// Going aground is less probable than this, 95 % confidence; runs count as independent, which those of one vessel are
-    /// not. None where a run went aground.
+    /// Going aground is less probable than this, 95 % confidence, for a vessel and a current drawn like these. None where a
+    /// run went aground.
     pub aground_bound: Option<f64>,
-    /// The same where only vessels count as independent: the share of vessels that go aground in any of so many currents.
-    pub aground_bound_by_vessels: Option<f64>,
     /// Runs that came nearer than the margin, those aground among them.
     pub below_margin: u64,
     /// Ends of legs in all runs.
@@ -85,6 +80,10 @@ pub struct Check {
     pub clearance_quantiles_m: [f64; 3],
     /// The same runs without corrections between maneuvers (the autopilot reckons with the nominal track only).
     pub aground_open_loop: u64,
+    /// The worst vessels and currents within those bounds that a search found, apart from the drawn ones; absent where only
+    /// the nominal vessel in the known current is possible.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub worst: Option<WorstVessels>,
 }
 
 /// The result of a check.
@@ -96,46 +95,18 @@ pub(super) struct Checked {
     pub counter_examples: Vec<(usize, SampledVessel)>,
 }
 
-/// A plan that is checked.
-pub(super) struct Checking<'a> {
-    pub script: &'a Script<'a>,
-    pub clearance: &'a Clearance,
-    /// The leg of every step.
-    pub legs: &'a [usize],
-    /// The trajectory of the nominal model without unknown current.
-    pub nominal: &'a Sailed,
-    /// Number of checks so far, including this one.
-    pub round: u32,
-    /// Whether all runs are simulated, even after one has failed.
-    pub is_last: bool,
-}
-
-/// A run of a check.
-pub(super) struct Run {
-    passage: Passage,
-    /// Without corrections, until it runs aground.
-    open_loop: Passage,
-    /// Ends of legs, and those beyond a tolerance.
-    ends: [u64; 2],
-    seconds: f64,
-    track: Option<Vec<Fix>>,
-    /// Steps that began within the tolerance and violated the margin or the tolerance, each with its vessel.
-    counter_examples: Vec<(usize, SampledVessel)>,
-}
-
 impl Prepared {
-    /// The number of runs of a check in this round, and the number of vessels.
-    pub(super) fn runs(&self, round: u32) -> [u32; 2] {
+    /// The number of runs of a check in this round.
+    pub(super) fn runs(&self, round: u32) -> u32 {
         let safety = &self.brief.task.safety;
         let needed = |p: f64| (libm::log(doubt(round)) / libm::log1p(-p)).ceil().max(1.0) as u32;
-        let runs = match (safety.runs, safety.aground_probability) {
+        match (safety.runs, safety.aground_probability) {
             (Some(runs), None) => runs,
             (runs, probability) => {
                 let needed = needed(probability.unwrap_or(USUAL_PROBABILITY));
                 runs.map_or(needed, |runs| runs.max(needed))
             }
-        };
-        [runs, safety.vessels.unwrap_or(runs).min(runs)]
+        }
     }
 }
 
@@ -149,12 +120,8 @@ fn doubt(round: u32) -> f64 {
 }
 
 impl Checking<'_> {
-    fn prepared(&self) -> &Prepared {
-        self.script.prepared
-    }
-
-    /// Simulates the script with sampled parameters and in unknown currents; `concurrent` is executed along
-    /// with the last runs, if all of them are simulated.
+    /// Searches the worst vessels, then simulates the script with drawn parameters and in drawn currents; `concurrent`
+    /// is executed along with the last runs, if all of them are simulated.
     ///
     /// # Errors
     /// A simulation that diverges; no time.
@@ -163,23 +130,14 @@ impl Checking<'_> {
         search: &Search,
         concurrent: impl FnOnce() -> T + Send,
     ) -> Result<(Checked, Option<T>), VoyageError> {
-        let [runs, vessels] = self.prepared().runs(self.round);
-        let one = |run: u32| {
-            if !(search.keep_going)() {
-                return Err(VoyageError::OutOfTime("the check of the plan"));
-            }
-            // A sampled vessel that cannot be simulated is not the fault of a file.
-            self.run(run, vessels).map_err(VoyageError::NoAnswer)
-        };
-        let (mut found, mut counter_examples) = (Vec::new(), Vec::new());
-        let (mut next, mut concurrent, mut aside) = (0, Some(concurrent), None);
+        let worst = self.worst(search)?;
+        let mut counter_examples = worst.counter_examples(self);
+        let runs = self.prepared().runs(self.round);
+        let (mut found, mut next, mut concurrent, mut aside) = (Vec::new(), 0, Some(concurrent), None);
         while next < runs && (counter_examples.is_empty() || self.is_last) {
             let some = next..(next + FIRST_RUNS.max(next * FIRST_RUNS)).min(runs);
-            let simulate = || -> Result<Vec<Run>, VoyageError> {
-                let all: Vec<_> = some.clone().into_par_iter().map(one).collect();
-                all.into_iter().collect()
-            };
-            let mut new = match concurrent.take_if(|_| some.end == runs) {
+            let simulate = || self.all(some.clone().map(|run| self.drawn(run)).collect(), search);
+            let new = match concurrent.take_if(|_| some.end == runs) {
                 Some(own) => {
                     let (new, own) = rayon::join(simulate, own);
                     aside = Some(own);
@@ -187,128 +145,41 @@ impl Checking<'_> {
                 }
                 None => simulate()?,
             };
-            counter_examples.extend(new.iter_mut().flat_map(|own| std::mem::take(&mut own.counter_examples)));
-            found.extend(new);
+            let if_astray = self.are_too_many_astray(&new.iter().collect::<Vec<_>>());
+            counter_examples.extend(new.iter().flat_map(|run| run.counter_examples(self, if_astray)));
+            found.extend(new.into_iter().map(Drawn::from));
             next = some.end;
         }
-        let check = self.judged(&found, vessels as usize);
+        let check = self.judged(&found, &worst);
         let tracks = found.into_iter().filter_map(|run| run.track).collect();
+        // The counter-examples of the last round are not used.
+        let counter_examples = if self.is_last { Vec::new() } else { counter_examples };
         Ok((Checked { check, tracks, counter_examples }, aside))
     }
 
-    fn parameters(&self, vessel: u32) -> Vec<f64> {
-        self.prepared().brief.drawn(&format!("checked-parameters-{}", self.round), vessel)
-    }
-
-    fn unknown(&self, run: u32) -> [f64; 2] {
-        self.prepared().brief.current(&format!("unknown-current-{}", self.round), run)
-    }
-
-    fn run(&self, run: u32, vessels: u32) -> Result<Run, refusal::Invalid> {
-        let (parameters, unknown) = (self.parameters(run % vessels), self.unknown(run));
-        let (clearance, rate_hz) = (self.clearance, self.prepared().brief.vessel.sample_rate_hz);
-        let mut passages = vec![clearance.open(); self.legs.len()];
-        let (mut samples, mut leg) = (0_u64, 0);
-        let margin_m = self.prepared().brief.task.safety.margin_m;
-        // Some vessels take longer than the nominal one.
-        let capacity = self.nominal.samples.len() * 9 / 8;
-        let mut track = (run < TRACKS).then(|| Vec::with_capacity(capacity));
-        let ends = self.script.simulate(&parameters, unknown, |own| {
-            if own.leg > leg {
-                // Distances beyond the margin and the least one so far are irrelevant.
-                passages[own.leg].clearance_m = passages[leg].clearance_m.max(margin_m);
-                leg = own.leg;
-            }
-            clearance.add(&mut passages[own.leg], own.pose, own.informative);
-            samples += 1;
-            if let Some(track) = &mut track {
-                track.push(Fix { leg: own.leg, pose: own.pose });
-            }
-        })?;
-        // Only running aground matters.
-        let mut open_loop = clearance.open();
-        open_loop.clearance_m = f64::MIN_POSITIVE;
-        self.script.repeat(self.nominal, &parameters, unknown, |own| {
-            clearance.add(&mut open_loop, own.pose, own.informative);
-            open_loop.clearance_m > 0.0
-        });
-        let passage = passages.iter().fold(clearance.open(), |a, b| a.and(b));
-        // The counter-examples of the last round are not used.
-        let counter_examples = if self.is_last {
-            Vec::new()
-        } else {
-            self.counter_examples(run % vessels, run, &passages, &ends)
-        };
-        let ends = [ends.len() as u64, self.used(&ends).iter().filter(|used| **used > 1.0).count() as u64];
-        Ok(Run { passage, open_loop, ends, seconds: samples as f64 / rate_hz, track, counter_examples })
-    }
-
-    /// The used fraction of the tolerance at the end of every step.
-    fn used(&self, ends: &[End]) -> Vec<f64> {
-        let repertoire = self.prepared().repertoire();
-        let own = self.script.legs.iter().zip(ends);
-        let tolerance = repertoire.approach.tolerance;
-        own.map(|((node, leg), end)| {
-            let [north, east] = self.prepared().grid.displacement(leg.di, leg.dj);
-            repertoire.used_at(&tolerance, leg.to, [node[0] + north, node[1] + east], *end).part
-        })
-        .collect()
-    }
-
-    /// The steps of a run that began within the tolerance and violated the margin or the tolerance, each with
-    /// its vessel.
-    fn counter_examples(
-        &self,
-        vessel: u32,
-        run: u32,
-        passages: &[Passage],
-        ends: &[End],
-    ) -> Vec<(usize, SampledVessel)> {
-        let margin_m = self.prepared().brief.task.safety.margin_m;
-        let used = self.used(ends);
-        let failed = |step: &usize| {
-            let began_well = *step == 0 || used[step - 1] <= 1.0;
-            passages[*step].clearance_m < margin_m || (used[*step] > 1.0 && began_well)
-        };
-        let failures = (0..self.legs.len()).filter(failed);
-        failures.map(|step| (step, self.sampled_vessel(vessel, run, step, ends))).collect()
-    }
-
-    /// The vessel of a step, with its offset at the beginning.
-    fn sampled_vessel(&self, vessel: u32, run: u32, step: usize, ends: &[End]) -> SampledVessel {
-        let (node, leg) = self.script.legs[step];
-        let grid = &self.prepared().grid;
-        let (level, mode) = grid.level_and_mode(leg.from);
-        let (heading, speed) = (grid.heading_rad(level), grid.modes[mode].speed_m_s);
-        let exact = (self.script.start, [speed, 0.0, 0.0]);
-        let (pose, [u, v, r]) = if step == 0 { exact } else { ends[step - 1] };
-        let Astray { pose, .. } = Astray::of(pose, [u, v, r], node);
-        let [along, across] = turned_back([pose.x, pose.y], heading);
-        SampledVessel {
-            parameters: self.parameters(vessel),
-            current_m_s: turned_back(self.unknown(run), heading),
-            off: [along, across, crate::grid::wrap(pose.psi - heading)],
-            motion: [u - speed, v, r],
+    fn drawn(&self, run: u32) -> Vessel {
+        let (brief, round) = (&self.prepared().brief, self.round);
+        Vessel {
+            parameters: brief.drawn(&format!("checked-parameters-{round}"), run),
+            unknown_m_s: brief.current(&format!("unknown-current-{round}"), run),
+            is_drawn: run < TRACKS,
+            noise: run,
+            is_searched: false,
         }
     }
 
-    fn judged(&self, found: &[Run], vessels: usize) -> Check {
+    fn judged(&self, found: &[Drawn], worst: &Searched) -> Check {
         let (prepared, clearance) = (self.prepared(), self.clearance);
         let safety = prepared.brief.task.safety;
-        let count = |is: &dyn Fn(&Run) -> bool| found.iter().filter(|run| is(run)).count() as u64;
+        let count = |is: &dyn Fn(&Drawn) -> bool| found.iter().filter(|run| is(run)).count() as u64;
         let least = sorted(found.iter().map(|run| Some(run.passage.clearance_m)));
         let seconds = sorted(found.iter().map(|run| Some(run.seconds)));
         let mut own = clearance.open();
         self.nominal.samples.iter().for_each(|s| clearance.add(&mut own, s.pose, s.informative));
         let rate_hz = prepared.brief.vessel.sample_rate_hz;
-        let (runs, is_aground) = (found.len() as u64, |run: &Run| run.passage.clearance_m <= 0.0);
+        let (runs, is_aground) = (found.len() as u64, |run: &Drawn| run.passage.clearance_m <= 0.0);
         let aground = count(&is_aground);
-        let mut lost = vec![false; vessels];
-        found.iter().enumerate().for_each(|(run, own)| lost[run % vessels] |= is_aground(own));
-        let vessels_aground = lost.iter().filter(|lost| **lost).count() as u64;
-        let bound = |independent: usize| {
-            (aground == 0).then(|| 1.0 - libm::exp(libm::log(doubt(self.round)) / independent as f64))
-        };
+        let bound = || 1.0 - libm::exp(libm::log(doubt(self.round)) / found.len() as f64);
         let check = Check {
             safe: false,
             faults: Vec::new(),
@@ -319,14 +190,12 @@ impl Checking<'_> {
             sight_m: clearance.sight_m,
             unknown_current_m_s: safety.unknown_current_m_s,
             parameter_error: safety.parameter_error,
+            standard_errors: safety.standard_errors,
             seed: prepared.brief.seed,
             runs,
-            vessels: vessels as u64,
             aground,
             aground_interval: wilson(aground, runs).unwrap_or([0.0, 1.0]),
-            vessels_aground,
-            aground_bound: bound(found.len()),
-            aground_bound_by_vessels: bound(vessels),
+            aground_bound: (aground == 0 && !found.is_empty()).then(bound),
             below_margin: count(&|run| run.passage.clearance_m < safety.margin_m),
             ends: found.iter().map(|run| run.ends[0]).sum(),
             ends_astray: found.iter().map(|run| run.ends[1]).sum(),
@@ -337,15 +206,16 @@ impl Checking<'_> {
             rounds: u64::from(self.round),
             left_area: count(&|run| run.passage.left_area),
             clearance_quantiles_m: [0.0, 0.05, 0.5].map(|q| quantile(&least, q).unwrap_or(0.0)),
-            aground_open_loop: count(&|run| run.open_loop.clearance_m <= 0.0),
+            aground_open_loop: count(&|run| run.is_aground_open_loop),
+            worst: worst.summary(self),
         };
-        check.with_faults()
+        check.with_faults(self.tolerated_astray())
     }
 }
 
 impl Check {
-    /// Adds its faults in words.
-    fn with_faults(mut self) -> Self {
+    /// Adds its faults in words; a share of the ends of legs may be astray.
+    fn with_faults(mut self, astray: f64) -> Self {
         let percent = |share: f64| format!("{:.1}", 100.0 * share);
         let mut faults = Vec::new();
         if !self.clear {
@@ -362,10 +232,11 @@ impl Check {
             let (nearer, runs) = (self.below_margin - self.aground, self.runs);
             faults.push(format!("{nearer} of {runs} runs afloat nearer than the margin"));
         }
-        if self.ends_astray > 0 {
+        if self.ends_astray as f64 > astray * self.ends as f64 {
             let (astray, ends) = (self.ends_astray, self.ends);
             faults.push(format!("{astray} of {ends} ends of legs beyond their tolerance"));
         }
+        faults.extend(self.worst.iter().flat_map(|worst| worst.faults(astray)));
         if (self.sailed_s - self.proved_s).abs() > LONGER * self.proved_s {
             let (sailed, proved) = (self.sailed_s, self.proved_s);
             faults.push(format!("simulated in {sailed:.0} s, proved to take {proved:.0} s"));

@@ -6,6 +6,7 @@ use engine::Streams;
 
 use super::task::Brief;
 use crate::SampledVessel;
+use crate::deviations::Doubt;
 
 /// Number of sampled vessels on every leg, besides the nominal vessel on its node.
 const SAMPLED: u32 = 32;
@@ -13,6 +14,15 @@ const SAMPLED: u32 = 32;
 const STEPS: u32 = 1 << 20;
 
 impl Brief {
+    /// The vessels and currents that legs and plans have to hold for.
+    pub(crate) fn doubt(&self) -> Doubt<'_> {
+        Doubt {
+            nominal: &self.vessel.nominal,
+            deviations: &self.task.deviations,
+            current_m_s: self.task.safety.unknown_current_m_s,
+        }
+    }
+
     /// The sampled vessels of every leg: parameters uniform within the stated error, currents of any
     /// direction, offsets from anywhere that legs may end. Half of them begin at the edge of the tolerance,
     /// in the strongest current.
@@ -46,12 +56,16 @@ impl Brief {
         }
     }
 
-    /// Parameters of run `run`, each uniform within the stated error of its nominal value.
+    /// Parameters of run `run`: uniform within the stated errors of the nominal ones.
     pub(super) fn drawn(&self, purpose: &str, run: u32) -> Vec<f64> {
-        let error = self.task.safety.parameter_error;
-        let off = |draw: u32| 1.0 + error * (2.0 * (f64::from(draw) + 0.5) / f64::from(STEPS) - 1.0);
-        let drawn = Streams::new(self.seed, purpose).choices(run, 0, STEPS, self.vessel.nominal.len());
-        self.vessel.nominal.iter().zip(drawn).map(|(p, draw)| p * off(draw)).collect()
+        let (streams, count) = (Streams::new(self.seed, purpose), self.vessel.nominal.len());
+        let drawn = streams.choices(run, 0, STEPS, count);
+        let uniform: Vec<f64> =
+            drawn.iter().map(|draw| 2.0 * (f64::from(*draw) + 0.5) / f64::from(STEPS) - 1.0).collect();
+        let mut normal = vec![0.0; count];
+        streams.normals(run, 1, &mut normal);
+        let deviations = &self.task.deviations;
+        deviations.parameters(&self.vessel.nominal, &deviations.drawn(&uniform, &normal))
     }
 
     /// A constant current of run `run`, north and east: any direction, any strength up to the bound.

@@ -44,17 +44,16 @@ pub enum VoyageError {
 }
 
 impl VoyageError {
-    /// The same error, after so many checks of plans that failed.
+    /// The same error, where no plan is left because of `why`: after so many checks of plans that failed, if any.
     #[must_use]
-    pub(super) fn after(self, rounds: u32) -> Self {
-        match self {
-            Self::Infeasible(reason) if rounds > 0 => {
-                let checks = if rounds == 1 { "a check".to_owned() } else { format!("{rounds} checks") };
-                Self::Infeasible(format!(
-                    "{reason}; {checks} showed that plans with less room cannot be sailed"
-                ))
-            }
-            other => other,
-        }
+    pub(super) fn because(self, rounds: u32, why: Option<String>) -> Self {
+        let Self::Infeasible(reason) = self else { return self };
+        let checks = match rounds {
+            0 => String::new(),
+            1 => "; a check showed that plans with less room cannot be sailed".to_owned(),
+            _ => format!("; {rounds} checks showed that plans with less room cannot be sailed"),
+        };
+        let why = why.map_or(String::new(), |why| format!("; {why}"));
+        Self::Infeasible(format!("{reason}{checks}{why}"))
     }
 }

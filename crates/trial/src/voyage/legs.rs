@@ -143,7 +143,7 @@ impl SailedPlan<'_> {
             leg_s: own.seconds(rate_hz),
             residual_m: libm::hypot(own.end.x - north, own.end.y - east),
             residual_deg: if turned > 180.0 { turned - 360.0 } else { turned },
-            spread_m: own.spread_m,
+            spread_m: own.spread_m(),
             fits: self.solved.waters.fits_at(index) as u64,
         })
     }

@@ -7,6 +7,7 @@
 
 mod budget;
 mod check;
+mod check_run;
 mod clearance;
 mod counts;
 mod daylight;
@@ -20,6 +21,7 @@ mod legs;
 mod map;
 mod moment_sums;
 mod moves;
+mod off_nominal;
 mod passage;
 mod passage_lines;
 mod places;
@@ -30,9 +32,11 @@ mod script;
 mod search;
 mod settled_legs;
 mod solve;
+mod steered;
 mod task;
 mod tide;
 mod waters;
+mod worst;
 
 pub use check::Check;
 pub use counts::Wanted;
@@ -59,3 +63,4 @@ pub use task::{
 };
 pub use tide::{Tide, TideRow, current_m_s};
 pub use waters::Waters;
+pub use worst::{WorstVessel, WorstVessels};

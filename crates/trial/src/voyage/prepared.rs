@@ -8,6 +8,7 @@ use refusal::Invalid;
 use super::counts::Wanted;
 use super::error::VoyageError;
 use super::moment_sums::MomentSums;
+use super::off_nominal::parameters_in_words;
 use super::search::Search;
 use super::settled_legs::{Dropped, Group, LegSimulation, SettledLeg, groups};
 use super::task::Brief;
@@ -74,6 +75,7 @@ impl Prepared {
         };
         prepared.check_modes()?;
         prepared.check_rasters(search)?;
+        prepared.check_steered()?;
         prepared.groups = groups(&prepared.repertoire());
         prepared.learn(Vec::new(), search)?;
         prepared.check_offered()?;
@@ -91,6 +93,9 @@ impl Prepared {
             pieces: &self.pieces,
             mirror: self.mirror.as_deref(),
             mean_current_m_s: task.known_current_m_s,
+            deviations: &task.deviations,
+            unknown_current_m_s: task.safety.unknown_current_m_s,
+            sensors: (task.sensors, self.brief.seed),
         }
     }
 
@@ -103,14 +108,24 @@ impl Prepared {
         let offered = |name: &str| self.legs.iter().any(|own| own.name == name);
         let mut names = self.wanted.iter().map(|wanted| wanted.piece.maneuver.as_str());
         let Some(name) = names.find(|name| !offered(name)) else { return Ok(()) };
-        let why = self.dropped.iter().find(|dropped| dropped.name == name);
-        let why = why.map_or_else(String::new, |dropped| format!(", {}", dropped.why));
+        let dropped = self.dropped.iter().find(|dropped| dropped.name == name);
+        let why = dropped.map_or_else(String::new, |dropped| self.named(dropped));
         Err(VoyageError::NoAnswer(Invalid::new(
             format!("maneuver `{name}`"),
             format!("no leg on which all sampled vessels settle{why}"),
-            "a node that every vessel within `safety.parameter_error` recovers to in any unknown current",
-            "raise the tolerances of `approach`, know the parameters better, or shorten the maneuver",
+            "one for all within `parameter_error`",
+            "know the parameters better, raise the tolerances of `approach`, or shorten it",
         )))
+    }
+
+    /// The vessel that does not settle on a dropped leg, and how.
+    fn named(&self, Dropped { why, parameters, .. }: &Dropped) -> String {
+        match parameters {
+            None => format!(", {why}"),
+            Some(parameters) => {
+                format!(", such as {}: {why}", parameters_in_words(&self.brief.vessel, parameters))
+            }
+        }
     }
 
     /// Adds counter-examples to the sampled vessels of their legs; returns the previous state.

@@ -3,7 +3,8 @@
 use lattice::{Problem, Solution};
 use refusal::Invalid;
 
-use super::check::{Check, Checked, Checking};
+use super::check::{Check, Checked};
+use super::check_run::Checking;
 use super::clearance::Clearance;
 use super::error::VoyageError;
 use super::information::Information;
@@ -79,9 +80,11 @@ impl Prepared {
         let (clearance, solved) =
             rayon::join(|| Clearance::new(self, search.keep_going), || self.solve(search));
         let clearance = clearance?;
-        let mut round = self.round(&clearance, (1, solved?), search)?;
+        let solved = solved.map_err(|error| error.because(0, self.widest()))?;
+        let mut round = self.round(&clearance, (1, solved), search)?;
         while !round.counter_examples.is_empty() && round.number < ROUNDS {
             let next = round.number + 1;
+            let fault = round.sailing.check.worst.as_ref().and_then(|worst| worst.faults(0.0).pop());
             let (counter_examples, last) = round.ended();
             // It stays in memory only if it may be returned.
             let last = keep_unsafe.then_some(last);
@@ -91,7 +94,7 @@ impl Prepared {
             round = match (next_round, last) {
                 (Ok(round), _) => round,
                 (Err(_), Some(last)) => return self.simulate_again(last, &clearance, search),
-                (Err(error), None) => return Err(error.after(next - 1)),
+                (Err(error), None) => return Err(error.because(next - 1, fault)),
             };
         }
         Ok((round.solved, round.sailing))

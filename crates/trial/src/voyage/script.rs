@@ -1,6 +1,6 @@
 //! A plan as a script for any vessel, in any current.
 
-use engine::{Pose, Ship};
+use engine::{Pose, Ship, Streams};
 use refusal::Invalid;
 
 use super::prepared::Prepared;
@@ -16,16 +16,20 @@ pub(super) struct Script<'a> {
 
 impl Script<'_> {
     /// Simulates a vessel with `parameters` in the known current and `unknown` (north, east); calls `record`
-    /// with every sample.
+    /// with every sample. `noise` of its sensors: the purpose of the streams and the run; without it they are exact.
     pub(super) fn simulate(
         &self,
         parameters: &[f64],
         unknown: [f64; 2],
+        noise: Option<(&str, u32)>,
         record: impl FnMut(Passing),
     ) -> Result<Vec<End>, Invalid> {
         let Prepared { brief, pieces, mirror, .. } = self.prepared;
         let mut ship = self.ship(parameters, unknown);
         let mut autopilot = Autopilot::new(&brief.vessel, &brief.vessel.nominal, brief.task.handling);
+        if let Some((purpose, run)) = noise {
+            autopilot = autopilot.with_sensors(brief.task.sensors, Streams::new(brief.seed, purpose), run);
+        }
         autopilot.known_current_m_s = brief.task.known_current_m_s;
         let mirror = mirror.as_deref().unwrap_or_default();
         simulate_legs(self.legs.iter().copied(), pieces, mirror, &mut ship, &mut autopilot, record)
@@ -34,7 +38,7 @@ impl Script<'_> {
     /// The trajectory of a vessel with `parameters`.
     pub(super) fn simulated(&self, parameters: &[f64], unknown: [f64; 2]) -> Result<Sailed, Invalid> {
         let mut samples = Vec::new();
-        let ends = self.simulate(parameters, unknown, |passing| samples.push(passing.into()))?;
+        let ends = self.simulate(parameters, unknown, None, |passing| samples.push(passing.into()))?;
         Ok(Sailed { samples, ends })
     }
 

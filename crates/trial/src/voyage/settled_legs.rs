@@ -9,7 +9,9 @@ use refusal::Invalid;
 
 use super::counts::Wanted;
 use super::error::VoyageError;
-use crate::{Grid, Leg, Outcome, Purpose, Repertoire, Sailed, SampledVessel, Settled, Side, Unsettled};
+use crate::{
+    Farthest, Grid, Leg, Outcome, Purpose, Repertoire, Sailed, SampledVessel, Settled, Side, Unsettled,
+};
 
 /// Greatest distance of a track's poses in raster cells, and greatest turn between them \[rad\].
 const APART: f64 = 0.25;
@@ -24,9 +26,9 @@ pub struct SettledLeg {
     pub sailed: Sailed,
     /// Its end.
     pub end: Pose,
-    /// The largest distance of the sampled vessels, in unknown currents and from their offsets, from the
-    /// nominal vessel at the same time before the recovery \[m\].
-    pub spread_m: f64,
+    /// The sampled vessel, in an unknown current and from its offset, that is farthest from the nominal one at
+    /// the same time before the recovery.
+    pub farthest: Option<Farthest>,
     /// Name of the action.
     pub name: String,
     /// The area that the hull sweeps, for any of these vessels.
@@ -49,6 +51,8 @@ pub struct Dropped {
     pub from: usize,
     /// The reason.
     pub why: String,
+    /// Parameters of the vessel that does not settle; `None` for the nominal one.
+    pub parameters: Option<Vec<f64>>,
 }
 
 /// Legs with the same beginning, which are simulated together.
@@ -95,23 +99,22 @@ impl SettledLeg {
     /// The leg rotated to port by quarter turns.
     fn turned(&self, quarters: usize, grid: &Grid) -> Self {
         let Self { name, leg, sailed, .. } = self.clone();
-        let Settled { leg, sailed, .. } = Settled { leg, sailed, tracks: Vec::new() }.turned(quarters, grid);
+        let Settled { leg, sailed, .. } =
+            Settled { leg, sailed, tracks: Vec::new(), farthest: None }.turned(quarters, grid);
         let footprint = self.footprint.turned(quarters);
-        Self { name, leg, end: end(&sailed), sailed, footprint, ..*self }
+        let (end, farthest) = (end(&sailed), self.farthest.clone());
+        Self { name, leg, end, sailed, footprint, farthest, ..*self }
+    }
+
+    /// The largest distance of a sampled vessel from the nominal one after a maneuver \[m\].
+    pub fn spread_m(&self) -> f64 {
+        self.farthest.as_ref().map_or(0.0, |own| own.distance_m)
     }
 
     /// Whether it is an informative maneuver.
     pub fn is_informative(&self) -> bool {
         matches!(self.leg.purpose, Purpose::Informative { .. })
     }
-}
-
-/// The largest distance of the tracks from the nominal vessel at the end of its open-loop part \[m\].
-fn spread_m(Settled { sailed, tracks, .. }: &Settled) -> f64 {
-    let Some(open) = sailed.samples.iter().rposition(|s| s.informative) else { return 0.0 };
-    let own = sailed.samples[open].pose;
-    let others = tracks.iter().filter_map(|track| track.get(open));
-    others.map(|pose| libm::hypot(pose.x - own.x, pose.y - own.y)).fold(0.0, f64::max)
 }
 
 /// Poses between which a track is straight to a fraction of a raster cell, including the last.
@@ -173,8 +176,8 @@ impl LegSimulation<'_> {
         let (grid, outcomes) = (self.repertoire.grid, group.simulated(&self.repertoire, self.others)?);
         let tried = |outcome: Outcome| match outcome {
             Ok(settled) => self.settled_leg(settled, index).map(Ok),
-            Err(Unsettled { from, purpose, why }) => {
-                Ok(Err(Dropped { name: self.name(&purpose), side: purpose.side(), from, why }))
+            Err(Unsettled { from, purpose, why, parameters }) => {
+                Ok(Err(Dropped { name: self.name(&purpose), side: purpose.side(), from, why, parameters }))
             }
         };
         let own = outcomes.into_iter().map(tried).collect::<Result<Vec<_>, Invalid>>()?;
@@ -195,10 +198,10 @@ impl LegSimulation<'_> {
     }
 
     fn settled_leg(&self, settled: Settled, group: usize) -> Result<SettledLeg, Invalid> {
-        let (footprint, spread_m) = (self.footprint(&settled)?, spread_m(&settled));
-        let Settled { leg, sailed, .. } = settled;
+        let footprint = self.footprint(&settled)?;
+        let Settled { leg, sailed, farthest, .. } = settled;
         let end = end(&sailed);
-        Ok(SettledLeg { name: self.name(&leg.purpose), leg, sailed, end, spread_m, footprint, group })
+        Ok(SettledLeg { name: self.name(&leg.purpose), leg, sailed, end, farthest, footprint, group })
     }
 
     fn footprint(&self, Settled { sailed, tracks, .. }: &Settled) -> Result<Footprint, Invalid> {

@@ -5,6 +5,7 @@ use lattice::{Lattice, MoveId, NoPlan, Poll, Problem, Reason, Solution};
 use super::error::VoyageError;
 use super::front::FrontPoint;
 use super::moves::Moves;
+use super::off_nominal::parameters_in_words;
 use super::prepared::Prepared;
 use super::search::{Search, in_words};
 use super::task::Secondary;
@@ -71,6 +72,21 @@ impl Prepared {
         };
         let problem = Problem::new(lattice, moves.actions.clone(), start, goal, allowed)?;
         if poll.stopped { Err(VoyageError::OutOfTime("the layout of the lattice")) } else { Ok(problem) }
+    }
+
+    /// The vessel for which a maneuver needs most room, in words.
+    pub(super) fn widest(&self) -> Option<String> {
+        if self.brief.doubt().is_none() {
+            return None;
+        }
+        let all = self.legs.iter().filter_map(|own| Some((&own.name, own.farthest.as_ref()?)));
+        let (name, own) = all.max_by(|a, b| a.1.distance_m.total_cmp(&b.1.distance_m))?;
+        let words = parameters_in_words(&self.brief.vessel, &own.parameters);
+        Some(format!(
+            "`{name}` has room for vessels that end it {:.0} m from the nominal one ({words}): lower \
+             `safety.parameter_error`, or run it in shorter pieces (`piece_s`)",
+            own.distance_m
+        ))
     }
 
     /// Why there is no plan, and the most informative feasible counts.

@@ -8,7 +8,7 @@ use model::Vessel;
 use serde::{Deserialize, Serialize};
 
 use super::tide::Tide;
-use crate::{Approach, DerivedHandling, Handling, Mode};
+use crate::{Approach, DerivedHandling, Deviations, Handling, Mode, Sensors};
 
 /// The inputs of planning a voyage.
 #[derive(Clone, Debug)]
@@ -55,6 +55,10 @@ pub struct Task {
     pub hull: Hull,
     /// Depths and distances to keep.
     pub safety: Safety,
+    /// The vessels that the plan has to hold for.
+    pub deviations: Deviations,
+    /// The noise of the ship's sensors.
+    pub sensors: Sensors,
     /// North and east components of the known current \[m/s\].
     pub known_current_m_s: [f64; 2],
     /// How the vessel is handled between maneuvers.
@@ -182,10 +186,12 @@ pub struct Safety {
     /// Relative error of the nominal parameters: maneuvers have room for vessels with such errors.
     #[serde(default)]
     pub parameter_error: f64,
+    /// Instead of that: so many standard errors of the covariance of a `model.json`, jointly.
+    pub standard_errors: Option<f64>,
     /// Simulations of the finished plan with such currents and vessels; by default as many as
     /// `aground_probability` needs.
     pub runs: Option<u32>,
-    /// Vessels that are sampled for them; by default one per run.
+    /// Without effect, for files that have it: every run has a vessel of its own.
     pub vessels: Option<u32>,
     /// The probability of running aground that the check must exclude, with 95 % confidence.
     pub aground_probability: Option<f64>,

@@ -5,8 +5,8 @@ use std::path::Path;
 use maneuver::{DictionaryFile, Generator};
 use model::Vessel;
 use trial::{
-    Approach, DerivedHandling, Grid, Handling, Mode, Piece, Repertoire, SampledVessel, Settled, Side,
-    Tolerance, mirror,
+    Approach, DerivedHandling, Deviations, Grid, Handling, Mode, Piece, Repertoire, SampledVessel, Sensors,
+    Settled, Side, Tolerance, mirror,
 };
 
 use crate::handling::coaster;
@@ -56,7 +56,18 @@ pub(crate) fn repertoire<'a>(
     mirror: Option<&'a [f64]>,
     mean_current_m_s: [f64; 2],
 ) -> Repertoire<'a> {
-    Repertoire { vessel, grid, handling: &HANDLING, approach: &APPROACH, pieces, mirror, mean_current_m_s }
+    Repertoire {
+        vessel,
+        grid,
+        handling: &HANDLING,
+        approach: &APPROACH,
+        pieces,
+        mirror,
+        mean_current_m_s,
+        deviations: &Deviations::Box(0.0),
+        unknown_current_m_s: 0.0,
+        sensors: (Sensors::default(), 1),
+    }
 }
 
 /// Vessels whose parameters are off by 30 % either way, in a current from abeam and from astern, off their node.
@@ -97,7 +108,7 @@ fn law_every_leg_ends_settled_at_its_node_for_any_vessel() {
     let others = others(&vessel);
     for (headings, current) in [(4, [0.0, 0.0]), (8, [0.0, 0.0]), (8, [0.2, 0.1])] {
         let grid = grid(headings);
-        for Settled { leg, sailed, tracks } in legs(headings, current, &grid, &others) {
+        for Settled { leg, sailed, tracks, .. } in legs(headings, current, &grid, &others) {
             let [north, east] = grid.displacement(leg.di, leg.dj);
             let (level, mode) = grid.level_and_mode(leg.to);
             let (pose, [u, v, r]) = sailed.ends[0];

@@ -1,0 +1,291 @@
+//! The vessels and currents that a plan has to hold for, and the steps of a search among them.
+
+use crate::SampledVessel;
+
+/// How far the parameters of a vessel may be from the nominal ones.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Deviations {
+    /// Each within this fraction of its nominal value.
+    Box(f64),
+    /// Jointly within so many standard errors of a covariance: the rows of its lower factor, times that number.
+    Ellipsoid(Vec<Vec<f64>>),
+}
+
+impl Deviations {
+    /// The ellipsoid of `errors` standard errors of a covariance with `rows`. Parameters that are not estimated
+    /// have rows of zeros.
+    ///
+    /// # Errors
+    /// A covariance that is not positive definite, apart from such rows.
+    pub fn ellipsoid(rows: &[Vec<f64>], errors: f64) -> Result<Self, NotPositive> {
+        let mut factor = vec![vec![0.0; rows.len()]; rows.len()];
+        for (i, row) in rows.iter().enumerate() {
+            if row.iter().all(|entry| *entry == 0.0) {
+                continue;
+            }
+            for j in 0..=i {
+                let known: f64 = (0..j).map(|k| factor[i][k] * factor[j][k]).sum();
+                let left = row[j] - known;
+                let symmetric = (row[j] - rows[j][i]).abs() <= ASYMMETRIC * (row[j].abs() + rows[j][i].abs());
+                if !symmetric {
+                    return Err(NotPositive {
+                        parameter: i,
+                        found: format!("{} and {} across", row[j], rows[j][i]),
+                    });
+                }
+                if i == j && !(left > SINGULAR * row[i] && left.is_finite()) {
+                    return Err(NotPositive::of(i, row[i], left));
+                }
+                let diagonal = factor[j][j];
+                factor[i][j] = match i == j {
+                    true => left.sqrt(),
+                    false if diagonal > 0.0 => left / diagonal,
+                    false => 0.0,
+                };
+            }
+        }
+        factor.iter_mut().flatten().for_each(|entry| *entry *= errors);
+        Ok(Self::Ellipsoid(factor))
+    }
+
+    /// Whether only the nominal vessel is among them.
+    pub fn is_none(&self) -> bool {
+        match self {
+            Self::Box(error) => *error == 0.0,
+            Self::Ellipsoid(factor) => factor.iter().flatten().all(|entry| *entry == 0.0),
+        }
+    }
+
+    /// The parameters at a point: of a cube from −1 to 1 for a box, of the unit ball for an ellipsoid.
+    pub(crate) fn parameters(&self, nominal: &[f64], at: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Box(error) => nominal.iter().zip(at).map(|(p, at)| p * (1.0 + error * at)).collect(),
+            Self::Ellipsoid(factor) => {
+                let off = |row: &Vec<f64>| row.iter().zip(at).map(|(entry, at)| entry * at).sum::<f64>();
+                nominal.iter().zip(factor).map(|(p, row)| p + off(row)).collect()
+            }
+        }
+    }
+
+    /// The point where a function of these slopes is greatest.
+    fn extreme(&self, slopes: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Box(_) => slopes.iter().map(|slope| if *slope < 0.0 { -1.0 } else { 1.0 }).collect(),
+            Self::Ellipsoid(_) => within_ball(slopes, 1.0),
+        }
+    }
+
+    /// The nearest point that belongs to them.
+    fn kept(&self, at: Vec<f64>) -> Vec<f64> {
+        match self {
+            Self::Box(_) => at.into_iter().map(|own| own.clamp(-1.0, 1.0)).collect(),
+            Self::Ellipsoid(_) if length(&at) > 1.0 => within_ball(&at, 1.0),
+            Self::Ellipsoid(_) => at,
+        }
+    }
+
+    /// A point from `uniform` numbers from −1 to 1 and as many `normal` ones, of which each kind takes its own.
+    pub(crate) fn drawn(&self, uniform: &[f64], normal: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Box(_) => uniform.to_vec(),
+            Self::Ellipsoid(_) => {
+                let part = uniform.first().map_or(0.0, |own| (own + 1.0) / 2.0);
+                within_ball(normal, libm::pow(part, 1.0 / normal.len().max(1) as f64))
+            }
+        }
+    }
+}
+
+/// Least part of a variance that others of a positive covariance leave unexplained.
+const SINGULAR: f64 = 1e-12;
+
+/// Largest relative difference of entries that should be equal.
+const ASYMMETRIC: f64 = 1e-6;
+
+/// A covariance that is not positive definite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotPositive {
+    /// Index of the first parameter where this shows.
+    pub parameter: usize,
+    /// What was found, in words.
+    pub found: String,
+}
+
+impl NotPositive {
+    fn of(parameter: usize, variance: f64, left: f64) -> Self {
+        let found = format!("a variance of {variance:e}, of which those before it leave {left:e}");
+        Self { parameter, found }
+    }
+}
+
+fn length(at: &[f64]) -> f64 {
+    at.iter().map(|own| own * own).sum::<f64>().sqrt()
+}
+
+/// The point of this `radius` in a direction; its centre for none.
+fn within_ball(direction: &[f64], radius: f64) -> Vec<f64> {
+    let whole = length(direction);
+    let factor = if whole > 0.0 { radius / whole } else { 0.0 };
+    direction.iter().map(|own| own * factor).collect()
+}
+
+/// The vessels and currents that a plan has to hold for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Doubt<'a> {
+    /// The nominal parameters.
+    pub nominal: &'a [f64],
+    /// How far others are from them.
+    pub deviations: &'a Deviations,
+    /// Bound on the unknown current \[m/s\].
+    pub current_m_s: f64,
+}
+
+/// A vessel and a current among them: a point of [`Deviations`], and one of the unit disc.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Candidate {
+    pub at: Vec<f64>,
+    pub current: [f64; 2],
+}
+
+/// Turns of the current that a search tries: by an eighth either way, and right round.
+const TURNS: [f64; 3] = [0.25, -0.25, 1.0];
+/// Fractions of the whole deviation that it tries, since dangers may lie between extremes.
+const PARTS: [f64; 3] = [0.75, 0.5, 0.25];
+
+impl Doubt<'_> {
+    /// Whether there is only the nominal vessel in the known current.
+    pub fn is_none(&self) -> bool {
+        self.deviations.is_none() && self.current_m_s == 0.0
+    }
+
+    /// The parameters of a candidate.
+    pub fn parameters(&self, who: &Candidate) -> Vec<f64> {
+        self.deviations.parameters(self.nominal, &who.at)
+    }
+
+    /// Its current, in the axes of the search \[m/s\].
+    pub fn current(&self, who: &Candidate) -> [f64; 2] {
+        who.current.map(|part| part * self.current_m_s)
+    }
+
+    /// The vessel of a candidate on its node, whose axes are those of the search.
+    pub fn on_node(&self, who: &Candidate) -> SampledVessel {
+        SampledVessel {
+            parameters: self.parameters(who),
+            current_m_s: self.current(who),
+            off: [0.0; 3],
+            motion: [0.0; 3],
+        }
+    }
+
+    /// The nominal vessel with one coordinate at either end: parameters first, then the current.
+    pub fn axes(&self) -> Vec<Candidate> {
+        let count = self.nominal.len();
+        let along = |(axis, sign): (usize, f64)| {
+            let mut who = Candidate { at: vec![0.0; count], current: [0.0; 2] };
+            match axis.checked_sub(count) {
+                None => who.at[axis] = sign,
+                Some(axis) => who.current[axis] = sign,
+            }
+            who
+        };
+        (0..count + 2).flat_map(|axis| [(axis, 1.0), (axis, -1.0)]).map(along).collect()
+    }
+
+    /// Where a function is greatest that has these `values` at the [axes](Self::axes), were it linear.
+    pub fn extreme(&self, values: &[f64]) -> Candidate {
+        let slopes: Vec<f64> = values.chunks_exact(2).map(|ends| ends[0] - ends[1]).collect();
+        let (parameters, current) = slopes.split_at(self.nominal.len());
+        let current = within_ball(current, 1.0);
+        Candidate { at: self.deviations.extreme(parameters), current: [current[0], current[1]] }
+    }
+
+    /// The candidates that a search tries next to `who`: one coordinate mirrored, all of them reduced, or its
+    /// current turned or left out.
+    pub fn neighbours(&self, who: &Candidate) -> Vec<Candidate> {
+        let mirrored = (0..who.at.len()).filter(|axis| who.at[*axis] != 0.0).map(|axis| {
+            let mut at = who.at.clone();
+            at[axis] = -at[axis];
+            Candidate { at: self.deviations.kept(at), ..who.clone() }
+        });
+        let reduced =
+            PARTS.map(|part| Candidate { at: who.at.iter().map(|own| own * part).collect(), ..who.clone() });
+        let [x, y] = who.current;
+        let turned = TURNS.map(|turn| {
+            let (sin, cos) = libm::sincos(turn * std::f64::consts::PI);
+            Candidate { current: [x * cos - y * sin, x * sin + y * cos], ..who.clone() }
+        });
+        let still = Candidate { current: [0.0; 2], ..who.clone() };
+        let moves =
+            (self.current_m_s > 0.0 && [x, y] != [0.0; 2]).then_some(turned.into_iter().chain([still]));
+        let deviates = !self.deviations.is_none();
+        mirrored.chain(reduced).filter(|_| deviates).chain(moves.into_iter().flatten()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use engine::Streams;
+
+    use super::*;
+
+    const COVARIANCE: [[f64; 3]; 3] = [[4.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 0.0]];
+
+    fn rows(entries: [[f64; 3]; 3]) -> Vec<Vec<f64>> {
+        entries.map(|row| row.to_vec()).to_vec()
+    }
+
+    #[test]
+    fn oracle_the_ellipsoid_has_so_many_standard_errors_in_every_direction() {
+        let deviations = Deviations::ellipsoid(&rows(COVARIANCE), 3.0).unwrap();
+        let nominal = [1.0, -2.0, 5.0];
+        let doubt = Doubt { nominal: &nominal, deviations: &deviations, current_m_s: 0.0 };
+        for direction in [[1.0, 0.0], [0.0, 1.0], [0.6, -0.8]] {
+            let along = |who: &Candidate| {
+                let off = doubt.parameters(who);
+                direction[0] * (off[0] - nominal[0]) + direction[1] * (off[1] - nominal[1])
+            };
+            let values: Vec<f64> = doubt.axes().iter().map(along).collect();
+            let [a, b] = direction;
+            let variance = a * a * 4.0 + 2.0 * a * b * 1.0 + b * b * 2.0;
+            let most = doubt.extreme(&values);
+            assert!((along(&most) - 3.0 * variance.sqrt()).abs() < 1e-12);
+            assert_eq!(doubt.parameters(&most)[2], 5.0);
+            let others = doubt.neighbours(&most);
+            assert!(others.len() > 3 && others.iter().all(|who| along(who) <= along(&most) + 1e-12));
+        }
+    }
+
+    #[test]
+    fn law_a_covariance_that_is_not_positive_is_refused_where_that_shows() {
+        let refused = |entries| Deviations::ellipsoid(&rows(entries), 1.0).unwrap_err().parameter;
+        assert_eq!(refused([[4.0, 3.0, 0.0], [3.0, 2.0, 0.0], [0.0, 0.0, 1.0]]), 1);
+        assert_eq!(refused([[-1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]]), 0);
+        assert_eq!(refused([[1.0, 0.0, 0.0], [0.5, 2.0, 0.0], [0.0, 0.0, 1.0]]), 1);
+        assert_eq!(refused([[f64::NAN, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]]), 0);
+    }
+
+    #[test]
+    fn law_no_draw_is_worse_than_the_extreme_of_a_linear_function() {
+        let nominal = [2.0, -1.0, 0.5];
+        for deviations in [Deviations::Box(0.35), Deviations::ellipsoid(&rows(COVARIANCE), 2.0).unwrap()] {
+            let doubt = Doubt { nominal: &nominal, deviations: &deviations, current_m_s: 0.2 };
+            let weights = [0.3, -1.0, 0.7];
+            let value = |who: &Candidate| {
+                let (own, current) = (doubt.parameters(who), doubt.current(who));
+                weights.iter().zip(own).map(|(w, p)| w * p).sum::<f64>() + 2.0 * current[0] - current[1]
+            };
+            let values: Vec<f64> = doubt.axes().iter().map(value).collect();
+            let most = value(&doubt.extreme(&values));
+            for run in 0..200 {
+                let (mut normal, mut uniform) = ([0.0; 3], [0.0; 5]);
+                Streams::new(1, "normal").normals(run, 0, &mut normal);
+                Streams::new(1, "uniform").normals(run, 0, &mut uniform);
+                let uniform = uniform.map(|x: f64| x.clamp(-1.0, 1.0));
+                let at = deviations.drawn(&uniform[..3], &normal);
+                let who = Candidate { at, current: [uniform[3] * 0.7, uniform[4] * 0.7] };
+                assert!(value(&who) <= most + 1e-12, "{who:?}");
+            }
+        }
+    }
+}

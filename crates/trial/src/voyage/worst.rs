@@ -1,0 +1,324 @@
+//! The worst vessels and currents within the stated errors, searched for instead of drawn.
+//!
+//! Of every leg of a plan two things are made as bad as possible: how near the hull comes to a danger, and how far
+//! off the leg ends. Runs with one coordinate at either end say which corner of the errors is the worst for each, if
+//! the dependence were linear. From the worst of these the search goes on to their neighbours. A run simulates the
+//! whole plan, so it counts for all legs.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::check_run::{Checking, Run, Vessel};
+use super::error::VoyageError;
+use super::off_nominal::{in_words, percent_off};
+use super::places::compass_deg;
+use super::search::Search;
+use crate::SampledVessel;
+use crate::deviations::{Candidate, Doubt};
+
+/// How many of the worst vessels by either quantity have their neighbours tried, and how often.
+const FOLLOWED: usize = 6;
+const SWEEPS: usize = 3;
+
+/// The worst vessels and currents within the stated errors that were found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WorstVessels {
+    /// How many vessels were tried, each in a current of its own over the whole plan.
+    pub searched: u64,
+    /// Of which touched an obstacle, or went where the chart was not read.
+    pub aground: u64,
+    /// Of which came nearer than the margin, those aground among them.
+    pub below_margin: u64,
+    /// Ends of their legs.
+    pub ends: u64,
+    /// Of which lie beyond a tolerance.
+    pub ends_astray: u64,
+    /// Least distance of any of them from an obstacle \[m\].
+    pub clearance_m: f64,
+    /// The one that comes so near.
+    pub nearest: WorstVessel,
+    /// Largest part of a tolerance that any of them uses at the end of a leg.
+    pub tolerance_used: f64,
+    /// The one that ends so far off.
+    pub farthest: WorstVessel,
+}
+
+/// A vessel in a current, and where it is worst.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WorstVessel {
+    /// Step of the plan, from 1.
+    pub step: u64,
+    /// Its action.
+    pub leg: String,
+    /// Whether that is an informative maneuver.
+    pub informative: bool,
+    /// Difference of every parameter from the nominal one, relative to that \[%\].
+    pub parameters_percent: BTreeMap<String, f64>,
+    /// Speed of the unknown current \[m/s\].
+    pub current_m_s: f64,
+    /// Compass direction that it sets towards \[deg\].
+    pub towards_deg: f64,
+}
+
+/// The runs of a search.
+pub(super) struct Searched {
+    runs: Vec<(Candidate, Run)>,
+}
+
+/// A quantity of a leg that is made as bad as possible.
+#[derive(Clone, Copy)]
+struct Target {
+    step: usize,
+    what: What,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum What {
+    /// Nearness to a danger.
+    Nearness,
+    /// The used part of the tolerance at its end.
+    Used,
+}
+
+/// The worst run for a leg.
+#[derive(Clone, Copy)]
+struct Worst {
+    badness: f64,
+    /// Index of the run.
+    index: usize,
+    step: usize,
+}
+
+impl Target {
+    /// The greater, the worse; `None` of a leg that began beyond its tolerance, since another one is the cause.
+    fn badness(self, run: &Run) -> Option<f64> {
+        let Self { step, what } = self;
+        run.began_well(step).then(|| match what {
+            What::Nearness => -run.clearances_m[step],
+            What::Used => run.used[step],
+        })
+    }
+}
+
+impl Checking<'_> {
+    /// Searches the worst vessels. A search that finds counter-examples ends there, except in the last round.
+    ///
+    /// # Errors
+    /// A simulation that diverges; no time.
+    pub(super) fn worst(&self, search: &Search) -> Result<Searched, VoyageError> {
+        let doubt = self.prepared().brief.doubt();
+        let mut found = Searched { runs: Vec::new() };
+        if doubt.is_none() {
+            return Ok(found);
+        }
+        let axes = doubt.axes();
+        let count = axes.len();
+        found.add(self, &doubt, axes, search)?;
+        let extremes = self.targets().map(|target| found.extreme(&doubt, count, target)).collect();
+        found.add(self, &doubt, extremes, search)?;
+        for _ in 0..SWEEPS {
+            if !self.is_last && found.fails(self) {
+                break;
+            }
+            let neighbours = found.followed(self).flat_map(|who| doubt.neighbours(who)).collect();
+            if !found.add(self, &doubt, neighbours, search)? {
+                break;
+            }
+        }
+        Ok(found)
+    }
+
+    fn targets(&self) -> impl Iterator<Item = Target> {
+        let what = [What::Nearness, What::Used];
+        (0..self.legs.len()).flat_map(move |step| what.map(|what| Target { step, what }))
+    }
+}
+
+impl Searched {
+    /// Simulates those of `candidates` that are new; returns whether there are any.
+    fn add(
+        &mut self,
+        checking: &Checking,
+        doubt: &Doubt,
+        candidates: Vec<Candidate>,
+        search: &Search,
+    ) -> Result<bool, VoyageError> {
+        let mut known: BTreeSet<Vec<u64>> = self.runs.iter().map(|(who, _)| key(who)).collect();
+        let new: Vec<Candidate> = candidates.into_iter().filter(|who| known.insert(key(who))).collect();
+        let vessel = |(who, noise): (&Candidate, u32)| Vessel {
+            parameters: doubt.parameters(who),
+            unknown_m_s: doubt.current(who),
+            is_drawn: false,
+            noise,
+            is_searched: true,
+        };
+        let runs = checking.all(new.iter().zip(self.runs.len() as u32..).map(vessel).collect(), search)?;
+        let any = !new.is_empty();
+        self.runs.extend(new.into_iter().zip(runs));
+        Ok(any)
+    }
+
+    /// The corner where a target is the worst, by its values at the first `axes` candidates.
+    fn extreme(&self, doubt: &Doubt, axes: usize, target: Target) -> Candidate {
+        let values: Vec<f64> =
+            self.runs[..axes].iter().map(|(_, run)| target.badness(run).unwrap_or(0.0)).collect();
+        doubt.extreme(&values)
+    }
+
+    /// The worst candidate of a target.
+    fn worst(&self, target: Target) -> Option<Worst> {
+        let own = |(index, (_, run)): (usize, &(Candidate, Run))| {
+            target.badness(run).map(|badness| Worst { badness, index, step: target.step })
+        };
+        // The first of equals.
+        self.runs
+            .iter()
+            .enumerate()
+            .filter_map(own)
+            .reduce(|best, own| if own.badness > best.badness { own } else { best })
+    }
+
+    /// The candidates that are the worst for any leg, the very worst of either quantity.
+    fn followed(&self, checking: &Checking) -> impl Iterator<Item = &Candidate> {
+        let mut indices = Vec::new();
+        for what in [What::Nearness, What::Used] {
+            let own = checking.targets().filter(|target| target.what == what);
+            let mut worst: Vec<Worst> = own.filter_map(|target| self.worst(target)).collect();
+            worst.sort_by(|a, b| b.badness.total_cmp(&a.badness));
+            let mut some: Vec<usize> = Vec::new();
+            for Worst { index, .. } in worst {
+                if some.len() < FOLLOWED && !some.contains(&index) {
+                    some.push(index);
+                }
+            }
+            indices.extend(some);
+        }
+        indices.into_iter().map(|index| &self.runs[index].0)
+    }
+
+    fn fails(&self, checking: &Checking) -> bool {
+        let margin_m = checking.prepared().brief.task.safety.margin_m;
+        self.runs.iter().any(|(_, run)| run.passage.clearance_m < margin_m) || self.ends_astray(checking)
+    }
+
+    /// Whether too many ends of legs are beyond a tolerance.
+    fn ends_astray(&self, checking: &Checking) -> bool {
+        checking.are_too_many_astray(&self.runs.iter().map(|(_, run)| run).collect::<Vec<_>>())
+    }
+
+    /// The worst vessel of every leg that violates its margin or its tolerance.
+    pub(super) fn counter_examples(&self, checking: &Checking) -> Vec<(usize, SampledVessel)> {
+        let margin_m = checking.prepared().brief.task.safety.margin_m;
+        let if_astray = self.ends_astray(checking);
+        let targets = checking.targets().filter(|target| if_astray || target.what == What::Nearness);
+        let failing = targets.filter_map(|target| {
+            let Worst { badness, index, .. } = self.worst(target)?;
+            let bound = if target.what == What::Nearness { -margin_m } else { 1.0 };
+            (badness > bound).then(|| (target.step, self.runs[index].1.sampled_vessel(checking, target.step)))
+        });
+        failing.collect()
+    }
+
+    /// What was found; `None` without a search.
+    pub(super) fn summary(&self, checking: &Checking) -> Option<WorstVessels> {
+        let (near, far) = (self.worst_of(checking, What::Nearness)?, self.worst_of(checking, What::Used)?);
+        let margin_m = checking.prepared().brief.task.safety.margin_m;
+        let count = |is: &dyn Fn(&Run) -> bool| self.runs.iter().filter(|(_, run)| is(run)).count() as u64;
+        Some(WorstVessels {
+            searched: self.runs.len() as u64,
+            aground: count(&|run| run.passage.clearance_m <= 0.0),
+            below_margin: count(&|run| run.passage.clearance_m < margin_m),
+            ends: self.runs.iter().map(|(_, run)| run.ends.len() as u64).sum(),
+            ends_astray: self.runs.iter().map(|(_, run)| run.ends_astray()).sum(),
+            clearance_m: -near.badness,
+            nearest: self.named(checking, near),
+            tolerance_used: far.badness,
+            farthest: self.named(checking, far),
+        })
+    }
+
+    /// The worst of all legs.
+    fn worst_of(&self, checking: &Checking, what: What) -> Option<Worst> {
+        let own = checking.targets().filter(|target| target.what == what);
+        let all = own.filter_map(|target| self.worst(target));
+        all.reduce(|best, own| if own.badness > best.badness { own } else { best })
+    }
+
+    fn named(&self, checking: &Checking, Worst { index, step, .. }: Worst) -> WorstVessel {
+        let (prepared, Vessel { parameters, unknown_m_s: [north, east], .. }) =
+            (checking.prepared(), &self.runs[index].1.vessel);
+        let own = &prepared.legs[checking.legs[step]];
+        WorstVessel {
+            step: step as u64 + 1,
+            leg: own.name.clone(),
+            informative: own.is_informative(),
+            parameters_percent: percent_off(&prepared.brief.vessel, parameters),
+            current_m_s: libm::hypot(*north, *east),
+            towards_deg: compass_deg(libm::atan2(*east, *north)),
+        }
+    }
+}
+
+/// A candidate's numbers, to tell it from others.
+fn key(who: &Candidate) -> Vec<u64> {
+    who.at.iter().chain(&who.current).map(|own| (own + 0.0).to_bits()).collect()
+}
+
+impl WorstVessel {
+    /// The vessel and its current, in words.
+    pub fn words(&self) -> String {
+        let Self { parameters_percent, current_m_s, towards_deg, .. } = self;
+        let who = in_words(parameters_percent);
+        match *current_m_s > 0.0 {
+            true => format!("{who} in {current_m_s:.2} m/s towards {towards_deg:.0}°"),
+            false => who,
+        }
+    }
+
+    /// The leg, in words, and the keys that matter for it.
+    fn place(&self) -> String {
+        let Self { step, leg, informative, .. } = self;
+        let remedy = if *informative {
+            "lower `safety.parameter_error`, or its `piece_s`"
+        } else {
+            "lower `safety.parameter_error` or `safety.unknown_current_m_s`"
+        };
+        format!("step {step} `{leg}`: {remedy}")
+    }
+}
+
+impl WorstVessels {
+    /// What is broken, in words; a share of the ends of legs may be astray.
+    pub(super) fn faults(&self, astray: f64) -> Vec<String> {
+        let Self {
+            searched, aground, below_margin, ends, ends_astray, clearance_m, nearest, farthest, ..
+        } = self;
+        let mut faults = Vec::new();
+        if *aground > 0 {
+            faults.push(format!(
+                "of {searched} vessels searched one ({}) runs aground on {}",
+                nearest.words(),
+                nearest.place()
+            ));
+        } else if *below_margin > 0 {
+            faults.push(format!(
+                "of {searched} vessels searched one ({}) comes as near as {clearance_m:.0} m on {}",
+                nearest.words(),
+                nearest.place()
+            ));
+        }
+        if *ends_astray as f64 > astray * *ends as f64 {
+            faults.push(format!(
+                "of {searched} vessels searched one ({}) ends {:.1} times its tolerance off on {}",
+                farthest.words(),
+                self.tolerance_used,
+                farthest.place()
+            ));
+        }
+        faults
+    }
+}
