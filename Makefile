@@ -134,7 +134,7 @@ PLANS    := $(if $(wildcard $(STUDY)/plan.toml),$(OUT)/plan.json $(OUT)/planned/
   $(VARIANTS:%=$(OUT)/%/plan.json)
 PLAN_INPUTS := $(STUDY)/vessel.toml $(OUT)/dictionary.parquet $(OUT)/design.json $(BIN)/plan
 RUN_PLAN = @mkdir -p $(@D); set -x; $(BIN)/plan --vessel $(STUDY)/vessel.toml --trajectories $(OUT)/dictionary.parquet \
-  --design $(OUT)/design.json $(PLAN_FLAGS) $(FLAGS)
+  --dictionary $(DICTIONARY) --design $(OUT)/design.json $(PLAN_FLAGS) $(FLAGS)
 
 $(OUT)/plan.json: $(STUDY)/plan.toml $(PLAN_INPUTS)
 	$(RUN_PLAN) --config $< --out $@

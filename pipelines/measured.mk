@@ -101,7 +101,7 @@ $(NEXT_TRIAL)/tally.json: $(NEXT_TRIAL)/design.json
 NEXT_PLAN = $(if $(wildcard $(STUDY)/next/plan.toml),$(NEXT_TRIAL)/plan.json)
 
 $(NEXT_TRIAL)/plan.json: $(NEXT_TRIAL)/design.json $(STUDY)/next/plan.toml
-	$(BIN)/plan $(NEXT_MODEL) --trajectories $(NEXT_TRIAL)/dictionary.parquet --design $< --config $(STUDY)/next/plan.toml $(FLAGS) --out $@
+	$(BIN)/plan $(NEXT_MODEL) --trajectories $(NEXT_TRIAL)/dictionary.parquet --dictionary $(STUDY)/next/dictionary.toml --design $< --config $(STUDY)/next/plan.toml $(FLAGS) --out $@
 
 $(MEASURED)/report.html: $(if $(NEXT),$(NEXT_TRIAL)/tally.json $(NEXT_PLAN))
 $(MEASURED)/report.html: $(MEASURED)/estimates.parquet $(MEASURED)/crossval.json $(if $(SELECTED),$(MEASURED)/selection.parquet) $(if $(TEST),$(MEASURED)/compare.json) $(BIN)/.built

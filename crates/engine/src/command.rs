@@ -16,6 +16,17 @@ pub struct Seen {
     pub pose: Pose,
 }
 
+/// How far commands have come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// They wait for this before they may end.
+    Waiting(&'static str),
+    /// They may end at any time, and go on until then.
+    Open,
+    /// They have ended.
+    Done,
+}
+
 /// A running sequence of commands: the one way into a ship.
 pub trait Command: Send {
     /// Sets the inputs of the sample that begins with `seen`.
@@ -30,6 +41,11 @@ pub trait Command: Send {
     /// mean.
     fn ends(&self) -> Option<[&[f64]; 2]> {
         None
+    }
+
+    /// How far they have come after the last sample.
+    fn progress(&self) -> Progress {
+        Progress::Open
     }
 }
 

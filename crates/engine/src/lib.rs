@@ -17,7 +17,7 @@ mod ship;
 mod side_by_side;
 mod simulate;
 
-pub use command::{Command, Helm, Program, Seen};
+pub use command::{Command, Helm, Program, Progress, Seen};
 pub use commanded::{Commanded, Driving, simulate_command, simulate_commanded};
 pub use compiled::{Ambient, Compiled};
 pub use disturbance::{

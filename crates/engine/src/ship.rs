@@ -1,5 +1,5 @@
 use crate::{Ambient, Compiled, Pose};
-use model::{Acting, Actuator, Vessel};
+use model::{Acting, Actuator, Ordered, Vessel};
 
 /// A vessel under way: pose and state, advanced sample by sample in a current.
 #[derive(Clone, Debug)]
@@ -39,25 +39,35 @@ impl<'a> Ship<'a> {
         self.sample_s
     }
 
-    /// Advances by one sample while the actuators follow `commands`; returns their settings.
-    pub fn command(&mut self, commands: &[f64]) -> &[f64] {
-        self.act(commands, |acting, own, command, seconds| acting.follow(own, command.into(), seconds))
+    /// Advances by one sample while the actuators follow `commands`; returns their settings. Commands that change
+    /// within the sample have `ends`: those at its beginning and at its end.
+    pub fn command(&mut self, commands: &[f64], ends: Option<[&[f64]; 2]>) -> &[f64] {
+        let ordered = |i: usize, mean: f64| {
+            ends.map_or(mean.into(), |[first, last]| Ordered { first: first[i], mean, last: last[i] })
+        };
+        self.act(commands, |acting, own, i, command, seconds| {
+            acting.follow(own, ordered(i, command), seconds)
+        })
     }
 
     /// Advances by one sample with the actuators as near to `wanted` as commands take them; returns their settings.
     pub fn reach(&mut self, wanted: &[f64]) -> &[f64] {
-        self.act(wanted, Acting::reach)
+        self.act(wanted, |acting, own, _, wanted, seconds| acting.reach(own, wanted, seconds))
     }
 
-    fn act(&mut self, commands: &[f64], next: fn(&mut Acting, &Actuator, f64, f64) -> f64) -> &[f64] {
+    fn act(
+        &mut self,
+        commands: &[f64],
+        next: impl Fn(&mut Acting, &Actuator, usize, f64, f64) -> f64,
+    ) -> &[f64] {
         if self.acting.is_empty() {
             self.step(commands);
             self.acting.iter_mut().zip(commands).for_each(|(own, command)| *own = Acting::begun(*command));
             return &self.exogenous[..self.vessel.model.inputs];
         }
         let each = self.acting.iter_mut().zip(commands).zip(&self.vessel.actuators);
-        for (setting, ((acting, command), own)) in self.exogenous.iter_mut().zip(each) {
-            *setting = next(acting, own, *command, self.sample_s);
+        for (i, (setting, ((acting, command), own))) in self.exogenous.iter_mut().zip(each).enumerate() {
+            *setting = next(acting, own, i, *command, self.sample_s);
         }
         self.advance();
         &self.exogenous[..self.vessel.model.inputs]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use engine::{Command, Helm, Program, Seen};
+use engine::{Command, Helm, Program, Progress, Seen};
 use model::{Acting, Actuator, Ordered, Vessel};
 
 /// `helm` by way of the actuators of `vessel`, which are at `settings` before its first command; itself where all of them follow at
@@ -65,5 +65,9 @@ impl Command for Following {
 
     fn commanded(&self) -> Option<&[f64]> {
         Some(&self.commanded)
+    }
+
+    fn progress(&self) -> Progress {
+        self.command.progress()
     }
 }

@@ -241,19 +241,48 @@ impl Generator {
             let helm = actuated(Helm::new(orders), &self.vessel, &approach);
             return Ok(self.react(initial, samples, helm));
         }
-        let inputs = match table {
-            Some(table) => table.first(samples)?.to_vec(),
-            None => {
-                // What feedback will need is not known, and actuators keep to their ranges.
-                let within = index < self.written || maneuver.executed == Executed::Inputs;
-                self.inputs(&plan, samples, within).map_err(named)?
-            }
-        };
+        let inputs = self.held(index, &plan, samples)?;
         let helm = match maneuver.executed {
             Executed::Inputs => None,
-            Executed::Feedback => Some(self.tracked(index, initial, &inputs).map_err(named)?),
+            Executed::Feedback => {
+                let tracked = self.tracked(index, initial, &inputs).map_err(named)?;
+                Some(actuated(tracked, &self.vessel, &inputs[..self.vessel.model.inputs]))
+            }
         };
         Ok(Realized { initial, inputs, helm })
+    }
+
+    /// The commands of maneuver `index` in up to `samples` samples, before any actuator; `None` if they do not depend
+    /// on the ship's motion.
+    ///
+    /// # Errors
+    /// As [`Generator::realize`].
+    pub fn program(&self, index: usize, samples: usize) -> Result<Option<Helm>, Invalid> {
+        let maneuver = &self.maneuvers[index];
+        if let Some(helm) = self.helms.get(&index) {
+            return Ok(Some(helm.clone()));
+        }
+        if let Some(standard) = maneuver.kind.standard() {
+            return self.orders(standard).map(|(orders, _)| Some(Helm::new(orders)));
+        }
+        if maneuver.executed == Executed::Inputs {
+            return Ok(None);
+        }
+        let plan = Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, samples);
+        let inputs = self.held(index, &plan, samples)?;
+        self.tracked(index, plan.start(), &inputs).map(Some)
+    }
+
+    /// The inputs of maneuver `index` that the nominal ship holds its motion with, or those of its table.
+    fn held(&self, index: usize, plan: &Plan, samples: usize) -> Result<Vec<f64>, Invalid> {
+        let maneuver = &self.maneuvers[index];
+        let named = |e: Invalid| Invalid { thing: format!("maneuver `{}`, {}", maneuver.name, e.thing), ..e };
+        if let Some(table) = self.tables.get(&index) {
+            return table.first(samples).map(<[f64]>::to_vec);
+        }
+        // What feedback will need is not known, and actuators keep to their ranges.
+        let within = index < self.written || maneuver.executed == Executed::Inputs;
+        self.inputs(plan, samples, within).map_err(named)
     }
 
     /// The commands of `helm` to the undisturbed ship.
@@ -290,9 +319,8 @@ impl Generator {
         }
         let coupled = !self.tables.contains_key(&index) && maneuver.kind.sway_is_free();
         let nominal = Nominal { inputs, states: &states, coupled };
-        let tracked =
-            Tracked::new(vessel, &self.parameters, &nominal, &maneuver.feedback.unwrap_or_default())?;
-        Ok(actuated(Helm::new(tracked), vessel, &inputs[..vessel.model.inputs]))
+        Tracked::new(vessel, &self.parameters, &nominal, &maneuver.feedback.unwrap_or_default())
+            .map(Helm::new)
     }
 
     /// What written maneuver `index` is to reach, and what it reaches in `states`, (N+1) × 3; nothing of one that is

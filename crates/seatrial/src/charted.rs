@@ -1,5 +1,6 @@
 //! A chart to a plan.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use artifact::{Budget, Error, Provenance, budget};
@@ -36,7 +37,8 @@ pub struct ChartedTrial {
 
 impl ChartedTrial {
     /// The trial of `vessel` in `plan.toml` at `file`, on the charts and in the tide that it names. `dictionary` has
-    /// a run of every maneuver; `design` its shares, for counts that `plan.toml` does not state.
+    /// a run of every maneuver; `design` its shares, for counts that `plan.toml` does not state. Maneuvers that react to
+    /// the ship need their commands in `brief.programs`.
     ///
     /// # Errors
     /// Files that are refused; a trial that does not fit its charts.
@@ -54,7 +56,8 @@ impl ChartedTrial {
         let task = uncertain([file; 2], &config, &vessel, task)?;
         let task = in_tide(file, &config, task, &mut provenance)?;
         let (layers, chart_bytes) = (Vec::new(), 0);
-        let brief = Brief { vessel, task, layers, chart_bytes, dictionary, design, seed: 1 };
+        let programs = BTreeMap::new();
+        let brief = Brief { vessel, task, layers, chart_bytes, dictionary, programs, design, seed: 1 };
         Self::on_charts(brief, (file, &config), (budget(), &|| true), &mut provenance)
     }
 

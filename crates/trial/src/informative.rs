@@ -4,7 +4,7 @@ use refusal::Invalid;
 use crate::grid::{around, wrap};
 use crate::repertoire::{Farthest, Outcome, Settled, Unsettled};
 use crate::sampled_vessel::{Crew, Failed, Underway};
-use crate::{Leg, Phase, Piece, Purpose, Repertoire, Sailed, SampledVessel, Side, Used};
+use crate::{Leg, Phase, Piece, Purpose, Repertoire, Sailed, SampledVessel, Side};
 
 /// How often a run-in is lengthened, and by which factor, before a maneuver is given up.
 const RUN_INS: i32 = 7;
@@ -15,7 +15,7 @@ const FARTHER: usize = 20;
 
 impl Repertoire<'_> {
     /// The legs of piece `index` from a heading level, one per side: a steady approach until all `others` are
-    /// settled, the piece open loop, a recovery onto the first node ahead where all of them settle.
+    /// settled, the piece, a recovery onto the first node ahead where all of them settle.
     ///
     /// # Errors
     /// A piece that starts at a speed that no mode has; as [`crate::simulate_legs`].
@@ -177,7 +177,7 @@ impl Search<'_> {
         let (_, end) = self.repertoire.track(leg, &mut crew.nominal.clone())?;
         Ok(settled(end).map_err(Failed::from).and_then(|()| {
             let others = crew.each(|mut underway| {
-                let (_, end) = self.repertoire.track(leg, &mut underway).map_err(|_| Used::LOST)?;
+                let (_, end) = self.repertoire.track(leg, &mut underway)?;
                 settled(end)
             });
             others.map(|_| ())
@@ -191,7 +191,7 @@ impl Search<'_> {
         let mut nominal = crew.nominal.clone();
         let sailed = self.repertoire.simulated(&leg, &mut nominal)?;
         let others = crew.each(|mut underway| {
-            let (mut poses, _) = self.repertoire.track(&leg, &mut underway).map_err(|_| Used::LOST)?;
+            let (mut poses, _) = self.repertoire.track(&leg, &mut underway)?;
             // The recovery begins at the last pose.
             poses.pop();
             Ok((poses, underway))
@@ -271,7 +271,7 @@ impl Search<'_> {
 }
 
 /// The one of `others`, whose tracks these are, that is farthest from the nominal vessel at the end of its
-/// open-loop part.
+/// maneuver.
 fn farthest(Settled { sailed, tracks, .. }: &Settled, others: &[SampledVessel]) -> Option<Farthest> {
     let open = sailed.samples.iter().rposition(|s| s.informative)?;
     let own = sailed.samples[open].pose;

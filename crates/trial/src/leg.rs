@@ -36,6 +36,14 @@ pub enum Purpose {
 }
 
 impl Purpose {
+    /// The index of a maneuver's piece.
+    pub fn piece(&self) -> Option<usize> {
+        match self {
+            Self::Informative { piece, .. } => Some(*piece),
+            Self::Basic(_) => None,
+        }
+    }
+
     /// The side of a maneuver.
     pub fn side(&self) -> Option<Side> {
         match self {
@@ -89,7 +97,7 @@ pub enum Phase {
         /// The heading.
         heading_rad: f64,
     },
-    /// The piece's inputs, open loop.
+    /// The piece's commands.
     Maneuver,
 }
 

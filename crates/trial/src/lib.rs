@@ -1,7 +1,7 @@
 //! From a vessel and its dictionary to moves on a lattice, and from a plan on the lattice back to sea.
 //!
 //! A [`Leg`] is a move of the lattice: a script of phases that an [`Autopilot`] carries out, with an
-//! informative maneuver, run open loop, between a steady approach and a recovery onto the lattice. Poses are
+//! informative maneuver between a steady approach and a recovery onto the lattice. Poses are
 //! north, east \[m\] and compass heading \[rad\]; the lattice counts headings counter-clockwise from east,
 //! and only [`Grid`] converts.
 
@@ -41,6 +41,6 @@ pub use navigation::{Fixed, Navigation, Sensors};
 pub use piece::{Piece, period};
 pub use repertoire::{Approach, Farthest, Outcome, Repertoire, Settled, Unsettled};
 pub use sampled_vessel::SampledVessel;
-pub use simulate::{End, Fix, Passing, Sailed, Sample, simulate_legs};
+pub use simulate::{End, Fix, Passing, Sailed, Sample, Stopped, simulate_legs};
 pub use symmetry::mirror;
 pub use tolerance::{Astray, Tolerance, Used};

@@ -7,7 +7,7 @@ use crate::sampled_vessel::{Crew, Failed, Underway};
 use crate::simulate::End;
 use crate::{
     Astray, Autopilot, Deviations, Fixed, Grid, Handling, Leg, Piece, Purpose, Sailed, SampledVessel,
-    Sensors, Tolerance, Used, basic_moves, simulate_legs,
+    Sensors, Stopped, Tolerance, Used, basic_moves, simulate_legs,
 };
 
 /// The parts of a leg before and after an informative maneuver.
@@ -154,8 +154,7 @@ impl Repertoire<'_> {
             return Ok(Err(used.into()));
         }
         let tracks = crew.each(|mut underway| {
-            // A vessel that cannot be simulated is lost.
-            let (poses, end) = self.track(leg, &mut underway).map_err(|_| Used::LOST)?;
+            let (poses, end) = self.track(leg, &mut underway)?;
             let used = self.used(leg, Some(&end));
             if used.part > 1.0 { Err(used) } else { Ok(poses) }
         });
@@ -169,7 +168,7 @@ impl Repertoire<'_> {
     }
 
     /// Its poses, and its end.
-    pub(crate) fn track(&self, leg: &Leg, underway: &mut Underway) -> Result<(Vec<Pose>, End), Invalid> {
+    pub(crate) fn track(&self, leg: &Leg, underway: &mut Underway) -> Result<(Vec<Pose>, End), Stopped> {
         let Underway { ship, autopilot } = underway;
         let mut poses = Vec::new();
         let mirror = self.mirror.unwrap_or(&[]);

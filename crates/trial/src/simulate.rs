@@ -81,6 +81,28 @@ impl From<Passing<'_>> for Sample {
     }
 }
 
+/// Why a vessel does not come to the end of its legs.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stopped {
+    /// A maneuver that it does not complete in its time.
+    Unfinished(Invalid),
+    /// It cannot be commanded, or its simulation diverges.
+    Lost(Invalid),
+}
+
+impl From<Invalid> for Stopped {
+    fn from(invalid: Invalid) -> Self {
+        Self::Lost(invalid)
+    }
+}
+
+impl From<Stopped> for Invalid {
+    fn from(stopped: Stopped) -> Self {
+        let (Stopped::Unfinished(own) | Stopped::Lost(own)) = stopped;
+        own
+    }
+}
+
 /// Pose and state at the end of a leg.
 pub type End = (Pose, [f64; 3]);
 
@@ -89,7 +111,7 @@ pub type End = (Pose, [f64; 3]);
 /// the ends of the legs.
 ///
 /// # Errors
-/// A vessel that cannot be commanded; a simulation that diverges.
+/// A maneuver that is not completed; a vessel that cannot be commanded; a simulation that diverges.
 pub fn simulate_legs<'l>(
     legs: impl IntoIterator<Item = ([f64; 2], &'l Leg)>,
     pieces: &[Piece],
@@ -97,7 +119,7 @@ pub fn simulate_legs<'l>(
     ship: &mut Ship,
     autopilot: &mut Autopilot,
     mut record: impl FnMut(Passing),
-) -> Result<Vec<End>, Invalid> {
+) -> Result<Vec<End>, Stopped> {
     let mut ends = Vec::new();
     let seen = autopilot.see(Fixed::from(&*ship), false);
     let mut way = Way { ship, autopilot, seen, record: &mut record, inputs: Vec::new() };
@@ -131,18 +153,26 @@ struct Way<'w, 's, 'a> {
 
 impl<'s> Way<'_, 's, '_> {
     /// Runs a piece, to the other side if there are `signs` of its inputs.
-    fn run(&mut self, leg: usize, piece: &Piece, signs: &[f64]) -> Result<(), Invalid> {
+    fn run(&mut self, leg: usize, piece: &Piece, signs: &[f64]) -> Result<(), Stopped> {
         let (mut command, origin) = (piece.begin(), Origin::from(self.seen.pose));
         let side = if signs.is_empty() { 1.0 } else { -1.0 };
         self.inputs.resize(piece.inputs.len() / piece.samples, 0.0);
-        for _ in 0..piece.samples {
+        let mut samples = 0;
+        while !piece.is_over(&*command, samples, self.ship.sample_s()).map_err(Stopped::Unfinished)? {
             let ([u, v, r], pose) = (self.seen.state, origin.sees(self.seen.pose));
             let state = [u, side * v, side * r];
             let pose = Pose { x: pose.x, y: side * pose.y, psi: side * pose.psi };
             let seen = Seen { state, own: state, pose };
             command.command(&seen, &mut self.inputs);
-            self.inputs.iter_mut().zip(signs).for_each(|(input, sign)| *input *= sign);
-            self.advance(leg, true, Ship::command)?;
+            let mirror =
+                |inputs: &mut [f64]| inputs.iter_mut().zip(signs).for_each(|(input, sign)| *input *= sign);
+            mirror(&mut self.inputs);
+            let mut ends = command.ends().map(|ends| ends.map(<[f64]>::to_vec));
+            ends.iter_mut().flatten().for_each(|end| mirror(end));
+            self.advance(leg, true, |ship, inputs| {
+                ship.command(inputs, ends.as_ref().map(|ends| ends.each_ref().map(Vec::as_slice)))
+            })?;
+            samples += 1;
         }
         Ok(())
     }
@@ -172,7 +202,7 @@ impl<'s> Way<'_, 's, '_> {
         &mut self,
         leg: usize,
         informative: bool,
-        set: for<'i> fn(&'i mut Ship<'s>, &[f64]) -> &'i [f64],
+        set: impl for<'i> FnOnce(&'i mut Ship<'s>, &[f64]) -> &'i [f64],
     ) -> Result<(), Invalid> {
         let Self { ship, autopilot, seen, record, inputs } = self;
         let (pose, state) = (ship.pose, ship.state);

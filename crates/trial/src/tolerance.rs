@@ -2,6 +2,7 @@ use std::fmt;
 
 use engine::Pose;
 
+use crate::Stopped;
 use crate::grid::wrap;
 
 /// The distance from its node, and from a settled state there, within which a leg must end. It is the same
@@ -46,19 +47,31 @@ impl Astray {
 pub struct Used {
     /// 1 is the whole tolerance.
     pub part: f64,
-    /// The quantity, in words.
+    /// The quantity, in words; why there is none where all of it is used.
     pub of: &'static str,
 }
 
 impl Used {
     /// Of a vessel that is lost.
-    pub const LOST: Self = Self { part: f64::INFINITY, of: "motion" };
+    pub const LOST: Self = Self { part: f64::INFINITY, of: "motion out of all bounds" };
+    /// Of a vessel that does not complete its maneuver.
+    pub const UNFINISHED: Self =
+        Self { part: f64::INFINITY, of: "not done within its `duration_s` in the dictionary" };
+}
+
+impl From<Stopped> for Used {
+    fn from(stopped: Stopped) -> Self {
+        match stopped {
+            Stopped::Unfinished(_) => Self::UNFINISHED,
+            Stopped::Lost(_) => Self::LOST,
+        }
+    }
 }
 
 impl fmt::Display for Used {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.part.is_infinite() {
-            return write!(f, "{} out of all bounds", self.of);
+            return f.write_str(self.of);
         }
         write!(f, "{} {:.1} times its tolerance", self.of, self.part)
     }

@@ -43,6 +43,9 @@ pub struct Arguments {
 /// Options of planning a trial.
 #[derive(clap::Args)]
 pub(super) struct How {
+    /// The dictionary of the trajectories: maneuvers that react to the ship are sailed by their own commands
+    #[arg(long, conflicts_with = "problem", value_name = "dictionary.toml")]
+    pub(super) dictionary: Option<PathBuf>,
     /// Write a plan whose check runs aground or breaks the margin, too; every output is labelled as unsafe
     #[arg(long)]
     allow_unsafe: bool,
@@ -67,12 +70,12 @@ impl Task for Arguments {
             vessel: given(&self.vessel, "vessel")?,
             config: given(&self.config, "config")?,
             trajectories: given(&self.trajectories, "trajectories")?,
+            dictionary: self.how.dictionary.as_deref(),
             design: self.design.as_deref(),
             beyond_range: self.how.beyond_range,
             resumed: None,
         };
-        let inputs = [files.vessel, files.config, files.trajectories].into_iter().chain(files.design);
-        let out = common.main_output(MAIN, inputs)?;
+        let out = common.main_output(MAIN, files.inputs())?;
         self.how.plan(&files, &out, common, "plan")
     }
 }

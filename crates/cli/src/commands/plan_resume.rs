@@ -49,12 +49,12 @@ impl Task for Arguments {
             vessel: &self.vessel,
             config: &self.config,
             trajectories: &self.trajectories,
+            dictionary: self.how.dictionary.as_deref(),
             design: None,
             beyond_range: self.how.beyond_range,
             resumed: Some(Resumed { plan: &self.plan, done: self.done, from: &self.from }),
         };
-        let inputs = [files.vessel, files.config, files.trajectories, &self.plan];
-        let out = common.main_output(MAIN, inputs)?;
+        let out = common.main_output(MAIN, files.inputs())?;
         self.how.plan(&files, &out, common, "plan resume")
     }
 }

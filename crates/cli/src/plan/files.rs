@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use artifact::Provenance;
 use study::documents::{DesignDocument, PlanDocument};
 use study::files::{kept_to_data, read_plan, read_vessel};
-use study::plan::{PlanFile, in_tide, resumed, uncertain};
+use study::plan::{PlanFile, in_tide, programs, resumed, uncertain};
 use trial::voyage::{Brief, Place, Shares};
 
 use crate::cli::beside;
@@ -20,6 +20,8 @@ pub struct VoyageFiles<'a> {
     pub config: &'a Path,
     /// The dictionary's trajectories.
     pub trajectories: &'a Path,
+    /// `dictionary.toml`, for maneuvers that react to the ship.
+    pub dictionary: Option<&'a Path>,
     /// `design.json`, for counts that follow from its shares.
     pub design: Option<&'a Path>,
     /// Whether inputs may leave the range of the model's logs.
@@ -54,7 +56,13 @@ const ADDITIONAL: [&str; 9] = [
     "map.svg",
 ];
 
-impl VoyageFiles<'_> {
+impl<'a> VoyageFiles<'a> {
+    /// The files that are read, but for the charts.
+    pub fn inputs(&self) -> impl Iterator<Item = &'a Path> {
+        let others = [self.dictionary, self.design, self.resumed.as_ref().map(|own| own.plan)];
+        [self.vessel, self.config, self.trajectories].into_iter().chain(others.into_iter().flatten())
+    }
+
     /// Reads everything for a plan to be written to `out`, except its charts, and `plan.toml`, which names them.
     pub(super) fn read(
         &self,
@@ -77,9 +85,12 @@ impl VoyageFiles<'_> {
             None => task,
         };
         let dictionary = inputs::runs(self.trajectories, &vessel, provenance)?;
+        let programs = programs(self.dictionary, &vessel, &dictionary, provenance)?;
         let design = self.design.map(|path| inputs::document::<DesignDocument>(path, "design", provenance));
         let design = design.transpose()?.map(|d| Shares { order: d.order, share: d.shares });
-        Ok((Brief { vessel, task, layers: Vec::new(), chart_bytes: 0, dictionary, design, seed }, config))
+        let brief =
+            Brief { vessel, task, layers: Vec::new(), chart_bytes: 0, dictionary, programs, design, seed };
+        Ok((brief, config))
     }
 
     /// Refuses to overwrite an input: those next to `out`, and charts by the name of an output.
@@ -91,9 +102,7 @@ impl VoyageFiles<'_> {
     ) -> Result<(), Failure> {
         let folder = self.config.parent().unwrap_or(Path::new(""));
         let charts = config.chart.iter().map(|spec| folder.join(&spec.file));
-        let others = [Some(self.vessel), Some(self.config), Some(self.trajectories), self.design];
-        let inputs: Vec<PathBuf> =
-            charts.chain(others.into_iter().flatten().map(Path::to_path_buf)).collect();
+        let inputs: Vec<PathBuf> = charts.chain(self.inputs().map(Path::to_path_buf)).collect();
         let outputs: Vec<PathBuf> =
             ADDITIONAL.iter().map(|name| beside(out, MAIN, name)).chain([out.to_path_buf()]).collect();
         if let Some(problem) = problem {

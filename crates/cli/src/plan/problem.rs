@@ -5,7 +5,7 @@ use std::path::Path;
 use artifact::{Provenance, commit, read_json, stage_document};
 use lattice::{ProblemFile, plan};
 use serde_json::json;
-use study::documents::{PlanDocument, PlanStatus};
+use study::documents::PlanDocument;
 use study::plan::of_problem;
 
 use super::Limits;
@@ -40,13 +40,5 @@ pub fn plan_problem(
     let steps = document.steps.len();
     let details =
         json!({"status": status, "cost": cost, "lower_bound": lower_bound, "gap": gap, "steps": steps});
-    Ok(Summary::of(out, format!("{}, cost {cost}, {steps} steps", known(&document)), details))
-}
-
-/// The status of a plan; a feasible one with its gap.
-pub(super) fn known(document: &PlanDocument) -> String {
-    match document.status {
-        PlanStatus::Optimal => document.status.name().to_owned(),
-        PlanStatus::Feasible => format!("feasible (at most {} dearer than the best)", document.gap),
-    }
+    Ok(Summary::of(out, format!("{}, cost {cost}, {steps} steps", document.known()), details))
 }

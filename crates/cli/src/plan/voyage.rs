@@ -14,7 +14,6 @@ use trial::voyage::Search;
 
 use super::Limits;
 use super::files::{MAIN, VoyageFiles};
-use super::problem::known;
 use super::refusals;
 use crate::cli::{beside, budget};
 use crate::failure::Failure;
@@ -113,7 +112,7 @@ fn stage_map(planned: &Planned, out: &Path, provenance: &Provenance) -> Result<V
 fn summary(out: &Path, document: &PlanDocument) -> Summary {
     let PlanDocument { status, cost, cost_unit, lower_bound, gap, .. } = document;
     let steps = document.steps.len();
-    let mut said = format!("{}, {cost} {}, {steps} steps", known(document), cost_unit.name());
+    let mut said = format!("{}, {cost} {}, {steps} steps", document.known(), cost_unit.name());
     let mut details =
         json!({"status": status, "cost": cost, "lower_bound": lower_bound, "gap": gap, "steps": steps});
     if let Some(Voyage { duration_s, check, .. }) = &document.voyage {

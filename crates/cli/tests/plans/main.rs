@@ -28,6 +28,7 @@ mod lattice_problems;
 mod map;
 mod place_refusals;
 mod planned;
+mod programs;
 mod resume;
 mod routes;
 mod safety;

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use engine::{Command, Program, Seen};
+use engine::{Command, Program, Progress, Seen};
 use model::Vessel;
 
 use super::spec::{Sensors, Settings, Standard, steps};
@@ -45,6 +45,28 @@ enum Until {
     End,
 }
 
+impl Until {
+    /// What is waited for, in words.
+    fn what(self) -> &'static str {
+        match self {
+            Self::Seconds(_) | Self::End => "end of its orders",
+            Self::Heading(_) => "change of heading",
+            Self::Speed(_) => "speed",
+        }
+    }
+}
+
+/// When orders have been carried out.
+#[derive(Clone, Copy, Debug)]
+enum Ending {
+    /// They go on, but each has been given.
+    Open,
+    /// The condition of the last one is met.
+    Last,
+    /// The course has changed by so much to either side under the last one \[rad\].
+    Turned(f64),
+}
+
 /// Orders in their sequence.
 #[derive(Clone, Debug)]
 pub(crate) struct Orders(Arc<Sequence>);
@@ -54,6 +76,7 @@ struct Sequence {
     orders: Vec<Order>,
     /// The order that follows the last one.
     again: Option<usize>,
+    ending: Ending,
     /// The order at whose beginning the course is taken.
     course_at: usize,
     /// Helm for yaw rates.
@@ -88,6 +111,7 @@ impl Orders {
         let mut own = Sequence {
             orders: Vec::new(),
             again: None,
+            ending: Ending::Open,
             course_at: 0,
             turning: None,
             delay_s: 0.0,
@@ -106,6 +130,7 @@ impl Orders {
             }
             Standard::TurningCircle(turn) => {
                 own.hold(held, turn.hold_s);
+                own.ending = Ending::Turned(turn.turn_rad);
                 own.order(helm_of(turn.to.sign()), Until::End);
             }
             Standard::PullOut(turn) => {
@@ -114,12 +139,13 @@ impl Orders {
                 own.order(helm_of(0.0), Until::End);
             }
             Standard::SpiralTest(spiral) => {
+                own.ending = Ending::Last;
                 for part in steps(spiral.steps, true) {
                     own.order(helm_of(spiral.to.sign() * part), Until::Seconds(spiral.dwell_s));
                 }
             }
             Standard::ReverseSpiral(spiral) => {
-                own.sensors = spiral.sensors;
+                (own.sensors, own.ending) = (spiral.sensors, Ending::Last);
                 for part in steps(spiral.steps, false) {
                     let rate = spiral.to.sign() * part * spiral.yaw_rate_rad_s;
                     own.order(Act::Turn(rate), Until::Seconds(spiral.dwell_s));
@@ -130,6 +156,7 @@ impl Orders {
             }
             Standard::Stop(stop) => {
                 own.hold(held, stop.hold_s);
+                own.ending = Ending::Last;
                 own.order(Act::Set(helm), Until::Speed(stop.end_m_s()));
                 own.order(Act::Set(vec![0.0; held.len()]), Until::End);
             }
@@ -199,6 +226,8 @@ impl Program for Orders {
             sample: 0,
             course: (self.0.course_at == 0).then_some(0.0),
             heading: 0.0,
+            turned: 0.0,
+            is_round: false,
             speed: None,
             part: 0.0,
             turning: Loop::default(),
@@ -220,6 +249,10 @@ struct Helmsman {
     course: Option<f64>,
     /// Integral of the logged yaw rate \[rad\].
     heading: f64,
+    /// Change of heading after the last sample, as expected at its beginning \[rad\].
+    turned: f64,
+    /// Whether every order has been given once.
+    is_round: bool,
     /// Speed at the sample before \[m/s\].
     speed: Option<f64>,
     /// Part of the greatest helm that holds a yaw rate.
@@ -345,6 +378,7 @@ impl Command for Helmsman {
                 }
                 break;
             };
+            self.is_round |= next <= self.now;
             (self.now, self.since_s, self.due_s, from) = (next, at_s + to * length_s, None, to);
             if self.course.is_none() && next == program.course_at {
                 self.course = Some(heading + yaw_rate * to * length_s);
@@ -354,10 +388,30 @@ impl Command for Helmsman {
         self.ends = first.map(|first| [first, self.present(inputs.len())]);
         self.sample += 1;
         self.speed = Some(speed);
+        self.turned = heading + yaw_rate * length_s - self.course.unwrap_or(heading);
         self.heading += length_s * yaw_rate;
     }
 
     fn ends(&self) -> Option<[&[f64]; 2]> {
         self.ends.as_ref().map(|ends| ends.each_ref().map(Vec::as_slice))
+    }
+
+    fn progress(&self) -> Progress {
+        let program = &self.program;
+        let is_last = self.now + 1 == program.orders.len();
+        let is_given = if program.again.is_some() { self.is_round } else { is_last };
+        let until = program.orders[self.now].until;
+        match program.ending {
+            _ if !is_given => Progress::Waiting(until.what()),
+            Ending::Open => Progress::Open,
+            Ending::Turned(turn) if self.turned.abs() < turn => Progress::Waiting("change of heading"),
+            Ending::Turned(_) => Progress::Done,
+            Ending::Last => match until {
+                Until::Seconds(seconds) if self.sample as f64 / program.rate_hz < self.since_s + seconds => {
+                    Progress::Waiting(until.what())
+                }
+                _ => Progress::Done,
+            },
+        }
     }
 }

@@ -1,6 +1,8 @@
 //! Standard maneuvers: orders that are executed where the ship has turned, and their figures of merit.
 
-use engine::simulate_command;
+use std::f64::consts::PI;
+
+use engine::{Pose, Progress, Seen, Ship, simulate_command};
 use maneuver::merit::{Figure, Hull, Record, figures};
 use maneuver::{DictionaryFile, Generator};
 use model::{Actuator, Source, Vessel, VesselFile};
@@ -472,4 +474,68 @@ fn a_turn_without_its_pull_out_has_no_figures() {
     let cut = begun(&record, 500);
     let refused = figures(standard, &cut, &hull).unwrap_err().to_string();
     assert!(refused.contains("found 49.9 s, expected more than 60 s"), "{refused}");
+}
+
+/// How far the commands of a maneuver have come after every sample, with heading \[rad\] and speed \[m/s\] there.
+fn progress(keys: &str, duration_s: f64) -> Vec<(Progress, f64, f64)> {
+    let vessel = ship(4.0);
+    let generator = generator(&vessel, keys, duration_s);
+    let samples = generator.samples(0).unwrap();
+    let mut command = generator.program(0, samples).unwrap().unwrap().begin();
+    let parameters = vessel.parameters(Source::Value).unwrap();
+    let mut ship = Ship::new(&vessel, &parameters, Pose::default(), 1.2);
+    let mut inputs = vec![0.0; 2];
+    let mut step = |_| {
+        let seen = Seen { state: ship.state, own: ship.state, pose: ship.pose };
+        command.command(&seen, &mut inputs);
+        ship.command(&inputs, command.ends());
+        (command.progress(), ship.pose.psi, ship.state[0])
+    };
+    (0..samples).map(&mut step).collect()
+}
+
+#[test]
+fn law_commands_are_over_where_the_ship_has_done_what_they_are_for() {
+    let until_done =
+        |own: &[(Progress, f64, f64)]| own.iter().position(|(at, ..)| *at == Progress::Done).unwrap();
+    let circle = progress("kind = \"turning-circle\"\nhelm = { delta = 0.6 }\nhold_s = 5.0", 200.0);
+    let end = until_done(&circle);
+    assert!(
+        circle[end].1 >= 2.9 * PI && circle[end - 1].1 < 3.0 * PI + 1e-9,
+        "{} {}",
+        circle[end].1,
+        circle[end - 1].1
+    );
+    assert!((circle[end].1 - 3.0 * PI).abs() < 0.02, "{}", circle[end].1);
+    assert!(circle[..end].iter().all(|(at, ..)| matches!(at, Progress::Waiting(_))));
+    let stop = progress("kind = \"stop\"\ninputs = { n = -1.0 }", 100.0);
+    let end = until_done(&stop);
+    assert!(
+        stop[end].2.abs() < 0.02 && stop[..end].iter().all(|(_, _, speed)| *speed > 0.0),
+        "{:?}",
+        stop[end]
+    );
+    // So many steps of four seconds.
+    let spiral = progress("kind = \"spiral-test\"\nhelm = { delta = 0.3 }\nsteps = 1\ndwell_s = 4.0", 100.0);
+    let orders = until_done(&spiral) + 1;
+    assert_eq!(orders % 16, 0, "{orders}");
+    assert!(orders > 16);
+}
+
+#[test]
+fn law_a_zig_zag_may_end_once_the_helm_went_over_to_either_side() {
+    let zig_zag = progress("kind = \"zig-zag-test\"\nhelm = { delta = 0.3 }\nheading_rad = 0.3", 100.0);
+    let open = zig_zag.iter().position(|(at, ..)| *at == Progress::Open).unwrap();
+    assert!(zig_zag[open..].iter().all(|(at, ..)| *at == Progress::Open));
+    let before = &zig_zag[..open];
+    assert!(before.iter().all(|(at, ..)| *at == Progress::Waiting("change of heading")));
+    let headings = || before.iter().map(|(_, psi, _)| *psi);
+    assert!(headings().fold(0.0, f64::max) >= 0.3 && headings().fold(0.0, f64::min) > -0.3);
+    assert!(zig_zag[open].1 <= -0.28, "{}", zig_zag[open].1);
+    let motion = "kind = \"zig-zag\"\nshape = \"sine\"\nyaw_rate_amplitude_rad_s = 0.05\nperiod_s = 20.0";
+    assert!(
+        progress(&format!("{motion}\nexecuted = \"feedback\""), 40.0)
+            .iter()
+            .all(|(at, ..)| *at == Progress::Open)
+    );
 }

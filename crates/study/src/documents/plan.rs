@@ -41,6 +41,14 @@ pub struct PlanDocument {
 }
 
 impl PlanDocument {
+    /// Its status; of a feasible plan with its gap.
+    pub fn known(&self) -> String {
+        match self.status {
+            PlanStatus::Optimal => self.status.name().to_owned(),
+            PlanStatus::Feasible => format!("feasible (at most {} dearer than the best)", self.gap),
+        }
+    }
+
     /// Messages about its charts, one line each.
     pub fn messages(&self) -> impl Iterator<Item = String> {
         let uncharted = self.voyage.as_ref().and_then(Voyage::uncharted);

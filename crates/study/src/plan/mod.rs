@@ -13,6 +13,7 @@ mod document;
 mod exchange_set;
 mod file;
 mod map;
+mod programs;
 mod resume;
 mod routes;
 mod slot;
@@ -31,6 +32,7 @@ pub use file::{
     ApproachSpec, AreaSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile, SensorSpec, SlotSpec, TideSpec,
 };
 pub use map::map_of;
+pub use programs::programs;
 pub use resume::{place, resumed};
 pub use routes::{NamedFile, Routes};
 pub use tide::in_tide;

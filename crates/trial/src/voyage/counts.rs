@@ -12,7 +12,7 @@ const MOST_USES: f64 = 1e6;
 /// A piece with the number of its uses.
 #[derive(Clone, Debug)]
 pub struct Wanted {
-    /// The piece that is run open loop as one use.
+    /// The piece that is run as one use.
     pub piece: Piece,
     /// How often.
     pub count: u32,
@@ -57,7 +57,9 @@ impl Brief {
             return Err(VoyageError::UnknownManeuver { name: wanted.name.clone(), known: names().collect() });
         };
         let target = wanted.piece_s.map(|s| self.vessel.samples(s));
-        Ok(Piece::whole(&self.vessel, run).cut(target)?)
+        let helm = self.programs.get(&wanted.name).cloned();
+        let whole = Piece { helm, ..Piece::whole(&self.vessel, run) };
+        Ok(whole.cut(target)?.timed(&self.vessel)?)
     }
 
     /// n_q = N_q / N′_q, rounded, with N_q = share × time.

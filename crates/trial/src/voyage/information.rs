@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::moment_sums::MomentSums;
 use super::prepared::Prepared;
-use crate::{Piece, Purpose, Sailed};
+use crate::{Piece, Sailed};
 
 /// log|det| of the information, per the nominal model; none where a direction is not excited at all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -55,10 +55,7 @@ impl Prepared {
 
     /// The pieces of the informative ones among `legs`.
     fn pieces_of<'a>(&'a self, legs: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
-        legs.iter().filter_map(|leg| match self.legs[*leg].leg.purpose {
-            Purpose::Informative { piece, .. } => Some(piece),
-            Purpose::Basic(_) => None,
-        })
+        legs.iter().filter_map(|leg| self.legs[*leg].leg.purpose.piece())
     }
 
     fn promised(&self, legs: &[usize]) -> MomentSums {

@@ -26,9 +26,9 @@ pub struct VoyageLeg {
     pub start_s: f64,
     /// How long it takes \[s\].
     pub duration_s: f64,
-    /// When its open-loop part begins \[s\]; after the steady approach.
+    /// When its maneuver begins \[s\]; after the steady approach.
     pub maneuver_start_s: Option<f64>,
-    /// How long the open-loop part takes \[s\].
+    /// How long the maneuver takes \[s\].
     pub maneuver_s: Option<f64>,
     /// Longitude of its first node.
     pub longitude_deg: f64,
@@ -60,7 +60,7 @@ pub struct Primitive {
     pub dj: i64,
     /// Heading level at its end.
     pub to_h: u64,
-    /// Open-loop part \[s\].
+    /// The maneuver \[s\].
     pub maneuver_s: f64,
     /// With approach and recovery \[s\].
     pub leg_s: f64,
@@ -139,7 +139,7 @@ impl SailedPlan<'_> {
             di: i64::from(own.leg.di),
             dj: i64::from(own.leg.dj),
             to_h: to as u64,
-            maneuver_s: own.open_loop() as f64 / rate_hz,
+            maneuver_s: own.maneuver() as f64 / rate_hz,
             leg_s: own.seconds(rate_hz),
             residual_m: libm::hypot(own.end.x - north, own.end.y - east),
             residual_deg: if turned > 180.0 { turned - 360.0 } else { turned },

@@ -8,7 +8,7 @@ use super::counts::Wanted;
 use super::settled_legs::SettledLeg;
 use super::task::{CostRule, Primary, Secondary};
 use super::waters::CLEARANCE_CLASSES;
-use crate::{Leg, Purpose};
+use crate::Leg;
 
 /// The lattice's actions, and the legs of their moves.
 #[derive(Clone, Debug)]
@@ -26,8 +26,11 @@ impl Moves {
         let classes = if rule.secondary == Secondary::Clearance { CLEARANCE_CLASSES } else { 1 };
         for (index, own) in legs.iter().enumerate() {
             let action = moves.action(own, wanted);
+            // The time of a maneuver that reacts differs by vessel: the cost bounds it.
+            let reacts = own.leg.purpose.piece().is_some_and(|piece| wanted[piece].piece.helm.is_some());
+            let seconds = if reacts { own.longest as f64 / rate_hz } else { own.seconds(rate_hz) };
             for class in 0..classes {
-                let cost = cost(own, rule, class, rate_hz);
+                let cost = cost(own, rule, class, seconds);
                 let Leg { from, di, dj, to, .. } = own.leg;
                 moves.actions[action].moves.push(Move { from, di, dj, to, cost });
                 moves.legs[action].push((index, class));
@@ -40,10 +43,7 @@ impl Moves {
         if let Some(known) = self.actions.iter().position(|a| a.name == own.name) {
             return known;
         }
-        let required = match own.leg.purpose {
-            Purpose::Informative { piece, .. } => wanted[piece].count,
-            Purpose::Basic(_) => 0,
-        };
+        let required = own.leg.purpose.piece().map_or(0, |piece| wanted[piece].count);
         self.actions.push(Action { name: own.name.clone(), required, moves: Vec::new() });
         self.legs.push(Vec::new());
         self.actions.len() - 1
@@ -58,8 +58,7 @@ impl Moves {
     }
 }
 
-fn cost(own: &SettledLeg, rule: &CostRule, class: usize, rate_hz: f64) -> Cost {
-    let seconds = own.seconds(rate_hz);
+fn cost(own: &SettledLeg, rule: &CostRule, class: usize, seconds: f64) -> Cost {
     let primary = match rule.primary {
         Primary::BasicMoves => f64::from(u8::from(!own.is_informative())),
         Primary::Seconds => seconds,

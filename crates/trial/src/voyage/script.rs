@@ -32,7 +32,7 @@ impl Script<'_> {
         }
         autopilot.known_current_m_s = brief.task.known_current_m_s;
         let mirror = mirror.as_deref().unwrap_or_default();
-        simulate_legs(self.legs.iter().copied(), pieces, mirror, &mut ship, &mut autopilot, record)
+        Ok(simulate_legs(self.legs.iter().copied(), pieces, mirror, &mut ship, &mut autopilot, record)?)
     }
 
     /// The trajectory of a vessel with `parameters`.

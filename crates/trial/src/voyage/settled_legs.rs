@@ -26,6 +26,8 @@ pub struct SettledLeg {
     pub sailed: Sailed,
     /// Its end.
     pub end: Pose,
+    /// The longest time that it takes the nominal or a sampled vessel \[samples\].
+    pub longest: usize,
     /// The sampled vessel, in an unknown current and from its offset, that is farthest from the nominal one at
     /// the same time before the recovery.
     pub farthest: Option<Farthest>,
@@ -91,8 +93,8 @@ impl SettledLeg {
         self.sailed.samples.len() as f64 / rate_hz
     }
 
-    /// Duration of its open-loop part \[samples\].
-    pub fn open_loop(&self) -> usize {
+    /// Duration of its maneuver \[samples\].
+    pub fn maneuver(&self) -> usize {
         self.sailed.samples.iter().filter(|s| s.informative).count()
     }
 
@@ -199,9 +201,19 @@ impl LegSimulation<'_> {
 
     fn settled_leg(&self, settled: Settled, group: usize) -> Result<SettledLeg, Invalid> {
         let footprint = self.footprint(&settled)?;
-        let Settled { leg, sailed, farthest, .. } = settled;
+        let Settled { leg, sailed, farthest, tracks } = settled;
         let end = end(&sailed);
-        Ok(SettledLeg { name: self.name(&leg.purpose), leg, sailed, end, farthest, footprint, group })
+        let longest = tracks.iter().map(|poses| poses.len() - 1).fold(sailed.samples.len(), usize::max);
+        Ok(SettledLeg {
+            name: self.name(&leg.purpose),
+            leg,
+            sailed,
+            end,
+            longest,
+            farthest,
+            footprint,
+            group,
+        })
     }
 
     fn footprint(&self, Settled { sailed, tracks, .. }: &Settled) -> Result<Footprint, Invalid> {

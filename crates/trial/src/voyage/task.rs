@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use chart::Layer;
-use engine::Run;
+use engine::{Helm, Run};
 use model::Vessel;
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +23,8 @@ pub struct Brief {
     pub chart_bytes: u64,
     /// The dictionary's maneuvers, one per run.
     pub dictionary: Vec<Run>,
+    /// The commands of those that react to the ship, by name.
+    pub programs: BTreeMap<String, Helm>,
     /// The design's shares, for counts that follow from them.
     pub design: Option<Shares>,
     /// Seed of the sampled vessels' parameters and of the currents of checks.

@@ -36,7 +36,9 @@ fn ship(folder: &str) -> (Vessel, Vec<Piece>) {
         let samples = generator.samples(q).unwrap();
         let realized = generator.realize(q, samples).unwrap();
         let (maneuver, speed_m_s) = (generator.maneuvers()[q].name.clone(), realized.initial[0]);
-        Piece { maneuver, speed_m_s, inputs: realized.inputs, samples, helm: None }.cut(None).unwrap()
+        let own =
+            Piece { maneuver, speed_m_s, inputs: realized.inputs, samples, longest: samples, helm: None };
+        own.cut(None).unwrap()
     };
     let pieces = (0..generator.maneuvers().len()).map(piece).collect();
     (vessel, pieces)
@@ -173,7 +175,8 @@ fn law_no_input_of_a_leg_changes_faster_than_its_actuator_and_legs_still_end_set
     let mirror = mirror(&vessel);
     // The rudder goes over at once, as commands do.
     let inputs: Vec<f64> = (0..240).flat_map(|k| [250.0, if k / 60 % 2 == 0 { 0.3 } else { -0.3 }]).collect();
-    let piece = Piece { maneuver: "zig-zag".to_owned(), speed_m_s: 4.0, samples: 240, inputs, helm: None };
+    let (maneuver, speed_m_s) = ("zig-zag".to_owned(), 4.0);
+    let piece = Piece { maneuver, speed_m_s, samples: 240, longest: 240, inputs, helm: None };
     let repertoire = Repertoire {
         handling: &handling,
         approach: &approach,

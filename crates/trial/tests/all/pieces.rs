@@ -13,6 +13,7 @@ fn piece(inputs: &[f64]) -> Piece {
         speed_m_s: 1.0,
         inputs: inputs.to_vec(),
         samples: inputs.len(),
+        longest: inputs.len(),
         helm: None,
     }
 }

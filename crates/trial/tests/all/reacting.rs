@@ -1,12 +1,13 @@
 //! Maneuvers that react to the ship, without support elsewhere.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use engine::{
     Axes, Command, Current, Disturbances, Helm, Measurement, Program, Seen, Wind, simulate_one, track,
 };
 use maneuver::{DictionaryFile, Generator};
 use model::{Actuator, Source, Vessel};
+use refusal::Invalid;
 use trial::campaign::{Campaign, Designed, Maneuvers, Sea, Settings, SimulatedRun, Wanted};
 use trial::{Piece, Purpose, Side, mirror};
 
@@ -216,4 +217,51 @@ fn law_a_heading_trigger_runs_in_the_legs_of_a_plan() {
         }
         assert!(over >= 2, "{side:?}: {over}");
     }
+}
+
+/// A standard maneuver of the vessel of Helsinki, as it is planned.
+fn planned(keys: &str, speed_m_s: f64, seconds: usize) -> Result<(Vessel, Piece), Invalid> {
+    let (vessel, _) = study();
+    let text =
+        format!("[[maneuver]]\nname = \"m\"\nspeed_m_s = {speed_m_s:.1}\nduration_s = {seconds}.0\n{keys}\n");
+    let dictionary: DictionaryFile = toml::from_str(&text).unwrap();
+    let generator = Generator::without_tables(&vessel, &dictionary).unwrap();
+    let inputs = generator.realize(0, seconds).unwrap().inputs;
+    let helm = generator.program(0, seconds).unwrap();
+    let piece =
+        Piece { maneuver: "m".to_owned(), speed_m_s, inputs, samples: seconds, longest: seconds, helm };
+    let piece = piece.timed(&vessel)?;
+    Ok((vessel, piece))
+}
+
+#[test]
+fn law_a_circle_of_a_plan_ends_where_each_vessel_has_turned() {
+    let circle = "kind = \"turning-circle\"\nhelm = { tau3 = 200.0 }\nturn_rad = 7.0";
+    let (vessel, piece) = planned(circle, 1.5, 400).unwrap();
+    assert!(piece.samples < piece.longest && piece.inputs.len() == 3 * piece.samples);
+    let (signs, grid) = (mirror(&vessel).unwrap(), grid(8));
+    let repertoire = repertoire(&vessel, &grid, std::slice::from_ref(&piece), Some(&signs), [0.0; 2]);
+    let all = others(&vessel);
+    for outcome in repertoire.informative(0, 0, &all).unwrap() {
+        let settled = outcome.unwrap_or_else(|unsettled| panic!("{unsettled:?}"));
+        let own: Vec<_> = settled.sailed.samples.iter().filter(|sample| sample.informative).collect();
+        assert_eq!(own.len(), piece.samples);
+        let after =
+            settled.sailed.samples.iter().skip_while(|sample| !sample.informative).nth(own.len()).unwrap();
+        let turned = (after.pose.psi - own[0].pose.psi).abs();
+        assert!((turned - 7.0).abs() < 0.1, "{turned}");
+        // The others need other times for it.
+        let lengths: BTreeSet<usize> = settled.tracks.iter().map(Vec::len).collect();
+        assert!(lengths.len() > 2, "{lengths:?}");
+    }
+}
+
+#[test]
+fn a_program_that_the_nominal_vessel_does_not_come_to_the_end_of_is_refused() {
+    let circle = "kind = \"turning-circle\"\nhelm = { tau3 = 200.0 }";
+    let refused = planned(circle, 1.5, 60).unwrap_err().to_string();
+    assert!(
+        refused.contains("maneuver `m`: found its change of heading not reached after 60 s"),
+        "{refused}"
+    );
 }
