@@ -135,13 +135,13 @@ def campaign(path: Path, seed: int, trials: int, std: float) -> None:
     path.write_text(size + CAMPAIGN.format(std=std))
 
 
-def design(a: argparse.Namespace, folder: Path) -> None:
+def design(a: argparse.Namespace, folder: Path, length: tuple[str, ...] = ("--duration-s", "125")) -> None:
     """The trial that the nominal ship alone gives, `design.json`."""
     nominal = ("--vessel", "nominal.toml")
     run(a, folder, "simulate", "dictionary", *nominal, "--dictionary", "dictionary.toml", "--out", "dictionary.parquet")
     noise = ("--campaign", "campaign.toml", "--estimator", "output-error")
     run(a, folder, "moments", *nominal, "--trajectories", "dictionary.parquet", *noise, "--out", "moments.json")
-    criterion = ("--for", "output-error", "--criterion", "a-relative", "--duration-s", "125")
+    criterion = ("--for", "output-error", "--criterion", "a-relative", *length)
     run(a, folder, "design", "--moments", "moments.json", *criterion, "--out", "design.json")
 
 
