@@ -24,14 +24,6 @@ import wrong_nominal
 
 DESIGNED = ("--campaign", "campaign.toml", "--estimator", "output-error")
 AFTER = 3
-# A validation maneuver that every nominal ship can hold; nothing here depends on it.
-SLOW = """[[validation.maneuver]]
-name = "slow"
-kind = "accelerate"
-duration_s = 20.0
-from_m_s = 0.2
-to_m_s = 0.3
-"""
 
 
 def main() -> None:
@@ -80,8 +72,7 @@ def ratios(a: argparse.Namespace, folder: Path, seed: int) -> dict[str, list[flo
         limits += f"inputs = {{ {bounds} }}\n"
     head = 'duration_s = 20.0\ninputs_from = "nominal"\n\n[generate]\ncandidates = 600\n'
     (folder / "dictionary.toml").write_text(f'{head}executed = "{a.executed}"\n{limits}')
-    size = f"seed = {seed}\nrealizations = {a.trials}\nduration_s = 125.0\n"
-    (folder / "campaign.toml").write_text(size + wrong_nominal.CAMPAIGN.split("[[validation.maneuver]]")[0] + SLOW)
+    wrong_nominal.campaign(folder / "campaign.toml", seed, a.trials, wrong_nominal.FULL_STD)
     run = lambda *arguments: wrong_nominal.run(a, folder, *arguments)
     of_design = ("--vessel", "nominal.toml", "--trajectories", "dictionary.parquet")
     run("simulate", "dictionary", "--vessel", "nominal.toml", "--dictionary", "dictionary.toml", "--out", "dictionary.parquet")

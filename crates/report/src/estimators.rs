@@ -27,7 +27,9 @@ pub(super) fn estimators(study: &Study) -> Option<Section> {
                 p.note {
                     "Bias and spread: 2-norms over the parameters of (mean − truth)/truth and of the standard deviation over the truth's \
                      modulus, over the runs with an estimate. Parameter and simulation errors count a run without an estimate as infinite. \
-                     Kept: the last estimate before a simulation with refined instruments diverged."
+                     Kept: the last estimate before a simulation with refined instruments diverged. \
+                     Identified, instruments by output error: the nominal model diverges over the run, so the instruments of iv are \
+                     simulated by the run's own model of least output error; it counts as a run with an estimate."
                 }
             }))
         }

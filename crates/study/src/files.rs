@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Digest, Error, Provenance, read_document};
 use maneuver::Generator;
-use model::VesselFile;
+use model::{Source, VesselFile};
 use refusal::Invalid;
 
 use crate::campaign_file::CampaignFile;
@@ -58,6 +58,11 @@ pub fn kept_to_data(path: &Path, vessel: Vessel, beyond: bool) -> Result<Vessel,
 /// The `model.json` in a vessel's place; `None` for a `vessel.toml`.
 pub fn read_model(path: &Path) -> Result<Option<ModelDocument>, Error> {
     is_model(path).then(|| read_document(path).map(|read| read.data)).transpose()
+}
+
+/// Whether the best known parameters of `vessel`, read from `path`, are a guess: nominal ones, no true ones and no estimates.
+pub fn is_guess(path: &Path, vessel: &Vessel) -> bool {
+    vessel.best_known() == Source::Nominal && !is_model(path)
 }
 
 /// Refuses an average, whose models do not have one structure.

@@ -12,7 +12,7 @@ use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::design_files::read_limits;
 use study::documents::{DesignDocument, RefinedFiles};
-use study::files::{read_campaign, read_dictionary, read_vessel};
+use study::files::{is_guess, read_campaign, read_dictionary, read_vessel};
 use trial::campaign::Plan;
 use trial::moments::check_constants;
 use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
@@ -70,7 +70,8 @@ impl Task for Refine {
         check_constants(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let found = search(self, &vessel, &mut provenance, common.quiet)?;
         settings(self, &found, &mut provenance);
-        let files = RefinedFiles { vessel: &vessel, found: &found };
+        let is_guess = is_guess(&self.vessel, &vessel);
+        let files = RefinedFiles { vessel: &vessel, found: &found, is_guess };
         let document = files.document();
         let [csv, dictionary, design] = &others;
         let refined = files.dictionary();
@@ -88,7 +89,7 @@ impl Task for Refine {
             "before": document.before.value, "after": document.after.value, "worth": document.worth,
             "iterations": document.iterations, "settled": document.settled,
         });
-        Ok(Summary::of(&out, &document.statement, details))
+        Ok(Summary::of(&out, document.summary(), details))
     }
 }
 

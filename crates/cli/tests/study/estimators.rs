@@ -2,6 +2,7 @@
 
 use std::sync::LazyLock;
 
+use identification::EstimateStatus;
 use tempfile::TempDir;
 
 use crate::support::*;
@@ -92,6 +93,9 @@ fn documents_and_page_tell_of_every_estimator_and_the_study_stays_that_of_instru
     for name in NAMES {
         assert!(page.contains(&format!("<th scope=\"row\">{name}</th>")), "{name}");
     }
+    // Statuses of estimates that the counts do not tell apart are explained.
+    let status = EstimateStatus::OwnInstruments.name();
+    assert!(page.to_lowercase().contains(&format!("{status}: the nominal model diverges over the run")));
     let said = validation["data"]["recommendations"][0]["statement"].as_str().unwrap();
     assert!(page.contains(said), "{said}");
     // The parameters are those of the recommended estimator.

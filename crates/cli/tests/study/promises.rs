@@ -142,6 +142,38 @@ fn law_a_promise_by_a_guess_has_a_range_and_one_by_the_truth_has_none() {
 }
 
 #[test]
+fn law_a_refined_design_promises_the_range_of_inputs_where_its_parameters_are_a_guess() {
+    let folder = sailed();
+    std::fs::create_dir(folder.path().join("refined")).unwrap();
+    let refine = "design refine --allow-mixed --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign \
+         campaign.toml --iterations 2 --out refined/";
+    // Motions by feedback are refined as inputs, too.
+    for executed in ["inputs", "feedback"] {
+        put(&folder, "dictionary.toml", &MANEUVERS.replace("\"inputs\"", &format!("\"{executed}\"")));
+        let said = run(&folder, refine).succeeds();
+        let found = data(&folder, "refined/refined.json");
+        let (promise, error) = (&found["promise"], number(&found["after"]["parameter_error"]));
+        assert_eq!(number(&promise["parameter_error"]), error);
+        let over = |end: usize| error / number(&promise["range"][end]);
+        assert!((over(0) - 5.4).abs() < 1e-9 && (over(1) - 0.26).abs() < 1e-9, "{promise}");
+        assert_eq!(&data(&folder, "refined/design.json")["promise"], promise);
+        let stated = promise["statement"].as_str().unwrap();
+        assert!(
+            said.stdout.contains(stated) && !found["statement"].to_string().contains(stated),
+            "{}",
+            said.stdout
+        );
+    }
+    for known in ["true.toml", "model.json"] {
+        let said = run(&folder, &refine.replace("vessel.toml", known)).succeeds();
+        assert!(!said.stdout.contains("Promised"), "{known}: {}", said.stdout);
+        for file in ["refined/refined.json", "refined/design.json"] {
+            assert!(data(&folder, file).get("promise").is_none(), "{known}: {file}");
+        }
+    }
+}
+
+#[test]
 fn law_motions_that_ships_miss_are_warned_of_with_a_remedy() {
     let folder = sailed();
     let found = data(&folder, "design.json")["unreached"].clone();
@@ -160,10 +192,7 @@ fn law_motions_that_ships_miss_are_warned_of_with_a_remedy() {
     assert!(said.contains("executed = \"feedback\"") && said.contains("of 64 ships"), "{said}");
     // A model of which little is uncertain reaches its motions, and promises without a guess.
     change(&folder, "model.json", |model| {
-        let entries = model["data"]["degrees"].as_array().unwrap().iter();
-        let names: Vec<Value> = entries
-            .flat_map(|degree| degree["parameters"].as_array().unwrap().iter().map(|p| p["name"].clone()))
-            .collect();
+        let names: Vec<String> = standard_errors(&model["data"]).into_iter().map(|(name, _)| name).collect();
         let n = names.len();
         let zeros: Vec<f64> = vec![0.0; n * n];
         model["data"]["covariance"] = serde_json::json!({"joint": true, "names": names, "entries": zeros});
@@ -240,6 +269,78 @@ fn oracle_an_update_compares_promised_and_estimated_errors_over_fixed_scales() {
     assert!((number(&found["criterion"]["error"]["now"]) / now.sqrt() - 1.0).abs() < 1e-9, "{found}");
     assert!((number(&found["after_another"]) - now.sqrt() / 2.0_f64.sqrt()).abs() < 1e-9);
     assert!((number(&found["duration_s"]) - samples / 8.0).abs() < 1e-9);
+}
+
+#[test]
+fn oracle_figures_of_an_update_have_the_errors_that_slopes_and_covariance_give() {
+    let folder = sailed();
+    let circle = "name = \"circle\"\nkind = \"turning-circle\"\nspeed_m_s = 0.6\nhelm = { tau3 = 150.0 }\nduration_s = 120.0";
+    put(&folder, "circle.toml", &format!("[[maneuver]]\n{circle}\n"));
+    let slopes =
+        "validate merit --vessel vessel.toml --dictionary circle.toml --length-m 2 --slopes --out merit.json";
+    run(&folder, slopes).succeeds();
+    run(&folder, &format!("{DESIGN} --figures merit.json")).succeeds();
+    trial(&folder);
+    let update = format!("{MIXED} --figures merit.json");
+    run(&folder, &update).succeeds();
+    // The estimate of one run has standard errors without covariances.
+    figures_follow(&folder, 0.0);
+    change(&folder, "model.json", |model| correlate(model, -0.6));
+    run(&folder, &update).succeeds();
+    figures_follow(&folder, -0.6);
+    // Without the file they are left out, and the update says so.
+    run(&folder, MIXED).succeeds();
+    let without = data(&folder, "update.json");
+    assert!(without.get("figures").is_none_or(|all| all.as_array().unwrap().is_empty()), "{without}");
+    assert!(without["statements"].to_string().contains("without --figures"), "{without}");
+}
+
+/// Names and standard errors of the parameters of a `model.json`.
+fn standard_errors(model: &Value) -> Vec<(String, f64)> {
+    let degrees = model["degrees"].as_array().unwrap().iter();
+    let all = degrees.flat_map(|degree| degree["parameters"].as_array().unwrap());
+    all.map(|own| (own["name"].as_str().unwrap().to_owned(), number(&own["standard_error"]))).collect()
+}
+
+/// Gives a model a covariance in which parameters that are k apart have the correlation `next`ᵏ, the last parameter first.
+fn correlate(model: &mut Value, next: f64) {
+    let mut own = standard_errors(&model["data"]);
+    own.reverse();
+    let entry = |i: usize, j: usize| own[i].1 * own[j].1 * next.powi(i.abs_diff(j) as i32);
+    let n = own.len();
+    let entries: Vec<f64> = (0..n * n).map(|k| entry(k / n, k % n)).collect();
+    let names: Vec<&str> = own.iter().map(|(name, _)| name.as_str()).collect();
+    model["data"]["covariance"] = serde_json::json!({"joint": true, "names": names, "entries": entries});
+}
+
+/// Compares the figures of `update.json` with gᵀCg: slopes g of `merit.json`, C as [`correlate`] gives it to `model.json`.
+fn figures_follow(folder: &TempDir, next: f64) {
+    let of = |name: &str| data(folder, name);
+    let (found, merit, model, design) =
+        (of("update.json"), of("merit.json"), of("model.json"), of("design.json"));
+    let errors = standard_errors(&model);
+    let shorter = (number(&design["figures"]["samples"]) / number(&model["samples"])).sqrt();
+    let figures = found["figures"].as_array().unwrap();
+    assert!(figures.len() > 3, "{found}");
+    for own in figures {
+        let same = |all: &Value| {
+            all.as_array().unwrap().iter().find(|other| other["name"] == own["name"]).unwrap().clone()
+        };
+        let figure = same(&merit["maneuvers"][0]["figures"]);
+        // Distances are in ship lengths there, in metres here.
+        let metres = if figure["unit"] == "L" { number(&merit["length_m"]) } else { 1.0 };
+        let share = |(name, error): &(String, f64)| metres * number(&figure["slopes"][name]) * error;
+        let shares: Vec<f64> = errors.iter().map(share).collect();
+        let products = |i: usize| {
+            let one = |(j, share): (usize, &f64)| share * next.powi(i.abs_diff(j) as i32);
+            shares[i] * shares.iter().enumerate().map(one).sum::<f64>()
+        };
+        let now = (0..shares.len()).map(products).sum::<f64>().sqrt();
+        let stated = &own["standard_error"];
+        assert!(now > 0.0 && (number(&stated["now"]) / now - 1.0).abs() < 1e-9, "{own}: {now}");
+        let promised = shorter * number(&same(&design["figures"]["figures"])["standard_error"]);
+        assert!((number(&stated["promised"]) / promised - 1.0).abs() < 1e-9, "{own}: {promised}");
+    }
 }
 
 #[test]

@@ -63,6 +63,12 @@ fn law_figures_of_simulated_runs_are_those_of_the_simulation() {
     // Steps of a minute are too short for the turn to settle: a stable ship seems to have a loop, and has none.
     assert!(value("spiral", "loop_width") > 1.0 && value("reverse-spiral", "loop_width") < 0.1);
     assert_eq!(of("zig-zag-10-starboard")["figures"][1]["passes"], true);
+    // The stop of this dictionary is full astern.
+    let reach = &of("crash-stop")["figures"][0];
+    assert_eq!(
+        (&reach["name"], &reach["most"], &reach["passes"]),
+        (&"track_reach".into(), &15.0.into(), &true.into())
+    );
     let table = TableReader::open(folder.path().join("merit.parquet"), "merit-rows", 1).unwrap();
     let figures: usize = first.iter().map(|own| own["figures"].as_array().unwrap().len()).sum();
     assert_eq!(table.rows(), figures);
@@ -448,7 +454,7 @@ fn actuators_that_cannot_be_are_refused_by_key() {
 #[test]
 fn inputs_of_one_side_are_kept_to_in_every_maneuver_or_refused() {
     let folder = coaster();
-    edit(&folder, "vessel.toml", "range = [-1.2, 1.2]", "range = [0.0, 1.2]");
+    edit(&folder, "vessel.toml", "range = [-1.0, 1.2]", "range = [0.0, 1.2]");
     refused(&folder, 3, DICTIONARY, &["maneuver `crash-stop`", "`inputs`", "n = -", "from 0 to 1.2"]);
     let keys = "kind = \"stop\"\nspeed_m_s = 7.0\nduration_s = 1500.0";
     one(&folder, keys);

@@ -26,5 +26,5 @@ pub(super) const ADVANCE: f64 = 4.5;
 pub(super) const TACTICAL_DIAMETER: f64 = 5.0;
 /// Track run with 10° of helm until the heading has changed by 10° \[ship lengths\].
 pub(super) const INITIAL_TURNING: f64 = 2.5;
-/// Track reach of a full astern stop \[ship lengths\].
+/// Track reach of a full astern stop \[ship lengths\]; it says nothing of stops with less, nor of inertial ones.
 pub(super) const STOPPING: f64 = 15.0;

@@ -48,6 +48,9 @@ fn angle(helm: &Settings, vessel: &Vessel) -> Option<f64> {
     }
 }
 
+/// By what part of its range an input counts as at the end of it.
+const NEARLY: f64 = 0.98;
+
 /// Whether an angle is so many degrees.
 fn is_degrees(angle: f64, degrees: f64) -> bool {
     (angle.to_degrees() - degrees).abs() < 0.5
@@ -165,13 +168,23 @@ impl Measured<'_> {
 
     /// Whether the helm takes an input to the end of its range.
     fn is_most(&self, helm: &Settings) -> bool {
-        let vessel = self.hull.vessel;
-        let inputs = vessel.model.input_variables();
         helm.iter().any(|(name, change)| {
-            let range =
-                inputs.iter().position(|own| own.name == *name).and_then(|i| vessel.actuators[i].range);
-            range.is_some_and(|[low, high]| change.abs() >= 0.98 * low.abs().max(high))
+            self.range(name).is_some_and(|[low, high]| change.abs() >= NEARLY * low.abs().max(high))
         })
+    }
+
+    /// Whether a setting is astern, at the end of its input's range.
+    fn is_full_astern(&self, settings: &Settings) -> bool {
+        settings.iter().any(|(name, setting)| {
+            self.range(name).is_some_and(|[low, _]| low < 0.0 && *setting <= NEARLY * low)
+        })
+    }
+
+    /// The range of an input, where its vessel states one.
+    fn range(&self, input: &str) -> Option<[f64; 2]> {
+        let vessel = self.hull.vessel;
+        let place = vessel.model.input_variables().iter().position(|own| own.name == input)?;
+        vessel.actuators[place].range
     }
 
     fn pull_out(&self, turn: &PullOut) -> Result<Vec<Figure>, Invalid> {
@@ -215,7 +228,7 @@ impl Measured<'_> {
         })? + from as f64;
         let [ahead, across] = self.run(from, 1.0, end);
         let reach = self.track(from, end);
-        let criterion = (!stop.inputs.is_empty()).then_some(criteria::STOPPING);
+        let criterion = self.is_full_astern(&stop.inputs).then_some(criteria::STOPPING);
         Ok(vec![
             Figure::new("track_reach", "track reach", reach / length, "L").at_most(criterion),
             Figure::new("head_reach", "head reach", ahead / length, "L"),

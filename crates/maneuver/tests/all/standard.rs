@@ -384,6 +384,25 @@ fn law_the_most_helm_is_at_the_stop() {
     assert!(rudder(0.75).unwrap_err().to_string().contains("from -0.62 to 0.62"));
 }
 
+#[test]
+fn law_the_limit_of_a_stopping_distance_is_one_of_a_stop_full_astern() {
+    let vessel = ship(20.0);
+    let limit = |vessel: &Vessel, inputs: &str| {
+        let found = measured(vessel, &format!("kind = \"stop\"\ninputs = {inputs}"), 1200.0);
+        assert!(found.iter().all(|own| own.name == "track_reach" || own.most.is_none()));
+        found.iter().find(|own| own.name == "track_reach").unwrap().most
+    };
+    assert_eq!(limit(&vessel, "{ n = -1.5 }"), Some(15.0));
+    // Part of the astern power, the helm alone at the end of its range, and none.
+    for inputs in ["{ n = -1.0 }", "{ n = -1.0, delta = 0.62 }", "{ }"] {
+        assert_eq!(limit(&vessel, inputs), None, "{inputs}");
+    }
+    // What full astern is, is known from the range.
+    let mut unknown = vessel;
+    unknown.actuators[0].range = None;
+    assert_eq!(limit(&unknown, "{ n = -1.5 }"), None);
+}
+
 /// The record of a standard maneuver, which is held for 5 s first.
 fn recorded(vessel: &Vessel, keys: &str, duration_s: f64) -> (Generator, Record) {
     let generator = generator(vessel, keys, duration_s);

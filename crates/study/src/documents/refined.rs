@@ -6,6 +6,7 @@ use model::Source;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::design::DesignPromise;
 use super::titles;
 
 /// `refined.json`: an experiment whose input signals were refined, against the one that it began as.
@@ -34,6 +35,9 @@ pub struct RefinedDocument {
     /// as fast as they may.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub slowed: Vec<String>,
+    /// What error of the parameters the refined experiment promises, where nominal parameters are a guess.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub promise: Option<DesignPromise>,
     /// Every limit with what was reached.
     pub limits: Vec<RefinedLimit>,
     /// Time between the knots of a correction \[s\].
@@ -77,11 +81,20 @@ pub struct RefinedLimit {
     pub after: f64,
 }
 
+impl RefinedDocument {
+    /// What to print of it, with its promise.
+    pub fn summary(&self) -> String {
+        let promise = self.promise.as_ref().map_or(String::new(), |own| format!(" {}", own.statement));
+        format!("{}{promise}", self.statement)
+    }
+}
+
 impl Document for RefinedDocument {
     const ID: &'static str = "refined";
     const VERSION: u32 = 1;
     const UNITS: Units = &[
         ("1", "samples value measurement_value parameter_error worth iterations simulations"),
+        ("1", "range"),
         ("s", "duration_s knot_s"),
         ("as the parameter", "standard_errors"),
         ("as `limit`", "allowed before after"),

@@ -6,9 +6,10 @@ use design::CriterionName;
 use identification::Estimator;
 use identification::refine::Forward;
 use model::Vessel;
+use trial::moments::Promise;
 use trial::refining::Refinement;
 
-use super::design::{CovarianceCriterion, DesignDocument, Sequence, SequencePart};
+use super::design::{CovarianceCriterion, DesignDocument, DesignPromise, Sequence, SequencePart};
 use super::design_status::DesignStatus;
 use super::refined::{RefinedDocument, RefinedExperiment, RefinedLimit};
 use super::statements;
@@ -22,6 +23,8 @@ pub struct RefinedFiles<'a> {
     pub vessel: &'a Vessel,
     /// The experiment.
     pub found: &'a Refinement,
+    /// Whether its parameters are a guess: nominal ones without true ones, and no estimates.
+    pub is_guess: bool,
 }
 
 impl RefinedFiles<'_> {
@@ -47,6 +50,7 @@ impl RefinedFiles<'_> {
             after: self.experiment(&refined.after),
             worth: self.found.efficiency(),
             slowed: start.slowed.clone(),
+            promise: self.is_guess.then(|| self.promise()),
             limits: (0..limits.names.len()).map(limit).collect(),
             knot_s: self.found.knot as f64 / rate_hz,
             iterations: refined.iterations as u64,
@@ -54,6 +58,11 @@ impl RefinedFiles<'_> {
             settled: refined.settled,
             statement: statements::refinement(self.found),
         }
+    }
+
+    /// Refined inputs are played whatever the ship does.
+    fn promise(&self) -> DesignPromise {
+        DesignPromise::new(Promise::of_guess(self.found.refined.after.parameter_error(), true))
     }
 
     fn samples(&self) -> usize {
@@ -108,7 +117,7 @@ impl RefinedFiles<'_> {
             statement: document.statement.clone(),
             beyond: Vec::new(),
             unreached: None,
-            promise: None,
+            promise: document.promise.clone(),
             shares: BTreeMap::from([(NAME.to_owned(), 1.0)]),
             order: vec![NAME.into()],
             candidates: None,

@@ -161,9 +161,7 @@ fn promise(solved: &Solved, covariance: &CovarianceCriterion) -> Option<DesignPr
     let squares = solved.moments.squares(Source::Nominal).ok()?;
     let names = solved.dictionary.parameter_names();
     let relative = names.zip(squares).map(|(name, square)| covariance.standard_errors[name].powi(2) / square);
-    let Promise { parameter_error, range } = promised(solved, relative.sum::<f64>().sqrt())?;
-    let statement = statements::promise(parameter_error, range);
-    Some(DesignPromise { parameter_error, range, statement })
+    Some(DesignPromise::new(promised(solved, relative.sum::<f64>().sqrt())?))
 }
 
 /// The range of an accuracy, if it is the error of all parameters.

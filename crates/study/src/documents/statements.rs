@@ -6,7 +6,7 @@ use trial::arranging::{Arranged, Kept};
 use trial::moments::{SampledFrom, SampledShips, UnreachedMotion};
 use trial::refining::Refinement;
 
-use super::design::Start;
+use super::design::{Start, expected};
 
 /// About shares. `bound`: whether the available amounts limit them.
 pub(super) fn certificate(design: &Design, criterion: &Criterion, starts: &[Start], bound: bool) -> String {
@@ -77,16 +77,6 @@ pub(super) fn counts(design: &Design, whole: &Whole) -> String {
         100.0 * whole.loss,
         100.0 * whole.apportioned
     )
-}
-
-/// About the parameter error that a design promises.
-pub(super) fn promise(parameter_error: f64, range: [f64; 2]) -> String {
-    format!("Promised parameter error: {parameter_error:.2} {}.", expected(range))
-}
-
-/// `(1.3 to 3.7, as the nominal model may be off by some 40 %)`.
-fn expected([low, high]: [f64; 2]) -> String {
-    format!("({low:.2} to {high:.2}, as the nominal model may be off by some 40 %)")
 }
 
 /// About maneuvers by inputs that many ships miss; `None` where there are none.

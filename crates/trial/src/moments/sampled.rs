@@ -73,6 +73,15 @@ pub struct Promise {
     pub range: [f64; 2],
 }
 
+impl Promise {
+    /// What `parameter_error`, predicted with nominal parameters that are a guess, promises of an experiment whose motions are
+    /// held by feedback or, `by_inputs`, follow from the nominal model's inputs.
+    pub fn of_guess(parameter_error: f64, by_inputs: bool) -> Self {
+        let factors = if by_inputs { BY_INPUTS } else { BY_FEEDBACK };
+        Self { parameter_error, range: factors.map(|factor| factor * parameter_error) }
+    }
+}
+
 /// Standard deviation of the logarithm by which a nominal parameter is off.
 const OFF: f64 = 0.4;
 /// Ships that are simulated.
@@ -172,8 +181,6 @@ impl SampledShips {
     /// What `parameter_error` is as a promise, if the parameters that it is predicted with are a guess.
     pub fn promise(&self, parameter_error: f64, is_used: impl Fn(&str) -> bool) -> Option<Promise> {
         let by_inputs = self.by_inputs.iter().any(|motion| is_used(&motion.maneuver));
-        let factors = if by_inputs { BY_INPUTS } else { BY_FEEDBACK };
-        let range = factors.map(|factor| factor * parameter_error);
-        (self.from == SampledFrom::Nominal).then_some(Promise { parameter_error, range })
+        (self.from == SampledFrom::Nominal).then(|| Promise::of_guess(parameter_error, by_inputs))
     }
 }

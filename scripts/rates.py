@@ -1,0 +1,101 @@
+"""Measures what it costs a trial that an input needs time to change, and that there is no thrust astern.
+
+    python scripts/rates.py --seeds 1 2 3 [--trials 400] [--program target/release/seatrial]
+
+The paper's ship, its parameters known. Of each seed candidates are drawn twice: within limits of motion and inputs, and within
+`rates` besides, by which an input goes through its whole range in 2 s, with thrust ahead alone. More are drawn there, so that about
+500 keep the limits of either. Each set makes a design of 125 s for an output-error estimate (a-relative). `design refine` slows it where inputs jump from one maneuver to the next, and then
+improves it, within the same limits; both trials may go a tenth beyond the limits of motion there, since the state is carried over.
+`monte-carlo` estimates so many trials by `output-error`. Prints the median parameter error of free and limited trials and their
+ratio: as designed, slowed and refined. Needs nothing besides Python.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import statistics
+import tempfile
+from pathlib import Path
+
+import wrong_nominal
+
+# As long as any part of a design, which is then the beginning of one: what follows a candidate may be beyond its limits.
+CANDIDATE_S = 60.0
+FULL_RANGE_S = 2.0
+AHEAD = 5978.1
+# Drawn candidates of which about 500 are within the limits.
+FREE, LIMITED = 600, 870
+STAGES = ("designed", "slowed", "refined")
+# One iteration leaves the inputs almost as they begin.
+ITERATIONS = {"slowed": 1, "refined": 12_000}
+LIMITS = "u_m_s = 1.43\nv_m_s = 0.33\nr_rad_s = 0.55\n"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
+    parser.add_argument("--trials", type=int, default=400)
+    parser.add_argument("--program", type=Path, default=Path("target/release/seatrial"))
+    a = parser.parse_args()
+    ratios: dict[str, list[float]] = {stage: [] for stage in STAGES}
+    for seed in a.seeds:
+        free, limited = (medians(a, seed, *own) for own in ((FREE, of_inputs()), (LIMITED, with_rates())))
+        for stage in STAGES:
+            ratios[stage].append(limited[stage] / free[stage])
+            found = f"free {free[stage]:.3f}, limited {limited[stage]:.3f}, ratio {ratios[stage][-1]:.3f}"
+            print(f"seed {seed}, {stage}: {found}", flush=True)
+    print("mean ratios:", *(f"{stage} {statistics.mean(own):.3f}" for stage, own in ratios.items()))
+
+
+def of_inputs() -> str:
+    """Limits of inputs alone."""
+    bounds = ", ".join(f"{name} = {bound}" for name, bound in wrong_nominal.RANGES.items())
+    return f"inputs = {{ {bounds} }}\n"
+
+
+def with_rates() -> str:
+    """Thrust ahead alone, and each input through its range in so many seconds."""
+    ends = {name: (-bound, bound) for name, bound in wrong_nominal.RANGES.items()} | {"tau1": (0.0, AHEAD)}
+    bounds = ", ".join(f"{name} = [{low}, {high}]" for name, (low, high) in ends.items())
+    rates = ", ".join(f"{name} = {(high - low) / FULL_RANGE_S}" for name, (low, high) in ends.items())
+    return f"inputs = {{ {bounds} }}\nrates = {{ {rates} }}\n"
+
+
+def medians(a: argparse.Namespace, seed: int, candidates: int, limits: str) -> dict[str, float]:
+    """The median parameter error of each stage's trial."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        ship(folder)
+        head = f'duration_s = {CANDIDATE_S}\ninputs_from = "nominal"\n\n[generate]\ncandidates = {candidates}\nseed = {seed}\n'
+        (folder / "dictionary.toml").write_text(head + wrong_nominal.LIMITS + limits)
+        (folder / "limits.toml").write_text(LIMITS + limits)
+        wrong_nominal.campaign(folder / "campaign.toml", seed, a.trials, wrong_nominal.FULL_STD)
+        wrong_nominal.design(a, folder)
+        errors = {"designed": wrong_nominal.found(a, folder)}
+        for stage, iterations in ITERATIONS.items():
+            errors[stage] = refined(a, folder, iterations)
+        return errors
+
+
+def ship(folder: Path) -> None:
+    """The ship whose nominal parameters are the true ones, with and without the truth."""
+    text = re.sub(r"value = (\S+)\nnominal = \S+", r"value = \1\nnominal = \1", wrong_nominal.PRESET.read_text())
+    (folder / "true.toml").write_text(text)
+    (folder / "nominal.toml").write_text(re.sub(r"value = \S+\n", "", text))
+
+
+def refined(a: argparse.Namespace, folder: Path, iterations: int) -> float:
+    """The median parameter error of the design's trial after so many iterations of `design refine`."""
+    own = folder / f"refined-{iterations}"
+    own.mkdir()
+    search = ("--limits", "limits.toml", "--iterations", str(iterations), "--out", f"{own.name}/")
+    wrong_nominal.run(a, folder, "design", "refine", *wrong_nominal.sailed("campaign.toml"), *search)
+    for file in ("campaign.toml", "true.toml"):
+        (own / file).write_text((folder / file).read_text())
+    (own / "refined-dictionary.toml").rename(own / "dictionary.toml")
+    return wrong_nominal.found(a, own)
+
+
+if __name__ == "__main__":
+    main()
