@@ -22,7 +22,7 @@ use clap::Parser;
 )]
 pub struct Arguments {
     /// A lattice problem to solve instead of a chart (schema experiment-lattice-planning/1)
-    #[arg(long, value_name = "problem.json", conflicts_with_all = ["vessel", "trajectories", "config", "design", "export_problem"])]
+    #[arg(long, value_name = "problem.json", conflicts_with_all = ["vessel", "trajectories", "config", "dictionary", "design", "export_problem"])]
     problem: Option<PathBuf>,
     /// The vessel
     #[arg(long, visible_alias = "model", required_unless_present = "problem", value_name = "vessel.toml")]
@@ -44,7 +44,7 @@ pub struct Arguments {
 #[derive(clap::Args)]
 pub(super) struct How {
     /// The dictionary of the trajectories: maneuvers that react to the ship are sailed by their own commands
-    #[arg(long, conflicts_with = "problem", value_name = "dictionary.toml")]
+    #[arg(long, value_name = "dictionary.toml")]
     pub(super) dictionary: Option<PathBuf>,
     /// Write a plan whose check runs aground or breaks the margin, too; every output is labelled as unsafe
     #[arg(long)]

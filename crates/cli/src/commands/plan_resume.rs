@@ -54,7 +54,7 @@ impl Task for Arguments {
             beyond_range: self.how.beyond_range,
             resumed: Some(Resumed { plan: &self.plan, done: self.done, from: &self.from }),
         };
-        let out = common.main_output(MAIN, files.inputs())?;
+        let out = common.main_output(MAIN, files.inputs().chain([&*self.plan]))?;
         self.how.plan(&files, &out, common, "plan resume")
     }
 }

@@ -57,10 +57,10 @@ const ADDITIONAL: [&str; 9] = [
 ];
 
 impl<'a> VoyageFiles<'a> {
-    /// The files that are read, but for the charts.
+    /// The files that are read, but for the charts and the plan to be resumed.
     pub fn inputs(&self) -> impl Iterator<Item = &'a Path> {
-        let others = [self.dictionary, self.design, self.resumed.as_ref().map(|own| own.plan)];
-        [self.vessel, self.config, self.trajectories].into_iter().chain(others.into_iter().flatten())
+        let others = self.dictionary.into_iter().chain(self.design);
+        [self.vessel, self.config, self.trajectories].into_iter().chain(others)
     }
 
     /// Reads everything for a plan to be written to `out`, except its charts, and `plan.toml`, which names them.

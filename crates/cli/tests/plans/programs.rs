@@ -183,4 +183,35 @@ fn the_dictionary_of_a_plan_is_that_of_its_trajectories() {
     edit(&folder, "dictionary.toml", "tau3 = 200.0", "tau3 = 190.0");
     refused(&folder, 3, BY_PROGRAMS, &["dictionary.toml", "dictionary.parquet"]);
     refused(&folder, 1, &BY_PROGRAMS.replace("dictionary.toml", "nothing.toml"), &["nothing.toml"]);
+    refused(
+        &folder,
+        2,
+        "plan --problem problem.json --dictionary dictionary.toml --out plan.json",
+        &["--dictionary"],
+    );
+}
+
+#[test]
+fn law_the_rest_of_a_trial_is_sailed_by_programs_too() {
+    let folder = study(&["circle", "crash-stop"], ["", ""]);
+    run(&folder, BY_PROGRAMS).succeeds();
+    let planned = Planned::of(&folder);
+    let first = planned.legs().iter().position(|leg| leg["informative"] == true).unwrap();
+    let step = &planned.legs()[first + 1];
+    let number = |key: &str| step[key].as_f64().unwrap();
+    let mode = planned.steps()[first]["to"]["mode"].as_str().unwrap();
+    let from = ["longitude_deg", "latitude_deg", "heading_deg"].map(|key| number(key).to_string()).join(",");
+    let rest = BY_PROGRAMS
+        .replace("plan --vessel", "plan resume --vessel")
+        .replace("--out plan.json", "--out rest.json");
+    run(&folder, &format!("{rest} --plan plan.json --done {} --from {from},{mode}", first + 1)).succeeds();
+    let legs = json(&folder, "rest.json")["data"]["voyage"]["legs"].clone();
+    let informative = |legs: &[Value]| -> Vec<(Value, f64)> {
+        let own = legs.iter().filter(|leg| leg["informative"] == true);
+        own.map(|leg| (leg["name"].clone(), leg["maneuver_s"].as_f64().unwrap())).collect()
+    };
+    let (all, left) = (informative(planned.legs()), informative(legs.as_array().unwrap()));
+    assert_eq!(left.len(), 1);
+    assert_eq!(left[0].0, all[1].0);
+    assert!((left[0].1 - all[1].1).abs() < 3.0 && left[0].1 < 250.0, "{left:?} {all:?}");
 }
