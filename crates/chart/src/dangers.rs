@@ -20,6 +20,24 @@ pub struct Nearest {
     pub called: Called,
     /// Its distance, less the uncertainty of its position \[m\].
     pub distance_m: f64,
+    /// The place that it is nearest to, and its point there, east and north \[m\].
+    pub between: [[f64; 2]; 2],
+}
+
+/// A distance \[m\], from a place to a point.
+#[derive(Clone, Copy)]
+struct Gap {
+    distance_m: f64,
+    between: [[f64; 2]; 2],
+}
+
+impl Gap {
+    /// Farther than anything.
+    const NONE: Self = Self { distance_m: f64::INFINITY, between: [[0.0; 2]; 2] };
+
+    fn shorter(self, other: Self) -> Self {
+        if other.distance_m < self.distance_m { other } else { self }
+    }
 }
 
 impl Chart {
@@ -56,33 +74,32 @@ impl Dangers<'_> {
     /// The danger nearest to any of `places` (east and north \[m\]); `None` where there is none, or no place.
     pub fn nearest(&self, places: &[[f64; 2]]) -> Option<Nearest> {
         let area = Bounds::enclosing(places)?;
-        let mut best: Option<(f64, &Called)> = None;
+        let mut best = (Gap::NONE, None);
         for polygon in &self.polygons {
-            let farthest = best.map_or(f64::INFINITY, |(gap, _)| gap);
+            let farthest = best.0.distance_m;
             if apart(&polygon.bounds, &area) >= farthest {
                 continue;
             }
             let gap = gap_to(polygon, places, farthest);
-            if gap < farthest {
-                best = Some((gap, &polygon.called));
+            if gap.distance_m < farthest {
+                best = (gap, Some(&polygon.called));
             }
         }
-        let farthest = best.map_or(f64::INFINITY, |(gap, _)| gap);
-        let edge = places.iter().fold(farthest, |least, place| least.min(self.edge_m(*place, least)));
-        let nearest = best.map(|(distance_m, called)| Nearest { called: called.clone(), distance_m });
-        if edge < farthest {
-            return Some(Nearest { called: Called::plain("edge of the charted area"), distance_m: edge });
-        }
-        nearest
+        let edge = places.iter().fold(best.0, |least, place| self.edge(*place, least));
+        let called = match best.1 {
+            _ if edge.distance_m < best.0.distance_m => Called::plain("edge of the charted area"),
+            Some(called) => called.clone(),
+            None => return None,
+        };
+        Some(Nearest { called, distance_m: edge.distance_m, between: edge.between })
     }
 
-    /// Distance to the edge of the charted area; any greater number where that is `farthest` or more \[m\].
-    fn edge_m(&self, place: [f64; 2], farthest: f64) -> f64 {
+    /// The gap to the edge of the charted area, or `least` if that is not longer.
+    fn edge(&self, place: [f64; 2], mut least: Gap) -> Gap {
         let charted = self.chart.charted();
-        let mut least = farthest;
         for [a, b] in &charted.frontier {
             let (gap, at) = nearest_on(place, *a, *b);
-            if gap >= least {
+            if gap >= least.distance_m {
                 continue;
             }
             // A polygon may end within another one.
@@ -93,7 +110,7 @@ impl Dangers<'_> {
                 charted.polygons.iter().any(|polygon| is_inside(polygon, beyond))
             };
             if !(is_charted(-1.0) && is_charted(1.0)) {
-                least = gap;
+                least = Gap { distance_m: gap, between: [place, at] };
             }
         }
         least
@@ -122,18 +139,21 @@ fn apart(a: &Bounds, b: &Bounds) -> f64 {
     libm::hypot(gap(0), gap(1))
 }
 
-/// Distance to the nearest of `places`; 0 inside; may be any greater number where it is `farthest` or more.
-fn gap_to(polygon: &Polygon, places: &[[f64; 2]], farthest: f64) -> f64 {
+/// The gap to the nearest of `places`; 0 inside; may be any longer one where it is `farthest` or more.
+fn gap_to(polygon: &Polygon, places: &[[f64; 2]], farthest: f64) -> Gap {
     let near = places.iter().filter(|p| apart(&polygon.bounds, &Bounds { min: **p, max: **p }) < farthest);
     let gap = |place: &[f64; 2]| {
         if is_inside(polygon, *place) {
-            return 0.0;
+            return Gap { distance_m: 0.0, between: [*place; 2] };
         }
-        let mut least = f64::INFINITY;
-        each_edge(&polygon.rings, |a, b| least = least.min(from_segment(*place, a, b)));
+        let mut least = Gap::NONE;
+        each_edge(&polygon.rings, |a, b| {
+            let (distance_m, at) = nearest_on(*place, a, b);
+            least = least.shorter(Gap { distance_m, between: [*place, at] });
+        });
         least
     };
-    near.map(gap).fold(f64::INFINITY, f64::min)
+    near.map(gap).fold(Gap::NONE, Gap::shorter)
 }
 
 /// By the even-odd rule.
@@ -148,10 +168,6 @@ fn is_inside(polygon: &Polygon, [x, y]: [f64; 2]) -> bool {
         inside ^= crosses;
     });
     inside
-}
-
-fn from_segment(place: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
-    nearest_on(place, a, b).0
 }
 
 /// Distance to a segment, and its nearest point.

@@ -29,6 +29,8 @@ pub enum PlanError {
 /// A trial to be planned on charts.
 #[derive(Clone, Debug)]
 pub struct ChartedTrial {
+    /// Its name: that of the folder of `plan.toml`, with the file's own where it is another one.
+    pub name: String,
     /// The task and the vessel, with the charts and a run of every maneuver.
     pub brief: Brief,
     /// The treatment of the charts' objects and depths.
@@ -79,7 +81,7 @@ impl ChartedTrial {
             ChartsError::OutOfTime => VoyageError::OutOfTime("the reading of its charts").into(),
         })?;
         (brief.layers, brief.chart_bytes) = (charts.layers, charts.bytes);
-        Ok(Self { brief, charts: charts.summaries })
+        Ok(Self { name: name_of(file), brief, charts: charts.summaries })
     }
 
     /// The cheapest plan that passes its check; with `unsafe_too`, if none does, one that does not.
@@ -95,13 +97,25 @@ impl ChartedTrial {
         prepared.check_slot(&sailing.sailed)?;
         let sailed = SailedPlan { prepared: &prepared, solved: &solved, sailing: &sailing };
         let document = PlanDocument { charts: self.charts, ..of_voyage(&sailed) };
-        Ok(Planned { prepared, solved, sailing, document })
+        Ok(Planned { name: self.name, prepared, solved, sailing, document })
     }
+}
+
+/// The name of the trial in `file`.
+fn name_of(file: &Path) -> String {
+    let folder = std::path::absolute(file).ok();
+    let folder = folder.as_deref().and_then(Path::parent).and_then(Path::file_name);
+    let own = file.file_stem().filter(|own| *own != "plan");
+    let names = folder.into_iter().chain(own).map(|name| name.to_string_lossy());
+    let name = names.collect::<Vec<_>>().join(" ");
+    if name.is_empty() || name.contains(char::is_control) { "route".to_owned() } else { name }
 }
 
 /// A plan on a chart.
 #[derive(Clone, Debug)]
 pub struct Planned {
+    /// Name of the trial.
+    pub name: String,
     /// Chart, lattice and settled legs.
     pub prepared: Prepared,
     /// The problem and its solution.
@@ -122,6 +136,7 @@ impl Planned {
     /// The plan as routes and tracks in other formats; `None` without a part at sea.
     pub fn routes(&self) -> Option<Routes<'_>> {
         Some(Routes {
+            name: &self.name,
             plane: self.prepared.chart.plane(),
             document: &self.document,
             voyage: self.document.voyage.as_ref()?,

@@ -3,7 +3,7 @@ use std::io;
 use jiff::Timestamp;
 use quick_xml::writer::ElementWriter;
 
-use super::points::instant;
+use super::points::{KNOT_M_S, instant};
 use super::xml::{Xml, document, element, latitude, longitude};
 use super::{Route, Track};
 use crate::Invalid;
@@ -57,6 +57,9 @@ fn route_point(xml: &mut Xml, route: &Route, index: usize) -> io::Result<()> {
         route.instant(index).map_or(Ok(()), |time| element(xml, "time", &time))?;
         let name = if waypoint.name.is_empty() { waypoint.id.to_string() } else { waypoint.name.clone() };
         element(xml, "name", &name)?;
+        if let Some(speed) = waypoint.speed_m_s.filter(|_| index > 0) {
+            element(xml, "cmt", &format!("{:.1} kn on the leg to here", speed / KNOT_M_S))?;
+        }
         if waypoint.note.is_empty() { Ok(()) } else { element(xml, "desc", &waypoint.note) }
     });
     written.map(|_| ())

@@ -6,6 +6,8 @@ use crate::plane::distance_m;
 
 /// A nautical mile \[m\].
 pub(crate) const NAUTICAL_MILE_M: f64 = 1852.0;
+/// A knot \[m/s\].
+pub(crate) const KNOT_M_S: f64 = NAUTICAL_MILE_M / 3600.0;
 
 /// Of WGS84's ellipsoid.
 const ECCENTRICITY: f64 = 0.081_819_190_842_621_49;
@@ -33,6 +35,8 @@ pub struct Waypoint {
     pub xtd_m: Option<[f64; 2]>,
     /// Time here, after the departure \[s\].
     pub time_s: Option<f64>,
+    /// Time when the ship goes on, where she stays, after the departure \[s\].
+    pub leave_s: Option<f64>,
     /// The activity on the leg that ends here; may be empty.
     pub note: String,
 }
@@ -76,6 +80,11 @@ impl Route {
     pub(crate) fn instant(&self, index: usize) -> Option<String> {
         let after_s = self.waypoints.get(index)?.time_s?;
         instant(self.departure?, after_s.round())
+    }
+
+    /// The time when the ship goes on from waypoint `index`, if she stays there and the departure is known.
+    pub(crate) fn leave(&self, index: usize) -> Option<String> {
+        instant(self.departure?, self.waypoints.get(index)?.leave_s?.round())
     }
 
     /// Lowers turn radii to 0.49 of the shortest adjacent leg.

@@ -2,13 +2,12 @@ use std::io;
 
 use refusal::check_numbers;
 
-use super::points::NAUTICAL_MILE_M;
+use super::points::{KNOT_M_S, NAUTICAL_MILE_M};
 use super::xml::{Xml, decimal, document, latitude, longitude};
 use super::{Route, Waypoint};
 use crate::Invalid;
 
 const NAMESPACE: &str = "http://www.cirm.org/RTZ/1/0";
-const KNOT_M_S: f64 = NAUTICAL_MILE_M / 3600.0;
 /// Upper limit of radii and cross-track distances.
 const LARGEST_NM: f64 = 10.0;
 
@@ -80,14 +79,21 @@ fn schedule(xml: &mut Xml, route: &Route) -> io::Result<()> {
     Ok(())
 }
 
-/// A waypoint's time: the departure from the first, the arrival at others. Version 1.0 of the schema spells
+/// A waypoint's times: the departure from the first, the arrival at others, and the departure from those where the ship stays.
+/// Version 1.0 of the schema spells
 /// the element this way.
 fn scheduled(xml: &mut Xml, route: &Route, index: usize) -> io::Result<()> {
     let Some(time) = route.instant(index) else { return Ok(()) };
     let waypoint = &route.waypoints[index];
     let (id, speed) = (waypoint.id.to_string(), waypoint.speed_m_s.map(knots));
     let mut element = xml.create_element("sheduleElement").with_attribute(("waypointId", id.as_str()));
-    element = element.with_attribute((if index == 0 { "etd" } else { "eta" }, time.as_str()));
+    let leave = route.leave(index);
+    if index > 0 {
+        element = element.with_attribute(("eta", time.as_str()));
+    }
+    if let Some(leave) = leave.as_deref().or_else(|| (index == 0).then_some(time.as_str())) {
+        element = element.with_attribute(("etd", leave));
+    }
     if let Some(speed) = speed.as_deref().filter(|_| index > 0) {
         element = element.with_attribute(("speed", speed));
     }

@@ -57,6 +57,9 @@ fn law_the_nearest_danger_is_that_of_all_edges_and_depths_are_the_least() {
         let expected = shoals.iter().filter(|own| own.2 < 5.0).map(gap).fold(f64::INFINITY, f64::min);
         let found = dangers.nearest(&track).unwrap();
         assert!((found.distance_m - expected).abs() < 0.05, "{found:?}, {expected}");
+        let [from, to] = found.between;
+        let apart = (to[0] - from[0]).hypot(to[1] - from[1]);
+        assert!(track.contains(&from) && (apart - found.distance_m).abs() < 1e-6, "{found:?}");
         let own: usize = found.called.name.as_deref().unwrap()[1..].parse().unwrap();
         assert!((gap(&all[own]) - expected).abs() < 0.05 && found.called.to_string().ends_with(" 3 m"));
         let over: Vec<f64> = all.iter().filter(|own| gap(own) == 0.0).map(|own| own.2).collect();
@@ -78,5 +81,6 @@ fn the_edge_of_what_is_charted_is_a_danger() {
     let found = chart.dangers(5.0).nearest(&[[0.0, north - 100.0]]).unwrap();
     assert_eq!(found.called.to_string(), "edge of the charted area");
     assert!((found.distance_m - 100.0).abs() < 0.5, "{found:?}");
+    assert!((found.between[1][1] - north).abs() < 0.5 && found.between[1][0].abs() < 0.5, "{found:?}");
     assert_eq!(chart.dangers(5.0).nearest(&[]), None);
 }

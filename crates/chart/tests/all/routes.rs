@@ -22,6 +22,7 @@ fn route() -> Route {
         speed_m_s: Some(1852.0 / 360.0),
         xtd_m: Some([18.52, 37.04]),
         time_s: None,
+        leave_s: None,
         note: "zig-zag 20°/20° <n = 2>".to_owned(),
     };
     Route {

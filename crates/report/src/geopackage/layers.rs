@@ -113,6 +113,7 @@ impl Layers<'_> {
             "under_keel_m": leg.under_keel_m,
             "nearest_danger": nearest.map(|danger| &danger.what),
             "nearest_danger_m": nearest.map(|danger| danger.distance_m),
+            "nearest_danger_deg": nearest.map(|danger| danger.bearing_deg),
         })
     }
 }
@@ -127,7 +128,7 @@ const WAYPOINT: [(&str, Column); 7] = [
     ("purpose", Column::Text),
 ];
 
-const LEG: [(&str, Column); 12] = [
+const LEG: [(&str, Column); 13] = [
     ("number", Column::Integer),
     ("name", Column::Text),
     ("informative", Column::Boolean),
@@ -140,6 +141,7 @@ const LEG: [(&str, Column); 12] = [
     ("under_keel_m", Column::Real),
     ("nearest_danger", Column::Text),
     ("nearest_danger_m", Column::Real),
+    ("nearest_danger_deg", Column::Real),
 ];
 
 const TRACK: [(&str, Column); 8] = [

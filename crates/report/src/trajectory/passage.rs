@@ -50,7 +50,7 @@ pub(super) fn passage(passage: &Passage) -> Markup {
                             th scope="row" { "0" }
                             (place(passage.latitude_deg, passage.longitude_deg))
                             td colspan="3" { "" }
-                            td.time { (clock(0.0)) }
+                            td.time { (clock(0.0)) (stay(0.0, passage.leave_s)) }
                             td colspan=(if with_depth { 4 } else { 3 }) { "" }
                             td.wrap { (passage.before.join(", ")) }
                         }
@@ -71,7 +71,7 @@ fn line(number: usize, leg: &PassageLeg, with_depth: bool) -> Markup {
             td.number { (heading(leg.course_deg)) }
             td.number { (miles(leg.distance_m)) }
             td.number { (knots(leg.speed_m_s)) }
-            td.time { (clock(leg.end_s)) }
+            td.time { (clock(leg.end_s)) (stay(leg.end_s, leg.leave_s)) }
             td.number { (metres(leg.xtd_port_m)) ", " (metres(leg.xtd_starboard_m)) }
             td.number { (or_dash(leg.turn_radius_m.map(metres))) }
             @if with_depth { td.number { (or_dash(leg.under_keel_m.or(leg.least_depth_m).map(tenths))) } }
@@ -81,12 +81,20 @@ fn line(number: usize, leg: &PassageLeg, with_depth: bool) -> Markup {
     }
 }
 
+/// When the ship goes on, if that is later than when she arrives.
+fn stay(end_s: f64, leave_s: f64) -> Markup {
+    html! { @if leave_s > end_s { br; "on at " (clock(leave_s)) } }
+}
+
 fn place(latitude_deg: f64, longitude_deg: f64) -> Markup {
     html! { td.place { (latitude(latitude_deg)) br; (longitude(longitude_deg)) } }
 }
 
 fn nearest(leg: &PassageLeg) -> String {
-    let nearest = leg.nearest.as_ref().map(|own| format!("{}, {:.0} m", own.what, own.distance_m.floor()));
+    let nearest = leg.nearest.as_ref().map(|own| {
+        let (what, distance_m) = (&own.what, own.distance_m.floor());
+        format!("{what}, {distance_m:.0} m, bearing {}", heading(own.bearing_deg))
+    });
     or_dash(nearest)
 }
 

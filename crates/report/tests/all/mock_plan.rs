@@ -96,12 +96,17 @@ fn passage_leg(what: &str, end_s: f64, turn_radius_m: Option<f64>, then: &[&str]
         distance_m: 463.0,
         speed_m_s: 1.5,
         end_s,
+        leave_s: end_s,
         turn_radius_m,
         xtd_port_m: 12.2,
         xtd_starboard_m: 40.6,
         least_depth_m: Some(9.26),
         under_keel_m: None,
-        nearest: Some(NearestDanger { what: "WRECKS Träholm".to_owned(), distance_m: 90.7 }),
+        nearest: Some(NearestDanger {
+            what: "WRECKS Träholm".to_owned(),
+            distance_m: 90.7,
+            bearing_deg: 271.4,
+        }),
         then: then.iter().map(|what| (*what).to_owned()).collect(),
     }
 }
@@ -175,6 +180,7 @@ fn voyage() -> Voyage {
             longitude_deg: 24.95,
             latitude_deg: 60.148,
             before: Vec::new(),
+            leave_s: 0.0,
             legs: vec![
                 passage_leg("straight", 90.0, Some(212.4), &[]),
                 passage_leg("steep (mirrored)", 290.0, None, &["turn-starboard"]),

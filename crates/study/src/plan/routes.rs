@@ -12,6 +12,8 @@ pub type NamedFile = (&'static str, Vec<u8>);
 
 /// A plan's track on the globe.
 pub struct Routes<'a> {
+    /// Name of the trial.
+    pub name: &'a str,
     /// The plane of its coordinates.
     pub plane: &'a Plane,
     /// The plan.
@@ -48,7 +50,7 @@ impl Routes<'_> {
     /// The route along the passage.
     pub fn route(&self) -> Route {
         let departure = self.voyage.passage.departure.as_deref().and_then(|at| at.parse().ok());
-        let mut route = Route { name: self.labelled("route"), departure, waypoints: self.waypoints() };
+        let mut route = Route { name: self.labelled(self.name), departure, waypoints: self.waypoints() };
         route.fit_radii();
         route
     }
@@ -88,13 +90,14 @@ impl Routes<'_> {
 
     /// The waypoints of the passage.
     fn waypoints(&self) -> Vec<Waypoint> {
-        let Passage { longitude_deg, latitude_deg, before, legs, .. } = &self.voyage.passage;
+        let Passage { longitude_deg, latitude_deg, before, leave_s, legs, .. } = &self.voyage.passage;
         let label = self.label();
         let first = Waypoint {
             name: "start".to_owned(),
             lon_deg: *longitude_deg,
             lat_deg: *latitude_deg,
             time_s: Some(0.0),
+            leave_s: Some(*leave_s).filter(|leave| *leave > 0.0),
             note: noted(label, before),
             ..Waypoint::default()
         };
@@ -108,6 +111,7 @@ impl Routes<'_> {
             speed_m_s: Some(leg.speed_m_s).filter(|speed| *speed > 0.0),
             xtd_m: Some([leg.xtd_port_m, leg.xtd_starboard_m]),
             time_s: Some(leg.end_s),
+            leave_s: Some(leg.leave_s).filter(|leave| *leave > leg.end_s),
             note: noted(label, std::iter::once(&leg.what).chain(&leg.then)),
         });
         let mut waypoints: Vec<Waypoint> = std::iter::once(first).chain(later).collect();

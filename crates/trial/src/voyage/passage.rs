@@ -21,6 +21,8 @@ pub struct Passage {
     pub latitude_deg: f64,
     /// What is done at the first waypoint before going on.
     pub before: Vec<String>,
+    /// When she goes on from there, after the departure \[s\].
+    pub leave_s: f64,
     /// In the order of sailing.
     pub legs: Vec<PassageLeg>,
 }
@@ -33,6 +35,8 @@ pub struct NearestDanger {
     pub what: String,
     /// How far it is, with the doubt about its place taken off \[m\].
     pub distance_m: f64,
+    /// Its true bearing from the ship, where she comes nearest to it.
+    pub bearing_deg: f64,
 }
 
 /// A leg of the passage.
@@ -55,11 +59,15 @@ pub struct PassageLeg {
     pub speed_m_s: f64,
     /// When the ship is at its waypoint, after the departure \[s\].
     pub end_s: f64,
+    /// When she goes on from there, after what is done there \[s\].
+    pub leave_s: f64,
     /// Radius of the ship's turn onto the next leg \[m\]; absent where it does not turn under way.
     pub turn_radius_m: Option<f64>,
-    /// Farthest to port of the line between the waypoints, of the nominal track and those of the check that are kept \[m\].
+    /// Cross-track distance to port of the line between the waypoints \[m\]: as far as the nominal track and those of the check
+    /// that are kept come, at least what positions and the hull are uncertain by, and no farther than the water is clear,
+    /// unless the nominal track comes there.
     pub xtd_port_m: f64,
-    /// Farthest to starboard \[m\].
+    /// The same to starboard \[m\].
     pub xtd_starboard_m: f64,
     /// Least charted depth along the nominal track, at the chart's datum; absent where none is charted \[m\].
     pub least_depth_m: Option<f64>,

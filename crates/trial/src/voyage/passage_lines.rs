@@ -7,7 +7,7 @@ use chart::route::{Route, Timestamp, Waypoint};
 
 use super::passage::{NearestDanger, Passage, PassageLeg};
 use super::sailed_plan::SailedPlan;
-use crate::{BASIC_MOVES, Phase, Sample, Side};
+use crate::{BASIC_MOVES, Fix, Phase, Sample, Side};
 
 /// Waypoints that are nearer than this are one \[m\].
 const ONE_PLACE_M: f64 = 1.0;
@@ -30,6 +30,8 @@ struct Draft {
     /// Samples of the nominal track.
     samples: Range<usize>,
     then: Vec<String>,
+    /// The sample when the ship goes on from its end.
+    leaves: usize,
 }
 
 /// The line between the waypoints of a leg.
@@ -43,20 +45,22 @@ struct Line {
 impl SailedPlan<'_> {
     /// The passage from waypoint to waypoint, as wide as the tracks of the check.
     pub fn passage(&self) -> Passage {
-        let mut before = Vec::new();
+        let mut before = Before::default();
         let drafts = self.drafts(&mut before);
+        let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
         let start = self.solved.solution.steps.first().map_or([0.0; 2], |step| self.prepared.node(step.from));
         let (longitude_deg, latitude_deg) = self.geographic(start);
         let dangers = self.prepared.chart.dangers(self.prepared.brief.task.safety.transit_depth_m);
         let mut legs: Vec<PassageLeg> =
             drafts.iter().map(|draft| self.passage_leg(draft, &dangers)).collect();
-        for ([port, starboard], leg) in self.strayed(&drafts).into_iter().zip(&mut legs) {
+        for ([port, starboard], leg) in self.widths(&drafts, &dangers).into_iter().zip(&mut legs) {
             (leg.xtd_port_m, leg.xtd_starboard_m) = (port, starboard);
         }
         let departure = self.prepared.brief.task.departure.and_then(|at| Timestamp::from_second(at).ok());
         let departure = departure.map(|at| at.to_string());
         let tide = self.prepared.brief.task.tide;
-        Passage { departure, tide, longitude_deg, latitude_deg, before, legs }
+        let leave_s = before.leaves as f64 / rate_hz;
+        Passage { departure, tide, longitude_deg, latitude_deg, before: before.what, leave_s, legs }
     }
 
     fn geographic(&self, [north, east]: [f64; 2]) -> (f64, f64) {
@@ -65,7 +69,7 @@ impl SailedPlan<'_> {
 
     /// The legs of the steps. Steps that end where they begin are listed at their waypoint: at the first one
     /// in `before`.
-    fn drafts(&self, before: &mut Vec<String>) -> Vec<Draft> {
+    fn drafts(&self, before: &mut Before) -> Vec<Draft> {
         let mut all: Vec<Draft> = Vec::new();
         let mut sample = 0;
         for (k, step) in self.solved.solution.steps.iter().enumerate() {
@@ -84,14 +88,17 @@ impl SailedPlan<'_> {
                 match all.last_mut() {
                     Some(last) => {
                         last.then.push(what);
-                        last.steps.end = k + 1;
+                        (last.steps.end, last.leaves) = (k + 1, samples.end);
                     }
-                    None => before.push(what),
+                    None => {
+                        before.what.push(what);
+                        before.leaves = samples.end;
+                    }
                 }
                 continue;
             }
             let informative = own.is_informative();
-            let straight = |what: &str, from, to, samples| Draft {
+            let straight = |what: &str, from, to, samples: Range<usize>| Draft {
                 what: what.to_owned(),
                 informative,
                 straight: !informative && what == STRAIGHT,
@@ -99,10 +106,19 @@ impl SailedPlan<'_> {
                 from,
                 to,
                 turn_radius_m: None,
+                leaves: samples.end,
                 samples,
                 then: Vec::new(),
             };
-            match self.corner(k).filter(|_| !informative) {
+            if informative {
+                let mut begin = (from, samples.start);
+                for (place, sample) in self.bends(&samples).into_iter().chain([(to, samples.end)]) {
+                    all.push(straight(&what, begin.0, place, begin.1..sample));
+                    begin = (place, sample);
+                }
+                continue;
+            }
+            match self.corner(k) {
                 Some((corner, radius_m)) => {
                     let turn = samples.start + self.nearest(&samples, corner);
                     let mut first = straight(STRAIGHT, from, corner, samples.start..turn);
@@ -132,6 +148,36 @@ impl SailedPlan<'_> {
         (ahead > 0.0 && apart.is_finite() && apart > ONE_PLACE_M).then_some((corner, radius_m))
     }
 
+    /// The places on the nominal track, with their samples, between which it is straight within the floor of cross-track
+    /// distances or a ship's length.
+    fn bends(&self, samples: &Range<usize>) -> Vec<([f64; 2], usize)> {
+        let all = &self.sailing.sailed.samples;
+        let place = |k: usize| [all[k].pose.x, all[k].pose.y];
+        let within = self.floor_m().max(self.prepared.brief.task.hull.length_m);
+        let last = samples.end.min(all.len() - 1);
+        let mut kept = vec![samples.start];
+        let mut rest = vec![last];
+        while let (Some(from), Some(to)) = (kept.last().copied(), rest.last().copied()) {
+            let (a, b) = (place(from), place(to));
+            let line = Line::between(a, b);
+            let away = (from + 1..to).map(|k| (k, line.away(place(k))));
+            match away.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, away)| *away > within) {
+                Some((farthest, _)) => rest.push(farthest),
+                None => {
+                    rest.pop();
+                    kept.push(to);
+                }
+            }
+        }
+        kept.iter().filter(|k| **k > samples.start && **k < last).map(|k| (place(*k), *k)).collect()
+    }
+
+    /// What a cross-track distance is at least: half the beam, and twice the standard deviation of positions \[m\].
+    fn floor_m(&self) -> f64 {
+        let task = &self.prepared.brief.task;
+        0.5 * task.hull.beam_m + 2.0 * task.sensors.position_m
+    }
+
     /// The sample of the nominal track that is nearest to `place`.
     fn nearest(&self, samples: &Range<usize>, place: [f64; 2]) -> usize {
         let away = self.sailing.sailed.samples[samples.clone()].iter();
@@ -148,9 +194,11 @@ impl SailedPlan<'_> {
         let line = Route { waypoints: ends.into(), ..Route::default() };
         let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
         let places = self.places(&draft.samples);
-        let nearest = dangers
-            .nearest(&places)
-            .map(|own| NearestDanger { what: own.called.to_string(), distance_m: own.distance_m });
+        let nearest = dangers.nearest(&places).map(|own| NearestDanger {
+            what: own.called.to_string(),
+            distance_m: own.distance_m,
+            bearing_deg: self.bearing_deg(own.between),
+        });
         let task = &self.prepared.brief.task;
         let least_depth_m = self.prepared.chart.least_depth_m(&places);
         let level_m = task.tide.map_or(0.0, |tide| tide.level_m);
@@ -164,6 +212,7 @@ impl SailedPlan<'_> {
             distance_m: line.leg_m(0).unwrap_or(0.0),
             speed_m_s: self.speed_m_s(&draft.samples),
             end_s: draft.samples.end as f64 / rate_hz,
+            leave_s: draft.leaves as f64 / rate_hz,
             turn_radius_m: draft.turn_radius_m,
             xtd_port_m: 0.0,
             xtd_starboard_m: 0.0,
@@ -172,6 +221,16 @@ impl SailedPlan<'_> {
             nearest,
             then: draft.then.clone(),
         }
+    }
+
+    /// The true bearing of one place from another, both east and north \[m\].
+    fn bearing_deg(&self, places: [[f64; 2]; 2]) -> f64 {
+        let waypoint = |place: [f64; 2]| {
+            let (lon_deg, lat_deg) = self.prepared.chart.plane().to_geographic(place);
+            Waypoint { lon_deg, lat_deg, ..Waypoint::default() }
+        };
+        let line = Route { waypoints: places.map(waypoint).into(), ..Route::default() };
+        line.course_deg(0).unwrap_or(0.0)
     }
 
     /// East and north of the nominal track, thinned for the search for dangers.
@@ -198,12 +257,46 @@ impl SailedPlan<'_> {
         if seconds > 0.0 { way / seconds } else { 0.0 }
     }
 
-    /// The greatest deviations of the tracks to port and starboard of each leg \[m\].
-    fn strayed(&self, drafts: &[Draft]) -> Vec<[f64; 2]> {
+    /// Cross-track distances to port and starboard of each leg \[m\].
+    fn widths(&self, drafts: &[Draft], dangers: &Dangers) -> Vec<[f64; 2]> {
+        let own = self.strayed(drafts, self.sailing.sailed.fixes());
+        let all = self.strayed(drafts, self.sailing.runs.iter().flatten().copied());
+        let each = drafts.iter().zip(own.iter().zip(&all));
+        each.map(|(draft, (own, all))| {
+            [0, 1].map(|side| {
+                let wanted = all[side].max(own[side]).max(self.floor_m());
+                own[side].max(self.clear_m(&draft.line(), side, wanted, dangers))
+            })
+        })
+        .collect()
+    }
+
+    /// How far the water beside a line is clear of dangers for the hull, to port (0) or to starboard, up to `wanted` \[m\].
+    fn clear_m(&self, line: &Line, side: usize, wanted: f64, dangers: &Dangers) -> f64 {
+        let half_m = 0.5 * self.prepared.brief.task.hull.beam_m;
+        let mut clear_m = 0.0;
+        while clear_m < wanted {
+            let aside = if side == 1 { clear_m } else { -clear_m };
+            let steps = (line.length_m / LOOKOUT_M).ceil().max(1.0) as usize;
+            let places: Vec<[f64; 2]> = (0..=steps)
+                .map(|k| line.place([line.length_m * k as f64 / steps as f64, aside]))
+                .map(|[north, east]| [east, north])
+                .collect();
+            let left_m = dangers.nearest(&places).map_or(f64::INFINITY, |own| own.distance_m) - half_m;
+            // Places between those that are tried are no farther from them than half a step.
+            if left_m <= 0.5 * LOOKOUT_M {
+                break;
+            }
+            clear_m += left_m;
+        }
+        clear_m.min(wanted)
+    }
+
+    /// The greatest deviations of tracks to port and starboard of each leg \[m\].
+    fn strayed(&self, drafts: &[Draft], fixes: impl Iterator<Item = Fix>) -> Vec<[f64; 2]> {
         let mut strayed = vec![[0.0_f64; 2]; drafts.len()];
         let lines: Vec<Line> = drafts.iter().map(Draft::line).collect();
-        let runs = self.sailing.runs.iter().flatten().copied();
-        for fix in self.sailing.sailed.fixes().chain(runs) {
+        for fix in fixes {
             let place = [fix.pose.x, fix.pose.y];
             let own = drafts.iter().enumerate().filter(|(_, own)| own.steps.contains(&fix.leg));
             let own = own.map(|(index, _)| index);
@@ -219,6 +312,13 @@ impl SailedPlan<'_> {
     }
 }
 
+/// What is done before the first leg, and the sample when the ship goes on.
+#[derive(Default)]
+struct Before {
+    what: Vec<String>,
+    leaves: usize,
+}
+
 /// The move that goes straight ahead.
 const STRAIGHT: &str = BASIC_MOVES[0];
 
@@ -232,7 +332,7 @@ fn append(all: &mut Vec<Draft>, next: Draft) {
     }
     last.to = next.to;
     last.steps.end = next.steps.end;
-    last.samples.end = next.samples.end;
+    (last.samples.end, last.leaves) = (next.samples.end, next.leaves);
     last.turn_radius_m = next.turn_radius_m;
 }
 
@@ -242,11 +342,22 @@ impl Draft {
     }
 
     fn line(&self) -> Line {
-        Line { from: self.from, turned: libm::sincos(self.course()), length_m: distance(self.from, self.to) }
+        Line::between(self.from, self.to)
     }
 }
 
 impl Line {
+    fn between(from: [f64; 2], to: [f64; 2]) -> Self {
+        let course = libm::atan2(to[1] - from[1], to[0] - from[0]);
+        Self { from, turned: libm::sincos(course), length_m: distance(from, to) }
+    }
+
+    /// North and east of the place with these coordinates along the line and to starboard of it.
+    fn place(&self, [along, across]: [f64; 2]) -> [f64; 2] {
+        let (sin, cos) = self.turned;
+        [self.from[0] + along * cos - across * sin, self.from[1] + along * sin + across * cos]
+    }
+
     /// The coordinates along the line and to starboard of it.
     fn along(&self, [north, east]: [f64; 2]) -> [f64; 2] {
         let (sin, cos) = self.turned;
@@ -280,6 +391,7 @@ mod tests {
             to,
             turn_radius_m: None,
             samples: 10 * step..10 * step + 10,
+            leaves: 10 * step + 10,
             then: Vec::new(),
         }
     }
@@ -314,6 +426,7 @@ mod tests {
         {
             let place = [10.0 + along * cos - across * sin, 20.0 + along * sin + across * cos];
             let found = line.along(place);
+            assert!(distance(line.place(found), place) < 1e-9);
             assert!((found[0] - along).abs() < 1e-9 && (found[1] - across).abs() < 1e-9, "{found:?}");
             assert!((line.away(place) - away).abs() < 1e-9);
         }
