@@ -8,11 +8,11 @@ use regression::MeanRemoval;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trial::campaign::{Designed, check_shares};
-use trial::moments::{Promise, SampledFrom, UnreachedMotion};
+use trial::moments::{SampledFrom, UnreachedMotion};
 
 use super::design_figures::DesignFigures;
 use super::design_status::DesignStatus;
-use super::{statements, titles};
+use super::titles;
 
 pub use design::AccuracyPoint;
 
@@ -152,14 +152,6 @@ pub struct DesignPromise {
     pub range: [f64; 2],
     /// Both in words.
     pub statement: String,
-}
-
-impl DesignPromise {
-    /// `promise`, and in words.
-    pub(super) fn new(promise: Promise) -> Self {
-        let Promise { parameter_error, range } = promise;
-        Self { parameter_error, range, statement: statements::promise(parameter_error, range) }
-    }
 }
 
 /// Maneuvers by inputs that many ships miss.

@@ -3,10 +3,10 @@
 use design::{Accuracy, Criterion, Design, Method, Restricted, Status, Whole};
 use model::Source;
 use trial::arranging::{Arranged, Kept};
-use trial::moments::{SampledFrom, SampledShips, UnreachedMotion};
+use trial::moments::{Promise, SampledFrom, SampledShips, UnreachedMotion};
 use trial::refining::Refinement;
 
-use super::design::Start;
+use super::design::{DesignPromise, Start};
 
 /// About shares. `bound`: whether the available amounts limit them.
 pub(super) fn certificate(design: &Design, criterion: &Criterion, starts: &[Start], bound: bool) -> String {
@@ -79,9 +79,10 @@ pub(super) fn counts(design: &Design, whole: &Whole) -> String {
     )
 }
 
-/// About the parameter error that a design promises.
-pub(super) fn promise(parameter_error: f64, range: [f64; 2]) -> String {
-    format!("Promised parameter error: {parameter_error:.2} {}.", expected(range))
+/// The parameter error that a design promises, and in words.
+pub(super) fn promise(Promise { parameter_error, range }: Promise) -> DesignPromise {
+    let statement = format!("Promised parameter error: {parameter_error:.2} {}.", expected(range));
+    DesignPromise { parameter_error, range, statement }
 }
 
 /// `(1.3 to 3.7, as the nominal model may be off by some 40 %)`.
