@@ -8,7 +8,7 @@ use regression::MeanRemoval;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trial::campaign::{Designed, check_shares};
-use trial::moments::{Promise, SampledFrom, UnreachedMotion};
+use trial::moments::{SampledFrom, UnreachedMotion};
 
 use super::design_figures::DesignFigures;
 use super::design_status::DesignStatus;
@@ -152,20 +152,6 @@ pub struct DesignPromise {
     pub range: [f64; 2],
     /// Both in words.
     pub statement: String,
-}
-
-impl DesignPromise {
-    /// `promise`, and in words.
-    pub(super) fn new(promise: Promise) -> Self {
-        let Promise { parameter_error, range } = promise;
-        let statement = format!("Promised parameter error: {parameter_error:.2} {}.", expected(range));
-        Self { parameter_error, range, statement }
-    }
-}
-
-/// `(1.3 to 3.7, as the nominal model may be off by some 40 %)`.
-pub(super) fn expected([low, high]: [f64; 2]) -> String {
-    format!("({low:.2} to {high:.2}, as the nominal model may be off by some 40 %)")
 }
 
 /// Maneuvers by inputs that many ships miss.

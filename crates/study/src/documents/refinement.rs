@@ -62,7 +62,7 @@ impl RefinedFiles<'_> {
 
     /// Refined inputs are played whatever the ship does.
     fn promise(&self) -> DesignPromise {
-        DesignPromise::new(Promise::of_guess(self.found.refined.after.parameter_error(), true))
+        statements::promise(Promise::of_guess(self.found.refined.after.parameter_error(), true))
     }
 
     fn samples(&self) -> usize {

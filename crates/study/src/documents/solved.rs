@@ -161,7 +161,7 @@ fn promise(solved: &Solved, covariance: &CovarianceCriterion) -> Option<DesignPr
     let squares = solved.moments.squares(Source::Nominal).ok()?;
     let names = solved.dictionary.parameter_names();
     let relative = names.zip(squares).map(|(name, square)| covariance.standard_errors[name].powi(2) / square);
-    Some(DesignPromise::new(promised(solved, relative.sum::<f64>().sqrt())?))
+    promised(solved, relative.sum::<f64>().sqrt()).map(statements::promise)
 }
 
 /// The range of an accuracy, if it is the error of all parameters.

@@ -3,10 +3,10 @@
 use design::{Accuracy, Criterion, Design, Method, Restricted, Status, Whole};
 use model::Source;
 use trial::arranging::{Arranged, Kept};
-use trial::moments::{SampledFrom, SampledShips, UnreachedMotion};
+use trial::moments::{Promise, SampledFrom, SampledShips, UnreachedMotion};
 use trial::refining::Refinement;
 
-use super::design::{Start, expected};
+use super::design::{DesignPromise, Start};
 
 /// About shares. `bound`: whether the available amounts limit them.
 pub(super) fn certificate(design: &Design, criterion: &Criterion, starts: &[Start], bound: bool) -> String {
@@ -77,6 +77,17 @@ pub(super) fn counts(design: &Design, whole: &Whole) -> String {
         100.0 * whole.loss,
         100.0 * whole.apportioned
     )
+}
+
+/// The parameter error that a design promises, and in words.
+pub(super) fn promise(Promise { parameter_error, range }: Promise) -> DesignPromise {
+    let statement = format!("Promised parameter error: {parameter_error:.2} {}.", expected(range));
+    DesignPromise { parameter_error, range, statement }
+}
+
+/// `(1.3 to 3.7, as the nominal model may be off by some 40 %)`.
+fn expected([low, high]: [f64; 2]) -> String {
+    format!("({low:.2} to {high:.2}, as the nominal model may be off by some 40 %)")
 }
 
 /// About maneuvers by inputs that many ships miss; `None` where there are none.
