@@ -129,7 +129,7 @@ pub struct Planned {
 impl Planned {
     /// The map of the plan; `None` without a part at sea.
     pub fn map(&self) -> Option<MapDocument> {
-        let Self { prepared, solved, sailing, document } = self;
+        let Self { prepared, solved, sailing, document, .. } = self;
         Some(map_of(&SailedPlan { prepared, solved, sailing }, document, document.voyage.as_ref()?))
     }
 

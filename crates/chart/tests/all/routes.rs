@@ -113,6 +113,7 @@ fn timed() -> Route {
     for (waypoint, time_s) in route.waypoints.iter_mut().zip([0.0, 90.4, 3725.0]) {
         waypoint.time_s = Some(time_s);
     }
+    route.waypoints[2].leave_s = Some(4200.0);
     route
 }
 
@@ -131,6 +132,7 @@ fn rtz_tells_the_times_of_a_departure() {
     assert_eq!(all[1].get("eta"), Some("2026-06-01T08:01:30Z"));
     assert_eq!(all[2].get("eta"), Some("2026-06-01T09:02:05Z"));
     assert!((all[1].number("speed") - 10.0).abs() < 1e-6, "knots");
+    assert_eq!((all[1].get("etd"), all[2].get("etd")), (None, Some("2026-06-01T09:10:00Z")));
 }
 
 #[test]
@@ -139,7 +141,8 @@ fn gpx_and_kml_tell_the_times_of_a_departure() {
     let track = Track { name: "zig-zag".to_owned(), points, clock_s: [60.0, 0.5] };
     let root = read(&gpx(&timed(), std::slice::from_ref(&track)).unwrap());
     let route = root.one("rte").all("rtept");
-    assert_eq!(names(route[1]), ["time", "name", "desc"], "the schema's order");
+    assert_eq!(names(route[1]), ["time", "name", "cmt", "desc"], "the schema's order");
+    assert_eq!(route[1].one("cmt").text, "10.0 kn on the leg to here");
     assert_eq!(route[2].one("time").text, "2026-06-01T09:02:05Z");
     let times: Vec<&str> =
         root.one("trk").one("trkseg").all("trkpt").iter().map(|p| p.one("time").text.as_str()).collect();

@@ -52,7 +52,11 @@ fn law_the_passage_goes_from_node_to_node_and_turns_between_them() {
         let is_node = |place: [f64; 2]| nodes.iter().any(|node| metres(*node, place) < 30.0);
         assert!(is_node(places[0]));
         for (leg, place) in passage.iter().zip(&places[1..]) {
-            assert!(is_node(*place) || leg["turn_radius_m"].is_number(), "{leg}");
+            // Courses change at nodes, where the ship turns, and along maneuvers.
+            assert!(
+                is_node(*place) || leg["turn_radius_m"].is_number() || leg["informative"] == true,
+                "{leg}"
+            );
         }
         // Every maneuver that moves is in the passage, in the order of the plan.
         let told: Vec<&str> = passage
@@ -67,9 +71,13 @@ fn law_the_passage_goes_from_node_to_node_and_turns_between_them() {
         }
         let end = number(&planned.plan["voyage"], "duration_s");
         let last = passage.last().unwrap();
-        let left = end - number(last, "end_s");
-        assert!(left.abs() < 1e-9 || left > 0.0 && !last["then"].as_array().unwrap().is_empty(), "{left}");
-        assert!(passage.windows(2).all(|pair| number(&pair[0], "end_s") <= number(&pair[1], "end_s")));
+        // What is done at rest takes its time, to the end of the trial.
+        assert!((number(last, "leave_s") - end).abs() < 1e-9, "{last}");
+        assert!(passage.windows(2).all(|pair| number(&pair[0], "leave_s") <= number(&pair[1], "end_s")));
+        for leg in passage {
+            let stays = number(leg, "leave_s") > number(leg, "end_s");
+            assert_eq!(stays, !leg["then"].as_array().unwrap().is_empty(), "{leg}");
+        }
     }
 }
 
@@ -90,6 +98,72 @@ fn law_the_track_keeps_within_the_cross_track_distances() {
                 across.abs() <= limit + 0.5 && along > -600.0 && along < length + 600.0
             });
             assert!(within, "{place:?}");
+        }
+    }
+}
+
+#[test]
+fn law_corridors_hold_the_hull_and_no_land() {
+    for (planned, land) in all().into_iter().zip([HELSINKI_LAND, HELSINKI_LAND, ""]) {
+        let land = match land {
+            "" => crate::geometry::polygons_of(ISLAND),
+            file => crate::geometry::polygons(&repository().join(file)),
+        };
+        let places = waypoints(planned);
+        let passage = planned.plan["voyage"]["passage"]["legs"].as_array().unwrap();
+        let mut wide = 0;
+        for (ends, leg) in places.windows(2).zip(passage) {
+            let [port, right] = ["xtd_port_m", "xtd_starboard_m"].map(|key| number(leg, key));
+            // Half the beam of 8 m at least; a hull's length beside a maneuver's waypoints at most, or what vessels need.
+            assert!(port >= 4.0 && right >= 4.0, "{leg}");
+            wide += usize::from(port > 30.0 || right > 30.0);
+            let steps = (metres(ends[0], ends[1]) / 10.0).ceil();
+            for k in 0..=steps as usize {
+                let share = k as f64 / steps;
+                let at = [0, 1].map(|axis| ends[0][axis] + share * (ends[1][axis] - ends[0][axis]));
+                for across in (0..=20).map(|j| -port + (port + right) * f64::from(j) / 20.0) {
+                    let course = number(leg, "course_deg").to_radians();
+                    let place = crate::geometry::moved(at, course, [0.0, across]);
+                    assert!(!land.iter().any(|own| own.holds(place)), "{across} m beside {at:?}: {leg}");
+                }
+            }
+        }
+        assert!(wide > 0);
+    }
+}
+
+#[test]
+fn law_the_nearest_danger_bears_where_it_is() {
+    let [planned, _] = helsinki_planned();
+    let land = crate::geometry::polygons(&repository().join(HELSINKI_LAND));
+    let passage = planned.plan["voyage"]["passage"]["legs"].as_array().unwrap();
+    let mut found = 0;
+    for leg in passage.iter().filter(|leg| leg["nearest"].is_object()) {
+        let [away, bearing] = ["distance_m", "bearing_deg"].map(|key| number(&leg["nearest"], key));
+        assert!((0.0..360.0).contains(&bearing), "{leg}");
+        // From some place of the track there is land that far away in that direction.
+        let beyond = |forward: f64| {
+            let at = |place: &[f64; 2]| crate::geometry::moved(*place, bearing.to_radians(), [forward, 0.0]);
+            planned.track.place.iter().any(|place| land.iter().any(|own| own.holds(at(place))))
+        };
+        assert!(beyond(away + 3.0), "{leg}");
+        found += 1;
+    }
+    assert!(found > 3, "{found}");
+}
+
+#[test]
+fn routes_have_the_name_of_the_study_and_the_speed_of_each_leg() {
+    for (planned, name) in helsinki_planned().into_iter().zip(["helsinki", "helsinki plan-4-headings"]) {
+        let root = read(planned.text("route.rtz"));
+        assert_eq!(root.one("routeInfo").get("routeName"), Some(name));
+        let gpx = read(planned.text("route.gpx"));
+        let route = gpx.one("rte");
+        assert_eq!(route.one("name").text, name);
+        let passage = planned.plan["voyage"]["passage"]["legs"].as_array().unwrap();
+        for (leg, point) in passage.iter().zip(&route.all("rtept")[1..]) {
+            let knots = format!("{:.1} kn on the leg to here", number(leg, "speed_m_s") * 3600.0 / 1852.0);
+            assert_eq!(point.one("cmt").text, knots);
         }
     }
 }
