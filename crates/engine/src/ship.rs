@@ -42,11 +42,8 @@ impl<'a> Ship<'a> {
     /// Advances by one sample while the actuators follow `commands`; returns their settings. Commands that change
     /// within the sample have `ends`: those at its beginning and at its end.
     pub fn command(&mut self, commands: &[f64], ends: Option<[&[f64]; 2]>) -> &[f64] {
-        let ordered = |i: usize, mean: f64| {
-            ends.map_or(mean.into(), |[first, last]| Ordered { first: first[i], mean, last: last[i] })
-        };
         self.act(commands, |acting, own, i, command, seconds| {
-            acting.follow(own, ordered(i, command), seconds)
+            acting.follow(own, Ordered::of(i, command, ends), seconds)
         })
     }
 

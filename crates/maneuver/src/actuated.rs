@@ -56,10 +56,7 @@ impl Command for Following {
         self.commanded.extend_from_slice(inputs);
         let ends = self.command.ends();
         for (i, (acting, own)) in self.acting.iter_mut().zip(&*self.actuators).enumerate() {
-            let mean = inputs[i];
-            let ordered =
-                ends.map_or(mean.into(), |[first, last]| Ordered { first: first[i], mean, last: last[i] });
-            inputs[i] = acting.follow(own, ordered, self.sample_s);
+            inputs[i] = acting.follow(own, Ordered::of(i, inputs[i], ends), self.sample_s);
         }
     }
 

@@ -228,7 +228,7 @@ impl Generator {
     /// A motion that the model cannot hold; a table of fewer samples.
     pub fn realize(&self, index: usize, samples: usize) -> Result<Realized, Invalid> {
         let maneuver = &self.maneuvers[index];
-        let named = |e: Invalid| Invalid { thing: format!("maneuver `{}`, {}", maneuver.name, e.thing), ..e };
+        let named = |e: Invalid| self.named(index, e);
         let table = self.tables.get(&index);
         let plan =
             Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, if table.is_some() { 0 } else { samples });
@@ -259,30 +259,34 @@ impl Generator {
     /// As [`Generator::realize`].
     pub fn program(&self, index: usize, samples: usize) -> Result<Option<Helm>, Invalid> {
         let maneuver = &self.maneuvers[index];
+        let named = |e: Invalid| self.named(index, e);
         if let Some(helm) = self.helms.get(&index) {
             return Ok(Some(helm.clone()));
         }
         if let Some(standard) = maneuver.kind.standard() {
-            return self.orders(standard).map(|(orders, _)| Some(Helm::new(orders)));
+            return self.orders(standard).map(|(orders, _)| Some(Helm::new(orders))).map_err(named);
         }
         if maneuver.executed == Executed::Inputs {
             return Ok(None);
         }
         let plan = Plan::new(&maneuver.kind, self.vessel.sample_rate_hz, samples);
         let inputs = self.held(index, &plan, samples)?;
-        self.tracked(index, plan.start(), &inputs).map(Some)
+        self.tracked(index, plan.start(), &inputs).map(Some).map_err(named)
     }
 
     /// The inputs of maneuver `index` that the nominal ship holds its motion with, or those of its table.
     fn held(&self, index: usize, plan: &Plan, samples: usize) -> Result<Vec<f64>, Invalid> {
-        let maneuver = &self.maneuvers[index];
-        let named = |e: Invalid| Invalid { thing: format!("maneuver `{}`, {}", maneuver.name, e.thing), ..e };
         if let Some(table) = self.tables.get(&index) {
             return table.first(samples).map(<[f64]>::to_vec);
         }
         // What feedback will need is not known, and actuators keep to their ranges.
-        let within = index < self.written || maneuver.executed == Executed::Inputs;
-        self.inputs(plan, samples, within).map_err(named)
+        let within = index < self.written || self.maneuvers[index].executed == Executed::Inputs;
+        self.inputs(plan, samples, within).map_err(|e| self.named(index, e))
+    }
+
+    /// An error in maneuver `index`.
+    fn named(&self, index: usize, e: Invalid) -> Invalid {
+        Invalid { thing: format!("maneuver `{}`, {}", self.maneuvers[index].name, e.thing), ..e }
     }
 
     /// The commands of `helm` to the undisturbed ship.

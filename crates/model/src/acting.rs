@@ -13,6 +13,14 @@ pub struct Ordered {
     pub last: f64,
 }
 
+impl Ordered {
+    /// Of actuator `index`, with this `mean`; `ends` are the commands to all at the beginning and the end of the sample, if they
+    /// change within it.
+    pub fn of(index: usize, mean: f64, ends: Option<[&[f64]; 2]>) -> Self {
+        ends.map_or(mean.into(), |[first, last]| Self { first: first[index], mean, last: last[index] })
+    }
+}
+
 impl From<f64> for Ordered {
     /// The same throughout the sample.
     fn from(command: f64) -> Self {

@@ -154,7 +154,7 @@ fn law_lanes_and_single_runs_follow_the_same_actuators_to_the_bit() {
         assert_eq!(run.states, alone.states);
     }
     assert_ne!(alone.commands, vessel.model.inputs_of(&alone.run.exogenous));
-    // Nothing is kept that nobody writes.
+    // Commands are kept only where they are written.
     let measured = campaign.simulate(0, 0..9, Wanted::Truth).unwrap();
     assert!(measured.iter().all(|run| run.commands.is_empty() && run.run == all[run.run.run as usize].run));
 }
