@@ -29,7 +29,7 @@ pub enum PlanError {
 /// A trial to be planned on charts.
 #[derive(Clone, Debug)]
 pub struct ChartedTrial {
-    /// Its name: that of the folder of `plan.toml`, with the file's own where it is another one.
+    /// Its name: as stated, or that of the folder of `plan.toml`, with the file's own where it is another one.
     pub name: String,
     /// The task and the vessel, with the charts and a run of every maneuver.
     pub brief: Brief,
@@ -81,7 +81,8 @@ impl ChartedTrial {
             ChartsError::OutOfTime => VoyageError::OutOfTime("the reading of its charts").into(),
         })?;
         (brief.layers, brief.chart_bytes) = (charts.layers, charts.bytes);
-        Ok(Self { name: name_of(file), brief, charts: charts.summaries })
+        let name = config.name.clone().unwrap_or_else(|| name_of(file));
+        Ok(Self { name, brief, charts: charts.summaries })
     }
 
     /// The cheapest plan that passes its check; with `unsafe_too`, if none does, one that does not.
@@ -101,14 +102,14 @@ impl ChartedTrial {
     }
 }
 
-/// The name of the trial in `file`.
+/// The name of the trial in `file` where it states none.
 fn name_of(file: &Path) -> String {
     let folder = std::path::absolute(file).ok();
     let folder = folder.as_deref().and_then(Path::parent).and_then(Path::file_name);
     let own = file.file_stem().filter(|own| *own != "plan");
     let names = folder.into_iter().chain(own).map(|name| name.to_string_lossy());
     let name = names.collect::<Vec<_>>().join(" ");
-    if name.is_empty() || name.contains(char::is_control) { "route".to_owned() } else { name }
+    if refusal::check_name("name", &name).is_ok() { name } else { "route".to_owned() }
 }
 
 /// A plan on a chart.

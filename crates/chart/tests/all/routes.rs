@@ -96,7 +96,8 @@ fn gpx_keeps_the_rules_of_version_1_1() {
     let rte = root.one("rte");
     assert_eq!(rte.one("name").text, "sea trial \"A&B\"");
     assert_eq!(rte.all("rtept").len(), 3);
-    assert_eq!(names(rte.all("rtept")[1]), ["name", "desc"], "the schema's order");
+    assert_eq!(names(rte.all("rtept")[1]), ["name", "cmt", "desc"], "the schema's order");
+    assert_eq!(rte.all("rtept")[1].one("cmt").text, "10.0 kn on the leg to here");
     assert_eq!(rte.all("rtept")[2].one("name").text, "goal < home");
     let written = root.one("trk").one("trkseg").all("trkpt");
     assert_eq!(written.len(), track.points.len());

@@ -30,6 +30,12 @@ fn unknown_keys_are_refused_with_the_nearest_known_key() {
 }
 
 #[test]
+fn names_that_no_route_file_holds_are_refused() {
+    edited("small trial", "", &["`name` of the trial", "no name"]);
+    edited("small trial", "a\\nb", &["`name` of the trial", "U+000A"]);
+}
+
+#[test]
 fn cells_without_size_are_refused() {
     for cell in ["0.0", "-120.0", "nan", "inf"] {
         edited("cell_m = 120.0", &format!("cell_m = {cell}"), &["`cell_m`", "a number above 0"]);
@@ -181,7 +187,7 @@ fn a_count_without_a_maneuver_of_that_name_is_refused_with_the_nearest() {
         &["maneuver `zig-zag-step`", "dictionary.parquet", "did you mean `zig-zag-steep`?"],
     );
     edited("\"sway-zig-zag\", count", "\"zig-zag-steep\", count", &["maneuver `zig-zag-steep`", "twice"]);
-    edited("count = 1 }, {", "count = -1 }, {", &["-1", "line 4"]);
+    edited("count = 1 }, {", "count = -1 }, {", &["-1", "line 5"]);
     let none = [
         ("count = 1 }, {", "count = 0 }, {"),
         ("\"sway-zig-zag\", count = 1", "\"sway-zig-zag\", count = 0"),

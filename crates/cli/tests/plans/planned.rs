@@ -28,7 +28,8 @@ pub const PLANNED: [&str; 10] = [
 ];
 
 /// A plan of two maneuvers around an island, which is fast.
-pub const SMALL: &str = r#"cell_m = 120.0
+pub const SMALL: &str = r#"name = "small trial"
+cell_m = 120.0
 headings = 4
 uncharted = "water"
 maneuver = [{ name = "zig-zag-steep", count = 1 }, { name = "sway-zig-zag", count = 1 }]

@@ -119,8 +119,8 @@ fn the_passage_plan_tells_the_bridge() {
             "Passage plan",
             "Times count from the departure at 2026-06-01T08:00:00Z.",
             "Charted depths count with a tide of −0.400 m, its least over the 60 min 00 s of the slot.",
-            "036° 0.25 2.9 00:01:30 13, 41 213 9.2 WRECKS Träholm, 90 m straight",
-            "036° 0.25 2.9 00:04:50 13, 41 – 9.2 WRECKS Träholm, 90 m steep (mirrored), turn-starboard",
+            "036° 0.25 2.9 00:01:30 13, 41 213 9.2 WRECKS Träholm, 90 m, bearing 271° straight",
+            "036° 0.25 2.9 00:04:50 13, 41 – 9.2 WRECKS Träholm, 90 m, bearing 271° steep (mirrored), turn-starboard",
         ],
     );
 }

@@ -11,6 +11,8 @@ use trial::{Mode, Sensors, StatedHandling};
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanFile {
+    /// Name of the trial in routes; without it, that of the folder.
+    pub name: Option<String>,
     /// Distance of neighbouring nodes of the lattice \[m\].
     pub cell_m: f64,
     /// Heading levels: 4, 8 or 16.
