@@ -1,5 +1,6 @@
 //! Faults at every place where a stage creates, writes, flushes or renames a file: afterwards all is old or all is new.
 
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::sync::Mutex;
@@ -19,6 +20,8 @@ pub struct Watched {
     /// The files of the other run, and of this one.
     pub before: Files,
     pub after: Files,
+    /// What runs of the line have begun from.
+    begun_from: RefCell<Vec<Files>>,
 }
 
 impl Watched {
@@ -33,7 +36,8 @@ impl Watched {
         let (before, after) = (made(&other), made(&line));
         assert!(before.keys().eq(after.keys()), "{line}: other files");
         assert_ne!(before, after, "{line}: the same result");
-        Self { place, line, other, before, after }
+        let begun_from = RefCell::new(vec![before.clone()]);
+        Self { place, line, other, before, after, begun_from }
     }
 
     /// Unfinished files in `out`.
@@ -99,6 +103,11 @@ impl Watched {
         if success && !new {
             return Err((Wrong::Mixed, "succeeds with the old result".to_owned()));
         }
+        let found = self.place.outputs();
+        if self.begun_from.borrow().contains(&found) {
+            return Ok([success, new]);
+        }
+        self.begun_from.borrow_mut().push(found);
         let again = wait(&self.place, start(&self.place, &self.line, ""));
         if again.judged()? != 0 || !self.is_new(true)? {
             return Err((Wrong::Left, format!("the next run: {}", again.told)));
@@ -106,7 +115,8 @@ impl Watched {
         Ok([success, new])
     }
 
-    /// Tries places: all of them, or those visited by a bisection for the last one, which are dense near the renames.
+    /// Tries places: all of them, or those visited by a bisection for the last one, which are dense near the renames, with
+    /// an error at the last two.
     fn try_places(&self, every: bool) -> Tally {
         let mut tally = Tally::default();
         let mut at = |kind: &str, count: u32| {
@@ -124,9 +134,7 @@ impl Watched {
             if at("kill", middle) { beyond = middle } else { reached = middle }
         }
         let last = reached;
-        let some = [1, last / 2, last.saturating_sub(2), last - 1, last];
-        let errors: Vec<u32> = if every { (1..=last).collect() } else { some.to_vec() };
-        for count in errors.into_iter().filter(|count| *count > 0) {
+        for count in if every { 1 } else { last - 1 }..=last {
             at("error", count);
         }
         assert!(last > 2, "{}: {last} places", self.line);
