@@ -14,7 +14,7 @@ const SHIP: &str = "name = \"ship\"\nsample_rate_hz = 1.0\n\
 
 #[test]
 fn channels_are_computed_before_they_are_taken_and_are_no_inputs() {
-    let vessel = Vessel::from_file(toml::from_str(SHIP).unwrap()).unwrap();
+    let vessel = Vessel::from_file(SHIP.parse().unwrap()).unwrap();
     let known = Knowledge { covered: vec![("ahead".to_owned(), [0.0, 1.0])], ..Knowledge::default() };
     let portable = Portable::new(&vessel, Source::Nominal, &known, Origin::default()).unwrap();
     assert_eq!((portable.inputs().len(), portable.ranges.len()), (2, 0));

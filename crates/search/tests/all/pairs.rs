@@ -14,7 +14,7 @@ fn ship(names: [&str; 2], unit: &str, further: &str) -> Model {
         input(names[0], unit),
         input(names[1], unit),
     );
-    Vessel::from_file(toml::from_str::<VesselFile>(&text).unwrap()).unwrap().model
+    Vessel::from_file(text.parse::<VesselFile>().unwrap()).unwrap().model
 }
 
 fn formulas(model: &Model) -> Vec<&str> {

@@ -11,7 +11,7 @@ fn ship(further: &str) -> Model {
          [[surge]]\nparameter = \"a\"\nterm = \"u\"\nnominal = 0.0\n[[sway]]\nparameter = \"b\"\nterm = \"v\"\n\
          nominal = 0.0\n[[yaw]]\nparameter = \"c\"\nterm = \"r\"\nnominal = 0.0\n"
     );
-    Vessel::from_file(toml::from_str::<VesselFile>(&text).unwrap()).unwrap().model
+    Vessel::from_file(text.parse::<VesselFile>().unwrap()).unwrap().model
 }
 
 fn library_of(model: &Model) -> (Model, Roles) {

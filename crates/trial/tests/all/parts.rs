@@ -9,7 +9,7 @@ use trial::campaign::{Parts, Plan};
 fn law_maneuvers_are_the_same_whatever_was_made_of_them_before() {
     let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
     let dictionary: DictionaryFile =
-        toml::from_str(include_str!("../../../../pipelines/paper/dictionary.toml")).unwrap();
+        include_str!("../../../../pipelines/paper/dictionary.toml").parse().unwrap();
     let generator = Generator::without_tables(&vessel, &dictionary).unwrap();
     let mut shared = Parts::default();
     for samples in [40, 100, 30, 120, 200, 40] {

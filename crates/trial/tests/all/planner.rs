@@ -14,7 +14,7 @@ const NOISE: Noise = Noise { measurement: [0.1, 0.1, 0.1], current: 0.1 };
 fn law_a_design_beats_equal_shares_and_makes_good_what_was_missed() {
     let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
     let dictionary: DictionaryFile =
-        toml::from_str(include_str!("../../../../pipelines/scenarios/dictionary.toml")).unwrap();
+        include_str!("../../../../pipelines/scenarios/dictionary.toml").parse().unwrap();
     let generator = Generator::without_tables(&vessel, &dictionary).unwrap();
     let planner = Planner::new(&vessel, &generator, NOISE).unwrap();
     let theta = vessel.parameters(Source::Value).unwrap();
