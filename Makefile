@@ -79,7 +79,9 @@ build: $(BINARIES)
 
 SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Cargo.toml' -o -name '*.css' -o -path '*/presets/*.toml' -o -path '*/templates/*')
 
-BUILD := $(if $(filter target/debug,$(BIN)),$(CARGO) test --workspace --locked --no-run,$(CARGO) build --release --locked -p cli -p programs)
+# Not the examples that no test runs: clippy checks them
+TESTS := $(CARGO) test --workspace --locked --tests
+BUILD := $(if $(filter target/debug,$(BIN)),$(TESTS) --no-run,$(CARGO) build --release --locked -p cli -p programs)
 
 $(BIN)/.built: $(SOURCES)
 	$(BUILD)
@@ -296,7 +298,8 @@ clippy:
 
 .PHONY: unit
 unit:
-	$(CARGO) test --workspace --locked
+	$(TESTS)
+	$(CARGO) test --workspace --locked --doc
 
 .PHONY: readme-check
 readme-check: build

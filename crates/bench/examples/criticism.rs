@@ -42,10 +42,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let at = |i: usize| arguments.get(i).map(String::as_str);
     let what = at(0).unwrap_or("stated");
     let (trials, seed): (u32, u64) = (at(1).unwrap_or("40").parse()?, at(2).unwrap_or("1").parse()?);
-    let dictionary: DictionaryFile =
-        toml::from_str(include_str!("../../../pipelines/scenarios/dictionary.toml"))?;
+    let dictionary: DictionaryFile = include_str!("../../../pipelines/scenarios/dictionary.toml").parse()?;
     let vessel = |more: &str| -> Result<Vessel, Box<dyn Error>> {
-        Ok(Vessel::from_file(toml::from_str(&format!("{PAPER}{more}"))?)?)
+        Ok(Vessel::from_file(format!("{PAPER}{more}").parse()?)?)
     };
     println!("{what}: {trials} trials of each, seed {seed}");
     for (name, campaign) in scenarios(trials, seed)? {

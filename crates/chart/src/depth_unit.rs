@@ -109,8 +109,11 @@ impl DepthUnit {
         Self::of_text(text).map(Some).ok_or_else(|| unknown(thing, text))
     }
 
-    /// The unit of a chart, and its origin: the file and `depth_unit` must agree.
-    pub(crate) fn agreed(stated: Option<Self>, declared: Option<Self>) -> Result<(Self, UnitFrom), Invalid> {
+    /// The unit of a chart, and its origin: what the file states and what `depth_unit` declares must agree.
+    ///
+    /// # Errors
+    /// Two units.
+    pub fn agreed(stated: Option<Self>, declared: Option<Self>) -> Result<(Self, UnitFrom), Invalid> {
         match (stated, declared) {
             (Some(stated), Some(declared)) if stated != declared => Err(Invalid::new(
                 "`depth_unit`",
@@ -134,42 +137,4 @@ pub(crate) fn unknown(thing: &str, text: &str) -> Invalid {
         format!("a unit of depths: {}", names.join(", ")),
         "convert the depths to metres, or correct the unit in the file",
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn units_are_known_by_all_their_names() {
-        for (text, unit) in [
-            ("m", DepthUnit::Metre),
-            (" Meters ", DepthUnit::Metre),
-            ("METRE", DepthUnit::Metre),
-            ("dm", DepthUnit::Decimetre),
-            ("Centimeters", DepthUnit::Centimetre),
-            ("FEET", DepthUnit::Foot),
-            ("US survey foot", DepthUnit::SurveyFoot),
-            ("US_survey_feet", DepthUnit::SurveyFoot),
-            ("us-ft", DepthUnit::SurveyFoot),
-            ("Fathoms", DepthUnit::Fathom),
-        ] {
-            assert_eq!(DepthUnit::of_text(text), Some(unit), "{text}");
-        }
-        for text in ["", "m/s", "m2", "m-1", "1", "degrees", "yards", "m s"] {
-            assert_eq!(DepthUnit::of_text(text), None, "{text}");
-        }
-        for own in ALL {
-            assert_eq!((own.0.name(), DepthUnit::of_text(own.1)), (own.1, Some(own.0)));
-        }
-    }
-
-    #[test]
-    fn what_file_and_plan_say_has_to_agree() {
-        let (ft, m) = (Some(DepthUnit::Foot), Some(DepthUnit::Metre));
-        assert_eq!(DepthUnit::agreed(ft, ft), Ok((DepthUnit::Foot, UnitFrom::File)));
-        assert_eq!(DepthUnit::agreed(None, ft), Ok((DepthUnit::Foot, UnitFrom::Declared)));
-        assert_eq!(DepthUnit::agreed(None, None), Ok((DepthUnit::Metre, UnitFrom::Assumed)));
-        assert!(DepthUnit::agreed(ft, m).unwrap_err().to_string().contains("`ft`, as the file says"));
-    }
 }

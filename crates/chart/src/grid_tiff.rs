@@ -10,7 +10,7 @@ use crate::grid_cells::{Cells, Rows};
 use crate::grid_header::{Header, MOST_ON_A_SIDE, check_square};
 use crate::grid_packing::Packing;
 use crate::grid_tiff_keys::{Keys, refuse};
-use crate::grid_tiff_metadata::Metadata;
+use crate::grid_tiff_metadata::TiffMetadata;
 use crate::grid_window::Block;
 use crate::{DepthUnit, Grid, GridDeclaration, GridKind, Invalid, Reading, Unread};
 
@@ -75,7 +75,7 @@ fn packing<R: Read + Seek>(
 ) -> Result<Packing, Invalid> {
     let text = |value: tiff::decoder::ifd::Value| value.into_string().map_err(refuse);
     let metadata = decoder.find_tag(GDAL_METADATA).map_err(refuse)?.map(text).transpose()?;
-    let metadata = Metadata::read(metadata.as_deref().unwrap_or_default())?;
+    let metadata = TiffMetadata::read(metadata.as_deref().unwrap_or_default())?;
     metadata.check_direction(declared.kind)?;
     let format: Option<Vec<u16>> = decoder.find_tag_unsigned_vec(Tag::SampleFormat).map_err(refuse)?;
     let is_single = bits == 32 && format.is_some_and(|format| format.first() == Some(&3));

@@ -11,12 +11,12 @@ use crate::{GridKind, Invalid};
 
 /// Items of the first band and of the whole file, by their roles, or by name if they have none.
 #[derive(Debug, Default, PartialEq)]
-pub(crate) struct Metadata {
+pub struct TiffMetadata {
     roles: BTreeMap<String, String>,
     names: BTreeMap<String, String>,
 }
 
-impl Metadata {
+impl TiffMetadata {
     /// Of the text of the tag; empty where there is none.
     pub fn read(text: &str) -> Result<Self, Invalid> {
         let mut own = Self::default();
@@ -115,26 +115,4 @@ fn damaged(why: &str) -> Invalid {
         "XML as GDAL writes it",
         "write the file again, for instance with `gdal_translate`",
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn items_count_by_role_and_band() {
-        let text = "<GDALMetadata>\n  <Item name=\"OFFSET\" sample=\"0\" role=\"offset\">-2</Item>\n\
-            <Item name=\"SCALE\" sample=\"1\" role=\"scale\">7</Item><Item name=\"SCALE\" sample=\"0\" role=\"scale\">0.1</Item>\
-            <Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">US survey foot</Item><Item name=\"scale\">9</Item></GDALMetadata>\n\0";
-        let own = Metadata::read(text).unwrap();
-        assert_eq!((own.number("scale"), own.number("offset")), (Ok(Some(0.1)), Ok(Some(-2.0))));
-        assert_eq!(own.unit(), Ok(Some(DepthUnit::SurveyFoot)));
-        let none = Metadata::read("").unwrap();
-        assert_eq!((none.number("scale"), none.unit()), (Ok(None), Ok(None)));
-        for cut in [12, 40, 80, 100] {
-            assert!(Metadata::read(&text[..cut]).is_err(), "{cut}");
-        }
-        let yards = Metadata::read("<G><Item name=\"UNITTYPE\" role=\"unittype\">yd</Item></G>").unwrap();
-        assert!(yards.unit().unwrap_err().to_string().contains("`yd`"));
-    }
 }

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 /// `Greater` where a, b, c turn left, `Less` where they turn right, `Equal` where they are on one line.
 /// Exact for finite coordinates whose products neither overflow nor underflow.
-pub(crate) fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Ordering {
+pub fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Ordering {
     let left = (a[0] - c[0]) * (b[1] - c[1]);
     let right = (a[1] - c[1]) * (b[0] - c[0]);
     let det = left - right;
@@ -16,7 +16,7 @@ pub(crate) fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Ordering {
 }
 
 /// Whether segments p q and r s cross at a point inside both.
-pub(crate) fn cross_properly(p: [f64; 2], q: [f64; 2], r: [f64; 2], s: [f64; 2]) -> bool {
+pub fn cross_properly(p: [f64; 2], q: [f64; 2], r: [f64; 2], s: [f64; 2]) -> bool {
     let opposite = |a: Ordering, b: Ordering| a != Ordering::Equal && a == b.reverse();
     opposite(turn(p, q, r), turn(p, q, s)) && opposite(turn(r, s, p), turn(r, s, q))
 }
@@ -47,31 +47,4 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let b_part = sum - a;
     (sum, (a - (sum - b_part)) + (b - b_part))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn turns_are_exact_where_rounding_would_decide() {
-        let ulp = f64::EPSILON / 2.0;
-        let (a, b) = ([12.0, 12.0], [24.0, 24.0]);
-        for i in 0..64 {
-            for j in 0..64 {
-                let c = [0.5 + f64::from(i) * ulp, 0.5 + f64::from(j) * ulp];
-                // On a line of slope one through the origin the turn is the sign of y − x, which is exact here.
-                assert_eq!(turn(a, b, c), c[1].total_cmp(&c[0]), "{i} {j}");
-            }
-        }
-    }
-
-    #[test]
-    fn touching_is_not_crossing() {
-        let (p, q) = ([0.0, 0.0], [2.0, 0.0]);
-        assert!(cross_properly(p, q, [1.0, -1.0], [1.0, 1.0]));
-        assert!(!cross_properly(p, q, [1.0, 0.0], [1.0, 1.0]));
-        assert!(!cross_properly(p, q, [2.0, 0.0], [3.0, 1.0]));
-        assert!(!cross_properly(p, q, [1.0, 0.0], [3.0, 0.0]));
-    }
 }

@@ -21,8 +21,10 @@ mod portable;
 mod python;
 mod target;
 mod template;
-mod text;
+pub mod text;
 
 pub use fmi::{COMPILED_WITH, PLATFORM};
+pub use identifier::{Identifiers, file_name};
 pub use portable::{Channel, Knowledge, Origin, Parameter, Portable, Range, Summand, Tied};
 pub use target::Target;
+pub use template::fill;

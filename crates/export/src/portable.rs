@@ -7,7 +7,7 @@ use model::{
 };
 use refusal::Invalid;
 
-use crate::identifier::{Identifiers, base};
+use crate::identifier::{Identifiers, file_name};
 
 /// A model with its parameters and their properties, under names that are identifiers everywhere.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,7 +142,7 @@ impl Portable {
         let Making { parameters, tied, .. } = making;
         Ok(Self {
             vessel: vessel.name.clone(),
-            base: base(&vessel.name),
+            base: file_name(&vessel.name),
             rate_hz: vessel.sample_rate_hz,
             ranges: ranges.collect(),
             notes: known.notes.clone(),

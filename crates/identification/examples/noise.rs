@@ -115,8 +115,8 @@ struct Ship {
 }
 
 fn paper(share: usize) -> Result<Ship, Box<dyn std::error::Error>> {
-    let vessel = Vessel::from_file(toml::from_str(PAPER)?)?;
-    let file: DictionaryFile = toml::from_str(DICTIONARY)?;
+    let vessel = Vessel::from_file(PAPER.parse()?)?;
+    let file: DictionaryFile = DICTIONARY.parse()?;
     let generator = Generator::without_tables(&vessel, &file)?;
     let (mut inputs, mut initial) = (Vec::new(), None);
     for (maneuver, samples) in OPTIMIZED {
@@ -137,7 +137,7 @@ fn paper(share: usize) -> Result<Ship, Box<dyn std::error::Error>> {
 }
 
 fn twin(share: usize) -> Result<Ship, Box<dyn std::error::Error>> {
-    let vessel = Vessel::from_file(toml::from_str(TWIN)?)?;
+    let vessel = Vessel::from_file(TWIN.parse()?)?;
     let mut levels = vec![0.0; 64];
     Streams::new(7, "twin").normals(0, 0, &mut levels);
     let (mut inputs, mut pair) = (Vec::new(), [0.5, 0.5]);

@@ -1,4 +1,5 @@
 use std::collections::BTreeSet;
+use std::str::FromStr;
 
 use model::Source;
 use refusal::{Invalid, check_name};
@@ -25,6 +26,15 @@ pub struct DictionaryFile {
     pub maneuvers: Vec<ManeuverSpec>,
     /// More maneuvers, by generation.
     pub generate: Option<GenerateSpec>,
+}
+
+/// From the text of `dictionary.toml`, compiled here alone: others would have code of their own for every type in it.
+impl FromStr for DictionaryFile {
+    type Err = toml::de::Error;
+
+    fn from_str(text: &str) -> Result<Self, toml::de::Error> {
+        toml::from_str(text)
+    }
 }
 
 impl DictionaryFile {

@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
+use std::str::FromStr;
 
 use refusal::{Invalid, check_name, check_numbers, check_ranges};
 use schemars::JsonSchema;
@@ -46,6 +47,15 @@ pub struct VesselFile {
     /// Known increments of u, v \[m/s\] and r \[rad/s\] per sample that do not depend on the vessel.
     #[serde(default)]
     pub constant: [f64; 3],
+}
+
+/// From the text of `vessel.toml`, compiled here alone: others would have code of their own for every type in it.
+impl FromStr for VesselFile {
+    type Err = toml::de::Error;
+
+    fn from_str(text: &str) -> Result<Self, toml::de::Error> {
+        toml::from_str(text)
+    }
 }
 
 /// A measured disturbance.
@@ -307,7 +317,7 @@ fn preset(file: VesselFile) -> Result<VesselFile, Invalid> {
             "remove `preset`, or the terms, inputs and `sample_rate_hz`",
         ));
     }
-    let mut base: VesselFile = toml::from_str(text).map_err(|e| {
+    let mut base: VesselFile = text.parse().map_err(|e: toml::de::Error| {
         Invalid::new("`preset`", e.message().to_owned(), "a vessel", "report this as a defect")
     })?;
     base.name = file.name.or(base.name);

@@ -1,4 +1,6 @@
-//! Quadratic forms of matrices that may be singular.
+//! Matrices that may be singular: quadratic forms, dependent columns.
+
+use crate::dot;
 
 /// sᵀV⁺s and the rank of V, a positive semidefinite matrix n × n, with `s` in its range. V is what is left of a matrix with
 /// the diagonal `whole`: a pivot counts if it is more than the share `least` of that.
@@ -25,4 +27,25 @@ pub fn quadratic_of_inverse(mut v: Vec<f64>, mut s: Vec<f64>, whole: &[f64], lea
         v[best * p + best] = 0.0;
     }
     (statistic, rank)
+}
+
+/// The columns that depend linearly on those before them, from their n × n sums of products `a`, by Cholesky's method: those
+/// before them leave at most the share `least` of their squares.
+pub fn dependent_columns(n: usize, a: &[f64], least: f64) -> Vec<usize> {
+    let (mut rows, mut found): (Vec<(usize, Vec<f64>)>, Vec<usize>) = (Vec::new(), Vec::new());
+    for i in 0..n {
+        let mut own: Vec<f64> = Vec::with_capacity(rows.len() + 1);
+        for (j, before) in &rows {
+            let rest = a[i * n + j] - dot(&own, &before[..own.len()]);
+            own.push(rest / before[own.len()]);
+        }
+        let rest = a[i * n + i] - dot(&own, &own);
+        if rest <= least * a[i * n + i] {
+            found.push(i);
+        } else {
+            own.push(rest.sqrt());
+            rows.push((i, own));
+        }
+    }
+    found
 }

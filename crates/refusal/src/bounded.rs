@@ -17,7 +17,7 @@ pub fn shortened(text: &str, most: usize) -> String {
 }
 
 /// `parts`, of which the longest are shortened so that all of them have at most `most` characters together.
-pub(crate) fn fitted<const N: usize>(parts: [&str; N], most: usize) -> [String; N] {
+pub fn fitted<const N: usize>(parts: [&str; N], most: usize) -> [String; N] {
     let lengths = parts.map(|part| part.chars().count());
     if lengths.iter().sum::<usize>() <= most {
         return parts.map(str::to_owned);
@@ -39,27 +39,4 @@ fn is_unseen(c: char) -> bool {
         c,
         '\u{61c}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}'
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn foreign_text_is_short_and_turns_nothing_around() {
-        assert_eq!(foreign("a\u{202e}b\nc"), "a b c");
-        let long = foreign(&"x".repeat(1_000_000));
-        assert_eq!((long.chars().count(), long.ends_with('…')), (80, true));
-        assert_eq!(foreign(&"é".repeat(80)), "é".repeat(80));
-    }
-
-    #[test]
-    fn the_longest_parts_give_way() {
-        let long = "y".repeat(1000);
-        let [short, cut] = fitted(["abc", &long], 100);
-        assert_eq!((short.as_str(), cut.chars().count()), ("abc", 97));
-        let all = fitted([&long, &long, &long, "z"], 300);
-        assert!(all.iter().map(|part| part.chars().count()).sum::<usize>() <= 300 && all[3] == "z");
-        assert_eq!(fitted(["a", "b"], 10), ["a", "b"]);
-    }
 }

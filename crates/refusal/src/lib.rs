@@ -13,7 +13,7 @@ mod nearest;
 mod numbers;
 mod strict;
 
-pub use bounded::{foreign, one_line, shortened};
+pub use bounded::{fitted, foreign, one_line, shortened};
 pub use invalid::Invalid;
 pub use listed::listed;
 pub use names::check_name;

@@ -17,15 +17,3 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     }
     best.map(|(_, candidate)| candidate)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_first_of_the_likest_names_is_suggested_in_any_case() {
-        assert_eq!(nearest("SURGE", ["yaw", "surge", "sway"]), Some("surge"));
-        assert_eq!(nearest("x", ["a", "b"]), Some("a"));
-        assert_eq!(nearest("x", []), None);
-    }
-}

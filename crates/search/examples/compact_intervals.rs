@@ -62,7 +62,7 @@ pub enum Disturbed {
 
 /// The known ship.
 pub fn ship() -> Vessel {
-    let file: VesselFile = toml::from_str(SHIP).unwrap_or_default();
+    let file: VesselFile = SHIP.parse().unwrap_or_default();
     Vessel::from_file(file).unwrap_or_else(|e| panic!("the ship of the example: {e}"))
 }
 

@@ -46,7 +46,7 @@ impl Study<'_> {
     pub fn resampled(&self, wanted: BootstrapOptions, done: &(dyn Fn(usize) + Sync)) -> Option<Resampled> {
         let streams = Streams::new(wanted.seed, "bootstrap over recordings");
         let one = |number: u32| {
-            let found = self.searched_again(&draw(self.recordings, &streams, number));
+            let found = self.searched_again(&draw_again(self.recordings, &streams, number));
             done(1);
             found
         };
@@ -67,7 +67,7 @@ impl Study<'_> {
             base: self.base,
             library: self.library,
             recordings: &recordings,
-            folds: &dealt(self.recordings, drawn, self.all_folds().end),
+            folds: &folds_of_drawn(self.recordings, drawn, self.all_folds().end),
             ridges: self.ridges,
             rate_hz: self.rate_hz,
             std: varying(recordings.iter(), Laid::SideBySide),
@@ -110,7 +110,7 @@ const DRAWS: u32 = 1000;
 
 /// Indices of `recordings` drawn with replacement, the same number of every kind. Depends on the stream and the
 /// number alone.
-fn draw(recordings: &[Recording], streams: &Streams, number: u32) -> Vec<usize> {
+pub fn draw_again(recordings: &[Recording], streams: &Streams, number: u32) -> Vec<usize> {
     let mut order: Vec<usize> = (0..recordings.len()).collect();
     order.sort_by_key(|i| recordings[*i].kind());
     let groups: Vec<&[usize]> =
@@ -133,51 +133,10 @@ fn draw(recordings: &[Recording], streams: &Streams, number: u32) -> Vec<usize> 
 
 /// The folds of the recordings at `drawn`, in ascending order: one that was drawn several times is in one fold, since
 /// otherwise the models would be fitted to the recordings that are left out.
-fn dealt(recordings: &[Recording], drawn: &[usize], count: usize) -> Vec<usize> {
+pub fn folds_of_drawn(recordings: &[Recording], drawn: &[usize], count: usize) -> Vec<usize> {
     let mut distinct = drawn.to_vec();
     distinct.dedup();
     let own: Vec<&Recording> = distinct.iter().map(|i| &recordings[*i]).collect();
     let found = folds(&own, count.min(own.len()));
     drawn.iter().map(|i| found[distinct.partition_point(|own| own < i)]).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::recording::Cut;
-    use regression::pooled::Part;
-
-    fn recordings() -> Vec<Recording> {
-        let cut = Cut { window: 1, every: 1, scored: None };
-        let names = (0..4).map(|i| format!("turn{i}")).chain((0..8).map(|i| format!("zigzag{i}")));
-        let part = |samples: usize| Part {
-            label: String::new(),
-            source: String::new(),
-            measured: vec![0.0; 3 * (samples + 1)],
-            instrument_exogenous: Vec::new(),
-            exogenous: vec![0.0; samples],
-        };
-        let one = |(i, name)| Recording::new(name, vec![part(10 + i)], cut);
-        names.enumerate().map(one).collect()
-    }
-
-    #[test]
-    fn law_as_many_of_each_kind_are_drawn_each_as_often_and_doubles_share_a_fold() {
-        let (all, streams) = (recordings(), Streams::new(3, "bootstrap"));
-        let mut seen = [0; 12];
-        for number in 0..600 {
-            let drawn = draw(&all, &streams, number);
-            assert_eq!((drawn.len(), drawn.iter().filter(|i| **i < 4).count()), (12, 4));
-            drawn.iter().for_each(|i| seen[*i] += 1);
-            let folds = dealt(&all, &drawn, 6);
-            let pairs = drawn.windows(2).zip(folds.windows(2));
-            assert!(pairs.into_iter().all(|(places, folds)| places[0] != places[1] || folds[0] == folds[1]));
-            let distinct = drawn.chunk_by(|a, b| a == b).count();
-            assert_eq!(folds.iter().max().unwrap() + 1, 6.min(distinct));
-        }
-        // 600 each, within four standard deviations.
-        assert!(seen.iter().all(|n| (500..=700).contains(n)), "{seen:?}");
-        assert_eq!(draw(&all, &streams, 7), draw(&all, &streams, 7));
-        assert_ne!(draw(&all, &streams, 7), draw(&all, &streams, 8));
-    }
 }

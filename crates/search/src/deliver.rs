@@ -1,7 +1,7 @@
 use engine::Compiled;
 use identification::pooled::{Delivered, RecordingConstant, covered};
 use model::Model;
-use numerics::{add_outer, dot};
+use numerics::{add_outer, dependent_columns};
 use regression::pooled::Part;
 
 use crate::nested::Fitted;
@@ -62,32 +62,11 @@ pub(crate) fn combined(model: &Model, recordings: &[Recording]) -> Vec<String> {
         }
     });
     let found = (0..3).flat_map(|d| {
-        dependent(layout.terms(d).len(), &squares[d])
+        dependent_columns(layout.terms(d).len(), &squares[d], COMBINED)
             .into_iter()
             .map(move |i| model.degrees[d].parameters[i].clone())
     });
     found.collect()
-}
-
-/// The columns that depend linearly on those before them, from their n × n sums of products `a`, by Cholesky's
-/// method.
-fn dependent(n: usize, a: &[f64]) -> Vec<usize> {
-    let (mut rows, mut found): (Vec<(usize, Vec<f64>)>, Vec<usize>) = (Vec::new(), Vec::new());
-    for i in 0..n {
-        let mut own: Vec<f64> = Vec::with_capacity(rows.len() + 1);
-        for (j, before) in &rows {
-            let rest = a[i * n + j] - dot(&own, &before[..own.len()]);
-            own.push(rest / before[own.len()]);
-        }
-        let rest = a[i * n + i] - dot(&own, &own);
-        if rest <= COMBINED * a[i * n + i] {
-            found.push(i);
-        } else {
-            own.push(rest.sqrt());
-            rows.push((i, own));
-        }
-    }
-    found
 }
 
 /// `lifted` without its intercepts.
@@ -154,19 +133,4 @@ fn gained(structure: &Model, recordings: &[Recording], theta: &[f64]) -> ([f64; 
         RecordingConstant { source, samples, constant_u, constant_v, constant_r }
     };
     ([0, 1, 2].map(std), recordings.iter().zip(&sums).map(constant).collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn law_a_column_that_follows_from_those_before_it_is_told_and_no_other() {
-        // In rows: 1, 2, their sum, something else, zero, twice the first.
-        let columns =
-            [[1.0, 2.0, 4.0], [0.5, -1.0, 3.0], [1.5, 1.0, 7.0], [0.0, 0.3, 0.0], [0.0; 3], [2.0, 4.0, 8.0]];
-        let sums: Vec<f64> = columns.iter().flat_map(|a| columns.iter().map(move |b| dot(a, b))).collect();
-        assert_eq!(dependent(6, &sums), [2, 4, 5]);
-        assert_eq!(dependent(2, &[1.0, 0.999, 0.999, 1.0]), [0; 0]);
-    }
 }

@@ -28,12 +28,13 @@ mod searched;
 mod wind;
 mod words;
 
-pub use average::{AverageOptions, Averaged, Member};
-pub use bootstrap::{BootstrapOptions, Resampled, ResampledParameter};
+pub use average::{AverageOptions, Averaged, Member, draw_most};
+pub use bootstrap::{BootstrapOptions, Resampled, ResampledParameter, draw_again, folds_of_drawn};
 pub use compact::SizeScore;
+pub use folds::folds;
 pub use judged::{Margin, NestedAverage, NestedRecording, NestedScore};
 pub use library::{library, with_channels};
 pub use nested::Candidate;
-pub use recording::Cut;
+pub use recording::{Cut, Recording};
 pub use roles::{NamedRoles, Roles};
 pub use searched::{SearchError, SearchOptions, Searched, search};

@@ -26,7 +26,8 @@ pub(crate) enum Laid {
 
 /// One recording: left out as a whole.
 #[derive(Clone, Debug)]
-pub(crate) struct Recording {
+pub struct Recording {
+    /// Its name.
     pub name: String,
     /// Its runs, with consecutive ones joined.
     pub whole: Vec<Part>,
@@ -45,7 +46,7 @@ impl Recording {
     }
 
     /// Its windows to score, all of one length; whole runs without a length.
-    pub fn scored(&self, laid: Laid) -> impl Iterator<Item = RunView<'_>> + Clone {
+    pub(crate) fn scored(&self, laid: Laid) -> impl Iterator<Item = RunView<'_>> + Clone {
         let Cut { window, scored, .. } = self.cut;
         self.whole.iter().flat_map(move |whole| {
             let samples = whole.samples();

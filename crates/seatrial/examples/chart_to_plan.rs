@@ -3,11 +3,11 @@
 use std::error::Error;
 use std::path::Path;
 
-use seatrial::{ChartedTrial, Generator, Search, Vessel, undisturbed};
+use seatrial::{ChartedTrial, DictionaryFile, Generator, Search, Vessel, undisturbed};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let vessel = Vessel::from_file(toml::from_str(include_str!("../../../pipelines/helsinki/vessel.toml"))?)?;
-    let maneuvers = toml::from_str(include_str!("../../../pipelines/helsinki/dictionary.toml"))?;
+    let vessel = Vessel::from_file(include_str!("../../../pipelines/helsinki/vessel.toml").parse()?)?;
+    let maneuvers: DictionaryFile = include_str!("../../../pipelines/helsinki/dictionary.toml").parse()?;
     let generator = Generator::without_tables(&vessel, &maneuvers)?;
     let dictionary = undisturbed(&vessel, &generator, vessel.best_known(), "dictionary")?;
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use seatrial::{Comparison, Estimator, Logs, Pooling, Tried, Vessel};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let vessel = Vessel::from_file(toml::from_str(include_str!("../../../fixtures/logs/vessel.toml"))?)?;
+    let vessel = Vessel::from_file(include_str!("../../../fixtures/logs/vessel.toml").parse()?)?;
     let config = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/logs/ingest.toml"));
     let ingested = Logs::read(config, &vessel)?.ingested()?;
     for recording in &ingested.document.recordings {

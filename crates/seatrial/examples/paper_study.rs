@@ -6,8 +6,7 @@ use seatrial::{CampaignFile, DictionaryFile, Estimator, Study, Vessel};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let vessel = Vessel::preset("ljungberg-model-ship")?;
-    let dictionary: DictionaryFile =
-        toml::from_str(include_str!("../../../pipelines/paper/dictionary.toml"))?;
+    let dictionary: DictionaryFile = include_str!("../../../pipelines/paper/dictionary.toml").parse()?;
     let campaign: CampaignFile = toml::from_str(include_str!("../../../pipelines/paper/campaign.toml"))?;
     let study = Study::new(vessel, &dictionary, campaign)?;
 

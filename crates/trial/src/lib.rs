@@ -33,7 +33,7 @@ pub mod voyage;
 
 pub use autopilot::Autopilot;
 pub use basic::{BASIC_MOVES, basic_moves};
-pub use deviations::{Deviations, NotPositive};
+pub use deviations::{Candidate, Deviations, Doubt, NotPositive};
 pub use grid::{Grid, Mode};
 pub use handling::{Ability, DerivedHandling, Handling, StatedHandling};
 pub use leg::{Leg, Phase, Purpose, Side};

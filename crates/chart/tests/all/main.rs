@@ -1,6 +1,8 @@
 //! Charts as they are read, what they leave free, and routes.
 
 mod dangers;
+mod depth_units;
+mod directions;
 mod footprints;
 mod geodesy;
 mod grid_files;
@@ -9,8 +11,10 @@ mod marks;
 mod masks;
 mod objects;
 mod obstacles;
+mod orientation;
 mod polygon_files;
 mod real_charts;
 mod routes;
 mod support;
+mod tiff_metadata;
 mod xml;

@@ -15,7 +15,7 @@ fn law_a_study_in_memory_has_the_rows_of_the_programs() {
     let folder = with(&MADE);
     let text = |name: &str| String::from_utf8(bytes(&folder, name)).unwrap();
     let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
-    let dictionary: DictionaryFile = toml::from_str(&text("dictionary.toml")).unwrap();
+    let dictionary: DictionaryFile = text("dictionary.toml").parse().unwrap();
     let campaign: CampaignFile = toml::from_str(&text("campaign.toml")).unwrap();
     let study = InMemory::new(vessel.clone(), &dictionary, campaign).unwrap();
     let moments = study.moments(&study.dictionary().unwrap()).unwrap();
@@ -53,7 +53,7 @@ fn law_logs_in_memory_have_the_runs_and_the_model_of_the_programs() {
     run(&folder, &line).succeeds();
 
     let vessel = std::fs::read_to_string(&ship).unwrap();
-    let vessel = Vessel::from_file(toml::from_str(&vessel).unwrap()).unwrap();
+    let vessel = Vessel::from_file(vessel.parse().unwrap()).unwrap();
     let ingested = Logs::read(&config, &vessel).unwrap().ingested().unwrap();
     let path = folder.path().join(table);
     let reader = TrajectoryReader::open(&path, &Layout::new(&vessel.model), vessel.sample_rate_hz).unwrap();

@@ -14,7 +14,7 @@ fn written(sway: &str) -> String {
 }
 
 fn vessel(sway: &str) -> Result<Vessel, String> {
-    Vessel::from_file(toml::from_str(&written(sway)).unwrap()).map_err(|e| e.to_string())
+    Vessel::from_file(written(sway).parse().unwrap()).map_err(|e| e.to_string())
 }
 
 const FREE: &str = "{ parameter = \"p\", term = \"v |v| d\", nominal = -0.2 }, \

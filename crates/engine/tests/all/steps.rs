@@ -6,7 +6,7 @@ use numerics::{Arithmetic, LANES, Lane, Wide};
 
 /// The model ship with products of inputs and of more than two factors, a constant, and a known term.
 fn model() -> Model {
-    let file = toml::from_str("preset = \"ljungberg-model-ship\"").unwrap();
+    let file = "preset = \"ljungberg-model-ship\"".parse().unwrap();
     let mut model = Vessel::from_file(file).unwrap().model;
     let names: Vec<String> = model.variables.iter().map(|variable| variable.name.clone()).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();

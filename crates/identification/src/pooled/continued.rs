@@ -1,7 +1,8 @@
-use regression::pooled::{Parts, Windowed};
+use regression::pooled::{AnyParts, Unread, Windowed};
 
+use super::searched::least_errors_any;
 use super::windows::Score;
-use super::{Pool, Scales, Searched, least_errors};
+use super::{Pool, Scales, Searched};
 
 /// Samples of the first windows of a search if whole parts diverge; their length doubles with each step.
 const SHORTEST: usize = 8;
@@ -12,12 +13,12 @@ impl Pool<'_> {
     /// Minimises the errors of free simulations of `parts`, from `start`. If these diverge, it fits short windows of
     /// them first, each from its first measured state, then longer ones from the result of the shorter ones; if need
     /// be from smaller multiples of `start`. `None` if none of this ends at a minimum.
-    pub(super) fn continued<P: Parts>(
+    pub(super) fn continued(
         &self,
-        parts: &P,
+        parts: &AnyParts,
         start: &[f64],
         scales: &Scales,
-    ) -> Result<Option<Searched>, P::Error> {
+    ) -> Result<Option<Searched>, Unread> {
         if let Some(found) = self.least_errors(parts, start, scales)? {
             return Ok(Some(found));
         }
@@ -32,12 +33,12 @@ impl Pool<'_> {
         Ok(None)
     }
 
-    fn through_windows<P: Parts>(
+    fn through_windows(
         &self,
-        parts: &P,
+        parts: &AnyParts,
         mut at: Vec<f64>,
         scales: &Scales,
-    ) -> Result<Option<Searched>, P::Error> {
+    ) -> Result<Option<Searched>, Unread> {
         let longest = (0..parts.count()).map(|i| parts.samples(i)).max().unwrap_or(0);
         let lengths = std::iter::successors(Some(SHORTEST), |length| Some(2 * length));
         for length in lengths.take_while(|length| *length < longest) {
@@ -49,19 +50,19 @@ impl Pool<'_> {
         self.least_errors(parts, &at, scales)
     }
 
-    pub(super) fn least_errors<P: Parts>(
+    pub(super) fn least_errors(
         &self,
-        parts: &P,
+        parts: &AnyParts,
         start: &[f64],
         Scales { std, sizes, follow }: &Scales,
-    ) -> Result<Option<Searched>, P::Error> {
-        least_errors(&self.model, parts, start, *std, sizes, follow)
+    ) -> Result<Option<Searched>, Unread> {
+        least_errors_any(&self.model, parts, start, *std, sizes, follow)
     }
 
     /// The recordings whose free simulation with `parameters` diverges, each once.
-    pub(super) fn diverging<P: Parts>(&self, parts: &P, parameters: &[f64]) -> Result<Vec<String>, P::Error> {
+    pub(super) fn diverging(&self, parts: &AnyParts, parameters: &[f64]) -> Result<Vec<String>, Unread> {
         let mut named: Vec<String> = Vec::new();
-        parts.each(|part| {
+        parts.each(&mut |part| {
             let score = Score::of(&self.model, parameters, std::iter::once(part.run));
             if score.diverged > 0 && !named.iter().any(|name| name == part.source) {
                 named.push(part.source.to_owned());

@@ -2,7 +2,7 @@ use std::collections::HashMap;
 
 use engine::RunView;
 use model::{DegreeOfFreedom, Model, Variable};
-use regression::pooled::{Part, PartView, Parts, Regression};
+use regression::pooled::{AnyParts, Part, PartView, Regression, Unread};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -81,17 +81,17 @@ impl Delivered {
     ///
     /// # Errors
     /// Parts that cannot be read.
-    pub(super) fn new<P: Parts>(
+    pub(super) fn new(
         pool: &Pool,
         found: &Estimated,
-        parts: &P,
+        parts: &AnyParts,
         degrees: &[DegreeTrust],
         sources: &[SourceErrors],
-    ) -> Result<Option<Self>, P::Error> {
+    ) -> Result<Option<Self>, Unread> {
         let Some((theta, intercepts)) = found.theta() else { return Ok(None) };
         let beyond = |intercepts| beyond(&pool.model, intercepts);
         let mut account = Account::new(&pool.vessel.model, &theta, intercepts);
-        parts.each(|part| account.add(&part))?;
+        parts.each(&mut |part| account.add(&part))?;
         let ambient = |(own, scales): &(Searched, Scales)| Surroundings::all(parts, own, scales.follow());
         Ok(Some(Self {
             constant: beyond(intercepts),

@@ -1,7 +1,9 @@
 use engine::RunView;
 use model::DegreeOfFreedom;
 use refusal::listed;
-use regression::pooled::{LostInstruments, Part, Parts, PooledRuns, Recorded, Status};
+use regression::pooled::{
+    AnyParts, AnyRuns, Faults, LostInstruments, Part, PooledRuns, Recorded, Status, Unread,
+};
 use thiserror::Error;
 
 use super::entangled::entangled;
@@ -88,6 +90,20 @@ pub enum PoolError<E> {
     Unread(E),
 }
 
+impl PoolError<Unread> {
+    /// With the error that was kept in `faults`.
+    fn restored<E>(self, faults: &Faults<E>) -> PoolError<E> {
+        match self {
+            Self::Lost(lost) => PoolError::Lost(lost),
+            Self::NotIdentifiable(reasons) => PoolError::NotIdentifiable(reasons),
+            Self::Bounded(reasons) => PoolError::Bounded(reasons),
+            Self::Incomplete(reasons) => PoolError::Incomplete(reasons),
+            Self::Unfound(unfound) => PoolError::Unfound(unfound),
+            Self::Unread(unread) => PoolError::Unread(faults.take(unread)),
+        }
+    }
+}
+
 /// Estimates from all of `runs` and judges the estimate.
 ///
 /// # Errors
@@ -99,14 +115,28 @@ pub fn estimate<R: Recorded>(
     judgement: &Judgement,
     resampling: Resampling,
 ) -> Result<Pooled, PoolError<R::Error>> {
-    let parts = pool.cut(runs);
-    let found = solved(pool, &parts, estimator)?;
-    let judge = Judge { pool, found: &found, parts: &parts, judgement, resampling };
+    let (parts, faults) = (pool.cut(runs), Faults::default());
+    let data: Data = (&faults.erased(runs), &faults.erased(&parts));
+    estimate_any(pool, data, estimator, judgement, resampling).map_err(|e| e.restored(&faults))
+}
+
+/// Runs of any kind, and the parts that they are cut into.
+type Data<'a> = (&'a dyn AnyRuns, &'a AnyParts<'a>);
+
+/// See [`estimate`].
+fn estimate_any(
+    pool: &Pool,
+    (runs, parts): Data,
+    estimator: Estimator,
+    judgement: &Judgement,
+    resampling: Resampling,
+) -> Result<Pooled, PoolError<Unread>> {
+    let found = solved(pool, parts, estimator)?;
+    let judge = Judge { pool, found: &found, parts, judgement, resampling };
     let mut degrees = judge.degrees().map_err(PoolError::Unread)?;
     let sources = judge.sources(runs).map_err(PoolError::Unread)?;
     let diverging = diverging(&sources);
-    let mut delivered =
-        Delivered::new(pool, &found, &parts, &degrees, &sources).map_err(PoolError::Unread)?;
+    let mut delivered = Delivered::new(pool, &found, parts, &degrees, &sources).map_err(PoolError::Unread)?;
     if diverging.is_some() {
         delivered = None;
         let identified = degrees.iter_mut().filter(|degree| degree.status == EstimateStatus::Identified);
@@ -146,10 +176,12 @@ pub fn resampled<R: Recorded, T>(
     (estimator, seed): (Estimator, u64),
     work: impl FnOnce(&(dyn Fn(u32) -> Result<Resample, R::Error> + Sync)) -> T,
 ) -> Result<T, PoolError<R::Error>> {
-    let parts = pool.cut(runs);
-    let found = solved(pool, &parts, estimator)?;
-    let resampler = Resampler::new(pool, &found, &parts, seed).map_err(PoolError::Unread)?;
-    Ok(work(&|number| resampler.draw(number)))
+    let (cut, faults) = (pool.cut(runs), Faults::default());
+    let parts = faults.erased(&cut);
+    let found = solved(pool, &parts, estimator).map_err(|e| e.restored(&faults))?;
+    let unread = |unread: Unread| faults.take(unread);
+    let resampler = Resampler::new(pool, &found, &parts, seed).map_err(|e| PoolError::Unread(unread(e)))?;
+    Ok(work(&|number| resampler.draw(number).map_err(unread)))
 }
 
 /// The warning that a search ended before its minimum.
@@ -231,8 +263,8 @@ pub fn unstated<R: Recorded>(pool: &Pool, runs: &PooledRuns<R>) -> Result<Estima
     }
 }
 
-fn solved<P: Parts>(pool: &Pool, parts: &P, estimator: Estimator) -> Result<Estimated, PoolError<P::Error>> {
-    let found = pool.estimate(parts, estimator).map_err(|e| match e {
+fn solved(pool: &Pool, parts: &AnyParts, estimator: Estimator) -> Result<Estimated, PoolError<Unread>> {
+    let found = pool.estimate_any(parts, estimator).map_err(|e| match e {
         NoEstimate::Lost(lost) => PoolError::Lost(lost),
         NoEstimate::Unread(e) => PoolError::Unread(e),
     })?;
@@ -271,10 +303,20 @@ pub fn standard_errors<R: Recorded>(
     estimator: Estimator,
     judgement: &Judgement,
 ) -> Result<Option<StandardErrors>, PoolError<R::Error>> {
-    let parts = pool.cut(runs);
-    let found = solved(pool, &parts, estimator)?;
-    let judge =
-        Judge { pool, found: &found, parts: &parts, judgement, resampling: Resampling::Drawn(&|_| ()) };
+    let (parts, faults) = (pool.cut(runs), Faults::default());
+    let found = standard_errors_any(pool, &faults.erased(&parts), estimator, judgement);
+    found.map_err(|e| e.restored(&faults))
+}
+
+/// See [`standard_errors`].
+fn standard_errors_any(
+    pool: &Pool,
+    parts: &AnyParts,
+    estimator: Estimator,
+    judgement: &Judgement,
+) -> Result<Option<StandardErrors>, PoolError<Unread>> {
+    let found = solved(pool, parts, estimator)?;
+    let judge = Judge { pool, found: &found, parts, judgement, resampling: Resampling::Drawn(&|_| ()) };
     let degrees = judge.degrees().map_err(PoolError::Unread)?;
     let all = || degrees.iter().flat_map(|d| &d.parameters);
     let theta: Option<Vec<f64>> = all().map(|p| p.estimate).collect();
@@ -286,15 +328,11 @@ pub fn standard_errors<R: Recorded>(
 const MOST_CRITICISED: usize = 200_000;
 
 /// Tests what the model lacks on the first whole recordings up to [`MOST_CRITICISED`] samples.
-fn criticism<R: Recorded>(
-    pool: &Pool,
-    found: &Estimated,
-    runs: &PooledRuns<R>,
-) -> Result<Option<Criticism>, R::Error> {
+fn criticism(pool: &Pool, found: &Estimated, runs: &dyn AnyRuns) -> Result<Option<Criticism>, Unread> {
     let Some(parameters) = found.parameters(&pool.model) else { return Ok(None) };
     let (model, parameters) = pool.model.held_at_bounds(&parameters);
     let (mut samples, mut recordings) = (0, Vec::new());
-    runs.each_source(None, |_, whole| {
+    runs.each_source(&mut |_, whole| {
         samples += whole.iter().map(Part::samples).sum::<usize>();
         if samples <= MOST_CRITICISED {
             recordings.extend(whole);

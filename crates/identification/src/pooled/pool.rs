@@ -1,8 +1,8 @@
 use model::{Degree, DegreeOfFreedom, Model, Vessel};
 use refusal::Invalid;
 use regression::pooled::{
-    COLLINEAR, CutRuns, DegreeFit, LostInstruments, NominalModel, Options, PartView, Parts, PooledRuns,
-    PooledSums, Prior, Recorded, Regression, joined, unidentified,
+    AnyParts, COLLINEAR, CutRuns, DegreeFit, Faults, LostInstruments, NominalModel, Options, PartView, Parts,
+    PooledRuns, PooledSums, Prior, Recorded, Regression, Unread, joined, unidentified,
 };
 use regression::{MeanRemoval, Sums};
 
@@ -71,6 +71,16 @@ pub enum NoEstimate<E> {
     Lost(LostInstruments),
     /// The parts cannot be read.
     Unread(E),
+}
+
+impl NoEstimate<Unread> {
+    /// With the error that was kept in `faults`.
+    fn restored<E>(self, faults: &Faults<E>) -> NoEstimate<E> {
+        match self {
+            Self::Lost(lost) => NoEstimate::Lost(lost),
+            Self::Unread(unread) => NoEstimate::Unread(faults.take(unread)),
+        }
+    }
 }
 
 impl Estimated {
@@ -193,8 +203,18 @@ impl Pool<'_> {
         parts: &P,
         estimator: Estimator,
     ) -> Result<Estimated, NoEstimate<P::Error>> {
+        let faults = Faults::default();
+        self.estimate_any(&faults.erased(parts), estimator).map_err(|e| e.restored(&faults))
+    }
+
+    /// See [`Pool::estimate`].
+    pub(super) fn estimate_any(
+        &self,
+        parts: &AnyParts,
+        estimator: Estimator,
+    ) -> Result<Estimated, NoEstimate<Unread>> {
         let mut means = StateMeans::default();
-        let ls = self.sums(parts, None, |part, _| means.add(part.run.measured))?;
+        let ls = self.sums_any(parts, None, &mut |part, _| means.add(part.run.measured))?;
         let nominal = self.nominal.parameters(&ls);
         let fitted =
             ls.fit(&self.options(nominal.as_ref().map(|(theta, _)| theta.as_slice()), Estimator::Ls));
@@ -262,8 +282,19 @@ impl Pool<'_> {
         simulated: Option<&[f64]>,
         mut look: impl FnMut(PartView, &Sums),
     ) -> Result<PooledSums, NoEstimate<P::Error>> {
+        let faults = Faults::default();
+        self.sums_any(&faults.erased(parts), simulated, &mut look).map_err(|e| e.restored(&faults))
+    }
+
+    /// See [`Pool::sums`].
+    pub(super) fn sums_any(
+        &self,
+        parts: &AnyParts,
+        simulated: Option<&[f64]>,
+        look: &mut dyn FnMut(PartView, &Sums),
+    ) -> Result<PooledSums, NoEstimate<Unread>> {
         let (mut sums, mut lost) = (PooledSums::new(self.removal), None);
-        let add = |part: PartView| {
+        let mut add = |part: PartView| {
             if lost.is_some() {
                 return;
             }
@@ -276,26 +307,26 @@ impl Pool<'_> {
                 Err(diverged) => lost = Some(diverged),
             }
         };
-        parts.each(add).map_err(NoEstimate::Unread)?;
+        parts.each(&mut add).map_err(NoEstimate::Unread)?;
         lost.map_or(Ok(sums), |lost| Err(NoEstimate::Lost(lost)))
     }
 
-    fn instrumented<P: Parts>(
+    fn instrumented(
         &self,
-        parts: &P,
+        parts: &AnyParts,
         estimator: Estimator,
         (theta, intercepts): (Vec<f64>, [f64; 3]),
         found: &mut Estimated,
-    ) -> Result<(), NoEstimate<P::Error>> {
+    ) -> Result<(), NoEstimate<Unread>> {
         let mut model = self.model.layout().woven(&theta, intercepts);
-        let mut data = self.sums(parts, Some(&model), |_, _| {})?;
+        let mut data = self.sums_any(parts, Some(&model), &mut |_, _| {})?;
         let options = self.options(Some(&theta), Estimator::Iv);
         let mut degrees = data.fit(&options);
         let mut used = Estimator::Iv;
         for _ in 0..if estimator == Estimator::RefinedIv { ROUNDS } else { 0 } {
             let Some((own, intercepts)) = whole(&degrees) else { break };
             let own = self.model.layout().woven(&own, intercepts);
-            let again = match self.sums(parts, Some(&own), |_, _| {}) {
+            let again = match self.sums_any(parts, Some(&own), &mut |_, _| {}) {
                 Err(NoEstimate::Lost(lost)) => {
                     found.diverged = Some(lost);
                     break;

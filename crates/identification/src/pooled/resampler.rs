@@ -1,7 +1,7 @@
 use engine::Streams;
 use rayon::prelude::*;
 use regression::Sums;
-use regression::pooled::{Options, Parts, fit};
+use regression::pooled::{AnyParts, Options, Unread, fit};
 
 use super::{Estimated, NoEstimate, Pool, Resample, redraw};
 use crate::Estimator;
@@ -17,28 +17,28 @@ pub enum Resampling<'a> {
 
 /// Draws as many parts as there are, with replacement, and estimates as `found` was. The result depends on the seed
 /// and the index of the resample alone.
-pub(super) struct Resampler<'a, P> {
+pub(super) struct Resampler<'a> {
     pool: &'a Pool<'a>,
     found: &'a Estimated,
-    parts: &'a P,
+    parts: &'a AnyParts<'a>,
     streams: Streams,
     /// Sums part by part, for each estimator of a degree of freedom; empty if each resample is simulated.
     sums: Vec<(Estimator, Vec<Sums>)>,
 }
 
-impl<'a, P: Parts> Resampler<'a, P> {
+impl<'a> Resampler<'a> {
     /// Makes a pass over the parts for each estimator that needs their sums.
     ///
     /// # Errors
     /// Parts that cannot be read.
-    pub fn new(pool: &'a Pool, found: &'a Estimated, parts: &'a P, seed: u64) -> Result<Self, P::Error> {
+    pub fn new(pool: &'a Pool, found: &'a Estimated, parts: &'a AnyParts, seed: u64) -> Result<Self, Unread> {
         let mut sums = Vec::new();
         for used in Estimator::ALL {
             let by = |d: &usize| found.used[*d] == used && found.degrees[*d].solution.is_some();
             let Some(d) = [0, 1, 2].into_iter().find(by) else { continue };
             let mut own = Vec::new();
             if !used.searches() {
-                match pool.sums(parts, found.simulated(d), |_, sums| own.push(sums.clone())) {
+                match pool.sums_any(parts, found.simulated(d), &mut |_, sums| own.push(sums.clone())) {
                     Err(NoEstimate::Unread(e)) => return Err(e),
                     // Parts that diverge were refused before.
                     Err(NoEstimate::Lost(_)) => continue,
@@ -55,7 +55,7 @@ impl<'a, P: Parts> Resampler<'a, P> {
     ///
     /// # Errors
     /// Parts that cannot be read.
-    pub fn draw(&self, number: u32) -> Result<Resample, P::Error> {
+    pub fn draw(&self, number: u32) -> Result<Resample, Unread> {
         let places = redraw(&self.streams, number, self.parts.count());
         let mut theta: [Option<Vec<f64>>; 3] = Default::default();
         for (used, sums) in &self.sums {
@@ -79,7 +79,7 @@ impl<'a, P: Parts> Resampler<'a, P> {
     ///
     /// # Errors
     /// Parts that cannot be read.
-    pub fn first(&self, count: u32, done: &(dyn Fn(usize) + Sync)) -> Result<Vec<Resample>, P::Error> {
+    pub fn first(&self, count: u32, done: &(dyn Fn(usize) + Sync)) -> Result<Vec<Resample>, Unread> {
         let work = |number: u32| {
             let resample = self.draw(number);
             done(1);
@@ -96,7 +96,7 @@ impl<'a, P: Parts> Resampler<'a, P> {
     }
 
     /// For a search: simulates or predicts the parts and fits again.
-    fn searched_again(&self, places: &[usize]) -> Result<[Option<Vec<f64>>; 3], P::Error> {
+    fn searched_again(&self, places: &[usize]) -> Result<[Option<Vec<f64>>; 3], Unread> {
         let thetas = self.pool.searched_again(self.parts, places, self.found)?;
         Ok(thetas.map_or_else(Default::default, |thetas| thetas.map(Some)))
     }

@@ -1,7 +1,7 @@
 //! Pooled estimates by search: by simulations and by predictions.
 
 use engine::RunView;
-use regression::pooled::{DegreeFit, Drawn, Part, Parts, PooledSums, Status};
+use regression::pooled::{AnyParts, DegreeFit, Drawn, Part, PooledSums, Status, Unread};
 use regression::{DegreeSums, MeanRemoval};
 
 use super::{Estimated, Follow, Pool, Scales, Searched, Unfound};
@@ -20,17 +20,17 @@ impl Pool<'_> {
     ///
     /// # Errors
     /// Parts that cannot be read.
-    pub(super) fn searched<P: Parts>(
+    pub(super) fn searched(
         &self,
-        parts: &P,
+        parts: &AnyParts,
         estimator: Estimator,
         found: &mut Estimated,
-    ) -> Result<(), P::Error> {
+    ) -> Result<(), Unread> {
         let Some((theta, intercepts)) = found.theta() else { return Ok(()) };
         let intercepts = if self.additional.intercepts == Intercepts::None { [0.0; 3] } else { intercepts };
         let start = self.model.layout().woven(&theta, intercepts);
         let mut deviations = found.means().deviations();
-        parts.each(|part| deviations.add(part.run.measured))?;
+        parts.each(&mut |part| deviations.add(part.run.measured))?;
         let std = deviations.found();
         let sizes = self.sizes(found.least_squares_sums(), std);
         let mut scales = Scales { std, sizes, follow: Follow::Simulated(self.unknown()) };
@@ -77,9 +77,9 @@ impl Pool<'_> {
     /// Whether sensor noise is a large share of the errors of free simulations of `found`: then the first sample of a
     /// part is as noisy as any other, and its start is an additional unknown. Noise is estimated from third
     /// differences, to which smooth motion adds little.
-    fn mostly_noise<P: Parts>(&self, parts: &P, found: &Searched, std: [f64; 3]) -> Result<bool, P::Error> {
+    fn mostly_noise(&self, parts: &AnyParts, found: &Searched, std: [f64; 3]) -> Result<bool, Unread> {
         let (mut noise, mut counted, mut samples) = (0.0, 0_u64, 0);
-        parts.each(|part| {
+        parts.each(&mut |part| {
             let rows = part.run.measured.as_chunks::<3>().0;
             for four in rows.windows(4) {
                 let third = |d: usize| four[3][d] - 3.0 * (four[2][d] - four[1][d]) - four[0][d];
@@ -95,12 +95,12 @@ impl Pool<'_> {
 
     /// Minimises the errors of predictions by filters for the noise and drifting current that make the first parts
     /// most likely, found alternately with the parameters.
-    fn predicted<P: Parts>(
+    fn predicted(
         &self,
-        parts: &P,
+        parts: &AnyParts,
         from: &[f64],
         scales: &Scales,
-    ) -> Result<Option<(Follow, Searched, Kinds)>, P::Error> {
+    ) -> Result<Option<(Follow, Searched, Kinds)>, Unread> {
         let (mut samples, mut first) = (0, Vec::new());
         let enough = |i: &usize| {
             let before = samples;
@@ -108,7 +108,7 @@ impl Pool<'_> {
             before < ENOUGH
         };
         let places: Vec<usize> = (0..parts.count()).take_while(enough).collect();
-        parts.at(&places, |part| first.push(Part::new("", "", part.run)))?;
+        parts.at(&places, &mut |part| first.push(Part::new("", "", part.run)))?;
         let views: Vec<RunView> = first.iter().map(Part::view).collect();
         let start = [from.to_vec()];
         let Some(noise) = calibrated(&self.model, &views, self.vessel.sample_rate_hz, false, &start) else {
@@ -124,12 +124,12 @@ impl Pool<'_> {
     ///
     /// # Errors
     /// Parts that cannot be read.
-    pub fn searched_again<P: Parts>(
+    pub(super) fn searched_again(
         &self,
-        parts: &P,
+        parts: &AnyParts,
         drawn: &[usize],
         found: &Estimated,
-    ) -> Result<Option<[Vec<f64>; 3]>, P::Error> {
+    ) -> Result<Option<[Vec<f64>; 3]>, Unread> {
         let Some((all, scales)) = &found.searched else { return Ok(None) };
         let best = self.least_errors(&Drawn { parts, places: drawn }, &all.parameters, scales)?;
         Ok(best.map(|best| self.split(&best.parameters).map(|(theta, _)| theta)))

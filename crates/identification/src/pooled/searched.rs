@@ -4,7 +4,7 @@ use engine::SideBySide;
 use model::Model;
 use numerics::{LANES, Lane, quadratic, times};
 use rayon::prelude::*;
-use regression::pooled::{Part, Parts};
+use regression::pooled::{AnyParts, Faults, Part, Parts, Unread};
 
 use super::ambient::{Ambient, Settled};
 use crate::predictor::{
@@ -86,6 +86,20 @@ pub fn least_errors<P: Parts>(
     sizes: &[f64],
     follow: &Follow,
 ) -> Result<Option<Searched>, P::Error> {
+    let faults = Faults::default();
+    let found = least_errors_any(model, &faults.erased(parts), start, std, sizes, follow);
+    found.map_err(|unread| faults.take(unread))
+}
+
+/// See [`least_errors`].
+pub(super) fn least_errors_any(
+    model: &Model,
+    parts: &AnyParts,
+    start: &[f64],
+    std: [f64; 3],
+    sizes: &[f64],
+    follow: &Follow,
+) -> Result<Option<Searched>, Unread> {
     let free: Vec<usize> = (0..sizes.len()).filter(|i| sizes[*i] > 0.0).collect();
     let weights = std.map(|s| if s > 0.0 { s.powi(-2) } else { 0.0 });
     let (order, ambient) = (by_length(parts), vec![Vec::new(); parts.count()]);
@@ -109,9 +123,9 @@ pub fn least_errors<P: Parts>(
 }
 
 /// One problem: all parts, [`LANES`] of them at a time.
-struct Problem<'a, P> {
+struct Problem<'a> {
     asked: Question<'a>,
-    parts: &'a P,
+    parts: &'a AnyParts<'a>,
     /// Indices of the parts: those of similar length share lanes.
     order: Vec<usize>,
     /// The last ambient unknowns of the parts, in their order.
@@ -129,7 +143,7 @@ struct Question<'a> {
 }
 
 /// The longest first.
-fn by_length(parts: &impl Parts) -> Vec<usize> {
+fn by_length(parts: &AnyParts) -> Vec<usize> {
     let mut order: Vec<usize> = (0..parts.count()).collect();
     order.sort_by_key(|i| std::cmp::Reverse(parts.samples(*i)));
     order
@@ -190,20 +204,20 @@ impl Question<'_> {
     }
 }
 
-impl<P: Parts> Problem<'_, P> {
+impl Problem<'_> {
     /// Calls `look` with every linearised part, in order; with the spread of its ambient unknowns if requested.
-    fn each(&self, point: &[f64], spread: bool, mut look: impl FnMut(Settled)) -> Result<(), P::Error> {
+    fn each(&self, point: &[f64], spread: bool, look: &mut dyn FnMut(Settled)) -> Result<(), Unread> {
         let whole = self.asked.whole(point);
         let together = LANES * rayon::current_num_threads();
         let mut waiting: Vec<Part> = Vec::with_capacity(together);
         let mut first = 0;
         let mut pass = |waiting: &mut Vec<Part>| {
             let ambient = &self.ambient[first..first + waiting.len()];
-            self.asked.settled(waiting, ambient, &whole, spread).into_iter().for_each(&mut look);
+            self.asked.settled(waiting, ambient, &whole, spread).into_iter().for_each(&mut *look);
             first += waiting.len();
             waiting.clear();
         };
-        self.parts.at(&self.order, |part| {
+        self.parts.at(&self.order, &mut |part| {
             waiting.push(Part::new("", "", part.run));
             if waiting.len() == together {
                 pass(&mut waiting);
@@ -215,14 +229,14 @@ impl<P: Parts> Problem<'_, P> {
 
     /// The covariance of all parameters, the effective number of parts for each, and the ambient unknowns of the
     /// parts.
-    fn spread(&self, found: &Minimum) -> Result<Option<Spread>, P::Error> {
+    fn spread(&self, found: &Minimum) -> Result<Option<Spread>, Unread> {
         let weights = self.asked.weighting();
         let Ok(inverse) = found.inverse(weights) else { return Ok(None) };
         let places = &self.asked.free;
         let (all, free, parts) = (self.asked.held.len(), places.len(), self.parts.count() as f64);
         let (mut covariance, mut shares) = (vec![0.0; all * all], vec![[0.0; 2]; all]);
         let mut settled = Vec::new();
-        self.each(&found.point, true, |own| {
+        self.each(&found.point, true, &mut |own| {
             let (normal, gradient) = own.linear.weighted(weights);
             // Without a part that alone determines a parameter there is no estimate: it is treated as hardly
             // informative.
@@ -268,14 +282,14 @@ struct Spread {
     ambient: Vec<[[f64; AMBIENT]; 2]>,
 }
 
-impl<P: Parts> Residuals for Problem<'_, P> {
-    type Error = P::Error;
+impl Residuals for Problem<'_> {
+    type Error = Unread;
 
-    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, P::Error> {
+    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Unread> {
         let mut totals = Vec::new();
         for Asked { point, .. } in asked {
             let (mut total, mut ambient): (Option<Linear>, _) = (None, Vec::new());
-            self.each(point, false, |part| {
+            self.each(point, false, &mut |part| {
                 match &mut total {
                     Some(total) => total.add(&part.linear),
                     None => total = Some(part.linear),

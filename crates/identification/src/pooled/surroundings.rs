@@ -1,4 +1,4 @@
-use regression::pooled::{PartView, Parts};
+use regression::pooled::{AnyParts, PartView, Unread};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -73,11 +73,7 @@ impl Surroundings {
     ///
     /// # Errors
     /// Parts that cannot be read.
-    pub(super) fn all<P: Parts>(
-        parts: &P,
-        searched: &Searched,
-        follow: &Follow,
-    ) -> Result<Vec<Self>, P::Error> {
+    pub(super) fn all(parts: &AnyParts, searched: &Searched, follow: &Follow) -> Result<Vec<Self>, Unread> {
         let (Follow::Simulated(unknown), mut ambient) = (follow, searched.ambient.iter().enumerate()) else {
             return Ok(Vec::new());
         };

@@ -3,8 +3,8 @@ use std::ops::Range;
 
 use model::DegreeOfFreedom;
 use regression::pooled::{
-    Centring, CrossCorrelation, DegreeFit, Diagnosis, Meat, Part, PartView, Parts, PooledRuns, Recorded,
-    Regression, ResidualTests, Solution, Status, Strength, Whiteness, default_bandwidth, residuals_of,
+    AnyParts, AnyRuns, Centring, CrossCorrelation, DegreeFit, Diagnosis, Meat, Part, PartView, Regression,
+    ResidualTests, Solution, Status, Strength, Unread, Whiteness, default_bandwidth, residuals_of,
     unidentified, weakest,
 };
 use schemars::JsonSchema;
@@ -131,10 +131,10 @@ pub struct SourceErrors {
 }
 
 /// The data for judging an estimate.
-pub(super) struct Judge<'a, P> {
+pub(super) struct Judge<'a> {
     pub pool: &'a Pool<'a>,
     pub found: &'a Estimated,
-    pub parts: &'a P,
+    pub parts: &'a AnyParts<'a>,
     pub judgement: &'a Judgement,
     pub resampling: Resampling<'a>,
 }
@@ -150,7 +150,7 @@ pub(super) struct Degree {
     pub bootstrap: Option<Bootstrap>,
 }
 
-impl<P: Parts> Judge<'_, P> {
+impl Judge<'_> {
     /// Regression pairs.
     pub(super) fn samples(&self) -> usize {
         (0..self.parts.count()).map(|i| self.parts.samples(i)).sum()
@@ -165,12 +165,12 @@ impl<P: Parts> Judge<'_, P> {
     ///
     /// # Errors
     /// Parts that cannot be read.
-    pub(super) fn degrees(&self) -> Result<Vec<DegreeTrust>, P::Error> {
+    pub(super) fn degrees(&self) -> Result<Vec<DegreeTrust>, Unread> {
         let mut accounts =
             DegreeOfFreedom::ALL.map(|d| Account::new(self.found, d as usize, self.bandwidth()));
         let mut fit = InstrumentFit::new(self.found);
         let mut i = 0;
-        self.parts.each(|part| {
+        self.parts.each(&mut |part| {
             self.account(i, &part, &mut accounts, &mut fit);
             i += 1;
         })?;
@@ -206,7 +206,7 @@ impl<P: Parts> Judge<'_, P> {
     }
 
     /// The resamples of the bootstrap: drawn now, or before.
-    fn resamples(&self) -> Result<Cow<'_, [Resample]>, P::Error> {
+    fn resamples(&self) -> Result<Cow<'_, [Resample]>, Unread> {
         let Judgement { replicates, seed, .. } = *self.judgement;
         match self.resampling {
             Resampling::Given(resamples) => Ok(Cow::Borrowed(resamples)),
@@ -222,10 +222,10 @@ impl<P: Parts> Judge<'_, P> {
     ///
     /// # Errors
     /// Runs that cannot be read.
-    pub(super) fn sources<R: Recorded>(&self, runs: &PooledRuns<R>) -> Result<Vec<SourceErrors>, R::Error> {
+    pub(super) fn sources(&self, runs: &dyn AnyRuns) -> Result<Vec<SourceErrors>, Unread> {
         let model = self.found.parameters(&self.pool.model);
         let mut sources = Vec::with_capacity(runs.sources());
-        runs.each_source(None, |source, windows| {
+        runs.each_source(&mut |source, windows| {
             sources.push(self.source(source, &windows, model.as_deref()))
         })?;
         Ok(sources)

@@ -26,7 +26,7 @@ fn zig_zag(vessel: &Vessel, design: &str, thrust: impl Fn(usize) -> f64) -> Run 
 #[test]
 fn a_measured_run_at_steady_thrust_is_not_answered_and_a_simulated_one_is() {
     let file = include_str!("../../../../pipelines/kvlcc2/vessel.toml");
-    let vessel = Vessel::from_file(toml::from_str(file).unwrap()).unwrap();
+    let vessel = Vessel::from_file(file.parse().unwrap()).unwrap();
     let estimators = RunEstimators {
         vessel: &vessel,
         estimators: vec![Estimator::Iv],

@@ -25,7 +25,7 @@ yaw = [
 "#;
 
 fn read(text: &str) -> Result<Vessel, Invalid> {
-    Vessel::from_file(toml::from_str::<VesselFile>(text).unwrap())
+    Vessel::from_file(text.parse::<VesselFile>().unwrap())
 }
 
 fn ship() -> Vessel {

@@ -10,7 +10,7 @@ const DICTIONARY: &str = include_str!("../../../../fixtures/propeller/dictionary
 const ESSO_OSAKA: &str = include_str!("../../../../pipelines/esso-osaka/vessel.toml");
 
 fn ship(text: &str) -> Vessel {
-    Vessel::from_file(toml::from_str::<VesselFile>(text).unwrap()).unwrap()
+    Vessel::from_file(text.parse::<VesselFile>().unwrap()).unwrap()
 }
 
 /// Inputs, and the drift of the turn.
@@ -81,7 +81,7 @@ fn motion_that_nothing_holds_and_settings_beyond_the_range_are_refused() {
     let refusal = held(&ship(&weak), 0.0, 0.01).unwrap_err().to_string();
     assert!(refusal.contains("r = 0.01 rad/s, which no inputs were found to hold steady"), "{refusal}");
     let generator = |text: &str| {
-        let file: DictionaryFile = toml::from_str(text).unwrap();
+        let file: DictionaryFile = text.parse().unwrap();
         Generator::new(&ship(PROPELLER), &file, |_| Ok("n,delta\n3,0.1\n16,0.1\n".to_owned()))
     };
     let fast = DICTIONARY.replace("to_m_s = 0.5", "to_m_s = 0.8");
@@ -97,7 +97,7 @@ fn motion_that_nothing_holds_and_settings_beyond_the_range_are_refused() {
 fn law_every_maneuver_of_a_propeller_ship_asks_for_settings_within_the_range() {
     let generate = "\n[generate]\ncandidates = 60\nspeed_m_s = [0.2, 0.5]\nperiod_s = [20.0, 60.0]\n\
         limits = { u_m_s = 0.6, v_m_s = 0.2, r_rad_s = 0.03 }\n";
-    let file: DictionaryFile = toml::from_str(&format!("{DICTIONARY}{generate}")).unwrap();
+    let file: DictionaryFile = format!("{DICTIONARY}{generate}").parse().unwrap();
     let vessel = ship(PROPELLER);
     let generator = Generator::without_tables(&vessel, &file).unwrap();
     let (mut swung, mut held) = (0, 0);

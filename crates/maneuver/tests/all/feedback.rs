@@ -13,7 +13,7 @@ fn dictionary(executed: &str) -> DictionaryFile {
          [[maneuver]]\nname = \"spin\"\nkind = \"steady-turn\"\nspeed_m_s = 0.5\nyaw_rate_rad_s = 0.1\nsway_speed_m_s = 0.1\n\
          {executed}\n"
     );
-    toml::from_str(&text).unwrap()
+    text.parse().unwrap()
 }
 
 /// The greatest differences of u, v, r from the nominal ship's motion in the second half.

@@ -11,11 +11,11 @@ const PAPER_DICTIONARY: &str = include_str!("../../../../pipelines/paper/diction
 const HELD: &str = include_str!("../../../../pipelines/scenarios/dictionary.toml");
 
 fn vessel() -> Vessel {
-    Vessel::from_file(toml::from_str("preset = \"ljungberg-model-ship\"").unwrap()).unwrap()
+    Vessel::from_file("preset = \"ljungberg-model-ship\"".parse().unwrap()).unwrap()
 }
 
 fn generator(dictionary: &str) -> Result<Generator, Invalid> {
-    let file: DictionaryFile = toml::from_str(dictionary).unwrap();
+    let file: DictionaryFile = dictionary.parse().unwrap();
     Generator::new(&vessel(), &file, |path| Ok(std::fs::read_to_string(path).unwrap()))
 }
 
@@ -195,7 +195,7 @@ fn dictionaries_that_cannot_be_meant_are_refused() {
     );
     assert!(refused("duration_s = 9.0\n[[maneuver]]\nname = \"a\"\nkind = \"accelerate\"\nfrom_m_s = 1.0\nto_m_s = 0.5\n").contains("more than from_m_s"));
     let misspelt = format!("duration_s = 9.0\n{}", zig_zag.replace("period_s", "preiod_s"));
-    let error = toml::from_str::<DictionaryFile>(&misspelt).unwrap_err().to_string();
+    let error = misspelt.parse::<DictionaryFile>().unwrap_err().to_string();
     assert!(error.contains("unknown field `preiod_s`") && error.contains("`period_s`"), "{error}");
     let short = generator("duration_s = 0.01\n[[maneuver]]\nname = \"a\"\nkind = \"steady-turn\"\nspeed_m_s = 1.0\nyaw_rate_rad_s = 0.1\n").unwrap();
     assert!(short.samples(0).unwrap_err().to_string().contains("zero samples"));
@@ -284,7 +284,7 @@ fn law_limits_with_two_ends_and_rates_keep_candidates_within() {
             "[generate]\ncandidates = 120\nduration_s = 20.0\n\
              [generate.limits]\nu_m_s = 1.0\nv_m_s = 0.2\nr_rad_s = 0.3\n{limits}\n"
         );
-        let file: DictionaryFile = toml::from_str(&text).unwrap_or_else(|e| panic!("{text}: {e}"));
+        let file: DictionaryFile = text.parse().unwrap_or_else(|e| panic!("{text}: {e}"));
         let generator = Generator::without_tables(&vessel, &file).unwrap();
         let within = |index: usize| {
             let realized = generator.realize(index, 160).ok()?;

@@ -16,11 +16,11 @@ const STATE_FLOOR: [f64; 3] = [1e-3, 1e-4, 3e-4];
 const INPUT_FLOOR: [f64; 3] = [5.0, 0.5, 0.2];
 
 fn vessel() -> Vessel {
-    Vessel::from_file(toml::from_str::<VesselFile>(VESSEL).unwrap()).unwrap()
+    Vessel::from_file(VESSEL.parse::<VesselFile>().unwrap()).unwrap()
 }
 
 fn generator(vessel: &Vessel) -> Generator {
-    let file: DictionaryFile = toml::from_str(DICTIONARY).unwrap();
+    let file: DictionaryFile = DICTIONARY.parse().unwrap();
     Generator::without_tables(vessel, &file).unwrap()
 }
 
@@ -90,8 +90,7 @@ fn oracle_inputs_and_states_of_the_papers_reading() {
     let reading: Value =
         serde_json::from_str(include_str!("../../../../fixtures/oracle/reading.json")).unwrap();
     let vessel = vessel();
-    let file: DictionaryFile =
-        toml::from_str(include_str!("../../../../pipelines/paper/dictionary.toml")).unwrap();
+    let file: DictionaryFile = include_str!("../../../../pipelines/paper/dictionary.toml").parse().unwrap();
     let generator = Generator::without_tables(&vessel, &file).unwrap();
     let expected = reading["maneuvers"].as_array().unwrap();
     assert_eq!((generator.maneuvers().len(), expected.len()), (11, 11));

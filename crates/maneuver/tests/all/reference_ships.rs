@@ -46,7 +46,7 @@ impl Case {
             term("v"),
             term("r"),
         );
-        Vessel::from_file(toml::from_str::<VesselFile>(&text).unwrap()).unwrap()
+        Vessel::from_file(text.parse::<VesselFile>().unwrap()).unwrap()
     }
 
     /// Every `stride`th sample of the record.

@@ -15,7 +15,7 @@ fn motion(speed: &str, yaw_rate: &str, samples: usize) -> Vec<[f64; 3]> {
          speed_m_s = {{ {speed} }}\nyaw_rate_rad_s = {{ {yaw_rate} }}\nsway_m_s = {{ mean = 0.0 }}\n",
         samples as f64 / RATE_HZ
     );
-    let file: DictionaryFile = toml::from_str(&text).unwrap_or_else(|e| panic!("{text}: {e}"));
+    let file: DictionaryFile = text.parse().unwrap_or_else(|e| panic!("{text}: {e}"));
     let generator = Generator::without_tables(&vessel, &file).unwrap();
     let run = generator.realize(0, samples).unwrap();
     let states = simulate_one(&vessel.model, generator.parameters(), run.initial, &run.inputs);

@@ -32,7 +32,7 @@ fn ship(rate: f64) -> Vessel {
          {{ name = \"delta\", unit = \"rad\", range = [-0.62, 0.62] }}]\n\
          surge = [{surge}]\nsway = [{sway}]\nyaw = [{yaw}]\n"
     );
-    Vessel::from_file(toml::from_str::<VesselFile>(&text).unwrap()).unwrap()
+    Vessel::from_file(text.parse::<VesselFile>().unwrap()).unwrap()
 }
 
 fn oracle() -> Value {
@@ -42,7 +42,7 @@ fn oracle() -> Value {
 
 fn generator(vessel: &Vessel, keys: &str, duration_s: f64) -> Generator {
     let text = format!("[[maneuver]]\nname = \"m\"\nduration_s = {duration_s:.1}\nspeed_m_s = 1.2\n{keys}\n");
-    let file: DictionaryFile = toml::from_str(&text).unwrap_or_else(|e| panic!("{text}: {e}"));
+    let file: DictionaryFile = text.parse().unwrap_or_else(|e| panic!("{text}: {e}"));
     Generator::without_tables(vessel, &file).unwrap()
 }
 
@@ -361,7 +361,7 @@ fn law_what_is_commanded_leads_to_the_settings_by_the_actuator() {
 fn a_maneuver_no_longer_than_the_hold_is_refused() {
     let vessel = with_rudder(10.0, |own| own.hold_s = 60.0);
     let text = format!("[[maneuver]]\nname = \"m\"\nduration_s = 60.0\nspeed_m_s = 1.2\n{ZIG_ZAG_20}\n");
-    let file: DictionaryFile = toml::from_str(&text).unwrap();
+    let file: DictionaryFile = text.parse().unwrap();
     let refused = Generator::without_tables(&vessel, &file).unwrap_err().to_string();
     assert!(
         refused.contains("maneuver `m` of 60 s") && refused.contains("`hold_s` = 60 s of input `delta`"),
@@ -375,7 +375,7 @@ fn law_the_most_helm_is_at_the_stop() {
     let vessel = ship(10.0);
     let text = "[[maneuver]]\nname = \"m\"\nkind = \"turning-circle\"\nspeed_m_s = 1.2\nduration_s = 200.0\n";
     let rudder = |helm: f64| {
-        let file: DictionaryFile = toml::from_str(&format!("{text}helm = {{ delta = {helm} }}\n")).unwrap();
+        let file: DictionaryFile = format!("{text}helm = {{ delta = {helm} }}\n").parse().unwrap();
         let realized = Generator::without_tables(&vessel, &file).unwrap().realize(0, 100);
         realized.map(|own| own.inputs[2 * 50 + 1])
     };
@@ -467,7 +467,7 @@ fn records_that_end_too_early_have_no_figures() {
 fn what_is_wanted_of_a_motion_is_its_mean_speed_and_its_turn() {
     let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
     let text = "[[maneuver]]\nname = \"m\"\nkind = \"steady-turn\"\nspeed_m_s = 0.5\nyaw_rate_rad_s = 0.1\nduration_s = 40.0\n";
-    let generator = Generator::without_tables(&vessel, &toml::from_str(text).unwrap()).unwrap();
+    let generator = Generator::without_tables(&vessel, &text.parse().unwrap()).unwrap();
     let states = [0.5, 0.0, 0.1].repeat(321);
     let aims = generator.reached(0, &states);
     for (aim, value) in aims.iter().zip([0.5, 4.0_f64.to_degrees()]) {

@@ -59,7 +59,7 @@ fn actuators_that_make_no_sense_are_refused() {
         ("hold_s", "nan"),
     ] {
         let own = text.replacen("unit = \"rad\"", &format!("unit = \"rad\"\n{key} = {value}"), 1);
-        let refused = Vessel::from_file(toml::from_str(&own).unwrap()).unwrap_err().to_string();
+        let refused = Vessel::from_file(own.parse().unwrap()).unwrap_err().to_string();
         assert!(refused.contains(&format!("`{key}` of input `delta`")), "{refused}");
     }
 }

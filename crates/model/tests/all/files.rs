@@ -4,7 +4,7 @@ use model::{Source, Vessel};
 use refusal::Invalid;
 
 fn vessel(text: &str) -> Result<Vessel, Invalid> {
-    Vessel::from_file(toml::from_str(text).unwrap())
+    Vessel::from_file(text.parse().unwrap())
 }
 
 #[test]

@@ -9,6 +9,7 @@
 
 mod centre;
 mod diagnosis;
+mod erased;
 mod fit;
 mod nominal;
 mod part;
@@ -24,6 +25,7 @@ mod words;
 
 pub use centre::Centring;
 pub use diagnosis::{COLLINEAR, Diagnosis};
+pub use erased::{AnyParts, AnyRuns, Erased, Faults, Unread};
 pub use fit::{DegreeFit, Options, Prior, Solution, Status, joined};
 pub use nominal::{NominalModel, NominalSource};
 pub use part::{LostInstruments, Part};

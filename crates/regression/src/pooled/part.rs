@@ -97,7 +97,7 @@ impl Parts for Vec<Part> {
         self[i].samples()
     }
 
-    fn at(&self, places: &[usize], mut look: impl FnMut(PartView)) -> Result<(), Infallible> {
+    fn at(&self, places: &[usize], look: &mut dyn FnMut(PartView)) -> Result<(), Infallible> {
         places.iter().for_each(|i| look(self[*i].whole()));
         Ok(())
     }

@@ -81,27 +81,27 @@ pub trait Parts: Sync {
     ///
     /// # Errors
     /// One cannot be read.
-    fn at(&self, places: &[usize], look: impl FnMut(PartView)) -> Result<(), Self::Error>;
+    fn at(&self, places: &[usize], look: &mut dyn FnMut(PartView)) -> Result<(), Self::Error>;
 
     /// Calls `look` with every part, in order.
     ///
     /// # Errors
     /// See [`Parts::at`].
-    fn each(&self, look: impl FnMut(PartView)) -> Result<(), Self::Error> {
+    fn each(&self, look: &mut dyn FnMut(PartView)) -> Result<(), Self::Error> {
         self.at(&(0..self.count()).collect::<Vec<_>>(), look)
     }
 }
 
 /// A selection of parts, some possibly several times.
 #[derive(Clone, Copy, Debug)]
-pub struct Drawn<'a, P> {
+pub struct Drawn<'a, P: ?Sized> {
     /// The parts that are selected from.
     pub parts: &'a P,
     /// The indices of the selected parts.
     pub places: &'a [usize],
 }
 
-impl<P: Parts> Parts for Drawn<'_, P> {
+impl<P: Parts + ?Sized> Parts for Drawn<'_, P> {
     type Error = P::Error;
 
     fn count(&self) -> usize {
@@ -112,7 +112,7 @@ impl<P: Parts> Parts for Drawn<'_, P> {
         self.parts.samples(self.places[i])
     }
 
-    fn at(&self, places: &[usize], look: impl FnMut(PartView)) -> Result<(), P::Error> {
+    fn at(&self, places: &[usize], look: &mut dyn FnMut(PartView)) -> Result<(), P::Error> {
         self.parts.at(&places.iter().map(|i| self.places[*i]).collect::<Vec<_>>(), look)
     }
 }

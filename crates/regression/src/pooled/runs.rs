@@ -382,7 +382,7 @@ impl<R: Recorded> Parts for CutRuns<'_, R> {
         self.places[i].samples.len()
     }
 
-    fn at(&self, places: &[usize], mut look: impl FnMut(PartView)) -> Result<(), R::Error> {
+    fn at(&self, places: &[usize], look: &mut dyn FnMut(PartView)) -> Result<(), R::Error> {
         let mut rest = places;
         while !rest.is_empty() {
             let ascending = rest.windows(2).take_while(|pair| pair[0] <= pair[1]).count() + 1;

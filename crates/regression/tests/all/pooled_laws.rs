@@ -131,10 +131,10 @@ fn law_windows_hold_every_sample_once_and_come_in_any_order() {
     let windows = Windowed::new(&parts, 8);
     assert_eq!((0..windows.count()).map(|i| windows.samples(i)).collect::<Vec<_>>(), [8, 8, 3, 8, 3]);
     let mut inputs = Vec::new();
-    let Ok(()) = windows.each(|window| inputs.extend_from_slice(window.run.exogenous));
+    let Ok(()) = windows.each(&mut |window| inputs.extend_from_slice(window.run.exogenous));
     assert_eq!(inputs, parts.iter().flat_map(|part| part.exogenous.clone()).collect::<Vec<_>>());
     let mut firsts = Vec::new();
-    let Ok(()) = windows.at(&[4, 1, 1, 0], |w| firsts.push((w.source.to_owned(), w.run.measured[0])));
+    let Ok(()) = windows.at(&[4, 1, 1, 0], &mut |w| firsts.push((w.source.to_owned(), w.run.measured[0])));
     let named = |source: &str, first| (source.to_owned(), first);
     assert_eq!(firsts, [named("300", 300.0), named("100", 124.0), named("100", 124.0), named("100", 100.0)]);
 }

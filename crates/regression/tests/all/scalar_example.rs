@@ -63,7 +63,7 @@ impl Example {
 
     /// Estimates of θ from increments `y`, one per lane.
     fn estimates(&self, ys: &[Vec<f64>], removal: MeanRemoval) -> Vec<f64> {
-        let vessel = Vessel::from_file(toml::from_str(SCALAR).unwrap()).unwrap();
+        let vessel = Vessel::from_file(SCALAR.parse().unwrap()).unwrap();
         let runs: Vec<Recording> = ys.iter().map(|y| self.run(y)).collect();
         let side_by_side = SideBySide::new(&runs.iter().collect::<Vec<_>>());
         let theta = |outcome: &Outcome| match outcome {

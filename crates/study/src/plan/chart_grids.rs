@@ -9,7 +9,7 @@ use chart::{Grid, GridDeclaration, Reading, Unread};
 
 use super::chart_beside::check_beside;
 use super::chart_file::{bytes, note};
-use super::chart_text::text;
+use super::chart_text::chart_text;
 
 /// The format of a grid.
 #[derive(Clone, Copy)]
@@ -46,7 +46,7 @@ impl GridFormat {
                     let found = format!("{length} bytes of text");
                     return Ok(Err(Unread::TooLarge { found, bytes: length }));
                 }
-                let text = text(bytes(path, provenance)?).map_err(|e| Error::invalid(path, e))?;
+                let text = chart_text(bytes(path, provenance)?).map_err(|e| Error::invalid(path, e))?;
                 Grid::from_ascii(&text, declared, &Reading { bytes: reading.bytes - length, ..*reading })
             }
             Self::Tiff => Grid::from_tiff(BufReader::new(open(path, provenance)?), declared, reading),

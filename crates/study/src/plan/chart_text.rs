@@ -9,7 +9,7 @@ const UTF_32: [&[u8]; 2] = [&[0xff, 0xfe, 0, 0], &[0, 0, 0xfe, 0xff]];
 ///
 /// # Errors
 /// Bytes that are not such text; names UTF-16 without a mark, and UTF-32.
-pub(super) fn text(bytes: Vec<u8>) -> Result<String, Invalid> {
+pub fn chart_text(bytes: Vec<u8>) -> Result<String, Invalid> {
     if UTF_32.iter().any(|mark| bytes.starts_with(mark)) {
         return Err(refuse("text in UTF-32".to_owned()));
     }
@@ -43,26 +43,4 @@ fn wide(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<String, Invalid> {
 fn refuse(found: String) -> Invalid {
     let expected = "text in UTF-8, or in UTF-16 with a byte order mark";
     Invalid::new("file", found, expected, "export it again, or convert it with `iconv -t UTF-8`")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn texts_are_read_by_their_marks() {
-        let units: Vec<u16> = "aé€😀".encode_utf16().collect();
-        let wide = |mark: [u8; 2], unit: fn(u16) -> [u8; 2]| {
-            mark.into_iter().chain(units.iter().flat_map(|own| unit(*own))).collect::<Vec<u8>>()
-        };
-        let [little, big] = [wide([0xff, 0xfe], u16::to_le_bytes), wide([0xfe, 0xff], u16::to_be_bytes)];
-        for bytes in ["aé€😀".into(), "\u{feff}aé€😀".into(), little.clone(), big] {
-            assert_eq!(text(bytes).as_deref(), Ok("aé€😀"));
-        }
-        assert!(text(little[..little.len() - 1].to_vec()).unwrap_err().to_string().contains("cut off"));
-        let bare: Vec<u8> = "x".repeat(40).encode_utf16().flat_map(u16::to_le_bytes).collect();
-        assert!(text(bare).unwrap_err().to_string().contains("UTF-16 without"));
-        assert!(text(vec![0xff, 0xfe, 0, 0, 65, 0, 0, 0]).unwrap_err().to_string().contains("UTF-32"));
-        assert!(text(vec![0xff, 0]).unwrap_err().to_string().contains("UTF-8"));
-    }
 }

@@ -12,7 +12,7 @@ use chart::{
 use super::cells::{CellReader, PER_BYTE, cells_of, of_objects};
 use super::chart_file::bytes;
 use super::chart_grids::GridFormat;
-use super::chart_text::text;
+use super::chart_text::chart_text;
 use super::exchange_set::existing;
 use super::file::{ChartKind, ChartSpec, PlanFile};
 use crate::documents::PlanChart;
@@ -147,7 +147,7 @@ impl Charts {
             self.layers.push(Layer::Grid(grid));
             return Ok(());
         }
-        let text = text(bytes(path, provenance)?).map_err(|e| Error::invalid(path, e))?;
+        let text = chart_text(bytes(path, provenance)?).map_err(|e| Error::invalid(path, e))?;
         if spec.kind == Some(ChartKind::Objects) {
             let objects = read_objects(&text, &reading).map_err(|e| self.unread(path, e, means))?;
             let (layer, summary) = of_objects(path, &objects, None, rules)?;

@@ -26,6 +26,7 @@ mod updates;
 pub use chart::Plane;
 pub use chart::route::{Feature, Geometry, Route, Timestamp, later, rounded};
 
+pub use chart_text::chart_text;
 pub use charts::{Charts, ChartsError, Means, read_charts};
 pub use document::{of_problem, of_voyage};
 pub use file::{

@@ -9,6 +9,8 @@ use model::Vessel;
 
 use crate::moments::{Estimated, Moments};
 
+pub use search::merged;
+
 /// The data for evaluating a sequence of maneuvers.
 pub struct Arranging<'a> {
     /// The vessel.

@@ -138,8 +138,8 @@ impl Arranging<'_> {
     }
 }
 
-/// Removes parts of no samples and merges neighbours of the same maneuver unless it is played `whole`.
-fn merged(plan: Plan, whole: impl Fn(usize) -> bool) -> Plan {
+/// Removes parts of no samples from `plan` and merges neighbours of the same maneuver unless it is played `whole`.
+pub fn merged(plan: Plan, whole: impl Fn(usize) -> bool) -> Plan {
     let mut out: Plan = Vec::with_capacity(plan.len());
     for (maneuver, samples) in plan.into_iter().filter(|(_, n)| *n > 0) {
         match out.last_mut().filter(|(last, _)| *last == maneuver && !whole(maneuver)) {
@@ -148,15 +148,4 @@ fn merged(plan: Plan, whole: impl Fn(usize) -> bool) -> Plan {
         }
     }
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn parts_without_samples_go_and_neighbours_of_one_maneuver_become_one() {
-        let plan = vec![(1, 3), (2, 0), (1, 4), (0, 2), (0, 2)];
-        assert_eq!(merged(plan, |q| q == 0), [(1, 7), (0, 2), (0, 2)]);
-    }
 }

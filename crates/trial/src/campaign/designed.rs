@@ -11,7 +11,7 @@ use super::plays::{Plan, Tables, said, shared_out};
 
 /// Maneuvers at the lengths of plans, realized once.
 #[derive(Clone, Default)]
-pub(crate) struct Parts {
+pub struct Parts {
     /// Maneuvers that are stretched to their length.
     stretched: BTreeMap<(usize, usize), Realized>,
     /// The others at the greatest length so far: shorter ones are their beginnings.
@@ -23,7 +23,7 @@ impl Parts {
     ///
     /// # Errors
     /// A maneuver that the model cannot hold.
-    pub(crate) fn make(&mut self, generator: &Generator, plan: &[(usize, usize)]) -> Result<(), Invalid> {
+    pub fn make(&mut self, generator: &Generator, plan: &[(usize, usize)]) -> Result<(), Invalid> {
         for (index, samples) in plan {
             if !generator.is_unstretched(*index) {
                 if let Entry::Vacant(entry) = self.stretched.entry((*index, *samples)) {
@@ -52,8 +52,8 @@ impl Parts {
         }
     }
 
-    /// Initial state and inputs of a realized plan.
-    pub(crate) fn joined(&self, plan: &[(usize, usize)]) -> ([f64; 3], Vec<f64>) {
+    /// Initial state u, v \[m/s\], r \[rad/s\] and inputs, N × inputs, of a realized plan.
+    pub fn joined(&self, plan: &[(usize, usize)]) -> ([f64; 3], Vec<f64>) {
         let initial = plan.first().map_or([0.0; 3], |part| self.part(part).0.initial);
         (initial, plan.iter().map(|part| self.part(part).1).collect::<Vec<_>>().concat())
     }
@@ -187,28 +187,4 @@ pub(super) fn too_short(samples: usize, key: &str) -> Refusal {
         "at least one sample per segment",
         "lengthen `duration_s` or take fewer segments",
     ))
-}
-
-#[cfg(test)]
-mod tests {
-    use maneuver::DictionaryFile;
-    use model::Vessel;
-
-    use super::*;
-
-    #[test]
-    fn law_maneuvers_are_the_same_whatever_was_made_of_them_before() {
-        let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
-        let dictionary: DictionaryFile =
-            toml::from_str(include_str!("../../../../pipelines/paper/dictionary.toml")).unwrap();
-        let generator = Generator::without_tables(&vessel, &dictionary).unwrap();
-        let mut shared = Parts::default();
-        for samples in [40, 100, 30, 120, 200, 40] {
-            let plan: Plan = (0..generator.maneuvers().len()).map(|index| (index, samples)).collect();
-            let mut own = Parts::default();
-            own.make(&generator, &plan).unwrap();
-            shared.make(&generator, &plan).unwrap();
-            assert_eq!(shared.joined(&plan), own.joined(&plan), "{samples}");
-        }
-    }
 }

@@ -10,8 +10,7 @@ mod sea;
 mod tally;
 mod together;
 
-pub(crate) use designed::Parts;
-pub use designed::{Designed, check_shares};
+pub use designed::{Designed, Parts, check_shares};
 pub use maneuvers::{Judged, Maneuvers, Reached, judge};
 pub use own_loop::OwnLoop;
 pub use plays::{Plan, Tables};

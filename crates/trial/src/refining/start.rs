@@ -150,20 +150,3 @@ fn weights(vessel: &Vessel, parameters: &[f64]) -> Result<Vec<f64>, Refusal> {
         ))),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn law_slowed_inputs_keep_their_steps_across_jumps_and_end_where_they_were_to() {
-        // Two inputs; the first jumps by 5, where a maneuver ends; the second has no limit.
-        let jumps = [0.0, 1.0, 0.5, 9.0, 5.5, 9.0, 5.5, -3.0, 5.5, -3.0, 5.5, -3.0, 5.5, 0.0];
-        let (slow, which) = slowed(&jumps, &[2.0, f64::INFINITY]);
-        assert_eq!(which, [0]);
-        let own: Vec<f64> = slow.iter().copied().step_by(2).collect();
-        assert_eq!(own, [0.0, 0.5, 2.5, 4.5, 5.5, 5.5, 5.5]);
-        assert!(slow.iter().zip(jumps).skip(1).step_by(2).all(|(now, before)| *now == before));
-        assert_eq!(slowed(&slow, &[2.0, f64::INFINITY]), (slow.clone(), Vec::new()));
-    }
-}

@@ -9,7 +9,9 @@ mod stopping;
 mod summary;
 mod trial;
 
+pub use growing_run::GrowingRun;
 pub use knowledge::Knowledge;
+pub use planner::{Planner, SoFar};
 pub use row::{Arm, Outcome, Row, Shared};
 pub use stopping::{RoundGain, Stopping};
 pub use summary::{ArmPoint, ArmSummary, Summary};

@@ -4,7 +4,7 @@ use engine::Pose;
 use rayon::prelude::*;
 use refusal::Invalid;
 
-use super::clearance::{Clearance, Passage};
+use super::clearance::{Clearance, Cleared};
 use super::error::VoyageError;
 use super::off_nominal::parameters_in_words;
 use super::prepared::Prepared;
@@ -48,7 +48,7 @@ pub(super) struct Vessel {
 pub(super) struct Run {
     pub vessel: Vessel,
     /// Over all legs.
-    pub passage: Passage,
+    pub passage: Cleared,
     /// Clearance of every leg; exact only below the margin and the least one so far, unless it was searched \[m\].
     pub clearances_m: Vec<f64>,
     /// Whether it goes aground without corrections.
@@ -163,7 +163,7 @@ impl Checking<'_> {
 
 /// What is kept of a drawn run.
 pub(super) struct Drawn {
-    pub passage: Passage,
+    pub passage: Cleared,
     pub is_aground_open_loop: bool,
     /// Ends of legs, and those beyond a tolerance.
     pub ends: [u64; 2],

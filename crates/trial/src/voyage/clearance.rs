@@ -15,27 +15,27 @@ const MOST_CELLS: f64 = 4e6;
 const FINEST: u32 = 8;
 
 /// Distance of the hull from obstacles.
-pub(super) struct Clearance {
+pub struct Clearance {
     /// Outline about the reference point, x forward, y to starboard \[m\], including the midpoints of its
     /// sides.
-    outline: Vec<[f64; 2]>,
+    pub outline: Vec<[f64; 2]>,
     /// Greatest distance of the outline from the reference point \[m\].
-    radius_m: f64,
-    /// In transit.
-    transit: Distances,
-    /// In informative maneuvers, if they differ.
-    trial: Option<Distances>,
+    pub radius_m: f64,
+    /// Obstacles in transit.
+    pub transit: Distances,
+    /// Obstacles in informative maneuvers, if they differ.
+    pub trial: Option<Distances>,
     /// The lattice's area.
-    area: Bounds,
+    pub area: Bounds,
     /// The allowed part of it, if that is not all.
-    polygon: Option<Polygon>,
+    pub polygon: Option<Polygon>,
     /// Greatest measured distance \[m\].
     pub sight_m: f64,
 }
 
-/// The clearance along a track.
+/// The clearance along a track so far.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Passage {
+pub struct Cleared {
     /// Least distance from obstacles; 0 where the chart was not read \[m\].
     pub clearance_m: f64,
     /// Whether the hull left the lattice's area.
@@ -46,7 +46,7 @@ pub(super) struct Passage {
     last: ([f64; 2], bool),
 }
 
-impl Passage {
+impl Cleared {
     /// The combination of both.
     pub(super) fn and(self, other: &Self) -> Self {
         Self {
@@ -88,8 +88,8 @@ impl Clearance {
     }
 
     /// A passage without samples.
-    pub(super) fn open(&self) -> Passage {
-        Passage { clearance_m: self.sight_m, left_area: false, unseen_m: 0.0, last: ([0.0; 2], false) }
+    pub fn open(&self) -> Cleared {
+        Cleared { clearance_m: self.sight_m, left_area: false, unseen_m: 0.0, last: ([0.0; 2], false) }
     }
 
     /// Distance of a place from where the hull can reach out of the area, or out of `seen` once it has left
@@ -106,7 +106,7 @@ impl Clearance {
     }
 
     /// Adds the clearance of the hull at a sample to `passage`.
-    pub(super) fn add(&self, passage: &mut Passage, pose: Pose, informative: bool) {
+    pub fn add(&self, passage: &mut Cleared, pose: Pose, informative: bool) {
         let place = [pose.y, pose.x];
         let (before, was_informative) = std::mem::replace(&mut passage.last, (place, informative));
         let [east, north] = [0, 1].map(|k| place[k] - before[k]);
@@ -171,59 +171,4 @@ fn fine(bounds: &Bounds, cell_m: f64, around_m: f64) -> Result<Raster, Invalid> 
 pub(super) fn cells_around(raster: &Raster, margin_m: f64) -> u128 {
     let around = 2 * ((margin_m / raster.cell_m).ceil() as u128 + 1);
     (raster.nx as u128 + around) * (raster.ny as u128 + around)
-}
-
-#[cfg(test)]
-mod tests {
-    use chart::{Chart, Layer, LayerKind, Plane, PolygonLayer};
-    use engine::Streams;
-
-    use super::*;
-
-    /// A ship of 20 m and an island next to a square of 800 m, with a chart that extends to 700 m.
-    fn around_an_island() -> Clearance {
-        let island = r#"{"type": "Polygon", "coordinates": [[[0.001, 0.001], [0.002, 0.001], [0.002, 0.003], [0.001, 0.001]]]}"#;
-        let land = PolygonLayer::from_geojson(island, &LayerKind::Land, None).unwrap();
-        let square = |half: f64| Bounds { min: [-half; 2], max: [half; 2] };
-        let plane = Plane::new(0.0, 0.0).unwrap();
-        let chart = Chart::new(plane, square(2000.0), &[Layer::Polygons(land)], None).unwrap();
-        let raster = Raster::covering(&square(700.0), 10.0).unwrap();
-        let sight_m = 300.0;
-        let transit = Distances::in_transit(&chart, raster, [5.0, sight_m], &|| true).unwrap().unwrap();
-        let outline = vec![[10.0, 0.0], [8.0, 3.0], [-10.0, 3.0], [-10.0, -3.0], [8.0, -3.0]];
-        let radius_m = libm::hypot(10.0, 3.0);
-        Clearance { outline, radius_m, transit, trial: None, area: square(400.0), polygon: None, sight_m }
-    }
-
-    #[test]
-    fn law_what_is_passed_over_would_have_changed_nothing() {
-        let clearance = around_an_island();
-        let mut counts = [0; 4];
-        for track in 0..400 {
-            let mut drawn = [0.0; 803];
-            Streams::new(1, "tracks").normals(track, 0, &mut drawn);
-            let [x, y, psi, turns @ ..] = drawn;
-            let mut pose = Pose { x: 200.0 * x, y: 200.0 * y, psi: 3.0 * psi };
-            let (mut passage, mut least, mut left) = (clearance.open(), clearance.sight_m, false);
-            for turn in turns.into_iter().take(2 * track as usize) {
-                pose.psi += 0.05 * turn;
-                let (sin, cos) = libm::sincos(pose.psi);
-                (pose.x, pose.y) = (pose.x + 2.0 * cos, pose.y + 2.0 * sin);
-                clearance.add(&mut passage, pose, false);
-                for [x, y] in &clearance.outline {
-                    let place = [pose.y + x * sin + y * cos, pose.x + x * cos - y * sin];
-                    least = clearance.transit.distance_m(place[0], place[1]).min(least);
-                    left |= !clearance.area.contains(place);
-                }
-            }
-            assert_eq!((passage.clearance_m, passage.left_area), (least, left), "{track}");
-            let beyond = !clearance.transit.raster().bounds().contains([pose.y, pose.x]);
-            assert!(!beyond || least == 0.0, "{track}: {least}");
-            [!left, left, beyond, least == 0.0]
-                .iter()
-                .zip(&mut counts)
-                .for_each(|(is, n)| *n += u32::from(*is));
-        }
-        assert!(counts.iter().all(|n| *n > 40), "{counts:?}");
-    }
 }

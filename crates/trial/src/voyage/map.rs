@@ -6,7 +6,6 @@ use chart::{Bounds, Causes, Class, GridCell, Obstacles, Polygon, Raster};
 use engine::Pose;
 
 use super::sailed_plan::SailedPlan;
-use super::task::Hull;
 use crate::{Fix, Sample};
 
 /// Limits between the shades of depth \[m\].
@@ -127,7 +126,7 @@ impl SailedPlan<'_> {
         let bounds = self.frame();
         let side = (0..2).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f64::max);
         let grid = Raster::covering(&bounds, side / TUBE_CELLS).ok()?;
-        let body = body(&self.prepared.brief.task.hull, grid.cell_m);
+        let body = self.prepared.brief.task.hull.body(grid.cell_m);
         let mut swept = vec![false; grid.nx * grid.ny];
         let own: Vec<Fix> = self.sailing.sailed.fixes().collect();
         for track in std::iter::once(&own).chain(&self.sailing.runs) {
@@ -191,7 +190,7 @@ impl SailedPlan<'_> {
 }
 
 /// Degrees between two, at round minutes.
-fn round_minutes(from: f64, to: f64) -> impl Iterator<Item = f64> {
+pub fn round_minutes(from: f64, to: f64) -> impl Iterator<Item = f64> {
     let steps = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0].map(|minutes| minutes / 60.0);
     let step = steps.into_iter().find(|step| (to - from) / step <= 6.0).unwrap_or(1.0);
     (0..).map(move |k| (from / step).ceil() * step + f64::from(k) * step).take_while(move |at| *at <= to)
@@ -201,24 +200,14 @@ fn place(sample: &Sample) -> [f64; 2] {
     [sample.pose.y, sample.pose.x]
 }
 
-/// Points of a ship at `pose`, x forward and y to starboard of its reference point.
-fn placed(pose: Pose, points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
+/// East and north \[m\] of `points` of a ship at `pose`, x forward and y to starboard of its reference point \[m\].
+pub fn placed(pose: Pose, points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
     let (sin, cos) = libm::sincos(pose.psi);
     points.iter().map(move |[x, y]| [pose.y + x * sin + y * cos, pose.x + x * cos - y * sin])
 }
 
-/// Points of a hull, x forward and y to starboard, at most `apart_m` apart.
-fn body(hull: &Hull, apart_m: f64) -> Vec<[f64; 2]> {
-    let steps = |length: f64| (length / apart_m).ceil().max(1.0) as u32;
-    let (long, wide) = (steps(hull.length_m), steps(hull.beam_m));
-    let stern = -hull.length_m / 2.0 - hull.reference_m;
-    let x = move |k: u32| stern + hull.length_m * f64::from(k) / f64::from(long);
-    let y = move |k: u32| hull.beam_m * (f64::from(k) / f64::from(wide) - 0.5);
-    (0..=long).flat_map(|i| (0..=wide).map(move |j| [x(i), y(j)])).collect()
-}
-
 /// The longest interval of `rings`, filled by the even-odd rule, along the parallel at `y`.
-fn widest(rings: &[Vec<[f64; 2]>], y: f64) -> Option<[f64; 2]> {
+pub fn widest(rings: &[Vec<[f64; 2]>], y: f64) -> Option<[f64; 2]> {
     let mut crossings: Vec<f64> = Vec::new();
     for ring in rings {
         let edges = ring.iter().zip(ring.iter().cycle().skip(1));
@@ -231,52 +220,4 @@ fn widest(rings: &[Vec<[f64; 2]>], y: f64) -> Option<[f64; 2]> {
     crossings.sort_by(f64::total_cmp);
     let intervals = crossings.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
     intervals.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_name_stands_in_the_longest_part_of_an_area() {
-        let square = |west: f64, east: f64| vec![[west, 0.0], [east, 0.0], [east, 10.0], [west, 10.0]];
-        assert_eq!(widest(&[square(0.0, 30.0)], 5.0), Some([0.0, 30.0]));
-        assert_eq!(widest(&[square(0.0, 30.0), square(5.0, 12.0)], 5.0), Some([12.0, 30.0]));
-        assert_eq!(widest(&[vec![[0.0, 0.0], [8.0, 0.0], [0.0, 8.0]]], 2.0), Some([0.0, 6.0]));
-        assert_eq!(widest(&[square(0.0, 30.0)], 11.0), None);
-    }
-
-    #[test]
-    fn law_round_minutes_lie_between_their_ends_and_are_few() {
-        for (from, to, minutes) in
-            [(24.9, 25.02, 2.0), (-0.508, -0.5, 0.1), (10.0, 10.4, 5.0), (1.0, 9.0, 60.0)]
-        {
-            let all: Vec<f64> = round_minutes(from, to).collect();
-            assert!(all.iter().all(|at| (from..=to).contains(at)) && all.len() <= 9, "{all:?}");
-            let whole = |at: &f64| {
-                let steps = at * 60.0 / minutes;
-                (steps - steps.round()).abs() < 1e-6
-            };
-            assert!(all.iter().all(whole), "{all:?}");
-            let apart = all.windows(2).all(|pair| ((pair[1] - pair[0]) * 60.0 / minutes - 1.0).abs() < 1e-6);
-            assert!(apart && all.len() >= 3, "{all:?}");
-        }
-    }
-
-    #[test]
-    fn law_points_of_a_body_fill_its_hull_and_turn_with_it() {
-        let hull =
-            Hull { length_m: 30.0, beam_m: 8.0, reference_m: 5.0, air_draught_m: None, draught_m: None };
-        let body = body(&hull, 3.0);
-        assert_eq!(body.len(), 11 * 4);
-        let ends = |k: usize| {
-            body.iter().map(|p| p[k]).fold((9e9, -9e9), |(a, b): (f64, f64), v| (a.min(v), b.max(v)))
-        };
-        assert_eq!((ends(0), ends(1)), ((-20.0, 10.0), (-4.0, 4.0)));
-        // Heading east, forward is east and starboard is south.
-        let east = Pose { x: 100.0, y: 200.0, psi: std::f64::consts::FRAC_PI_2 };
-        let [ahead, aside] = [[10.0, 0.0], [0.0, 4.0]].map(|p| placed(east, &[p]).next().unwrap());
-        assert!((ahead[0] - 210.0).abs() < 1e-9 && (ahead[1] - 100.0).abs() < 1e-9, "{ahead:?}");
-        assert!((aside[0] - 200.0).abs() < 1e-9 && (aside[1] - 96.0).abs() < 1e-9, "{aside:?}");
-    }
 }

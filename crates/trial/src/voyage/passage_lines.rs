@@ -5,41 +5,21 @@ use std::ops::Range;
 use chart::Dangers;
 use chart::route::{Route, Timestamp, Waypoint};
 
+use super::drafts::{Draft, Line, STRAIGHT, append_leg, distance};
 use super::passage::{NearestDanger, Passage, PassageLeg};
 use super::sailed_plan::SailedPlan;
-use crate::{BASIC_MOVES, Fix, Phase, Sample, Side};
+use crate::{Fix, Phase, Sample, Side};
 
 /// Waypoints that are nearer than this are one \[m\].
 const ONE_PLACE_M: f64 = 1.0;
-/// Courses that differ by less are one \[rad\].
-const ONE_COURSE_RAD: f64 = 1e-6;
 /// Least distance of the positions of a track from which dangers are searched \[m\].
 const LOOKOUT_M: f64 = 5.0;
 
-/// A leg of the passage under construction; positions are north and east \[m\].
-struct Draft {
-    what: String,
-    informative: bool,
-    /// Whether it may be extended.
-    straight: bool,
-    /// Steps of the plan on this leg, some of them in part, and those at its waypoint.
-    steps: Range<usize>,
-    from: [f64; 2],
-    to: [f64; 2],
-    turn_radius_m: Option<f64>,
-    /// Samples of the nominal track.
-    samples: Range<usize>,
-    then: Vec<String>,
-    /// The sample when the ship goes on from its end.
+/// What is done before the first leg, and the sample when the ship goes on.
+#[derive(Default)]
+struct Before {
+    what: Vec<String>,
     leaves: usize,
-}
-
-/// The line between the waypoints of a leg.
-struct Line {
-    from: [f64; 2],
-    /// Sine and cosine of its course.
-    turned: (f64, f64),
-    length_m: f64,
 }
 
 impl SailedPlan<'_> {
@@ -123,10 +103,10 @@ impl SailedPlan<'_> {
                     let turn = samples.start + self.nearest(&samples, corner);
                     let mut first = straight(STRAIGHT, from, corner, samples.start..turn);
                     first.turn_radius_m = Some(radius_m);
-                    append(&mut all, first);
-                    append(&mut all, straight(STRAIGHT, corner, to, turn..samples.end));
+                    append_leg(&mut all, first);
+                    append_leg(&mut all, straight(STRAIGHT, corner, to, turn..samples.end));
                 }
-                None => append(&mut all, straight(&what, from, to, samples)),
+                None => append_leg(&mut all, straight(&what, from, to, samples)),
             }
         }
         all
@@ -309,126 +289,5 @@ impl SailedPlan<'_> {
             }
         }
         strayed
-    }
-}
-
-/// What is done before the first leg, and the sample when the ship goes on.
-#[derive(Default)]
-struct Before {
-    what: Vec<String>,
-    leaves: usize,
-}
-
-/// The move that goes straight ahead.
-const STRAIGHT: &str = BASIC_MOVES[0];
-
-/// Appends `next`, or extends the last leg by it if both go straight on one course.
-fn append(all: &mut Vec<Draft>, next: Draft) {
-    let Some(last) = all.last_mut() else { return all.push(next) };
-    let turned = libm::remainder(next.course() - last.course(), std::f64::consts::TAU).abs();
-    let on = last.straight && next.straight && last.turn_radius_m.is_none() && last.then.is_empty();
-    if !on || turned > ONE_COURSE_RAD {
-        return all.push(next);
-    }
-    last.to = next.to;
-    last.steps.end = next.steps.end;
-    (last.samples.end, last.leaves) = (next.samples.end, next.leaves);
-    last.turn_radius_m = next.turn_radius_m;
-}
-
-impl Draft {
-    fn course(&self) -> f64 {
-        libm::atan2(self.to[1] - self.from[1], self.to[0] - self.from[0])
-    }
-
-    fn line(&self) -> Line {
-        Line::between(self.from, self.to)
-    }
-}
-
-impl Line {
-    fn between(from: [f64; 2], to: [f64; 2]) -> Self {
-        let course = libm::atan2(to[1] - from[1], to[0] - from[0]);
-        Self { from, turned: libm::sincos(course), length_m: distance(from, to) }
-    }
-
-    /// North and east of the place with these coordinates along the line and to starboard of it.
-    fn place(&self, [along, across]: [f64; 2]) -> [f64; 2] {
-        let (sin, cos) = self.turned;
-        [self.from[0] + along * cos - across * sin, self.from[1] + along * sin + across * cos]
-    }
-
-    /// The coordinates along the line and to starboard of it.
-    fn along(&self, [north, east]: [f64; 2]) -> [f64; 2] {
-        let (sin, cos) = self.turned;
-        let [north, east] = [north - self.from[0], east - self.from[1]];
-        [north * cos + east * sin, east * cos - north * sin]
-    }
-
-    /// Distance from the line between the waypoints.
-    fn away(&self, place: [f64; 2]) -> f64 {
-        let [along, across] = self.along(place);
-        let beyond = along - along.clamp(0.0, self.length_m);
-        libm::hypot(beyond, across)
-    }
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    libm::hypot(a[0] - b[0], a[1] - b[1])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn straight(from: [f64; 2], to: [f64; 2], step: usize) -> Draft {
-        Draft {
-            what: STRAIGHT.to_owned(),
-            informative: false,
-            straight: true,
-            steps: step..step + 1,
-            from,
-            to,
-            turn_radius_m: None,
-            samples: 10 * step..10 * step + 10,
-            leaves: 10 * step + 10,
-            then: Vec::new(),
-        }
-    }
-
-    #[test]
-    fn straight_moves_on_one_course_are_one_leg_until_something_is_done_between() {
-        let mut all = Vec::new();
-        append(&mut all, straight([0.0, 0.0], [100.0, 0.0], 0));
-        append(&mut all, Draft { turn_radius_m: Some(60.0), ..straight([100.0, 0.0], [300.0, 0.0], 1) });
-        assert_eq!(all.len(), 1);
-        let whole = (all[0].to, all[0].steps.clone(), all[0].samples.clone(), all[0].turn_radius_m);
-        assert_eq!(whole, ([300.0, 0.0], 0..2, 0..20, Some(60.0)));
-        // After a turn under way, on another course, after a stop, and next to a maneuver another leg begins.
-        append(&mut all, straight([300.0, 0.0], [400.0, 0.0], 2));
-        append(&mut all, straight([400.0, 0.0], [400.0, 50.0], 3));
-        append(&mut all, Draft { straight: false, ..straight([400.0, 50.0], [400.0, 90.0], 4) });
-        append(&mut all, straight([400.0, 90.0], [400.0, 99.0], 5));
-        assert_eq!(all.len(), 5);
-        all[4].then.push("turn".to_owned());
-        append(&mut all, straight([400.0, 99.0], [400.0, 110.0], 6));
-        assert_eq!(all.len(), 6);
-    }
-
-    #[test]
-    fn law_a_place_next_to_a_line_is_as_far_from_it_as_from_its_nearest_point() {
-        // Course 30 degrees; starboard is positive across.
-        let (sin, cos) = libm::sincos(std::f64::consts::FRAC_PI_6);
-        let line = straight([10.0, 20.0], [10.0 + 200.0 * cos, 20.0 + 200.0 * sin], 0).line();
-        assert!((line.length_m - 200.0).abs() < 1e-9);
-        for (along, across, away) in
-            [(50.0, 7.0, 7.0), (150.0, -9.0, 9.0), (-3.0, 4.0, 5.0), (212.0, -5.0, 13.0)]
-        {
-            let place = [10.0 + along * cos - across * sin, 20.0 + along * sin + across * cos];
-            let found = line.along(place);
-            assert!(distance(line.place(found), place) < 1e-9);
-            assert!((found[0] - along).abs() < 1e-9 && (found[1] - across).abs() < 1e-9, "{found:?}");
-            assert!((line.away(place) - away).abs() < 1e-9);
-        }
     }
 }

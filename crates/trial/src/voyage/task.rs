@@ -168,6 +168,16 @@ impl Hull {
         let shoulder = bow - self.length_m * 0.2;
         vec![[bow, 0.0], [shoulder, side], [stern, side], [stern, -side], [shoulder, -side]]
     }
+
+    /// Points of its rectangle about the reference point, x forward, y to starboard, at most `apart_m` apart \[m\].
+    pub fn body(&self, apart_m: f64) -> Vec<[f64; 2]> {
+        let steps = |length: f64| (length / apart_m).ceil().max(1.0) as u32;
+        let (long, wide) = (steps(self.length_m), steps(self.beam_m));
+        let stern = -self.length_m / 2.0 - self.reference_m;
+        let x = move |k: u32| stern + self.length_m * f64::from(k) / f64::from(long);
+        let y = move |k: u32| self.beam_m * (f64::from(k) / f64::from(wide) - 0.5);
+        (0..=long).flat_map(|i| (0..=wide).map(move |j| [x(i), y(j)])).collect()
+    }
 }
 
 /// Depths and distances to keep.

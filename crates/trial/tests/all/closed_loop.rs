@@ -46,7 +46,7 @@ fn tracked(executed: &str) -> String {
 /// 400 runs of 125 s, with two seeds.
 fn runs(vessel: &Vessel, maneuvers: &str) -> Vec<Run> {
     let text = format!("duration_s = 25.0\ninputs_from = \"nominal\"\n{maneuvers}");
-    let dictionary: DictionaryFile = toml::from_str(&text).unwrap();
+    let dictionary: DictionaryFile = text.parse().unwrap();
     let generator = Generator::without_tables(vessel, &dictionary).unwrap();
     let names = generator.maneuvers().iter().map(|maneuver| maneuver.name.clone());
     let shares: BTreeMap<String, f64> = names.map(|name| (name, 1.0 / SPEEDS.len() as f64)).collect();

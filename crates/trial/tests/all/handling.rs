@@ -15,7 +15,7 @@ pub fn coaster(thrust: &str, rudder: &str) -> Vessel {
         &format!("unit = \"rad\"\n{rudder}"),
         1,
     );
-    Vessel::from_file(toml::from_str(&text).unwrap()).unwrap()
+    Vessel::from_file(text.parse().unwrap()).unwrap()
 }
 
 fn derived(vessel: &Vessel) -> DerivedHandling {

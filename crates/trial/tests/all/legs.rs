@@ -29,8 +29,8 @@ pub(crate) fn study() -> (Vessel, Vec<Piece>) {
 fn ship(folder: &str) -> (Vessel, Vec<Piece>) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder);
     let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
-    let vessel = Vessel::from_file(toml::from_str(&text("vessel.toml")).unwrap()).unwrap();
-    let dictionary: DictionaryFile = toml::from_str(&text("dictionary.toml")).unwrap();
+    let vessel = Vessel::from_file(text("vessel.toml").parse().unwrap()).unwrap();
+    let dictionary: DictionaryFile = text("dictionary.toml").parse().unwrap();
     let generator = Generator::without_tables(&vessel, &dictionary).unwrap();
     let piece = |q: usize| {
         let samples = generator.samples(q).unwrap();

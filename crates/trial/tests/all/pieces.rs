@@ -36,7 +36,7 @@ fn sweeps_and_steps_are_cut_at_the_target() {
 
 #[test]
 fn the_papers_ship_is_mirrored_by_turning_sway_force_and_yaw_moment_round() {
-    let file = toml::from_str("preset = \"ljungberg-model-ship\"").unwrap();
+    let file = "preset = \"ljungberg-model-ship\"".parse().unwrap();
     let vessel = Vessel::from_file(file).unwrap();
     assert_eq!(mirror(&vessel), Some(vec![1.0, -1.0, -1.0]));
 }

@@ -62,7 +62,7 @@ fn dictionary(vessel: &Vessel) -> Generator {
                 yaw_rate_amplitude_rad_s = 0.1\nperiod_s = 20.0\nduration_s = 60.0\n\
                 [[maneuver]]\nname = \"ahead\"\nkind = \"steady-turn\"\nspeed_m_s = 0.6\n\
                 yaw_rate_rad_s = 0.0\nduration_s = 30.0\n";
-    let dictionary: DictionaryFile = toml::from_str(text).unwrap();
+    let dictionary: DictionaryFile = text.parse().unwrap();
     Generator::without_tables(vessel, &dictionary).unwrap()
 }
 
@@ -137,7 +137,7 @@ fn law_lanes_and_single_runs_follow_the_same_actuators_to_the_bit() {
         Actuator { lag_s: 0.4, rate_per_s: Some(900.0), dead_band: 40.0, hold_s: 0.5, ..vessel.actuators[2] };
     let text = "[[maneuver]]\nname = \"zig-zag\"\nkind = \"zig-zag-test\"\nspeed_m_s = 0.6\n\
                 helm = { tau3 = 600.0 }\nheading_rad = 0.35\nduration_s = 60.0\n";
-    let generator = Generator::without_tables(&vessel, &toml::from_str(text).unwrap()).unwrap();
+    let generator = Generator::without_tables(&vessel, &text.parse().unwrap()).unwrap();
     assert_eq!(generator.reacting().followed, [2]);
     let maneuvers = Maneuvers::new(&vessel, &generator, Source::Value, "dictionary").unwrap();
     let alone = maneuvers.simulate(0..1).unwrap().0.remove(0);
@@ -224,7 +224,7 @@ fn planned(keys: &str, speed_m_s: f64, seconds: usize) -> Result<(Vessel, Piece)
     let (vessel, _) = study();
     let text =
         format!("[[maneuver]]\nname = \"m\"\nspeed_m_s = {speed_m_s:.1}\nduration_s = {seconds}.0\n{keys}\n");
-    let dictionary: DictionaryFile = toml::from_str(&text).unwrap();
+    let dictionary: DictionaryFile = text.parse().unwrap();
     let generator = Generator::without_tables(&vessel, &dictionary).unwrap();
     let inputs = generator.realize(0, seconds).unwrap().inputs;
     let helm = generator.program(0, seconds).unwrap();

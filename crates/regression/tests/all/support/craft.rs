@@ -16,7 +16,7 @@ pub fn craft() -> Vessel {
 }
 
 pub fn craft_file() -> VesselFile {
-    toml::from_str(oracle()["vessel"].as_str().unwrap()).unwrap()
+    oracle()["vessel"].as_str().unwrap().parse().unwrap()
 }
 
 /// Parts as runs of one segment each.

@@ -18,7 +18,7 @@ const DICTIONARY: &str = include_str!("../../../../../pipelines/scenarios/dictio
 
 /// The vessel of the paper's simulation study.
 pub fn paper() -> Vessel {
-    Vessel::from_file(toml::from_str(VESSEL).unwrap()).unwrap()
+    Vessel::from_file(VESSEL.parse().unwrap()).unwrap()
 }
 
 /// Every run of `batch` estimated.
@@ -28,7 +28,7 @@ pub fn estimate<X: Number>(batch: &Batch<X>, removal: MeanRemoval) -> Vec<Outcom
 
 /// Its eleven maneuvers.
 pub fn dictionary(vessel: &Vessel) -> Generator {
-    let file: DictionaryFile = toml::from_str(DICTIONARY).unwrap();
+    let file: DictionaryFile = DICTIONARY.parse().unwrap();
     Generator::without_tables(vessel, &file).unwrap()
 }
 
