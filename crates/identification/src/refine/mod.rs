@@ -13,4 +13,4 @@ mod signal;
 
 pub use criterion::{Forward, TraceCriterion};
 pub use lagrangian::SignalLimits;
-pub use search::{Effort, Refined, refine};
+pub use search::{Effort, MARGIN, Refined, refine};

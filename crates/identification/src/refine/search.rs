@@ -38,13 +38,14 @@ const ROUND: usize = 60;
 const ROUNDS: usize = 12;
 /// Cost of a violation in the first round, its growth by round, and its greatest.
 const WEIGHTS: [f64; 3] = [3.0, 2.0, 3e3];
-/// Margin of the search below limits of motion and rates.
-const MARGIN: f64 = 5e-4;
+/// Margin of the search below limits of motion and rates, as a part of them.
+pub const MARGIN: f64 = 5e-4;
 /// A gain below this, in a round, ends the search.
 const GAIN: f64 = 1e-4;
 
-/// Minimises `criterion` from inputs `start`, N × inputs, within `limits`, which `start` must keep. The result keeps
-/// them. `None` if the criterion is not defined at the start. `watch` may end it with the best so far.
+/// Minimises `criterion` from inputs `start`, N × inputs, within `limits`, which `start` must keep, those of rates by
+/// more than [`MARGIN`]: a correction is linear between knots, so that it slows no input that rises and falls between two. The
+/// result keeps the limits. `None` if the criterion is not defined at the start. `watch` may end it with the best so far.
 pub fn refine(
     criterion: &TraceCriterion,
     start: &[f64],

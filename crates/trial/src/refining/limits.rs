@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use identification::refine::SignalLimits;
+use identification::refine::{MARGIN, SignalLimits};
 use maneuver::{Generator, InputLimit};
 use model::Vessel;
 use refusal::Invalid;
@@ -37,7 +37,8 @@ pub struct Limits {
 pub const STATES: [&str; 3] = ["u_m_s", "v_m_s", "r_rad_s"];
 
 impl Limits {
-    /// Limits, and the start that keeps them: inputs of `start` that jump follow it as fast as they may.
+    /// Limits, and the start that keeps them: inputs of `start` that jump follow it as fast as they may, less what the search
+    /// needs.
     ///
     /// # Errors
     /// A limit of inputs or motion that the start exceeds; a quantity without a limit that is constant in the start; slowed
@@ -60,7 +61,8 @@ impl Limits {
         };
         let rates: Vec<f64> = inputs.iter().map(rate).collect();
         let steps: Vec<f64> = rates.iter().map(|rate| rate / vessel.sample_rate_hz).collect();
-        let start = start.within_rates(vessel, &steps)?;
+        let slower: Vec<f64> = steps.iter().map(|step| step * (1.0 - 2.0 * MARGIN)).collect();
+        let start = start.within_rates(vessel, &slower)?;
         let generated_states = generated.map(|g| [g.u_m_s, g.v_m_s, g.r_rad_s]);
         let state = |d: usize| {
             stated.states[d]

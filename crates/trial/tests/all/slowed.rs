@@ -1,8 +1,10 @@
 //! Experiments whose inputs change no faster than their rates allow.
 
+use maneuver::Generator;
 use model::{Source, Vessel};
+use numerics::Watch;
 use regression::Noise;
-use trial::refining::Start;
+use trial::refining::{Limits, Refinement, Start, StatedLimits};
 
 const NOISE: Noise = Noise { measurement: [0.1, 0.1, 0.1], current: 0.1 };
 
@@ -49,4 +51,37 @@ fn law_slowed_inputs_keep_their_steps_across_jumps_and_end_where_they_were_to() 
     assert_eq!(slow.states, engine::simulate_one(&vessel.model, &slow.parameters, slow.initial, &exogenous));
     let again = start(&vessel, slow.inputs.clone()).within_rates(&vessel, &steps).unwrap();
     assert_eq!((again.inputs, again.slowed), (slow.inputs, Vec::<String>::new()));
+}
+
+/// The start of a search, to which quick steps to either side are added.
+const ZIG_ZAG: &str = r#"
+[[maneuver]]
+name = "zig-zag"
+kind = "zig-zag"
+shape = "sine"
+speed_m_s = 1.0
+yaw_rate_amplitude_rad_s = 0.05
+period_s = 20.0
+duration_s = 40.0
+"#;
+
+#[test]
+fn law_inputs_that_rise_and_fall_between_two_knots_as_fast_as_they_may_are_refined() {
+    let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+    let generator = Generator::without_tables(&vessel, &ZIG_ZAG.parse().unwrap()).unwrap();
+    let mut start = Start::new(&vessel, &generator, &[(0, 320)], NOISE).unwrap();
+    let names = vessel.model.input_names();
+    let last = names.len() - 1;
+    for (k, row) in start.inputs.chunks_exact_mut(names.len()).enumerate() {
+        // Slow changes that tell all parameters apart.
+        row[0] += 300.0 * libm::sin(k as f64 / 40.0);
+        row[1] += 100.0 * libm::sin(k as f64 / 17.0);
+        row[last] += if k % 8 < 4 { 40.0 } else { -40.0 };
+    }
+    let rates = [(names[last].to_owned(), 60.0)].into();
+    let stated = StatedLimits { rates, states: [Some(3.0), Some(1.0), Some(1.0)], ..StatedLimits::default() };
+    let (limits, start) = Limits::new(&stated, &vessel, &generator, start).unwrap();
+    assert_eq!(start.slowed, [names[last]]);
+    let found = Refinement::search(&vessel, start, limits, 120, &Watch::default()).unwrap();
+    assert!(found.efficiency() > 1.1, "{}", found.efficiency());
 }
