@@ -3,10 +3,11 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::convert::Infallible;
+use std::sync::atomic::{AtomicI32, Ordering};
 
 use engine::{Run, Segment};
 use identification::Estimator;
-use identification::pooled::{Judgement, Pool, Resampling, estimate};
+use identification::pooled::{Judgement, Pool, PoolError, Resampling, estimate};
 use model::Vessel;
 use regression::MeanRemoval;
 use regression::pooled::{PooledRuns, Recorded};
@@ -92,4 +93,44 @@ fn law_runs_that_are_read_again_give_the_same_bits() {
     }
     again.select(&["second".to_owned()], &["4".to_owned()]).unwrap();
     assert_eq!((again.count(), again.samples()), (1, (90, 90)));
+}
+
+/// Runs of which so many blocks can be read, and no more.
+struct Fading(Vec<Vec<Run>>, AtomicI32);
+
+impl Recorded for Fading {
+    type Error = String;
+
+    fn blocks(&self) -> usize {
+        self.0.len()
+    }
+
+    fn block(&self, i: usize) -> Result<Cow<'_, [Run]>, String> {
+        match self.1.fetch_sub(1, Ordering::Relaxed) {
+            1.. => Ok(Cow::Borrowed(&self.0[i])),
+            _ => Err(format!("block {i} is gone")),
+        }
+    }
+}
+
+#[test]
+fn law_an_estimate_ends_with_the_error_of_the_block_that_cannot_be_read_again() {
+    let vessel = craft();
+    let (runs, pool) = (runs(&vessel), Pool::new(&vessel));
+    let judgement = Judgement { replicates: 2, seed: 3 };
+    let mut ends = [0; 2];
+    // Two blocks are read once to know their runs, then in every pass: sums twice, statistics, resamples, whole recordings.
+    for reads in [2, 5, 8, 11, 1000] {
+        let blocks = vec![runs[..3].to_vec(), runs[3..].to_vec()];
+        let fading = PooledRuns::of(Fading(blocks, AtomicI32::new(reads)), &BTreeMap::new()).unwrap();
+        match estimate(&pool, &fading, Estimator::Iv, &judgement, Resampling::Drawn(&|_| ())) {
+            Ok(_) => ends[0] += 1,
+            Err(PoolError::Unread(error)) => {
+                assert!(error == "block 0 is gone" || error == "block 1 is gone", "{error}");
+                ends[1] += 1;
+            }
+            Err(other) => panic!("{reads}: {other}"),
+        }
+    }
+    assert_eq!(ends, [1, 4]);
 }

@@ -2,6 +2,7 @@
 
 mod any_model;
 mod bounded;
+mod erased;
 mod lanes;
 mod laws;
 mod names;
