@@ -3,11 +3,15 @@
 mod campaign;
 mod closed_loop;
 mod daylight;
+mod golden;
 mod grid;
 mod handling;
 mod legs;
 mod moments;
 mod pieces;
+mod plan_goldens;
+mod plan_laws;
+mod planned;
 mod reacting;
 mod rounds;
 mod tide;
