@@ -40,6 +40,17 @@ impl Table {
         self.row(name, [values.len() as f64, values.iter().sum(), modulus, weighted]);
     }
 
+    /// Adds a line of a square matrix in few numbers: those of its correlations, row by row, and the sum of the logarithms of
+    /// its diagonal, so that large entries do not hide small ones.
+    pub fn matrix(&mut self, name: impl Into<String>, values: &[f64]) {
+        let n = values.len().isqrt();
+        let size = |i: usize| Some(values[i * n + i].abs().sqrt()).filter(|size| *size > 0.0).unwrap_or(1.0);
+        let correlations = (0..n * n).map(|k| values[k] / (size(k / n) * size(k % n)));
+        self.summed(name, &correlations.collect::<Vec<_>>());
+        let logarithms = (0..n).map(|i| 2.0 * size(i).ln()).sum();
+        self.rows.last_mut().unwrap().1.push(logarithms);
+    }
+
     /// The lines as text, numbers to nine digits.
     fn text(&self) -> String {
         self.rows.iter().fold(String::new(), |mut text, (name, values)| {

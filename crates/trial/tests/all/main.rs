@@ -14,4 +14,5 @@ mod plan_laws;
 mod planned;
 mod reacting;
 mod rounds;
+mod studied;
 mod tide;
