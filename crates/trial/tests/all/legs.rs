@@ -27,11 +27,7 @@ pub(crate) fn study() -> (Vessel, Vec<Piece>) {
 }
 
 fn ship(folder: &str) -> (Vessel, Vec<Piece>) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder);
-    let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
-    let vessel = Vessel::from_file(text("vessel.toml").parse().unwrap()).unwrap();
-    let dictionary: DictionaryFile = text("dictionary.toml").parse().unwrap();
-    let generator = Generator::without_tables(&vessel, &dictionary).unwrap();
+    let (vessel, generator) = generator(folder);
     let piece = |q: usize| {
         let samples = generator.samples(q).unwrap();
         let realized = generator.realize(q, samples).unwrap();
@@ -42,6 +38,16 @@ fn ship(folder: &str) -> (Vessel, Vec<Piece>) {
     };
     let pieces = (0..generator.maneuvers().len()).map(piece).collect();
     (vessel, pieces)
+}
+
+/// The vessel and the maneuvers of a study.
+pub(crate) fn generator(folder: &str) -> (Vessel, Generator) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder);
+    let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let vessel = Vessel::from_file(text("vessel.toml").parse().unwrap()).unwrap();
+    let dictionary: DictionaryFile = text("dictionary.toml").parse().unwrap();
+    let generator = Generator::without_tables(&vessel, &dictionary).unwrap();
+    (vessel, generator)
 }
 
 pub(crate) fn grid(headings: usize) -> Grid {
