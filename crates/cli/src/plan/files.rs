@@ -1,11 +1,12 @@
 //! The files of a plan on a chart: read, and guarded from being overwritten.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use artifact::Provenance;
 use study::documents::{DesignDocument, PlanDocument};
 use study::files::{kept_to_data, read_plan, read_vessel};
-use study::plan::{PlanFile, in_tide, programs, resumed, uncertain};
+use study::plan::{PlanFile, in_tide, resumed, uncertain};
 use trial::voyage::{Brief, Place, Shares};
 
 use crate::cli::beside;
@@ -85,11 +86,11 @@ impl<'a> VoyageFiles<'a> {
             None => task,
         };
         let dictionary = inputs::runs(self.trajectories, &vessel, provenance)?;
-        let programs = programs(self.dictionary, &vessel, &dictionary, provenance)?;
         let design = self.design.map(|path| inputs::document::<DesignDocument>(path, "design", provenance));
         let design = design.transpose()?.map(|d| Shares { order: d.order, share: d.shares });
-        let brief =
-            Brief { vessel, task, layers: Vec::new(), chart_bytes: 0, dictionary, programs, design, seed };
+        let (layers, programs) = (Vec::new(), BTreeMap::new());
+        let mut brief = Brief { vessel, task, layers, chart_bytes: 0, dictionary, programs, design, seed };
+        brief.programs = study::plan::programs(self.dictionary, &brief, provenance)?;
         Ok((brief, config))
     }
 

@@ -4,24 +4,26 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use artifact::{Error, Provenance};
-use engine::{Helm, Run};
-use model::Vessel;
+use engine::Helm;
+use trial::voyage::Brief;
 
 use crate::files::read_dictionary;
 
-/// The commands of the maneuvers among `runs` that depend on the ship's motion, by name, as `dictionary.toml` at `path` states
-/// them; none without that file.
+/// The commands of the maneuvers that `brief` names and that depend on the ship's motion, by name, as `dictionary.toml` at `path`
+/// states them; none without that file.
 ///
 /// # Errors
 /// A dictionary that is refused, or another one than the runs are of.
 pub fn programs(
     path: Option<&Path>,
-    vessel: &Vessel,
-    runs: &[Run],
+    brief: &Brief,
     provenance: &mut Provenance,
 ) -> Result<BTreeMap<String, Helm>, Error> {
     let Some(path) = path else { return Ok(BTreeMap::new()) };
-    let generator = read_dictionary(path, vessel, provenance)?;
+    let generator = read_dictionary(path, &brief.vessel, provenance)?;
+    // A task that names none is refused where its pieces are cut.
+    let named = brief.named().unwrap_or_default();
+    let runs = named.iter().filter_map(|own| brief.run(&own.name));
     let mut programs = BTreeMap::new();
     for run in runs {
         let name = &run.segments[0].maneuver;

@@ -1,5 +1,6 @@
 //! The pieces and their counts: from the design's shares or as the task states.
 
+use engine::Run;
 use refusal::Invalid;
 
 use super::error::VoyageError;
@@ -38,7 +39,11 @@ impl Brief {
         Ok(all)
     }
 
-    fn named(&self) -> Result<Vec<ManeuverUse>, Invalid> {
+    /// The maneuvers that the task names; those of the design where it names none.
+    ///
+    /// # Errors
+    /// Neither names nor a design.
+    pub fn named(&self) -> Result<Vec<ManeuverUse>, Invalid> {
         match (&self.task.maneuvers[..], &self.design) {
             ([], Some(design)) => Ok(design.used()),
             ([], None) => Err(Invalid::new(
@@ -51,9 +56,14 @@ impl Brief {
         }
     }
 
+    /// The run of a maneuver in the dictionary.
+    pub fn run(&self, name: &str) -> Option<&Run> {
+        self.dictionary.iter().find(|run| run.segments[0].maneuver == name)
+    }
+
     fn piece(&self, wanted: &ManeuverUse) -> Result<Piece, VoyageError> {
         let names = || self.dictionary.iter().map(|run| run.segments[0].maneuver.clone());
-        let Some(run) = self.dictionary.iter().find(|run| run.segments[0].maneuver == wanted.name) else {
+        let Some(run) = self.run(&wanted.name) else {
             return Err(VoyageError::UnknownManeuver { name: wanted.name.clone(), known: names().collect() });
         };
         let target = wanted.piece_s.map(|s| self.vessel.samples(s));
