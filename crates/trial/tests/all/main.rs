@@ -11,6 +11,7 @@ mod moments;
 mod pieces;
 mod plan_goldens;
 mod plan_laws;
+mod plan_refusals;
 mod planned;
 mod reacting;
 mod rounds;
