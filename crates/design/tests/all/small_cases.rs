@@ -64,6 +64,10 @@ fn law_rows_that_no_candidate_couples_do_not_spoil_a_proof() {
     // Rows scaled by 1, 2, 3 and 4 differ from that by a constant of the determinant.
     let scaled: Vec<f64> = a.iter().enumerate().map(|(k, own)| own * (1.0 + (k / 4) as f64)).collect();
     assert!(is_concave(&candidates(4, &[&scaled])));
+    // Rows that nothing couples with the first one are judged as well: here no factors suit both candidates.
+    let two = [1.0, 0.0, 0.0, 0.0, 2.0, 1.0, 0.0, 2.0, 2.0];
+    let three = [1.0, 0.0, 0.0, 0.0, 2.0, 1.0, 0.0, 3.0, 2.0];
+    assert!(is_concave(&candidates(3, &[&two])) && !is_concave(&candidates(3, &[&two, &three])));
 }
 
 #[test]
