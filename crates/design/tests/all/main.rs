@@ -10,5 +10,6 @@ mod oracle_output_error;
 mod restrictions;
 mod rounding;
 mod shortest;
+mod small_cases;
 mod streamed;
 mod update;

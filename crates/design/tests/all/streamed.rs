@@ -80,6 +80,9 @@ fn law_a_direction_that_one_of_many_excites_is_found_and_none_is_told() {
         let mut entries = all.candidate(q).to_vec();
         if q != 3333 {
             entries[10..13].fill(0.0);
+        } else {
+            // It excites that row alone: the products with the others are zero.
+            entries[10..12].fill(0.0);
         }
         rest.push(&entries).unwrap();
     }

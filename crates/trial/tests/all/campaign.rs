@@ -1,6 +1,7 @@
 //! Disturbed runs, and the experiments of designs.
 
 use engine::{Current, Disturbances, Measurement, Streams, Wind};
+use maneuver::Generator;
 use model::Vessel;
 use trial::campaign::{Designed, Group, Refusal, Sea, Tables};
 
@@ -73,6 +74,30 @@ fn samples_are_shared_out_in_the_dictionarys_order_or_taken_in_the_designs_own()
     assert_eq!(arranged.plan(&names(), &Tables::new(), 8).unwrap(), [(1, 5), (0, 3)]);
     let other = Refusal::OtherLength { ordered: 8, samples: 9 };
     assert_eq!(arranged.plan(&names(), &Tables::new(), 9), Err(other));
+}
+
+#[test]
+fn law_tables_are_played_whole_as_often_as_is_nearest_and_fits() {
+    let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+    let text = ["turn", "zig-zag"].map(|name| {
+        format!("[[maneuver]]\nname = \"{name}\"\nkind = \"inputs\"\nfile = \"{name}\"\nspeed_m_s = 0.0\n")
+    });
+    let rows = |file: &str| {
+        let row = |k: i32| format!("{},100,0,0\n", f64::from(k) / 8.0);
+        let samples = if file == "turn" { 30 } else { 40 };
+        Ok((0..samples).map(row).fold("t,tau1,tau2,tau3\n".to_owned(), |all, row| all + &row))
+    };
+    let generator = Generator::new(&vessel, &toml::from_str(&text.concat()).unwrap(), rows).unwrap();
+    let tables = generator.tables();
+    // 0.5 and 0.5 of 100 are 1.67 and 1.25 plays: two and one, 100 samples in all.
+    let design = designed([("turn", 0.5), ("zig-zag", 0.5)]);
+    assert_eq!(design.plan(&names(), tables, 100).unwrap(), [(0, 30), (0, 30), (1, 40)]);
+    // 1.5 and 1.125 of 90 round to two and one, which is too long by ten: the one that is most beyond its share goes.
+    let said = design.plan(&names(), tables, 90).unwrap_err().to_string();
+    assert!(
+        said.contains("whole plays of tables fill 70: 1 of turn") && said.contains("1 of zig-zag"),
+        "{said}"
+    );
 }
 
 #[test]

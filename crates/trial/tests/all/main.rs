@@ -18,6 +18,7 @@ mod passage_lines;
 mod pieces;
 mod plan_goldens;
 mod plan_laws;
+mod plan_refusals;
 mod planned;
 mod planner;
 mod reacting;
