@@ -87,7 +87,7 @@ fn law_tables_are_played_whole_as_often_as_is_nearest_and_fits() {
         let samples = if file == "turn" { 30 } else { 40 };
         Ok((0..samples).map(row).fold("t,tau1,tau2,tau3\n".to_owned(), |all, row| all + &row))
     };
-    let generator = Generator::new(&vessel, &toml::from_str(&text.concat()).unwrap(), rows).unwrap();
+    let generator = Generator::new(&vessel, &text.concat().parse().unwrap(), rows).unwrap();
     let tables = generator.tables();
     // 0.5 and 0.5 of 100 are 1.67 and 1.25 plays: two and one, 100 samples in all.
     let design = designed([("turn", 0.5), ("zig-zag", 0.5)]);
