@@ -22,5 +22,10 @@ proptest! {
             prop_assert!((*count as f64 - share * total as f64).abs() <= shares.len() as f64 / 2.0 + 1.0);
             prop_assert!(*share > 0.0 || *count == 0);
         }
+        // Pukelsheim & Rieder's rule: one factor rounds all shares up to their counts, so none has too many beside another.
+        let used = || shares.iter().zip(&counts).filter(|(share, _)| **share > 0.0);
+        let above = used().map(|(share, count)| (*count as f64 - 1.0) / share).fold(0.0, f64::max);
+        let below = used().map(|(share, count)| *count as f64 / share).fold(f64::INFINITY, f64::min);
+        prop_assert!(above <= below * (1.0 + 1e-9), "{:?} {:?}", shares, counts);
     }
 }

@@ -2,7 +2,8 @@
 
 use design::{
     AccuracyOf, Candidates, CountOptions, Criterion, Degree, Dictionary, Error, Errors, Length, NoDesign,
-    Norm, Options, Question, Rivals, Start, Stock, Wanted, count_segments, is_concave, promised_error, solve,
+    Norm, Options, Question, Rivals, Segments, Start, Stock, Wanted, count_segments, counted, is_concave,
+    promised_error, solve,
 };
 
 /// Candidates that are matrices with one block each.
@@ -165,4 +166,25 @@ fn oracle_segments_beyond_a_limit_go_to_the_candidates_that_lack_most() {
         (0..3).map(|k| sum(k).ln()).sum::<f64>()
     };
     assert!((found.apportioned - log_det([3.0, 6.0, 1.0])).abs() < 1e-12, "{found:?}");
+}
+
+#[test]
+fn oracle_whole_segments_need_less_time_than_apportioned_ones_for_the_same_information() {
+    // Half of each is best; three segments are two and one, and five with two of the first at most are two and three.
+    let all = candidates(2, &[&[4.0, 0.0, 0.0, 0.0], &[0.0, 0.0, 0.0, 1.0]]);
+    let design = solve(&all, &Options::default()).unwrap();
+    let criterion = Criterion::Information(all);
+    let of = |total, limits: Option<Vec<u64>>, shares: [f64; 2]| {
+        let design = design::Design { shares: shares.to_vec(), ..design.clone() };
+        let segments = Segments { total, samples: 10, limits };
+        counted(&criterion, &design, &segments, &CountOptions::default(), 2).unwrap()
+    };
+    let found = of(5, Some(vec![2, 5]), [0.5, 0.5]);
+    assert_eq!(found.counts, [2, 3]);
+    // |M|^(1/2) of 2/5 and 3/5 against 1/2 and 1/2.
+    assert!((found.efficiency - (0.24_f64 / 0.25).sqrt()).abs() < 1e-9, "{found:?}");
+    // Shares that are not the best: apportioned they are four and one.
+    let found = of(5, None, [0.8, 0.2]);
+    assert_eq!(found.counts.iter().sum::<u64>(), 5);
+    assert!((found.apportioned - (0.16_f64 / 0.24).sqrt()).abs() < 1e-9, "{found:?}");
 }

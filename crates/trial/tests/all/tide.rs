@@ -26,6 +26,21 @@ fn law_no_second_of_the_slot_has_less_water_or_another_stream() {
         assert!(farthest <= tide.spread_m_s + 1e-9, "{farthest} {tide:?}");
         assert!(farthest > tide.spread_m_s - 1e-2, "{farthest} {tide:?}");
     }
+    // From the second row to the fourth: between 0.2 and 1 m/s north, −0.4 and 0.1 east, and the lower water of the ends.
+    let rows =
+        [(9.0, [5.0, 5.0]), (3.0, [1.0, 0.1]), (4.0, [0.2, -0.4]), (2.5, [0.6, 0.0]), (0.0, [9.0, 9.0])];
+    let row = |(k, (level_m, stream_m_s)): (i32, (f64, [f64; 2]))| TideRow {
+        at_s: f64::from(k),
+        level_m,
+        stream_m_s,
+    };
+    let rows: Vec<TideRow> = (0..).zip(rows).map(row).collect();
+    let tide = Tide::worst(&rows, 1.0, 2.0).unwrap();
+    assert!(
+        (tide.stream_m_s[0] - 0.6).abs() < 1e-12 && (tide.stream_m_s[1] + 0.15).abs() < 1e-12,
+        "{tide:?}"
+    );
+    assert!((tide.spread_m_s - libm::hypot(0.4, 0.25)).abs() < 1e-12 && tide.level_m == 2.5, "{tide:?}");
     assert_eq!(Tide::worst(&table, -1.0, 100.0), None);
     assert_eq!(Tide::worst(&table, 17_000.0, 401.0), None);
     assert_eq!(Tide::worst(&[], 0.0, 1.0), None);
