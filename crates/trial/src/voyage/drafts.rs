@@ -27,7 +27,7 @@ pub struct Draft {
     pub samples: Range<usize>,
     /// What is done at its end.
     pub then: Vec<String>,
-    /// The sample when the ship goes on from its end.
+    /// The sample at which the ship leaves its end.
     pub leaves: usize,
 }
 

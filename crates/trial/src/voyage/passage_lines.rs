@@ -15,7 +15,7 @@ const ONE_PLACE_M: f64 = 1.0;
 /// Least distance of the positions of a track from which dangers are searched \[m\].
 const LOOKOUT_M: f64 = 5.0;
 
-/// What is done before the first leg, and the sample when the ship goes on.
+/// What is done before the first leg, and the sample at which the ship leaves.
 #[derive(Default)]
 struct Before {
     what: Vec<String>,
