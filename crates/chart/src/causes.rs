@@ -29,6 +29,11 @@ impl Causes {
         Self(self.0 & cause.0)
     }
 
+    /// A number of its own for every set of causes.
+    pub(crate) fn bits(self) -> u8 {
+        self.0
+    }
+
     pub(crate) fn with(self, cause: Self) -> Self {
         Self(self.0 | cause.0)
     }

@@ -2,15 +2,16 @@
 
 use crate::cover::each_edge;
 use crate::occupancy::{Activity, cause_of, each_strip};
-use crate::{Bounds, Called, Chart, Class, GridCell, PlacedGrid, Polygon};
+use crate::{Bounds, Called, Causes, Chart, Class, GridCell, PlacedGrid, Polygon};
 
 /// Distance from an edge at which a point is beside it and not on it \[m\].
 const OFFSET_M: f64 = 0.5;
 
 /// Everything that a ship in transit keeps clear of.
 pub struct Dangers<'a> {
-    chart: &'a Chart,
-    polygons: Vec<Polygon>,
+    pub(crate) chart: &'a Chart,
+    /// Each with what it is closed for.
+    pub(crate) polygons: Vec<(Polygon, Causes)>,
 }
 
 /// The nearest danger.
@@ -26,14 +27,14 @@ pub struct Nearest {
 
 /// A distance \[m\], from a place to a point.
 #[derive(Clone, Copy)]
-struct Gap {
-    distance_m: f64,
+pub(crate) struct Gap {
+    pub(crate) distance_m: f64,
     between: [[f64; 2]; 2],
 }
 
 impl Gap {
     /// Farther than anything.
-    const NONE: Self = Self { distance_m: f64::INFINITY, between: [[0.0; 2]; 2] };
+    pub(crate) const NONE: Self = Self { distance_m: f64::INFINITY, between: [[0.0; 2]; 2] };
 
     fn shorter(self, other: Self) -> Self {
         if other.distance_m < self.distance_m { other } else { self }
@@ -43,10 +44,10 @@ impl Gap {
 impl Chart {
     /// Land, no-go areas, and water shoaler than `least_depth_m` \[m\].
     pub fn dangers(&self, least_depth_m: f64) -> Dangers<'_> {
-        let is_danger = |p: &&Polygon| cause_of(p.class, least_depth_m, Activity::Transit).is_some();
-        let mut polygons: Vec<Polygon> = self.polygons().iter().filter(is_danger).cloned().collect();
+        let closed = |p: &Polygon| Some((p.clone(), cause_of(p.class, least_depth_m, Activity::Transit)?));
+        let mut polygons: Vec<(Polygon, Causes)> = self.polygons().iter().filter_map(closed).collect();
         for grid in self.grids() {
-            each_strip(grid, least_depth_m, |strip, _| polygons.push(strip.clone()));
+            each_strip(grid, least_depth_m, |strip, cause| polygons.push((strip.clone(), cause)));
         }
         Dangers { chart: self, polygons }
     }
@@ -75,7 +76,7 @@ impl Dangers<'_> {
     pub fn nearest(&self, places: &[[f64; 2]]) -> Option<Nearest> {
         let area = Bounds::enclosing(places)?;
         let mut best = (Gap::NONE, None);
-        for polygon in &self.polygons {
+        for (polygon, _) in &self.polygons {
             let farthest = best.0.distance_m;
             if apart(&polygon.bounds, &area) >= farthest {
                 continue;
@@ -95,7 +96,7 @@ impl Dangers<'_> {
     }
 
     /// The gap to the edge of the charted area, or `least` if that is not longer.
-    fn edge(&self, place: [f64; 2], mut least: Gap) -> Gap {
+    pub(crate) fn edge(&self, place: [f64; 2], mut least: Gap) -> Gap {
         let charted = self.chart.charted();
         for [a, b] in &charted.frontier {
             let (gap, at) = nearest_on(place, *a, *b);
@@ -134,13 +135,13 @@ impl PlacedGrid {
 }
 
 /// Distance between two boxes.
-fn apart(a: &Bounds, b: &Bounds) -> f64 {
+pub(crate) fn apart(a: &Bounds, b: &Bounds) -> f64 {
     let gap = |k: usize| (a.min[k] - b.max[k]).max(b.min[k] - a.max[k]).max(0.0);
     libm::hypot(gap(0), gap(1))
 }
 
 /// The gap to the nearest of `places`; 0 inside; may be any longer one where it is `farthest` or more.
-fn gap_to(polygon: &Polygon, places: &[[f64; 2]], farthest: f64) -> Gap {
+pub(crate) fn gap_to(polygon: &Polygon, places: &[[f64; 2]], farthest: f64) -> Gap {
     let near = places.iter().filter(|p| apart(&polygon.bounds, &Bounds { min: **p, max: **p }) < farthest);
     let gap = |place: &[f64; 2]| {
         if is_inside(polygon, *place) {
@@ -157,7 +158,7 @@ fn gap_to(polygon: &Polygon, places: &[[f64; 2]], farthest: f64) -> Gap {
 }
 
 /// By the even-odd rule.
-fn is_inside(polygon: &Polygon, [x, y]: [f64; 2]) -> bool {
+pub(crate) fn is_inside(polygon: &Polygon, [x, y]: [f64; 2]) -> bool {
     let Bounds { min, max } = polygon.bounds;
     if x < min[0] || x > max[0] || y < min[1] || y > max[1] {
         return false;

@@ -2,7 +2,7 @@ use engine::Pose;
 use refusal::Invalid;
 
 use crate::grid::{around, wrap};
-use crate::repertoire::{Farthest, Outcome, Settled, Unsettled};
+use crate::repertoire::{Best, Farthest, Outcome, Settled, Unsettled};
 use crate::sampled_vessel::{Crew, Failed, Underway};
 use crate::{Leg, Phase, Piece, Purpose, Repertoire, Sailed, SampledVessel, Side};
 
@@ -172,7 +172,7 @@ impl Search<'_> {
         let tolerance = self.repertoire.approach.tolerance.ended();
         let settled = |end| {
             let used = self.repertoire.used_at(&tolerance, leg.from, place, end);
-            if used.part > 1.0 { Err(used) } else { Ok(()) }
+            if used.part() > 1.0 { Err(used) } else { Ok(()) }
         };
         let (_, end) = self.repertoire.track(leg, &mut crew.nominal.clone())?;
         Ok(settled(end).map_err(Failed::from).and_then(|()| {
@@ -204,7 +204,7 @@ impl Search<'_> {
 
     /// Adds a recovery to the first node where all of them settle.
     fn recovered(&self, mut run: Run) -> Result<Result<Settled, Failed>, Invalid> {
-        let mut best = Failed::LOST;
+        let mut best = Best::NONE;
         let speed = run.crew.nominal.ship.state[0];
         let nodes = self.nodes(&run.crew, speed);
         let step = nodes.len().saturating_sub(NEAREST).div_ceil(FARTHER).max(1);
@@ -212,10 +212,10 @@ impl Search<'_> {
             let recovery = self.recovery(&run.leg, *node, speed);
             match self.repertoire.all_settle(&recovery, &mut run.crew)? {
                 Ok(recovered) => return Ok(Ok(run.with(recovered))),
-                Err(failed) => best = best.or(failed),
+                Err(failed) => best = best.or(failed, recovery),
             }
         }
-        Ok(Err(best))
+        Ok(Err(best.failed(self.repertoire, &run.crew)))
     }
 
     /// The recovery of `leg` onto a node, as a leg of its own.

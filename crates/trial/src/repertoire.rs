@@ -91,7 +91,37 @@ impl Unsettled {
         others: &[SampledVessel],
     ) -> Self {
         let parameters = failed.who.and_then(|who| others.get(who)).map(|own| own.parameters.clone());
-        Self { from, purpose, why: format!("{when}{}", failed.used), parameters }
+        let Failed { used, all, .. } = failed;
+        let others = if all == used { String::new() } else { format!("; of all vessels {all}") };
+        Self { from, purpose, why: format!("{when}{used}{others}"), parameters }
+    }
+}
+
+/// The best of the attempts that failed.
+pub(crate) struct Best {
+    failed: Failed,
+    leg: Option<Leg>,
+}
+
+impl Best {
+    /// No attempt.
+    pub const NONE: Self = Self { failed: Failed::LOST, leg: None };
+
+    /// The better one of two.
+    #[must_use]
+    pub fn or(self, failed: Failed, leg: Leg) -> Self {
+        if failed.used.part() < self.failed.used.part() { Self { failed, leg: Some(leg) } } else { self }
+    }
+
+    /// How it failed, with what any vessel that completes it uses of the tolerance.
+    pub fn failed(self, repertoire: &Repertoire, crew: &Crew) -> Failed {
+        let Self { mut failed, leg: Some(leg) } = self else { return self.failed };
+        for underway in &crew.others {
+            if let Ok((_, end)) = repertoire.track(&leg, &mut underway.clone()) {
+                failed.all = failed.all.or_more(repertoire.used(&leg, Some(&end)));
+            }
+        }
+        failed
     }
 }
 
@@ -136,27 +166,27 @@ impl Repertoire<'_> {
         others: &[SampledVessel],
     ) -> Result<Outcome, Invalid> {
         let from = (legs[0].from, legs[0].purpose.clone());
-        let mut best = Failed::LOST;
+        let mut best = Best::NONE;
         for leg in legs {
             match self.all_settle(&leg, crew)? {
                 Ok(settled) => return Ok(Ok(settled)),
-                Err(failed) => best = best.or(failed),
+                Err(failed) => best = best.or(failed, leg),
             }
         }
-        Ok(Err(Unsettled::of(from, String::new(), best, others)))
+        Ok(Err(Unsettled::of(from, String::new(), best.failed(self, crew), others)))
     }
 
     /// The trajectories of `crew` on `leg`, unless one vessel does not settle.
     pub(crate) fn all_settle(&self, leg: &Leg, crew: &mut Crew) -> Result<Result<Settled, Failed>, Invalid> {
         let sailed = self.simulated(leg, &mut crew.nominal.clone())?;
         let used = self.used(leg, sailed.ends.last());
-        if used.part > 1.0 {
+        if used.part() > 1.0 {
             return Ok(Err(used.into()));
         }
         let tracks = crew.each(|mut underway| {
             let (poses, end) = self.track(leg, &mut underway)?;
             let used = self.used(leg, Some(&end));
-            if used.part > 1.0 { Err(used) } else { Ok(poses) }
+            if used.part() > 1.0 { Err(used) } else { Ok(poses) }
         });
         Ok(tracks.map(|tracks| Settled { leg: leg.clone(), sailed, tracks, farthest: None }))
     }
@@ -181,7 +211,7 @@ impl Repertoire<'_> {
 
     /// The used part of the stricter tolerance at the end of `leg`.
     pub(crate) fn used(&self, leg: &Leg, end: Option<&End>) -> Used {
-        let Some((pose, state)) = end else { return Used::LOST };
+        let Some((pose, state)) = end else { return Used::Lost };
         let tolerance = self.approach.tolerance.ended();
         self.used_at(&tolerance, leg.to, self.grid.displacement(leg.di, leg.dj), (*pose, *state))
     }

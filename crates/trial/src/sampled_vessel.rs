@@ -36,26 +36,28 @@ pub(crate) struct Crew<'a> {
 /// A vessel that does not settle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Failed {
-    /// The used part of a tolerance.
+    /// The used parts of its tolerance.
     pub used: Used,
+    /// Those of any vessel, as far as known.
+    pub all: Used,
     /// Index among the sampled vessels; `None` for the nominal one.
     pub who: Option<usize>,
 }
 
 impl Failed {
     /// The nominal vessel, if it is lost.
-    pub const LOST: Self = Self { used: Used::LOST, who: None };
+    pub const LOST: Self = Self { used: Used::Lost, all: Used::Lost, who: None };
 
     /// The better one of two.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
-        if other.used.part < self.used.part { other } else { self }
+        if other.used.part() < self.used.part() { other } else { self }
     }
 }
 
 impl From<Used> for Failed {
     fn from(used: Used) -> Self {
-        Self { used, who: None }
+        Self { used, all: used, who: None }
     }
 }
 
@@ -75,7 +77,7 @@ impl<'a> Crew<'a> {
                 Ok(own) => found[index] = Some(own),
                 Err(used) => {
                     self.order[..=place].rotate_right(1);
-                    return Err(Failed { used, who: Some(index) });
+                    return Err(Failed { who: Some(index), ..used.into() });
                 }
             }
         }

@@ -42,38 +42,68 @@ impl Astray {
     }
 }
 
-/// The used fraction of a tolerance, and of which quantity.
+/// Quantities that have a tolerance.
+const QUANTITIES: [&str; 5] = ["position", "heading", "speed", "sway", "yaw rate"];
+
+/// The used fractions of a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Used {
-    /// 1 is the whole tolerance.
-    pub part: f64,
-    /// The quantity, in words; why there is none where all of it is used.
-    pub of: &'static str,
+pub enum Used {
+    /// Of position, heading, speed, sway and yaw rate: 1 is the whole tolerance.
+    Parts([f64; 5]),
+    /// Of a vessel that does not complete its maneuver.
+    Unfinished,
+    /// Of a vessel that is lost.
+    Lost,
 }
 
 impl Used {
-    /// Of a vessel that is lost.
-    pub const LOST: Self = Self { part: f64::INFINITY, of: "motion out of all bounds" };
-    /// Of a vessel that does not complete its maneuver.
-    pub const UNFINISHED: Self =
-        Self { part: f64::INFINITY, of: "not done within its `duration_s` in the dictionary" };
+    /// Nothing of it.
+    pub const NONE: Self = Self::Parts([0.0; 5]);
+
+    /// The largest fraction; infinite where there is none.
+    pub fn part(&self) -> f64 {
+        match self {
+            Self::Parts(parts) => parts.iter().copied().fold(0.0, f64::max),
+            Self::Unfinished | Self::Lost => f64::INFINITY,
+        }
+    }
+
+    /// The larger fractions of two vessels, quantity by quantity.
+    #[must_use]
+    pub fn or_more(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Parts(own), Self::Parts(others)) => {
+                Self::Parts(std::array::from_fn(|k| own[k].max(others[k])))
+            }
+            (Self::Lost, _) | (_, Self::Lost) => Self::Lost,
+            _ => Self::Unfinished,
+        }
+    }
 }
 
 impl From<Stopped> for Used {
     fn from(stopped: Stopped) -> Self {
         match stopped {
-            Stopped::Unfinished(_) => Self::UNFINISHED,
-            Stopped::Lost(_) => Self::LOST,
+            Stopped::Unfinished(_) => Self::Unfinished,
+            Stopped::Lost(_) => Self::Lost,
         }
     }
 }
 
+/// Names every quantity that exceeds its tolerance, or the largest where none does.
 impl fmt::Display for Used {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.part.is_infinite() {
-            return f.write_str(self.of);
-        }
-        write!(f, "{} {:.1} times its tolerance", self.of, self.part)
+        let parts = match self {
+            Self::Parts(parts) => parts,
+            Self::Unfinished => return f.write_str("not done within its `duration_s` in the dictionary"),
+            Self::Lost => return f.write_str("motion out of all bounds"),
+        };
+        let least = self.part().min(1.0);
+        let is_said = |part: f64| part > 1.0 || part == least;
+        let said = QUANTITIES.iter().zip(parts).filter(|(_, part)| is_said(**part));
+        let said: Vec<String> = said.map(|(quantity, part)| format!("{quantity} {part:.1}")).collect();
+        let whose = if said.len() > 1 { "their tolerances" } else { "its tolerance" };
+        write!(f, "{} times {whose}", said.join(" and "))
     }
 }
 
@@ -102,28 +132,16 @@ impl Tolerance {
         }
     }
 
-    /// The largest used fraction of a vessel under way at `speed_m_s`, wherever it is.
+    /// The used fractions of a vessel under way at `speed_m_s`, wherever it is.
     pub fn used_in_motion(&self, [u, v, r]: [f64; 3], speed_m_s: f64) -> Used {
-        most([
-            ("speed", (u - speed_m_s).abs() / self.surge_m_s),
-            ("sway", v.abs() / self.sway_m_s),
-            ("yaw rate", r.abs() / self.yaw_rate_rad_s),
-        ])
+        let speed = (u - speed_m_s).abs() / self.surge_m_s;
+        Used::Parts([0.0, 0.0, speed, v.abs() / self.sway_m_s, r.abs() / self.yaw_rate_rad_s])
     }
 
-    /// The largest used fraction of a vessel at a node of `heading_rad` and `speed_m_s`.
+    /// The used fractions of a vessel at a node of `heading_rad` and `speed_m_s`.
     pub fn used(&self, vessel: &Astray, heading_rad: f64, speed_m_s: f64) -> Used {
-        let there = most([
-            ("position", vessel.distance_m() / self.distance_m),
-            ("heading", wrap(vessel.pose.psi - heading_rad).abs() / self.heading_rad),
-        ]);
-        let moving = self.used_in_motion(vessel.state, speed_m_s);
-        if moving.part.total_cmp(&there.part).is_ge() { moving } else { there }
+        let position = vessel.distance_m() / self.distance_m;
+        let heading = wrap(vessel.pose.psi - heading_rad).abs() / self.heading_rad;
+        Used::Parts([position, heading, 0.0, 0.0, 0.0]).or_more(self.used_in_motion(vessel.state, speed_m_s))
     }
-}
-
-/// The largest of some parts, the last of equals.
-fn most<const N: usize>(parts: [(&'static str, f64); N]) -> Used {
-    let most = parts.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
-    most.map_or(Used::LOST, |(of, part)| Used { part, of })
 }

@@ -1,6 +1,6 @@
-//! The nearest danger and the least depth along a track.
+//! The nearest danger, the least depth along a track, and what closes places.
 
-use chart::{Bounds, Chart, Layer, LayerKind, Plane, PolygonLayer};
+use chart::{Bounds, Causes, Chart, Layer, LayerKind, Plane, PolygonLayer};
 
 use crate::support::from_segment;
 
@@ -83,4 +83,49 @@ fn the_edge_of_what_is_charted_is_a_danger() {
     assert!((found.distance_m - 100.0).abs() < 0.5, "{found:?}");
     assert!((found.between[1][1] - north).abs() < 0.5 && found.between[1][0].abs() < 0.5, "{found:?}");
     assert_eq!(chart.dangers(5.0).nearest(&[]), None);
+}
+
+#[test]
+fn law_places_are_closed_by_what_comes_within_a_distance_of_them() {
+    let plane = Plane::new(25.0, 60.0).unwrap();
+    let area = Bounds::new([-9000.0, -9000.0], [9000.0, 9000.0]).unwrap();
+    let all = [([25.0, 60.0], 0.06, 20.0), ([25.0, 60.0], 0.004, 3.0), ([25.01, 60.0], 0.002, 4.0)];
+    let kind = LayerKind::Depth { least: "least".to_owned() };
+    let layer = PolygonLayer::from_geojson(&squares(&all), &kind, None).unwrap();
+    let chart = Chart::new(plane, area, &[Layer::Polygons(layer)], None).unwrap();
+    let places: Vec<[f64; 2]> =
+        (0..900).map(|k| [f64::from(k % 30) * 100.0 - 1500.0, f64::from(k / 30) * 100.0 - 1500.0]).collect();
+    // East and north half widths of a square on the plane, which is nearly one of degrees here.
+    let gap = |p: [f64; 2], ([x, y], half, _): ([f64; 2], f64, f64)| {
+        let [low, high] = [-half, half].map(|d| plane.to_plane(x + d, y + d));
+        [0, 1].map(|k| (low[k] - p[k]).max(p[k] - high[k]).max(0.0))
+    };
+    let near = |k: usize, within: f64| {
+        places
+            .iter()
+            .filter(|p| {
+                let [a, b] = gap(**p, all[k]);
+                a.hypot(b) < within
+            })
+            .count()
+    };
+    let found = chart.dangers(5.0).closing(&places, 100.0);
+    let told: Vec<(String, Causes, usize)> =
+        found.iter().map(|own| (own.called.to_string(), own.cause, own.places)).collect();
+    let [first, second] = [near(1, 100.0), near(2, 100.0)];
+    assert!(first > second && second > 20, "{first}, {second}");
+    let expected = ["water s1 3 m", "water s2 4 m"];
+    assert_eq!(told.len(), 2, "{told:?}");
+    for ((name, cause, count), (wanted, places)) in told.iter().zip(expected.iter().zip([first, second])) {
+        assert_eq!((name.as_str(), *cause), (*wanted, Causes::SHOAL));
+        // Sides of the squares on the plane are off by less than a metre.
+        assert!(count.abs_diff(places) <= 2, "{name}: {count}, {places}");
+    }
+    assert!(found.iter().all(|own| own.rule().is_none()));
+    // Beyond the charted square nothing is known.
+    let far = chart.dangers(5.0).closing(&[[0.0, 8000.0], [0.0, 1500.0]], 100.0);
+    assert_eq!(
+        (far.len(), far[0].called.what, far[0].cause, far[0].places),
+        (1, "uncharted water", Causes::UNCHARTED, 1)
+    );
 }

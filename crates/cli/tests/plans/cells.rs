@@ -240,3 +240,18 @@ fn a_plan_on_a_whole_cell_keeps_from_every_danger_what_its_rule_says() {
     }
     assert!(near >= 3, "{near} dangers near the plan");
 }
+
+#[test]
+fn an_area_without_room_names_what_closes_it_and_the_keys_that_open_it() {
+    let folder = bay("");
+    let config = fs::read_to_string(folder.path().join("plan.toml")).unwrap();
+    put(&folder, "plan.toml", &config.replace("transit_depth_m = 6.0", "transit_depth_m = 60.0"));
+    let told =
+        run(&folder, PLAN).refuses(4, &["`start`", "no node of the lattice is clear: 100 % by DEPARE"]);
+    assert!(told.contains("(`safety.transit_depth_m`)"), "{told}");
+    let folder = bay("rules = { FAIRWY = \"avoid\" }");
+    let config = fs::read_to_string(folder.path().join("plan.toml")).unwrap();
+    put(&folder, "plan.toml", &config.replace("margin_m = 20.0", "margin_m = 3000.0"));
+    let told = run(&folder, PLAN).refuses(4, &["`start`", "no node of the lattice is clear"]);
+    assert!(told.contains("(`rules = { FAIRWY = \"ignore\" }`)"), "{told}");
+}

@@ -113,7 +113,7 @@ fn a_lattice_that_is_all_land_is_told() {
     let head = ISLAND.split_once("\"coordinates\": ").unwrap().0;
     let all = "[[[24.9, 59.9], [25.1, 59.9], [25.1, 60.1], [24.9, 60.1], [24.9, 59.9]]]";
     put(&folder, "land.geojson", &format!("{head}\"coordinates\": {all}}}}}]}}"));
-    refused(&folder, 4, PLAN, &["`start`", "no node of the lattice is clear"]);
+    refused(&folder, 4, PLAN, &["`start`", "no node of the lattice is clear: 100 % by land"]);
 }
 
 #[test]

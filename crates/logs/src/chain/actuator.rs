@@ -33,6 +33,20 @@ pub struct Actuator {
     /// Step of the logged angle \[rad\]; 0: none.
     #[serde(default)]
     pub angle_resolution_rad: f64,
+    /// Which of speed and angle are logged.
+    #[serde(default)]
+    pub logged: Logged,
+}
+
+/// What the log of a thruster holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Logged {
+    /// What it reached, by its sensors.
+    #[default]
+    Setting,
+    /// What it was commanded, whether or not it could follow.
+    Command,
 }
 
 /// Number of samples at which a thruster could not follow its command.

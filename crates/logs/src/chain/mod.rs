@@ -14,7 +14,7 @@ mod text;
 mod weather;
 mod wind;
 
-pub use actuator::{Actuator, Hits};
+pub use actuator::{Actuator, Hits, Logged};
 pub use logbook::{Day, Entry, Fault, Logbook, NoLogs, Schedule, force_factors};
 pub use motion::{Pace, advance};
 pub use recording::{Chain, Commanded, Failed, Key, Recording, Truth};

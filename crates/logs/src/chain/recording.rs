@@ -3,7 +3,7 @@ use std::f64::consts::{PI, TAU};
 use engine::{Ambient, Compiled, Diverged, Helm, Origin, Pose, Seen, Streams, check_diverged};
 use model::Model;
 
-use super::{Actuator, Compass, GaussMarkov, Gnss, Hits, Hull, Pace, Weather, advance, quantised};
+use super::{Actuator, Compass, GaussMarkov, Gnss, Hits, Hull, Logged, Pace, Weather, advance, quantised};
 use crate::{Allocation, Setting, Unreachable, body_velocity};
 
 /// A ship with its thrusters and its sensors.
@@ -94,6 +94,8 @@ pub struct Truth {
     pub forces: Vec<[f64; 3]>,
     /// The thrusters' settings.
     pub settings: Vec<Vec<Setting>>,
+    /// Their commands.
+    pub commands: Vec<Vec<Setting>>,
 }
 
 /// Why a recording could not be made.
@@ -237,6 +239,7 @@ impl Chain<'_> {
             pose = advance(pose, Pace { from: state, to: next }, draws.dt);
             state = next;
             truth.settings.push(settings.clone());
+            truth.commands.push(commanded);
             at = Some(settings);
         }
         Ok((truth, hits))
@@ -297,7 +300,7 @@ impl Chain<'_> {
         }
     }
 
-    /// The readings of the thrusters' sensors.
+    /// The readings of the thrusters' sensors, or their commands.
     fn shown(&self, draws: &Draws, truth: &Truth, rows: std::ops::Range<usize>) -> Vec<Vec<Setting>> {
         let noise: Vec<[Vec<f64>; 2]> = self
             .actuators
@@ -306,7 +309,11 @@ impl Chain<'_> {
             .map(|(a, c)| [draws.white(c, a.speed_std_rps), draws.white(c + 1, a.angle_std_rad)])
             .collect();
         let one = |k: usize, i: usize| {
-            let (actuator, setting, [speed, angle]) = (&self.actuators[i], truth.settings[k][i], &noise[i]);
+            let (actuator, [speed, angle]) = (&self.actuators[i], &noise[i]);
+            let setting = match actuator.logged {
+                Logged::Setting => truth.settings[k][i],
+                Logged::Command => truth.commands[k][i],
+            };
             let alpha = quantised(setting.alpha + angle[k], actuator.angle_resolution_rad);
             Setting {
                 n: quantised(setting.n + speed[k], actuator.speed_resolution_rps),
@@ -324,6 +331,7 @@ impl Truth {
         self.poses.drain(..from);
         self.forces.drain(..from);
         self.settings.drain(..from);
+        self.commands.drain(..from);
         self
     }
 }

@@ -1,6 +1,6 @@
 //! Thrusters with limits.
 
-use logs::chain::{Actuator, Hits};
+use logs::chain::{Actuator, Hits, Logged};
 use logs::{Law, Setting};
 
 const ACTUATOR: Actuator = Actuator {
@@ -14,6 +14,7 @@ const ACTUATOR: Actuator = Actuator {
     speed_resolution_rps: 0.0,
     angle_std_rad: 0.0,
     angle_resolution_rad: 0.0,
+    logged: Logged::Setting,
 };
 
 #[test]

@@ -1,7 +1,9 @@
 //! What a chain of instruments logs, and that `assemble` gets the motion back from it.
 
 use engine::Helm;
-use logs::chain::{Actuator, Chain, Commanded, Compass, Drift, Gnss, Hull, Key, Recording, Weather, Wind};
+use logs::chain::{
+    Actuator, Chain, Commanded, Compass, Drift, Gnss, Hull, Key, Logged, Recording, Weather, Wind,
+};
 use logs::{Channels, Conventions, Law, Method, Propulsor, Series, assemble, body_velocity};
 use maneuver::Generator;
 use model::{Source, Vessel, VesselFile};
@@ -27,6 +29,7 @@ fn actuator(y: f64) -> Actuator {
         speed_resolution_rps: 0.0,
         angle_std_rad: 0.0,
         angle_resolution_rad: 0.0,
+        logged: Logged::Setting,
     }
 }
 
@@ -124,6 +127,33 @@ fn back(recording: &Recording, actuators: &[Actuator]) -> logs::Assembled {
     }
     let conventions = Conventions { thrusters, ..declared::conventions(Method::Euler, RATE_HZ) };
     assemble(channels, &conventions, &["tau1", "tau2", "tau3"], &[]).unwrap()
+}
+
+#[test]
+fn law_a_log_of_commands_runs_ahead_of_the_settings_of_a_slow_thruster_of_the_same_motion() {
+    /// Slower than the slalom needs.
+    const RATE: f64 = 0.02;
+    let mut setup = Setup::new(0.0, 0.0);
+    setup.actuators.iter_mut().for_each(|own| own.speed_rate_limit_rps_s = Some(RATE));
+    let settings = setup.record(KEY, &weather());
+    setup.actuators.iter_mut().for_each(|own| own.logged = Logged::Command);
+    let commands = setup.record(KEY, &weather());
+    assert_eq!((&settings.truth, &settings.heading), (&commands.truth, &commands.heading));
+    assert!(settings.hits.iter().all(|hits| hits.speed_rate > 20), "{:?}", settings.hits);
+    let mut late = 0;
+    for (thruster, _) in setup.actuators.iter().enumerate() {
+        for k in 0..settings.settings.len() {
+            let reached = settings.settings[k][thruster].n;
+            assert!((reached - settings.truth.settings[k][thruster].n).abs() < 1e-12);
+            let wanted = commands.settings[k][thruster].n;
+            let before = if k == 0 { wanted } else { settings.settings[k - 1][thruster].n };
+            // From where it was towards the command, by as much as it can in a sample.
+            let step = (wanted - before).clamp(-RATE / RATE_HZ, RATE / RATE_HZ);
+            assert!((before + step - reached).abs() < 1e-9, "{k}: {before}, {wanted}, {reached}");
+            late += usize::from((wanted - reached).abs() > 1e-9);
+        }
+    }
+    assert!(late > 20, "{late}");
 }
 
 #[test]

@@ -2,7 +2,9 @@
 
 use engine::Helm;
 use logs::Law;
-use logs::chain::{Actuator, Chain, Commanded, Compass, Drift, Gnss, Hull, Key, Recording, Weather, Wind};
+use logs::chain::{
+    Actuator, Chain, Commanded, Compass, Drift, Gnss, Hull, Key, Logged, Recording, Weather, Wind,
+};
 use model::{Source, Vessel, VesselFile};
 use serde_json::Value;
 
@@ -20,6 +22,7 @@ fn actuator(position_m: [f64; 2]) -> Actuator {
         speed_resolution_rps: 0.0,
         angle_std_rad: 0.0,
         angle_resolution_rad: 0.0,
+        logged: Logged::Setting,
     }
 }
 

@@ -10,7 +10,7 @@ use super::error::VoyageError;
 use super::prepared::Prepared;
 use super::search::Search;
 use super::worst::{Searched, WorstVessels};
-use crate::{Fix, SampledVessel};
+use crate::{Fix, SampledVessel, Used};
 
 /// Tracks that are kept for drawing.
 pub(super) const TRACKS: u32 = 200;
@@ -199,7 +199,7 @@ impl Checking<'_> {
             below_margin: count(&|run| run.passage.clearance_m < safety.margin_m),
             ends: found.iter().map(|run| run.ends[0]).sum(),
             ends_astray: found.iter().map(|run| run.ends[1]).sum(),
-            tolerance_used: self.used(&self.nominal.ends).into_iter().fold(0.0, f64::max),
+            tolerance_used: self.used(&self.nominal.ends).iter().map(Used::part).fold(0.0, f64::max),
             proved_s: self.legs.iter().map(|leg| prepared.legs[*leg].seconds(rate_hz)).sum(),
             sailed_s: self.nominal.samples.len() as f64 / rate_hz,
             sailed_quantiles_s: [0.0, 0.5, 1.0].map(|q| quantile(&seconds, q).unwrap_or(0.0)),
@@ -209,13 +209,14 @@ impl Checking<'_> {
             aground_open_loop: count(&|run| run.is_aground_open_loop),
             worst: worst.summary(self),
         };
-        check.with_faults(self.tolerated_astray())
+        let used = found.iter().map(|run| run.used).fold(worst.most_used(), Used::or_more);
+        check.with_faults(self.tolerated_astray(), used)
     }
 }
 
 impl Check {
-    /// Adds its faults in words; a share of the ends of legs may be astray.
-    fn with_faults(mut self, astray: f64) -> Self {
+    /// Adds its faults in words; a share of the ends of legs may be astray, and `used` is most of all tolerances.
+    fn with_faults(mut self, astray: f64, used: Used) -> Self {
         let percent = |share: f64| format!("{:.1}", 100.0 * share);
         let mut faults = Vec::new();
         if !self.clear {
@@ -232,11 +233,17 @@ impl Check {
             let (nearer, runs) = (self.below_margin - self.aground, self.runs);
             faults.push(format!("{nearer} of {runs} runs afloat nearer than the margin"));
         }
-        if self.ends_astray as f64 > astray * self.ends as f64 {
+        let are_astray = |own: u64, ends: u64| own as f64 > astray * ends as f64;
+        let drawn_astray = are_astray(self.ends_astray, self.ends);
+        if drawn_astray {
             let (astray, ends) = (self.ends_astray, self.ends);
             faults.push(format!("{astray} of {ends} ends of legs beyond their tolerance"));
         }
         faults.extend(self.worst.iter().flat_map(|worst| worst.faults(astray)));
+        let is_astray = |worst: &WorstVessels| are_astray(worst.ends_astray, worst.ends);
+        if drawn_astray || self.worst.as_ref().is_some_and(is_astray) {
+            faults.push(format!("at the ends of legs {used}"));
+        }
         if (self.sailed_s - self.proved_s).abs() > LONGER * self.proved_s {
             let (sailed, proved) = (self.sailed_s, self.proved_s);
             faults.push(format!("simulated in {sailed:.0} s, proved to take {proved:.0} s"));

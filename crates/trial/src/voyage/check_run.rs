@@ -11,7 +11,7 @@ use super::prepared::Prepared;
 use super::script::Script;
 use super::search::Search;
 use crate::leg::turned_back;
-use crate::{Astray, End, Fix, Sailed, SampledVessel};
+use crate::{Astray, End, Fix, Sailed, SampledVessel, Used};
 
 /// Share of the ends of legs that noisy sensors may leave beyond a tolerance.
 const ASTRAY_BY_NOISE: f64 = 0.01;
@@ -56,7 +56,7 @@ pub(super) struct Run {
     /// Ends of legs.
     pub ends: Vec<End>,
     /// The used part of the tolerance at each.
-    pub used: Vec<f64>,
+    pub used: Vec<Used>,
     pub seconds: f64,
     pub track: Option<Vec<Fix>>,
 }
@@ -148,14 +148,14 @@ impl Checking<'_> {
         open_loop.clearance_m <= 0.0
     }
 
-    /// The used fraction of the tolerance at the end of every step.
-    pub(super) fn used(&self, ends: &[End]) -> Vec<f64> {
+    /// The used fractions of the tolerance at the end of every step.
+    pub(super) fn used(&self, ends: &[End]) -> Vec<Used> {
         let repertoire = self.prepared().repertoire();
         let own = self.script.legs.iter().zip(ends);
         let tolerance = repertoire.approach.tolerance;
         own.map(|((node, leg), end)| {
             let [north, east] = self.prepared().grid.displacement(leg.di, leg.dj);
-            repertoire.used_at(&tolerance, leg.to, [node[0] + north, node[1] + east], *end).part
+            repertoire.used_at(&tolerance, leg.to, [node[0] + north, node[1] + east], *end)
         })
         .collect()
     }
@@ -167,6 +167,8 @@ pub(super) struct Drawn {
     pub is_aground_open_loop: bool,
     /// Ends of legs, and those beyond a tolerance.
     pub ends: [u64; 2],
+    /// The largest used fractions at any of them.
+    pub used: Used,
     pub seconds: f64,
     pub track: Option<Vec<Fix>>,
 }
@@ -174,19 +176,25 @@ pub(super) struct Drawn {
 impl From<Run> for Drawn {
     fn from(run: Run) -> Self {
         let ends = [run.ends.len() as u64, run.ends_astray()];
+        let used = run.most_used();
         let Run { passage, is_aground_open_loop, seconds, track, .. } = run;
-        Self { passage, is_aground_open_loop, ends, seconds, track }
+        Self { passage, is_aground_open_loop, ends, used, seconds, track }
     }
 }
 
 impl Run {
     pub(super) fn ends_astray(&self) -> u64 {
-        self.used.iter().filter(|used| **used > 1.0).count() as u64
+        self.used.iter().filter(|used| used.part() > 1.0).count() as u64
+    }
+
+    /// The largest used fractions at the end of any step.
+    pub(super) fn most_used(&self) -> Used {
+        self.used.iter().copied().fold(Used::NONE, Used::or_more)
     }
 
     /// Whether a step began within its tolerance.
     pub(super) fn began_well(&self, step: usize) -> bool {
-        step == 0 || self.used[step - 1] <= 1.0
+        step == 0 || self.used[step - 1].part() <= 1.0
     }
 
     /// The steps that began within the tolerance and violated the margin or, `if_astray`, the tolerance, each with
@@ -199,7 +207,7 @@ impl Run {
         let margin_m = checking.prepared().brief.task.safety.margin_m;
         let failed = |step: &usize| {
             self.clearances_m[*step] < margin_m
-                || (if_astray && self.used[*step] > 1.0 && self.began_well(*step))
+                || (if_astray && self.used[*step].part() > 1.0 && self.began_well(*step))
         };
         let failures = (0..self.used.len()).filter(failed);
         failures.map(|step| (step, self.sampled_vessel(checking, step))).collect()

@@ -9,6 +9,7 @@ mod budget;
 mod check;
 mod check_run;
 mod clearance;
+mod closed;
 mod counts;
 mod daylight;
 mod drafts;

@@ -103,16 +103,22 @@ impl Prepared {
         (0..self.pieces.len()).try_for_each(|piece| self.repertoire().mode_of(piece).map(|_| ()))
     }
 
-    /// Refuses a maneuver that has no leg from any heading.
+    /// Refuses maneuvers that have no leg from any heading: all of them at once.
     pub(super) fn check_offered(&self) -> Result<(), VoyageError> {
-        let offered = |name: &str| self.legs.iter().any(|own| own.name == name);
-        let mut names = self.wanted.iter().map(|wanted| wanted.piece.maneuver.as_str());
-        let Some(name) = names.find(|name| !offered(name)) else { return Ok(()) };
-        let dropped = self.dropped.iter().find(|dropped| dropped.name == name);
-        let why = dropped.map_or_else(String::new, |dropped| self.named(dropped));
+        let offered = |name: &&str| self.legs.iter().any(|own| own.name == **name);
+        let mut names: Vec<&str> = self.wanted.iter().map(|wanted| wanted.piece.maneuver.as_str()).collect();
+        names.retain(|name| !offered(name));
+        names.dedup();
+        let dropped = |name: &str| self.dropped.iter().find(|dropped| dropped.name == name);
+        let Some((name, others)) = names.split_first() else { return Ok(()) };
+        let why = dropped(name).map_or_else(String::new, |dropped| self.named(dropped));
+        let others = others.iter().map(|name| {
+            let why = dropped(name).map_or_else(String::new, |dropped| format!(" ({})", dropped.why));
+            format!("; nor of `{name}`{why}")
+        });
         Err(VoyageError::NoAnswer(Invalid::new(
             format!("maneuver `{name}`"),
-            format!("no leg on which all sampled vessels settle{why}"),
+            format!("no leg on which all sampled vessels settle{why}{}", others.collect::<String>()),
             "one for all within `parameter_error`",
             "know the parameters better, raise the tolerances of `approach`, or shorten it",
         )))

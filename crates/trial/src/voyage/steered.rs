@@ -22,11 +22,11 @@ impl Prepared {
             let layer = self.grid.layer(0, mode);
             let mut tried: Vec<(f64, Candidate)> = Vec::new();
             for who in doubt.axes() {
-                tried.push((self.held(layer, &who)?.part, who));
+                tried.push((self.held(layer, &who)?.part(), who));
             }
             let parts: Vec<f64> = tried.iter().map(|(part, _)| part.min(LOST)).collect();
             let corner = doubt.extreme(&parts);
-            tried.push((self.held(layer, &corner)?.part, corner));
+            tried.push((self.held(layer, &corner)?.part(), corner));
             if let Some((_, who)) = tried.iter().find(|(part, _)| *part > 1.0) {
                 return Err(self.cannot_be_steered(mode, who, self.held(layer, who)?));
             }
@@ -46,7 +46,7 @@ impl Prepared {
         Ok(if [u, v, r].iter().all(|own| own.is_finite()) {
             tolerance.used_in_motion([u, v, r], speed)
         } else {
-            Used::LOST
+            Used::Lost
         })
     }
 

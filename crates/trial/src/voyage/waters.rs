@@ -64,6 +64,15 @@ impl Waters {
         in_area && self.obstacles[layer].is_free(footprint, at[0], at[1])
     }
 
+    /// Whether a place, east and north \[m\], is in the area.
+    pub(super) fn holds(&self, place: [f64; 2]) -> bool {
+        let is_open = |area: &Mask| {
+            let raster = self.obstacles[0].raster();
+            raster.cell_at(place).is_some_and(|(col, row)| !area.closed()[row * raster.nx + col])
+        };
+        self.area.as_ref().is_none_or(is_open)
+    }
+
     /// Whether a footprint at node (i, j) stays in the area.
     fn is_in_area(&self, footprint: &Footprint, i: usize, j: usize) -> bool {
         let raster = self.obstacles[0].raster();
@@ -217,12 +226,19 @@ impl Prepared {
                 let near = self.words(Pose { i, j, ..pose });
                 format!("the nearest clear node is {:.0} m away, {near}", away((i, j)))
             }
-            None => "no node of the lattice is clear: check depths, margin and the chart's kind".to_owned(),
+            None => {
+                let room_m = |[x, y]: [f64; 2]| waters.obstacles[layer].distance_m(x, y);
+                let by = self.closed_by(waters, room_m);
+                format!("no node of the lattice is clear: {by}")
+            }
         };
         let own = grid.pose(pose.i, pose.j, level);
         let gap = waters.obstacles[layer].distance_m(own.y, own.x);
+        let dangers = self.chart.dangers(task.safety.transit_depth_m);
+        let nearest = dangers.nearest(&[[own.y, own.x]]);
+        let named = nearest.map_or_else(String::new, |own| format!(" ({})", own.called));
         let near = match waters.is_in_area(&hull, pose.i, pose.j) {
-            true => format!("{gap:.0} m from an obstacle"),
+            true => format!("{gap:.0} m from an obstacle{named}"),
             false => "where the hull reaches out of `area`".to_owned(),
         };
         let found = format!("{}, {near}", self.words(pose));

@@ -15,8 +15,8 @@ use super::error::VoyageError;
 use super::off_nominal::{in_words, percent_off};
 use super::places::compass_deg;
 use super::search::Search;
-use crate::SampledVessel;
 use crate::deviations::{Candidate, Doubt};
+use crate::{SampledVessel, Used};
 
 /// How many of the worst vessels by either quantity have their neighbours tried, and how often.
 const FOLLOWED: usize = 6;
@@ -99,7 +99,7 @@ impl Target {
         let Self { step, what } = self;
         run.began_well(step).then(|| match what {
             What::Nearness => -run.clearances_m[step],
-            What::Used => run.used[step],
+            What::Used => run.used[step].part(),
         })
     }
 }
@@ -221,6 +221,11 @@ impl Searched {
             (badness > bound).then(|| (target.step, self.runs[index].1.sampled_vessel(checking, target.step)))
         });
         failing.collect()
+    }
+
+    /// The largest used fractions of any of them.
+    pub(super) fn most_used(&self) -> Used {
+        self.runs.iter().map(|(_, run)| run.most_used()).fold(Used::NONE, Used::or_more)
     }
 
     /// What was found; `None` without a search.

@@ -58,7 +58,7 @@ fn a_start_too_near_to_the_island_is_refused_with_its_distance_and_the_nearest_c
     let said = refused(|brief| brief.task.start.longitude_deg = 24.9982);
     // The node is 96 m west of the plane's centre, 15 m inside the island; the next one is clear.
     assert!(
-        said.contains("0 m from an obstacle, expected the hull in `area`, at least 20 m clear"),
+        said.contains("0 m from an obstacle (land Holm), expected the hull in `area`, at least 20 m clear"),
         "{said}"
     );
     assert!(said.contains("the nearest clear node is 120 m away, 60.0002 N 24.9961 E heading 0°"), "{said}");
@@ -83,6 +83,20 @@ fn maneuvers_that_are_unknown_twice_or_without_a_count_are_refused() {
     assert!(refused(|brief| brief.task.maneuvers.clear()).contains("none, and no design"));
     let said = refused(|brief| brief.task.maneuvers.iter_mut().for_each(|own| own.count = Some(0)));
     assert!(said.contains("no maneuver that is used at least once"), "{said}");
+}
+
+#[test]
+fn all_maneuvers_without_a_leg_and_all_tolerances_that_fail_are_named_at_once() {
+    let said = refused(|brief| {
+        let tolerance = &mut brief.task.approach.tolerance;
+        (tolerance.heading_rad, tolerance.sway_m_s, tolerance.yaw_rate_rad_s) = (1e-9, 1e-9, 1e-9);
+    });
+    assert!(said.starts_with("maneuver `zig-zag-steep`: found no leg on which"), "{said}");
+    assert!(said.contains("; nor of `sway-zig-zag`"), "{said}");
+    for quantity in ["heading ", " and sway ", " and yaw rate "] {
+        assert!(said.contains(quantity), "{quantity}: {said}");
+    }
+    assert!(said.contains("times their tolerances"), "{said}");
 }
 
 #[test]
@@ -133,10 +147,10 @@ fn law_a_trial_fits_in_the_memory_that_it_is_said_to_need_and_in_no_less() {
     }
     table.assert(
         "
-        small_layout 2592 0 5776 1261129 29360576 12583328 53351825
-        small_legs 2592 14364 5776 1261129 30361104 12717728 54488548
-        rich_layout 3468 0 19616 2389298 29369920 12584160 63653922
-        rich_legs 3468 72532 24800 2389298 30881576 13035680 65678004
+        small_layout 2592 0 5776 1261129 29360576 12583520 53352017
+        small_legs 2592 14364 5776 1261129 30361104 12717920 54488740
+        rich_layout 3468 0 19616 2389298 29369920 12584736 63654498
+        rich_legs 3468 72532 24800 2389298 30881576 13036256 65678580
         ",
     );
 }
