@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod changes;
 mod command;
 mod commanded;
 mod compiled;
@@ -17,6 +18,7 @@ mod ship;
 mod side_by_side;
 mod simulate;
 
+pub use changes::{Changes, Changing, ChangingCurrent};
 pub use command::{Command, Helm, Program, Progress, Seen};
 pub use commanded::{Commanded, Driving, simulate_command, simulate_commanded};
 pub use compiled::{Ambient, Compiled};

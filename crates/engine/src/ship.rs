@@ -1,4 +1,4 @@
-use crate::{Ambient, Compiled, Pose};
+use crate::{Ambient, Changing, Compiled, Pose};
 use model::{Acting, Actuator, Ordered, Vessel};
 
 /// A vessel under way: pose and state, advanced sample by sample in a current.
@@ -13,6 +13,8 @@ pub struct Ship<'a> {
     acting: Vec<Acting>,
     /// North and east components of the current \[m/s\].
     pub current_m_s: [f64; 2],
+    /// How that and the wind change from sample to sample; without it they do not.
+    pub changing: Option<Changing>,
     /// Where it is.
     pub pose: Pose,
     /// u, v over the ground \[m/s\], r \[rad/s\].
@@ -29,6 +31,7 @@ impl<'a> Ship<'a> {
             exogenous: vec![0.0; vessel.model.exogenous()],
             acting: Vec::new(),
             current_m_s: [0.0; 2],
+            changing: None,
             pose,
             state: [speed_m_s, 0.0, 0.0],
         }
@@ -81,11 +84,15 @@ impl<'a> Ship<'a> {
     /// x(k+1) = x(k) + θᵀφ, then the pose by an explicit Euler step.
     fn advance(&mut self) {
         let (sin, cos) = libm::sincos(self.pose.psi);
-        let [north, east] = self.current_m_s;
+        let changes = self.changing.as_mut().and_then(Iterator::next);
+        let [north, east] = match changes {
+            None => self.current_m_s,
+            Some((change, _)) => [0, 1].map(|d| self.current_m_s[d] + change[d]),
+        };
         let current = Some([north * cos + east * sin, east * cos - north * sin]);
         self.vessel.model.complete(&mut self.exogenous);
         self.pose.move_on(self.state, self.sample_s, (sin, cos));
-        let ambient = Ambient { current, ..Ambient::default() };
+        let ambient = Ambient { current, force: changes.map(|(_, force)| force) };
         self.state = self.model.step(self.state, &self.exogenous, ambient);
     }
 }

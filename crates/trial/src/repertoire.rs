@@ -1,4 +1,4 @@
-use engine::{Pose, Ship, Streams};
+use engine::{Changes, Pose, Ship, Streams};
 use model::Vessel;
 use refusal::Invalid;
 
@@ -40,8 +40,12 @@ pub struct Repertoire<'a> {
     pub deviations: &'a Deviations,
     /// Bound on the unknown current \[m/s\].
     pub unknown_current_m_s: f64,
-    /// The noise of the ship's sensors, and the seed of its streams.
-    pub sensors: (Sensors, u64),
+    /// The noise of the ship's sensors.
+    pub sensors: Sensors,
+    /// How current and wind change.
+    pub changes: Changes,
+    /// The seed of the streams of both.
+    pub seed: u64,
 }
 
 /// A leg on which all sampled vessels settle at its node.
@@ -243,8 +247,8 @@ impl Repertoire<'_> {
     }
 
     /// A vessel at the origin, in `layer`: the nominal one on its node, or a sampled one at its offset. Its
-    /// autopilot has held it for a while to learn its model errors. `noise` of its sensors: their run; without it
-    /// they are exact.
+    /// autopilot has held it for a while to learn its model errors. `noise`: the run of its sensors' noise and
+    /// of the changes of current and wind; without it there are none.
     pub(crate) fn underway(
         &self,
         layer: usize,
@@ -265,8 +269,10 @@ impl Repertoire<'_> {
         let mut autopilot = Autopilot::new(self.vessel, &self.vessel.nominal, *self.handling);
         autopilot.known_current_m_s = self.mean_current_m_s;
         if let Some(run) = noise {
-            let (sensors, seed) = self.sensors;
-            autopilot = autopilot.with_sensors(sensors, Streams::new(seed, "rehearsal-sensors"), run);
+            let streams = |purpose: &str| Streams::new(self.seed, purpose);
+            autopilot = autopilot.with_sensors(self.sensors, streams("rehearsal-sensors"), run);
+            ship.changing =
+                self.changes.of_run(streams("rehearsal-changes"), run, self.vessel.sample_rate_hz);
         }
         let mut underway = Underway { ship, autopilot };
         if let Some(who) = who {

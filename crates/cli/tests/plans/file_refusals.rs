@@ -117,6 +117,25 @@ fn absurd_but_finite_numbers_are_refused() {
 }
 
 #[test]
+fn changes_of_current_and_wind_without_meaning_are_refused() {
+    let current = |keys: &str| format!("[changing_current]\n{keys}\n\n[start]");
+    let wind = |std: f64| {
+        format!("[wind]\nstd_surge_m_s2 = {std}\nstd_sway_m_s2 = 0.0\nstd_yaw_rad_s2 = 0.0\n\n[start]")
+    };
+    edited(
+        "[start]",
+        &current("std_m_s = 20.0\ntime_constant_s = 60.0"),
+        &["changing_current.std_m_s", "15"],
+    );
+    edited(
+        "[start]",
+        &current("std_m_s = 0.1\ntime_constant_s = 0.0"),
+        &["changing_current.time_constant_s"],
+    );
+    edited("[start]", &wind(-1.0), &["wind.std_surge_m_s2", "from 0 to 100"]);
+}
+
+#[test]
 fn tolerances_below_what_the_sensors_tell_apart_are_refused() {
     // The small study's tolerances: 0.1 of 120 m, 6 degrees, 0.1 m/s, and 15 % of 0.05 rad/s.
     for (key, refused, kept, tolerance) in [

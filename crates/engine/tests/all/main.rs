@@ -1,5 +1,6 @@
 //! The compiled model, its steps, and their disturbances.
 
+mod changes;
 mod compiled;
 mod constraints;
 mod layout;

@@ -51,6 +51,7 @@ impl PlanFile {
         for (key, value, range, unit) in self.numbers() {
             check(format!("`{key}`"), value, range, unit)?;
         }
+        self.changes().check()?;
         self.name.iter().try_for_each(|name| check_name("`name` of the trial", name))?;
         self.check_choices()?;
         for (name, piece_s) in self.maneuver.iter().filter_map(|m| Some((&m.name, m.piece_s?))) {

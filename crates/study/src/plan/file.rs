@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use engine::{Changes, ChangingCurrent, Wind};
 use serde::Deserialize;
 use trial::voyage::{CostRule, Goal, Hull, ManeuverUse, Place, Safety, SpeedLimit};
 use trial::{Mode, Sensors, StatedHandling};
@@ -41,6 +42,10 @@ pub struct PlanFile {
     /// The accuracy of the ship's sensors.
     #[serde(default)]
     pub sensors: SensorSpec,
+    /// How the current changes while the ship sails.
+    pub changing_current: Option<ChangingCurrent>,
+    /// Gusts.
+    pub wind: Option<Wind>,
     /// Speeds of the vessel at a node, besides rest.
     #[serde(default)]
     pub speed_mode: Vec<Mode>,
@@ -65,6 +70,13 @@ pub struct PlanFile {
     /// The cost that is minimised.
     #[serde(default)]
     pub cost: CostRule,
+}
+
+impl PlanFile {
+    /// How current and wind change.
+    pub(super) fn changes(&self) -> Changes {
+        Changes { current: self.changing_current, wind: self.wind }
+    }
 }
 
 fn raster_per_cell() -> usize {

@@ -47,6 +47,7 @@ impl PlanFile {
             safety: self.safety,
             deviations: Deviations::Box(self.safety.parameter_error),
             sensors: self.sensors.into(),
+            changes: self.changes(),
             known_current_m_s: self
                 .known_current
                 .map_or([0.0; 2], |own| current_m_s(own.speed_m_s, own.towards_deg)),

@@ -8,12 +8,12 @@ use super::clearance::{Clearance, Cleared};
 use super::error::VoyageError;
 use super::off_nominal::parameters_in_words;
 use super::prepared::Prepared;
-use super::script::Script;
+use super::script::{Noise, Script};
 use super::search::Search;
 use crate::leg::turned_back;
 use crate::{Astray, End, Fix, Sailed, SampledVessel, Used};
 
-/// Share of the ends of legs that noisy sensors may leave beyond a tolerance.
+/// Share of the ends of legs that noise may leave beyond a tolerance.
 const ASTRAY_BY_NOISE: f64 = 0.01;
 
 /// A plan that is checked.
@@ -38,7 +38,7 @@ pub(super) struct Vessel {
     pub unknown_m_s: [f64; 2],
     /// Whether its track is kept for drawing.
     pub is_drawn: bool,
-    /// Which noise its sensors have.
+    /// Which noise its sensors have, and which changes of current and wind it meets.
     pub noise: u32,
     /// Whether it comes from a search, which needs the clearance of every leg and no run without corrections.
     pub is_searched: bool,
@@ -66,9 +66,11 @@ impl Checking<'_> {
         self.script.prepared
     }
 
-    /// The share of the ends of legs that may be beyond a tolerance: none, unless that is by the noise of sensors.
+    /// The share of the ends of legs that may be beyond a tolerance: none, unless sensors are noisy, or current or
+    /// wind change.
     pub(super) fn tolerated_astray(&self) -> f64 {
-        if self.prepared().brief.task.sensors.are_exact() { 0.0 } else { ASTRAY_BY_NOISE }
+        let task = &self.prepared().brief.task;
+        if task.sensors.are_exact() && task.changes.are_none() { 0.0 } else { ASTRAY_BY_NOISE }
     }
 
     /// Whether more ends of legs than that are beyond a tolerance.
@@ -108,9 +110,7 @@ impl Checking<'_> {
         // Some vessels take longer than the nominal one.
         let capacity = self.nominal.samples.len() * 9 / 8;
         let mut track = vessel.is_drawn.then(|| Vec::with_capacity(capacity));
-        let kind = if vessel.is_searched { "searched" } else { "checked" };
-        let purpose = format!("{kind}-sensors-{}", self.round);
-        let noise = Some((purpose.as_str(), vessel.noise));
+        let noise = self.noise(&vessel);
         let ends = self.script.simulate(&vessel.parameters, vessel.unknown_m_s, noise, |own| {
             if own.leg > leg {
                 if !vessel.is_searched {
@@ -137,11 +137,17 @@ impl Checking<'_> {
         })
     }
 
+    fn noise(&self, vessel: &Vessel) -> Option<Noise> {
+        let kind = if vessel.is_searched { "searched" } else { "checked" };
+        Some(Noise { kind, round: self.round, run: vessel.noise })
+    }
+
     fn is_aground_open_loop(&self, vessel: &Vessel) -> bool {
         let mut open_loop = self.clearance.open();
         // Only running aground matters.
         open_loop.clearance_m = f64::MIN_POSITIVE;
-        self.script.repeat(self.nominal, &vessel.parameters, vessel.unknown_m_s, |own| {
+        let noise = self.noise(vessel);
+        self.script.repeat(self.nominal, &vessel.parameters, vessel.unknown_m_s, noise, |own| {
             self.clearance.add(&mut open_loop, own.pose, own.informative);
             open_loop.clearance_m > 0.0
         });

@@ -35,10 +35,13 @@ impl Brief {
         Ok((plane, self.task.sight(laid, self.drift_m(&self.wanted()?))?))
     }
 
-    /// Drift by unknown currents in the longest piece of a maneuver \[m\].
+    /// Drift by unknown currents, and three standard deviations of their changes, in the longest piece of a
+    /// maneuver \[m\].
     pub(super) fn drift_m(&self, wanted: &[Wanted]) -> f64 {
         let longest = wanted.iter().map(|own| own.piece.samples).max().unwrap_or(0);
-        self.task.safety.unknown_current_m_s * longest as f64 / self.vessel.sample_rate_hz
+        let changes_m_s = self.task.changes.current.map_or(0.0, |own| 3.0 * own.std_m_s);
+        let unknown_m_s = self.task.safety.unknown_current_m_s + changes_m_s;
+        unknown_m_s * longest as f64 / self.vessel.sample_rate_hz
     }
 }
 

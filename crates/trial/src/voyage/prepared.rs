@@ -95,7 +95,9 @@ impl Prepared {
             mean_current_m_s: task.known_current_m_s,
             deviations: &task.deviations,
             unknown_current_m_s: task.safety.unknown_current_m_s,
-            sensors: (task.sensors, self.brief.seed),
+            sensors: task.sensors,
+            changes: task.changes,
+            seed: self.brief.seed,
         }
     }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use chart::Layer;
-use engine::{Helm, Run};
+use engine::{Changes, Helm, Run};
 use model::Vessel;
 use serde::{Deserialize, Serialize};
 
@@ -61,6 +61,8 @@ pub struct Task {
     pub deviations: Deviations,
     /// The noise of the ship's sensors.
     pub sensors: Sensors,
+    /// How current and wind change while the ship sails.
+    pub changes: Changes,
     /// North and east components of the known current \[m/s\].
     pub known_current_m_s: [f64; 2],
     /// How the vessel is handled between maneuvers.

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use engine::Changes;
 use maneuver::{DictionaryFile, Generator};
 use model::Vessel;
 use trial::{
@@ -74,7 +75,9 @@ pub(crate) fn repertoire<'a>(
         mean_current_m_s,
         deviations: &Deviations::Box(0.0),
         unknown_current_m_s: 0.0,
-        sensors: (Sensors::default(), 1),
+        sensors: Sensors::default(),
+        changes: Changes::default(),
+        seed: 1,
     }
 }
 

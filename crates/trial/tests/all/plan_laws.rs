@@ -1,10 +1,10 @@
 //! Laws of whole plans, computed here by plain means.
 
-use engine::{Pose, simulate_one};
+use engine::{Changes, ChangingCurrent, Pose, Wind, simulate_one};
 use lattice::Step;
-use trial::voyage::{SettledLeg, VoyageError};
+use trial::voyage::{Check, Prepared, Search, SettledLeg, VoyageError};
 
-use crate::planned::{ISLAND_DEG, Planned, rich, small};
+use crate::planned::{ISLAND_DEG, Planned, rich, small, small_brief};
 
 /// East and north of the island: lowest, then highest \[m\].
 fn island(planned: &Planned) -> [[f64; 2]; 2] {
@@ -341,6 +341,36 @@ fn law_the_worst_vessels_are_within_the_stated_errors_and_no_better_than_the_nom
         assert!(worst.clearance_m <= check.clearance_quantiles_m[0], "{worst:?}");
         assert_eq!(worst.ends, worst.searched * planned.sailing.legs.len() as u64);
         assert_eq!(check.ends, check.runs * planned.sailing.legs.len() as u64);
+    }
+}
+
+#[test]
+fn law_changing_water_moves_the_vessels_of_a_check_and_leaves_the_nominal_one() {
+    let with = |changes: Changes| {
+        let mut brief = small_brief();
+        brief.task.changes = changes;
+        let mut prepared = Prepared::new(brief, &Search::unlimited()).unwrap();
+        let (_, sailing) = prepared.plan(&Search::unlimited(), false).unwrap();
+        (sailing.check, sailing.legs, sailing.runs)
+    };
+    let current = ChangingCurrent { std_m_s: 0.01, time_constant_s: 60.0 };
+    let wind = Wind {
+        std_surge_m_s2: 0.001,
+        std_sway_m_s2: 0.002,
+        std_yaw_rad_s2: 1e-5,
+        time_constant_s: Some(20.0),
+    };
+    let (steady, legs, runs) = with(Changes::default());
+    for changes in
+        [Changes { current: Some(current), wind: None }, Changes { current: None, wind: Some(wind) }]
+    {
+        let (check, own_legs, own_runs) = with(changes);
+        assert_eq!(own_legs, legs);
+        assert_eq!((check.clearance_m, check.sailed_s), (steady.clearance_m, steady.sailed_s));
+        let worst = |of: &Check| of.worst.as_ref().map(|own| own.tolerance_used);
+        assert!(own_runs.len() == runs.len() && own_runs.iter().zip(&runs).all(|(own, other)| own != other));
+        assert_ne!(worst(&check), worst(&steady));
+        assert_eq!(with(changes).0, check, "drawn anew");
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use chart::{Layer, LayerKind, PolygonLayer, Uncharted};
-use engine::Run;
+use engine::{Changes, Run};
 use maneuver::Generator;
 use model::{Source, Vessel};
 use trial::campaign::Maneuvers;
@@ -131,6 +131,7 @@ pub fn small_brief() -> Brief {
         },
         deviations: Deviations::Box(0.0),
         sensors: Sensors::default(),
+        changes: Changes::default(),
         known_current_m_s: [0.0; 2],
         handling: HANDLING,
         derived: DerivedHandling::of(&vessel, &modes, hull.length_m).unwrap(),

@@ -1,0 +1,96 @@
+use refusal::{Invalid, check_ranges};
+use serde::Deserialize;
+
+use crate::disturbance::{MOST_CURRENT_M_S, factor};
+use crate::{Streams, Wind};
+
+/// How water and air change while one ship sails, about a constant current: stationary Gauss–Markov processes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Changes {
+    /// Of the current.
+    pub current: Option<ChangingCurrent>,
+    /// Gusts.
+    pub wind: Option<Wind>,
+}
+
+/// Changes of a current, north and east, correlated as exp(−|t|/T).
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChangingCurrent {
+    /// Standard deviation of each component \[m/s\].
+    pub std_m_s: f64,
+    /// Time constant T \[s\].
+    pub time_constant_s: f64,
+}
+
+impl Changes {
+    /// Whether nothing changes.
+    pub fn are_none(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Those of run `run` of `streams`; `None` where nothing changes.
+    pub fn of_run(&self, streams: Streams, run: u32, rate_hz: f64) -> Option<Changing> {
+        let [u, v, r] = self.wind.map_or([0.0; 3], |wind| wind.std_per_sample(rate_hz));
+        let gust = self.wind.map_or(0.0, |wind| wind.factor(rate_hz));
+        let (water, flow) =
+            self.current.map_or((0.0, 0.0), |own| (own.std_m_s, factor(own.time_constant_s, rate_hz)));
+        let (stds, factors) = ([water, water, u, v, r], [flow, flow, gust, gust, gust]);
+        let (taken, noise, at) = (0, Vec::new(), [0.0; VALUES]);
+        (!self.are_none()).then_some(Changing { stds, factors, streams, run, taken, noise, at })
+    }
+
+    /// Refuses numbers without meaning.
+    ///
+    /// # Errors
+    /// Names the key and its value.
+    pub fn check(&self) -> Result<(), Invalid> {
+        self.wind.map_or(Ok(()), |wind| wind.check())?;
+        let Some(ChangingCurrent { std_m_s, time_constant_s }) = self.current else { return Ok(()) };
+        check_ranges([
+            ("changing_current.std_m_s", std_m_s, 0.0..=MOST_CURRENT_M_S, "m/s"),
+            ("changing_current.time_constant_s", time_constant_s, 1e-6..=1e9, "s"),
+        ])
+    }
+}
+
+/// North and east of the current, and what the wind adds to u, v and r.
+const VALUES: usize = 5;
+/// Samples whose noise is drawn at a time.
+const BLOCK: usize = 128;
+
+/// The changes of one run, drawn sample by sample: x(k+1) = factor · x(k) + white noise.
+#[derive(Clone, Debug)]
+pub struct Changing {
+    stds: [f64; VALUES],
+    factors: [f64; VALUES],
+    streams: Streams,
+    run: u32,
+    /// Samples so far.
+    taken: usize,
+    noise: Vec<f64>,
+    at: [f64; VALUES],
+}
+
+impl Iterator for Changing {
+    /// Of the current, north and east \[m/s\], and of the states after the next sample \[m/s, m/s, rad/s\].
+    type Item = ([f64; 2], [f64; 3]);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let place = self.taken % BLOCK;
+        if place == 0 {
+            self.noise.resize(VALUES * BLOCK, 0.0);
+            self.streams.normals(self.run, (self.taken / BLOCK) as u32, &mut self.noise);
+        }
+        let noise = &self.noise[VALUES * place..][..VALUES];
+        let is_first = self.taken == 0;
+        let each = self.at.iter_mut().zip(self.stds).zip(self.factors).zip(noise);
+        for (((at, std), factor), noise) in each {
+            let fresh = if is_first { 1.0 } else { (1.0 - factor * factor).sqrt() };
+            *at = factor * *at + fresh * std * noise;
+        }
+        self.taken += 1;
+        let [north, east, u, v, r] = self.at;
+        Some(([north, east], [u, v, r]))
+    }
+}
