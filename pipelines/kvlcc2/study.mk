@@ -8,7 +8,6 @@ TEST       ?= kvlcc2_hsva_Z_10_05,kvlcc2_hsva_Z_20_10_S,kvlcc2_hsva_Z_35_05
 # The searched model, and half an hour of maneuvers that make it known best. Its parameters can hardly be told apart (condition of
 # the information in correlations 4e8): rounding leaves the optimum known to some 1e-5.
 NEXT         := yes
-# She takes longer than a minute to settle: windows of that length find worse models (docs/own-logs.md).
-SEARCH_FLAGS := --window-s 100 --fitted-window-s 100 --compact
+SEARCH_FLAGS := --window-s 100 --compact
 NEXT_FLAGS   := --duration-s 1800 --tolerance 1e-4
 include pipelines/measured.mk

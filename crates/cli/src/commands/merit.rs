@@ -90,7 +90,7 @@ impl Task for Arguments {
         commit([main].into_iter().chain(members).collect())?;
         let statements = &document.statements;
         let details = json!({"maneuvers": document.maneuvers.len(), "statements": statements});
-        Ok(Summary::of(&out, statements.join("; "), details))
+        Ok(Summary::of(&out, document.in_short(), details))
     }
 }
 

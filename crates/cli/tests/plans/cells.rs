@@ -248,10 +248,10 @@ fn an_area_without_room_names_what_closes_it_and_the_keys_that_open_it() {
     put(&folder, "plan.toml", &config.replace("transit_depth_m = 6.0", "transit_depth_m = 60.0"));
     let told =
         run(&folder, PLAN).refuses(4, &["`start`", "no node of the lattice is clear: 100 % by DEPARE"]);
-    assert!(told.contains("(`safety.transit_depth_m`)"), "{told}");
+    assert!(told.stderr.contains("(`safety.transit_depth_m`)"), "{told}");
     let folder = bay("rules = { FAIRWY = \"avoid\" }");
     let config = fs::read_to_string(folder.path().join("plan.toml")).unwrap();
     put(&folder, "plan.toml", &config.replace("margin_m = 20.0", "margin_m = 3000.0"));
     let told = run(&folder, PLAN).refuses(4, &["`start`", "no node of the lattice is clear"]);
-    assert!(told.contains("(`rules = { FAIRWY = \"ignore\" }`)"), "{told}");
+    assert!(told.stderr.contains("(`rules = { FAIRWY = \"ignore\" }`)"), "{told}");
 }

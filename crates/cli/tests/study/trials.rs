@@ -35,8 +35,17 @@ fn law_figures_of_simulated_runs_are_those_of_the_simulation() {
     put(&folder, "first.json", &String::from_utf8(bytes(&folder, "merit.json")).unwrap());
     let first = json(&folder, "merit.json");
     // The dictionary is simulated with the true parameters, and so is the ship without trajectories.
-    run(&folder, &format!("{MERIT} --length-m 100 --out merit.json")).succeeds();
+    let told = run(&folder, &format!("{MERIT} --length-m 100 --out merit.json")).succeeds();
     let second = json(&folder, "merit.json");
+    let figures = second["data"]["maneuvers"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .flat_map(|own| own["figures"].as_array().unwrap());
+    let judged: Vec<bool> = figures.clone().filter_map(|own| own["passes"].as_bool()).collect();
+    let met = judged.iter().filter(|passes| **passes).count();
+    let words = format!("{} figures of 11 maneuvers; {met} of {} criteria", figures.count(), judged.len());
+    assert!(judged.len() > 8 && told.stdout.contains(&words), "{words}: {told}");
     let [first, second] = [&first, &second].map(|found| found["data"]["maneuvers"].as_array().unwrap());
     assert_eq!(first.len(), 11);
     for (one, other) in first.iter().zip(second) {

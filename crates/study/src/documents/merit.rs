@@ -5,6 +5,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use validation::merit::{ManeuverMerit, MeritRow};
 
+/// Most statements that are told in a line.
+const FEW: usize = 8;
+
 /// `merit.json`: figures of merit of standard maneuvers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -57,6 +60,27 @@ impl MeritDocument {
             maneuvers,
             slopes_at: None,
         }
+    }
+
+    /// In a line: every statement where there are few; else how many figures there are, how many of IMO's criteria are
+    /// met, and those that are not.
+    pub fn in_short(&self) -> String {
+        if self.statements.len() <= FEW {
+            return self.statements.join("; ");
+        }
+        let all =
+            || self.maneuvers.iter().flat_map(|own| own.figures.iter().map(move |figure| (own, figure)));
+        let judged = all().filter(|(_, figure)| figure.most.is_some()).count();
+        let met = all().filter(|(_, figure)| figure.passes == Some(true)).count();
+        let missed = all().filter(|(_, figure)| figure.most.is_some() && figure.passes != Some(true));
+        let missed = missed.map(|(own, figure)| format!("{}: {}", own.name, figure.words()));
+        let without = self.maneuvers.iter().filter(|own| own.without > 0);
+        let without = without.map(|own| format!("{}: {} runs without figures", own.name, own.without));
+        let (figures, maneuvers) = (all().count(), self.maneuvers.len());
+        let head = format!(
+            "{figures} figures of {maneuvers} maneuvers; {met} of {judged} criteria of IMO MSC.137(76) pass"
+        );
+        std::iter::once(head).chain(missed).chain(without).collect::<Vec<_>>().join("; ")
     }
 
     /// With the parameters that its figures' slopes were computed at.

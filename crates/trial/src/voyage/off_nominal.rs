@@ -18,9 +18,23 @@ pub(super) fn parameters_in_words(vessel: &Vessel, parameters: &[f64]) -> String
     in_words(&percent_off(vessel, parameters))
 }
 
-/// Parameters that are off, in words.
+/// Most parameters that are named.
+const NAMED: usize = 10;
+
+/// Parameters that are off, in words: those that are most off, where there are many.
 pub(super) fn in_words(percent: &BTreeMap<String, f64>) -> String {
-    let off = percent.iter().filter(|(_, off)| off.abs() >= 0.5);
-    let all: Vec<String> = off.map(|(name, off)| format!("{name} {off:+.0}")).collect();
-    if all.is_empty() { "nominal parameters".to_owned() } else { format!("{} %", all.join(", ")) }
+    let mut sizes: Vec<f64> = percent.values().map(|off| off.abs()).collect();
+    sizes.sort_by(|a, b| b.total_cmp(a));
+    let least = sizes.get(NAMED - 1).map_or(SAID, |size| size.max(SAID));
+    let all = percent.iter().filter(|(_, off)| off.abs() >= SAID);
+    let said = all.clone().filter(|(_, off)| off.abs() >= least).take(NAMED);
+    let said: Vec<String> = said.map(|(name, off)| format!("{name} {off:+.0}")).collect();
+    let others = match all.count() - said.len() {
+        0 => String::new(),
+        others => format!(" and {others} others"),
+    };
+    if said.is_empty() { "nominal parameters".to_owned() } else { format!("{} %{others}", said.join(", ")) }
 }
+
+/// Smaller differences are not said \[%\].
+const SAID: f64 = 0.5;

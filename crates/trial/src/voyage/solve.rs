@@ -1,5 +1,7 @@
 //! The lattice problem of a trial, and its solution.
 
+use std::sync::Arc;
+
 use lattice::{Lattice, MoveId, NoPlan, Poll, Problem, Reason, Solution};
 
 use super::error::VoyageError;
@@ -8,6 +10,7 @@ use super::moves::Moves;
 use super::off_nominal::parameters_in_words;
 use super::prepared::Prepared;
 use super::search::{Search, in_words};
+use super::settled_legs::SettledLeg;
 use super::task::Secondary;
 use super::waters::Waters;
 
@@ -89,12 +92,30 @@ impl Prepared {
         ))
     }
 
+    /// The moves from a mode that have no leg at all, which part the lattice, and why.
+    fn moves_without_legs(&self) -> String {
+        let mode = |layer: usize| self.grid.level_and_mode(layer).1;
+        let mut said: Vec<(&str, usize)> = Vec::new();
+        let mut text = String::new();
+        for dropped in self.dropped.iter().filter(|own| own.side.is_none()) {
+            let own = (dropped.name.as_str(), mode(dropped.from));
+            let is_offered = |leg: &Arc<SettledLeg>| (leg.name.as_str(), mode(leg.leg.from)) == own;
+            if !said.contains(&own) && !self.legs.iter().any(is_offered) {
+                said.push(own);
+                let (name, from, why) = (&dropped.name, &self.grid.modes[own.1].name, &dropped.why);
+                text += &format!("; no `{name}` from `{from}` settles: {why}");
+            }
+        }
+        text
+    }
+
     /// Why there is no plan, and the most informative feasible counts.
     fn infeasible(&self, reason: &Reason, front: &[FrontPoint]) -> String {
         let mut text = in_words(reason, |pose| self.words(pose), self.grid.cell_m);
         if !self.brief.task.speed_limits.is_empty() {
             text += "; legs faster than a [[speed_limit]] count as without room in it";
         }
+        text += &self.moves_without_legs();
         match front.last().filter(|point| point.counts.values().any(|n| *n > 0)) {
             None => text,
             Some(point) => {
