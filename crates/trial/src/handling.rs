@@ -181,7 +181,10 @@ impl DerivedHandling {
         ];
         let response_s = slow.into_iter().fold(samples_s, f64::max);
         let able = [ability.acceleration_m_s2, ability.braking_m_s2].into_iter().flatten();
-        let acceleration_m_s2 = able.map(|most| 0.5 * most).fold(ability.coasting_m_s2, f64::min);
+        // With a thrust that must stay near that of the mode there is no coasting.
+        let coasts = idle(vessel).iter().all(|setting| *setting == 0.0);
+        let coasting_m_s2 = if coasts { ability.coasting_m_s2 } else { f64::INFINITY };
+        let acceleration_m_s2 = able.map(|most| 0.5 * most).fold(coasting_m_s2, f64::min);
         let handling = Handling {
             turn_rate_rad_s,
             crawl_m_s: OF_SPEED * slowest,

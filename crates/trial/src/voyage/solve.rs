@@ -109,6 +109,23 @@ impl Prepared {
         text
     }
 
+    /// The changes of speed that take longer than the lattice is, which part it, too.
+    fn changes_beyond_the_lattice(&self) -> String {
+        let (grid, acceleration_m_s2) = (&self.grid, self.brief.task.handling.acceleration_m_s2);
+        let longest_m = grid.nx.max(grid.ny) as f64 * grid.cell_m;
+        let pairs = grid.modes.iter().zip(grid.modes.iter().skip(1));
+        let said = pairs.filter_map(|(slow, fast)| {
+            let way_m = (fast.speed_m_s.powi(2) - slow.speed_m_s.powi(2)) / (2.0 * acceleration_m_s2);
+            let (slow, fast) = (&slow.name, &fast.name);
+            (way_m > longest_m).then(|| {
+                format!(
+                    "; between `{slow}` and `{fast}` she takes {way_m:.0} m (`handling.acceleration_m_s2`)"
+                )
+            })
+        });
+        said.collect()
+    }
+
     /// Why there is no plan, and the most informative feasible counts.
     fn infeasible(&self, reason: &Reason, front: &[FrontPoint]) -> String {
         let mut text = in_words(reason, |pose| self.words(pose), self.grid.cell_m);
@@ -116,6 +133,7 @@ impl Prepared {
             text += "; legs faster than a [[speed_limit]] count as without room in it";
         }
         text += &self.moves_without_legs();
+        text += &self.changes_beyond_the_lattice();
         match front.last().filter(|point| point.counts.values().any(|n| *n > 0)) {
             None => text,
             Some(point) => {

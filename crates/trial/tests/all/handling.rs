@@ -57,6 +57,21 @@ fn law_speed_is_gained_and_lost_as_fast_as_a_step_of_the_thrust_does_it() {
     assert!((coasting_m_s2 + gain(2.5, 0.0)).abs() < 1e-12);
 }
 
+#[test]
+fn law_speeds_change_as_in_coasting_unless_the_thrust_cannot_be_taken_away() {
+    // The rudder brakes, too.
+    let drag =
+        "[[surge]]\nparameter = \"X_uudd\"\nterm = \"u u delta delta\"\nvalue = -0.01\nnominal = -0.01";
+    let with = |range: &str| derived(&coaster(range, &format!("range = [-0.6, 0.6]\n{drag}")));
+    let DerivedHandling { handling, ability } = with("range = [-400.0, 1200.0]");
+    assert_eq!(handling.acceleration_m_s2, ability.coasting_m_s2);
+    // The thrusts of both speeds are between these: with the least of them she hardly loses speed.
+    let DerivedHandling { handling, ability } = with("range = [145.0, 1200.0]");
+    let least = ability.acceleration_m_s2.unwrap().min(ability.braking_m_s2.unwrap());
+    assert!(ability.coasting_m_s2 < 0.1 * least, "{ability:?}");
+    assert_eq!(handling.acceleration_m_s2, 0.5 * least);
+}
+
 /// A point that is always headed for the point ahead on a line turns no faster than the vessel can, in its fastest mode.
 #[test]
 fn law_a_line_is_aimed_at_as_near_as_the_yaw_rate_can_follow() {
