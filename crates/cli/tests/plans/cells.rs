@@ -245,7 +245,7 @@ fn a_plan_on_a_whole_cell_keeps_from_every_danger_what_its_rule_says() {
 fn an_area_without_room_names_what_closes_it_and_the_keys_that_open_it() {
     let folder = bay("");
     let config = fs::read_to_string(folder.path().join("plan.toml")).unwrap();
-    put(&folder, "plan.toml", &config.replace("transit_depth_m = 6.0", "transit_depth_m = 60.0"));
+    put(&folder, "plan.toml", &config.replace("_depth_m = 6.0", "_depth_m = 60.0"));
     let told =
         run(&folder, PLAN).refuses(4, &["`start`", "no node of the lattice is clear: 100 % by DEPARE"]);
     assert!(told.stderr.contains("(`safety.transit_depth_m`)"), "{told}");
