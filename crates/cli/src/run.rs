@@ -8,7 +8,7 @@ use pipeline::{Pipeline, Record, Step};
 use refusal::Invalid;
 use serde_json::json;
 
-use crate::cli::Common;
+use crate::cli::{Common, folder_of};
 use crate::commands::STAGES;
 use crate::failure::Failure;
 use crate::said::on_stderr;
@@ -103,9 +103,8 @@ fn commands(pipeline: &Pipeline, common: &Common) -> Result<Vec<Vec<String>>, Fa
     match used.iter().position(|used| !used) {
         None => Ok(all),
         Some(unused) => {
-            let expected = "a file that a stage of this run reads";
-            let found = format!("`{}`", common.set[unused].file());
-            let invalid = Invalid::new("file", found, expected, "correct or remove it");
+            let (found, expected) = (common.set[unused].file(), "a file that a stage of this run reads");
+            let invalid = Invalid::new("file", format!("`{found}`"), expected, "correct or remove it");
             Err(Failure::Usage(format!("--set: {invalid}")))
         }
     }
@@ -114,8 +113,7 @@ fn commands(pipeline: &Pipeline, common: &Common) -> Result<Vec<Vec<String>>, Fa
 /// Runs `step` with these `words`.
 fn run_one(pipeline: &Pipeline, step: &Step, words: &[String], common: &Common) -> Result<(), Failure> {
     let out = pipeline.main(step);
-    let folder = out.parent().unwrap_or(Path::new(""));
-    std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, "create", e))?;
+    std::fs::create_dir_all(folder_of(&out)).map_err(|e| Error::io(&out, "create", e))?;
     let (stage, matches) = parsed(pipeline, words)?;
     let (task, mut own) = stage.task(&matches)?;
     own.quiet = common.quiet;

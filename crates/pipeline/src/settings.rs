@@ -108,15 +108,13 @@ impl Settings {
             ));
         }
         let value = resolved(name, value.trim())?;
-        let entry = self.0.entry(name.to_owned());
-        match kind {
-            Some('?') => drop(entry.or_insert(value)),
-            Some('+') => {
-                let known = entry.or_default();
-                *known = format!("{known} {value}").trim().to_owned();
-            }
-            _ => drop(entry.insert_entry(value)),
-        }
+        let known = self.0.get(name).cloned();
+        let value = match (kind, known) {
+            (Some('?'), Some(known)) => known,
+            (Some('+'), Some(known)) => format!("{known} {value}"),
+            _ => value,
+        };
+        self.0.insert(name.to_owned(), value);
         Ok(())
     }
 }

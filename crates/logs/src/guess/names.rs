@@ -129,7 +129,7 @@ impl Named {
         let fits = |set: &&[&str]| {
             self.has(set) && number.is_none_or(|number| says(number)) && (is_wind(set) || !says("wind"))
         };
-        sets.iter().position(|set| fits(&set)).map(|place| place + 1).or_else(|| self.begins(parts[0]))
+        sets.iter().position(fits).map(|place| place + 1).or_else(|| self.begins(parts[0]))
     }
 
     /// A name that begins with a channel of one letter, such as `n_prop`.

@@ -9,11 +9,7 @@ use pipeline::starting::{PRESETS, Preset, simulated};
 /// Terms and true parameters, or nominal ones where no truth is stated, by the names of the parameters.
 fn parameters(file: &VesselFile) -> BTreeMap<String, (String, Option<f64>)> {
     let terms = file.surge.iter().chain(&file.sway).chain(&file.yaw);
-    let own = |term: &TermSpec| {
-        let toml = toml::Table::try_from(term).unwrap();
-        let number = |key: &str| toml.get(key).and_then(toml::Value::as_float);
-        (toml["parameter"].to_string(), (toml["term"].to_string(), number("value").or(number("nominal"))))
-    };
+    let own = |term: &TermSpec| (term.parameter.clone(), (term.term.clone(), term.value.or(term.nominal)));
     terms.map(own).collect()
 }
 
