@@ -120,3 +120,15 @@ fn logs_without_columns_or_times() {
     put(&folder, "logs/a.csv", "heading,speed\n3,4\n2,6\n1,6\n");
     refused(&folder, 3, line, &["logs/a.csv: time: found none", "write ingest.toml yourself"]);
 }
+
+#[test]
+fn a_page_of_a_folder_without_a_study() {
+    let folder = with(&["design.json"]);
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    let line = "report --study empty --results . --out page.html";
+    refused(&folder, 3, line, &["empty: study: found none of a study's files", "--study"]);
+    // A study in this folder has the name of its ship.
+    run(&folder, "report --study . --results . --out page.html").succeeds();
+    let page = String::from_utf8(bytes(&folder, "page.html")).unwrap();
+    assert!(page.contains("<title>Ljungberg model ship"), "{}", &page[..400]);
+}
