@@ -83,7 +83,7 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
 }
 
 /// Files of which a study has one at least.
-const WRITTEN: [&str; 4] = ["vessel.toml", "dictionary.toml", "campaign.toml", "ingest.toml"];
+const WRITTEN: [&str; 5] = ["vessel.toml", "dictionary.toml", "campaign.toml", "ingest.toml", "plan.toml"];
 
 /// Refuses what is no folder, and a folder without a study.
 fn check_study(folder: &Path) -> Result<(), Error> {
