@@ -37,6 +37,14 @@ DESIGN_FLAGS   ?=
 ESTIMATE_FLAGS ?=
 PLAN_FLAGS     ?=
 -include $(STUDY)/study.mk
+# A folder with ingest.toml has logs, and one with logs.toml simulates them, whether its study.mk includes the stages for them or not
+ifndef MEASURED
+  ifneq ($(wildcard $(STUDY)/logs.toml),)
+    include pipelines/simulated.mk
+  else ifneq ($(wildcard $(STUDY)/ingest.toml),)
+    include pipelines/measured.mk
+  endif
+endif
 
 STAGES  := ingest simulate moments design estimate validate monte-carlo sweep plan sequential export report
 BINARIES := $(addprefix $(BIN)/,$(STAGES) seatrial)
@@ -56,7 +64,7 @@ help:
 	@echo "make STUDY=<folder>    run another study: a folder with vessel.toml, dictionary.toml, campaign.toml"
 	@echo "make helsinki          plan a trial off Helsinki and draw it, into out/helsinki/"
 	@echo "make STUDY=pipelines/esso-osaka LOGS=<folder>   a study of measured logs (docs/own-logs.md: where they are published)"
-	@echo "make sequential        trials designed in rounds against trials designed once, into out/sequential/"
+	@echo "make sequential        trials designed in rounds against trials designed once, into out/sequential/; with STUDY=<folder> of that study"
 	@echo "make sweep             a study over a grid of its values (SWEEP=...) into out/sweep/, on a cluster with PROFILE=slurm (needs Python)"
 	@echo "make scenarios         compare the estimators under four kinds of disturbance, into out/scenarios/"
 	@echo "make results           run all studies, write docs/results.md and the front page's table and picture (takes a while)"
@@ -77,7 +85,7 @@ help:
 .PHONY: build
 build: $(BINARIES)
 
-SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Cargo.toml' -o -name '*.css' -o -path '*/presets/*.toml' -o -path '*/templates/*')
+SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Cargo.toml' -o -name '*.css' -o -path '*/presets/*' -o -path '*/templates/*')
 
 # Clippy looks at our crates while they are compiled for the tests, and makes errors of warnings: a run of its own would check all
 # dependencies again. With a wrapper for the workspace's crates alone, as `cargo clippy` itself sets one.
@@ -92,6 +100,10 @@ $(BIN)/.built: $(SOURCES)
 $(BINARIES): $(BIN)/.built ;
 
 # --- the study
+
+# What is written by hand is not made; what is missing is named
+$(STUDY)/%.toml:
+	@echo "error: $@: found no such file, expected one written by hand; write it, or begin with a new folder: seatrial new <folder> --vessel <preset>" >&2; exit 1
 
 $(OUT):
 	@mkdir -p $@
@@ -213,10 +225,11 @@ $(UNKNOWN:%=%/scores.parquet): $(SCENARIO_OUT)/%/scores.parquet: $(SCENARIO_OUT)
 	$(BIN)/validate --vessel $(SCENARIO_STUDIES)/$(*D:/unknown=)/vessel.toml --campaign $(SCENARIO_STUDIES)/$(*D:/unknown=)/campaign.toml \
 	  --estimates $(@D)/estimates.parquet --validation $(<D)/validation.parquet $(FLAGS) --out $@
 
-# Trials designed in rounds against trials designed once.
-ROUNDS            := pipelines/sequential
-ROUNDS_DICTIONARY ?= $(ROUNDS)/dictionary.toml
-ROUNDS_OUT        ?= out/sequential
+# Trials designed in rounds against trials designed once: of the study that is named, or else of pipelines/sequential.
+IS_NAMED          := $(filter command environment,$(origin STUDY))
+ROUNDS            := $(if $(IS_NAMED),$(STUDY),pipelines/sequential)
+ROUNDS_DICTIONARY ?= $(if $(IS_NAMED),$(DICTIONARY),$(ROUNDS)/dictionary.toml)
+ROUNDS_OUT        ?= $(if $(IS_NAMED),$(OUT)/sequential,out/sequential)
 # Such as ROUNDS_FLAGS="--set sequential.realizations=10000", which docs/results.md tells of
 ROUNDS_FLAGS      ?=
 

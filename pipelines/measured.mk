@@ -49,14 +49,14 @@ $(MEASURED)/trajectories.parquet: $(STUDY)/ingest.toml $(STUDY)/vessel.toml $(BI
 	@mkdir -p $(@D)
 	$(BIN)/ingest --config $(STUDY)/ingest.toml --vessel $(STUDY)/vessel.toml --logs "$(LOGS)" $(FLAGS) --out $@
 
-$(MEASURED)/estimates.parquet: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
+$(MEASURED)/estimates.parquet: $(MEASURED)/trajectories.parquet $(wildcard $(STUDY)/study.mk)
 	$(BIN)/estimate pool $(LOGGED) $(RECORDED) --estimator $(ESTIMATOR) $(POOL_FLAGS) --bootstrap $(BOOTSTRAP) $(FLAGS) --out $@
 
-$(MEASURED)/crossval.json: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
+$(MEASURED)/crossval.json: $(MEASURED)/trajectories.parquet $(wildcard $(STUDY)/study.mk)
 	$(BIN)/validate cross $(LOGGED) $(RECORDED) $(POOL_FLAGS) $(CROSS_FLAGS) $(FLAGS) --out $@
 
 # Fitted to the others, tried on those of TEST
-$(MEASURED)/test/estimates.parquet: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
+$(MEASURED)/test/estimates.parquet: $(MEASURED)/trajectories.parquet $(wildcard $(STUDY)/study.mk)
 	@mkdir -p $(@D)
 	$(BIN)/estimate pool $(LOGGED) $(RECORDED) --leave-out "$(TEST)" --estimator $(ESTIMATOR) $(POOL_FLAGS) $(FLAGS) --out $@
 
@@ -64,7 +64,7 @@ $(MEASURED)/compare.json: $(MEASURED)/test/estimates.parquet
 	$(BIN)/validate compare --model $(MEASURED)/test/model.json --trajectories $(MEASURED)/trajectories.parquet $(RECORDED) \
 	  --runs "$(TEST)" $(TEST_FLAGS) $(FLAGS) --out $@
 
-$(MEASURED)/moments.json: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
+$(MEASURED)/moments.json: $(MEASURED)/trajectories.parquet $(wildcard $(STUDY)/study.mk)
 	$(BIN)/moments $(LOGGED) $(MOMENTS_FLAGS) $(FLAGS) --out $@
 
 # No more of a maneuver than was logged, unless the study says what is available.
@@ -80,7 +80,7 @@ $(MEASURED)/selection.parquet: $(MEASURED)/trajectories.parquet $(MEASURED)/desi
 	$(BIN)/validate selection $(LOGGED) --design $(MEASURED)/design.json $(addprefix --reference ,$(PUBLISHED)) $(SELECTION_FLAGS) $(FLAGS) --out $@
 
 # The model that the next trial is designed with: search.json and model.json
-$(NEXT_TRIAL)/search.json: $(MEASURED)/trajectories.parquet $(STUDY)/study.mk
+$(NEXT_TRIAL)/search.json: $(MEASURED)/trajectories.parquet $(wildcard $(STUDY)/study.mk)
 	@mkdir -p $(@D)
 	$(BIN)/estimate search $(LOGGED) $(RECORDED) $(SEARCH_FLAGS) $(FLAGS) --out $@
 
@@ -90,7 +90,7 @@ $(NEXT_TRIAL)/dictionary.parquet: $(NEXT_TRIAL)/search.json $(STUDY)/next/dictio
 $(NEXT_TRIAL)/moments.json: $(NEXT_TRIAL)/dictionary.parquet $(STUDY)/next/campaign.toml
 	$(BIN)/moments $(NEXT_MODEL) --trajectories $< $(NEXT_SEA) --estimator output-error $(FLAGS) --out $@
 
-$(NEXT_TRIAL)/design.json: $(NEXT_TRIAL)/moments.json $(STUDY)/study.mk
+$(NEXT_TRIAL)/design.json: $(NEXT_TRIAL)/moments.json $(wildcard $(STUDY)/study.mk)
 	$(BIN)/design --moments $< --for output-error $(NEXT_FLAGS) $(FLAGS) --out $@
 
 # What the errors of its estimates do to free simulations

@@ -11,6 +11,9 @@ use crate::failure::Failure;
 /// The hand-written files that a folder given as `--study` may contain.
 const IN_STUDIES: [&str; 4] = ["vessel", "dictionary", "campaign", "reference"];
 
+/// Those that the stages of a whole study read together; each stage is told those of its own.
+const IN_RUNS: [&str; 7] = ["vessel", "dictionary", "campaign", "reference", "plan", "ingest", "logs"];
+
 /// Refuses `changes` of a file that `matches` of `command` do not name, and a key that is given twice: a change
 /// without effect would go unnoticed.
 ///
@@ -37,6 +40,9 @@ fn named(arg: &Arg, matches: &ArgMatches) -> Vec<String> {
     let Some(given) = given else { return Vec::new() };
     if arg.get_id() == "study" {
         return IN_STUDIES.map(str::to_owned).to_vec();
+    }
+    if arg.get_id() == "whole_study" {
+        return IN_RUNS.map(str::to_owned).to_vec();
     }
     let json = Path::new(given).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
     let names = arg.get_value_names().unwrap_or_default().iter().flat_map(|name| name.split('|'));

@@ -6,8 +6,8 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use artifact::Patience;
 use artifact::fault::{Fault, inject};
+use artifact::{Change, Patience};
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser};
@@ -102,18 +102,38 @@ impl Stage {
 
     /// Runs what was parsed with [`Stage::command`].
     pub fn run(&self, matches: &ArgMatches) -> ExitCode {
-        if let Some((name, own)) = matches.subcommand()
-            && let Some(stage) = self.below.iter().find(|stage| stage.bare().get_name() == name)
-        {
-            return stage.run(own);
+        match self.task(matches) {
+            Ok((task, common)) => run(&*task, &common),
+            Err(failure) => ended(&failure, asked_for_json()),
         }
-        match (self.parse)(matches).and_then(|task| Ok((task, Common::from_arg_matches(matches)?))) {
-            Ok((task, common)) => match check_changes(&(self.command)(), matches, &common.set) {
-                Ok(()) => run(&*task, &common),
-                Err(failure) => ended(&failure, common.json),
-            },
-            Err(error) => usage(&error),
+    }
+
+    /// The task that `matches` of [`Stage::command`] ask for.
+    ///
+    /// # Errors
+    /// A usage error: flags that exclude each other, changes of files that are not named.
+    pub fn task(&self, matches: &ArgMatches) -> Result<(Box<dyn Task>, Common), Failure> {
+        if let Some((stage, own)) = self.chosen(matches) {
+            return stage.task(own);
         }
+        let parsed = (self.parse)(matches).and_then(|task| Ok((task, Common::from_arg_matches(matches)?)));
+        let (task, common) = parsed.map_err(|error| misused(&error))?;
+        check_changes(&(self.command)(), matches, &common.set)?;
+        Ok((task, common))
+    }
+
+    /// Whether the command line of `matches` names the file of `change`.
+    pub fn takes(&self, matches: &ArgMatches, change: &Change) -> bool {
+        match self.chosen(matches) {
+            Some((stage, own)) => stage.takes(own, change),
+            None => check_changes(&(self.command)(), matches, std::slice::from_ref(change)).is_ok(),
+        }
+    }
+
+    /// The stage below this one that `matches` name, and its part of them.
+    fn chosen<'a>(&self, matches: &'a ArgMatches) -> Option<(&'static Self, &'a ArgMatches)> {
+        let (name, own) = matches.subcommand()?;
+        Some((self.below.iter().find(|stage| stage.bare().get_name() == name)?, own))
     }
 }
 
@@ -204,13 +224,17 @@ fn usage(error: &clap::Error) -> ExitCode {
         let _ = error.print();
         return ExitCode::SUCCESS;
     }
-    let failure = match error.kind() {
+    ended(&misused(error), asked_for_json())
+}
+
+/// What is wrong with the command line, in one line.
+pub fn misused(error: &clap::Error) -> Failure {
+    match error.kind() {
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             Failure::Usage("subcommand: found none, expected one; see --help".to_owned())
         }
         _ => Failure::Usage(one_line(&error.render().to_string())),
-    };
-    ended(&failure, asked_for_json())
+    }
 }
 
 /// Whether a command line that could not be parsed has `--json`.

@@ -11,7 +11,9 @@ use clap_complete::Shell;
 use crate::cli::set_budget;
 use crate::commands::STAGES;
 use crate::failure::Failure;
+use crate::stage::Stage;
 use crate::stage::{dressed, ended, matches};
+use crate::{new, run};
 
 /// The program `seatrial`.
 pub fn main() -> ExitCode {
@@ -32,7 +34,7 @@ pub fn main() -> ExitCode {
             manual(own.get_one("folder").map_or(Path::new("."), PathBuf::as_path), command)
         }
         Some((name, own)) => {
-            let stage = STAGES.into_iter().find(|stage| stage.command().get_name() == name);
+            let stage = subcommands().find(|stage| stage.command().get_name() == name);
             return stage.map_or(ExitCode::FAILURE, |stage| stage.run(own));
         }
         None => Ok(()),
@@ -41,6 +43,14 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => ended(&failure, false),
     }
+}
+
+/// What begins a study, and what runs all of it.
+const OWN: [Stage; 2] = [Stage::of::<new::Arguments>(), Stage::of::<run::Arguments>()];
+
+/// The program's own subcommands that write files, and the stages.
+fn subcommands() -> impl Iterator<Item = &'static Stage> {
+    OWN.iter().chain(STAGES)
 }
 
 /// Its command line.
@@ -63,7 +73,7 @@ pub fn command() -> Command {
         )
         .subcommand_required(true)
         .arg_required_else_help(true)
-        .subcommands(STAGES.map(|stage| stage.command()))
+        .subcommands(subcommands().map(Stage::command))
         .subcommands([Verify::command(), completions, manual]);
     named(dressed(all))
 }

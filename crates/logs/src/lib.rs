@@ -35,6 +35,7 @@ mod fraction;
 mod frame;
 mod gate;
 mod grid;
+pub mod guess;
 mod joined;
 mod kinematics;
 mod lever;

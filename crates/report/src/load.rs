@@ -22,16 +22,7 @@ const MOST_TRACES: usize = 400;
 /// # Errors
 /// An existing file is refused; a study without a folder, a folder without any result.
 pub fn load(sources: &Sources) -> Result<Study, Error> {
-    if !sources.study.is_dir() {
-        let remedy = "name the folder of its hand-written files with --study";
-        return Err(Error::refuse(
-            &sources.study,
-            "study",
-            "no such folder",
-            "the folder of a study",
-            remedy,
-        ));
-    }
+    check_study(&sources.study)?;
     let mut loader = Loader::new(sources);
     let vessel = loader.vessel()?;
     let campaign = loader.toml::<CampaignFile>("campaign.toml", "runs, disturbances, seed, validation")?;
@@ -47,7 +38,7 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
         trace.description = own.map_or(String::new(), |maneuver| maneuver.description.clone());
     }
     let study = Study {
-        name: sources.study.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned()),
+        name: title(sources, vessel.as_ref().map(|vessel| vessel.name.as_str())),
         experiment_s: campaign.map(|c| c.duration_s),
         dictionary,
         moments: loader.document("moments.json", "moments of every maneuver")?,
@@ -89,6 +80,27 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
         ));
     }
     Ok(Study { files: loader.files, ..study })
+}
+
+/// Files of which a study has one at least.
+const WRITTEN: [&str; 5] = ["vessel.toml", "dictionary.toml", "campaign.toml", "ingest.toml", "plan.toml"];
+
+/// Refuses what is no folder, and a folder without a study.
+fn check_study(folder: &Path) -> Result<(), Error> {
+    let found = match folder.is_dir() {
+        false => "no such folder",
+        true if WRITTEN.iter().all(|name| !folder.join(name).exists()) => "none of a study's files",
+        true => return Ok(()),
+    };
+    let remedy = "name the folder of its hand-written files with --study";
+    Err(study::refuse(folder, "study", found, "the folder of a study", remedy))
+}
+
+/// The title of the page: the study's folder, or that of all scenarios; the vessel's name where the folder's path has none.
+fn title(sources: &Sources, vessel: Option<&str>) -> String {
+    let above = sources.study.parent().filter(|_| !sources.scenarios.is_empty());
+    let named = above.and_then(Path::file_name).or(sources.study.file_name());
+    named.map_or(vessel.unwrap_or("Study").to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
 /// The stages' documents on estimators in `folder`.

@@ -4,14 +4,21 @@ use std::process::Command;
 
 use crate::support::*;
 
-/// Exit code and what `make -n` says with a variable, on the command line or in the environment.
-fn made(variable: &str, in_environment: bool) -> (Option<i32>, String) {
+/// `make -n` in the repository.
+fn make() -> Command {
     let mut command = Command::new("make");
-    command.args(["--no-print-directory", "-n", "study"]).current_dir(repository());
+    command.args(["--no-print-directory", "-n"]).current_dir(repository());
     // Not those of a make that runs the tests.
     for name in ["MAKEFLAGS", "MAKELEVEL", "MFLAGS"] {
         command.env_remove(name);
     }
+    command
+}
+
+/// Exit code and what `make -n` says with a variable, on the command line or in the environment.
+fn made(variable: &str, in_environment: bool) -> (Option<i32>, String) {
+    let mut command = make();
+    command.arg("study");
     match (variable.split_once('='), in_environment) {
         (Some((name, value)), true) => command.env(name, value),
         _ => command.arg(variable),
@@ -51,6 +58,44 @@ fn names_that_a_shell_takes_for_more_are_refused_by_make() {
     assert!(!repository().join("made").exists());
     let (code, said) = made("STUDY=pipelines/smoke", false);
     assert_eq!(code, Some(0), "{said}");
+}
+
+/// The commands that make would run with `words`, whether or not there is anything to do for them.
+fn commands(words: &[&str]) -> String {
+    let output = make().arg("-B").args(words).output().unwrap();
+    assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn make_runs_the_study_that_is_named() {
+    if Command::new("make").arg("--version").output().is_err() {
+        println!("skipped: there is no make");
+        return;
+    }
+    // A folder of logs, without a study.mk that includes the stages for them
+    let folder = tempfile::Builder::new().prefix("logged").tempdir().unwrap();
+    for name in ["vessel.toml", "ingest.toml"] {
+        put(&folder, name, "");
+    }
+    std::fs::create_dir(folder.path().join("logs")).unwrap();
+    let place = folder.path().display();
+    let said = commands(&[&format!("STUDY={place}"), &format!("LOGS={place}/logs"), "OUT=out/logged"]);
+    for piece in [
+        format!("ingest --config {place}/ingest.toml --vessel {place}/vessel.toml --logs \"{place}/logs\""),
+        format!("report --study {place} --results out/logged/measured"),
+    ] {
+        assert!(said.contains(&piece), "no `{piece}` in\n{said}");
+    }
+    let own = commands(&["STUDY=pipelines/smoke", "sequential"]);
+    for piece in ["--config pipelines/smoke/sequential.toml", "--results out/smoke/sequential"] {
+        assert!(own.contains(piece), "no `{piece}` in\n{own}");
+    }
+    assert!(commands(&["sequential"]).contains("--config pipelines/sequential/sequential.toml"));
+    // What is missing is named, not reported as a target without a rule.
+    std::fs::remove_file(folder.path().join("ingest.toml")).unwrap();
+    let lacking = commands(&[&format!("STUDY={place}"), "OUT=out/logged"]);
+    assert!(lacking.contains(&format!("error: {place}/dictionary.toml: found no such file")), "{lacking}");
 }
 
 #[test]

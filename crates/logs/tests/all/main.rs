@@ -11,6 +11,7 @@ mod declared;
 mod frames;
 mod gate;
 mod grid;
+mod guess;
 mod lever;
 mod motion;
 mod oracle;

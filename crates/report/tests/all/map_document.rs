@@ -155,6 +155,7 @@ fn a_page_draws_the_map_from_its_document_where_there_is_one() {
     let plan = stage_document(path.join("plan.json"), &provenance, &mock_plan::plan()).unwrap();
     let map = stage_document(path.join("map.json"), &provenance, &document()).unwrap();
     commit(vec![plan, map]).unwrap();
+    std::fs::write(path.join("plan.toml"), "").unwrap();
     // An unused drawing need not be safe for a page.
     std::fs::write(path.join("map.svg"), "<script>alert(1)</script>").unwrap();
     let (study, results) = (path.to_owned(), path.to_owned());

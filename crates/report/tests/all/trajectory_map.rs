@@ -41,6 +41,7 @@ fn planned() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let plan = stage_document(folder.path().join("plan.json"), &Provenance::default(), &mock_plan::plan());
     commit(vec![plan.unwrap()]).unwrap();
+    std::fs::write(folder.path().join("plan.toml"), "").unwrap();
     folder
 }
 

@@ -20,7 +20,7 @@ const FLOORS: [&[&str]; 12] = [
     &["search"],
     &["trial", "validation"],
     &["study"],
-    &["report", "seatrial"],
+    &["report", "seatrial", "pipeline"],
     &["cli"],
     &["programs"],
     &["bench", "rooms", "workspace-hack"],
@@ -104,14 +104,14 @@ const DEPENDENCIES: [(&[&str], &[&str], &str); 5] = [
         "a report draws from documents alone",
     ),
     (
-        &["study", "report"],
+        &["study", "report", "pipeline"],
         &["clap", "indicatif", "rayon"],
         "only the programs have flags, progress and threads",
     ),
 ];
 
 /// Most lines below `src/` that a crate may have.
-const LINES: [(&str, usize); 1] = [("cli", 6_800)];
+const LINES: [(&str, usize); 1] = [("cli", 7_050)];
 
 /// The largest share of all lines below `src/` that a crate may have.
 const SHARE: f64 = 0.12;

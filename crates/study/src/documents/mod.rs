@@ -21,6 +21,7 @@ mod plan_depths;
 mod reference;
 mod refined;
 mod refinement;
+mod run;
 mod search;
 mod selection;
 mod sequential;
@@ -93,6 +94,7 @@ pub use plan_depths::{PlanDepths, PlanUnitFrom};
 pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
 pub use refined::{RefinedDocument, RefinedExperiment, RefinedLimit};
 pub use refinement::RefinedFiles;
+pub use run::{RunDocument, RunStage};
 pub use search::{SearchDocument, SearchTerm};
 pub use selection::SelectionDocument;
 pub use sequential::SequentialDocument;
@@ -130,5 +132,6 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (SelectionDocument::ID, json_schema::<SelectionDocument>()),
         (SequentialDocument::ID, json_schema::<SequentialDocument>()),
         (SimulatedLogsDocument::ID, json_schema::<SimulatedLogsDocument>()),
+        (RunDocument::ID, json_schema::<RunDocument>()),
     ]
 }

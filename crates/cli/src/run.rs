@@ -1,0 +1,139 @@
+//! `run`: all stages of a study that are not up to date.
+
+use std::path::{Path, PathBuf};
+
+use artifact::{Error, Provenance};
+use clap::{ArgMatches, Parser};
+use pipeline::{Pipeline, Record, Step};
+use refusal::Invalid;
+use serde_json::json;
+
+use crate::cli::{Common, folder_of};
+use crate::commands::STAGES;
+use crate::failure::Failure;
+use crate::said::on_stderr;
+use crate::stage::{Stage, Summary, Task, misused};
+
+/// What the name of the study stands in for in the usual folder of results.
+const USUAL: &str = "out/<study>";
+
+/// Runs all stages of a study, simulated or measured, and ends with its page; what is up to date is not run again
+#[derive(Parser)]
+#[command(
+    name = "run",
+    after_help = "What is up to date is known by digests of inputs and outputs, which run.json in the folder of the results has.\n\n\
+    Example:\n  run pipelines/smoke --out out/smoke"
+)]
+pub struct Arguments {
+    /// Folder of the study's hand-written files
+    #[arg(value_name = "FOLDER")]
+    whole_study: PathBuf,
+    /// Folder of the logs (default: LOGS of study.mk, or logs in the study's folder)
+    #[arg(long, value_name = "FOLDER")]
+    logs: Option<PathBuf>,
+    /// Ends with this stage, after those that it needs
+    #[arg(long, value_name = "STAGE")]
+    stage: Option<String>,
+    /// Folder for the results
+    #[arg(long, value_name = "FOLDER", default_value = USUAL)]
+    out: PathBuf,
+}
+
+impl Task for Arguments {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let out = self.results();
+        let mut pipeline = Pipeline::read(&self.whole_study, &out, self.logs.as_deref())?;
+        if let Some(stage) = &self.stage {
+            pipeline.until(stage).map_err(|e| Failure::Usage(format!("--stage: {e}")))?;
+        }
+        let commands = commands(&pipeline, common)?;
+        let Provenance { producer, .. } = common.provenance("seatrial");
+        let (mut record, mut ran) = (Record::read(&out, producer), Vec::new());
+        for (i, (step, words)) in pipeline.steps.iter().zip(&commands).enumerate() {
+            let inputs = pipeline.inputs(step)?;
+            let is_current = record.is_current(&pipeline, step, words, &inputs)?;
+            if !common.quiet {
+                let state = if is_current { ": up to date" } else { "" };
+                on_stderr(format_args!("[{}/{}] {}{state}", i + 1, commands.len(), step.name));
+            }
+            if !is_current {
+                run_one(&pipeline, step, words, common)?;
+                record.note(&pipeline, step, words, inputs)?;
+                ran.push(step.name.as_str());
+            }
+        }
+        let all = pipeline.steps.len();
+        let said = format!("{} of {all} stages run, {} up to date", ran.len(), all - ran.len());
+        let last = pipeline.steps.last().map_or(out, |step| pipeline.main(step));
+        Ok(Summary::of(&last, said, json!({"stages": all, "run": ran})))
+    }
+}
+
+impl Arguments {
+    /// The folder for the results, named after the study if it is not given.
+    fn results(&self) -> PathBuf {
+        if self.out != Path::new(USUAL) {
+            return self.out.clone();
+        }
+        // A folder that is not there is refused when it is read.
+        let study = self.whole_study.canonicalize().unwrap_or_else(|_| self.whole_study.clone());
+        Path::new("out").join(study.file_name().unwrap_or_default())
+    }
+}
+
+/// The command line of every stage, with the changes to the files that it reads.
+fn commands(pipeline: &Pipeline, common: &Common) -> Result<Vec<Vec<String>>, Failure> {
+    let mut used = vec![false; common.set.len()];
+    let mut all = Vec::with_capacity(pipeline.steps.len());
+    for step in &pipeline.steps {
+        let (stage, matches) = parsed(pipeline, &step.words)?;
+        let mut words = step.words.clone();
+        for (change, used) in common.set.iter().zip(&mut used) {
+            if stage.takes(&matches, change) {
+                words.extend(["--set".to_owned(), format!("{}={}", change.key(), change.value())]);
+                *used = true;
+            }
+        }
+        if let Some(seed) = common.seed {
+            words.extend(["--seed".to_owned(), seed.to_string()]);
+        }
+        words.extend(common.allow_mixed.then(|| "--allow-mixed".to_owned()));
+        all.push(words);
+    }
+    match used.iter().position(|used| !used) {
+        None => Ok(all),
+        Some(unused) => {
+            let (found, expected) = (common.set[unused].file(), "a file that a stage of this run reads");
+            let invalid = Invalid::new("file", format!("`{found}`"), expected, "correct or remove it");
+            Err(Failure::Usage(format!("--set: {invalid}")))
+        }
+    }
+}
+
+/// Runs `step` with these `words`.
+fn run_one(pipeline: &Pipeline, step: &Step, words: &[String], common: &Common) -> Result<(), Failure> {
+    let out = pipeline.main(step);
+    std::fs::create_dir_all(folder_of(&out)).map_err(|e| Error::io(&out, "create", e))?;
+    let (stage, matches) = parsed(pipeline, words)?;
+    let (task, mut own) = stage.task(&matches)?;
+    own.quiet = common.quiet;
+    let summary = task.run(&own)?;
+    if !common.quiet {
+        on_stderr(summary.line);
+    }
+    Ok(())
+}
+
+/// The stage that `words` call, and its flags.
+fn parsed(pipeline: &Pipeline, words: &[String]) -> Result<(&'static Stage, ArgMatches), Failure> {
+    let words: Vec<String> = words.iter().map(|word| pipeline.resolved(word)).collect();
+    let named = |stage: &&&Stage| words.first().is_some_and(|name| stage.command().get_name() == name);
+    let Some(stage) = STAGES.iter().find(named) else {
+        return Err(Failure::Failed(format!("{}: found no such stage, expected one", words.join(" "))));
+    };
+    let matches = stage
+        .command()
+        .try_get_matches_from(&words)
+        .map_err(|error| Failure::Usage(format!("study.mk: flags of {}: {}", words[0], misused(&error))))?;
+    Ok((stage, matches))
+}

@@ -1,0 +1,8 @@
+//! `new` and `run`: a study from nothing to its page, and what is refused on the way.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod logs;
+mod refusals;
+mod studies;

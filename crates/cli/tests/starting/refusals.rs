@@ -1,0 +1,134 @@
+//! What is refused before anything is written.
+
+use crate::support::*;
+
+#[test]
+fn a_folder_that_is_there_already() {
+    let folder = with(&[]);
+    std::fs::create_dir(folder.path().join("mine")).unwrap();
+    refused(
+        &folder,
+        3,
+        "new mine --vessel coaster",
+        &["mine: folder: found it there already", "name another"],
+    );
+    put(&folder, "file", "");
+    refused(&folder, 3, "new file --vessel coaster", &["file: folder: found it there already"]);
+}
+
+#[test]
+fn a_preset_that_is_not() {
+    let folder = with(&[]);
+    let pieces = ["--vessel: preset: found `coster`", "model-ship", "did you mean `coaster`?"];
+    refused(&folder, 2, "new mine --vessel coster", &pieces);
+}
+
+#[test]
+fn a_study_that_lacks_a_file() {
+    for (name, command) in [
+        ("vessel.toml", "seatrial new <folder> --vessel <preset>"),
+        ("dictionary.toml", "seatrial new <folder> --vessel <preset>"),
+        ("campaign.toml", "seatrial new <folder> --vessel <preset>"),
+    ] {
+        let folder = with(&[]);
+        std::fs::remove_file(folder.path().join(name)).unwrap();
+        refused(&folder, 3, "run . --out out", &[&format!("{name}: file: found no such file"), command]);
+    }
+    let folder = with(&[]);
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    let command = "`seatrial new <folder> --vessel <preset>`";
+    refused(&folder, 3, "run empty", &["empty: study: found none of a study's files", command]);
+    refused(&folder, 3, "run nowhere", &["nowhere: study: found no such folder", command]);
+}
+
+#[test]
+fn logs_that_are_not_there() {
+    let folder = with(&[]);
+    put(&folder, "ingest.toml", "sample_rate_hz = 1.0\nmax_gap_s = 1.0\nfile = []\n");
+    refused(&folder, 3, "run . --out out", &["./logs: --logs: found no such folder", "LOGS = <folder>"]);
+    refused(
+        &folder,
+        3,
+        "new mine --vessel coaster --logs nowhere",
+        &["nowhere: --logs: found no such folder"],
+    );
+}
+
+#[test]
+fn settings_that_no_stage_has() {
+    let folder = with(&[]);
+    for (text, pieces) in [
+        ("DESIGN_FLAG = --segments 5\n", ["study.mk: `DESIGN_FLAG`: found", "did you mean DESIGN_FLAGS?"]),
+        ("all: it\n", ["study.mk: line: found `all: it`", "run the study by make"]),
+        (
+            "DESIGN_FLAGS = $(shell date)\n",
+            ["study.mk: `DESIGN_FLAGS`: found `$(shell date)`", "write the value out"],
+        ),
+    ] {
+        put(&folder, "study.mk", text);
+        refused(&folder, 3, "run . --out out", &pieces);
+    }
+    put(&folder, "study.mk", "DESIGN_FLAGS = --segmnts 5\n");
+    refused(&folder, 2, "run . --out out", &["study.mk: flags of design: ", "--segmnts"]);
+}
+
+#[test]
+fn a_stage_and_a_change_of_nothing() {
+    let folder = with(&[]);
+    refused(
+        &folder,
+        2,
+        "run . --out out --stage desing",
+        &["--stage: stage: found `desing`", "did you mean `design`?"],
+    );
+    refused(
+        &folder,
+        2,
+        "run . --out out --set plan.cell_m=1.0",
+        &["--set: file: found `plan`", "a stage of this run reads"],
+    );
+}
+
+#[test]
+fn logs_of_two_ships() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("logs")).unwrap();
+    let line = "new mine --vessel kvlcc2 --logs logs";
+    put(&folder, "logs/a.csv", "t [s],vessel,heading [deg]\n0,Alpha,1\n1,Alpha,2\n2,Alpha,3\n");
+    put(&folder, "logs/b.csv", "t [s],vessel,heading [deg]\n0,Beta,1\n1,Beta,2\n2,Beta,3\n");
+    refused(
+        &folder,
+        3,
+        line,
+        &["logs/b.csv: column `vessel`: found `Beta` beside `Alpha` of a.csv", "a folder of its own"],
+    );
+    put(&folder, "logs/b.csv", "t [s],heading [deg],rudder [deg]\n0,1,1\n1,2,1\n2,3,1\n");
+    let pieces = ["logs/b.csv: columns: found a column `rudder [deg]` that a.csv has not", "one ship"];
+    refused(&folder, 3, line, &pieces);
+}
+
+#[test]
+fn logs_without_columns_or_times() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("logs")).unwrap();
+    let line = "new mine --vessel kvlcc2 --logs logs";
+    refused(&folder, 3, line, &["logs: logs: found none", "name the folder"]);
+    put(&folder, "logs/a.mcap", "");
+    refused(&folder, 3, line, &["logs: logs: found `a.mcap` and no CSV", "docs/own-logs.md"]);
+    put(&folder, "logs/a.csv", "1,2\n3,4\n5,6\n");
+    refused(&folder, 3, line, &["logs/a.csv: columns: found `1` in the first line"]);
+    put(&folder, "logs/a.csv", "heading,speed\n3,4\n2,6\n1,6\n");
+    refused(&folder, 3, line, &["logs/a.csv: time: found none", "write ingest.toml yourself"]);
+}
+
+#[test]
+fn a_page_of_a_folder_without_a_study() {
+    let folder = with(&["design.json"]);
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    let line = "report --study empty --results . --out page.html";
+    refused(&folder, 3, line, &["empty: study: found none of a study's files", "--study"]);
+    // A study in this folder has the name of its ship.
+    run(&folder, "report --study . --results . --out page.html").succeeds();
+    let page = String::from_utf8(bytes(&folder, "page.html")).unwrap();
+    assert!(page.contains("<title>Ljungberg model ship"), "{}", &page[..400]);
+}

@@ -1,0 +1,114 @@
+//! Studies that are simulated.
+
+use serde_json::{Value, json};
+
+use crate::support::*;
+
+/// What `run` with `flags` says of the stages that it ran.
+fn stages(folder: &tempfile::TempDir, line: &str) -> Vec<String> {
+    let ran = run(folder, &format!("{line} --json --quiet")).succeeds();
+    let said: Value = serde_json::from_str(&ran.stdout).unwrap();
+    said["run"].as_array().unwrap().iter().map(|name| name.as_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn every_preset_comes_to_its_page_by_two_commands() {
+    for preset in ["model-ship", "coaster", "full-scale", "kvlcc2", "esso-osaka"] {
+        let folder = tempfile::tempdir().unwrap();
+        run(&folder, &format!("new mine --vessel {preset}")).succeeds();
+        let ran = run(&folder, "run mine --quiet --set campaign.realizations=2").succeeds();
+        assert!(ran.stdout.starts_with("out/mine/report.html: "), "{ran}");
+        let page = String::from_utf8(bytes(&folder, "out/mine/report.html")).unwrap();
+        assert!(page.contains("<svg") && page.contains("mine"), "{preset}");
+        run(&folder, "verify out/mine").succeeds();
+    }
+}
+
+#[test]
+fn every_hand_written_file_of_a_preset_is_commented() {
+    for preset in ["model-ship", "coaster", "full-scale", "kvlcc2", "esso-osaka"] {
+        let folder = tempfile::tempdir().unwrap();
+        run(&folder, &format!("new mine --vessel {preset}")).succeeds();
+        for name in ["vessel.toml", "dictionary.toml", "campaign.toml", "study.mk"] {
+            let text = String::from_utf8(bytes(&folder, &format!("mine/{name}"))).unwrap();
+            assert!(text.starts_with("# "), "{preset}/{name} begins with {:?}", text.lines().next());
+        }
+    }
+}
+
+#[test]
+fn law_run_writes_the_bytes_that_the_stages_write() {
+    let folder = written(4);
+    for stage in STAGES {
+        run(&folder, stage).succeeds();
+    }
+    run(&folder, "run . --out out --quiet").succeeds();
+    // The page names its folder of results.
+    for name in MADE.iter().filter(|name| **name != "report.html") {
+        assert!(bytes(&folder, &format!("out/{name}")) == bytes(&folder, name), "{name} differs");
+    }
+}
+
+#[test]
+fn law_what_is_up_to_date_is_not_run_again() {
+    let folder = written(4);
+    let all = ["dictionary", "moments", "design", "validation", "campaign", "estimate", "validate", "report"];
+    assert_eq!(stages(&folder, "run . --out out"), all);
+    let before = listing(&folder.path().join("out"));
+    assert_eq!(stages(&folder, "run . --out out"), [""; 0]);
+    assert_eq!(listing(&folder.path().join("out")), before);
+    // A comment changes the digest of a file and of all that is made of it.
+    edit(&folder, "campaign.toml", "seed = 1", "# another\nseed = 1");
+    let of_the_campaign = ["validation", "campaign", "estimate", "validate", "report"];
+    assert_eq!(stages(&folder, "run . --out out"), of_the_campaign);
+    // A changed flag, a changed value
+    put(&folder, "study.mk", "DESIGN_FLAGS = --segments 5 --segment-samples 200\n");
+    assert_eq!(stages(&folder, "run . --out out"), ["design", "campaign", "estimate", "validate", "report"]);
+    assert_eq!(stages(&folder, "run . --out out --set campaign.realizations=3"), of_the_campaign);
+}
+
+#[test]
+fn law_a_damaged_output_is_made_again_and_nothing_else() {
+    let folder = written(4);
+    stages(&folder, "run . --out out");
+    let whole = bytes(&folder, "out/moments.json");
+    put(&folder, "out/moments.json", "{}");
+    assert_eq!(stages(&folder, "run . --out out"), ["moments"]);
+    assert!(bytes(&folder, "out/moments.json") == whole);
+    std::fs::remove_file(folder.path().join("out/scores.parquet")).unwrap();
+    assert_eq!(stages(&folder, "run . --out out"), ["validate"]);
+    put(&folder, "out/run.json", "{}");
+    assert_eq!(stages(&folder, "run . --out out").len(), 8, "without a record nothing is known");
+}
+
+#[test]
+fn law_a_file_that_a_dictionary_names_is_an_input() {
+    let folder = tempfile::tempdir().unwrap();
+    run(&folder, "new mine --vessel esso-osaka").succeeds();
+    let line = "run mine --stage moments";
+    assert_eq!(stages(&folder, line), ["dictionary", "moments"]);
+    assert_eq!(stages(&folder, line), [""; 0]);
+    edit(&folder, "mine/crash-stop.csv", "12,0", "11,0");
+    assert_eq!(stages(&folder, line), ["dictionary", "moments"]);
+}
+
+#[test]
+fn a_stage_brings_those_that_it_needs_and_no_more() {
+    let folder = written(4);
+    assert_eq!(stages(&folder, "run . --out out --stage validation"), ["validation"]);
+    assert_eq!(stages(&folder, "run . --out out --stage design"), ["dictionary", "moments", "design"]);
+    let document = json(&folder, "out/run.json");
+    assert_eq!(document["schema"], "run/1");
+    let command = &document["data"]["stages"]["design"]["command"];
+    assert_eq!(*command, json!(["design", "--moments", "{out}/moments.json", "--out", "{out}/design.json"]));
+}
+
+#[test]
+fn progress_names_every_stage() {
+    let folder = written(4);
+    let ran = run(&folder, "run . --out out --stage moments").succeeds();
+    assert!(ran.stderr.starts_with("[1/2] dictionary\n") && ran.stderr.contains("[2/2] moments\n"), "{ran}");
+    let again = run(&folder, "run . --out out --stage moments").succeeds();
+    assert_eq!(again.stderr, "[1/2] dictionary: up to date\n[2/2] moments: up to date\n", "{again}");
+    assert_eq!(again.stdout, "out/moments.json: 0 of 2 stages run, 2 up to date\n", "{again}");
+}

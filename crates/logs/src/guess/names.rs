@@ -1,0 +1,164 @@
+//! What the name of a column says.
+
+use crate::{UNITS, unit};
+
+/// A channel that logs of ships have, and the words by which columns are called after it.
+pub(super) struct Role {
+    pub(super) channel: &'static str,
+    pub(super) unit: &'static str,
+    /// Whether it is of use, but not needed.
+    pub(super) is_optional: bool,
+    /// Sets of words; all words of one must stand in the name.
+    words: &'static [&'static [&'static str]],
+}
+
+const fn needed(
+    channel: &'static str,
+    unit: &'static str,
+    words: &'static [&'static [&'static str]],
+) -> Role {
+    Role { channel, unit, is_optional: false, words }
+}
+
+const fn helpful(
+    channel: &'static str,
+    unit: &'static str,
+    words: &'static [&'static [&'static str]],
+) -> Role {
+    Role { channel, unit, is_optional: true, words }
+}
+
+/// Channels of the motion, and further ones.
+pub(super) const ROLES: &[Role] = &[
+    needed("y_u", "m/s", &[&["surge"], &["speed", "forward"], &["u"]]),
+    needed("y_v", "m/s", &[&["sway"], &["speed", "starboard"], &["v"], &["vm"]]),
+    needed("y_r", "rad/s", &[&["yaw", "rate"], &["yawrate"], &["rot"], &["turn", "rate"], &["r"]]),
+    needed("x", "m", &[&["north"], &["northing"], &["x"]]),
+    needed("y", "m", &[&["east"], &["easting"], &["y"]]),
+    needed("psi", "rad", &[&["heading"], &["hdg"], &["yaw"], &["psi"]]),
+    needed("latitude_deg", "deg", &[&["latitude"], &["lat"]]),
+    needed("longitude_deg", "deg", &[&["longitude"], &["lon"], &["lng"]]),
+    helpful("roll", "rad", &[&["roll"], &["phi"]]),
+    helpful("wind", "m/s", &[&["wind", "relative"], &["wind", "apparent"]]),
+    helpful("wind_from", "rad", &[&["wind", "relative"], &["wind", "apparent"]]),
+];
+
+/// Words for what a ship is steered with, by the beginning of the channel's name.
+const STEERED: &[(&str, &[&[&str]])] = &[
+    ("delta", &[&["rudder"], &["helm"], &["delta"]]),
+    ("thrust", &[&["thrust"]]),
+    ("n", &[&["rpm"], &["rps"], &["propeller"], &["prop"], &["shaft"], &["thruster"]]),
+    ("alpha", &[&["azimuth"], &["thruster"]]),
+];
+
+/// Units as names of columns end with them, after an underscore.
+const ENDINGS: &[(&str, &str)] = &[
+    ("mps", "m/s"),
+    ("radps", "rad/s"),
+    ("degps", "deg/s"),
+    ("rad_s", "rad/s"),
+    ("deg_s", "deg/s"),
+    ("m_s", "m/s"),
+    ("rpm", "rpm"),
+    ("rps", "rps"),
+    ("rad", "rad"),
+    ("deg", "deg"),
+    ("kn", "kn"),
+    ("kN", "kN"),
+    ("Nm", "N m"),
+    ("ms", "ms"),
+    ("m", "m"),
+    ("s", "s"),
+    ("N", "N"),
+];
+
+/// The name of a column, taken apart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named {
+    /// Its words in lower case, without the unit.
+    words: Vec<String>,
+    /// The unit that it says.
+    pub unit: Option<&'static str>,
+}
+
+impl Named {
+    /// What `column` says.
+    pub fn of(column: &str) -> Self {
+        let (name, unit) = in_brackets(column).or_else(|| at_end(column)).unwrap_or((column, None));
+        let words = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+        Self { words: words.map(str::to_lowercase).collect(), unit }
+    }
+
+    /// Whether it is called a time.
+    pub fn is_time(&self) -> bool {
+        const TIMES: [&str; 7] = ["t", "time", "timestamp", "datetime", "utc", "stamp", "seconds"];
+        self.words.iter().any(|word| TIMES.contains(&word.as_str()))
+            && self.unit.is_none_or(|own| unit(own).is_some_and(|own| own.si == "s"))
+    }
+
+    /// Whether it says which ship the log is of.
+    pub fn is_identity(&self) -> bool {
+        const SHIPS: [&str; 5] = ["mmsi", "imo", "ship", "vessel", "hull"];
+        let is_named = |word: &String| SHIPS.contains(&word.as_str());
+        let others = ["name", "id", "number", "no"];
+        self.words.iter().any(is_named)
+            && self.words.iter().all(|word| is_named(word) || others.contains(&word.as_str()))
+    }
+
+    /// Whether its numbers can be in `wanted`, as far as its name says.
+    pub fn measures(&self, wanted: &str) -> bool {
+        self.unit.is_none_or(|own| crate::factor(own, wanted).is_some())
+    }
+
+    /// How likely it is `channel`: 0 if it is called so, larger numbers the less it is; `None` if nothing says so.
+    pub fn likeness(&self, channel: &str) -> Option<usize> {
+        let parts: Vec<&str> = channel.split('_').collect();
+        if self.words.join("_") == channel.to_lowercase() {
+            return Some(0);
+        }
+        let says = |word: &str| self.words.iter().any(|own| own == word);
+        // Over the ground, and wind that the ship does not feel: no channel of a model.
+        if ["cog", "sog", "course"].into_iter().any(says) || says("wind") && says("true") {
+            return None;
+        }
+        let role = ROLES.iter().find(|role| role.channel == channel).map(|role| role.words);
+        let steered = STEERED.iter().find(|(name, _)| parts[0] == *name).map(|(_, words)| *words);
+        let number = parts.get(1).filter(|part| part.chars().all(|c| c.is_ascii_digit()));
+        let sets = role.or(steered)?;
+        let is_wind = |set: &[&str]| set.contains(&"wind");
+        let fits = |set: &&[&str]| {
+            self.has(set) && number.is_none_or(|number| says(number)) && (is_wind(set) || !says("wind"))
+        };
+        sets.iter().position(fits).map(|place| place + 1).or_else(|| self.begins(parts[0]))
+    }
+
+    /// A name that begins with a channel of one letter, such as `n_prop`.
+    fn begins(&self, channel: &str) -> Option<usize> {
+        (channel.len() == 1 && self.words.first().is_some_and(|word| word == channel)).then_some(9)
+    }
+
+    /// Whether all words of `set` are in it; a single letter must come first.
+    fn has(&self, set: &[&str]) -> bool {
+        match set {
+            [letter] if letter.len() <= 2 => self.words.first().is_some_and(|word| word == letter),
+            words => words.iter().all(|word| self.words.iter().any(|own| own == word)),
+        }
+    }
+}
+
+/// A unit in brackets at the end: `speed [m/s]`, `heading (deg)`.
+fn in_brackets(column: &str) -> Option<(&str, Option<&'static str>)> {
+    let column = column.trim();
+    let (open, close) = [('[', ']'), ('(', ')')].into_iter().find(|(_, close)| column.ends_with(*close))?;
+    let (name, inside) = column.rsplit_once(open)?;
+    let inside = inside.trim_end_matches(close).trim();
+    Some((name, UNITS.iter().find(|own| own.name == inside).map(|own| own.name)))
+}
+
+/// A unit after the last underscore: `u_mps`, `delta_rad`.
+fn at_end(column: &str) -> Option<(&str, Option<&'static str>)> {
+    ENDINGS.iter().find_map(|(end, unit)| {
+        let name = column.strip_suffix(end)?.strip_suffix('_')?;
+        (!name.is_empty()).then_some((name, Some(*unit)))
+    })
+}

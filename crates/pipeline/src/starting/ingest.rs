@@ -1,0 +1,179 @@
+//! The text of a new `ingest.toml`.
+
+use std::fmt::Write;
+
+use logs::TimeUnit;
+use logs::guess::{Clock, Needed, Placed};
+use toml::Value;
+
+use super::looking::Looked;
+use super::presets::Preset;
+
+/// What is at the end of a line that was guessed.
+const MARK: &str = "  # guessed";
+
+/// Rows that a gap may be as long as.
+const GAP_ROWS: f64 = 5.0;
+
+/// The text of `ingest.toml` for logs as `looked` found them, of a ship like `preset`.
+pub(super) fn written(looked: &Looked, preset: &Preset) -> String {
+    let mut text = general(looked, preset.sample_rate_hz());
+    text += &files(looked);
+    for own in &looked.guess.placed {
+        text += &channel(own);
+    }
+    looked.guess.missing.iter().for_each(|own| text += &missing(own));
+    text += &unplaced(looked);
+    text += preset.thrusters();
+    text
+}
+
+/// Samples that a model is to predict on its own, and that recordings are cut into.
+const WINDOW: f64 = 100.0;
+
+/// Part of a usual recording that a window may be at most: its ends are lost where channels are resampled.
+const PART: f64 = 0.9;
+
+/// The length of a window \[s\], in whole samples of `rate_hz`.
+fn window_s(looked: &Looked, rate_hz: f64) -> f64 {
+    (PART * looked.usual_s() * rate_hz).floor().clamp(2.0, WINDOW) / rate_hz
+}
+
+/// `study.mk` of a study with logs as `looked` found them, of a ship like `preset`.
+pub(super) fn flags(looked: &Looked, preset: &Preset) -> String {
+    let folder = looked.folder.canonicalize().unwrap_or_else(|_| looked.folder.clone());
+    let window_s = window_s(looked, preset.sample_rate_hz());
+    let test = looked.kept_apart();
+    let mut text = format!(
+        "# Flags of the stages. `seatrial run` reads this file, and make does where the repository is at hand.\n\
+         # The folder of the logs.\nLOGS ?= {}\n\
+         # Bootstrap samples [1] that standard errors rest on: more take longer.\nBOOTSTRAP ?= 100\n\
+         # Instruments restart with every part of a recording; their nominal model is the least-squares fit of the same data. Parts\n\
+         # are at most as long as this [s].\nPOOL_FLAGS ?= --nominal least-squares --part-s {window_s}\n\
+         # Models predict windows of this length [s] on recordings that they were not fitted to.\n\
+         CROSS_FLAGS = --window-s {window_s}\nTEST_FLAGS ?= --window-s {window_s}\n",
+        folder.display()
+    );
+    if !test.is_empty() {
+        let _ = write!(
+            text,
+            "# Recordings that a second model is not fitted to, and that the page shows beside its predictions. Every fifth was \
+             picked.\nTEST ?= {}\n",
+            test.join(",")
+        );
+    }
+    text
+}
+
+/// `text` in quotes as TOML has them.
+fn quoted(text: &str) -> String {
+    Value::from(text).to_string()
+}
+
+/// The keys of the whole file.
+fn general(looked: &Looked, rate_hz: f64) -> String {
+    let step_s = looked.guess.clock.as_ref().map_or(1.0, |clock: &Clock| clock.step_s);
+    let max_gap_s = rounded(GAP_ROWS * step_s);
+    let is_fast = step_s * rate_hz < 0.5;
+    let mut text = format!(
+        "# What is in the logs: {} files in CSV. Lines marked \"guessed\" were guessed by names and numbers: check them.\n\
+         sample_rate_hz = {rate_hz:?}            # rate of the trajectories [Hz]: that of vessel.toml\n\
+         max_gap_s = {max_gap_s:?}{MARK}: five rows of the logs [s]; over longer gaps nothing is interpolated\n",
+        looked.files.len()
+    );
+    if is_fast {
+        let average_s = rounded(0.5 / rate_hz);
+        let _ = writeln!(
+            text,
+            "average_s = {average_s:?}{MARK}: half a sample [s] over which channels are averaged"
+        );
+    }
+    text += "\n# Axes: x north, y east, heading clockwise from north; body x forward, y starboard. The other choice is \"enu\", \"flu\".\n";
+    let _ = writeln!(text, "frame = \"ned\"{MARK}\nbody = \"frd\"{MARK}");
+    if looked.patterns.iter().any(|pattern| pattern.contains('/')) {
+        text += "\n# The maneuver of a recording is named after its folder.\n";
+        let _ = writeln!(text, "maneuver_from_file = \"{{kind}}/*\"{MARK}");
+    }
+    text += "\n# Speeds that are not logged are slopes of positions: of parabolas over `window_s` [s], or Euler differences.\n[velocities]\n";
+    if is_fast {
+        let _ =
+            writeln!(text, "method = \"smoother\"\nwindow_s = {:?}{MARK}", rounded((10.0 * step_s).max(1.0)));
+    } else {
+        let _ = writeln!(text, "method = \"euler\"{MARK}");
+    }
+    text
+}
+
+/// Two significant figures.
+fn rounded(number: f64) -> f64 {
+    format!("{number:.1e}").parse().unwrap_or(number)
+}
+
+/// The group of files and its clock.
+fn files(looked: &Looked) -> String {
+    let patterns: Vec<String> = looked.patterns.iter().map(|pattern| quoted(pattern)).collect();
+    let mut text = format!("\n[[file]]\npattern = [{}]\n", patterns.join(", "));
+    if looked.head.separator != ',' {
+        let _ = writeln!(text, "separator = {}", quoted(&looked.head.separator.to_string()));
+    }
+    if looked.head.decimal != '.' {
+        let _ = writeln!(text, "decimal = {}", quoted(&looked.head.decimal.to_string()));
+    }
+    if let Some(clock) = &looked.guess.clock {
+        let unit = match clock.unit {
+            TimeUnit::S => "s",
+            TimeUnit::Ms => "ms",
+            TimeUnit::Us => "us",
+            TimeUnit::Ns => "ns",
+            TimeUnit::Iso8601 => "iso8601",
+        };
+        let mark = if clock.is_unit_guessed { MARK } else { "" };
+        let _ = write!(
+            text,
+            "\n# A row about every {} s.\n[file.time]\ncolumn = {}\nunit = \"{unit}\"{mark}\n",
+            rounded(clock.step_s),
+            quoted(&clock.column)
+        );
+    }
+    text
+}
+
+fn channel(own: &Placed) -> String {
+    let mark = |guessed: bool, why: &str| if guessed { format!("{MARK}: {why}") } else { String::new() };
+    let mut text = format!(
+        "\n[[file.channel]]\ncolumn = {}\nchannel = {}{}\nunit = {}{}\n",
+        quoted(&own.column),
+        quoted(&own.channel),
+        mark(own.is_channel_guessed, "by the column's name"),
+        quoted(&own.unit),
+        mark(own.is_unit_guessed, "the column's name says none"),
+    );
+    if own.is_optional {
+        text += "optional = true            # the model does without it\n";
+    }
+    text
+}
+
+fn missing(own: &Needed) -> String {
+    format!(
+        "\n# The model needs this channel, and no column was recognised as it: name its column.\n# [[file.channel]]\n\
+         # column = \"\"\n# channel = {}\n# unit = {}\n",
+        quoted(&own.channel),
+        quoted(&own.unit)
+    )
+}
+
+/// Columns that were not placed, and logs of other formats.
+fn unplaced(looked: &Looked) -> String {
+    let line = |name: &String| format!("#   {}\n", quoted(name));
+    let mut text = String::new();
+    if !looked.guess.unplaced.is_empty() {
+        text += "\n# Columns that are not used:\n";
+        looked.guess.unplaced.iter().for_each(|name| text += &line(name));
+    }
+    if !looked.others.is_empty() {
+        text += "\n# Logs of other formats that are not used:\n";
+        looked.others.iter().for_each(|name| text += &line(name));
+    }
+    text
+}

@@ -1,0 +1,34 @@
+//! A new study: the hand-written files that it begins with, from a ship that is known, and from logs.
+
+mod ingest;
+mod looking;
+mod presets;
+
+use std::path::Path;
+
+use artifact::Error;
+
+pub use looking::Looked;
+pub use presets::{PRESETS, Preset};
+
+/// A hand-written file of a new study: its name and its text.
+pub type NewFile = (String, String);
+
+/// The files of a study of `preset` that is simulated.
+pub fn simulated(preset: &Preset) -> Vec<NewFile> {
+    preset.files().map(|(name, text)| (name.to_owned(), text.to_owned())).collect()
+}
+
+/// The files of a study of `preset` with the logs in the folder `logs`, and what was found there.
+///
+/// # Errors
+/// A folder without logs, or with those of several ships; a log whose columns cannot be read.
+pub fn measured(preset: &Preset, logs: &Path) -> Result<(Vec<NewFile>, Looked), Error> {
+    let looked = Looked::at(logs, &preset.needed())?;
+    let files = vec![
+        ("vessel.toml".to_owned(), preset.without_truth()),
+        ("ingest.toml".to_owned(), ingest::written(&looked, preset)),
+        ("study.mk".to_owned(), ingest::flags(&looked, preset)),
+    ];
+    Ok((files, looked))
+}

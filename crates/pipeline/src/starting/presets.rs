@@ -1,0 +1,117 @@
+//! Ships that a new study can begin with.
+
+use logs::guess::Needed;
+use model::VesselFile;
+use refusal::Invalid;
+
+/// A ship that a new study can begin with.
+#[derive(Debug)]
+pub struct Preset {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub about: &'static str,
+    vessel: &'static str,
+    dictionary: &'static str,
+    campaign: &'static str,
+    flags: &'static str,
+    /// Inputs as a table, if a maneuver plays one.
+    table: Option<(&'static str, &'static str)>,
+    /// The thrusters that its forces are made by, as `ingest.toml` has them.
+    thrusters: Option<&'static str>,
+}
+
+macro_rules! preset {
+    ($name:literal, $about:literal, $table:expr, $thrusters:expr) => {
+        Preset {
+            name: $name,
+            about: $about,
+            vessel: include_str!(concat!("../../presets/", $name, "/vessel.toml")),
+            dictionary: include_str!(concat!("../../presets/", $name, "/dictionary.toml")),
+            campaign: include_str!(concat!("../../presets/", $name, "/campaign.toml")),
+            flags: include_str!(concat!("../../presets/", $name, "/study.mk")),
+            table: $table,
+            thrusters: $thrusters,
+        }
+    };
+}
+
+/// All of them.
+pub const PRESETS: [Preset; 5] = [
+    preset!(
+        "model-ship",
+        "a model ship of 1 m with two azimuth thrusters aft",
+        None,
+        Some(include_str!("../../presets/model-ship/thrusters.toml"))
+    ),
+    preset!("coaster", "a coaster of 100 m with rudder and propeller, for standard maneuvers", None, None),
+    preset!(
+        "full-scale",
+        "a ship of 30 m with azimuth thrusters fore and aft",
+        None,
+        Some(include_str!("../../presets/full-scale/thrusters.toml"))
+    ),
+    preset!("kvlcc2", "a 7 m model of the tanker KVLCC2, with rudder and measured thrust", None, None),
+    preset!(
+        "esso-osaka",
+        "a 3 m model of the tanker Esso Osaka, with rudder and propeller",
+        Some(("crash-stop.csv", include_str!("../../presets/esso-osaka/crash-stop.csv"))),
+        None
+    ),
+];
+
+impl Preset {
+    /// The preset called `name`.
+    ///
+    /// # Errors
+    /// No such preset: names them and the nearest.
+    pub fn named(name: &str) -> Result<&'static Self, Invalid> {
+        let unknown = || Invalid::unknown("preset", name, PRESETS.iter().map(|own| own.name));
+        PRESETS.iter().find(|own| own.name == name).ok_or_else(unknown)
+    }
+
+    /// The files of a study of it that is simulated.
+    pub(super) fn files(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let own = [
+            ("vessel.toml", self.vessel),
+            ("dictionary.toml", self.dictionary),
+            ("campaign.toml", self.campaign),
+            ("study.mk", self.flags),
+        ];
+        own.into_iter().chain(self.table)
+    }
+
+    /// The thrusters that its forces are made by, as `ingest.toml` has them; empty if its inputs are logged.
+    pub(super) fn thrusters(&self) -> &'static str {
+        self.thrusters.unwrap_or_default()
+    }
+
+    /// `vessel.toml` without true parameters, which no real ship has.
+    pub(super) fn without_truth(&self) -> String {
+        let lines = self.vessel.lines().filter(|line| !line.starts_with("value = "));
+        lines.map(|line| format!("{line}\n")).collect()
+    }
+
+    /// The channels that logs of it must have: speeds and angles of its thrusters, or else its inputs.
+    pub(super) fn needed(&self) -> Vec<Needed> {
+        let own = |channel: &str, unit: &str| Needed { channel: channel.to_owned(), unit: unit.to_owned() };
+        let named = |key: &str, unit: &str| {
+            let quoted = |line: &str| Some(line.strip_prefix(key)?.split('"').nth(1)?.to_owned());
+            self.thrusters().lines().filter_map(quoted).map(|name| own(&name, unit)).collect::<Vec<_>>()
+        };
+        let thrusters = [named("speed = ", "1/s"), named("angle = ", "rad")].concat();
+        if !thrusters.is_empty() {
+            return thrusters;
+        }
+        // A preset that cannot be parsed needs nothing; a test parses all.
+        let vessel = self.vessel.parse::<VesselFile>();
+        vessel.map_or(Vec::new(), |vessel| {
+            vessel.input.iter().map(|input| own(&input.name, &input.unit)).collect()
+        })
+    }
+
+    /// The rate of its model \[Hz\].
+    pub(super) fn sample_rate_hz(&self) -> f64 {
+        self.vessel.parse::<VesselFile>().ok().and_then(|vessel| vessel.sample_rate_hz).unwrap_or(1.0)
+    }
+}

@@ -1,0 +1,315 @@
+//! The stages of a study, in order: their command lines and what they write.
+
+use crate::settings::Settings;
+
+/// A stage of a study. `{study}`, `{dictionary}`, `{logs}` and `{out}` stand for the study's folder, its maneuvers, its logs and its
+/// results.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Its name in the study, such as `design`.
+    pub name: String,
+    /// Its command line without the program: what is a path and not an output is an input.
+    pub words: Vec<String>,
+    /// What it writes, its main file first.
+    pub outputs: Vec<String>,
+}
+
+impl Step {
+    /// A stage called `name` with this `line` and `flags`, which writes `outputs`.
+    fn new(name: &str, line: &str, flags: &str, outputs: &[&str]) -> Self {
+        let words = line.split_whitespace().chain(flags.split_whitespace()).chain(["--out", outputs[0]]);
+        Self {
+            name: name.to_owned(),
+            words: words.map(str::to_owned).collect(),
+            outputs: outputs.iter().map(|&name| name.to_owned()).collect(),
+        }
+    }
+
+    /// The paths that it reads.
+    pub fn inputs(&self) -> impl Iterator<Item = &str> {
+        let words = self.words.iter().map(String::as_str);
+        words.filter(|word| word.starts_with('{') && !self.outputs.iter().any(|own| own == word))
+    }
+}
+
+/// What is done with a study, and what it has besides the usual files.
+pub struct Shape {
+    /// Names of the files `plan.toml` and `plan-<name>.toml`, without `.toml`.
+    pub plans: Vec<String>,
+    /// Whether it has published results to compare with.
+    pub has_reference: bool,
+    /// Whether its next trial is planned on a chart.
+    pub next_is_charted: bool,
+}
+
+/// The stages of a study that is simulated.
+pub fn simulated(settings: &Settings, shape: &Shape) -> Vec<Step> {
+    let mut steps = vec![
+        Step::new(
+            "dictionary",
+            "simulate dictionary --vessel {study}/vessel.toml --dictionary {dictionary}",
+            "",
+            &["{out}/dictionary.parquet"],
+        ),
+        Step::new(
+            "moments",
+            "moments --vessel {study}/vessel.toml --trajectories {out}/dictionary.parquet",
+            settings.get("MOMENTS_FLAGS"),
+            &["{out}/moments.json"],
+        ),
+        Step::new(
+            "design",
+            "design --moments {out}/moments.json",
+            settings.get("DESIGN_FLAGS"),
+            &["{out}/design.json"],
+        ),
+        Step::new(
+            "validation",
+            "simulate validation --vessel {study}/vessel.toml --campaign {study}/campaign.toml",
+            "",
+            &["{out}/validation.parquet"],
+        ),
+    ];
+    if settings.get("MONTE_CARLO").is_empty() {
+        steps.push(Step::new(
+            "campaign",
+            "simulate campaign --vessel {study}/vessel.toml --dictionary {dictionary} --campaign {study}/campaign.toml --design \
+             {out}/design.json",
+            "",
+            &["{out}/campaign.parquet"],
+        ));
+        steps.extend(estimated("", "campaign.parquet", settings));
+    } else {
+        steps.push(Step::new(
+            "monte-carlo",
+            "monte-carlo --vessel {study}/vessel.toml --dictionary {dictionary} --campaign {study}/campaign.toml --design \
+             {out}/design.json --keep estimates",
+            settings.get("ESTIMATE_FLAGS"),
+            &["{out}/tally.json"],
+        ));
+    }
+    shape.plans.iter().for_each(|name| steps.extend(planned(name, settings)));
+    let length_m = settings.get("LENGTH_M");
+    if !length_m.is_empty() {
+        steps.push(Step::new(
+            "merit",
+            "validate merit --vessel {study}/vessel.toml --dictionary {dictionary} --trajectories {out}/dictionary.parquet",
+            &format!("--length-m {length_m}"),
+            &["{out}/merit.json"],
+        ));
+    }
+    steps.push(Step::new(
+        "report",
+        "report --study {study} --dictionary {dictionary} --results {out}",
+        "",
+        &["{out}/report.html"],
+    ));
+    steps
+}
+
+/// Estimates of the runs in `table`, below the results' folder `below`, and their scores.
+fn estimated(below: &str, table: &str, settings: &Settings) -> [Step; 2] {
+    let file = |name: &str| format!("{{out}}/{below}{name}");
+    let prefix = below.replace('/', "-");
+    [
+        Step::new(
+            &format!("{prefix}estimate"),
+            &format!("estimate --vessel {{study}}/vessel.toml --trajectories {}", file(table)),
+            settings.get("ESTIMATE_FLAGS"),
+            &[&file("estimates.parquet"), &file("estimate.json")],
+        ),
+        Step::new(
+            &format!("{prefix}validate"),
+            &format!(
+                "validate --vessel {{study}}/vessel.toml --campaign {{study}}/campaign.toml --estimates {} --validation \
+                 {{out}}/validation.parquet",
+                file("estimates.parquet")
+            ),
+            "",
+            &[&file("scores.parquet"), &file("validation.json")],
+        ),
+    ]
+}
+
+/// The layout on the chart of `name`.toml; that of plan.toml is also simulated, estimated and scored.
+fn planned(name: &str, settings: &Settings) -> Vec<Step> {
+    let main =
+        if name == "plan" { "{out}/plan.json".to_owned() } else { format!("{{out}}/{name}/plan.json") };
+    let line = format!(
+        "plan --vessel {{study}}/vessel.toml --trajectories {{out}}/dictionary.parquet --dictionary {{dictionary}} --design \
+         {{out}}/design.json --config {{study}}/{name}.toml"
+    );
+    let mut steps = vec![Step::new(name, &line, settings.get("PLAN_FLAGS"), &[&main])];
+    if name == "plan" {
+        steps.push(Step::new(
+            "planned",
+            "simulate plan --vessel {study}/vessel.toml --campaign {study}/campaign.toml --plan {out}/plan.json",
+            "",
+            &["{out}/planned/trajectories.parquet"],
+        ));
+        steps.extend(estimated("planned/", "trajectories.parquet", settings));
+    }
+    steps
+}
+
+/// The logs of a study whose instruments are simulated.
+pub fn simulated_logs() -> [Step; 2] {
+    [
+        Step::new(
+            "logs",
+            "simulate logs --vessel {study}/vessel.toml --dictionary {dictionary} --logs {study}/logs.toml",
+            "",
+            &["{out}/logs/simulated.json"],
+        ),
+        // The maneuvers as they are meant, for the report
+        Step::new(
+            "dictionary",
+            "simulate dictionary --vessel {study}/vessel.toml --dictionary {dictionary}",
+            "",
+            &["{out}/measured/dictionary.parquet"],
+        ),
+    ]
+}
+
+/// The recordings, and what describes them.
+const LOGGED: &str = "--vessel {study}/vessel.toml --trajectories {out}/measured/trajectories.parquet";
+const RECORDED: &str = "--recordings {out}/measured/ingest.json";
+
+/// The stages of a study with logs.
+pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Vec<Step> {
+    let pool = settings.or("POOL_FLAGS", "--nominal least-squares");
+    let estimator = settings.or("ESTIMATOR", "auto");
+    let mut steps = vec![
+        Step::new(
+            "ingest",
+            "ingest --config {study}/ingest.toml --vessel {study}/vessel.toml --logs {logs}",
+            "",
+            &["{out}/measured/trajectories.parquet", "{out}/measured/ingest.json"],
+        ),
+        Step::new(
+            "pool",
+            &format!("estimate pool {LOGGED} {RECORDED} --estimator {estimator}"),
+            &format!("{pool} --bootstrap {}", settings.or("BOOTSTRAP", "1000")),
+            &["{out}/measured/estimates.parquet", "{out}/measured/model.json"],
+        ),
+        Step::new(
+            "cross",
+            &format!("validate cross {LOGGED} {RECORDED} {pool}"),
+            settings.get("CROSS_FLAGS"),
+            &["{out}/measured/crossval.json"],
+        ),
+    ];
+    let test = settings.get("TEST");
+    if !test.is_empty() {
+        steps.extend(tested(settings, test, estimator, pool));
+    }
+    if !settings.get("SELECTED").is_empty() {
+        steps.extend(selected(settings, shape, usual_selection));
+    }
+    if !settings.get("NEXT").is_empty() {
+        steps.extend(next_trial(settings, shape));
+    }
+    let line = "report --study {study} --results {out}/measured";
+    steps.push(Step::new("report", line, "", &["{out}/measured/report.html"]));
+    steps
+}
+
+/// A model of the recordings that are not in `test`, tried on those that are.
+fn tested(settings: &Settings, test: &str, estimator: &str, pool: &str) -> [Step; 2] {
+    [
+        Step::new(
+            "test-pool",
+            &format!("estimate pool {LOGGED} {RECORDED} --leave-out {test} --estimator {estimator}"),
+            pool,
+            &["{out}/measured/test/estimates.parquet", "{out}/measured/test/model.json"],
+        ),
+        Step::new(
+            "compare",
+            &format!(
+                "validate compare --model {{out}}/measured/test/model.json --trajectories \
+                 {{out}}/measured/trajectories.parquet {RECORDED} --runs {test}"
+            ),
+            settings.get("TEST_FLAGS"),
+            &["{out}/measured/compare.json"],
+        ),
+    ]
+}
+
+/// Sub-experiments that are designed, picked and compared.
+fn selected(settings: &Settings, shape: &Shape, usual_selection: &str) -> [Step; 3] {
+    let design = settings.get("DESIGN_FLAGS");
+    // No more of a maneuver than was logged, unless the study says what is available.
+    let stated = design.contains("--available");
+    let within = if stated { "" } else { "--available {out}/measured/ingest.json" };
+    let reference = if shape.has_reference { "--reference {study}/reference.toml" } else { "" };
+    [
+        Step::new(
+            "moments",
+            &format!("moments {LOGGED}"),
+            settings.get("MOMENTS_FLAGS"),
+            &["{out}/measured/moments.json"],
+        ),
+        Step::new(
+            "design",
+            &format!("design --moments {{out}}/measured/moments.json {within}"),
+            design,
+            &["{out}/measured/design.json"],
+        ),
+        Step::new(
+            "selection",
+            &format!("validate selection {LOGGED} --design {{out}}/measured/design.json {reference}"),
+            settings.or("SELECTION_FLAGS", usual_selection),
+            &["{out}/measured/selection.parquet", "{out}/measured/selection.json"],
+        ),
+    ]
+}
+
+/// The trial after this one: its model, what the helmsman may be asked for, its design and what it promises.
+fn next_trial(settings: &Settings, shape: &Shape) -> Vec<Step> {
+    const MODEL: &str = "--vessel {out}/measured/next/model.json";
+    const HELM: &str = "--dictionary {study}/next/dictionary.toml";
+    const SEA: &str = "--campaign {study}/next/campaign.toml";
+    const MADE: &str = "--trajectories {out}/measured/next/dictionary.parquet";
+    const DESIGN: &str = "--design {out}/measured/next/design.json";
+    let mut steps = vec![
+        Step::new(
+            "search",
+            &format!("estimate search {LOGGED} {RECORDED}"),
+            settings.get("SEARCH_FLAGS"),
+            &["{out}/measured/next/search.json", "{out}/measured/next/model.json"],
+        ),
+        Step::new(
+            "next-dictionary",
+            &format!("simulate dictionary {MODEL} {HELM}"),
+            "",
+            &["{out}/measured/next/dictionary.parquet"],
+        ),
+        Step::new(
+            "next-moments",
+            &format!("moments {MODEL} {MADE} {SEA} --estimator output-error"),
+            "",
+            &["{out}/measured/next/moments.json"],
+        ),
+        Step::new(
+            "next-design",
+            "design --moments {out}/measured/next/moments.json --for output-error",
+            settings.get("NEXT_FLAGS"),
+            &["{out}/measured/next/design.json"],
+        ),
+        Step::new(
+            "next-monte-carlo",
+            &format!("monte-carlo {MODEL} {HELM} {SEA} {DESIGN} --estimator output-error"),
+            "",
+            &["{out}/measured/next/tally.json"],
+        ),
+    ];
+    if shape.next_is_charted {
+        steps.push(Step::new(
+            "next-plan",
+            &format!("plan {MODEL} {MADE} {HELM} {DESIGN} --config {{study}}/next/plan.toml"),
+            "",
+            &["{out}/measured/next/plan.json"],
+        ));
+    }
+    steps
+}

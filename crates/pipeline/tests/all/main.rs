@@ -1,0 +1,3 @@
+//! Presets, and stages of studies.
+
+mod presets;
