@@ -94,6 +94,12 @@ impl Dangers<'_> {
         Some(Nearest { called, distance_m: edge.distance_m, between: edge.between })
     }
 
+    /// The first of `places` (east and north \[m\]) that is inside a danger, and the danger's name; `None` where none is.
+    pub fn first_inside(&self, places: &[[f64; 2]]) -> Option<(usize, &Called)> {
+        let holding = |place: &[f64; 2]| self.polygons.iter().find(|polygon| is_inside(polygon, *place));
+        places.iter().enumerate().find_map(|(index, place)| Some((index, &holding(place)?.called)))
+    }
+
     /// The gap to the edge of the charted area, or `least` if that is not longer.
     fn edge(&self, place: [f64; 2], mut least: Gap) -> Gap {
         let charted = self.chart.charted();
