@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use trial::voyage::{
-    FollowLimits, Followed, PlannedStep, PlannedTrack, ShipPosition, StepState, TrackPoint, aligned,
+    Brief, FollowLimits, Followed, Goal, Place, PlannedStep, PlannedTrack, Prepared, Search, ShipPosition,
+    Slot, StepState, Task, TrackPoint, aligned,
 };
 
-use crate::planned::{Planned, rich, small};
+use crate::planned::{ISLAND_DEG, Planned, rich, small, small_brief};
 
 /// Uniform numbers from 0 to 1, by a linear congruence.
 struct Draws(u64);
@@ -262,8 +263,34 @@ fn oracle_alignments_cost_no_more_than_the_best_of_all() {
 
 #[test]
 fn law_a_later_departure_leaves_the_end_of_the_slot_where_it_is() {
-    let task = &rich().prepared.brief.task;
+    let slot = Slot { key: "slot.until", lasts_s: 3600.0 };
+    let task = Task { slot: Some(slot), ..rich().prepared.brief.task.clone() };
     let (departure, tide) = (task.departure.unwrap(), task.tide.unwrap());
-    let later = task.clone().departing(departure + 600);
-    assert_eq!((later.departure, later.tide.unwrap().slot_s), (Some(departure + 600), tide.slot_s - 600.0));
+    let later = task.departing(departure + 600);
+    assert_eq!(later.departure, Some(departure + 600));
+    assert_eq!((later.slot.unwrap().lasts_s, later.tide.unwrap().slot_s), (3000.0, tide.slot_s - 600.0));
+}
+
+#[test]
+fn law_a_goal_near_the_shore_stays_within_a_cell_of_its_place_on_a_moved_lattice() {
+    // Fifty metres west of the island.
+    let place = |longitude_deg| Place { longitude_deg, latitude_deg: 60.0, heading_deg: 0.0, mode: None };
+    let search = Search::unlimited();
+    let mut moved = 0;
+    for start in [24.9850, 24.9855, 24.9860, 24.9865] {
+        let brief = small_brief();
+        let goal = Goal::Places { places: vec![place(24.9971)] };
+        let task = Task { start: place(start), goal, on_node: true, ..brief.task };
+        let prepared = Prepared::new(Brief { task, ..brief }, &search).unwrap();
+        let end = prepared.solve(&search).unwrap().solution.steps.last().unwrap().to;
+        let [north, east] = prepared.node(end);
+        let [x, y] = prepared.chart.plane().to_plane(24.9971, 60.0);
+        let off = [east - x, north - y];
+        assert!(off.iter().all(|own| own.abs() <= 180.0), "{off:?}");
+        // 20 m of margin and half of the beam.
+        let shore = prepared.chart.plane().to_plane(ISLAND_DEG[0], 60.0)[0];
+        assert!(shore - east >= 24.0 || off[1].abs() > 100.0, "{off:?}");
+        moved += u32::from(off.iter().any(|own| own.abs() > 60.0));
+    }
+    assert!(moved > 0);
 }
