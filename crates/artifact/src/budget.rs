@@ -9,6 +9,11 @@ use crate::error::{Error, Result};
 /// Approximate memory of a program without any work: its pages, and its input \[bytes\].
 pub const PROGRAM_BYTES: u64 = 24 << 20;
 
+/// MiB of memory for work that needs `bytes`, including the program itself.
+pub fn mib_with_program(bytes: u128) -> u128 {
+    bytes.saturating_add(PROGRAM_BYTES.into()).div_ceil(1 << 20)
+}
+
 /// The limits of a stage's work.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Budget {

@@ -80,7 +80,7 @@ mod toml_input;
 mod unfinished;
 mod weight;
 
-pub use self::budget::{Budget, PROGRAM_BYTES, Work, budget, free_bytes, set_budget};
+pub use self::budget::{Budget, PROGRAM_BYTES, Work, budget, free_bytes, mib_with_program, set_budget};
 pub use self::commit::{commit, commit_with_document};
 pub use changes::{Change, Changes};
 pub use columns::{Column, FloatColumn, IntegerColumn, Labels, Table, TextColumn};

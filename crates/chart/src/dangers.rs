@@ -95,6 +95,12 @@ impl Dangers<'_> {
         Some(Nearest { called, distance_m: edge.distance_m, between: edge.between })
     }
 
+    /// The first of `places` (east and north \[m\]) that is inside a danger, and the danger's name; `None` where none is.
+    pub fn first_inside(&self, places: &[[f64; 2]]) -> Option<(usize, &Called)> {
+        let holding = |place: &[f64; 2]| self.polygons.iter().find(|(polygon, _)| is_inside(polygon, *place));
+        places.iter().enumerate().find_map(|(index, place)| Some((index, &holding(place)?.0.called)))
+    }
+
     /// The gap to the edge of the charted area, or `least` if that is not longer.
     pub(crate) fn edge(&self, place: [f64; 2], mut least: Gap) -> Gap {
         let charted = self.chart.charted();

@@ -16,11 +16,6 @@ const SEARCHED: f64 = 0.7;
 /// The same if there is nothing to check.
 const FOUND: f64 = 0.95;
 
-/// MiB of memory for work that needs `bytes`, including the program itself.
-pub fn mib_with_program(bytes: u128) -> u128 {
-    bytes.saturating_add(PROGRAM_BYTES.into()).div_ceil(1 << 20)
-}
-
 /// The flags.
 #[derive(Args)]
 pub struct LimitFlags {

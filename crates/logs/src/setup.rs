@@ -104,8 +104,8 @@ pub enum Format {
 }
 
 impl Format {
-    /// By a file's extension.
-    fn of(name: &str) -> Self {
+    /// By a file's extension; CSV where it is none of those that others have.
+    pub fn of(name: &str) -> Self {
         let name = name.strip_suffix(".gz").unwrap_or(name);
         match name.rsplit_once('.').map(|(_, end)| end) {
             Some("parquet" | "parq" | "pq") => Self::Parquet,

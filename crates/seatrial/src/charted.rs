@@ -8,7 +8,10 @@ use engine::Run;
 use model::Vessel;
 use study::documents::{MapDocument, PlanChart, PlanDocument};
 use study::files::read_plan;
-use study::plan::{ChartsError, Means, PlanFile, Routes, in_tide, map_of, of_voyage, read_charts, uncertain};
+use study::plan::{
+    ChartsError, FollowError, FollowFiles, FollowedPlan, Means, PlanFile, Routes, in_tide, map_of, of_voyage,
+    read_charts, uncertain,
+};
 use thiserror::Error;
 use trial::voyage::{Brief, Check, Prepared, SailedPlan, Sailing, Search, Shares, Solved, VoyageError};
 
@@ -35,6 +38,15 @@ pub struct ChartedTrial {
     pub brief: Brief,
     /// The treatment of the charts' objects and depths.
     pub charts: Vec<PlanChart>,
+}
+
+impl From<FollowError> for PlanError {
+    fn from(error: FollowError) -> Self {
+        match error {
+            FollowError::File(error) => Self::File(error),
+            FollowError::Voyage(error) => Self::Voyage(error),
+        }
+    }
 }
 
 impl ChartedTrial {
@@ -83,6 +95,22 @@ impl ChartedTrial {
         (brief.layers, brief.chart_bytes) = (charts.layers, charts.bytes);
         let name = config.name.clone().unwrap_or_else(|| name_of(file));
         Ok(Self { name, brief, charts: charts.summaries })
+    }
+
+    /// Refuses positions of a plan that is `followed` on land, or in what a ship in transit keeps clear of.
+    ///
+    /// # Errors
+    /// The first of them, with the charted object; those of the area and its charts; the end of the time.
+    pub fn check_afloat(
+        &self,
+        files: &FollowFiles,
+        followed: &FollowedPlan,
+        keep_going: &dyn Fn() -> bool,
+    ) -> Result<(), PlanError> {
+        match self.brief.aground(&followed.positions, keep_going)? {
+            Some(invalid) => Err(Error::invalid(files.positions, invalid).into()),
+            None => Ok(()),
+        }
     }
 
     /// The cheapest plan that passes its check; with `unsafe_too`, if none does, one that does not.

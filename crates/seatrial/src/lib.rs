@@ -72,7 +72,7 @@ pub use study::documents::{
 };
 pub use study::figure_goals::FigureGoals;
 pub use study::ingest_file::IngestFile;
-pub use study::plan::{PlanFile, Routes};
+pub use study::plan::{FollowError, FollowFiles, FollowedPlan, PlanFile, Routes};
 pub use study::pooled_set::PooledSet;
 pub use study::trajectories::{DataLabel, TrajectoryReader};
 pub use study::{TermLists, Tried};

@@ -1,11 +1,12 @@
 //! `track.parquet`: the planned trajectory, one row per sample.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use artifact::{Columns, Error, Provenance, Staged, TableReader, TableWriter, read_document};
+use artifact::{Columns, Error, Loaded, Provenance, Staged, TableReader, TableWriter, read_document};
 use chart::Plane;
 use engine::Pose;
 use model::Vessel;
+use trial::voyage::{TrackPoint, compass_deg};
 use trial::{Sailed, Sample};
 
 use crate::documents::PlanDocument;
@@ -121,13 +122,20 @@ pub struct Track {
 /// A plan of a lattice problem, which has no track; a track that was not written with the plan; those of
 /// [`read_track`].
 pub fn read_planned(plan: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Track, Error> {
+    let (document, path) = track_of(plan)?;
+    provenance.made("plan", plan, document.digest, &document.provenance)?;
+    read_track(&path, vessel, provenance)
+}
+
+/// The `plan.json` at `plan`, and the path of the track that was written with it.
+fn track_of(plan: &Path) -> Result<(Loaded<PlanDocument>, PathBuf), Error> {
     let document = read_document::<PlanDocument>(plan)?;
     if document.data.voyage.is_none() {
         let found = "none: the plan of a lattice problem";
         let remedy = "plan on a chart, with --vessel, --trajectories and --config";
         return Err(Error::refuse(plan, "`data.voyage`", found, "a plan on a chart", remedy));
     }
-    let path = plan.with_file_name("track.parquet");
+    let path = crate::beside(plan, "plan.json", "track.parquet");
     let track = TableReader::open(&path, TRACK, TRACK_VERSION)?;
     let of = |p: &Provenance| (p.inputs.clone(), p.origins.clone(), p.settings.clone());
     if of(track.provenance()) != of(&document.provenance) {
@@ -135,8 +143,36 @@ pub fn read_planned(plan: &Path, vessel: &Vessel, provenance: &mut Provenance) -
         let found = "a track planned from other inputs or with another seed";
         return Err(Error::refuse(&path, "provenance", found, expected, "plan again"));
     }
-    provenance.made("plan", plan, document.digest, &document.provenance)?;
-    read_track(&path, vessel, provenance)
+    Ok((document, path))
+}
+
+/// The points of the track of `plan`, a `plan.json`, on `plane`.
+///
+/// # Errors
+/// As [`read_planned`]; a step that the plan lacks.
+pub fn planned_points(plan: &Path, vessel: &Vessel, plane: &Plane) -> Result<Vec<TrackPoint>, Error> {
+    let (document, path) = track_of(plan)?;
+    let reader = TableReader::open(&path, TRACK, TRACK_VERSION)?;
+    let rows = columns(vessel).read(&reader, &Row::blank(vessel))?;
+    let steps = document.data.steps.len();
+    let point = |row: &Row| {
+        let step = usize::try_from(row.step).ok().filter(|step| *step < steps);
+        let [at_s, _, _, psi, u, v, _, longitude, latitude] = row.floats;
+        let place = plane.to_plane(longitude, latitude);
+        Some(TrackPoint {
+            at_s,
+            place,
+            heading_deg: compass_deg(psi - plane.north_rad(place)),
+            speed_m_s: (u * u + v * v).sqrt(),
+            step: step?,
+            informative: row.informative,
+        })
+    };
+    let points: Option<Vec<TrackPoint>> = rows.iter().map(point).collect();
+    points.filter(|points| !points.is_empty()).ok_or_else(|| {
+        let expected = format!("samples of the {steps} steps of {}", plan.display());
+        Error::refuse(&path, "`step`", "other steps, or none", expected, "plan again")
+    })
 }
 
 /// Reads `track.parquet`.

@@ -11,7 +11,7 @@ mod merit;
 mod moments;
 mod monte_carlo;
 mod plan;
-mod plan_resume;
+mod plan_begun;
 mod report;
 mod search;
 mod selection;
@@ -53,7 +53,8 @@ pub const VALIDATE: Stage = Stage::of::<validate::Arguments>().with(&[
 pub const SWEEP: Stage =
     Stage::group::<sweep::Arguments>(&[Stage::of::<sweep::Cells>(), Stage::of::<sweep::Collect>()]);
 /// One trajectory with every maneuver as often as the design requires.
-pub const PLAN: Stage = Stage::of::<plan::Arguments>().with(&[Stage::of::<plan_resume::Arguments>()]);
+pub const PLAN: Stage = Stage::of::<plan::Arguments>()
+    .with(&[Stage::of::<plan_begun::Resume>(), Stage::of::<plan_begun::Follow>()]);
 /// Trials designed in rounds.
 pub const SEQUENTIAL: Stage = Stage::of::<sequential::Arguments>();
 /// A model for other tools.

@@ -73,7 +73,7 @@ impl Task for Arguments {
             dictionary: self.how.dictionary.as_deref(),
             design: self.design.as_deref(),
             beyond_range: self.how.beyond_range,
-            resumed: None,
+            begun: None,
         };
         let out = common.main_output(MAIN, files.inputs())?;
         self.how.plan(&files, &out, common, "plan")

@@ -4,14 +4,17 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use artifact::Provenance;
-use study::documents::{DesignDocument, PlanDocument};
-use study::files::{kept_to_data, read_plan, read_vessel};
-use study::plan::{PlanFile, in_tide, resumed, uncertain};
-use trial::voyage::{Brief, Place, Shares};
+use seatrial::PlanError;
+use study::documents::DesignDocument;
+use study::files::{kept_to_data, read_model, read_plan, read_vessel};
+use study::plan::{Begun, FollowedPlan, PlanFile, in_tide, read_begun, uncertain};
+use trial::voyage::{Brief, Shares};
 
 use crate::cli::beside;
 use crate::failure::Failure;
 use crate::inputs;
+
+use super::refusals;
 
 /// The files of a plan on a chart.
 pub struct VoyageFiles<'a> {
@@ -27,25 +30,19 @@ pub struct VoyageFiles<'a> {
     pub design: Option<&'a Path>,
     /// Whether inputs may leave the range of the model's logs.
     pub beyond_range: bool,
-    /// The plan to be resumed.
-    pub resumed: Option<Resumed<'a>>,
-}
-
-/// A plan that was started.
-pub struct Resumed<'a> {
-    /// `plan.json`.
-    pub plan: &'a Path,
-    /// Steps that are done.
-    pub done: usize,
-    /// The ship's position.
-    pub from: &'a Place,
+    /// The plan of which this is the rest.
+    pub begun: Option<Begun<'a>>,
 }
 
 /// The usual name of a plan.
 pub const MAIN: &str = "plan.json";
 
+/// Where the ship is in a plan that is followed.
+pub(super) const FOLLOWED: &str = "follow.json";
+
 /// The files written next to `plan.json`.
-const ADDITIONAL: [&str; 9] = [
+const ADDITIONAL: [&str; 10] = [
+    FOLLOWED,
     "track.parquet",
     "track.geojson",
     "route.rtz",
@@ -64,34 +61,48 @@ impl<'a> VoyageFiles<'a> {
         [self.vessel, self.config, self.trajectories].into_iter().chain(others)
     }
 
+    /// Why there is no plan of these files.
+    pub(super) fn refused(&self, error: PlanError) -> Failure {
+        refusals::plan([self.config, self.trajectories], self.design, error)
+    }
+
     /// Reads everything for a plan to be written to `out`, except its charts, and `plan.toml`, which names them.
     pub(super) fn read(
         &self,
         out: &Path,
         provenance: &mut Provenance,
         seed: u64,
-    ) -> Result<(Brief, PlanFile), Failure> {
+    ) -> Result<(Brief, PlanFile, Option<FollowedPlan>), Failure> {
         check_names(out)?;
         let vessel = read_vessel(self.vessel, provenance)?.with_disturbances_held();
         let vessel = kept_to_data(self.vessel, vessel, self.beyond_range)?;
+        // What was made before the trial is of the vessel before it was identified.
+        let of_model = self.begun.is_some() && read_model(self.vessel)?.is_some();
+        let model = if of_model { provenance.inputs.remove("vessel") } else { None };
         let config = read_plan(self.config, provenance)?;
         let task = config.task(&vessel).map_err(|e| Failure::invalid(self.config, &e))?;
         let task = uncertain([self.config, self.vessel], &config, &vessel, task)
             .and_then(|task| in_tide(self.config, &config, task, provenance))?;
-        let task = match &self.resumed {
-            Some(Resumed { plan, done, from }) => {
-                let begun = inputs::document::<PlanDocument>(plan, "plan", provenance)?;
-                resumed(task, &begun, *done, (*from).clone()).map_err(|e| Failure::invalid(plan, &e))?
-            }
-            None => task,
-        };
+        let plan = self.begun.map(|begun| read_begun(begun.plan, of_model, provenance)).transpose()?;
+        let begun = self.begun.as_ref().zip(plan.as_ref());
+        let task = begun.map_or_else(|| Ok(task.clone()), |(begun, plan)| begun.task(plan, task.clone()))?;
         let dictionary = inputs::runs(self.trajectories, &vessel, provenance)?;
         let design = self.design.map(|path| inputs::document::<DesignDocument>(path, "design", provenance));
         let design = design.transpose()?.map(|d| Shares { order: d.order, share: d.shares });
         let (layers, programs) = (Vec::new(), BTreeMap::new());
         let mut brief = Brief { vessel, task, layers, chart_bytes: 0, dictionary, programs, design, seed };
         brief.programs = study::plan::programs(self.dictionary, &brief, provenance)?;
-        Ok((brief, config))
+        let followed = match begun {
+            Some((begun, plan)) => {
+                begun.followed(plan, &mut brief, provenance).map_err(|error| self.refused(error.into()))?
+            }
+            None => None,
+        };
+        if let Some(model) = model {
+            provenance.origins.remove("vessel");
+            provenance.inputs.insert("vessel".to_owned(), model);
+        }
+        Ok((brief, config, followed))
     }
 
     /// Refuses to overwrite an input: those next to `out`, and charts by the name of an output.
@@ -103,7 +114,8 @@ impl<'a> VoyageFiles<'a> {
     ) -> Result<(), Failure> {
         let folder = self.config.parent().unwrap_or(Path::new(""));
         let charts = config.chart.iter().map(|spec| folder.join(&spec.file));
-        let inputs: Vec<PathBuf> = charts.chain(self.inputs().map(Path::to_path_buf)).collect();
+        let own = self.inputs().chain(self.begun.iter().flat_map(Begun::files));
+        let inputs: Vec<PathBuf> = charts.chain(own.map(Path::to_path_buf)).collect();
         let outputs: Vec<PathBuf> =
             ADDITIONAL.iter().map(|name| beside(out, MAIN, name)).chain([out.to_path_buf()]).collect();
         if let Some(problem) = problem {

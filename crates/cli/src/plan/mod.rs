@@ -6,6 +6,6 @@ mod refusals;
 mod voyage;
 
 pub use crate::limits::Limits;
-pub use files::{MAIN, Resumed, VoyageFiles};
+pub use files::{MAIN, VoyageFiles};
 pub use problem::plan_problem;
 pub use voyage::{Wanted, plan_voyage};

@@ -6,10 +6,9 @@ use artifact::{Provenance, commit, read_json, stage_document};
 use lattice::{ProblemFile, plan};
 use serde_json::json;
 use study::documents::PlanDocument;
-use study::plan::of_problem;
+use study::plan::{no_plan, of_problem, out_of_time, too_large};
 
 use super::Limits;
-use super::refusals::{no_plan, out_of_time, too_large};
 use crate::failure::Failure;
 use crate::stage::Summary;
 
@@ -26,7 +25,7 @@ pub fn plan_problem(
     let (parsed, digest) = read_json::<ProblemFile>(file)?;
     let demand = parsed.demand();
     if demand.bytes() > u128::from(limits.memory_bytes) {
-        return Err(too_large(file, &demand));
+        return Err(too_large(file, &demand).into());
     }
     let problem =
         parsed.into_problem_while(&|| limits.keep_going()).map_err(|e| Failure::invalid(file, &e))?;

@@ -7,14 +7,14 @@ use lattice::ProblemFile;
 use report::geopackage::geopackage;
 use report::plan_map;
 use seatrial::{ChartedTrial, Planned};
-use serde_json::{Value, json};
-use study::documents::{PlanDocument, Voyage};
+use serde_json::json;
+use study::documents::FollowStatus;
+use study::plan::{Begun, SoFar};
 use study::track::stage_track;
 use trial::voyage::Search;
 
 use super::Limits;
-use super::files::{MAIN, VoyageFiles};
-use super::refusals;
+use super::files::{FOLLOWED, MAIN, VoyageFiles};
 use crate::cli::{beside, budget};
 use crate::failure::Failure;
 use crate::said::on_stderr;
@@ -44,12 +44,24 @@ pub fn plan_voyage(
 ) -> Result<Summary, Failure> {
     let out = wanted.out;
     provenance.settings.insert("seed".into(), json!(seed));
-    let refuse = |error| refusals::plan(files, error);
-    let (brief, config) = files.read(out, &mut provenance, seed)?;
+    let refuse = |error| files.refused(error);
+    let (brief, config, followed) = files.read(out, &mut provenance, seed)?;
     let means = (budget(), &(|| limits.keep_going()) as &(dyn Fn() -> bool + Sync));
     let trial = ChartedTrial::on_charts(brief, (files.config, &config), means, &mut provenance);
     let trial = trial.map_err(refuse)?;
     files.check_inputs(&config, out, wanted.problem)?;
+    let mut said = String::new();
+    let mut staged = Vec::new();
+    if let (Some(own), Some(Begun { so_far: SoFar::Positions(own_files), .. })) = (&followed, &files.begun) {
+        trial.check_afloat(own_files, own, &|| limits.keep_going()).map_err(refuse)?;
+        staged.push(stage_document(beside(out, MAIN, FOLLOWED), &provenance, &own.document)?);
+        if own.document.status != FollowStatus::UnderWay {
+            commit(staged)?;
+            let details = json!({"status": own.document.status, "step": own.document.step});
+            return Ok(Summary::of(&beside(out, MAIN, FOLLOWED), own.document.statement.clone(), details));
+        }
+        said = format!("{}; ", own.document.summary());
+    }
     let searched = limits.before_check();
     let search = Search {
         options: limits.options(),
@@ -58,7 +70,7 @@ pub fn plan_voyage(
     };
     let mut planned = trial.plan(&search, wanted.unsafe_too).map_err(refuse)?;
     planned.document.beyond = study::beyond(files.vessel, files.trajectories)?;
-    let mut staged = stage(&planned, out, &provenance)?;
+    staged.extend(stage(&planned, out, &provenance)?);
     if let Some(path) = wanted.problem {
         let cell_m = planned.prepared.brief.task.cell_m;
         let problem = ProblemFile::of(&planned.solved.problem, "trial on a chart", cell_m);
@@ -68,7 +80,8 @@ pub fn plan_voyage(
     commit(staged)?;
     let document = &planned.document;
     document.messages().filter(|_| !limits.quiet).for_each(|chart| on_stderr(format_args!("plan: {chart}")));
-    Ok(summary(out, document))
+    let (plan, details) = document.summary();
+    Ok(Summary::of(out, said + &plan, details))
 }
 
 /// All outputs.
@@ -107,34 +120,4 @@ fn stage_map(planned: &Planned, out: &Path, provenance: &Provenance) -> Result<V
     let svg = plan_map(&map).map_err(|e| Failure::Failed(format!("map: {e}")))?;
     let document = stage_document(beside(out, MAIN, "map.json"), provenance, &map)?;
     Ok(vec![document, Staged::bytes(beside(out, MAIN, "map.svg"), svg.as_bytes())?])
-}
-
-fn summary(out: &Path, document: &PlanDocument) -> Summary {
-    let PlanDocument { status, cost, cost_unit, lower_bound, gap, .. } = document;
-    let steps = document.steps.len();
-    let mut said = format!("{}, {cost} {}, {steps} steps", document.known(), cost_unit.name());
-    let mut details =
-        json!({"status": status, "cost": cost, "lower_bound": lower_bound, "gap": gap, "steps": steps});
-    if let Some(Voyage { duration_s, check, .. }) = &document.voyage {
-        let more = if check.clearance_m >= check.sight_m { "more than " } else { "" };
-        said += &format!(", {duration_s} s at sea, {more}{:.0} m clear", check.clearance_m);
-        if check.left_area > 0 {
-            said += &format!(", {} of {} runs outside of the area", check.left_area, check.runs);
-        }
-        for (file, depths) in
-            document.charts.iter().filter_map(|chart| Some((&chart.file, chart.depths.as_ref()?)))
-        {
-            said += &format!("; {file}: {}", depths.words());
-        }
-        if !check.safe {
-            said += &format!("; UNSAFE: {}", check.faults.join(", "));
-        }
-        let own = json!({"duration_s": duration_s, "clearance_m": check.clearance_m, "safe": check.safe,
-            "faults": check.faults, "aground": check.aground, "runs": check.runs, "left_area": check.left_area,
-            "rounds": check.rounds});
-        if let (Value::Object(all), Value::Object(own)) = (&mut details, own) {
-            all.extend(own);
-        }
-    }
-    Summary::of(out, said, details)
 }

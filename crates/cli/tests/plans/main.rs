@@ -17,6 +17,7 @@ mod choices;
 mod exchange_sets;
 mod file_refusals;
 mod fleet;
+mod follow;
 mod geometry;
 mod globe;
 mod grid_files;

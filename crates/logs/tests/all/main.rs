@@ -17,6 +17,7 @@ mod motion;
 mod oracle;
 mod oracle_chain;
 mod patterns;
+mod positions;
 mod prepared;
 mod quality;
 mod sensors;

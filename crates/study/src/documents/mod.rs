@@ -10,6 +10,7 @@ mod design_figures;
 mod design_status;
 mod design_update;
 mod estimate;
+mod follow;
 mod found;
 mod ingest;
 mod map;
@@ -53,8 +54,8 @@ pub use regression::{InstrumentKind, MeanRemoval};
 pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments, SampledFrom, UnreachedMotion};
 pub use trial::rounds::{Arm, ArmSummary, RoundGain, Stopping};
 pub use trial::voyage::{
-    Check, FrontPoint, Information, NearestDanger, Passage, PassageLeg, Primitive, Secondary, Tide,
-    VoyageLeg, WorstVessel, WorstVessels,
+    Check, FrontPoint, Gathered, GatheredManeuver, GoesOn, Information, NearestDanger, Passage, PassageLeg,
+    Primitive, Secondary, StepState, Tide, VoyageLeg, WorstVessel, WorstVessels,
 };
 pub use trial::{Ability, DerivedHandling, Handling, Side};
 
@@ -74,6 +75,7 @@ pub use design_update::{
 };
 pub(crate) use estimate::bounded;
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
+pub use follow::{FollowDocument, FollowStatus, FollowedStep};
 pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State,
     WarningKind, WarningSummary,
@@ -115,6 +117,7 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (DesignUpdateDocument::ID, json_schema::<DesignUpdateDocument>()),
         (RefinedDocument::ID, json_schema::<RefinedDocument>()),
         (EstimateDocument::ID, json_schema::<EstimateDocument>()),
+        (FollowDocument::ID, json_schema::<FollowDocument>()),
         (IngestDocument::ID, json_schema::<IngestDocument>()),
         (ValidationDocument::ID, json_schema::<ValidationDocument>()),
         (TallyDocument::ID, json_schema::<TallyDocument>()),

@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use artifact::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use trial::voyage::{Check, FrontPoint, Information, Passage, Primary, Primitive, Secondary, VoyageLeg};
 use trial::{DerivedHandling, Handling, Side};
 
@@ -47,6 +48,36 @@ impl PlanDocument {
             PlanStatus::Optimal => self.status.name().to_owned(),
             PlanStatus::Feasible => format!("feasible (at most {} dearer than the best)", self.gap),
         }
+    }
+
+    /// What to print of it, and its figures by name.
+    pub fn summary(&self) -> (String, Value) {
+        let Self { status, cost, cost_unit, lower_bound, gap, .. } = self;
+        let steps = self.steps.len();
+        let mut said = format!("{}, {cost} {}, {steps} steps", self.known(), cost_unit.name());
+        let mut details =
+            json!({"status": status, "cost": cost, "lower_bound": lower_bound, "gap": gap, "steps": steps});
+        let Some(Voyage { duration_s, check, .. }) = &self.voyage else { return (said, details) };
+        let more = if check.clearance_m >= check.sight_m { "more than " } else { "" };
+        said += &format!(", {duration_s} s at sea, {more}{:.0} m clear", check.clearance_m);
+        if check.left_area > 0 {
+            said += &format!(", {} of {} runs outside of the area", check.left_area, check.runs);
+        }
+        for (file, depths) in
+            self.charts.iter().filter_map(|chart| Some((&chart.file, chart.depths.as_ref()?)))
+        {
+            said += &format!("; {file}: {}", depths.words());
+        }
+        if !check.safe {
+            said += &format!("; UNSAFE: {}", check.faults.join(", "));
+        }
+        let own = json!({"duration_s": duration_s, "clearance_m": check.clearance_m, "safe": check.safe,
+            "faults": check.faults, "aground": check.aground, "runs": check.runs, "left_area": check.left_area,
+            "rounds": check.rounds});
+        if let (Value::Object(all), Value::Object(own)) = (&mut details, own) {
+            all.extend(own);
+        }
+        (said, details)
     }
 
     /// Messages about its charts, one line each.

@@ -12,6 +12,7 @@ mod check;
 mod document;
 mod exchange_set;
 mod file;
+mod follow;
 mod map;
 mod programs;
 mod resume;
@@ -20,6 +21,7 @@ mod slot;
 mod task;
 mod tide;
 mod uncertain;
+mod unplanned;
 mod updates;
 
 // Types of routes.
@@ -32,9 +34,11 @@ pub use document::{of_problem, of_voyage};
 pub use file::{
     ApproachSpec, AreaSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile, SensorSpec, SlotSpec, TideSpec,
 };
+pub use follow::{Begun, FollowError, FollowFiles, FollowedPlan, SoFar};
 pub use map::map_of;
 pub use programs::programs;
-pub use resume::{place, resumed};
+pub use resume::{place, read_begun, resumed};
 pub use routes::{NamedFile, Routes};
 pub use tide::in_tide;
 pub use uncertain::uncertain;
+pub use unplanned::{Unplanned, no_plan, out_of_time, too_large, unplanned, unsafe_plan};

@@ -5,6 +5,7 @@
 //! cheapest walk with its proof, [`Prepared::plan`] simulates it, in the known current and in unknown ones,
 //! and repeats that until the proved plan passes the check.
 
+mod afloat;
 mod budget;
 mod check;
 mod check_run;
@@ -15,8 +16,10 @@ mod daylight;
 mod drafts;
 mod draws;
 mod error;
+mod follow;
 mod footing;
 mod front;
+mod gathered;
 mod ground;
 mod information;
 mod legs;
@@ -46,8 +49,12 @@ pub use counts::Wanted;
 pub use daylight::Daylight;
 pub use drafts::{Draft, Line, STRAIGHT, append_leg};
 pub use error::VoyageError;
+pub use follow::{
+    FollowLimits, Followed, GoesOn, PlannedStep, PlannedTrack, ShipPosition, StepState, TrackPoint, aligned,
+};
 pub use footing::Footing;
 pub use front::FrontPoint;
+pub use gathered::{Gathered, GatheredManeuver};
 pub use ground::AT_REST;
 pub use information::Information;
 pub use legs::{Primitive, VoyageLeg};

@@ -72,6 +72,25 @@ impl MomentSums {
         if self.degrees.is_empty() { f64::NEG_INFINITY } else { self.degrees.iter().map(one).sum() }
     }
 
+    /// tr(M⁻¹ M_other)/p over all degrees of freedom: the share of `other` in this sum, if it is part of it. `None` where a
+    /// direction is not excited.
+    pub(super) fn share_of(&self, other: &Self) -> Option<f64> {
+        if !self.log_det().is_finite() {
+            return None;
+        }
+        let traces = self.degrees.iter().zip(&other.degrees).map(|(own, other)| {
+            let n = own.len().isqrt();
+            // Scaled as for the determinant: that leaves the trace as it is.
+            let size: Vec<f64> = (0..n).map(|i| own[i * n + i].abs().sqrt()).collect();
+            let scaled =
+                |m: &[f64]| -> Vec<f64> { (0..n * n).map(|k| m[k] / (size[k / n] * size[k % n])).collect() };
+            let (mut a, mut solved) = (scaled(own), scaled(other));
+            numerics::solve(n, &mut a, &mut solved)?;
+            Some(solved.iter().step_by(n + 1).sum::<f64>())
+        });
+        Some(traces.sum::<Option<f64>>()? / self.dimension() as f64)
+    }
+
     /// Number of rows of all degrees of freedom.
     pub(super) fn dimension(&self) -> usize {
         self.degrees.iter().map(|m| m.len().isqrt()).sum()

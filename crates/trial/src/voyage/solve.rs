@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use lattice::{Lattice, MoveId, NoPlan, Poll, Problem, Reason, Solution};
+use lattice::{Lattice, MoveId, NoPlan, Poll, Pose, Problem, Reason, Solution};
 
 use super::error::VoyageError;
 use super::front::FrontPoint;
@@ -13,6 +13,9 @@ use super::search::{Search, in_words};
 use super::settled_legs::SettledLeg;
 use super::task::Secondary;
 use super::waters::Waters;
+
+/// The nodes around one, the nearest first.
+const AROUND: [[isize; 2]; 8] = [[1, 0], [0, 1], [-1, 0], [0, -1], [1, 1], [-1, 1], [-1, -1], [1, -1]];
 
 /// A solved trial.
 #[derive(Clone, Debug)]
@@ -58,10 +61,12 @@ impl Prepared {
     ) -> Result<Problem, VoyageError> {
         let task = &self.brief.task;
         let start = self.pose("start", &task.start)?;
-        let goal = self.goal(&task.goal, start)?;
+        let mut goal = self.goal(&task.goal, start)?;
         self.check_water(waters, "start", start)?;
-        if let lattice::Goal::Poses(poses) = &goal {
-            poses.iter().try_for_each(|pose| self.check_water(waters, "goal", *pose))?;
+        if let lattice::Goal::Poses(poses) = &mut goal {
+            poses
+                .iter_mut()
+                .try_for_each(|pose| self.clear_goal(waters, *pose).map(|clear| *pose = clear))?;
         }
         let lattice = Lattice { nx: self.grid.nx, ny: self.grid.ny, layers: self.grid.layers() };
         let by_class = task.cost.secondary == Secondary::Clearance;
@@ -75,6 +80,18 @@ impl Prepared {
         };
         let problem = Problem::new(lattice, moves.actions.clone(), start, goal, allowed)?;
         if poll.stopped { Err(VoyageError::OutOfTime("the layout of the lattice")) } else { Ok(problem) }
+    }
+
+    /// A pose of the goal. Where the lattice was moved to the ship's position, its nodes are others than the place was chosen
+    /// for: there, the nearest of the nodes around it counts if it is not clear itself.
+    fn clear_goal(&self, waters: &Waters, pose: Pose) -> Result<Pose, VoyageError> {
+        let Err(refused) = self.check_water(waters, "goal", pose) else { return Ok(pose) };
+        let around = AROUND.iter().filter_map(|[di, dj]| {
+            let (i, j) = (pose.i.checked_add_signed(*di)?, pose.j.checked_add_signed(*dj)?);
+            (i < self.grid.nx && j < self.grid.ny).then_some(Pose { i, j, ..pose })
+        });
+        let mut clear = around.filter(|near| self.check_water(waters, "goal", *near).is_ok());
+        clear.next().filter(|_| self.brief.task.on_node).ok_or(refused)
     }
 
     /// The vessel for which a maneuver needs most room, in words.

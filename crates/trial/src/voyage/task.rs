@@ -107,6 +107,16 @@ impl Task {
         self.tide = Some(tide);
         self
     }
+
+    /// The task for a ship that begins at `departure` instead \[s since 1970, UTC\]: what limits its time ends when it did.
+    #[must_use]
+    pub fn departing(mut self, departure: i64) -> Self {
+        let later_s = self.departure.map_or(0.0, |planned| (departure - planned) as f64);
+        self.departure = Some(departure);
+        self.slot = self.slot.map(|slot| Slot { lasts_s: slot.lasts_s - later_s, ..slot });
+        self.tide = self.tide.map(|tide| Tide { slot_s: tide.slot_s - later_s, ..tide });
+        self
+    }
 }
 
 /// The navigable area, in degrees: a box, or a polygon within it. The lattice covers the box.

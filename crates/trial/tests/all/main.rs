@@ -6,6 +6,7 @@ mod clearance;
 mod closed_loop;
 mod daylight;
 mod deviations;
+mod follow;
 mod golden;
 mod grid;
 mod handling;

@@ -1,0 +1,345 @@
+//! A plan that is followed: its positions so far as a file, and `follow.json` of them.
+
+use std::collections::BTreeMap;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+use artifact::{Digesting, Error, Provenance, open};
+use chart::Plane;
+use chart::route::Timestamp;
+use logs::{Format, LogError, LoggedPositions, SNIFFED, Since, foreign_format, read_positions};
+use refusal::Invalid;
+use trial::voyage::{
+    Brief, FollowLimits, Followed, Gathered, GoesOn, Place, PlannedTrack, ShipPosition, StepState, Task,
+    VoyageError,
+};
+
+use super::resume::{maneuvers, rest_of, resumed};
+use crate::documents::{FollowDocument, FollowStatus, FollowedStep, PlanDocument, PlanStep, Voyage};
+use crate::track::planned_points;
+
+/// The files of a plan that is followed.
+#[derive(Clone, Copy, Debug)]
+pub struct FollowFiles<'a> {
+    /// `plan.json`.
+    pub plan: &'a Path,
+    /// The positions so far.
+    pub positions: &'a Path,
+    /// How far from the track the ship may come along a step, if it does not follow from the plan \[m\].
+    pub within_m: Option<f64>,
+    /// The longest time between positions within a maneuver \[s\].
+    pub max_gap_s: f64,
+}
+
+/// The times of positions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Clock {
+    /// What positions count from, after the departure \[s\].
+    origin_s: f64,
+    /// The departure, or what stands for it, if known \[s since 1970, UTC\].
+    departure: Option<f64>,
+}
+
+/// A plan that is followed.
+#[derive(Clone, Debug)]
+pub struct FollowedPlan {
+    /// `follow.json`.
+    pub document: FollowDocument,
+    /// The positions, on the plane of the trial.
+    pub positions: Vec<ShipPosition>,
+}
+
+/// Reads the positions of a file called `.nmea` as sentences, and of any other as CSV.
+///
+/// # Errors
+/// A file that is refused.
+fn read_so_far(path: &Path, provenance: &mut Provenance) -> Result<LoggedPositions, Error> {
+    let unreadable = |e| Error::io(path, "read", e);
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let format = Format::of(name);
+    let mut head = Vec::new();
+    open(path)?.take(SNIFFED as u64).read_to_end(&mut head).map_err(unreadable)?;
+    if let Some(foreign) = foreign_format(&head, format, true) {
+        return Err(crate::invalid(path, &foreign));
+    }
+    let mut source = Digesting::new(open(path)?);
+    let positions = read_positions(BufReader::new(&mut source), format).map_err(|error| match error {
+        LogError::Unreadable(error) => unreadable(error),
+        LogError::Invalid(invalid) => crate::invalid(path, &invalid),
+    })?;
+    provenance.written("positions", path, source.digest().map_err(unreadable)?)?;
+    Ok(positions)
+}
+
+impl Clock {
+    /// The clock of positions on a plan. Times of day count from its departure; from the first position where it has none.
+    fn of(logged: &LoggedPositions, voyage: &Voyage) -> Self {
+        let departure = voyage.passage.departure.as_deref();
+        let departure = departure.and_then(|at| at.parse::<Timestamp>().ok()).map(|at| at.as_second() as f64);
+        let first = logged.rows.first().map(|row| row.at_s);
+        match logged.since {
+            Since::Departure => Self { origin_s: 0.0, departure },
+            Since::Epoch => {
+                let departure = departure.or(first);
+                Self { origin_s: departure.map_or(0.0, |at| -at), departure }
+            }
+        }
+    }
+
+    /// A time after the departure, in seconds since 1970, if the departure is known.
+    fn second(&self, at_s: f64) -> Option<i64> {
+        self.departure.map(|departure| (departure + at_s).floor() as i64)
+    }
+
+    /// The same in words.
+    fn words(&self, at_s: f64) -> Option<String> {
+        self.second(at_s).and_then(|second| Timestamp::from_second(second).ok()).map(|at| at.to_string())
+    }
+
+    /// Positions on `plane`, timed after the departure.
+    fn placed(&self, logged: &LoggedPositions, plane: &Plane) -> Vec<ShipPosition> {
+        let place = |own: &logs::LoggedPosition| ShipPosition {
+            line: own.line,
+            at_s: self.origin_s + own.at_s,
+            place: plane.to_plane(own.longitude_deg, own.latitude_deg),
+            heading_deg: own.heading_deg,
+            speed_m_s: own.speed_m_s,
+        };
+        logged.rows.iter().map(place).collect()
+    }
+}
+
+impl FollowedPlan {
+    /// Where the ship of `brief` is in `plan`, the contents of the file of that name. The task becomes that of the rest, if
+    /// maneuvers are left.
+    ///
+    /// # Errors
+    /// A plan without a track; positions that are refused; a task that does not fit the plan.
+    pub fn read(
+        files: &FollowFiles,
+        plan: &PlanDocument,
+        brief: &mut Brief,
+        provenance: &mut Provenance,
+    ) -> Result<Self, FollowError> {
+        let logged = read_so_far(files.positions, provenance)?;
+        let (plane, _) = brief.sight()?;
+        let points = planned_points(files.plan, &brief.vessel, &plane)?;
+        // A plan with a track has a voyage.
+        let voyage = plan.voyage.as_ref().ok_or_else(|| no_voyage(files.plan))?;
+        let track = PlannedTrack::new(points, &voyage.legs, &voyage.primitives, &brief.task);
+        let track = track.within(files.within_m);
+        let clock = Clock::of(&logged, voyage);
+        let positions = clock.placed(&logged, &plane);
+        let limits = FollowLimits::of(&brief.task, &track, files.max_gap_s);
+        let followed = track.follow(&positions, &limits).map_err(|e| Error::invalid(files.positions, e))?;
+        let last = &logged.rows[logged.rows.len() - 1];
+        let from = goes_on([last.longitude_deg, last.latitude_deg], &followed, voyage);
+        let information = brief.gathered(&plan.counts, &uses(plan, &followed))?;
+        let rest = rest_of(brief.task.clone(), plan, done(plan, &followed), place(&from));
+        let status = match &rest {
+            None if followed.finished => FollowStatus::Finished,
+            None => FollowStatus::ManeuversDone,
+            Some(_) => FollowStatus::UnderWay,
+        };
+        if let Some(rest) = rest {
+            brief.task = match clock.second(followed.at_s) {
+                Some(second) => rest.departing(second),
+                None => rest,
+            };
+        }
+        let document = FollowDocument {
+            statement: statement(plan, &followed, &information, status),
+            status,
+            departure: clock.words(0.0),
+            at: clock.words(followed.at_s),
+            at_s: followed.at_s,
+            positions: positions.len() as u64,
+            step: followed.step as u64 + 1,
+            deviation_m: followed.deviation_m,
+            delay_s: followed.delay_s,
+            steps: states(voyage, &track, &followed),
+            information,
+            from,
+        };
+        Ok(Self { document, positions })
+    }
+}
+
+/// The steps that are done.
+fn done<'a>(plan: &'a PlanDocument, followed: &'a Followed) -> impl Iterator<Item = &'a PlanStep> {
+    let all = plan.steps.iter().zip(&followed.states);
+    all.filter(|(_, state)| **state == StepState::Done).map(|(step, _)| step)
+}
+
+/// Uses of every action among the steps that are done.
+fn uses(plan: &PlanDocument, followed: &Followed) -> BTreeMap<String, u64> {
+    let mut uses: BTreeMap<String, u64> = BTreeMap::new();
+    done(plan, followed).for_each(|step| *uses.entry(step.action.clone()).or_default() += 1);
+    uses
+}
+
+fn place(from: &GoesOn) -> Place {
+    Place {
+        longitude_deg: from.longitude_deg,
+        latitude_deg: from.latitude_deg,
+        heading_deg: from.heading_deg,
+        mode: Some(from.mode.clone()),
+    }
+}
+
+/// A plan that was begun.
+#[derive(Clone, Copy, Debug)]
+pub struct Begun<'a> {
+    /// `plan.json`.
+    pub plan: &'a Path,
+    /// What is known of it so far.
+    pub so_far: SoFar<'a>,
+}
+
+/// What is known of a plan that was begun.
+#[derive(Clone, Copy, Debug)]
+pub enum SoFar<'a> {
+    /// How many of its steps are done, and where the ship goes on.
+    Steps(usize, &'a Place),
+    /// The ship's positions.
+    Positions(FollowFiles<'a>),
+}
+
+impl<'a> Begun<'a> {
+    /// The files that it is known from.
+    pub fn files(&self) -> impl Iterator<Item = &'a Path> {
+        let positions = match self.so_far {
+            SoFar::Steps(..) => None,
+            SoFar::Positions(files) => Some(files.positions),
+        };
+        std::iter::once(self.plan).chain(positions)
+    }
+
+    /// `task` of a stated place in `plan`; that of the whole plan where the place follows from positions.
+    ///
+    /// # Errors
+    /// See [`resumed`]; a plan of a lattice problem, which no ship sails.
+    pub fn task(&self, plan: &PlanDocument, task: Task) -> Result<Task, Error> {
+        match self.so_far {
+            SoFar::Steps(done, from) => {
+                resumed(task, plan, done, from.clone()).map_err(|e| Error::invalid(self.plan, e))
+            }
+            SoFar::Positions(_) if plan.voyage.is_none() => Err(no_voyage(self.plan)),
+            SoFar::Positions(_) => {
+                let counts = plan.counts.iter().map(|(name, count)| (name.as_str(), *count));
+                Ok(Task { maneuvers: maneuvers(&task, counts), ..task })
+            }
+        }
+    }
+
+    /// Where the ship is in `plan` by her positions, if those are what is known: see [`FollowedPlan::read`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn followed(
+        &self,
+        plan: &PlanDocument,
+        brief: &mut Brief,
+        provenance: &mut Provenance,
+    ) -> Result<Option<FollowedPlan>, FollowError> {
+        let SoFar::Positions(files) = &self.so_far else { return Ok(None) };
+        FollowedPlan::read(files, plan, brief, provenance).map(Some)
+    }
+}
+
+/// Why a plan is not followed.
+#[derive(Debug)]
+pub enum FollowError {
+    /// A file is refused.
+    File(Error),
+    /// The trial does not fit.
+    Voyage(VoyageError),
+}
+
+impl From<Error> for FollowError {
+    fn from(error: Error) -> Self {
+        Self::File(error)
+    }
+}
+
+impl From<VoyageError> for FollowError {
+    fn from(error: VoyageError) -> Self {
+        Self::Voyage(error)
+    }
+}
+
+fn no_voyage(plan: &Path) -> Error {
+    let remedy = "plan on a chart, with --vessel, --trajectories and --config";
+    Error::invalid(plan, Invalid::new("`data.voyage`", "none", "a plan on a chart", remedy))
+}
+
+/// Where the ship goes on, at longitude and latitude `place`.
+fn goes_on([longitude_deg, latitude_deg]: [f64; 2], followed: &Followed, voyage: &Voyage) -> GoesOn {
+    let [heading_deg, speed_m_s] = followed.motion;
+    let off = |own: &(&String, &f64)| (own.1 - speed_m_s).abs();
+    let modes = voyage.lattice.modes.iter();
+    let mode = modes.min_by(|a, b| off(a).total_cmp(&off(b))).map_or(String::new(), |own| own.0.clone());
+    GoesOn { longitude_deg, latitude_deg, heading_deg, speed_m_s, mode }
+}
+
+fn states(voyage: &Voyage, track: &PlannedTrack, followed: &Followed) -> Vec<FollowedStep> {
+    let all = voyage.legs.iter().zip(&track.steps).zip(followed.states.iter().zip(&followed.deviations_m));
+    all.map(|((leg, step), (state, deviation_m))| FollowedStep {
+        action: step.name.clone(),
+        informative: leg.informative,
+        state: *state,
+        deviation_m: *deviation_m,
+        within_m: step.within_m,
+    })
+    .collect()
+}
+
+/// `follow.json` in words.
+fn statement(
+    plan: &PlanDocument,
+    followed: &Followed,
+    information: &Gathered,
+    status: FollowStatus,
+) -> String {
+    let step = &plan.steps[followed.step];
+    let number = followed.step + 1;
+    let mut said = match status {
+        FollowStatus::Finished => "The plan is done.".to_owned(),
+        FollowStatus::ManeuversDone => {
+            format!(
+                "All maneuvers are done; the ship is at step {number} of {}. Sail the plan to its end.",
+                plan.steps.len()
+            )
+        }
+        FollowStatus::UnderWay if followed.finished => {
+            "The ship is at the end of the plan, with maneuvers left to do.".to_owned()
+        }
+        FollowStatus::UnderWay => {
+            let counts = if followed.in_maneuver {
+                ", whose maneuver is under way and counts as not done"
+            } else {
+                ""
+            };
+            format!("The ship is at step {number} of {}, `{}`{counts}.", plan.steps.len(), step.action)
+        }
+    };
+    let late = if followed.delay_s < 0.0 { "early" } else { "late" };
+    said += &format!(
+        " She is {:.0} m off the plan, and {:.0} s {late}.",
+        followed.deviation_m,
+        followed.delay_s.abs()
+    );
+    if let Some(share) = information.share {
+        let percent = 100.0 * share;
+        said += &format!(" What is done has {percent:.0} % of the planned information (D-criterion).");
+    }
+    let missed = |(k, (own, state)): (usize, (&PlanStep, &StepState))| {
+        (*state == StepState::Missed).then(|| format!("{} (`{}`)", k + 1, own.action))
+    };
+    let missed: Vec<String> =
+        plan.steps.iter().zip(&followed.states).enumerate().filter_map(missed).collect();
+    if !missed.is_empty() {
+        said += &format!(" She did not come along all of step {}.", missed.join(", "));
+    }
+    said
+}

@@ -1,0 +1,121 @@
+//! Positions that cannot be a ship's on a plan.
+
+use refusal::Invalid;
+
+use super::along::Along;
+use super::limits::FollowLimits;
+use super::track::{PlannedTrack, ShipPosition};
+
+/// Farther than this before the departure or after the end of the plan is another day \[s\].
+const ANOTHER_DAY_S: f64 = 12.0 * 3600.0;
+
+/// A line of the positions, for messages.
+fn line(position: &ShipPosition) -> String {
+    format!("line {}", position.line)
+}
+
+/// Refuses positions of another day, and jumps.
+pub(super) fn check_positions(
+    track: &PlannedTrack,
+    positions: &[ShipPosition],
+    limits: &FollowLimits,
+) -> Result<(), Invalid> {
+    let ([first, ..], Some(last)) = (positions, positions.last()) else {
+        let remedy = "export the positions since the departure";
+        return Err(Invalid::new("positions", "none", "at least one", remedy));
+    };
+    check_day(track, [first, last])?;
+    positions.windows(2).try_for_each(|pair| check_jump(pair, limits))
+}
+
+fn check_day(track: &PlannedTrack, [first, last]: [&ShipPosition; 2]) -> Result<(), Invalid> {
+    let hours = |s: f64| format!("{:.1} h", s / 3600.0);
+    let another = |at: &ShipPosition, found: String| {
+        let expected = "positions within 12 h of the plan";
+        let remedy = "give the log of the trial's day, or correct `departure` and plan again";
+        Err(Invalid::new(format!("{}, `time`", line(at)), found, expected, remedy))
+    };
+    if last.at_s < -ANOTHER_DAY_S {
+        return another(last, format!("{} before the departure of the plan", hours(-last.at_s)));
+    }
+    let after_s = first.at_s - track.ends_s();
+    if after_s > ANOTHER_DAY_S {
+        return another(first, format!("{} after the end of the plan", hours(after_s)));
+    }
+    Ok(())
+}
+
+fn check_jump(pair: &[ShipPosition], limits: &FollowLimits) -> Result<(), Invalid> {
+    let [east, north] = [0, 1].map(|c: usize| pair[1].place[c] - pair[0].place[c]);
+    let (way_m, elapsed_s) = (libm::hypot(east, north), pair[1].at_s - pair[0].at_s);
+    let most_m = limits.fastest_m_s * elapsed_s + 2.0 * limits.uncertain_m;
+    if way_m <= most_m {
+        return Ok(());
+    }
+    let found = format!("a jump of {way_m:.0} m in {elapsed_s:.1} s");
+    let expected = format!("at most {most_m:.0} m, at {:.1} m/s", limits.fastest_m_s);
+    let remedy = "leave out positions that are wrong, or of another ship";
+    Err(Invalid::new(line(&pair[1]), found, expected, remedy))
+}
+
+/// Refuses positions of another plan, gaps in maneuvers, and a ship that left the end of the plan.
+pub(super) fn check_alignment(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
+    let (nearest_m, within_m) = (along.nearest_m(), along.least_within_m());
+    if nearest_m > within_m {
+        return Err(Invalid::new(
+            "positions",
+            format!("none nearer to the plan's track than {nearest_m:.0} m"),
+            format!("positions along it, within {within_m:.0} m"),
+            "name the plan that is sailed, or widen --within-m",
+        ));
+    }
+    check_beginning(along, limits)?;
+    check_gaps(along, limits)?;
+    check_end(along)
+}
+
+/// Refuses positions that begin after a maneuver.
+fn check_beginning(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
+    let first = &along.track.points[along.at[0]];
+    let before = &along.track.points[..along.at[0]];
+    let maneuver = before.iter().rfind(|point| point.informative);
+    match maneuver.filter(|_| first.at_s > limits.max_gap_s) {
+        None => Ok(()),
+        Some(point) => {
+            let name = &along.track.steps[point.step].name;
+            let found =
+                format!("a beginning at step {}, after `{name}` in step {}", first.step + 1, point.step + 1);
+            let expected = "positions since the departure of the plan";
+            Err(Invalid::new(line(&along.positions[0]), found, expected, "give the whole log"))
+        }
+    }
+}
+
+fn check_gaps(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
+    for (pair, at) in along.positions.windows(2).zip(along.at.windows(2)) {
+        let gap_s = pair[1].at_s - pair[0].at_s;
+        let maneuver = along.track.points[at[0]..=at[1]].iter().find(|point| point.informative);
+        if let Some(point) = maneuver.filter(|_| gap_s > limits.max_gap_s) {
+            let name = &along.track.steps[point.step].name;
+            let found =
+                format!("{gap_s:.0} s since line {}, in `{name}` of step {}", pair[0].line, point.step + 1);
+            let expected = format!("at most {} s in a maneuver", limits.max_gap_s);
+            let remedy = "give a log without the gap, or allow it with --max-gap-s";
+            return Err(Invalid::new(line(&pair[1]), found, expected, remedy));
+        }
+    }
+    Ok(())
+}
+
+fn check_end(along: &Along) -> Result<(), Invalid> {
+    let (Some(reached), Some(ship)) = (along.reached_end(), along.positions.last()) else { return Ok(()) };
+    let end = &along.track.points[along.track.points.len() - 1];
+    let (away_m, within_m) = (end.away_m(ship.place), along.track.steps[end.step].within_m);
+    if away_m <= within_m {
+        return Ok(());
+    }
+    let after_s = ship.at_s - along.positions[reached].at_s;
+    let found = format!("{away_m:.0} m from the end of the plan, {after_s:.0} s after the ship was there");
+    let expected = format!("positions up to the end, within {within_m:.0} m");
+    Err(Invalid::new(line(ship), found, expected, "the plan is done: cut the log where it ends"))
+}

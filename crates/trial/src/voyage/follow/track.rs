@@ -1,0 +1,150 @@
+//! Planned tracks and positions, as they are compared.
+
+use super::super::legs::{Primitive, VoyageLeg};
+use super::super::task::Task;
+use crate::grid::wrap;
+
+/// Most points of a track, and most positions, that are compared.
+const MOST: f64 = 3000.0;
+/// Standard deviations by which a position may be off.
+const SIGMAS: f64 = 5.0;
+/// Least standard deviation of logged positions \[m\]: a ship's autopilot may have better ones than her log.
+const POSITION_M: f64 = 3.0;
+
+/// Part of a maneuver's way that a ship may be off its track.
+const SPREAD: f64 = 0.25;
+
+/// A sample of a planned track.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackPoint {
+    /// When the ship is there, after the departure \[s\].
+    pub at_s: f64,
+    /// East and north of the plane's origin \[m\].
+    pub place: [f64; 2],
+    /// True heading \[deg\].
+    pub heading_deg: f64,
+    /// Speed \[m/s\].
+    pub speed_m_s: f64,
+    /// Its step.
+    pub step: usize,
+    /// Whether it is of an informative maneuver.
+    pub informative: bool,
+}
+
+/// A step of a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedStep {
+    /// Its action.
+    pub name: String,
+    /// How far from the track the ship may come along it \[m\].
+    pub within_m: f64,
+}
+
+/// A planned track.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedTrack {
+    /// Its samples in order, at least one.
+    pub points: Vec<TrackPoint>,
+    /// The steps that they are of.
+    pub steps: Vec<PlannedStep>,
+}
+
+/// A position of the ship.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShipPosition {
+    /// The line that it stands on.
+    pub line: usize,
+    /// When she was there, after the departure \[s\].
+    pub at_s: f64,
+    /// East and north of the plane's origin \[m\].
+    pub place: [f64; 2],
+    /// True heading, if known \[deg\].
+    pub heading_deg: Option<f64>,
+    /// Speed over the ground, if known \[m/s\].
+    pub speed_m_s: Option<f64>,
+}
+
+impl TrackPoint {
+    /// Distance of a place from it \[m\].
+    pub fn away_m(&self, [east, north]: [f64; 2]) -> f64 {
+        libm::hypot(east - self.place[0], north - self.place[1])
+    }
+}
+
+impl PlannedTrack {
+    /// The track of `points`, with a step for each of the plan's `legs`. One counts as done within the tolerance at nodes and
+    /// what positions may be off; a maneuver within the spread of those who rehearsed it, too, but no farther than a part of
+    /// its way: beyond, another maneuver would pass.
+    pub fn new(points: Vec<TrackPoint>, legs: &[VoyageLeg], primitives: &[Primitive], task: &Task) -> Self {
+        let least_m = task.approach.tolerance.distance_m + uncertain_m(task.sensors.position_m);
+        let step = |(index, leg): (usize, &VoyageLeg)| {
+            let own = primitives.iter().filter(|own| leg.informative && own.maneuver == leg.name);
+            let spread_m = own.map(|own| own.spread_m).fold(0.0, f64::max);
+            let most_m = SPREAD * maneuver_m(&points, index);
+            PlannedStep { name: leg.name.clone(), within_m: least_m + spread_m.min(most_m) }
+        };
+        let steps = legs.iter().enumerate().map(step).collect();
+        Self { points, steps }
+    }
+
+    /// The same, with every step done within `within_m`, if that is stated.
+    #[must_use]
+    pub fn within(mut self, within_m: Option<f64>) -> Self {
+        let Some(within_m) = within_m else { return self };
+        self.steps.iter_mut().for_each(|step| step.within_m = within_m);
+        self
+    }
+
+    /// When it ends, after the departure \[s\].
+    pub fn ends_s(&self) -> f64 {
+        self.points.last().map_or(0.0, |last| last.at_s)
+    }
+
+    /// The track with no more points than can be compared: the first of every step, and the last of all, stay.
+    pub(super) fn thinned(&self) -> Self {
+        let apart_s = self.ends_s() / MOST;
+        let last = self.points.len() - 1;
+        let mut points: Vec<TrackPoint> = Vec::new();
+        for (k, point) in self.points.iter().enumerate() {
+            let is_new = |before: &TrackPoint| {
+                point.step != before.step
+                    || point.informative != before.informative
+                    || point.at_s >= before.at_s + apart_s
+            };
+            if k == last || points.last().is_none_or(is_new) {
+                points.push(*point);
+            }
+        }
+        Self { points, steps: self.steps.clone() }
+    }
+}
+
+/// No more positions than can be compared: the last, and both ends of gaps longer than `max_gap_s`, stay.
+pub(super) fn thinned_positions(all: &[ShipPosition], max_gap_s: f64) -> Vec<ShipPosition> {
+    let span_s = all[all.len() - 1].at_s - all[0].at_s;
+    let mut kept: Vec<ShipPosition> = Vec::new();
+    for (k, own) in all.iter().enumerate() {
+        let is_late = kept.last().is_none_or(|last| own.at_s >= last.at_s + span_s / MOST);
+        let gap = |a: usize, b: usize| all.get(b).is_none_or(|later| later.at_s - all[a].at_s > max_gap_s);
+        if is_late || gap(k, k + 1) || k > 0 && gap(k - 1, k) {
+            kept.push(*own);
+        }
+    }
+    kept
+}
+
+/// The way of the maneuver of a step \[m\].
+fn maneuver_m(points: &[TrackPoint], step: usize) -> f64 {
+    let pairs = points.windows(2).filter(|pair| pair[0].step == step && pair[0].informative);
+    pairs.map(|pair| pair[0].away_m(pair[1].place)).sum()
+}
+
+/// How far positions may be off \[m\], where sensors state a standard deviation of `position_m`, or 0.
+pub(super) fn uncertain_m(position_m: f64) -> f64 {
+    SIGMAS * position_m.max(POSITION_M)
+}
+
+/// Difference of two headings, from 0 to 180 \[deg\].
+pub(super) fn turned_deg(a: f64, b: f64) -> f64 {
+    wrap((a - b).to_radians()).abs().to_degrees()
+}
