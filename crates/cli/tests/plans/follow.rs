@@ -195,6 +195,15 @@ fn a_maneuver_that_is_missed_is_planned_again() {
     let own = ["deviation_m", "within_m"].map(|key| follow["data"]["steps"][step][key].as_f64().unwrap());
     assert!(own[0] > own[1] && own[1] > 27.0, "{own:?}");
     assert_eq!(rest["data"]["counts"], planned.plan["counts"]);
+    // So it is after the end of the plan, from wherever the ship is.
+    let mut left: Vec<Row> = along(&planned.track, f64::INFINITY, 1, 0.0).into_iter().map(aside).collect();
+    let end = left[left.len() - 1];
+    left.extend((1..100).map(|k| [end[0] + f64::from(k), end[1] + 2e-5 * f64::from(k), end[2]]));
+    put(&folder, "positions.csv", &seconds(&left));
+    run(&folder, FOLLOW).succeeds();
+    let counts = json(&folder, "rest/plan.json")["data"]["counts"].take();
+    assert_eq!(counts, serde_json::json!({"zig-zag-steep": 1}));
+    put(&folder, "positions.csv", &seconds(&rows));
     // Within a distance that is stated, it counts.
     run(&folder, &format!("{FOLLOW} --within-m 200")).succeeds();
     assert_eq!(json(&folder, "rest/follow.json")["data"]["steps"][step]["state"], "done");

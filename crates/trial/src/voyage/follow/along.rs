@@ -1,9 +1,12 @@
 //! A ship along a track: where she came along it, and how far off.
 
-use super::track::{PlannedTrack, ShipPosition};
+use super::alignment::aligned;
+use super::track::{PlannedTrack, ShipPosition, TrackPoint};
 
-/// The last seconds of a plan, in which she comes to rest, are not told apart by positions \[s\].
-const LAST_S: f64 = 10.0;
+/// The last seconds of a plan, in which she comes to rest, are not told apart by positions: so many at most, and within this
+/// part of the least distance.
+const LAST_S: f64 = 30.0;
+const LAST: f64 = 0.5;
 /// Least way over the ground that gives a course \[m\].
 const COURSE_M: f64 = 20.0;
 
@@ -11,6 +14,8 @@ const COURSE_M: f64 = 20.0;
 pub(super) struct Along<'a> {
     pub(super) track: &'a PlannedTrack,
     pub(super) positions: &'a [ShipPosition],
+    /// Where she is now: the last of them, or a later one, after she left the end of the track.
+    pub(super) ship: ShipPosition,
     /// The point that each position belongs to.
     pub(super) at: Vec<usize>,
     /// Distance of the ship from each point when she was there, between positions on a straight line \[m\]; infinite where
@@ -19,7 +24,7 @@ pub(super) struct Along<'a> {
 }
 
 impl<'a> Along<'a> {
-    pub(super) fn new(track: &'a PlannedTrack, positions: &'a [ShipPosition], at: Vec<usize>) -> Self {
+    fn new(track: &'a PlannedTrack, positions: &'a [ShipPosition], at: Vec<usize>) -> Self {
         let mut away_m = vec![f64::INFINITY; track.points.len()];
         for (k, own) in at.iter().zip(positions) {
             away_m[*k] = away_m[*k].min(track.points[*k].away_m(own.place));
@@ -33,7 +38,28 @@ impl<'a> Along<'a> {
                 *away = point.away_m(place);
             }
         }
-        Self { track, positions, at, away_m }
+        let ship = positions[positions.len() - 1];
+        Self { track, positions, ship, at, away_m }
+    }
+
+    /// `positions` aligned with the track; up to where she was last nearest to its end, if she came there and left it.
+    pub(super) fn of(track: &'a PlannedTrack, positions: &'a [ShipPosition]) -> Self {
+        let end = &track.points[track.points.len() - 1];
+        let away_m = |index: &usize| end.away_m(positions[*index].place);
+        let within_m = track.steps[end.step].within_m;
+        let is_away = |index: &usize| away_m(index) > within_m;
+        let near = (0..positions.len()).rev().skip_while(is_away).take_while(|index| !is_away(index));
+        let nearest = near.min_by(|a, b| away_m(a).total_cmp(&away_m(b)));
+        let has_left = is_away(&(positions.len() - 1));
+        let until = nearest.filter(|_| has_left).map_or(0, |index| index + 1);
+        if (1..positions.len()).contains(&until) {
+            let before = &positions[..until];
+            let along = Self::new(track, before, aligned(track, before));
+            if along.reached_end().is_some() {
+                return Self { ship: positions[positions.len() - 1], ..along };
+            }
+        }
+        Self::new(track, positions, aligned(track, positions))
     }
 
     /// The point that the last position belongs to.
@@ -50,6 +76,13 @@ impl<'a> Along<'a> {
     /// Whether the ship came along all of a step within its distance.
     pub(super) fn is_covered(&self, step: usize) -> bool {
         self.of_step(step).all(|away| away <= self.track.steps[step].within_m)
+    }
+
+    /// Whether that holds for all steps with maneuvers.
+    pub(super) fn are_maneuvers_covered(&self) -> bool {
+        let of_maneuver =
+            |step: usize| self.track.points.iter().any(|own| own.step == step && own.informative);
+        (0..self.track.steps.len()).filter(|step| of_maneuver(*step)).all(|step| self.is_covered(step))
     }
 
     /// The greatest distance of the ship from a step, where she was at it \[m\].
@@ -79,9 +112,14 @@ impl<'a> Along<'a> {
     pub(super) fn reached_end(&self) -> Option<usize> {
         let end = &self.track.points[self.track.points.len() - 1];
         let within_m = self.track.steps[end.step].within_m;
-        let is_end = |at: usize| self.track.points[at].at_s >= end.at_s - LAST_S;
+        let is_last = |point: &&TrackPoint| {
+            point.at_s >= end.at_s - LAST_S
+                && !point.informative
+                && end.away_m(point.place) <= LAST * self.least_within_m()
+        };
+        let first = self.track.points.len() - self.track.points.iter().rev().take_while(is_last).count();
         let mut there = self.positions.iter().zip(&self.at);
-        there.position(|(own, at)| is_end(*at) && end.away_m(own.place) <= within_m)
+        there.position(|(own, at)| *at >= first && end.away_m(own.place) <= within_m)
     }
 
     /// How much later than planned she was at a position \[s\].
@@ -91,7 +129,7 @@ impl<'a> Along<'a> {
 
     /// Course and speed over the ground at the last position \[deg, m/s\]: since she was so far away that it gives a course.
     pub(super) fn course(&self) -> Option<[f64; 2]> {
-        let ship = self.positions.last()?;
+        let ship = &self.ship;
         let way = |own: &ShipPosition| [0, 1].map(|c: usize| ship.place[c] - own.place[c]);
         let far = |own: &&ShipPosition| libm::hypot(way(own)[0], way(own)[1]) >= COURSE_M;
         let from = self.positions.iter().rev().find(far)?;

@@ -82,7 +82,7 @@ impl PlannedTrack {
         check_positions(self, positions, limits)?;
         let track = self.thinned();
         let kept = track::thinned_positions(positions, limits.max_gap_s);
-        let along = Along::new(&track, &kept, aligned(&track, &kept));
+        let along = Along::of(&track, &kept);
         check_alignment(&along, limits)?;
         Ok(along.followed())
     }
@@ -91,7 +91,7 @@ impl PlannedTrack {
 impl Along<'_> {
     fn followed(&self) -> Followed {
         let (track, last) = (self.track, self.last());
-        let (point, ship) = (&track.points[last], &self.positions[self.positions.len() - 1]);
+        let (point, ship) = (&track.points[last], &self.ship);
         let end = self.reached_end();
         let finished = end.is_some();
         let at_s = ship.at_s;
@@ -123,7 +123,7 @@ impl Along<'_> {
 
     /// True heading and speed at the last position \[deg, m/s\].
     fn motion(&self) -> [f64; 2] {
-        let (point, ship) = (&self.track.points[self.last()], &self.positions[self.positions.len() - 1]);
+        let (point, ship) = (&self.track.points[self.last()], &self.ship);
         let on_plan = point.away_m(ship.place) <= self.track.steps[point.step].within_m;
         let planned = [point.heading_deg, point.speed_m_s];
         let own = if on_plan { planned } else { self.course().unwrap_or(planned) };

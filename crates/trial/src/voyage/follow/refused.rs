@@ -108,10 +108,12 @@ fn check_gaps(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
 }
 
 fn check_end(along: &Along) -> Result<(), Invalid> {
-    let (Some(reached), Some(ship)) = (along.reached_end(), along.positions.last()) else { return Ok(()) };
+    let Some(reached) = along.reached_end() else { return Ok(()) };
+    let ship = &along.ship;
     let end = &along.track.points[along.track.points.len() - 1];
     let (away_m, within_m) = (end.away_m(ship.place), along.track.steps[end.step].within_m);
-    if away_m <= within_m {
+    // With maneuvers left, she goes on from wherever she is.
+    if away_m <= within_m || !along.are_maneuvers_covered() {
         return Ok(());
     }
     let after_s = ship.at_s - along.positions[reached].at_s;
