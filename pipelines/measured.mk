@@ -88,7 +88,7 @@ $(NEXT_TRIAL)/dictionary.parquet: $(NEXT_TRIAL)/search.json $(STUDY)/next/dictio
 	$(BIN)/simulate dictionary $(NEXT_MODEL) --dictionary $(STUDY)/next/dictionary.toml $(FLAGS) --out $@
 
 $(NEXT_TRIAL)/moments.json: $(NEXT_TRIAL)/dictionary.parquet $(STUDY)/next/campaign.toml
-	$(BIN)/moments $(NEXT_MODEL) --trajectories $< $(NEXT_SEA) --estimator output-error $(FLAGS) --out $@
+	$(BIN)/moments $(NEXT_MODEL) --trajectories $< $(NEXT_SEA) --estimator output-error --hold-unexcited $(FLAGS) --out $@
 
 $(NEXT_TRIAL)/design.json: $(NEXT_TRIAL)/moments.json $(wildcard $(STUDY)/study.mk)
 	$(BIN)/design --moments $< --for output-error $(NEXT_FLAGS) $(FLAGS) --out $@

@@ -81,6 +81,15 @@ impl Dictionary {
         (&self.degrees[0], 0)
     }
 
+    /// Refuses maneuvers of which no mixture excites every parameter.
+    ///
+    /// # Errors
+    /// [`NoDesign::Unexcited`] names one that is not; as [`Candidates::scaled`].
+    pub fn check_excited(&self) -> Result<(), NoDesign> {
+        let checked = self.information.balanced().and_then(|own| own.candidates.check_excitation());
+        checked.map_err(|error| self.explain(error))
+    }
+
     /// Expresses `error`, which is about blocks and rows of the information, in terms of the parameters.
     pub fn explain(&self, error: Error) -> NoDesign {
         let first_row = |block: usize| self.information.blocks().take(block).map(|(n, _)| n).sum::<usize>();

@@ -1,4 +1,4 @@
-//! Parameters that simulated trials cannot determine, because they hold disturbances constant.
+//! Parameters that a trial cannot determine, because it holds disturbances constant or does not excite their terms.
 
 use std::collections::BTreeMap;
 
@@ -20,10 +20,23 @@ impl Vessel {
             degree.terms.iter().map(|term| none || !is_held(term)).collect::<Vec<bool>>()
         };
         let kept: Vec<bool> = degrees.iter().flat_map(of_degree).collect();
+        self.estimating(&kept)
+    }
+
+    /// The vessel with parameter `name` at its value, which is known from then on. A name that it has not changes nothing.
+    #[must_use]
+    pub fn with_held(self, name: &str) -> Self {
+        let kept: Vec<bool> = self.model.parameter_names().map(|own| own != name).collect();
+        self.estimating(&kept)
+    }
+
+    /// The vessel of which only those parameters are estimated that are `kept`.
+    fn estimating(self, kept: &[bool]) -> Self {
         if !kept.contains(&false) {
             return self;
         }
-        let constrained = self.constrained_but(&kept);
+        let degrees = &self.model.degrees;
+        let constrained = self.constrained_but(kept);
         let mut model = self.model.clone();
         let mut first = 0;
         for (degree, own) in model.degrees.iter_mut().zip(degrees) {

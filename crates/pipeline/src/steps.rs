@@ -286,7 +286,7 @@ fn next_trial(settings: &Settings, shape: &Shape) -> Vec<Step> {
         ),
         Step::new(
             "next-moments",
-            &format!("moments {MODEL} {MADE} {SEA} --estimator output-error"),
+            &format!("moments {MODEL} {MADE} {SEA} --estimator output-error --hold-unexcited"),
             "",
             &["{out}/measured/next/moments.json"],
         ),

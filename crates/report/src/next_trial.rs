@@ -80,6 +80,7 @@ pub(super) fn next_trial(next: &NextTrial, sailed: Option<Markup>) -> Section {
             "). " (coded(&next.design.statement))
             @if let Some(restricted) = &next.design.restricted { " " (coded(&restricted.statement)) }
         }
+        (super::parts::held(next.design.held_in_words().as_ref()))
         (super::parts::beyond(&next.design.beyond))
         (shares(next))
         (free_runs(next))

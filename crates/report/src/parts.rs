@@ -49,6 +49,11 @@ pub(super) fn beyond(said: &[String]) -> Markup {
     }
 }
 
+/// Warns of parameters that are held, since no maneuver excites them.
+pub(super) fn held(words: Option<&String>) -> Markup {
+    html! { @if let Some(words) = words { p.caution { b { "Held." } " " (coded(words)) "." } } }
+}
+
 /// Text with names in backticks.
 pub(super) fn coded(text: &str) -> Markup {
     html! { @for (i, piece) in text.split('`').enumerate() { @if i % 2 == 1 { code { (piece) } } @else { (piece) } } }

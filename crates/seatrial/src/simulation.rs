@@ -115,6 +115,7 @@ impl Study {
             instruments,
             degrees: structure(model),
             maneuvers: pool.finish(model)?,
+            held: Vec::new(),
             beyond: Vec::new(),
             disturbances: None,
             output_error: None,

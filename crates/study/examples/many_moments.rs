@@ -51,6 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         instruments: InstrumentKind::Nominal,
         degrees,
         maneuvers: Vec::new(),
+        held: Vec::new(),
         beyond: Vec::new(),
         disturbances: None,
         output_error: None,

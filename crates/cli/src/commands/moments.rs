@@ -20,8 +20,8 @@ use study::moments_table::{self, table_of};
 use study::parts;
 use study::trajectories::{TrajectoryReader, label};
 use trial::moments::{
-    Expected, FreeRunModel, ManeuverMoments, Moments, Pool, Prediction, Unpredictable, check_constants,
-    structure,
+    Estimated, Expected, FreeRunModel, HeldParameter, ManeuverMoments, Moments, Pool, Prediction,
+    Unpredictable, check_constants, structure,
 };
 
 use crate::choice::choice;
@@ -65,6 +65,9 @@ pub struct Arguments {
     /// Writes the maneuvers into moments.parquet beside the document, as they come: for dictionaries of very many
     #[arg(long, conflicts_with_all = ["campaign", "shard", "gather"])]
     table: bool,
+    /// Holds parameters that no maneuver excites apart from the others at their values, says so, and gives the moments of the others
+    #[arg(long, conflicts_with_all = ["table", "shard", "gather"])]
+    hold_unexcited: bool,
     #[command(flatten)]
     sharding: Sharding,
 }
@@ -88,37 +91,65 @@ impl Task for Arguments {
         let beyond = study::beyond(&self.vessel, &self.trajectories)?;
         let is_own = !self.table && matches!(self.nominal, None | Some(Nominal::Given));
         let sampled = is_own.then(|| sampled_ships(&self.vessel, &vessel, &reader)).transpose()?.flatten();
-        let (disturbances, output_error) = predicted(self, &vessel, &mut provenance)?;
         let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);
         let out = common.main_output("moments.json", inputs.chain(&self.sharding.gather))?;
-        let prediction = Prediction::new(&vessel.model, disturbances.as_ref(), output_error.as_ref());
-        let reading = Reading { a: self, vessel: &vessel, prediction, reader: &reader, quiet: common.quiet };
-        let head = |maneuvers: Vec<ManeuverMoments>| {
-            MomentsDocument(Moments {
+        let mut held = Vec::new();
+        let document = loop {
+            let (disturbances, output_error) = predicted(self, &vessel, &mut provenance)?;
+            let prediction = Prediction::new(&vessel.model, disturbances.as_ref(), output_error.as_ref());
+            let (a, quiet) = (self, common.quiet);
+            let reading = Reading { a, vessel: &vessel, prediction, reader: &reader, quiet };
+            let head = |maneuvers: Vec<ManeuverMoments>| Moments {
                 vessel: vessel.name.clone(),
                 sample_rate_hz: vessel.sample_rate_hz,
                 instruments: self.instruments,
                 degrees: structure(&vessel.model),
                 maneuvers,
+                held: held.clone(),
                 beyond: beyond.clone(),
                 disturbances: disturbances.clone(),
                 output_error: output_error.clone(),
                 sampled: sampled.clone(),
-            })
-        };
-        if self.table {
-            return reading.table(&out, &provenance, &head(Vec::new()));
-        }
-        let (provenance, document) = if self.sharding.gathers() {
-            parts::moments(&self.sharding.gather, provenance)?
-        } else {
+            };
+            if self.table {
+                return reading.table(&out, &provenance, &MomentsDocument(head(Vec::new())));
+            }
+            if self.sharding.gathers() {
+                let (gathered, document) = parts::moments(&self.sharding.gather, provenance)?;
+                provenance = gathered;
+                break document;
+            }
             provenance.shard = self.sharding.shard;
-            (provenance, head(reading.maneuvers()?))
+            let moments = head(reading.maneuvers()?);
+            match self.unexcited(&moments)? {
+                None => break MomentsDocument(moments),
+                Some(own) => {
+                    vessel = vessel.with_held(&own.parameter);
+                    held.push(own);
+                }
+            }
         };
         commit(vec![stage_document(&out, &provenance, &document)?])?;
         let count = document.0.maneuvers.len();
         let part = provenance.shard.map_or(String::new(), |shard| format!(", shard {shard}"));
-        Ok(Summary::of(&out, format!("moments of {count} maneuvers{part}"), json!({"maneuvers": count})))
+        let held = &document.0.held;
+        let said = if held.is_empty() { String::new() } else { format!("; {}", HeldParameter::words(held)) };
+        let details = json!({"maneuvers": count, "held": held});
+        Ok(Summary::of(&out, format!("moments of {count} maneuvers{part}{said}"), details))
+    }
+}
+
+impl Arguments {
+    /// The parameter to be held next, if such are held.
+    fn unexcited(&self, moments: &Moments) -> Result<Option<HeldParameter>, Failure> {
+        if !self.hold_unexcited {
+            return Ok(None);
+        }
+        let estimated = match self.estimator {
+            Estimator::OutputError => Estimated::OutputError { current: false },
+            _ => Estimated::Iv(MeanRemoval::Complete),
+        };
+        moments.unexcited(estimated).map_err(|e| Failure::invalid(&self.trajectories, &e))
     }
 }
 

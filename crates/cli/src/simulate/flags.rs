@@ -74,7 +74,9 @@ impl CampaignFlags {
         let vessel = read_simulated(files.vessel, provenance)?;
         let dictionary = read_dictionary(files.dictionary, &vessel, provenance)?;
         let config = read_campaign(files.campaign, provenance)?;
-        let design = inputs::document(files.design, "design", provenance)?;
+        let design: DesignDocument = inputs::document(files.design, "design", provenance)?;
+        // Estimates of its trials tell nothing of these.
+        let vessel = design.held.iter().fold(vessel, |vessel, own| vessel.with_held(&own.parameter));
         Ok(CampaignInputs { files, vessel, dictionary, config, design })
     }
 }

@@ -34,4 +34,5 @@ mod sequential;
 mod sweep;
 mod tables;
 mod trials;
+mod unexcited;
 mod units;

@@ -38,3 +38,21 @@ fn a_vessel_without_truth_has_a_nominal_model_only() {
     assert!(self::vessel(&text.replace("\"c\"", "\"a\"")).is_err());
     assert!(self::vessel(&text.replace("\"n\"\nunit", "\"psi\"\nunit")).is_err());
 }
+
+#[test]
+fn law_a_parameter_that_is_held_is_one_that_is_fixed() {
+    let text =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../pipelines/paper/vessel.toml"))
+            .unwrap();
+    // Its nominal value is another one, which a fixed parameter cannot have.
+    let alike = text.replace("value = -0.1\nnominal = -0.08", "value = -0.1\nnominal = -0.1");
+    let fixed = alike.replace("nominal = -0.1\n", "nominal = -0.1\nfixed = true\n");
+    assert!(alike != text && fixed != alike);
+    let (held, fixed) = (vessel(&alike).unwrap().with_held("Y_v"), vessel(&fixed).unwrap());
+    let names = |of: &Vessel| of.model.parameter_names().map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(names(&held), names(&fixed));
+    assert_eq!((&held.nominal, &held.value), (&fixed.nominal, &fixed.value));
+    assert_eq!(held.model.degrees[1].known.len(), 1);
+    assert_eq!(held.model, fixed.model);
+    assert_eq!(names(&vessel(&text).unwrap().with_held("Y_vvv")).len(), 10);
+}

@@ -142,6 +142,7 @@ fn design() -> DesignDocument {
         statement: "The shares are first-order optimal to a relative gap of 3e-10. The problem is not concave, so this does \
                     not prove a global optimum; all 6 starts reached the same value."
             .to_owned(),
+        held: Vec::new(),
         beyond: vec!["u leaves the 0.1000 to 0.4500 m/s that the model was fitted on in 5 samples (1.2 %)".to_owned()],
         unreached: None,
         promise: None,
@@ -194,6 +195,7 @@ fn moments() -> MomentsDocument {
         instruments: InstrumentKind::Nominal,
         degrees: degrees.iter().map(structure).collect(),
         maneuvers: MANEUVERS.iter().enumerate().map(maneuver).collect(),
+        held: Vec::new(),
         beyond: Vec::new(),
         disturbances: None,
         output_error: None,

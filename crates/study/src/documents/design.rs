@@ -8,7 +8,7 @@ use regression::MeanRemoval;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trial::campaign::{Designed, check_shares};
-use trial::moments::{SampledFrom, UnreachedMotion};
+use trial::moments::{HeldParameter, SampledFrom, UnreachedMotion};
 
 use super::design_figures::DesignFigures;
 use super::design_status::DesignStatus;
@@ -32,6 +32,10 @@ pub struct DesignDocument {
     pub status: DesignStatus,
     /// The certificate in words.
     pub statement: String,
+    /// Parameters that no maneuver excites apart from the others: they were held at their values, and the trial tells nothing of
+    /// them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub held: Vec<HeldParameter>,
     /// Where its maneuvers leave what the logs of the model cover, in words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub beyond: Vec<String>,
@@ -116,6 +120,11 @@ impl DesignDocument {
         self.shares.values().filter(|share| **share > 0.0).count()
     }
 
+    /// The parameters that are held, in words; `None` where none are.
+    pub fn held_in_words(&self) -> Option<String> {
+        (!self.held.is_empty()).then(|| HeldParameter::words(&self.held))
+    }
+
     /// What to print of it, with its promise and its warnings.
     pub fn summary(&self) -> String {
         let used = self.used();
@@ -129,8 +138,9 @@ impl DesignDocument {
         });
         let promise = self.promise.as_ref().map(|own| format!("; {}", own.statement));
         let unreached = self.unreached.as_ref().map(|own| format!("; {}", own.statement));
+        let held = self.held_in_words().map_or_else(String::new, |words| format!("; {words}"));
         format!(
-            "{used} of {} maneuvers, {}{within}{}{}{}",
+            "{used} of {} maneuvers, {}{within}{held}{}{}{}",
             self.shares.len(),
             self.status,
             too_short.unwrap_or_default(),

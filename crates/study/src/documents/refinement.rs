@@ -115,6 +115,7 @@ impl RefinedFiles<'_> {
             mean_removal: None,
             status: DesignStatus::Refined,
             statement: document.statement.clone(),
+            held: Vec::new(),
             beyond: Vec::new(),
             unreached: None,
             promise: document.promise.clone(),

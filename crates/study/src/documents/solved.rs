@@ -89,6 +89,7 @@ impl From<Solved<'_>> for DesignDocument {
                 None => design.status.into(),
             },
             statement,
+            held: solved.moments.held.clone(),
             beyond: solved.moments.beyond.clone(),
             unreached: unreached(&solved),
             shares: named(&design.shares),

@@ -12,7 +12,7 @@ mod sampled;
 use std::collections::BTreeMap;
 
 pub use criteria::{CriterionOf, NoCriterion};
-use design::Degree;
+use design::{Degree, NoDesign};
 pub use dictionary::{Estimated, leading, malformed};
 pub use free_runs::{FreeRunModel, Unpredictable};
 pub use matrices::{DegreeMoments, ManeuverMoments, OutputErrorMoments, Pool};
@@ -41,6 +41,9 @@ pub struct Moments {
     pub degrees: Vec<Degree>,
     /// One entry per maneuver, in the dictionary's order.
     pub maneuvers: Vec<ManeuverMoments>,
+    /// Parameters that no maneuver excites apart from the others, which are held at their values.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub held: Vec<HeldParameter>,
     /// Where the maneuvers leave what the logs of the model cover, in words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub beyond: Vec<String>,
@@ -53,6 +56,47 @@ pub struct Moments {
     /// What ships with other parameters do, where the true ones are not known and the maneuvers were simulated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sampled: Option<SampledShips>,
+}
+
+/// A parameter that is held at its value, since no maneuver excites it apart from the others.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HeldParameter {
+    /// Its name.
+    pub parameter: String,
+    /// `surge`, `sway` or `yaw`.
+    pub degree: String,
+    /// Its term.
+    pub term: String,
+}
+
+impl HeldParameter {
+    /// Those of `all`, in words.
+    pub fn words(all: &[Self]) -> String {
+        let one = |own: &Self| format!("`{}` (`{}` in {})", own.parameter, own.term, own.degree);
+        let (names, are) =
+            (all.iter().map(one).collect::<Vec<_>>().join(", "), if all.len() > 1 { "are" } else { "is" });
+        format!(
+            "no maneuver excites {names} apart from the others: {are} held at the model's values, and nothing is learnt about them"
+        )
+    }
+}
+
+impl Moments {
+    /// A parameter that no mixture of the maneuvers excites apart from the others; `None` where all are, or where its degree
+    /// of freedom has no other.
+    ///
+    /// # Errors
+    /// As [`Moments::dictionary`].
+    pub fn unexcited(&self, estimated: Estimated) -> Result<Option<HeldParameter>, Invalid> {
+        let Err(NoDesign::Unexcited { degree, parameter, regressor }) =
+            self.dictionary(estimated)?.check_excited()
+        else {
+            return Ok(None);
+        };
+        let is_only = self.degrees.iter().any(|own| own.parameters == [parameter.as_str()]);
+        Ok((!is_only).then_some(HeldParameter { parameter, degree, term: regressor }))
+    }
 }
 
 /// The disturbances that an estimate's covariance is predicted from, white per sample.

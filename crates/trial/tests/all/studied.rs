@@ -99,6 +99,7 @@ fn moments(vessel: &Vessel, generator: &Generator, runs: &[Run]) -> Moments {
         instruments: InstrumentKind::Nominal,
         degrees: structure(&vessel.model),
         maneuvers: pool.finish(&vessel.model).unwrap(),
+        held: Vec::new(),
         beyond: Vec::new(),
         disturbances: Some(expected),
         output_error: Some(free),

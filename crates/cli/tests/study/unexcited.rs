@@ -1,0 +1,75 @@
+//! Parameters that no maneuver excites apart from the others: refused, or held and told.
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::support::*;
+
+const DESIGNED: &str = "design --moments moments.json --for output-error --duration-s 125 --out design.json";
+const MONTE_CARLO: &str = "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml \
+     --design design.json --estimator output-error --out tally.json";
+
+/// Ahead alone, where |u| r is u r.
+const AHEAD: &str = "duration_s = 30.0\n
+[generate]\ncandidates = 60\nkinds = [\"zig-zag\", \"pseudo-random-binary\", \"combined\"]\nspeed_m_s = [0.5, 1.1]\n\
+     start_m_s = [0.6, 1.0]\n
+[generate.limits]\nu_m_s = 1.4\nv_m_s = 0.4\nr_rad_s = 0.5\n";
+
+fn moments(flags: &str) -> String {
+    format!(
+        "moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --estimator output-error \
+         {flags} --out moments.json"
+    )
+}
+
+/// The paper's ship with a term that differs from another astern alone; `keys` of it.
+fn ahead(keys: &str) -> TempDir {
+    let folder = written(2);
+    let text = std::fs::read_to_string(repository().join("pipelines/paper/vessel.toml")).unwrap();
+    let term = format!(
+        "[[sway]]\nparameter = \"Y_abs_u_r\"\nterm = \"|u| r\"\nvalue = 0.002\nnominal = 0.002\n{keys}\n"
+    );
+    put(&folder, "vessel.toml", &format!("{text}\n{term}"));
+    put(&folder, "dictionary.toml", AHEAD);
+    run(&folder, DICTIONARY).succeeds();
+    folder
+}
+
+#[test]
+fn law_a_design_that_holds_a_parameter_is_that_of_a_vessel_in_which_it_is_fixed() {
+    let folder = ahead("");
+    run(&folder, &moments("")).succeeds();
+    run(&folder, DESIGNED).refuses(4, &["no maneuver excites", "(sway)", "--hold-unexcited"]);
+    let told = run(&folder, &moments("--hold-unexcited")).succeeds();
+    let words = "no maneuver excites `Y_abs_u_r` (`|u| r` in sway) apart from the others: is held at the model's values";
+    assert!(told.stdout.contains(words), "{told}");
+    let told = run(&folder, DESIGNED).succeeds();
+    assert!(told.stdout.contains(words), "{told}");
+    let design = json(&folder, "design.json");
+    assert_eq!(design["data"]["held"][0]["parameter"], "Y_abs_u_r");
+    run(&folder, MONTE_CARLO).succeeds();
+    let tally = json(&folder, "tally.json");
+
+    let fixed = ahead("fixed = true");
+    let told = run(&fixed, &moments("--hold-unexcited")).succeeds();
+    assert!(!told.stdout.contains("excites"), "{told}");
+    run(&fixed, DESIGNED).succeeds();
+    let own = json(&fixed, "design.json");
+    assert_eq!(own["data"].get("held"), None);
+    let shares = |of: &Value| of["data"]["shares"].as_object().unwrap().clone();
+    assert_eq!(shares(&own).len(), shares(&design).len());
+    for (name, share) in shares(&own) {
+        let other = design["data"]["shares"][&name].as_f64().unwrap();
+        assert!((share.as_f64().unwrap() - other).abs() < 1e-6, "{name}: {share} {other}");
+    }
+    run(&fixed, MONTE_CARLO).succeeds();
+    let counted = |of: &Value| of["data"]["counted"].clone();
+    assert_eq!(counted(&json(&fixed, "tally.json"))[0]["identified"], counted(&tally)[0]["identified"]);
+}
+
+#[test]
+fn parameters_are_held_of_whole_moments_alone() {
+    let folder = written(2);
+    let line = "moments --vessel vessel.toml --trajectories dictionary.parquet --hold-unexcited --table --out moments.json";
+    run(&folder, line).refuses(2, &["--hold-unexcited", "--table"]);
+}
