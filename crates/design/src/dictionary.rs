@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 use crate::no_design::NoDesign;
 use crate::{Candidates, Error};
 
+/// Parts of a direction that are at least this fraction of the largest one count as large as it.
+const ALIKE: f64 = 0.9;
+
 /// One degree of freedom of a model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -101,8 +104,10 @@ impl Dictionary {
                 // In a common block, the direction's rows are those of all degrees of freedom.
                 let offset = first - first_row(block);
                 let own = |i: &usize| size(offset + *i);
+                let most = (0..degree.parameters.len()).map(|i| own(&i)).fold(0.0, f64::max);
+                // Of terms that are alike, the last one has been added to the others.
                 let parameter =
-                    (0..degree.parameters.len()).max_by(|a, b| own(a).total_cmp(&own(b))).unwrap_or(0);
+                    (0..degree.parameters.len()).rev().find(|i| own(i) >= ALIKE * most).unwrap_or(0);
                 NoDesign::Unexcited {
                     degree: degree.name.clone(),
                     parameter: degree.parameters[parameter].clone(),
