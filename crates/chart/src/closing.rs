@@ -6,8 +6,8 @@ use std::sync::Arc;
 use enc::class;
 
 use crate::classes::{Judged, judged};
-use crate::dangers::{Gap, apart, gap_to, is_inside};
-use crate::{Bounds, Called, Causes, Dangers, Uncharted};
+use crate::dangers::{Gap, gap_to, is_inside};
+use crate::{Called, Causes, Dangers, Uncharted};
 
 /// Dangers of one class and name that close places.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,10 +44,7 @@ impl Dangers<'_> {
     pub fn closing(&self, places: &[[f64; 2]], within_m: f64) -> Vec<Closing> {
         let mut kinds: BTreeMap<Kind, Counted> = BTreeMap::new();
         for (polygon, cause) in &self.polygons {
-            let is_near = |place: &[f64; 2]| {
-                apart(&polygon.bounds, &Bounds { min: *place, max: *place }) < within_m
-                    && gap_to(polygon, &[*place], within_m).distance_m < within_m
-            };
+            let is_near = |place: &[f64; 2]| gap_to(polygon, &[*place], within_m).distance_m < within_m;
             count(&mut kinds, &polygon.called, *cause, places, is_near);
         }
         if self.chart.uncharted() == Uncharted::Obstacle {

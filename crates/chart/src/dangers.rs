@@ -141,7 +141,7 @@ impl PlacedGrid {
 }
 
 /// Distance between two boxes.
-pub(crate) fn apart(a: &Bounds, b: &Bounds) -> f64 {
+fn apart(a: &Bounds, b: &Bounds) -> f64 {
     let gap = |k: usize| (a.min[k] - b.max[k]).max(b.min[k] - a.max[k]).max(0.0);
     libm::hypot(gap(0), gap(1))
 }

@@ -2,7 +2,7 @@ use refusal::{Invalid, check_ranges};
 use serde::Deserialize;
 
 use crate::disturbance::{MOST_CURRENT_M_S, factor};
-use crate::{Streams, Wind};
+use crate::{NormalRows, Streams, Wind};
 
 /// How water and air change while one ship sails, about a constant current: stationary Gauss–Markov processes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,8 +36,8 @@ impl Changes {
         let (water, flow) =
             self.current.map_or((0.0, 0.0), |own| (own.std_m_s, factor(own.time_constant_s, rate_hz)));
         let (stds, factors) = ([water, water, u, v, r], [flow, flow, gust, gust, gust]);
-        let (taken, noise, at) = (0, Vec::new(), [0.0; VALUES]);
-        (!self.are_none()).then_some(Changing { stds, factors, streams, run, taken, noise, at })
+        let noise = NormalRows::new(streams, run);
+        (!self.are_none()).then_some(Changing { stds, factors, noise, at: None })
     }
 
     /// Refuses numbers without meaning.
@@ -56,20 +56,15 @@ impl Changes {
 
 /// North and east of the current, and what the wind adds to u, v and r.
 const VALUES: usize = 5;
-/// Samples whose noise is drawn at a time.
-const BLOCK: usize = 128;
 
 /// The changes of one run, drawn sample by sample: x(k+1) = factor · x(k) + white noise.
 #[derive(Clone, Debug)]
 pub struct Changing {
     stds: [f64; VALUES],
     factors: [f64; VALUES],
-    streams: Streams,
-    run: u32,
-    /// Samples so far.
-    taken: usize,
-    noise: Vec<f64>,
-    at: [f64; VALUES],
+    noise: NormalRows<VALUES>,
+    /// The last sample.
+    at: Option<[f64; VALUES]>,
 }
 
 impl Iterator for Changing {
@@ -77,20 +72,15 @@ impl Iterator for Changing {
     type Item = ([f64; 2], [f64; 3]);
 
     fn next(&mut self) -> Option<Self::Item> {
-        let place = self.taken % BLOCK;
-        if place == 0 {
-            self.noise.resize(VALUES * BLOCK, 0.0);
-            self.streams.normals(self.run, (self.taken / BLOCK) as u32, &mut self.noise);
-        }
-        let noise = &self.noise[VALUES * place..][..VALUES];
-        let is_first = self.taken == 0;
-        let each = self.at.iter_mut().zip(self.stds).zip(self.factors).zip(noise);
-        for (((at, std), factor), noise) in each {
-            let fresh = if is_first { 1.0 } else { (1.0 - factor * factor).sqrt() };
-            *at = factor * *at + fresh * std * noise;
-        }
-        self.taken += 1;
-        let [north, east, u, v, r] = self.at;
+        let noise = self.noise.next()?;
+        let next = |i: usize| match self.at {
+            None => self.stds[i] * noise[i],
+            Some(at) => {
+                let factor = self.factors[i];
+                factor * at[i] + (1.0 - factor * factor).sqrt() * self.stds[i] * noise[i]
+            }
+        };
+        let [north, east, u, v, r] = *self.at.insert(std::array::from_fn(next));
         Some(([north, east], [u, v, r]))
     }
 }

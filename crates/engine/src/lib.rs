@@ -25,7 +25,7 @@ pub use compiled::{Ambient, Compiled};
 pub use disturbance::{
     Axes, Current, Disturbances, Disturbing, MOST_CURRENT_M_S, Measurement, Weather, Wind, check_currents,
 };
-pub use noise::Streams;
+pub use noise::{NormalRows, Streams};
 pub use normals::fill_normals;
 pub use pose::{Origin, Pose, track};
 pub use refusals::{MOST_SAMPLES, refuse_endless};

@@ -13,6 +13,40 @@ pub struct Streams {
     key: [u8; 32],
 }
 
+/// Rows of independent standard normal numbers of one run, drawn a block of samples at a time: block k is channel k.
+#[derive(Clone, Debug)]
+pub struct NormalRows<const WIDTH: usize> {
+    streams: Streams,
+    run: u32,
+    /// Rows so far.
+    taken: usize,
+    block: Vec<f64>,
+}
+
+/// Rows that are drawn at a time.
+const BLOCK: usize = 128;
+
+impl<const WIDTH: usize> NormalRows<WIDTH> {
+    /// Those of run `run` of `streams`.
+    pub fn new(streams: Streams, run: u32) -> Self {
+        Self { streams, run, taken: 0, block: Vec::new() }
+    }
+}
+
+impl<const WIDTH: usize> Iterator for NormalRows<WIDTH> {
+    type Item = [f64; WIDTH];
+
+    fn next(&mut self) -> Option<[f64; WIDTH]> {
+        let place = self.taken % BLOCK;
+        if place == 0 {
+            self.block.resize(WIDTH * BLOCK, 0.0);
+            self.streams.normals(self.run, (self.taken / BLOCK) as u32, &mut self.block);
+        }
+        self.taken += 1;
+        Some(std::array::from_fn(|i| self.block[WIDTH * place + i]))
+    }
+}
+
 impl Streams {
     /// The streams of `purpose` (the name of a design, a generator) in a study with seed `seed`.
     pub fn new(seed: u64, purpose: &str) -> Self {

@@ -1,4 +1,4 @@
-use engine::{Pose, Ship, Streams};
+use engine::{NormalRows, Pose, Ship, Streams};
 
 use crate::grid::wrap;
 
@@ -26,8 +26,6 @@ pub struct Fixed {
 
 /// Quantities that are measured: position, heading, u, v, r.
 const MEASURED: usize = 6;
-/// Samples whose noise is drawn at a time.
-const BLOCK: usize = 128;
 
 /// Measures a ship, and estimates where it is from noisy measurements and what its model predicts: an observer with
 /// constant gains. Exact quantities are taken as measured.
@@ -36,11 +34,7 @@ pub struct Navigation {
     sensors: Sensors,
     /// The fraction of a difference from the prediction that is believed, where a quantity is noisy.
     gain: f64,
-    streams: Streams,
-    run: u32,
-    /// Samples so far.
-    taken: usize,
-    noise: Vec<f64>,
+    noise: NormalRows<MEASURED>,
     /// The prediction for the next sample.
     predicted: Option<Fixed>,
 }
@@ -67,8 +61,8 @@ impl Navigation {
     /// Of run `run` of `streams`, smoothing over `memory` samples; `None` for exact sensors.
     pub fn new(sensors: Sensors, memory: f64, streams: Streams, run: u32) -> Option<Self> {
         let gain = 1.0 / memory.max(1.0);
-        let (taken, noise, predicted) = (0, Vec::new(), None);
-        (!sensors.are_exact()).then_some(Self { sensors, gain, streams, run, taken, noise, predicted })
+        let noise = NormalRows::new(streams, run);
+        (!sensors.are_exact()).then_some(Self { sensors, gain, noise, predicted: None })
     }
 
     /// The standard deviations that remain after smoothing: σ √(K / (2 − K)) for a gain of K.
@@ -92,7 +86,8 @@ impl Navigation {
 
     /// The estimate of a ship that is `truly` there, from its next measurement.
     pub fn estimate(&mut self, truly: Fixed) -> Fixed {
-        let (deviations, noise) = (self.sensors.deviations(), self.next_noise());
+        let deviations = self.sensors.deviations();
+        let noise = self.noise.next().unwrap_or_default();
         let measured: [f64; MEASURED] = std::array::from_fn(|i| deviations[i] * noise[i]);
         let numbers = |of: &Fixed| {
             let [u, v, r] = of.state;
@@ -120,16 +115,5 @@ impl Navigation {
     /// Forgets the prediction: the ship is put elsewhere.
     pub fn restart(&mut self) {
         self.predicted = None;
-    }
-
-    fn next_noise(&mut self) -> [f64; MEASURED] {
-        let place = self.taken % BLOCK;
-        if place == 0 {
-            self.noise.resize(MEASURED * BLOCK, 0.0);
-            let block = (self.taken / BLOCK) as u32;
-            self.streams.normals(self.run, block, &mut self.noise);
-        }
-        self.taken += 1;
-        std::array::from_fn(|i| self.noise[MEASURED * place + i])
     }
 }
