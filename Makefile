@@ -328,13 +328,14 @@ results-check: build
 sweep-check: build
 	bash scripts/sweep-check.sh $(BIN)
 
-# What is too long for every change: the main jobs by the release build, twenty thousand damaged inputs, a thousand faults of
+# What is too long for every change: tests that say so, the main jobs by the release build, twenty thousand damaged inputs, a thousand faults of
 # every kind in logs, and the sweep on a Slurm that is started for it (Debian: slurmctld slurmd slurm-client munge)
 .PHONY: nightly
 nightly: test
 	$(MAKE) BIN=target/release study helsinki results-check
 	bash scripts/sweep-check.sh target/release slurm
 	$(MAKE) faults CASES=20000
+	$(CARGO) test --workspace --locked --tests -- --ignored --skip write
 	SEATRIAL_CASES=1000 $(CARGO) test --workspace --locked --test ingest silent
 
 # --- upkeep

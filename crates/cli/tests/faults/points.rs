@@ -142,15 +142,17 @@ impl Watched {
     }
 }
 
-/// Does `work` for every stage on all processors, and prints the results.
+/// Does `work` for every stage on all processors, and prints the results. Where no number of cases is asked for, one of
+/// three stages is done: which of them is told by the name, so that each stage meets some of the faults.
 pub fn for_every_stage(name: &str, work: impl Fn(usize, &'static Ground, &'static Stage) -> Tally + Sync) {
     let started = Instant::now();
-    let (stages, next, found) = (all(), AtomicUsize::new(0), Mutex::new(Tally::default()));
+    let mut stages: Vec<_> = all().into_iter().enumerate().collect();
+    if asked().is_none() {
+        stages.retain(|(i, _)| i % 3 == name.len() % 3);
+    }
+    let (next, found) = (AtomicUsize::new(0), Mutex::new(Tally::default()));
     let one = || {
-        while let Some((i, (ground, stage))) = {
-            let i = next.fetch_add(1, Ordering::Relaxed);
-            stages.get(i).map(|stage| (i, stage))
-        } {
+        while let Some(&(i, (ground, stage))) = stages.get(next.fetch_add(1, Ordering::Relaxed)) {
             let tally = work(i, ground, stage);
             found.lock().unwrap().add(&tally);
         }

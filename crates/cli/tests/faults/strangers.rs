@@ -134,7 +134,7 @@ fn verify_renames_nothing_of_a_set_that_is_half_named() {
     let folder = with(&["campaign.parquet", "estimates.parquet", "estimate.json"]);
     let estimate = format!("{ESTIMATE} --estimator ls");
     let mut half_named = 0;
-    for count in 1..64 {
+    for count in (1..64).step_by(2) {
         let mut command = Command::new(SEATRIAL);
         command.args(estimate.split_whitespace()).current_dir(&folder);
         let ended = command.env("SEATRIAL_FAULT", format!("kill:{count}")).output().unwrap();

@@ -148,16 +148,27 @@ fn drawn(format: usize, drawn: &mut Drawn) -> (&'static str, String, Vec<u8>) {
     (chart.0, keys, chart.1)
 }
 
-#[test]
-fn law_a_start_over_a_shoal_is_refused_in_any_unit_scale_and_format() {
-    let mut draws = Drawn(40);
-    for case in 0..100 {
+/// Draws plans whose start is over a shoal.
+fn over_shoals(cases: usize, seed: u64) {
+    let mut draws = Drawn(seed);
+    for case in 0..cases {
         let (name, keys, chart) = drawn(case % 4, &mut draws);
         let folder = over_a_shoal(name, &keys, &chart);
         let ran = run(&folder, PLAN);
         assert_eq!(ran.code, Some(4), "case {case}, {keys}: {ran}");
         ran.refuses(4, &SHOAL);
     }
+}
+
+#[test]
+fn law_a_start_over_a_shoal_is_refused_in_any_unit_scale_and_format() {
+    over_shoals(24, 40);
+}
+
+#[test]
+#[ignore = "long: `make nightly` runs it"]
+fn law_a_start_over_a_shoal_is_refused_however_many_are_drawn() {
+    over_shoals(200, 41);
 }
 
 #[test]
