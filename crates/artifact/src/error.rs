@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use refusal::{Invalid, one_line, shortened};
 
+use crate::toml_place::placed;
+
 /// Result of this crate's functions.
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -44,9 +46,11 @@ impl Error {
         Self::invalid(file, Invalid::new(thing, found, expected, remedy))
     }
 
-    /// An [`Error::Refused`]: what is invalid in `file`.
+    /// An [`Error::Refused`]: what is invalid in `file`; of a hand-written one, with the line and the column if it stands there.
     pub fn invalid(file: impl Into<PathBuf>, invalid: Invalid) -> Self {
-        Self::Refused { file: file.into(), invalid }
+        let file = file.into();
+        let invalid = placed(&file, invalid);
+        Self::Refused { file, invalid }
     }
 
     /// An [`Error::Io`] from its parts.

@@ -77,6 +77,7 @@ mod table_reader;
 mod table_writer;
 mod thrift;
 mod toml_input;
+mod toml_place;
 mod unfinished;
 mod weight;
 

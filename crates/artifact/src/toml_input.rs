@@ -10,6 +10,7 @@ use crate::complaint::Complaint;
 use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::ordinary::read;
+use crate::toml_place::{Place, key_at, line_and_column, place_of};
 
 /// Reads a TOML file.
 ///
@@ -73,21 +74,29 @@ pub fn parse_toml<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Re
 }
 
 fn complaint<'a>(text: &str, path: &'a Path, error: &'a toml::de::Error) -> Complaint<'a> {
-    let start = error.span().map(|span| span.start);
-    let place = start.map(|at| format!("line {}", line_at(text.as_bytes(), at)));
-    Complaint { path, place, key: start.and_then(|at| key_at(text, at)), message: error.message() }
+    let (message, span) = (error.message(), error.span());
+    // Items of a list are read as they are, without their places: the message names the item and the key.
+    let named = message.rsplit_once(" (").and_then(|(message, item)| {
+        let key = message.split('`').nth(1).unwrap_or_default();
+        let item = item.trim_end_matches(')');
+        place_of(text, &format!("{item}, `{key}`"), None).or_else(|| place_of(text, item, None))
+    });
+    let place = span.as_ref().and_then(|span| key_at(text, span));
+    // Of a wrong value the key before it.
+    let start = span.map(|span| match &place {
+        Some(Place { at, .. }) if line_at(text.as_bytes(), *at) == line_at(text.as_bytes(), span.start) => {
+            *at
+        }
+        _ => span.start,
+    });
+    let at = named.or(start);
+    let place_in = at.map(|at| line_and_column(text, at));
+    let inner = message.rsplit_once(" (").and_then(|(_, item)| item.split('`').nth(3));
+    let key = inner.map(str::to_owned).or(place.map(|place| place.key));
+    Complaint { path, place: place_in, key, message }
 }
 
 /// Number, from 1, of the line that holds byte `at`.
 fn line_at(text: &[u8], at: usize) -> usize {
     1 + text.iter().take(at).filter(|&&byte| byte == b'\n').count()
-}
-
-/// The key on the line that holds byte `at`, as in `key = value`.
-fn key_at(text: &str, at: usize) -> Option<String> {
-    let line = text.lines().nth(line_at(text.as_bytes(), at) - 1)?;
-    let (key, _) = line.split_once('=')?;
-    let key = key.trim();
-    let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.' | '"' | '\'');
-    (!key.is_empty() && key.chars().all(plain)).then(|| key.to_owned())
 }

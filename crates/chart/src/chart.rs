@@ -1,5 +1,6 @@
 use std::borrow::Cow;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::frontier::frontier;
@@ -11,7 +12,7 @@ use crate::{
 const AT_ONCE: usize = 1000;
 
 /// How places that no layer charts are treated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Uncharted {
     /// Unknown water is not safe: the default for charts with a depth layer.

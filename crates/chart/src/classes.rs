@@ -1,10 +1,11 @@
 //! What the object classes of an electronic chart mean for a trial: one table.
 
 use enc::class_name;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The effect of a class of objects on a trial.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Treatment {
     /// Nothing.

@@ -1,11 +1,12 @@
 //! Units of depths and heights, as files and users write them.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::Invalid;
 
 /// A unit of depths and heights.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 pub enum DepthUnit {
     /// Metres.
     #[serde(rename = "m")]

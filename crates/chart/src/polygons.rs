@@ -1,6 +1,7 @@
 use std::io::{BufReader, Read};
 
 use geojson::{Feature, GeoJson, JsonObject, JsonValue, PolygonType, Position};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::called::Called;
@@ -19,7 +20,7 @@ const AT_ONCE: usize = 1000;
 const AT_ONCE_BYTES: usize = 1 << 16;
 
 /// What the polygons of a file are.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum LayerKind {
     /// Land, piers, pontoons: never water.
@@ -40,7 +41,7 @@ pub enum LayerKind {
 }
 
 /// Which features of a file belong to the layer: those whose `property` is one of `values`.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Filter {
     /// The property, such as `objl`.

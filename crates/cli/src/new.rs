@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use artifact::{Staged, commit};
 use clap::Parser;
-use pipeline::starting::{PRESETS, Preset, measured, simulated};
+use pipeline::starting::{PRESETS, Preset, measured, schemas, simulated};
 use serde_json::json;
 
 use crate::cli::{Common, in_folder};
@@ -60,9 +60,13 @@ impl Task for Arguments {
                 )
             }
         };
+        let schemas = schemas();
         in_folder(out, || {
-            let staged = files.iter().map(|(name, text)| Staged::bytes(out.join(name), text.as_bytes()));
-            Ok(commit(staged.collect::<Result<_, _>>()?)?)
+            in_folder(&out.join("schemas"), || {
+                let all = files.iter().chain(&schemas);
+                let staged = all.map(|(name, text)| Staged::bytes(out.join(name), text.as_bytes()));
+                Ok(commit(staged.collect::<Result<_, _>>()?)?)
+            })
         })?;
         let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
         let line = format!("{}{said}; next: seatrial run {}", names.join(", "), out.display());

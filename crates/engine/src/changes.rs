@@ -1,4 +1,5 @@
 use refusal::{Invalid, check_ranges};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::disturbance::{MOST_CURRENT_M_S, factor};
@@ -14,7 +15,7 @@ pub struct Changes {
 }
 
 /// Changes of a current, north and east, correlated as exp(−|t|/T).
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChangingCurrent {
     /// Standard deviation of each component \[m/s\].

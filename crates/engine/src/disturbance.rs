@@ -1,5 +1,6 @@
 use numerics::{LANES, Lane, vectorized};
 use refusal::{Invalid, check_numbers, check_ranges};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::Streams;
@@ -7,7 +8,7 @@ use crate::noise::Channels;
 use crate::normals::Normals;
 
 /// A current.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Current {
     /// Still water.
@@ -38,7 +39,7 @@ pub enum Current {
 }
 
 /// Axes that a current's components belong to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Axes {
     /// The earth's: the vessel turns in the current. Every run starts at heading zero.
@@ -49,7 +50,7 @@ pub enum Axes {
 }
 
 /// A wind-like force: what it adds to the states, in body axes and independent of them.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wind {
     /// Standard deviation of the surge acceleration \[m/s²\].
@@ -64,7 +65,7 @@ pub struct Wind {
 }
 
 /// White measurement noise.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Measurement {
     /// Standard deviation of the measured surge speed \[m/s\].

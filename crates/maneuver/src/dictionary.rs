@@ -3,6 +3,7 @@ use std::str::FromStr;
 
 use model::Source;
 use refusal::{Invalid, check_name};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::generate_spec::GenerateSpec;
@@ -10,7 +11,7 @@ use super::spec::ManeuverSpec;
 use crate::reached::Tolerance;
 
 /// `dictionary.toml` as written.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DictionaryFile {
     /// Duration of every maneuver that states none \[s\].

@@ -7,6 +7,7 @@ use engine::{Command, Compiled, Program, Seen};
 use model::Vessel;
 use numerics::inverse;
 use refusal::Invalid;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::standard::Sensors;
@@ -22,7 +23,7 @@ refusal::choices! {
 }
 
 /// The controller of a motion that is executed by feedback.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Controller {
     /// What it reads.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use model::Model;
 use refusal::{Invalid, check_numbers, check_ranges};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::signal::{MULTISINE_SAMPLES, SWING_SAMPLES, check_period};
@@ -11,7 +12,7 @@ use crate::InputLimit;
 use crate::feedback::Executed;
 
 /// `[generate]` as written.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GenerateSpec {
     /// Number of draws. Those beyond the limits are left out.
@@ -53,7 +54,7 @@ fn periods() -> [f64; 2] {
 }
 
 /// Largest moduli of a candidate.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     /// Of the surge speed \[m/s\].

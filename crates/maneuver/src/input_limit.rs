@@ -1,4 +1,7 @@
+use std::borrow::Cow;
+
 use refusal::Invalid;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer};
 
 /// The lowest and the highest value of an input, written as the largest modulus or as both.
@@ -54,6 +57,20 @@ impl InputLimit {
         };
         let expected = "a number above 0, or the lowest and a higher, highest value";
         Err(Invalid::new(thing, found, expected, "correct it"))
+    }
+}
+
+impl JsonSchema for InputLimit {
+    fn schema_name() -> Cow<'static, str> {
+        "InputLimit".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let (modulus, ends) = (generator.subschema_for::<f64>(), generator.subschema_for::<[f64; 2]>());
+        json_schema!({
+            "description": "The lowest and the highest value of an input, written as the largest modulus or as both.",
+            "anyOf": [modulus, ends]
+        })
     }
 }
 

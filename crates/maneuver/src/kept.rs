@@ -1,10 +1,11 @@
 //! Declared ranges of a maneuver's motion.
 
 use refusal::Invalid;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// Ranges that the undisturbed motion of a maneuver has to keep, as \[from, to\].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Kept {
     /// Of the surge speed \[m/s\].

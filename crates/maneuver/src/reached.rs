@@ -3,12 +3,13 @@
 use std::fmt;
 
 use refusal::Invalid;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::standard::{Standard, steps};
 
 /// By how much a motion may differ from what it is called.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tolerance {
     /// By how much the mean speed over its second half may be beyond all wanted ones, as a fraction of the greatest.

@@ -3,12 +3,13 @@
 use engine::Streams;
 use rand::Rng;
 use refusal::Invalid;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::shape::Shape;
 
 /// The course of one speed over a combined maneuver, in the unit of its key.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Signal {
     /// Its shape.
@@ -39,7 +40,7 @@ pub struct Signal {
 }
 
 /// The shape of a signal within its range.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SignalShape {
     /// Constant at the mean.

@@ -1,4 +1,7 @@
+use std::borrow::Cow;
+
 use refusal::{Invalid, strictly};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
@@ -53,12 +56,11 @@ impl<'de> Deserialize<'de> for ManeuverSpec {
         for key in ["name", "description", "duration_s", "executed"] {
             common.extend(table.remove(key).map(|value| (key.to_owned(), value)));
         }
-        let refused = |e: toml::de::Error| D::Error::custom(with_common_keys(e.message()));
+        let called = table_name(&common);
+        let refused = |e: toml::de::Error| D::Error::custom(in_item(&e, called.as_deref()));
         let [keeps, feedback] = ["keeps", "feedback"].map(|key| table.remove(key));
         let Common { name, description, duration_s, executed } = common.try_into().map_err(refused)?;
-        let named = |e: toml::de::Error| {
-            D::Error::custom(format!("{} (maneuver `{name}`)", with_common_keys(e.message())))
-        };
+        let named = |e: toml::de::Error| D::Error::custom(in_item(&e, Some(&name)));
         let within = |key: &'static str| {
             let name = &name;
             move |e: toml::de::Error| {
@@ -70,6 +72,63 @@ impl<'de> Deserialize<'de> for ManeuverSpec {
         let executed = executed.unwrap_or(Executed::Inputs);
         let feedback = feedback.map(strictly).transpose().map_err(within("feedback"))?;
         Ok(Self { name, description, duration_s, keeps, executed, feedback, kind })
+    }
+}
+
+/// The name in a table, if it has one.
+fn table_name(table: &toml::Table) -> Option<String> {
+    table.get("name")?.as_str().map(str::to_owned)
+}
+
+/// The message of `error` in the maneuver called `name`, with the key that it is about.
+fn in_item(error: &toml::de::Error, name: Option<&str>) -> String {
+    let (message, text) = (with_common_keys(error.message()), error.to_string());
+    let key = text.lines().find_map(|line| line.strip_prefix("in `"));
+    match (name, key) {
+        (None, _) => message,
+        (Some(name), None) => format!("{message} (maneuver `{name}`)"),
+        (Some(name), Some(key)) => format!("{message} (maneuver `{name}`, `{})", key),
+    }
+}
+
+/// Those of every kind of maneuver, for its schema.
+#[derive(JsonSchema)]
+#[allow(dead_code)]
+struct CommonKeys {
+    /// Its name, unique in the dictionary.
+    name: String,
+    /// For the report.
+    description: Option<String>,
+    /// Its duration in the dictionary \[s\].
+    duration_s: Option<f64>,
+    /// Ranges of its motion.
+    keeps: Option<Kept>,
+    /// How a motion is carried out; standard maneuvers react by themselves.
+    executed: Option<Executed>,
+    /// The controller of a motion that is executed by feedback.
+    feedback: Option<Controller>,
+}
+
+impl JsonSchema for ManeuverSpec {
+    fn schema_name() -> Cow<'static, str> {
+        "Maneuver".into()
+    }
+
+    /// Each kind with the keys that all kinds share.
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let (mut kinds, common) = (Kind::json_schema(generator), CommonKeys::json_schema(generator));
+        let shared = common.get("properties").and_then(|own| own.as_object()).cloned().unwrap_or_default();
+        let kinds_of = kinds.get_mut("oneOf").and_then(|all| all.as_array_mut()).into_iter().flatten();
+        for kind in kinds_of.filter_map(|kind| kind.as_object_mut()) {
+            if let Some(own) = kind.get_mut("properties").and_then(|own| own.as_object_mut()) {
+                own.extend(shared.clone());
+            }
+            if let Some(required) = kind.get_mut("required").and_then(|own| own.as_array_mut()) {
+                required.push("name".into());
+            }
+            kind.insert("additionalProperties".to_owned(), false.into());
+        }
+        kinds
     }
 }
 
@@ -86,7 +145,7 @@ fn with_common_keys(message: &str) -> String {
 }
 
 /// A kind of maneuver with its parameters. Speeds are surge speeds unless stated otherwise.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(clippy::large_enum_variant)] // A dictionary has only dozens of these.
 pub enum Kind {

@@ -1,12 +1,13 @@
 use std::collections::BTreeMap;
 
 use refusal::{Invalid, nearest};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::{Constrained, Constraint, Degree, DegreeOfFreedom, Product, Term};
 
 /// One term of an equation.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TermSpec {
     /// Name of the parameter.

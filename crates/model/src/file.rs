@@ -11,7 +11,7 @@ use crate::equation::{Equation, Reduced, TermSpec};
 use crate::{Actuator, Constrained, DegreeOfFreedom, DerivedSpec, InputSpec, Model, Term, Variable, Written};
 
 /// `vessel.toml` as written.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VesselFile {
     /// A built-in vessel to start from; it replaces everything below but `name`, `value` and `nominal`.

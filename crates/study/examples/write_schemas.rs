@@ -1,11 +1,12 @@
-//! Writes the JSON Schema of every document and of `ingest.toml` into a folder, and the page of the latter's keys
-//! into `docs` next to it: `cargo run -p study --example write_schemas -- schemas`.
+//! Writes the JSON Schema of every document and of every hand-written file into a folder, and the page of the keys of
+//! `ingest.toml` into `docs` next to it: `cargo run -p study --example write_schemas -- schemas`.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use study::documents::schemas;
-use study::ingest_file::{page, schema};
+use study::hand_written;
+use study::ingest_file::page;
 
 fn main() -> ExitCode {
     let Some(folder) = std::env::args_os().nth(1).map(PathBuf::from) else {
@@ -26,8 +27,10 @@ fn main() -> ExitCode {
 
 fn write(folder: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
-    for (name, schema) in schemas().into_iter().chain([("ingest-toml", schema())]) {
-        std::fs::write(folder.join(format!("{name}.schema.json")), format!("{schema:#}\n"))?;
+    let documents = schemas().into_iter().map(|(id, schema)| (format!("{id}.schema.json"), schema));
+    let written = hand_written::schemas().map(|(kind, schema)| (hand_written::file_name(kind), schema));
+    for (name, schema) in documents.chain(written) {
+        std::fs::write(folder.join(name), format!("{schema:#}\n"))?;
     }
     let docs = folder.join("../docs");
     if docs.is_dir() {

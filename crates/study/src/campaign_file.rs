@@ -6,12 +6,13 @@ use maneuver::{DictionaryFile, ManeuverSpec};
 use model::{Source, Vessel};
 use refusal::{Invalid, check_numbers, check_ranges};
 use regression::{InstrumentKind, Noise};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use trial::campaign::{Sea, Settings};
 use validation::tally::Bounds;
 
 /// `campaign.toml` as written.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CampaignFile {
     /// Seed of every random number of the study.
@@ -33,7 +34,7 @@ pub struct CampaignFile {
 }
 
 /// Experiments of maneuvers drawn at random.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RandomSpec {
     /// Number of equally long segments.
@@ -41,7 +42,7 @@ pub struct RandomSpec {
 }
 
 /// The validation maneuvers, and the bounds of good estimates.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ValidationSpec {
     /// Bound on the parameter error.

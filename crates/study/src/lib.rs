@@ -14,6 +14,7 @@ pub mod exported;
 pub mod figure_goals;
 pub mod files;
 pub mod folder;
+pub mod hand_written;
 pub mod ingest_file;
 pub mod kept;
 mod logged_helm;

@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use logs::chain::{Actuator, Chain, Compass, Day, Gnss, Hull, Schedule};
 use model::Vessel;
 use refusal::{Invalid, check_name, check_numbers};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// `logs.toml` as written: maneuvers, days and instruments.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LogsFile {
     /// Seed of every random number.

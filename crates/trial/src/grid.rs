@@ -1,6 +1,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use engine::Pose;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// The lattice at sea: nodes, heading levels, and the speeds that a vessel may have at a node.
@@ -21,7 +22,7 @@ pub struct Grid {
 }
 
 /// A speed that the vessel holds at a node.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mode {
     /// Its name.

@@ -26,7 +26,7 @@ pub struct Handling {
 }
 
 /// The stated part of [`Handling`]; the rest follows from the vessel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StatedHandling {
     /// See [`Handling::turn_rate_rad_s`].

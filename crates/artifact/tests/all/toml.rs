@@ -57,12 +57,12 @@ fn a_good_file_is_read_with_its_digest() {
 #[test]
 fn an_unknown_key_is_refused_with_the_nearest() {
     let line = refused(&format!("{GOOD}sample_rate = 8\n"));
-    let expected = "study.toml: key: found key `sample_rate` (line 5), expected a known key: `sample_rate_hz`, `seed`, \
+    let expected = "study.toml: key: found key `sample_rate` (line 5, column 1), expected a known key: `sample_rate_hz`, `seed`, \
                     `shape`, `maneuver`, `limits`; did you mean `sample_rate_hz`?";
     assert_eq!(line, expected);
     let line = refused(&format!("{GOOD}[[maneuver]]\nNAEM = \"a\"\n"));
     assert!(
-        line.contains("found key `NAEM` (line 6), expected the key `name`; did you mean `name`?"),
+        line.contains("found key `NAEM` (line 6, column 1), expected the key `name`; did you mean `name`?"),
         "{line}"
     );
 }
@@ -72,7 +72,7 @@ fn an_unknown_choice_is_refused_with_the_nearest() {
     let line = refused(&GOOD.replace("sine", "sinus"));
     assert_eq!(
         line,
-        "study.toml: shape: found `sinus` (line 4), expected a known value: `square`, `sine`; did you mean `sine`?"
+        "study.toml: shape: found `sinus` (line 4, column 1), expected a known value: `square`, `sine`; did you mean `sine`?"
     );
 }
 
@@ -84,7 +84,7 @@ fn a_missing_key_is_named() {
         "{line}"
     );
     let line = refused(&format!("{GOOD}\n[[maneuver]]\n"));
-    assert!(line.contains("found no key `name` (line 6)"), "{line}");
+    assert!(line.contains("found no key `name` (line 6, column 3)"), "{line}");
 }
 
 #[test]
@@ -92,10 +92,13 @@ fn a_wrong_type_is_told_with_key_and_line() {
     let line = refused(&GOOD.replace("8.0", "\"8\""));
     assert_eq!(
         line,
-        "study.toml: sample_rate_hz: found the text \"8\" (line 2), expected a number; correct the value"
+        "study.toml: sample_rate_hz: found the text \"8\" (line 2, column 1), expected a number; correct the value"
     );
     let line = refused(&GOOD.replace("18446744073709551615", "-1"));
-    assert!(line.contains("seed: found the number -1 (line 3), expected a whole number from 0"), "{line}");
+    assert!(
+        line.contains("seed: found the number -1 (line 3, column 1), expected a whole number from 0"),
+        "{line}"
+    );
 }
 
 #[test]
@@ -155,7 +158,7 @@ fn changes_of_what_is_not_there_are_refused() {
     let line = refused(&good, "study.seed.x=1");
     assert!(line.contains("found `x` below 7, expected keys below a table or a list"), "{line}");
     // A fault of the file itself is reported with its line; values that TOML tables cannot hold, with the reason.
-    assert!(refused(&format!("{good}sed = 1\n"), "study.seed=1").contains("`sed` (line 5)"));
+    assert!(refused(&format!("{good}sed = 1\n"), "study.seed=1").contains("`sed` (line 5, column 1)"));
     assert!(refused(GOOD, "study.shape=sine").contains("any.toml: text: found"));
     for none in ["study=1", "study.seed", "study..seed=1", "=1", "a.b\nc=1", "a.{b}=1"] {
         assert!(none.parse::<Change>().is_err(), "{none:?}");

@@ -44,7 +44,7 @@ fn law_least_squares_of_one_run_delivers_the_model_that_pooling_it_alone_does() 
 #[test]
 fn law_the_delivered_model_has_the_errors_that_the_document_tells_of_it() {
     let folder = with(&["design.json"]);
-    edit(&folder, "campaign.toml", "realizations = 40", "realizations = 4");
+    edit(&folder, "campaign.toml", &format!("realizations = {RUNS}"), "realizations = 4");
     run(&folder, CAMPAIGN).succeeds();
     for estimator in ["iv", "refined-iv", "output-error"] {
         run(&folder, &format!("{ONE} --estimator {estimator}")).succeeds();

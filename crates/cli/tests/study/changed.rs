@@ -86,7 +86,12 @@ fn a_value_that_is_set_is_checked_as_one_that_is_written() {
 fn what_is_wrong_with_the_file_itself_is_said_with_its_line() {
     let folder = with(&["design.json"]);
     edit(&folder, "campaign.toml", "seed = 1\n", "seed = 1\nsede = 1\n");
-    refused(&folder, 3, &format!("{CAMPAIGN} --set campaign.realizations=3"), &["`sede`", "(line 3)"]);
+    refused(
+        &folder,
+        3,
+        &format!("{CAMPAIGN} --set campaign.realizations=3"),
+        &["`sede`", "(line 3, column 1)"],
+    );
     edit(&folder, "campaign.toml", "sede = 1", "[");
     refused(&folder, 3, &format!("{CAMPAIGN} --set campaign.realizations=3"), &["campaign.toml", "line 3"]);
 }

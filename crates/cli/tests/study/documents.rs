@@ -99,7 +99,7 @@ fn json_schemas_are_those_of_the_documents() {
         let kept: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(kept, schema, "{} has drifted; {remedy}", path.display());
     }
-    // The schema of ingest.toml is checked with its keys.
+    // The schemas of hand-written files are checked with the files.
     let of_document = |file: &std::fs::DirEntry| !file.file_name().to_string_lossy().contains("-toml.");
     let kept = std::fs::read_dir(&folder).unwrap().flatten().filter(of_document).count();
     assert_eq!(kept, schemas().len(), "schemas/ has a file of no document; {remedy}");

@@ -144,7 +144,7 @@ fn law_compared_estimates_have_the_same_bytes_for_all_threads_and_shards() {
 #[test]
 fn prediction_error_finds_what_disturbs_the_runs() {
     let folder = with(&["design.json"]);
-    edit(&folder, "campaign.toml", "realizations = 40", "realizations = 6");
+    edit(&folder, "campaign.toml", &format!("realizations = {RUNS}"), "realizations = 6");
     run(&folder, CAMPAIGN).succeeds();
     let line = format!("{ESTIMATE} --estimator prediction-error --criticise never");
     run(&folder, &line).succeeds();

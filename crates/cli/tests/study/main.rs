@@ -16,6 +16,7 @@ mod figures;
 mod generated;
 mod golden;
 mod in_memory;
+mod lines;
 mod makefile;
 mod mixed;
 mod monte_carlo;

@@ -75,7 +75,12 @@ fn a_list_where_keys_belong_is_refused() {
         let (before, after) = text.split_once(table).unwrap();
         let rest = after.split_once("\n[").unwrap().1;
         put(&folder, "campaign.toml", &format!("{list}\n{before}[{rest}"));
-        refused(&folder, 3, CAMPAIGN, &["campaign.toml", "found a list (line 1)", "keys with values"]);
+        refused(
+            &folder,
+            3,
+            CAMPAIGN,
+            &["campaign.toml", "found a list (line 1, column 1)", "keys with values"],
+        );
     }
     let list = "kind = \"combined\"\nspeed_m_s = [\"sine\", 0.5]";
     let folder = with(&[]);
@@ -86,7 +91,8 @@ fn a_list_where_keys_belong_is_refused() {
 #[test]
 fn values_beyond_those_that_a_list_takes_are_refused() {
     let to = "[generate]\ncandidates = 9\nspeed_m_s = [0.2, 0.4, 0.6]\nlimits = { u_m_s = 1.0, v_m_s = 0.2, r_rad_s = 0.3 }";
-    let pieces = ["dictionary.toml", "speed_m_s", "found a value too many (line 4)", "a list of 2 values"];
+    let pieces =
+        ["dictionary.toml", "speed_m_s", "found a value too many (line 4, column 1)", "a list of 2 values"];
     let folder = with(&[]);
     put(&folder, "dictionary.toml", &format!("duration_s = 9.0\n{to}\n"));
     refused(&folder, 3, DICTIONARY, &pieces);

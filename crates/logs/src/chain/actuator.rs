@@ -1,11 +1,12 @@
 use refusal::Invalid;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{above_zero, finite, from_zero};
 use crate::{Law, Setting, Thruster};
 
 /// An azimuth thruster with its limits and its sensors. Axes: x forward, y starboard, z down.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Actuator {
     /// Forward and to starboard of the reference point \[m\].
@@ -39,7 +40,7 @@ pub struct Actuator {
 }
 
 /// What the log of a thruster holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Logged {
     /// What it reached, by its sensors.

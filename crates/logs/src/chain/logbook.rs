@@ -5,6 +5,7 @@ use maneuver::Generator;
 use model::Vessel;
 use rayon::prelude::*;
 use refusal::Invalid;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{Chain, Commanded, Drift, Failed, Hits, Key, Weather, Wind};
@@ -29,7 +30,7 @@ pub struct Schedule {
 }
 
 /// A day at sea.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Day {
     /// Its name.

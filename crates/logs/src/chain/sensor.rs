@@ -1,10 +1,11 @@
 use refusal::Invalid;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{above_zero, from_zero};
 
 /// A satellite receiver at the reference point.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Gnss {
     /// Fixes per second; the samples per second are a multiple.
@@ -22,7 +23,7 @@ pub struct Gnss {
 }
 
 /// A heading sensor.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Compass {
     /// White noise \[rad\].

@@ -1,11 +1,12 @@
 use engine::{Streams, check_currents};
 use refusal::Invalid;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{Wind, above_zero, from_zero};
 
 /// Current and wind while recording.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Weather {
     /// The current.
@@ -16,7 +17,7 @@ pub struct Weather {
 }
 
 /// A current in earth axes: a constant and a time-varying part, independent north and east.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Drift {
     /// Towards north \[m/s\].

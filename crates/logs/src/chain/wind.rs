@@ -1,6 +1,7 @@
 use std::f64::consts::PI;
 
 use refusal::{Invalid, check_numbers};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{above_zero, finite, from_zero};
@@ -11,7 +12,7 @@ const AIR: f64 = 1.225;
 /// The aerodynamic areas and coefficients of a ship that is symmetric fore and aft. Coefficients as in Fossen
 /// (Handbook of Marine Craft Hydrodynamics and Motion Control, 8.1.3): c_x 0.5 to 0.9, c_y 0.7 to 0.95, c_n
 /// 0.05 to 0.2.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Hull {
     /// Frontal projected area \[m²\].
@@ -29,7 +30,7 @@ pub struct Hull {
 }
 
 /// Wind: a mean with gusts along it.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wind {
     /// Mean speed \[m/s\].

@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 refusal::choices! {
@@ -42,7 +43,7 @@ pub type Settings = BTreeMap<String, f64>;
 
 /// A zig-zag test δ/ψ: helm to one side until the heading has changed by ψ, then to the other side until it has changed
 /// by ψ to that side, and so on.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ZigZagTest {
     /// Speed of the approach \[m/s\].
@@ -68,7 +69,7 @@ pub struct ZigZagTest {
 }
 
 /// A turning circle.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TurningCircle {
     /// Speed of the approach \[m/s\].
@@ -92,7 +93,7 @@ fn one_and_a_half_turns() -> f64 {
 }
 
 /// A pull-out: a turn, then the helm amidships.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PullOut {
     /// Speed of the approach \[m/s\].
@@ -110,7 +111,7 @@ pub struct PullOut {
 }
 
 /// Dieudonné's direct spiral: the helm in steps from one side to the other and back.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpiralTest {
     /// Speed of the approach \[m/s\].
@@ -128,7 +129,7 @@ pub struct SpiralTest {
 }
 
 /// A reverse spiral: yaw rates in steps from one side to the other, each held by the helm.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReverseSpiral {
     /// Speed of the approach \[m/s\].
@@ -155,7 +156,7 @@ fn four() -> u32 {
 }
 
 /// A stop: inputs are set, until the ship has lost her way.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stop {
     /// Speed of the approach \[m/s\].

@@ -7,8 +7,10 @@ mod presets;
 use std::path::Path;
 
 use artifact::Error;
+use study::hand_written;
 
 pub use looking::Looked;
+
 pub use presets::{PRESETS, Preset};
 
 /// A hand-written file of a new study: its name and its text.
@@ -16,7 +18,8 @@ pub type NewFile = (String, String);
 
 /// The files of a study of `preset` that is simulated.
 pub fn simulated(preset: &Preset) -> Vec<NewFile> {
-    preset.files().map(|(name, text)| (name.to_owned(), text.to_owned())).collect()
+    let files = preset.files().map(|(name, text)| (name.to_owned(), text.to_owned()));
+    files.map(with_schema).collect()
 }
 
 /// The files of a study of `preset` with the logs in the folder `logs`, and what was found there.
@@ -30,5 +33,23 @@ pub fn measured(preset: &Preset, logs: &Path) -> Result<(Vec<NewFile>, Looked), 
         ("ingest.toml".to_owned(), ingest::written(&looked, preset)),
         ("study.mk".to_owned(), ingest::flags(&looked, preset)),
     ];
-    Ok((files, looked))
+    Ok((files.into_iter().map(with_schema).collect(), looked))
+}
+
+/// The JSON Schemas of all hand-written files, which editors check them by.
+pub fn schemas() -> Vec<NewFile> {
+    let all = hand_written::schemas().into_iter();
+    let file = |kind| format!("schemas/{}", hand_written::file_name(kind));
+    all.map(|(kind, schema)| (file(kind), format!("{schema:#}\n"))).collect()
+}
+
+/// A file with the line that editors find its schema by.
+fn with_schema((name, text): NewFile) -> NewFile {
+    match hand_written::kind_of(&name) {
+        None => (name, text),
+        Some(kind) => {
+            let text = format!("#:schema schemas/{}\n{text}", hand_written::file_name(kind));
+            (name, text)
+        }
+    }
 }

@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use refusal::{Invalid, check_numbers};
@@ -7,7 +8,7 @@ use validation::selection::PublishedLimits;
 
 /// `reference.toml` of a study: results published elsewhere, for comparison. They change no result: the limits of a
 /// selection study only set from where realizations are counted.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Reference {
     /// The publication.
@@ -66,7 +67,7 @@ impl PublishedShare {
 }
 
 /// A published selection study: the limits of its figures, and its statements.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PublishedSelection {
     /// RMSE in surge from which values are truncated \[m/s\].
@@ -100,7 +101,7 @@ impl From<&PublishedSelection> for PublishedLimits {
 }
 
 /// The published results of one way of picking.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PublishedPicks {
     /// Share of degenerate realizations.
@@ -112,7 +113,7 @@ pub struct PublishedPicks {
 }
 
 /// Published shares of one design.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Published {
     /// Share of runs below the bound on the parameter error.
@@ -122,7 +123,7 @@ pub struct Published {
 }
 
 /// A share as printed: a value, or more than a value.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum PublishedShare {
     /// As printed.

@@ -7,7 +7,7 @@ mod reference;
 mod simulated;
 mod tables;
 
-pub use reference::{page, schema};
+pub use reference::page;
 pub use simulated::simulated_label;
 
 use logs::{

@@ -7,11 +7,6 @@ use serde_json::{Map, Value};
 
 use super::IngestFile;
 
-/// JSON Schema of `ingest.toml`.
-pub fn schema() -> Value {
-    schema_for!(IngestFile).to_value()
-}
-
 /// Tables of the file: their headers, and the definition with their keys.
 const TABLES: [(&str, &str); 10] = [
     ("", ""),
@@ -36,7 +31,7 @@ logs](own-logs.md) says what to do with them.
 
 /// The page of all keys, docs/ingest-keys.md.
 pub fn page() -> String {
-    let schema = schema();
+    let schema = schema_for!(IngestFile).to_value();
     let mut page = HEAD.to_owned();
     for (heading, name) in TABLES {
         let table = if name.is_empty() { &schema } else { &schema["$defs"][name] };

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use engine::{Changes, ChangingCurrent, Wind};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use trial::voyage::{CostRule, Goal, Hull, ManeuverUse, Place, Safety, SpeedLimit};
 use trial::{Mode, Sensors, StatedHandling};
 
 /// `plan.toml` as written.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlanFile {
     /// Name of the trial in routes; without it, that of the folder.
@@ -84,7 +85,7 @@ fn raster_per_cell() -> usize {
 }
 
 /// The area that the ship may use: a box, or a polygon.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AreaSpec {
     /// Western edge of the box; east of the eastern one if it is across the antimeridian.
@@ -100,7 +101,7 @@ pub struct AreaSpec {
 }
 
 /// One chart.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChartSpec {
     /// GeoJSON (`.geojson`, `.json`), grid (`.asc`, GeoTIFF `.tif`, NetCDF `.nc`) or cell of an electronic chart (`.000`), or
@@ -132,7 +133,7 @@ pub struct ChartSpec {
 }
 
 /// The contents of a chart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChartKind {
     /// Land and islets, or a grid of 1 (land) and 0 (water of unknown depth).
@@ -150,7 +151,7 @@ pub enum ChartKind {
 }
 
 /// A table of tides, and when the trial has to be over.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TideSpec {
     /// CSV with the columns `time` (as `departure`), `level_m` over the chart's datum, and `stream_m_s`,
@@ -161,7 +162,7 @@ pub struct TideSpec {
 }
 
 /// When the trial may take place, by the keys that are given.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SlotSpec {
     /// It begins then or later (written as `departure`).
@@ -174,7 +175,7 @@ pub struct SlotSpec {
 }
 
 /// A current, by its set.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KnownCurrent {
     /// Speed \[m/s\].
@@ -184,7 +185,7 @@ pub struct KnownCurrent {
 }
 
 /// The approach before and the tolerances after a maneuver.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ApproachSpec {
     /// Steady approach \[s\].
@@ -212,7 +213,7 @@ impl Default for ApproachSpec {
 }
 
 /// Standard deviations of the ship's measurements; 0 if exact.
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorSpec {
     /// Position, north and east each \[m\].

@@ -2,11 +2,12 @@ use std::collections::BTreeMap;
 
 use model::{Source, Vessel};
 use refusal::{Invalid, check_numbers, check_ranges};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use trial::rounds::Knowledge;
 
 /// `sequential.toml`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SequentialFile {
     /// Realizations of every arm.

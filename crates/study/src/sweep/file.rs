@@ -1,15 +1,17 @@
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use artifact::{Error, Provenance};
 use identification::Estimator;
 use refusal::{Invalid, check_numbers, check_ranges, foreign, one_line};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::{Table, Value};
 
 use crate::documents::SweepLine;
 
 /// `sweep.toml` as written.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepFile {
     /// Folder of the study's hand-written files, relative to that of this file.
@@ -35,6 +37,7 @@ pub struct SweepFile {
     #[serde(default)]
     pub design_flags: Vec<String>,
     /// The values of dotted keys, each of which begins with its file's name.
+    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub grid: Table,
 }
 

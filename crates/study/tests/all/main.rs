@@ -2,4 +2,5 @@
 
 mod chart_text;
 mod figure_goals;
+mod hand_written;
 mod sequential;

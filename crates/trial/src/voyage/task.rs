@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use chart::Layer;
 use engine::{Changes, Helm, Run};
 use model::Vessel;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::tide::Tide;
@@ -144,7 +145,7 @@ pub struct Slot {
 }
 
 /// A speed limit in a part of the area: faster legs are not offered where they sweep any of it.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpeedLimit {
     /// Its name in messages.
@@ -156,7 +157,7 @@ pub struct SpeedLimit {
 }
 
 /// The hull in the horizontal plane: a rectangle with a pointed bow.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Hull {
     /// Length over all \[m\].
@@ -193,7 +194,7 @@ impl Hull {
 }
 
 /// Depths and distances to keep.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Safety {
     /// Least charted depth in transit: draught and under-keel clearance \[m\].
@@ -222,7 +223,7 @@ pub struct Safety {
 }
 
 /// A maneuver to place.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ManeuverUse {
     /// Its name in the dictionary.
@@ -235,7 +236,7 @@ pub struct ManeuverUse {
 }
 
 /// A place and heading.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Place {
     /// Longitude.
@@ -249,7 +250,7 @@ pub struct Place {
 }
 
 /// Where the trial may end.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Goal {
     /// Back at the start.
@@ -264,7 +265,7 @@ pub enum Goal {
 }
 
 /// The objective.
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CostRule {
     /// The primary objective.
@@ -274,7 +275,7 @@ pub struct CostRule {
 }
 
 /// The primary objective.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Primary {
     /// The number of basic moves, as in the paper.

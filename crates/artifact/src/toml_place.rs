@@ -1,0 +1,158 @@
+//! Where in a TOML file a key stands, by the spans of its reader.
+
+use std::ops::Range;
+use std::path::Path;
+
+use refusal::Invalid;
+use toml::de::{DeArray, DeTable, DeValue};
+use toml::{Spanned, Value};
+
+/// A key of a file.
+pub(crate) struct Place {
+    /// The key.
+    pub key: String,
+    /// Where it begins.
+    pub at: usize,
+}
+
+/// `line 3, column 5` of byte `at`, counted from 1.
+pub(crate) fn line_and_column(text: &str, at: usize) -> String {
+    let before = text.get(..at).unwrap_or(text);
+    let line = before.rsplit('\n').next().unwrap_or_default();
+    format!("line {}, column {}", 1 + before.matches('\n').count(), 1 + line.chars().count())
+}
+
+/// The innermost key whose name or value is at `span`.
+pub(crate) fn key_at(text: &str, span: &Range<usize>) -> Option<Place> {
+    let whole = DeTable::parse(text).ok()?;
+    let mut found = None;
+    within_table(whole.get_ref(), span, &mut found);
+    found
+}
+
+fn holds(outer: &Range<usize>, inner: &Range<usize>) -> bool {
+    outer.start <= inner.start && inner.end <= outer.end
+}
+
+fn within_table(table: &DeTable<'_>, span: &Range<usize>, found: &mut Option<Place>) {
+    for (key, value) in table {
+        let own = Place { key: key.get_ref().to_string(), at: key.span().start };
+        if holds(&key.span(), span) {
+            *found = Some(own);
+        } else if holds(&value.span(), span) {
+            *found = Some(own);
+            within(value.get_ref(), span, found);
+        } else {
+            // Tables may go on elsewhere in the file than where they begin.
+            within(value.get_ref(), span, found);
+        }
+    }
+}
+
+fn within(value: &DeValue<'_>, span: &Range<usize>, found: &mut Option<Place>) {
+    match value {
+        DeValue::Table(table) => within_table(table, span, found),
+        DeValue::Array(list) => list.iter().for_each(|item| within(item.get_ref(), span, found)),
+        _ => {}
+    }
+}
+
+/// Adds to what is `invalid` in the hand-written `file` where it stands there; as it is if that cannot be told, or if the file
+/// has another value there, as with changed values.
+pub(crate) fn placed(file: &Path, mut invalid: Invalid) -> Invalid {
+    if file.extension().is_none_or(|own| own != "toml") || invalid.found.contains("(line ") {
+        return invalid;
+    }
+    let Some(text) = std::fs::read_to_string(file).ok() else { return invalid };
+    if let Some(at) = place_of(&text, &invalid.thing, Some(&invalid.found)) {
+        invalid.found = format!("{} ({})", invalid.found, line_and_column(&text, at));
+    }
+    invalid
+}
+
+/// Where the key begins that a message calls `thing`: "maneuver `slow`, `feedback.every_s`". If a value is `found`, it has to
+/// be there.
+pub(crate) fn place_of(text: &str, thing: &str, found: Option<&str>) -> Option<usize> {
+    let whole = DeTable::parse(text).ok()?;
+    let (mut table, mut at) = (whole.get_ref(), None);
+    let parts: Vec<&str> = thing.split('`').collect();
+    let mut last = None;
+    for pair in parts.chunks_exact(2) {
+        let (kind, name) = (pair[0].trim().rsplit([' ', '[']).next().unwrap_or_default(), pair[1]);
+        if let Some((start, item)) = item(table, kind.trim_end_matches(']'), name) {
+            (table, at) = (item, Some(start));
+            continue;
+        }
+        let (start, value) = below(table, name)?;
+        (at, last) = (Some(start), Some(value));
+        if let DeValue::Table(own) = value {
+            table = own;
+        }
+    }
+    match (last, found) {
+        (Some(value), Some(found)) if !shows(value, found) => None,
+        _ => at,
+    }
+}
+
+/// The item called `name` of the list of tables `kind` in `table`, or in tables below it.
+fn item<'a, 'i>(table: &'a DeTable<'i>, kind: &str, name: &str) -> Option<(usize, &'a DeTable<'i>)> {
+    let called = |item: &'a Spanned<DeValue<'i>>| {
+        let own = item.get_ref().as_table()?;
+        let (start, value) = entry(own, "name")?;
+        (value.as_str() == Some(name)).then_some((start, own))
+    };
+    let list = entry(table, kind).and_then(|(_, list)| list.as_array());
+    let own = list.and_then(|list| list.iter().find_map(called));
+    let mut tables = table.values().filter_map(|value| value.get_ref().as_table());
+    own.or_else(|| tables.find_map(|below| item(below, kind, name)))
+}
+
+/// The key with its value at the dotted `path`, of which items of lists may be indices or names.
+fn below<'a, 'i>(table: &'a DeTable<'i>, path: &str) -> Option<(usize, &'a DeValue<'i>)> {
+    if let Some(found) = entry(table, path) {
+        return Some(found);
+    }
+    let (first, rest) = path.split_once('.')?;
+    match entry(table, first)?.1 {
+        DeValue::Table(own) => below(own, rest),
+        DeValue::Array(list) => {
+            let (place, rest) = rest.split_once('.')?;
+            below(of_list(list, place)?, rest)
+        }
+        _ => None,
+    }
+}
+
+fn of_list<'a, 'i>(list: &'a DeArray<'i>, place: &str) -> Option<&'a DeTable<'i>> {
+    let called =
+        |own: &&DeTable<'i>| entry(own, "name").is_some_and(|(_, name)| name.as_str() == Some(place));
+    let mut tables = list.iter().filter_map(|item| item.get_ref().as_table());
+    tables.clone().find(called).or_else(|| tables.nth(place.parse().ok()?))
+}
+
+fn entry<'a, 'i>(table: &'a DeTable<'i>, key: &str) -> Option<(usize, &'a DeValue<'i>)> {
+    let (key, value) = table.iter().find(|(own, _)| own.get_ref() == key)?;
+    Some((key.span().start, value.get_ref()))
+}
+
+/// Whether the value `found` is that of the file; anything is of tables and lists.
+fn shows(value: &DeValue<'_>, found: &str) -> bool {
+    let plain = found.trim_matches('`');
+    // Behind the number may be a unit.
+    let first = plain.split(' ').next().unwrap_or_default();
+    let number = |text: &str| {
+        text.replace('_', "").parse::<Value>().ok().and_then(|own| match own {
+            Value::Integer(n) => Some(n as f64),
+            Value::Float(x) => Some(x),
+            _ => None,
+        })
+    };
+    match value {
+        DeValue::String(own) => plain.contains(own.as_ref()),
+        DeValue::Integer(own) => number(own.as_str()).is_none_or(|own| first.parse() == Ok(own)),
+        DeValue::Float(own) => number(own.as_str()).is_none_or(|own| first.parse() == Ok(own)),
+        DeValue::Boolean(own) => plain.contains(if *own { "true" } else { "false" }),
+        DeValue::Datetime(_) | DeValue::Array(_) | DeValue::Table(_) => true,
+    }
+}
