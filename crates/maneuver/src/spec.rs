@@ -57,10 +57,15 @@ impl<'de> Deserialize<'de> for ManeuverSpec {
             common.extend(table.remove(key).map(|value| (key.to_owned(), value)));
         }
         let called = table_name(&common);
-        let refused = |e: toml::de::Error| D::Error::custom(in_item(&e, called.as_deref()));
+        let refused = |e: toml::de::Error| {
+            let key = e
+                .to_string()
+                .lines()
+                .find_map(|line| Some(line.strip_prefix("in `")?.strip_suffix('`')?.to_owned()));
+            D::Error::custom(in_item(&e, called.as_deref(), key.as_deref()))
+        };
         let [keeps, feedback] = ["keeps", "feedback"].map(|key| table.remove(key));
         let Common { name, description, duration_s, executed } = common.try_into().map_err(refused)?;
-        let named = |e: toml::de::Error| D::Error::custom(in_item(&e, Some(&name)));
         let within = |key: &'static str| {
             let name = &name;
             move |e: toml::de::Error| {
@@ -68,7 +73,8 @@ impl<'de> Deserialize<'de> for ManeuverSpec {
             }
         };
         let keeps = keeps.map(strictly).transpose().map_err(within("keeps"))?.unwrap_or_default();
-        let kind: Kind = strictly(table).map_err(named)?;
+        let named = |e: toml::de::Error| D::Error::custom(in_item(&e, Some(&name), wrong_key(&table, &e)));
+        let kind: Kind = strictly(table.clone()).map_err(named)?;
         let executed = executed.unwrap_or(Executed::Inputs);
         let feedback = feedback.map(strictly).transpose().map_err(within("feedback"))?;
         Ok(Self { name, description, duration_s, keeps, executed, feedback, kind })
@@ -81,14 +87,30 @@ fn table_name(table: &toml::Table) -> Option<String> {
 }
 
 /// The message of `error` in the maneuver called `name`, with the key that it is about.
-fn in_item(error: &toml::de::Error, name: Option<&str>) -> String {
-    let (message, text) = (with_common_keys(error.message()), error.to_string());
-    let key = text.lines().find_map(|line| line.strip_prefix("in `"));
+fn in_item(error: &toml::de::Error, name: Option<&str>, key: Option<&str>) -> String {
+    let message = with_common_keys(error.message());
     match (name, key) {
         (None, _) => message,
         (Some(name), None) => format!("{message} (maneuver `{name}`)"),
-        (Some(name), Some(key)) => format!("{message} (maneuver `{name}`, `{})", key),
+        (Some(name), Some(key)) => format!("{message} (maneuver `{name}`, `{key}`)"),
     }
+}
+
+/// The key of a kind's table whose value is refused with `error`, which names no key as serde reads tagged enums: without it, the
+/// table is refused otherwise or not at all.
+fn wrong_key<'a>(table: &'a toml::Table, error: &toml::de::Error) -> Option<&'a str> {
+    let without = |key: &&str| {
+        let rest: toml::Table = table
+            .iter()
+            .filter(|(own, _)| own != key)
+            .map(|(own, value)| (own.clone(), value.clone()))
+            .collect();
+        strictly::<Kind, _>(rest).err().is_none_or(|other| other.message() != error.message())
+    };
+    let of_value = error.message().starts_with("invalid") || error.message().starts_with("unknown variant");
+    // Without its kind every table is refused otherwise.
+    let keys = table.keys().map(String::as_str).filter(|key| *key != "kind");
+    keys.chain(["kind"]).find(without).filter(|_| of_value)
 }
 
 /// Those of every kind of maneuver, for its schema.
