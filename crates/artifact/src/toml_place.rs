@@ -7,6 +7,8 @@ use refusal::Invalid;
 use toml::de::{DeArray, DeTable, DeValue};
 use toml::{Spanned, Value};
 
+use crate::toml_input::read_to_string;
+
 /// A key of a file.
 pub(crate) struct Place {
     /// The key.
@@ -60,10 +62,12 @@ fn within(value: &DeValue<'_>, span: &Range<usize>, found: &mut Option<Place>) {
 /// Adds to what is `invalid` in the hand-written `file` where it stands there; as it is if that cannot be told, or if the file
 /// has another value there, as with changed values.
 pub(crate) fn placed(file: &Path, mut invalid: Invalid) -> Invalid {
-    if file.extension().is_none_or(|own| own != "toml") || invalid.found.contains("(line ") {
+    let names_a_key = invalid.thing.contains('`') && !invalid.found.contains("(line ");
+    if file.extension().is_none_or(|own| own != "toml") || !names_a_key {
         return invalid;
     }
-    let Some(text) = std::fs::read_to_string(file).ok() else { return invalid };
+    // It has been read before, and whole: no pipe, and none that is larger than memory.
+    let Some(text) = read_to_string(file).ok() else { return invalid };
     if let Some(at) = place_of(&text, &invalid.thing, Some(&invalid.found)) {
         invalid.found = format!("{} ({})", invalid.found, line_and_column(&text, at));
     }
