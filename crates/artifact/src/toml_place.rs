@@ -38,16 +38,11 @@ fn holds(outer: &Range<usize>, inner: &Range<usize>) -> bool {
 
 fn within_table(table: &DeTable<'_>, span: &Range<usize>, found: &mut Option<Place>) {
     for (key, value) in table {
-        let own = Place { key: key.get_ref().to_string(), at: key.span().start };
-        if holds(&key.span(), span) {
-            *found = Some(own);
-        } else if holds(&value.span(), span) {
-            *found = Some(own);
-            within(value.get_ref(), span, found);
-        } else {
-            // Tables may go on elsewhere in the file than where they begin.
-            within(value.get_ref(), span, found);
+        if holds(&key.span(), span) || holds(&value.span(), span) {
+            *found = Some(Place { key: key.get_ref().to_string(), at: key.span().start });
         }
+        // Tables may go on elsewhere in the file than where they begin.
+        within(value.get_ref(), span, found);
     }
 }
 
@@ -59,8 +54,8 @@ fn within(value: &DeValue<'_>, span: &Range<usize>, found: &mut Option<Place>) {
     }
 }
 
-/// Adds to what is `invalid` in the hand-written `file` where it stands there; as it is if that cannot be told, or if the file
-/// has another value there, as with changed values.
+/// Adds its line and column to what is `invalid` in the hand-written `file`. Nothing is added where they cannot be found, or where
+/// the file has another value there: a flag has changed it.
 pub(crate) fn placed(file: &Path, mut invalid: Invalid) -> Invalid {
     let names_a_key = invalid.thing.contains('`') && !invalid.found.contains("(line ");
     if file.extension().is_none_or(|own| own != "toml") || !names_a_key {

@@ -14,20 +14,26 @@ use crate::plan::PlanFile;
 use crate::sequential::SequentialFile;
 use crate::sweep::SweepFile;
 
-/// The files, as the names of their kinds, with their schemas.
+/// A kind of file, and what writes its schema.
+type Kind = (&'static str, fn() -> Value);
+
+/// All of them.
+const KINDS: [Kind; 10] = [
+    ("vessel", schema::<VesselFile>),
+    ("dictionary", schema::<DictionaryFile>),
+    ("campaign", schema::<CampaignFile>),
+    ("plan", schema::<PlanFile>),
+    ("sweep", schema::<SweepFile>),
+    ("sequential", schema::<SequentialFile>),
+    ("logs", schema::<LogsFile>),
+    ("terms", schema::<TermLists>),
+    ("reference", schema::<Reference>),
+    ("ingest", schema::<IngestFile>),
+];
+
+/// The kinds of files with their schemas.
 pub fn schemas() -> [(&'static str, Value); 10] {
-    [
-        ("vessel", schema::<VesselFile>()),
-        ("dictionary", schema::<DictionaryFile>()),
-        ("campaign", schema::<CampaignFile>()),
-        ("plan", schema::<PlanFile>()),
-        ("sweep", schema::<SweepFile>()),
-        ("sequential", schema::<SequentialFile>()),
-        ("logs", schema::<LogsFile>()),
-        ("terms", schema::<TermLists>()),
-        ("reference", schema::<Reference>()),
-        ("ingest", schema::<IngestFile>()),
-    ]
+    KINDS.map(|(kind, schema)| (kind, schema()))
 }
 
 fn schema<T: JsonSchema>() -> Value {
@@ -41,18 +47,6 @@ pub fn file_name(kind: &str) -> String {
 
 /// The kind of a hand-written file by its name, which may go on after the kind: `plan-4-headings.toml` is a plan.
 pub fn kind_of(name: &str) -> Option<&'static str> {
-    const KINDS: [&str; 10] = [
-        "vessel",
-        "dictionary",
-        "campaign",
-        "plan",
-        "sweep",
-        "sequential",
-        "logs",
-        "terms",
-        "reference",
-        "ingest",
-    ];
     let stem = name.strip_suffix(".toml")?;
-    KINDS.into_iter().find(|kind| stem.split('-').next() == Some(kind))
+    KINDS.into_iter().map(|(kind, _)| kind).find(|kind| stem.split('-').next() == Some(kind))
 }

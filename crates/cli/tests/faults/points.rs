@@ -142,8 +142,8 @@ impl Watched {
     }
 }
 
-/// Does `work` for every stage on all processors, and prints the results. Where no number of cases is asked for, one of
-/// three stages is done: which of them is told by the name, so that each stage meets some of the faults.
+/// Does `work` for every stage on all processors, and prints the results. Without a number of
+/// cases it does a third of the stages. Each law has another third, by the length of its name.
 pub fn for_every_stage(name: &str, work: impl Fn(usize, &'static Ground, &'static Stage) -> Tally + Sync) {
     let started = Instant::now();
     let mut stages: Vec<_> = all().into_iter().enumerate().collect();
