@@ -1,5 +1,6 @@
 //! Where in a TOML file a key stands, by the spans of its reader.
 
+use std::fs;
 use std::ops::Range;
 use std::path::Path;
 
@@ -7,7 +8,8 @@ use refusal::Invalid;
 use toml::de::{DeArray, DeTable, DeValue};
 use toml::{Spanned, Value};
 
-use crate::toml_input::read_to_string;
+/// Most bytes of a file in which a key is looked for: many times what a hand writes.
+const MOST: u64 = 1 << 24;
 
 /// A key of a file.
 pub(crate) struct Place {
@@ -61,8 +63,8 @@ pub(crate) fn placed(file: &Path, mut invalid: Invalid) -> Invalid {
     if file.extension().is_none_or(|own| own != "toml") || !names_a_key {
         return invalid;
     }
-    // It has been read before, and whole: no pipe, and none that is larger than memory.
-    let Some(text) = read_to_string(file).ok() else { return invalid };
+    let ordinary = fs::metadata(file).is_ok_and(|file| file.is_file() && file.len() <= MOST);
+    let Some(text) = ordinary.then(|| fs::read_to_string(file).ok()).flatten() else { return invalid };
     if let Some(at) = place_of(&text, &invalid.thing, Some(&invalid.found)) {
         invalid.found = format!("{} ({})", invalid.found, line_and_column(&text, at));
     }
