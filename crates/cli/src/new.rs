@@ -11,7 +11,7 @@ use crate::cli::{Common, in_folder};
 use crate::failure::Failure;
 use crate::stage::{Summary, Task};
 
-/// Writes the files of a new study, commented, that `run` runs: of a ship that is known, or of your logs
+/// Writes the commented files of a new study: of a ship that is known, or of your logs
 #[derive(Parser)]
 #[command(name = "new", after_help = help())]
 pub struct Arguments {

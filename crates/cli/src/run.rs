@@ -17,7 +17,7 @@ use crate::stage::{Stage, Summary, Task, misused};
 /// What the name of the study stands in for in the usual folder of results.
 const USUAL: &str = "out/<study>";
 
-/// Runs all stages of a study, simulated or measured, and ends with its page; what is up to date is not run again
+/// Runs all stages of a study and ends with its page; what is up to date is not run again
 #[derive(Parser)]
 #[command(
     name = "run",

@@ -9,7 +9,7 @@ use study::folder::Folder;
 use crate::failure::Failure;
 use crate::said::on_stdout;
 
-/// Checks that the files in folders are whole and belong together, and prints what was made of what
+/// Checks that files are whole and belong together, and prints what was made of what
 #[derive(Parser)]
 #[command(
     name = "verify",

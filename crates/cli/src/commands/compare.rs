@@ -17,7 +17,7 @@ use crate::inputs;
 use crate::pool::RunFlags;
 use crate::stage::{Summary, Task};
 
-/// A model beside least squares, the mean of the data and another model, on any recordings; writes compare.json and
+/// Tries a model on recordings, beside least squares, the mean of the data and another model; writes compare.json and
 /// compare.parquet
 #[derive(Parser)]
 #[command(

@@ -16,7 +16,7 @@ use crate::pool::PoolFlags;
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 
-/// Leaves runs or recordings out of a pooled estimate and simulates over them; writes crossval.json
+/// Finds how well a model predicts runs or recordings that were left out of it; writes crossval.json
 #[derive(Parser)]
 #[command(
     name = "cross",

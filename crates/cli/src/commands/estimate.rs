@@ -28,7 +28,7 @@ use crate::progress::Progress;
 use crate::sharded::{self, Made};
 use crate::stage::{Summary, Task};
 
-/// Estimates the parameters of every run, with standard errors; writes estimates.parquet and estimate.json
+/// Estimates the model's parameters from each run, with standard errors; writes estimates.parquet and estimate.json
 #[derive(Parser)]
 #[command(
     name = "estimate",

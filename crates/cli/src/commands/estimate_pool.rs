@@ -26,7 +26,7 @@ use crate::progress::Progress;
 use crate::sharded::{Made, rows_of_shards};
 use crate::stage::{Summary, Task};
 
-/// One estimate from all runs, whose segments each get instruments of their own; writes estimates.parquet, estimate.json,
+/// Makes one model from all runs or recordings, and says how far it can be trusted; writes estimates.parquet, estimate.json,
 /// trust.json, and model.json, which stands for a vessel.toml
 #[derive(Parser)]
 #[command(

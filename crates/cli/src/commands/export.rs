@@ -15,7 +15,7 @@ use crate::cli::{Common, check_positive, in_folder, only_folder_of};
 use crate::failure::Failure;
 use crate::stage::{Summary, Task};
 
-/// A model as a function of state and inputs for other tools, with its parameters and range of validity; writes a folder
+/// Writes a model for other tools: Python, C, MATLAB, or a Functional Mock-up Unit
 #[derive(Parser)]
 #[command(name = "export", after_help = "Example:\n  export --model model.json --to fmu --out exported/")]
 pub struct Arguments {

@@ -20,7 +20,7 @@ use study::files::{read_ingest, read_vessel};
 use study::ingest_file::read::recorded;
 use study::trajectories::{Layout, MeasuredBlock};
 
-/// Turns log files into trajectories: one clock, SI units, body velocities, sub-experiments; says how good the data are
+/// Turns a ship's logs into trajectories, and says how good they are: one clock, SI units, body axes, sub-experiments
 #[derive(Parser)]
 #[command(
     name = "ingest",

@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::inputs;
 use crate::stage::{Summary, Task};
 
-/// Figures of merit of standard maneuvers, with the criteria of IMO MSC.137(76); writes merit.json and merit.parquet
+/// Measures overshoots, turning circles and stopping distances against IMO MSC.137(76); writes merit.json, merit.parquet
 #[derive(Parser)]
 #[command(
     name = "merit",

@@ -33,7 +33,7 @@ use crate::pool::Nominal;
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 
-/// Computes the lifted moment matrices of every maneuver, M = mean of φ̃ζ̃ᵀ per degree of freedom
+/// Computes how much each maneuver says about each parameter: its moments, the matrices M of docs/notation.md
 #[derive(Parser)]
 #[command(
     name = "moments",

@@ -30,7 +30,7 @@ use crate::monte_carlo::{BLOCK, Done, needed_for, refused};
 use crate::simulate::{CampaignFlags, Files, note_plays};
 use crate::stage::{Summary, Task};
 
-/// Simulates, estimates and scores a campaign's runs in memory; writes tally.json
+/// Simulates a trial many times and counts how often its model is good; writes tally.json
 #[derive(Parser)]
 #[command(
     name = "monte-carlo",

@@ -9,7 +9,7 @@ use crate::plan::{MAIN, VoyageFiles, Wanted, plan_problem, plan_voyage};
 use crate::stage::{Summary, Task};
 use clap::Parser;
 
-/// Plans a trial as one trajectory on a chart, provably the cheapest, with routes for the bridge; or solves a lattice problem
+/// Plans a trial on a chart: the provably shortest track, with routes for the bridge; or solves a lattice problem
 #[derive(Parser)]
 #[command(
     name = "plan",

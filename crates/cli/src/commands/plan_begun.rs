@@ -48,7 +48,7 @@ impl Rest {
     }
 }
 
-/// Plans the rest of a trial from where the ship is, after some steps of its plan: interrupted, driven off, or with a maneuver to repeat
+/// Plans the rest of a trial that was interrupted or driven off, or has a maneuver to repeat, from where the ship is
 #[derive(Parser)]
 #[command(
     name = "resume",

@@ -63,7 +63,7 @@ pub struct Picture {
     merit: Option<PathBuf>,
 }
 
-/// Puts a study's results on one self-contained HTML page, with its figures as SVG beside it in figures/
+/// Puts a study's results on one page in HTML, with its figures as SVG beside it in figures/
 #[derive(Parser)]
 #[command(
     name = "report",

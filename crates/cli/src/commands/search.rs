@@ -19,8 +19,8 @@ use crate::pool::RunFlags;
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 
-/// Finds a model that generalises: a library of terms beside the vessel's own, held back by a ridge that recordings left out
-/// choose; writes search.json and model.json
+/// Finds which terms a ship's model needs, from recordings of her; writes search.json and model.json. A ridge, chosen by
+/// recordings that are left out, holds back the terms of a library
 #[derive(Parser)]
 #[command(
     name = "search",

@@ -25,7 +25,7 @@ use crate::stage::{Summary, Task};
 /// The estimators that only need sums per sub-experiment.
 const ESTIMATORS: [Estimator; 3] = [Estimator::Ls, Estimator::Iv, Estimator::Auto];
 
-/// Models from sub-experiments that a design picked against random picks; writes selection.parquet, selection.json
+/// Compares models from sub-experiments that a design picks with random picks; writes selection.parquet, selection.json
 #[derive(Parser)]
 #[command(
     name = "selection",

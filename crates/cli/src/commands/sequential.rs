@@ -22,7 +22,7 @@ use crate::sharded::{self, Made};
 use crate::simulate::Files;
 use crate::stage::{Summary, Task};
 
-/// Designs, simulates and estimates in rounds, from a crude model, against designs made once, over Monte Carlo; writes
+/// Simulates trials that are designed in rounds, from a crude model, beside trials that are designed once; writes
 /// sequential.parquet and sequential.json
 #[derive(Parser)]
 #[command(

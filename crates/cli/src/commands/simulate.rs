@@ -24,7 +24,7 @@ use study::track::read_planned;
 use study::trajectories::{DataLabel, ID, VERSION};
 use trial::campaign::{self, Maneuvers, Refusal, Settings};
 
-/// Simulates a vessel's trajectories
+/// Simulates a ship: single maneuvers, whole trials, plans, and what her instruments log
 #[derive(Parser)]
 #[command(
     name = "simulate",
@@ -33,7 +33,7 @@ use trial::campaign::{self, Maneuvers, Refusal, Settings};
 )]
 pub struct Arguments {}
 
-/// Every maneuver of a dictionary on its own, undisturbed
+/// Simulates each maneuver of a dictionary alone, without current, wind and noise
 #[derive(Parser)]
 #[command(
     name = "dictionary",
@@ -58,7 +58,7 @@ pub struct Dictionary {
     sharding: Sharding,
 }
 
-/// Disturbed runs of the optimized and the random design
+/// Simulates the designed trial and random ones many times, in current, wind and noise
 #[derive(Parser)]
 #[command(
     name = "campaign",
@@ -73,7 +73,7 @@ pub struct Campaign {
     sharding: Sharding,
 }
 
-/// The campaign's validation maneuvers, undisturbed
+/// Simulates the maneuvers that models are tested with, without current, wind and noise
 #[derive(Parser)]
 #[command(
     name = "validation",
@@ -89,7 +89,7 @@ pub struct Validation {
     campaign: PathBuf,
 }
 
-/// Disturbed runs of a planned trajectory
+/// Simulates a planned trial many times, in current, wind and noise
 #[derive(Parser)]
 #[command(
     name = "plan",
@@ -110,7 +110,7 @@ pub struct Plan {
     sharding: Sharding,
 }
 
-/// What a ship's instruments would have logged in a trial: simulated logs, for `ingest`
+/// Writes what a ship's instruments would have logged in a trial: simulated logs, for `ingest`
 #[derive(Parser)]
 #[command(
     name = "logs",

@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::inputs;
 use crate::stage::{Summary, Task};
 
-/// Varies values of a study's hand-written files over a grid
+/// Repeats a study over a grid of its own values
 #[derive(Parser)]
 #[command(
     name = "sweep",
@@ -34,7 +34,7 @@ pub struct Cells {
     config: PathBuf,
 }
 
-/// Puts what the cells say side by side; writes sweep.json
+/// Puts the results of the cells side by side; writes sweep.json
 #[derive(Parser)]
 #[command(
     name = "collect",

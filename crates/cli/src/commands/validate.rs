@@ -20,7 +20,7 @@ use crate::progress::Progress;
 use crate::sharded::{self, Made};
 use crate::stage::{Summary, Task};
 
-/// Scores every estimate: parameter error and free-run simulation error; writes scores.parquet and validation.json
+/// Scores each estimate by how far its parameters and simulations are off; writes scores.parquet and validation.json
 #[derive(Parser)]
 #[command(
     name = "validate",

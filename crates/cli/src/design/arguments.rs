@@ -19,8 +19,8 @@ use crate::failure::Failure;
 /// The longest experiment for --accuracy \[s\]: a day.
 const LONGEST_S: f64 = 86_400.0;
 
-/// Finds the shares of the experiment time that make the information largest (D-optimal), or a criterion of the estimate's
-/// covariance smallest, with a certificate
+/// Finds how long to run which maneuver, so that the logs say most about the model: D-optimal shares of the time, or the
+/// best by another --criterion, with a certificate
 #[derive(Parser)]
 #[command(
     name = "design",

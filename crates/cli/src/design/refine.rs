@@ -24,7 +24,7 @@ use crate::progress::Progress;
 use crate::simulate::Files;
 use crate::stage::{Summary, Task};
 
-/// Makes the input signals of a design's experiment better for an output-error estimate, within limits of inputs and motion
+/// Improves the input signals of a designed trial, within limits of inputs and motion
 #[derive(Parser)]
 #[command(
     name = "refine",

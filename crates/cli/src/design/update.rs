@@ -12,7 +12,7 @@ use crate::cli::Common;
 use crate::failure::Failure;
 use crate::stage::{Summary, Task};
 
-/// States what a design promised anew, from the covariance of the estimate after its trial
+/// Compares what a design promised with what is known after its trial
 #[derive(Parser)]
 #[command(
     name = "update",
