@@ -70,7 +70,8 @@ help:
 	@echo "make results           run all studies, write docs/results.md and the front page's table and picture (takes a while)"
 	@echo "make smoke             the small study that the tests run, into out/smoke/"
 	@echo "make build             build the stages into $(BIN)/"
-	@echo "make test              format, clippy, all tests, the smoke study and the README's commands"
+	@echo "make test              format, clippy, all tests, the smoke study, the commands of the README and the tutorial"
+	@echo "make book              make the book of docs/ as web pages, into out/book/html/ (needs mdBook and Python)"
 	@echo "make nightly           make test, and what takes hours: many more damaged inputs, the release build, a sweep on Slurm"
 	@echo "make bench             measure against numba, scipy and pyarrow (needs Python; says how to get it)"
 	@echo "make faults CASES=...  damage inputs and kill runs, so many times, and say what came of it"
@@ -299,7 +300,7 @@ smoke:
 # The small study and the README's commands run the programs that the unit tests have just run: nothing is compiled twice.
 .PHONY: test
 test: format-check clippy unit
-	$(MAKE) BIN=target/debug smoke readme-check results-check sweep-check
+	$(MAKE) BIN=target/debug smoke readme-check book-check results-check sweep-check
 
 .PHONY: format-check
 format-check:
@@ -317,6 +318,11 @@ unit:
 .PHONY: readme-check
 readme-check: build
 	sh scripts/readme-check.sh $(BIN)
+
+# The tutorial's commands, in a folder without this repository, and the numbers that it states
+.PHONY: book-check
+book-check: build
+	sh scripts/book-check.sh $(BIN)
 
 # Would today's programs write other rows into docs/results.md? Few realizations of each study say it.
 .PHONY: results-check
@@ -347,6 +353,13 @@ bench:
 	else echo "no $(PYTHON): our own figures only; for the peers install Python 3.11 and scripts/README.md's packages"; $(BIN)/bench; fi
 
 PYTHON ?= $(if $(wildcard .venv/bin/python),.venv/bin/python,python3)
+
+# Its reference is made of the programs' --help and of schemas/, its figures of the tutorial's study
+.PHONY: book
+book: book-check
+	@if ! command -v mdbook > /dev/null; then echo "no book: found no mdbook; cargo install mdbook --locked gets it"; \
+	elif ! command -v $(PYTHON) > /dev/null; then echo "no book: found no $(PYTHON), expected Python 3.11"; \
+	else $(PYTHON) scripts/book.py --bin $(BIN) --figures out/book-check/out/tutorial/results/figures --out out/book; fi
 
 .PHONY: faults
 # How many inputs are damaged; a tenth of it is how many runs are killed or fail, at least once at every place of every stage
