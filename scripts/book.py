@@ -82,7 +82,7 @@ def drawn(text: str, page: Path, figures: Path, source: Path) -> str:
             raise Refused(f"{page.relative_to(TOP)}: figure {match[1]}: found no {path}, expected it; run scripts/book-check.sh")
         (source / "figures").mkdir(exist_ok=True)
         shutil.copyfile(path, source / "figures" / path.name)
-        return f'<img src="figures/{path.name}" alt="{match[2]}" style="width: 36em">\n\n*{match[2]}*'
+        return f'<img src="figures/{path.name}" alt="{match[2]}" style="width: 36em; background: white">\n\n*{match[2]}*'
 
     return FIGURE.sub(figure, text)
 

@@ -20,7 +20,7 @@ use crate::failure::Failure;
 const LONGEST_S: f64 = 86_400.0;
 
 /// Finds how long to run which maneuver, so that the logs say most about the model: D-optimal shares of the time, or the
-/// best by another --criterion, with a certificate
+/// best by another criterion, with a certificate
 #[derive(Parser)]
 #[command(
     name = "design",
