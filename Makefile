@@ -86,7 +86,7 @@ help:
 .PHONY: build
 build: $(BINARIES)
 
-SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Cargo.toml' -o -name '*.css' -o -path '*/presets/*' -o -path '*/templates/*')
+SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Cargo.toml' -o -name '*.css' -o -name '*.js' -o -path '*/presets/*' -o -path '*/templates/*')
 
 # Not the examples that no test runs: clippy checks them
 TESTS := $(CARGO) test --workspace --locked --tests

@@ -102,7 +102,7 @@ pub fn simulated(settings: &Settings, shape: &Shape) -> Vec<Step> {
         "report",
         "report --study {study} --dictionary {dictionary} --results {out}",
         "",
-        &["{out}/report.html"],
+        &["{out}/report.html", "{out}/explore.html"],
     ));
     steps
 }
@@ -210,7 +210,7 @@ pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Ve
         steps.extend(next_trial(settings, shape));
     }
     let line = "report --study {study} --results {out}/measured";
-    steps.push(Step::new("report", line, "", &["{out}/measured/report.html"]));
+    steps.push(Step::new("report", line, "", &["{out}/measured/report.html", "{out}/measured/explore.html"]));
     steps
 }
 

@@ -2,6 +2,7 @@ use maud::{Markup, html};
 
 use super::card::card;
 use super::number::{exact, parameter_share, percent, percent_within, simulation_share, three};
+use super::parts::EXPLORE;
 use super::shown::used as is_used;
 use super::study::Study;
 use super::trajectory::words::{clearance, cost, gap, minutes};
@@ -42,6 +43,7 @@ pub(super) fn headline(study: &Study) -> Markup {
                     (study.mixed.join(", ")) "."
                 }
             }
+            p.about { a href=(EXPLORE) { "Explore" } " trials, motion over time and plans: zoom, filter, sort." }
             p.answer { (answer(study)) }
             (cards(study))
         }

@@ -1,7 +1,8 @@
-//! Figures as SVG, a plan for QGIS, and one self-contained HTML page about a study.
+//! Figures as SVG, a plan for QGIS, and two self-contained HTML pages about a study: to read, and to explore.
 //!
 //! A [`Study`] holds the results that exist; [`render`] shows them and says what is missing and which stage makes it.
-//! The page has no script and no outside resource. The same study gives the same bytes.
+//! The page has no script and no outside resource. [`explore`] makes the one with scripts, which sends no request either.
+//! The same study gives the same bytes.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -21,6 +22,7 @@ mod drawing;
 mod errors;
 mod estimators;
 mod excitation;
+mod explore;
 pub mod figures;
 pub mod geopackage;
 mod headline;
@@ -57,11 +59,13 @@ mod trajectory;
 mod trust;
 mod updated;
 
+pub use explore::explore;
 pub use load::load;
 pub use loader::Sources;
 pub use measured::Measured;
 pub use next_trial::NextTrial;
 pub use page::{Rendered, render};
+pub use parts::EXPLORE;
 pub use picture::{maneuvers_picture, picture};
 pub use plan_map::plan_map;
 pub use planned_trial::PlannedTrial;

@@ -48,8 +48,9 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<NextTrial>, Error> {
     known.written("vessel", &path, model.digest)?;
     loader.note("next/model.json", "the model that the next trial is designed with", model.digest);
     let plan = read(loader, &mut known, "plan", "the next trial's trajectory")?;
-    let map = map(loader, &format!("{FOLDER}/map"))?;
-    let planned = plan.map(|plan| PlannedTrial { name: String::new(), plan, map, stale: Vec::new() });
+    let (map, document) = map(loader, &format!("{FOLDER}/map"))?;
+    let planned =
+        plan.map(|plan| PlannedTrial { name: String::new(), plan, map, document, stale: Vec::new() });
     let mut search = Provenance { allow_mixed: loader.sources.allow_mixed, ..Provenance::default() };
     let searched = read(loader, &mut search, "search", "how that model was found")?;
     Ok(Some(NextTrial { model: model.data, searched, design, tally, planned }))

@@ -36,7 +36,7 @@ pub struct Rendered {
     pub figures: Vec<(String, String)>,
 }
 
-const STYLE: &str = include_str!("style.css");
+pub(super) const STYLE: &str = include_str!("style.css");
 
 /// Renders the page, which names the results that `study` lacks.
 pub fn render(study: &Study) -> Rendered {

@@ -2,6 +2,9 @@
 
 use maud::{Markup, PreEscaped, Render, html};
 
+/// Name of the page to explore, beside the report.
+pub const EXPLORE: &str = "explore.html";
+
 /// A section of the page.
 pub(super) struct Section {
     pub(super) id: &'static str,

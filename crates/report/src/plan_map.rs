@@ -134,7 +134,7 @@ fn track(own: &MapTrack, names: &[&String]) -> figure::Track {
 }
 
 /// Degrees and minutes to a tenth.
-fn label(degrees: f64, names: [&str; 2]) -> String {
+pub(crate) fn label(degrees: f64, names: [&str; 2]) -> String {
     let minutes = (degrees.abs() * 600.0).round() / 10.0;
     let (whole, rest) = ((minutes / 60.0).floor(), minutes % 60.0);
     format!("{whole:.0}° {rest:.1}′ {}", names[usize::from(degrees < 0.0)])

@@ -19,23 +19,25 @@ pub struct PlannedTrial {
     pub plan: PlanDocument,
     /// The map: drawn from `map.json`, or `map.svg`, free of scripts and links.
     pub map: Option<String>,
+    /// What `map.json` has; absent beside a plan without one.
+    pub document: Option<MapDocument>,
     /// Files of this study that differ from those that the plan was made from.
     pub stale: Vec<String>,
 }
 
 /// The map `name` of the results, drawn from its document, else read as a drawing, and notes the file; `None` if
-/// there is neither.
-pub(crate) fn map(loader: &mut Loader, name: &str) -> Result<Option<String>, Error> {
-    let drawn = drawn(loader, &format!("{name}.json"))?;
+/// there is neither. The document comes with it.
+pub(crate) fn map(loader: &mut Loader, name: &str) -> Result<(Option<String>, Option<MapDocument>), Error> {
+    let (drawn, document) = drawn(loader, &format!("{name}.json"))?.unzip();
     let name = format!("{name}.svg");
     let path = loader.sources.results.join(&name);
     if !is_written(&path) {
-        return Ok(drawn);
+        return Ok((drawn, document));
     }
     let bytes = read_written(&path)?;
     loader.note(&name, "map of the plan", Digest::of_bytes(&bytes));
     if drawn.is_some() {
-        return Ok(drawn);
+        return Ok((drawn, document));
     }
     let text = String::from_utf8(bytes).map_err(|_| "bytes that are not UTF-8".to_owned());
     let checked = text.and_then(|text| refused(&text).map_or(Ok(text), Err));
@@ -43,11 +45,11 @@ pub(crate) fn map(loader: &mut Loader, name: &str) -> Result<Option<String>, Err
         let expected = "a drawing of shapes and text, without scripts, styles or links";
         study::refuse(&path, "map", &found, expected, "run `plan` again, or remove the file")
     })?;
-    Ok(Some(svg))
+    Ok((Some(svg), None))
 }
 
 /// Draws the document `name`, and notes the file; `None` if there is no such file.
-fn drawn(loader: &mut Loader, name: &str) -> Result<Option<String>, Error> {
+fn drawn(loader: &mut Loader, name: &str) -> Result<Option<(String, MapDocument)>, Error> {
     let path = loader.sources.results.join(name);
     let Some(loaded) = document_at::<MapDocument>(path.clone())? else { return Ok(None) };
     let cells = loaded.data.raster_cells();
@@ -56,5 +58,5 @@ fn drawn(loader: &mut Loader, name: &str) -> Result<Option<String>, Error> {
     budget().memory(work, CELL_BYTES * cells)?;
     let svg = plan_map(&loaded.data).map_err(|invalid| Error::invalid(&path, invalid))?;
     loader.note(name, "what the map of the plan shows", loaded.digest);
-    Ok(Some(svg))
+    Ok(Some((svg, loaded.data)))
 }

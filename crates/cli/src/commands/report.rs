@@ -8,7 +8,7 @@ use crate::stage::{Summary, Task};
 use artifact::{Staged, commit};
 use clap::Parser;
 use report::results::{Folders, tables};
-use report::{Sources, load, maneuvers_picture, picture, render, render_sweep};
+use report::{EXPLORE, Sources, explore, load, maneuvers_picture, picture, render, render_sweep};
 use serde_json::json;
 
 /// Inputs that an output could overwrite: none, since only folders are read.
@@ -63,7 +63,7 @@ pub struct Picture {
     merit: Option<PathBuf>,
 }
 
-/// Puts a study's results on one page in HTML, with its figures as SVG beside it in figures/
+/// Puts a study's results on one page in HTML, with explore.html to zoom and filter and its figures as SVG beside it
 #[derive(Parser)]
 #[command(
     name = "report",
@@ -89,24 +89,31 @@ pub struct Arguments {
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let page = match &self.sweep {
-            Some(path) => render_sweep(&artifact::read_document(path)?),
-            None => render(&load(&Sources {
-                study: given(&self.study, "study")?.to_owned(),
-                dictionary: self.dictionary.clone(),
-                results: given(&self.results, "results")?.to_owned(),
-                scenarios: self.scenarios.clone(),
-                allow_mixed: common.allow_mixed,
-                changes: common.changes(),
-            })?),
+        let (page, study) = match &self.sweep {
+            Some(path) => (render_sweep(&artifact::read_document(path)?), None),
+            None => {
+                let study = load(&Sources {
+                    study: given(&self.study, "study")?.to_owned(),
+                    dictionary: self.dictionary.clone(),
+                    results: given(&self.results, "results")?.to_owned(),
+                    scenarios: self.scenarios.clone(),
+                    allow_mixed: common.allow_mixed,
+                    changes: common.changes(),
+                })?;
+                (render(&study), Some(study))
+            }
         };
         let out = common.main_output("report.html", &self.sweep)?;
-        let figures = folder_of(&out).join("figures");
+        let name = out.file_name().unwrap_or_default().to_string_lossy();
+        let beside = study.map(|study| explore(&study, &name));
+        let folder = folder_of(&out);
+        let figures = folder.join("figures");
         in_folder(&figures, || {
             let html = std::iter::once_with(|| Staged::bytes(&out, page.html.as_bytes()));
+            let beside = beside.iter().map(|html| Staged::bytes(folder.join(EXPLORE), html.as_bytes()));
             let svg =
                 page.figures.iter().map(|(name, svg)| Staged::bytes(figures.join(name), svg.as_bytes()));
-            Ok(commit(html.chain(svg).collect::<Result<_, _>>()?)?)
+            Ok(commit(html.chain(beside).chain(svg).collect::<Result<_, _>>()?)?)
         })?;
         let figures = page.figures.len();
         Ok(Summary::of(&out, format!("{figures} figures"), json!({"figures": figures})))

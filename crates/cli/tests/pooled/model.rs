@@ -276,6 +276,13 @@ fn the_page_shows_what_is_left_of_errors_tracks_and_the_delivered_model() {
     }
     run(&folder, REPORT).succeeds();
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    let panels = explored(&folder, "explore.html");
+    let windows = panels[0]["data"]["windows"].as_array().unwrap();
+    assert_eq!((&panels[0]["id"], windows.len() as u64), (&"time".into(), data["windows"].as_u64().unwrap()));
+    let samples = windows.iter().map(|own| own["simulated"][2].as_array().unwrap().len() as u64);
+    // Each window ends with a state beyond its last sample.
+    let states = data["samples"].as_u64().unwrap() + windows.len() as u64;
+    assert_eq!(samples.sum::<u64>(), states);
     for said in [
         "What is left of the errors",
         "moving averages by construction",

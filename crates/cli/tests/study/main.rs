@@ -10,6 +10,7 @@ mod criteria;
 mod documents;
 mod estimates;
 mod estimators;
+mod explore;
 mod export;
 mod few;
 mod figures;

@@ -150,6 +150,28 @@ pub fn document<D: Document>(folder: &TempDir, name: &str) -> artifact::Loaded<D
     artifact::read_document(folder.path().join(name)).unwrap()
 }
 
+/// The data in a page to explore, which is small, whole and asks the network for nothing.
+pub fn explored(folder: &TempDir, name: &str) -> Value {
+    let page = String::from_utf8(bytes(folder, name)).unwrap();
+    assert!(page.len() < 2_000_000, "{name} has {} bytes", page.len());
+    let (mut markup, mut data) = (String::new(), None);
+    for part in page.split("</script>") {
+        let (before, script) = part.split_once("<script").unwrap_or((part, ">"));
+        let (attributes, body) = script.split_once('>').unwrap();
+        assert!(!attributes.contains("src"), "{name}: <script{attributes}>");
+        markup += before;
+        if attributes.contains("application/json") {
+            data = Some(serde_json::from_str(body).unwrap());
+        }
+    }
+    for wrong in ["src=", "url(", "@import", "<link", "<img", "<iframe"] {
+        assert!(!markup.contains(wrong), "{wrong} in {name}");
+    }
+    let mut links = markup.split("href=\"").skip(1);
+    assert!(links.all(|link| link.starts_with('#') || link.starts_with("./")), "{name} links elsewhere");
+    data.unwrap()
+}
+
 /// The result of a binary.
 pub struct Ran {
     pub line: String,

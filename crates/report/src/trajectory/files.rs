@@ -67,7 +67,7 @@ fn planned(loader: &mut Loader, name: &str) -> Result<Option<PlannedTrial>, Erro
     let what = if name.is_empty() { "planned trajectory" } else { "the same trial planned otherwise" };
     let Some(loaded) = loader.loaded::<PlanDocument>(&within("plan.json"), what)? else { return Ok(None) };
     let stale = stale(loader, name, &loaded);
-    let map = map(loader, &within("map"))?;
+    let (map, document) = map(loader, &within("map"))?;
     if name.is_empty() {
         for (file, what) in ADDITIONAL {
             let path = loader.sources.results.join(file);
@@ -77,7 +77,7 @@ fn planned(loader: &mut Loader, name: &str) -> Result<Option<PlannedTrial>, Erro
         }
     }
     charts(loader, &loaded);
-    Ok(Some(PlannedTrial { name: name.to_owned(), plan: loaded.data, map, stale }))
+    Ok(Some(PlannedTrial { name: name.to_owned(), plan: loaded.data, map, document, stale }))
 }
 
 /// The charts of the plan, by their names in it; each once.

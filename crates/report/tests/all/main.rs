@@ -2,6 +2,7 @@
 
 mod archipelago;
 mod drawing;
+mod explore;
 mod figures;
 mod geopackages;
 mod map;

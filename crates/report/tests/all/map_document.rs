@@ -24,7 +24,7 @@ const RING: [[f64; 2]; 4] = [[100.0, 100.0], [900.0, 100.0], [900.0, 150.0], [10
 const WAY: [[f64; 2]; 3] = [[100.0, 200.0], [500.0, 400.0], [900.0, 700.0]];
 
 /// Every part of a map; the depth of the two easternmost columns is 3 m, that of the others 12 m.
-fn document() -> MapDocument {
+pub fn document() -> MapDocument {
     let raster = MapRaster { west_m: 0.0, south_m: 0.0, cell_m: 250.0, columns: 4, rows: 2 };
     let runs = |runs: &[u64]| MapRuns(runs.to_vec());
     let water =

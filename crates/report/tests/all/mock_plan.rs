@@ -50,7 +50,13 @@ pub fn otherwise_bounded(study: &mut Study) {
 }
 
 fn trial(name: &str) -> PlannedTrial {
-    PlannedTrial { name: name.to_owned(), plan: plan(), map: Some(MAP.to_owned()), stale: Vec::new() }
+    PlannedTrial {
+        name: name.to_owned(),
+        plan: plan(),
+        map: Some(MAP.to_owned()),
+        document: None,
+        stale: Vec::new(),
+    }
 }
 
 fn counts(steep: u64, sway: u64) -> BTreeMap<String, u64> {

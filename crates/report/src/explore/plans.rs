@@ -1,0 +1,127 @@
+//! Plans on their maps, with their sheets.
+
+use maud::{Markup, html};
+use serde_json::{Value, json};
+use study::documents::{
+    Check, MapArea, MapCells, MapClass, MapDocument, MapLine, MapPlace, MapRaster, MapRuns, Voyage,
+};
+
+use super::assets::Library;
+use super::embedded::{line, number};
+use super::panel::Panel;
+use super::steps::{sheet, steps_of};
+use crate::parts::statements;
+use crate::plan_map::label;
+use crate::planned_trial::PlannedTrial;
+use crate::study::Study;
+
+/// A section for each plan with a map: the study's own, its variants, that of the next trial.
+pub(super) fn panels(study: &Study) -> Vec<Panel> {
+    let own = study.trajectory.iter().flat_map(|own| own.main.iter().chain(&own.variants));
+    let next = study.measured.iter().filter_map(|own| own.next.as_ref()?.planned.as_ref());
+    let all = own.chain(next).enumerate();
+    all.filter_map(|(index, trial)| panel(study, trial, index)).collect()
+}
+
+fn panel(study: &Study, trial: &PlannedTrial, index: usize) -> Option<Panel> {
+    let map = trial.document.as_ref()?;
+    let voyage = trial.plan.voyage.as_ref();
+    let sheet = voyage.map(|voyage| sheet(study, &trial.plan, voyage));
+    let linked = voyage.and_then(|voyage| steps_of(&map.tracks, &voyage.legs));
+    let title = if trial.name.is_empty() { "Plan".to_owned() } else { format!("Plan {}", trial.name) };
+    Some(Panel {
+        id: format!("plan-{}", index + 1),
+        title,
+        about: about(trial, map, voyage, linked.is_some()),
+        data: json!({"kind": "map", "map": drawn(map, linked.as_deref()), "sheet": sheet}),
+        library: Library::Maps,
+    })
+}
+
+fn about(trial: &PlannedTrial, map: &MapDocument, voyage: Option<&Voyage>, linked: bool) -> Markup {
+    let faults = voyage.map(|Voyage { check: Check { faults, .. }, .. }| faults.join(", "));
+    html! {
+        p.missing {
+            b { "Not for navigation." } " The plan was checked in simulation against its charts and nothing else. The master decides."
+        }
+        @if !map.safe {
+            p.missing { b { "Unsafe." } " The plan fails its own check: " (faults.unwrap_or_default()) "." }
+        }
+        @if !trial.stale.is_empty() {
+            p.missing { b { "Outdated." } " These files differ from those that the plan was made from: " (trial.stale.join(", ")) "." }
+        }
+        (statements(std::slice::from_ref(&map.statement)))
+        p {
+            "Drag to pan. After a click into the map, the wheel zooms; two fingers, + and − always do. "
+            @if linked { "A row of the sheet shows its step on the map, and a click on the track finds its row." }
+        }
+    }
+}
+
+/// What the script draws, in the order of the map's document.
+fn drawn(map: &MapDocument, steps: Option<&[usize]>) -> Value {
+    let frame = map.frame;
+    json!({
+        "frame": [frame.west_m, frame.south_m, frame.east_m, frame.north_m],
+        "uncharted": !map.uncharted_is_water,
+        "bands": map.depth_limits_m.len() + 1,
+        "cells": map.cells.as_ref().map(|own| cells(own, map)),
+        "areas": map.areas.iter().map(|own| area(own, map)).collect::<Value>(),
+        "contours": map.contours.iter().map(|own| json!([own.depth_m, line(&own.line)])).collect::<Value>(),
+        "margins": map.margins.iter().map(|own| json!([own.purpose.name(), raster(&own.raster), own.runs])).collect::<Value>(),
+        "spots": map.spots.iter().map(|own| json!([place(own.place), own.symbol.name(), own.depth_m, own.title])).collect::<Value>(),
+        "names": map.names.iter().map(|own| json!([place(own.place), own.name])).collect::<Value>(),
+        "swept": map.swept.as_ref().map(|own| json!([own.vessels, raster(&own.raster), own.runs])),
+        "corridors": lines(&map.corridors),
+        "edge": map.edge.as_ref().map(line),
+        "limits": lines(&map.speed_limits),
+        "tracks": tracks(map, steps),
+        "maneuvers": map.counts.keys().collect::<Vec<_>>(),
+        "hulls": lines(&map.hulls),
+        "start": map.start.map(place),
+        "goal": map.goal.map(place),
+        "meridians": map.meridians.iter().map(|own| json!([number(own.east_m), label(own.longitude_deg, ["E", "W"])])).collect::<Value>(),
+        "parallels": map.parallels.iter().map(|own| json!([number(own.north_m), label(own.latitude_deg, ["N", "S"])])).collect::<Value>(),
+    })
+}
+
+fn lines(all: &[MapLine]) -> Value {
+    all.iter().map(line).collect()
+}
+
+fn place(own: MapPlace) -> Value {
+    json!([own.east_m, own.north_m])
+}
+
+fn raster(own: &MapRaster) -> Value {
+    json!([own.west_m, own.south_m, own.cell_m, own.columns, own.rows])
+}
+
+/// `land`, `no-go`, or the number of the band of depth, from the shoalest.
+fn class(class: MapClass, least_m: Option<f64>, map: &MapDocument) -> Value {
+    let band = |depth_m: f64| map.depth_limits_m.iter().filter(|limit| depth_m >= **limit).count();
+    match (class, least_m) {
+        (MapClass::Depth, Some(depth_m)) => band(depth_m).into(),
+        (MapClass::Depth, None) => Value::Null,
+        _ => class.name().into(),
+    }
+}
+
+fn area(own: &MapArea, map: &MapDocument) -> Value {
+    json!([class(own.class, own.least_m, map), lines(&own.rings)])
+}
+
+fn cells(own: &MapCells, map: &MapDocument) -> Value {
+    let classes: Vec<(Value, &MapRuns)> =
+        own.classes.iter().map(|cell| (class(cell.class, cell.least_m, map), &cell.runs)).collect();
+    json!([raster(&own.raster), classes])
+}
+
+/// Kind, place of the maneuver among all, its number, the line, and the step of the plan.
+fn tracks(map: &MapDocument, steps: Option<&[usize]>) -> Value {
+    let track = |(index, own): (usize, &study::documents::MapTrack)| {
+        let maneuver = map.counts.keys().position(|name| own.maneuver.as_ref() == Some(name));
+        json!([own.kind.name(), maneuver, own.number, line(&own.line), steps.map(|steps| steps[index])])
+    };
+    map.tracks.iter().enumerate().map(track).collect()
+}
