@@ -300,7 +300,7 @@ smoke:
 # The small study and the README's commands run the programs that the unit tests have just run: nothing is compiled twice.
 .PHONY: test
 test: format-check clippy unit
-	$(MAKE) BIN=target/debug smoke readme-check book-check results-check sweep-check
+	$(MAKE) BIN=target/debug smoke readme-check book-check results-check sweep-check explore-check
 
 .PHONY: format-check
 format-check:
@@ -329,6 +329,11 @@ book-check: build
 results-check: build
 	sh scripts/results-check.sh $(BIN)
 
+# The pages of the small study and of the paper's in a browser; skipped where there is no Chromium
+.PHONY: explore-check
+explore-check: smoke readme-check
+	sh scripts/explore-check.sh out/smoke out/paper
+
 # The same sweep with a full disk and a killed master; skipped where there is no Python
 .PHONY: sweep-check
 sweep-check: build
@@ -339,6 +344,7 @@ sweep-check: build
 .PHONY: nightly
 nightly: test
 	$(MAKE) BIN=target/release study helsinki results-check
+	sh scripts/explore-check.sh out/helsinki
 	bash scripts/sweep-check.sh target/release slurm
 	$(MAKE) faults CASES=20000
 	$(CARGO) test --workspace --locked --tests -- --ignored --skip write
