@@ -58,13 +58,13 @@ pub(crate) fn fits(graph: &Graph) -> bool {
     graph.states() < u128::from(u32::MAX)
 }
 
-/// The cheapest plan.
-pub(crate) fn search(graph: &Graph, memory: u64, watch: &mut Watch) -> Verdict {
+/// The cheapest plan with a key of at most `most`.
+pub(crate) fn search(graph: &Graph, most: u64, memory: u64, watch: &mut Watch) -> Verdict {
     if graph.lay_out(false, watch).is_none() {
         return Verdict::stopped(None, watch.lower, Limit::Time);
     }
     if narrow(graph) {
-        let Some(mut dense) = Dense::<u32>::new(graph, memory, watch) else {
+        let Some(mut dense) = Dense::<u32>::new(graph, most, memory, watch) else {
             return Verdict::stopped(None, watch.lower, Limit::Time);
         };
         match dense.run(watch, false) {
@@ -72,17 +72,17 @@ pub(crate) fn search(graph: &Graph, memory: u64, watch: &mut Watch) -> Verdict {
             ended => return dense.verdict(&ended, watch.lower),
         }
     }
-    let Some(mut dense) = Dense::<u64>::new(graph, memory, watch) else {
+    let Some(mut dense) = Dense::<u64>::new(graph, most, memory, watch) else {
         return Verdict::stopped(None, watch.lower, Limit::Time);
     };
     let ended = dense.run(watch, false);
     dense.verdict(&ended, watch.lower)
 }
 
-/// The least key of every count vector at any goal, by mixed-radix number; `None` if cancelled.
-pub(crate) fn front(graph: &Graph, memory: u64, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
+/// The least key of every count vector at any goal, by mixed-radix number, of keys up to `most`; `None` if cancelled.
+pub(crate) fn front(graph: &Graph, most: u64, memory: u64, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
     graph.lay_out(false, watch)?;
-    let mut dense = Dense::<u64>::new(graph, memory, watch)?;
+    let mut dense = Dense::<u64>::new(graph, most, memory, watch)?;
     match dense.run(watch, true) {
         Ended::Exhausted => Some((0..dense.vectors as u64).map(|vector| dense.at_goal(vector)).collect()),
         _ => None,
@@ -98,17 +98,19 @@ struct Dense<'a, D> {
     distances: Vec<D>,
     /// Bytes that the queue may hold.
     queued: u64,
+    /// States with larger keys are not visited.
+    most: u64,
 }
 
 impl<'a, D: Stored> Dense<'a, D> {
     /// `None` if cancelled.
-    fn new(graph: &'a Graph, memory: u64, watch: &mut Watch) -> Option<Self> {
+    fn new(graph: &'a Graph, most: u64, memory: u64, watch: &mut Watch) -> Option<Self> {
         let required = graph.problem.required();
         let (strides, vectors) = watch::strides(&required);
         let vectors = vectors as usize;
         let distances = filled(vectors * graph.len(), D::UNREACHED, watch)?;
         let queued = memory.saturating_sub(graph.arc_bytes(false) + size_of_val(&distances[..]) as u64);
-        Some(Self { graph, required, strides, vectors, distances, queued })
+        Some(Self { graph, required, strides, vectors, distances, queued, most })
     }
 
     fn run(&mut self, watch: &mut Watch, to_the_end: bool) -> Ended {
@@ -149,6 +151,9 @@ impl<'a, D: Stored> Dense<'a, D> {
         let nodes = self.graph.len() as u64;
         for arc in self.graph.arcs(node) {
             let (step, slot) = self.graph.price(arc.step);
+            if key + step > self.most {
+                continue;
+            }
             let mut vector = u64::from(vector);
             if let Some(slot) = slot.map(|slot| slot as usize) {
                 if vector / self.strides[slot] % (u64::from(self.required[slot]) + 1)

@@ -1,6 +1,6 @@
-use crate::graph::{Graph, Reach};
+use crate::graph::{Graph, Reach, within};
 use crate::watch::{self, Watch};
-use crate::{Cost, Options, Problem, Progress, dense, layered, plan};
+use crate::{Cost, Options, Problem, Progress, Solution, dense, layered};
 
 /// The least cost of a count vector.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,8 +14,12 @@ pub struct FrontPoint {
 /// Least cost of reaching the goal with exactly g uses, for every count vector g up to the required one, from
 /// one exhaustive search: information against cost. One point per count vector, the first informative
 /// action's count fastest; `None` if the search is cancelled or does not fit in the memory.
+///
+/// Where a `plan` of the problem is known, costs above its own may be missing: those counts tell less and cost more than the plan. The
+/// search then takes as long as the plan's surroundings are large, not the lattice.
 pub fn front(
     problem: &Problem,
+    plan: Option<&Solution>,
     options: &Options,
     keep_going: &mut dyn FnMut(Progress) -> bool,
 ) -> Option<Vec<FrontPoint>> {
@@ -26,20 +30,24 @@ pub fn front(
         return None;
     }
     let mut watch = Watch::new(problem, options.poll_every, keep_going);
-    let reach = Reach::new(problem, &mut watch)?;
-    let Some(graph) = Graph::new(problem, &reach, &mut watch) else {
+    let most = plan.map_or(u64::MAX, |plan| problem.whole_key(plan));
+    let live = match plan {
+        None => Reach::new(problem, &mut watch)?.live(),
+        Some(_) => within(problem, most, &mut watch)?,
+    };
+    let Some(graph) = Graph::new(problem, &live, &mut watch) else {
         return watch.keep_going(0).then(|| points(problem, &vec![None; vectors as usize]));
     };
-    drop(reach);
+    drop(live);
     let step = layered::step(&graph);
     // Distances are kept in 64 bits here.
-    let bytes = plan::exhaustive_bytes(&graph).saturating_mul(if step.is_none() { 2 } else { 1 });
+    let bytes = crate::plan::exhaustive_bytes(&graph).saturating_mul(if step.is_none() { 2 } else { 1 });
     if bytes.saturating_add(own_bytes) + u128::from(graph.bytes()) > u128::from(options.memory_bytes) {
         return None;
     }
     let keys = match step {
-        Some(step) => layered::front(&graph, step, &mut watch),
-        None => dense::front(&graph, options.memory_bytes.saturating_sub(graph.bytes()), &mut watch),
+        Some(step) => layered::front(&graph, step, most, &mut watch),
+        None => dense::front(&graph, most, options.memory_bytes.saturating_sub(graph.bytes()), &mut watch),
     };
     keys.map(|keys| points(problem, &keys))
 }

@@ -4,7 +4,8 @@ use std::cell::OnceCell;
 
 use crate::allowed::Arc;
 use crate::by_node::ByNode;
-use crate::watch::{self, Watch};
+use crate::radix_heap::RadixHeap;
+use crate::watch::{self, Watch, filled};
 use crate::{Goal, Problem};
 
 /// The number of a pose that is not live.
@@ -33,14 +34,14 @@ pub(crate) struct Back {
 }
 
 impl<'a> Graph<'a> {
-    /// `None` if no walk leads from the start to a goal, or if cancelled.
-    pub fn new(problem: &'a Problem, reach: &Reach, watch: &mut Watch) -> Option<Self> {
+    /// Of the poses that are `live`. `None` if the start is not, or if cancelled.
+    pub fn new(problem: &'a Problem, live: &[bool], watch: &mut Watch) -> Option<Self> {
         let start = problem.lattice().number(problem.start());
-        if !reach.is_live(start) {
+        if !live[start] {
             return None;
         }
         let all = problem.lattice().poses();
-        let poses: Vec<u32> = (0..all as u32).filter(|&pose| reach.is_live(pose as usize)).collect();
+        let poses: Vec<u32> = (0..all as u32).filter(|&pose| live[pose as usize]).collect();
         let mut nodes = vec![NONE; all];
         for (node, &pose) in poses.iter().enumerate() {
             nodes[pose as usize] = node as u32;
@@ -157,9 +158,60 @@ impl Reach {
         Some(Self { reached: reached(problem, watch)?, homing: homing(problem, watch)? })
     }
 
-    fn is_live(&self, pose: usize) -> bool {
-        self.reached[pose] && self.homing[pose]
+    /// Whether walks from the start to a goal pass, by pose.
+    pub fn live(self) -> Vec<bool> {
+        self.reached.into_iter().zip(self.homing).map(|(reached, homing)| reached && homing).collect()
     }
+}
+
+/// The poses that plans with keys of at most `most` can pass, and maybe some more: those near start and goals, however large the
+/// lattice is. Plans use informative actions no more often than required. So with a price on each use, their priced keys are at most
+/// `most` and all prices, and no priced walk through a pose is below its least one. `None` if cancelled.
+pub(crate) fn within(problem: &Problem, most: u64, watch: &mut Watch) -> Option<Vec<bool>> {
+    let number = |pose| problem.lattice().number(pose) as u32;
+    let uses = problem.required().iter().map(|&count| u64::from(count)).sum::<u64>();
+    let price = most / uses.max(1);
+    let most = most + price * uses;
+    let start = vec![number(problem.start())];
+    let begun = least_keys(problem, start, (price, most), |pose| problem.arcs(pose), watch)?;
+    let Goal::Poses(goals) = problem.goal() else {
+        return Some(begun.into_iter().map(|key| key <= most).collect());
+    };
+    let goals = goals.iter().map(|&pose| number(pose)).collect();
+    let left = least_keys(problem, goals, (price, most), |pose| problem.arcs_into(pose), watch)?;
+    Some(begun.into_iter().zip(left).map(|(begun, left)| begun.saturating_add(left) <= most).collect())
+}
+
+/// By pose the least key of a walk along `arcs` from any of `ends`, with a price on each informative move; `u64::MAX` where it is
+/// above `most`. `None` if cancelled.
+fn least_keys<I: Iterator<Item = Arc>>(
+    problem: &Problem,
+    ends: Vec<u32>,
+    (price, most): (u64, u64),
+    arcs: impl Fn(usize) -> I,
+    watch: &mut Watch,
+) -> Option<Vec<u64>> {
+    let mut least = filled(problem.lattice().poses(), u64::MAX, watch)?;
+    let mut queue = RadixHeap::<u64, u32>::new();
+    for pose in ends {
+        least[pose as usize] = 0;
+        queue.push(0, pose);
+    }
+    while let Some((key, pose)) = queue.pop() {
+        watch.keep_going(1).then_some(())?;
+        if least[pose as usize] < key {
+            continue;
+        }
+        for arc in arcs(pose as usize) {
+            let (step, known) = (&problem.moves[arc.step as usize], &mut least[arc.node as usize]);
+            let own = key + step.key + if step.slot.is_some() { price } else { 0 };
+            if own <= most && own < *known {
+                *known = own;
+                queue.push(own, arc.node);
+            }
+        }
+    }
+    Some(least)
 }
 
 /// The poses that are reached from the start by any moves.

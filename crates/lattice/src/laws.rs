@@ -11,8 +11,8 @@ use crate::{Limit, Options, Problem, dense, layered, plan, synthetic};
 fn graph(problem: &Problem) -> Option<Graph<'_>> {
     let mut keep_going = |_| true;
     let mut watch = Watch::new(problem, 1 << 16, &mut keep_going);
-    let reach = Reach::new(problem, &mut watch)?;
-    let graph = Graph::new(problem, &reach, &mut watch)?;
+    let live = Reach::new(problem, &mut watch)?.live();
+    let graph = Graph::new(problem, &live, &mut watch)?;
     graph.lay_out(true, &mut watch)?;
     Some(graph)
 }
@@ -142,7 +142,7 @@ fn law_engines_agree_on_maps() {
         let watch = || Watch::new(&problem, 1000, Box::leak(Box::new(|_| true)));
         let step = layered::step(&graph).unwrap();
         let one = layered::search(&graph, step, 1 << 30, &mut watch());
-        let two = dense::search(&graph, 1 << 30, &mut watch());
+        let two = dense::search(&graph, u64::MAX, 1 << 30, &mut watch());
         let three = lagrangian::search(&graph, 1 << 30, Depth::Proof, &mut watch());
         let key = |verdict: &crate::watch::Verdict| verdict.plan.as_ref().map(|plan| plan.0);
         assert_eq!((key(&one), one.stopped_by), (key(&two), None));
@@ -153,8 +153,10 @@ fn law_engines_agree_on_maps() {
         if let Some(key) = key(&one) {
             assert_eq!((blind.lower, blind.stopped_by), (key, Some(crate::Limit::Memory)));
         }
-        let fronts =
-            (layered::front(&graph, step, &mut watch()), dense::front(&graph, 1 << 30, &mut watch()));
+        let fronts = (
+            layered::front(&graph, step, u64::MAX, &mut watch()),
+            dense::front(&graph, u64::MAX, 1 << 30, &mut watch()),
+        );
         assert_eq!(fronts.0, fronts.1);
         let outcome = plan(&problem, &Options::default(), &mut |_| true);
         solved += usize::from(outcome.is_ok());
@@ -189,8 +191,10 @@ fn law_many_blocks_agree_with_single_states() {
         let problem = many_blocks(seed);
         let Some(graph) = graph(&problem) else { continue };
         let watch = || Watch::new(&problem, 1000, Box::leak(Box::new(|_| true)));
-        let (bits, single) =
-            (layered::search(&graph, 1, 1 << 30, &mut watch()), dense::search(&graph, 1 << 30, &mut watch()));
+        let (bits, single) = (
+            layered::search(&graph, 1, 1 << 30, &mut watch()),
+            dense::search(&graph, u64::MAX, 1 << 30, &mut watch()),
+        );
         let key = |verdict: &crate::watch::Verdict| verdict.plan.as_ref().map(|plan| plan.0);
         assert_eq!(key(&bits), key(&single), "seed {seed}");
         for (key, walk) in [&bits, &single].into_iter().filter_map(|verdict| verdict.plan.as_ref()) {
@@ -199,7 +203,10 @@ fn law_many_blocks_agree_with_single_states() {
         }
         let uses = |possible: &Option<Vec<u32>>| possible.as_ref().map(|counts| counts.iter().sum::<u32>());
         assert_eq!(uses(&bits.possible), uses(&single.possible), "seed {seed}");
-        assert_eq!(layered::front(&graph, 1, &mut watch()), dense::front(&graph, 1 << 30, &mut watch()));
+        assert_eq!(
+            layered::front(&graph, 1, u64::MAX, &mut watch()),
+            dense::front(&graph, u64::MAX, 1 << 30, &mut watch())
+        );
     }
     assert!(solved >= 6, "{solved} plans");
 }
@@ -234,7 +241,9 @@ fn law_bounds_of_stopped_searches_hold() {
             stop_everywhere(&problem, |watch| layered::search(&graph, 1, 1 << 30, watch));
             if seed == 0 {
                 let options = Options::default();
-                stop_everywhere(&problem, |watch| crate::plan::bounds_first(&graph, &options, watch));
+                stop_everywhere(&problem, |watch| {
+                    crate::plan::bounds_first(self::graph(&problem).unwrap(), &options, watch)
+                });
             }
         }
         let problem = map(seed, false);
@@ -253,11 +262,11 @@ fn law_a_queue_beyond_its_memory_ends_a_search_without_a_claim() {
     let problem = synthetic::archipelago(14, 16, 4, 3, 2, 1).into_problem().unwrap();
     let graph = graph(&problem).unwrap();
     let watch = || Watch::new(&problem, 1000, Box::leak(Box::new(|_| true)));
-    let optimum = dense::search(&graph, 1 << 30, &mut watch()).plan.unwrap().0;
-    let full = dense::search(&graph, 0, &mut watch());
+    let optimum = dense::search(&graph, u64::MAX, 1 << 30, &mut watch()).plan.unwrap().0;
+    let full = dense::search(&graph, u64::MAX, 0, &mut watch());
     assert_eq!((full.stopped_by, &full.plan), (Some(Limit::Memory), &None));
     assert!(full.lower <= optimum, "{} against {optimum}", full.lower);
-    assert_eq!(dense::front(&graph, 0, &mut watch()), None);
+    assert_eq!(dense::front(&graph, u64::MAX, 0, &mut watch()), None);
 }
 
 #[test]
@@ -274,7 +283,7 @@ fn law_every_phase_polls() {
         phase(&mut Watch::new(&problem, 1, &mut keep_going));
         polls
     };
-    let layouts = polls(&|watch| drop(layered::front(&graph, 1, watch)));
+    let layouts = polls(&|watch| drop(layered::front(&graph, 1, u64::MAX, watch)));
     assert!(layouts >= nodes, "{layouts} times for the arcs of {nodes} nodes");
     let layers = problem.required().iter().sum::<u32>() as usize + 1;
     let bounds = polls(&|watch| drop(Table::new(&graph, &Prices::zero(&graph), None, false, watch)));

@@ -58,14 +58,14 @@ pub(crate) fn search(graph: &Graph, step: u64, memory: u64, watch: &mut Watch) -
     found.unwrap_or_else(|| Verdict::stopped(None, watch.lower, Limit::Time))
 }
 
-/// The least key of every count vector at any goal, by mixed-radix number; `None` if cancelled.
-pub(crate) fn front(graph: &Graph, step: u64, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
+/// The least key of every count vector at any goal, by mixed-radix number, of keys up to `most`; `None` if cancelled.
+pub(crate) fn front(graph: &Graph, step: u64, most: u64, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
     let layout = Layout::new(&graph.problem.required());
     match layout.words {
-        1 => Layered::<1>::new(graph, layout, step, 0, watch)?.front(watch),
-        2 => Layered::<2>::new(graph, layout, step, 0, watch)?.front(watch),
-        4 => Layered::<4>::new(graph, layout, step, 0, watch)?.front(watch),
-        _ => Layered::<8>::new(graph, layout, step, 0, watch)?.front(watch),
+        1 => Layered::<1>::new(graph, layout, step, 0, watch)?.front(most, watch),
+        2 => Layered::<2>::new(graph, layout, step, 0, watch)?.front(most, watch),
+        4 => Layered::<4>::new(graph, layout, step, 0, watch)?.front(most, watch),
+        _ => Layered::<8>::new(graph, layout, step, 0, watch)?.front(most, watch),
     }
 }
 
@@ -144,7 +144,7 @@ impl<'a, const W: usize> Layered<'a, W> {
         Verdict { possible: self.possible(), ..Verdict::proved(None) }
     }
 
-    fn front(mut self, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
+    fn front(mut self, most: u64, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
         let required = self.graph.problem.required();
         let (strides, vectors) = watch::strides(&required);
         let mut least = vec![None; vectors as usize];
@@ -152,7 +152,7 @@ impl<'a, const W: usize> Layered<'a, W> {
         self.planes_left = None;
         self.begin();
         let mut level = 0;
-        while self.is_open() {
+        while self.is_open() && level * step <= most {
             let mut note = |block: usize, bits: &Bits<W>, level: u64| {
                 for bit in bits::ones(bits) {
                     let number = watch::number(&layout.counts(block, bit), &strides);

@@ -1,4 +1,4 @@
-use crate::graph::{Graph, Reach};
+use crate::graph::{Graph, Reach, within};
 use crate::lagrangian::{self, Depth};
 use crate::watch::{Verdict, Watch};
 use crate::{
@@ -11,6 +11,10 @@ const SMALL: u128 = 2_000_000_000;
 /// States up to which `Auto` searches exhaustively at all.
 const LARGE_BITS: u128 = 20_000_000_000;
 const LARGE_DENSE: u128 = 200_000_000;
+/// Keys of plans around start and goals that are searched first, in keys of the dearest move.
+const NEAREST: u64 = 8;
+/// The surroundings are searched first while the lattice is so many times as large.
+const PART: usize = 3;
 /// A state kept as a distance takes about as long as this many kept as bits.
 const DENSE_WEIGHT: u128 = 10;
 
@@ -46,15 +50,14 @@ pub fn plan(
     if let Some(reason) = reason::from_map(problem, &reach) {
         return Err(NoPlan::Infeasible(reason));
     }
-    let Some(graph) = Graph::new(problem, &reach, &mut watch) else {
+    let Some(graph) = Graph::new(problem, &reach.live(), &mut watch) else {
         // If the start does not reach the goal, the map has given a reason already.
         return Err(out_of_time);
     };
-    drop(reach);
     match engine(&graph, options) {
         Chosen::TooLarge(bytes) => Err(NoPlan::TooLarge { states: graph.states(), bytes }),
-        Chosen::Exhaustive => outcome(problem, exhaustive(&graph, options, false, &mut watch)),
-        Chosen::BoundsFirst => outcome(problem, bounds_first(&graph, options, &mut watch)),
+        Chosen::Exhaustive => outcome(problem, nearest_first(&graph, options, &mut watch)),
+        Chosen::BoundsFirst => outcome(problem, bounds_first(graph, options, &mut watch)),
         Chosen::Lagrangian => {
             outcome(problem, lagrangian::search(&graph, memory(&graph, options), Depth::Proof, &mut watch))
         }
@@ -99,12 +102,36 @@ fn engine(graph: &Graph, options: &Options) -> Chosen {
     }
 }
 
+/// The exhaustive search around start and goals first, as long as that is a small part of the lattice. What it finds there is optimal:
+/// plans that leave it are dearer.
+fn nearest_first(graph: &Graph, options: &Options, watch: &mut Watch) -> Verdict {
+    let dearest = graph.problem.moves.iter().map(|step| step.key).max().unwrap_or(0);
+    let mut most = NEAREST.saturating_mul(dearest);
+    while layered::step(graph).is_none() && (1..u64::MAX / 4).contains(&most) {
+        let Some(live) = within(graph.problem, most, watch) else { break };
+        if PART * live.iter().filter(|live| **live).count() > graph.len() {
+            break;
+        }
+        if let Some(near) = Graph::new(graph.problem, &live, watch) {
+            let verdict = dense::search(&near, most, memory(graph, options), watch);
+            if verdict.plan.is_some() {
+                return verdict;
+            }
+        }
+        if !watch.keep_going(0) {
+            break;
+        }
+        most *= 2;
+    }
+    exhaustive(graph, u64::MAX, options, false, watch)
+}
+
 /// If it is cancelled without a plan, a narrow beam searches for one, provided that takes only a moment.
-fn exhaustive(graph: &Graph, options: &Options, has_plan: bool, watch: &mut Watch) -> Verdict {
+fn exhaustive(graph: &Graph, most: u64, options: &Options, has_plan: bool, watch: &mut Watch) -> Verdict {
     let memory = memory(graph, options);
     let verdict = match layered::step(graph) {
         Some(step) => layered::search(graph, step, memory, watch),
-        None => dense::search(graph, memory, watch),
+        None => dense::search(graph, most, memory, watch),
     };
     match verdict.stopped_by {
         Some(Limit::Memory) => lagrangian::search(graph, memory, Depth::Proof, watch),
@@ -117,13 +144,23 @@ fn exhaustive(graph: &Graph, options: &Options, has_plan: bool, watch: &mut Watc
     }
 }
 
-/// Bounds and beams, and if they leave a gap the exhaustive search.
-pub(crate) fn bounds_first(graph: &Graph, options: &Options, watch: &mut Watch) -> Verdict {
-    let root = lagrangian::search(graph, memory(graph, options), Depth::Root, watch);
+/// Bounds and beams, and if they leave a gap the exhaustive search, where plans that are no dearer than the best of the beams pass.
+pub(crate) fn bounds_first(graph: Graph, options: &Options, watch: &mut Watch) -> Verdict {
+    let root = lagrangian::search(&graph, memory(&graph, options), Depth::Root, watch);
     if root.stopped_by.is_none() || !watch.keep_going(0) {
         return root;
     }
-    let verdict = exhaustive(graph, options, root.plan.is_some(), watch);
+    let most = root.plan.as_ref().map_or(u64::MAX, |plan| plan.0);
+    let graph = match &root.plan {
+        None => Some(graph),
+        Some(_) => {
+            let problem = graph.problem;
+            drop(graph);
+            within(problem, most, watch).and_then(|live| Graph::new(problem, &live, watch))
+        }
+    };
+    let Some(graph) = graph else { return root };
+    let verdict = exhaustive(&graph, most, options, root.plan.is_some(), watch);
     let Some(limit) = verdict.stopped_by else { return verdict };
     let plan = verdict.plan.into_iter().chain(root.plan).min_by_key(|plan| plan.0);
     Verdict::stopped(plan, watch.lower, limit)

@@ -1,6 +1,6 @@
 use crate::allowed::{Allowed, Arc};
 use crate::units::Units;
-use crate::{Action, Cost, Goal, Invalid, Lattice, MoveId, Pose, validate};
+use crate::{Action, Cost, Goal, Invalid, Lattice, MoveId, Pose, Solution, validate};
 
 /// An accepted problem: the allowed moves as an adjacency over poses, and costs as integers.
 #[derive(Clone, Debug)]
@@ -131,6 +131,11 @@ impl Problem {
         let least =
             self.informative.iter().zip(counts).map(|(slot, &count)| slot.least_key * u64::from(count));
         self.units.cost(key.saturating_add(least.sum()))
+    }
+
+    /// The sum of the keys of a plan's moves, with the least keys of informative actions.
+    pub(crate) fn whole_key(&self, plan: &Solution) -> u64 {
+        plan.steps.iter().map(|step| self.units.key(step.cost)).sum()
     }
 
     /// Every plan pays the least key of an informative action `required` times, so that the searches need not

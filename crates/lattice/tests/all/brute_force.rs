@@ -21,13 +21,24 @@ fn agrees(small: &Small) {
             assert_eq!(most, Some(counts.iter().sum()), "counts of most uses");
         }
     }
-    let points = front(&problem, &options(Engine::Auto), &mut |_| true).expect("a small front");
+    let points = front(&problem, None, &options(Engine::Auto), &mut |_| true).expect("a small front");
     let tenths = |cost: f64| (cost * 10.0).round() as u64;
     let found: Vec<_> = points
         .iter()
         .map(|point| point.cost.map(|cost| (tenths(cost.primary), tenths(cost.secondary))))
         .collect();
     assert_eq!(found, least, "front");
+    let Ok(best) = plan(&problem, &options(Engine::Auto), &mut |_| true) else { return };
+    let near = front(&problem, Some(&best), &options(Engine::Auto), &mut |_| true).expect("a small front");
+    let dearest = expected.expect("a plan");
+    for (point, least) in near.iter().zip(&least) {
+        let found = point.cost.map(|cost| (tenths(cost.primary), tenths(cost.secondary)));
+        let may_be_missing = least.is_some_and(|least| least > dearest);
+        assert!(
+            found == *least || found.is_none() && may_be_missing,
+            "{found:?}, not {least:?}, by {dearest:?}"
+        );
+    }
 }
 
 /// Uses in total of a mixed-radix number.

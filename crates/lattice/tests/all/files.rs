@@ -44,7 +44,7 @@ fn check(file: &Path) {
         (Err(NoPlan::Infeasible(Reason::CountsCannotBeCombined { .. })), Some("infeasible")) => {}
         (outcome, expected) => panic!("{}: {outcome:?}, expected {expected:?}", file.display()),
     }
-    let points = front(&problem, &Options::default(), &mut |_| true).expect("a small front");
+    let points = front(&problem, None, &Options::default(), &mut |_| true).expect("a small front");
     let row = |point: &lattice::FrontPoint| {
         let counts = point.counts.iter().map(|&count| Some(f64::from(count)));
         counts.chain([point.cost.map(|cost| cost.primary)]).collect::<Vec<_>>()

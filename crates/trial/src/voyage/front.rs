@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use lattice::Problem;
+use lattice::{Problem, Solution};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -29,10 +29,16 @@ pub struct FrontPoint {
 
 impl Prepared {
     /// Counts that no others beat in both cost and information, cheapest first; empty if the search is not
-    /// exhaustive.
-    pub(super) fn front(&self, problem: &Problem, moves: &Moves, search: &Search) -> Vec<FrontPoint> {
+    /// exhaustive. A known `plan` beats all that are dearer, since more uses never tell less.
+    pub(super) fn front(
+        &self,
+        problem: &Problem,
+        plan: Option<&Solution>,
+        moves: &Moves,
+        search: &Search,
+    ) -> Vec<FrontPoint> {
         let order = self.pieces_in_order(moves);
-        let all = search.affordable(problem).into_iter().map(|found| self.front_point(&order, found));
+        let all = search.affordable(problem, plan).into_iter().map(|found| self.front_point(&order, found));
         let mut points: Vec<FrontPoint> = all.filter(|p| p.log_det.is_finite()).collect();
         let time = |p: &FrontPoint| match self.brief.task.cost.primary {
             Primary::BasicMoves => p.informative_s,

@@ -158,8 +158,8 @@ impl Prepared {
         let sailed = script.simulated(&self.brief.vessel.nominal, [0.0; 2])?;
         let left = self.within_check(&solved.moves, (round, sailed.samples.len()), search)?;
         let checking = Checking { script: &script, clearance, legs: &legs, nominal: &sailed, round, is_last };
-        let (Checked { check, tracks, counter_examples }, front) =
-            checking.check(search, || self.front(&solved.problem, &solved.moves, &left))?;
+        let (Checked { check, tracks, counter_examples }, front) = checking
+            .check(search, || self.front(&solved.problem, Some(&solved.solution), &solved.moves, &left))?;
         let information = self.information_of_plan(&legs, &sailed);
         solved.front = front.unwrap_or_default();
         Ok((Sailing { legs, sailed, runs: tracks, check, information }, counter_examples))

@@ -46,7 +46,7 @@ impl Prepared {
         let problem = self.problem(&waters, &moves, search.keep_going)?;
         let solution = search.plan(&problem).map_err(|why| match why {
             NoPlan::Infeasible(reason) => {
-                VoyageError::Infeasible(self.infeasible(&reason, &self.front(&problem, &moves, search)))
+                VoyageError::Infeasible(self.infeasible(&reason, &self.front(&problem, None, &moves, search)))
             }
             limit => VoyageError::NoPlan(limit),
         })?;
