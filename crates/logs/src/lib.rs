@@ -109,4 +109,4 @@ pub use table::{Axis, ForceTable};
 pub use thruster::{Law, Setting, Thruster};
 pub use totals::{ManeuverCount, Totals};
 pub use unassembled::Unassembled;
-pub use unit::{UNITS, Unit, factor, unit};
+pub use unit::{UNITS, Unit, factor, shaft_factor, unit};

@@ -9,7 +9,7 @@ use crate::gate::Limit;
 use crate::unassembled::MOST_ROWS;
 use crate::{
     ChannelSpec, Content, Conventions, Derived, FileSpec, KINEMATIC, Propulsor, Setup, Stamps, UNITS, Unit,
-    Wanted, factor, unit,
+    Wanted, factor, shaft_factor, unit,
 };
 
 /// How every recording is processed.
@@ -80,7 +80,8 @@ impl Plan {
         let body = setup.conventions.body;
         setup.files = setup.files.into_iter().map(|file| file.with_angles(body)).collect();
         let stamps = setup.files.iter().map(|file| Stamps::new(&file.time)).collect::<Result<_, _>>()?;
-        let units = setup.files.iter().map(units).collect::<Result<Vec<_>, _>>()?;
+        let units = setup.files.iter().map(|file| units(file, &setup.conventions));
+        let units = units.collect::<Result<Vec<_>, _>>()?;
         let mut provided = measured(&setup, &units);
         computed(&setup, &mut provided)?;
         check_names(&provided)?;
@@ -168,8 +169,17 @@ fn motion_unit(name: &str) -> Option<&'static str> {
     KINEMATIC.into_iter().find(|(known, _)| *known == name).map(|(_, unit)| unit)
 }
 
-fn units(file: &FileSpec) -> Result<Vec<Unit>, Invalid> {
-    let units: Vec<Unit> = file.channel.iter().map(known_unit).collect::<Result<_, _>>()?;
+/// The units of a file's channels. What is a thruster's speed, or is summed in revolutions, converts to them.
+fn units(file: &FileSpec, conventions: &Conventions) -> Result<Vec<Unit>, Invalid> {
+    let mut units: Vec<Unit> = file.channel.iter().map(known_unit).collect::<Result<_, _>>()?;
+    for (spec, unit) in file.channel.iter().zip(&mut units) {
+        let is_speed = conventions.thrusters.iter().any(|own| own.speed == spec.channel);
+        let mut sums = conventions.derived.iter().filter(|own| own.formula.is_sum_of_channels());
+        let is_summed = sums.any(|own| own.unit == "1/s" && own.formula.channels.contains(&spec.channel));
+        if let Some(factor) = shaft_factor(unit.name, "1/s").filter(|_| is_speed || is_summed) {
+            *unit = Unit { si: "1/s", factor, ..*unit };
+        }
+    }
     for (spec, unit) in file.channel.iter().zip(&units) {
         if let Some(expected) = motion_unit(&spec.channel).filter(|expected| *expected != unit.si) {
             let expected = format!("a unit that converts to {expected}");
@@ -231,6 +241,9 @@ fn computed(setup: &Setup, provided: &mut Vec<Provided>) -> Result<(), Invalid> 
     let Conventions { derived, thrusters, .. } = &setup.conventions;
     for Derived { channel, formula, unit } in derived {
         formula.channels.iter().try_for_each(|source| check_source(channel, source, provided))?;
+        if formula.is_sum_of_channels() {
+            formula.channels.iter().try_for_each(|source| check_summand(channel, source, unit, provided))?;
+        }
         provided.push(Provided::new(channel, unit));
     }
     for Propulsor { speed, angle, table, .. } in thrusters {
@@ -246,6 +259,19 @@ fn computed(setup: &Setup, provided: &mut Vec<Provided>) -> Result<(), Invalid> 
         provided.extend(forces.map(|(name, unit)| Provided::new(name, unit)));
     }
     Ok(())
+}
+
+/// Refuses a sum in `sum_unit` of a `source` that measures something else, or that is not converted to it.
+fn check_summand(of: &str, source: &str, sum_unit: &str, provided: &[Provided]) -> Result<(), Invalid> {
+    let own = provided.iter().find(|channel| channel.name == source).and_then(|own| unit(&own.unit));
+    match own.filter(|own| unit(sum_unit).is_some() && factor(own.name, sum_unit) != Some(1.0)) {
+        Some(own) => {
+            let found = format!("`{sum_unit}` for a sum of `{source}` in {}", own.name);
+            let expected = "the unit of all that is summed, in SI units, radians or 1/s";
+            Err(Invalid::new(format!("unit of channel `{of}`"), found, expected, "correct one of the units"))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Refuses a thruster's channel `source` that is not in `unit`: the force is defined in N per unit of its
@@ -368,7 +394,7 @@ fn of_vessel(
         .iter()
         .map(|Variable { name, unit }| Ok(Exogenous { name: name.clone(), unit: unit.clone(), factor: 1.0 }));
     found
-        .map(|(Variable { name, unit, .. }, channel)| match factor(&channel.unit, unit) {
+        .map(|(Variable { name, unit, .. }, channel)| match shaft_factor(&channel.unit, unit) {
             Some(factor) => Ok(Exogenous { name: name.clone(), unit: unit.clone(), factor }),
             None => {
                 let expected = format!("`{unit}`, as declared in {called}");

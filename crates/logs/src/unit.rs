@@ -1,3 +1,5 @@
+use std::f64::consts::TAU;
+
 /// A unit that a log may use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
@@ -68,6 +70,16 @@ pub const UNITS: &[Unit] = &[
 /// The unit called `name`.
 pub fn unit(name: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.name == name)
+}
+
+/// [`factor`], and from turning in radians to revolutions of a shaft, or back.
+pub fn shaft_factor(from: &str, to: &str) -> Option<f64> {
+    let of = |from: &Unit, to: &Unit| match (from.si, to.si) {
+        ("rad/s", "1/s") => Some(from.factor / to.factor / TAU),
+        ("1/s", "rad/s") => Some(from.factor / to.factor * TAU),
+        _ => None,
+    };
+    factor(from, to).or_else(|| of(unit(from)?, unit(to)?))
 }
 
 /// The factor from `from` to `to`; `None` if they measure different things. Units that are not in the table

@@ -134,6 +134,16 @@ impl Formula {
         own.is_some() && own == others
     }
 
+    /// Whether it is a sum or difference of channels, or half of one: what they measure is what it measures.
+    pub fn is_sum_of_channels(&self) -> bool {
+        let is_channel = |own: &Product| {
+            let is_plain =
+                matches!(own.factors.as_slice(), [Factor { function: Function::Itself, power: 1, .. }]);
+            is_plain && [0.5, 1.0].contains(&own.coefficient.abs())
+        };
+        self.products.len() > 1 && self.products.iter().all(is_channel)
+    }
+
     /// Channels by name, with their functions and total powers; `None` for a sum of several products.
     fn powers(&self) -> Option<BTreeMap<(&str, u8), i32>> {
         let [product] = self.products.as_slice() else { return None };

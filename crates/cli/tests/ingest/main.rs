@@ -22,6 +22,7 @@ mod sea_clocks;
 mod segments;
 mod sentence_times;
 mod sentences;
+mod shafts;
 mod shapes;
 mod shared;
 mod silent;

@@ -107,7 +107,10 @@ impl Named {
 
     /// Whether its numbers can be in `wanted`, as far as its name says.
     pub fn measures(&self, wanted: &str) -> bool {
-        self.unit.is_none_or(|own| crate::factor(own, wanted).is_some())
+        let is_of_shaft = wanted == "1/s";
+        self.unit.is_none_or(|own| {
+            if is_of_shaft { crate::shaft_factor(own, wanted) } else { crate::factor(own, wanted) }.is_some()
+        })
     }
 
     /// How likely it is `channel`: 0 if it is called so, larger numbers the less it is; `None` if nothing says so.

@@ -1,6 +1,6 @@
 //! Units and their conversions.
 
-use logs::{UNITS, factor};
+use logs::{UNITS, factor, shaft_factor};
 
 #[test]
 fn conversions_are_those_of_the_tables_of_units() {
@@ -34,6 +34,19 @@ fn units_of_different_things_do_not_convert() {
         assert_eq!(factor(from, to), None, "{from} to {to}");
     }
     assert_eq!(factor("m^2/s^2", "m^2/s^2"), Some(1.0));
+}
+
+#[test]
+fn turning_converts_to_revolutions_of_a_shaft_alone() {
+    for (from, to, expected) in [
+        ("rad/s", "1/s", 1.0 / std::f64::consts::TAU),
+        ("rad/s", "rpm", 60.0 / std::f64::consts::TAU),
+        ("rpm", "rad/s", std::f64::consts::TAU / 60.0),
+        ("rpm", "1/s", 1.0 / 60.0),
+    ] {
+        approx::assert_relative_eq!(shaft_factor(from, to).unwrap(), expected, max_relative = 1e-15);
+    }
+    assert_eq!(shaft_factor("rad", "1/s"), None);
 }
 
 #[test]

@@ -100,7 +100,7 @@ fn thirty() -> f64 {
 pub struct DerivedSpec {
     /// Its name.
     pub channel: String,
-    /// A product, such as `negative(n)` or `-1 wind^2 cos(gamma)`.
+    /// A product, such as `negative(n)` or `-1 wind^2 cos(gamma)`, or a sum or difference of such: `left - right`.
     pub formula: String,
     /// Its unit.
     pub unit: String,
