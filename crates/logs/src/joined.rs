@@ -34,6 +34,28 @@ impl Log {
     }
 }
 
+impl Log {
+    /// The log of a recording that has no files of `group`: its channels have no values.
+    pub fn absent(group: usize, plan: &Plan) -> Self {
+        let spec = &plan.setup.files[group];
+        let names: Vec<&str> = spec.channel.iter().map(|own| own.channel.as_str()).collect();
+        let text = format!("no files of `{}`: without `{}`", spec.pattern.join("`, `"), names.join("`, `"));
+        let channel = names.first().copied().unwrap_or_default().to_owned();
+        let gap = |own: &ChannelSpec| own.max_gap_s.unwrap_or(plan.setup.max_gap_s);
+        Self {
+            times: Arc::new(Samples::default()),
+            channels: spec.channel.iter().map(|own| Series::new(&[], &[], gap(own))).collect(),
+            seen: vec![Seen::default(); names.len()],
+            rows: vec![0; names.len()],
+            labels: None,
+            counts: RowSummary::default(),
+            omitted: Omissions::default(),
+            warnings: vec![WarningSummary { kind: WarningKind::Source, channel, count: 1, text }],
+            leap_s: None,
+        }
+    }
+}
+
 /// The log made of `columns` whose sensors all have clocks of their own.
 fn joined(columns: Columns, group: usize, plan: &Plan) -> Result<Log, Invalid> {
     let spec = &plan.setup.files[group];

@@ -229,11 +229,14 @@ fn wrong_unit(channel: &str, unit: &str, expected: String, remedy: &str) -> Inva
 }
 
 fn measured(setup: &Setup, units: &[Vec<Unit>]) -> Vec<Provided> {
-    let of = |(spec, unit): (&ChannelSpec, &Unit)| Provided {
-        optional: spec.optional,
+    let of = |file: &FileSpec, spec: &ChannelSpec, unit: &Unit| Provided {
+        optional: file.optional || spec.optional,
         ..Provided::new(&spec.channel, unit.si)
     };
-    setup.channels().zip(units.iter().flatten()).map(of).collect()
+    let group = |(file, units): (&FileSpec, &Vec<Unit>)| -> Vec<Provided> {
+        file.channel.iter().zip(units).map(|(spec, unit)| of(file, spec, unit)).collect()
+    };
+    setup.files.iter().zip(units).flat_map(group).collect()
 }
 
 /// Adds derived channels and the forces of thrusters; their sources must be there.

@@ -31,6 +31,10 @@ pub struct FileSpec {
     /// recording. Those of one group are its parts, in the order of their numbers or of their times. Without it each file is a recording, named as the
     /// file.
     pub run_from_file: Option<String>,
+    /// Whether recordings may lack files of this kind: their channels are then absent, and a warning says so. For channels
+    /// that the vessel does not need.
+    #[serde(default)]
+    pub optional: bool,
     /// What the files are, if not as their names end: `.parquet`, `.mcap`, `.nmea`, all others CSV; all but Parquet may be `.gz` too.
     pub format: Option<Format>,
     /// Topic of a bag.

@@ -77,20 +77,23 @@ impl Naming {
         specs: &[FileSpec],
         mut files: Vec<Vec<String>>,
     ) -> Result<Source, Invalid> {
-        if let Some((spec, _)) = specs.iter().zip(&files).find(|(_, parts)| parts.is_empty()) {
+        let is_lacking = |(spec, parts): &(&FileSpec, &Vec<String>)| parts.is_empty() && !spec.optional;
+        if let Some((spec, _)) = specs.iter().zip(&files).find(is_lacking) {
             let expected = format!("a file of every group; none of `{}`", spec.pattern.join("`, `"));
-            let remedy = "add the file or narrow the patterns";
+            let remedy = "add the file, narrow the patterns, or set `optional = true` in its [[file]]";
             return Err(Invalid::new(called(&name), "some of its files", expected, remedy));
         }
         files.iter_mut().for_each(|parts| parts.sort_by_key(|name| counted(name)));
+        let first = files.iter().flatten().next().map_or("", String::as_str);
         let kind = match &self.kind {
             Kind::Given(kind) => kind.clone(),
-            Kind::Named(template) => named(template, &files[0][0])?,
+            Kind::Named(template) => named(template, first)?,
             Kind::Recording => name.clone(),
         };
-        check_name(format!("recording of `{}`", foreign(&files[0][0])), &name)?;
-        check_name(format!("maneuver of `{}`", foreign(&files[0][0])), &kind)?;
-        Ok(Source { name, files, kind })
+        let made = Source { name, kind, files: Vec::new() };
+        check_name(format!("recording of `{}`", foreign(first)), &made.name)?;
+        check_name(format!("maneuver of `{}`", foreign(first)), &made.kind)?;
+        Ok(Source { files, ..made })
     }
 }
 

@@ -14,6 +14,7 @@ mod files;
 mod fixes;
 mod forces;
 mod gate;
+mod kinds;
 mod known;
 mod real;
 mod refusals;

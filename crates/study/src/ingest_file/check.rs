@@ -17,6 +17,11 @@ impl IngestFile {
         self.check_names()?;
         self.check_channels()?;
         self.check_segments()?;
+        if !self.file.is_empty() && self.file.iter().all(|file| file.optional) {
+            let found = "it in every [[file]]";
+            let expected = "a kind of files that every recording has";
+            return Err(Invalid::new("`optional`", found, expected, "remove it from one of them"));
+        }
         self.file.iter().try_for_each(check_file)
     }
 

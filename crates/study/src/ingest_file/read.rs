@@ -68,6 +68,10 @@ fn of_files(
 ) -> Result<(Recorded, Vec<Digest>), Error> {
     let (mut logs, mut digests) = (Vec::with_capacity(source.files.len()), Vec::new());
     for (group, parts) in source.files.iter().enumerate() {
+        if parts.is_empty() {
+            logs.push(Log::absent(group, plan));
+            continue;
+        }
         let mut read = Vec::with_capacity(parts.len());
         for name in parts {
             let (columns, digest) = columns(&folder.join(name), plan, group, store)?;
@@ -81,8 +85,9 @@ fn of_files(
         }
         logs.push(Log::new(columns, group, plan).map_err(|e| crate::invalid(&path, &e))?);
     }
+    let first = source.files.iter().flatten().next().map_or("", String::as_str);
     let recorded = record(source, logs, plan, segmentation);
-    Ok((recorded.map_err(|e| crate::invalid(&folder.join(&source.files[0][0]), &e))?, digests))
+    Ok((recorded.map_err(|e| crate::invalid(&folder.join(first), &e))?, digests))
 }
 
 /// The rows of a recording's files, concatenated in the order of their names, or of their times if these contradict.

@@ -24,7 +24,7 @@ pub fn find(
         let mut group = Vec::new();
         for pattern in &spec.pattern {
             let found = matching(folder, pattern)?;
-            if found.is_empty() {
+            if found.is_empty() && !spec.optional {
                 return Err(invalid(config_path, &no_file(folder, pattern)));
             }
             group.extend(found);
