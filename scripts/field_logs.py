@@ -293,4 +293,5 @@ def main():
         write(folder / write.__name__, np.random.default_rng(k))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,7 +1,7 @@
 use std::fmt::Display;
 use std::sync::Arc;
 
-use refusal::{Invalid, foreign, nearest};
+use refusal::{Invalid, foreign, nearest, some_of};
 
 use crate::{Fractions, Labels, Numbering, Omissions, Samples, Store, WarningSummary};
 
@@ -266,22 +266,4 @@ pub fn places(header: &[String], wanted: &[Wanted]) -> Result<Vec<usize>, Invali
         format!("columns among {}", some_of(header, missing.first().copied().unwrap_or_default())),
         missing.iter().map(remedy).collect::<Vec<_>>().join(" "),
     ))
-}
-
-/// Names that a message lists at most.
-const LISTED: usize = 12;
-
-/// `names` for a message; of a long list, those most like `name`.
-pub(crate) fn some_of(names: &[impl AsRef<str>], name: &str) -> String {
-    let mut left: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
-    let total = left.len();
-    if total <= LISTED {
-        return left.iter().map(|own| format!("`{}`", foreign(own))).collect::<Vec<_>>().join(", ");
-    }
-    let mut listed = Vec::new();
-    while let (true, Some(near)) = (listed.len() < LISTED, nearest(name, left.iter().copied())) {
-        listed.push(format!("`{}`", foreign(near)));
-        left.retain(|own| *own != near);
-    }
-    format!("{} and {} more", listed.join(", "), left.len())
 }

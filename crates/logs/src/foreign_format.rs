@@ -14,16 +14,12 @@ const SHEET: &str = "save its sheet as CSV";
 const UNPACK: &str = "unpack it, or compress the text with gzip instead";
 const H5: &str = "write its arrays as CSV or Parquet: h5py, or xarray with `.to_dataframe().to_csv(…)`";
 const MAT: &str = "write its variables as CSV: `writetable` in MATLAB, or scipy.io.loadmat in Python";
-const BAG: &str = "convert it: `rosbags-convert --src BAG --dst FOLDER --dst-storage mcap`";
 const FRAME: &str = "convert it to Parquet: pandas or pyarrow read it and have `to_parquet`";
 const DECODE: &str = "decode its messages to CSV, a column per signal";
 const UBX: &str = "convert its messages to CSV, or log NMEA 0183";
 
 /// Containers and binary logs, whatever their file names.
 const BYTES: &[Signature] = &[
-    Signature(0, b"#ROSBAG V", "a ROS 1 bag", BAG),
-    Signature(0, b"SQLite format 3\0", "an SQLite database, such as bags of ROS 2 in .db3", BAG),
-    Signature(0, b"ULog\x01\x12\x35", "a ULog of PX4", "convert it: `ulog2csv FILE` of pyulog"),
     Signature(
         0,
         b"\xA3\x95",
@@ -83,6 +79,12 @@ const OTHER_FORMAT: &str = "set `format` of its [[file]], or name the file so";
 const READ_FORMATS: &[(Format, Signature)] = &[
     (Format::Parquet, Signature(0, b"PAR1", "a Parquet file", OTHER_FORMAT)),
     (Format::Mcap, Signature(0, b"\x89MCAP0\r\n", "a bag of MCAP", OTHER_FORMAT)),
+    (Format::Bag, Signature(0, b"#ROSBAG V", "a ROS 1 bag", OTHER_FORMAT)),
+    (
+        Format::Db3,
+        Signature(0, b"SQLite format 3\0", "an SQLite database, such as bags of ROS 2 in .db3", OTHER_FORMAT),
+    ),
+    (Format::Ulg, Signature(0, b"ULog\x01\x12\x35", "a ULog of PX4", OTHER_FORMAT)),
 ];
 
 impl Signature {
@@ -113,7 +115,9 @@ pub fn foreign_format(head: &[u8], format: Format, is_from_top: bool) -> Option<
         Format::Csv if is_from_top => {
             text(&readable(head)).map(|(found, remedy)| refused(found, format, remedy))
         }
-        Format::Parquet | Format::Mcap if !head.is_empty() && is_text(head) => {
+        Format::Parquet | Format::Mcap | Format::Bag | Format::Db3 | Format::Ulg
+            if !head.is_empty() && is_text(head) =>
+        {
             Some(refused("text", format, OTHER_FORMAT))
         }
         _ => None,
@@ -126,6 +130,9 @@ fn refused(found: &str, format: Format, remedy: &str) -> Invalid {
         Format::Parquet => "a Parquet file",
         Format::Nmea => "sentences of NMEA 0183",
         Format::Mcap => "a bag of MCAP",
+        Format::Bag => "a bag of ROS 1",
+        Format::Db3 => "a bag of ROS 2 in SQLite",
+        Format::Ulg => "a ULog of PX4",
     };
     Invalid::new("format", found, expected, remedy)
 }
@@ -242,6 +249,9 @@ mod tests {
             (b"  can0  123   [2]  01 02\n", "candump"),
             (b"PAR1....", "Parquet"),
             (b"\x89MCAP0\r\n", "MCAP"),
+            (b"#ROSBAG V2.0\n", "ROS 1"),
+            (b"SQLite format 3\0", "SQLite"),
+            (b"ULog\x01\x12\x35\x01", "ULog"),
         ] {
             assert!(found(head, Format::Csv).contains(said), "{said}: {}", found(head, Format::Csv));
         }

@@ -1,5 +1,6 @@
 use std::io;
 
+use bag::BagError;
 use refusal::Invalid;
 
 /// Why bytes are not a log.
@@ -9,6 +10,15 @@ pub enum LogError {
     Unreadable(io::Error),
     /// They can be read, but are not a log.
     Invalid(Invalid),
+}
+
+impl From<BagError> for LogError {
+    fn from(error: BagError) -> Self {
+        match error {
+            BagError::Unreadable(error) => Self::Unreadable(error),
+            BagError::Invalid(invalid) => Self::Invalid(invalid),
+        }
+    }
 }
 
 impl From<io::Error> for LogError {

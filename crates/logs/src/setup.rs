@@ -35,11 +35,13 @@ pub struct FileSpec {
     /// that the vessel does not need.
     #[serde(default)]
     pub optional: bool,
-    /// What the files are, if not as their names end: `.parquet`, `.mcap`, `.nmea`, all others CSV; all but Parquet may be `.gz` too.
+    /// What the files are, if not as their names end: `.parquet`, `.mcap`, `.bag`, `.db3`, `.ulg`, `.nmea`, all
+    /// others CSV; all but Parquet and `.db3` may be `.gz` too.
     pub format: Option<Format>,
     /// Topic of a bag.
     pub topic: Option<String>,
-    /// Who publishes the topic, where several do: the number of its channel, or a value of its metadata, such as a callerid.
+    /// Who publishes the topic, where several do: the number of its channel, or a value of its metadata, such as a callerid;
+    /// in a ULog the number of the instance.
     pub publisher: Option<String>,
     /// Share of sentences whose checksum may be wrong: they are left out and counted.
     #[serde(default = "hundredth")]
@@ -105,6 +107,12 @@ pub enum Format {
     Nmea,
     /// MCAP, of ROS 2 or with messages in JSON.
     Mcap,
+    /// A bag of ROS 1.
+    Bag,
+    /// A bag of ROS 2 in SQLite.
+    Db3,
+    /// A ULog of PX4.
+    Ulg,
 }
 
 impl Format {
@@ -115,8 +123,16 @@ impl Format {
             Some("parquet" | "parq" | "pq") => Self::Parquet,
             Some("nmea") => Self::Nmea,
             Some("mcap") => Self::Mcap,
+            Some("bag") => Self::Bag,
+            Some("db3") => Self::Db3,
+            Some("ulg" | "ulog") => Self::Ulg,
             _ => Self::Csv,
         }
+    }
+
+    /// Whether it has topics, each with messages.
+    pub fn is_bag(self) -> bool {
+        matches!(self, Self::Mcap | Self::Bag | Self::Db3 | Self::Ulg)
     }
 }
 
@@ -136,8 +152,8 @@ pub enum Checksums {
 #[serde(deny_unknown_fields)]
 pub struct TimeSpec {
     /// Its column. Of sentences: the kind that tells the time of those after it (`RMC`, `ZDA`, `GGA`, `GNS`, `GLL`), or
-    /// `prefix` for what stands before each. Of bags: `log_time`, `publish_time`, or a field; without a unit one that has
-    /// `sec` and `nanosec`, such as `header.stamp`.
+    /// `prefix` for what stands before each. Of bags: `log_time`, `publish_time` (MCAP alone), or a field; without a unit
+    /// one that has `sec` and `nanosec`, such as `header.stamp`. Of a ULog: `timestamp`, in `us`.
     pub column: String,
     /// What it counts.
     pub unit: Option<TimeUnit>,

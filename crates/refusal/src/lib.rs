@@ -11,6 +11,7 @@ mod listed;
 mod names;
 mod nearest;
 mod numbers;
+mod some_of;
 mod strict;
 
 pub use bounded::{fitted, foreign, one_line, shortened};
@@ -19,4 +20,5 @@ pub use listed::listed;
 pub use names::check_name;
 pub use nearest::nearest;
 pub use numbers::{check_numbers, check_ranges};
+pub use some_of::some_of;
 pub use strict::strictly;

@@ -22,7 +22,7 @@ pub fn read_positions(bytes: impl BufRead, format: Format) -> Result<LoggedPosit
     match format {
         Format::Csv => positions_in_table(bytes),
         Format::Nmea => positions_in_sentences(bytes),
-        Format::Parquet | Format::Mcap => {
+        Format::Parquet | Format::Mcap | Format::Bag | Format::Db3 | Format::Ulg => {
             let expected = "positions as CSV, or as NMEA 0183 in a file called .nmea";
             let remedy = "export longitude and latitude over time";
             Err(Invalid::new("format", "a table or a bag", expected, remedy).into())

@@ -13,7 +13,7 @@ use source::Crate;
 /// Crates from the ground up: one may use those of the rows above its own.
 const FLOORS: [&[&str]; 12] = [
     &["refusal", "numerics"],
-    &["artifact", "enc", "model"],
+    &["artifact", "bag", "enc", "model"],
     &["engine", "design", "lattice", "chart"],
     &["maneuver", "regression"],
     &["identification", "logs", "export"],
@@ -40,6 +40,7 @@ const SCIENCE: &[&str] = &[
     "lattice",
     "chart",
     "enc",
+    "bag",
     "logs",
     "trial",
     "export",

@@ -286,7 +286,7 @@ fn check_talkers(file: &FileSpec) -> Result<(), Invalid> {
 fn check_kinds(file: &FileSpec) -> Result<(), Invalid> {
     for pattern in &file.pattern {
         let format = file.format_of(pattern);
-        if (format == Format::Mcap) != file.topic.is_some() {
+        if format.is_bag() != file.topic.is_some() {
             let found = if file.topic.is_some() { "it for" } else { "none for" };
             let expected = "one for every group of bags, and for no other files";
             return Err(Invalid::new(
@@ -296,7 +296,8 @@ fn check_kinds(file: &FileSpec) -> Result<(), Invalid> {
                 "add or remove it",
             ));
         }
-        if file.publisher.is_some() && format != Format::Mcap {
+        check_clock(file, pattern, format)?;
+        if file.publisher.is_some() && !format.is_bag() {
             let found = format!("it for `{pattern}`");
             return Err(Invalid::new("`publisher`", found, "it for the topic of a bag", "remove it"));
         }
@@ -304,7 +305,9 @@ fn check_kinds(file: &FileSpec) -> Result<(), Invalid> {
             [file.label_column.is_some(), file.time.nanoseconds.is_some(), !file.quaternion.is_empty()];
         let lacks = match format {
             Format::Nmea => others.contains(&true),
-            Format::Mcap => others[0] || file.time.format.is_some(),
+            Format::Mcap | Format::Bag | Format::Db3 | Format::Ulg => {
+                others[..2].contains(&true) || file.time.format.is_some()
+            }
             Format::Csv | Format::Parquet => false,
         };
         if lacks {
@@ -316,12 +319,29 @@ fn check_kinds(file: &FileSpec) -> Result<(), Invalid> {
     Ok(())
 }
 
+/// Refuses times of messages that bags of a kind do not have.
+fn check_clock(file: &FileSpec, pattern: &str, format: Format) -> Result<(), Invalid> {
+    let column = file.time.column.as_str();
+    let (expected, remedy) = match format {
+        Format::Bag | Format::Db3 if column == PUBLISH_TIME => {
+            ("`log_time`, or a field such as `header.stamp`", "name one of the two")
+        }
+        Format::Ulg if [LOG_TIME, PUBLISH_TIME].contains(&column) => {
+            ("a field of the topic", "set `column = \"timestamp\"` and `unit = \"us\"`")
+        }
+        _ => return Ok(()),
+    };
+    Err(Invalid::new("`time`", format!("`{column}` of files `{pattern}`"), expected, remedy))
+}
+
 /// Whether the times of all files have a unit of their own.
 fn tells_itself(file: &FileSpec) -> Option<bool> {
     let kinds = file.pattern.iter().map(|pattern| match file.format_of(pattern) {
         Format::Nmea => file.time.column != "prefix",
-        Format::Mcap => [LOG_TIME, PUBLISH_TIME].contains(&file.time.column.as_str()),
-        Format::Csv | Format::Parquet => false,
+        Format::Mcap | Format::Bag | Format::Db3 => {
+            [LOG_TIME, PUBLISH_TIME].contains(&file.time.column.as_str())
+        }
+        Format::Csv | Format::Parquet | Format::Ulg => false,
     });
     kinds.reduce(|a, b| a && b)
 }
@@ -337,8 +357,9 @@ fn check_time(file: &FileSpec) -> Result<(), Invalid> {
             false => Ok(()),
         };
     }
-    let is_bag = file.pattern.iter().all(|pattern| file.format_of(pattern) == Format::Mcap);
-    if time.unit.is_some() == time.format.is_some() && !is_bag {
+    let has_stamps = |format: Format| format.is_bag() && format != Format::Ulg;
+    let is_stamped = file.pattern.iter().all(|pattern| has_stamps(file.format_of(pattern)));
+    if time.unit.is_some() == time.format.is_some() && !is_stamped {
         let found = if time.unit.is_some() { "both `unit` and `format`" } else { "no `unit`" };
         let expected = "a `unit`, or the `format` of times that are text";
         return Err(Invalid::new("`time`", found, expected, "name one of the two"));

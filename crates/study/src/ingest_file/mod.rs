@@ -1,5 +1,6 @@
 //! `ingest.toml`: what is in measured logs.
 
+mod bag_parts;
 mod check;
 pub mod read;
 pub mod recordings;

@@ -3,6 +3,7 @@
 //! [`logs`] decodes text and bags from bytes; Parquet is decoded here, since the scientific crates do not depend on
 //! tables.
 
+use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 use std::sync::Arc;
@@ -11,7 +12,7 @@ use artifact::{Digest, Digesting, Error, Scratch, open};
 use flate2::read::MultiGzDecoder;
 use logs::{
     Columns, FileSpec, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source, Store, TimeUnit,
-    begins_anew, foreign_format, read_bag, read_csv, read_nmea, record,
+    begins_anew, foreign_format, read_bag, read_csv, read_database, read_nmea, record,
 };
 use refusal::Invalid;
 
@@ -151,6 +152,10 @@ fn columns(
     if format == Format::Parquet {
         return Ok((parquet(path, plan, group, store)?, Digest::of_file(path)?));
     }
+    if format == Format::Db3 {
+        let columns = read_database(database(path, name)?, plan, group, Some(store));
+        return Ok((columns.map_err(|error| refused(path, error))?, Digest::of_file(path)?));
+    }
     let unreadable = |e| Error::io(path, "read", e);
     const BUFFER: usize = 1 << 18;
     let file = open(path)?;
@@ -162,16 +167,42 @@ fn columns(
     };
     let columns = match format {
         Format::Nmea => read_nmea(&mut bytes, plan, group, Some(store)),
-        Format::Mcap => read_bag(&mut bytes, plan, group, Some(store)),
-        Format::Csv | Format::Parquet => read_csv(&mut bytes, length, plan, group, Some(store)),
+        Format::Mcap | Format::Bag | Format::Ulg => read_bag(&mut bytes, format, plan, group, Some(store)),
+        Format::Csv | Format::Parquet | Format::Db3 => read_csv(&mut bytes, length, plan, group, Some(store)),
     };
-    let columns = columns.map_err(|error| match error {
-        LogError::Unreadable(error) if is_damage(&error) => crate::invalid(path, &damaged(&error)),
-        LogError::Unreadable(error) => unreadable(error),
-        LogError::Invalid(invalid) => crate::invalid(path, &invalid),
-    })?;
+    let columns = columns.map_err(|error| refused(path, error))?;
     drop(bytes);
     Ok((columns, source.digest().map_err(unreadable)?))
+}
+
+fn refused(path: &Path, error: LogError) -> Error {
+    match error {
+        LogError::Unreadable(error) if is_damage(&error) => crate::invalid(path, &damaged(&error)),
+        LogError::Unreadable(error) => Error::io(path, "read", error),
+        LogError::Invalid(invalid) => crate::invalid(path, &invalid),
+    }
+}
+
+/// Opens the SQLite file at `path`, called `name`; refuses one that has changes in a file of its own beside it, and one that
+/// is compressed.
+fn database(path: &Path, name: &str) -> Result<File, Error> {
+    if name.ends_with(".gz") {
+        let expected = "a bag of ROS 2 in SQLite that is not compressed";
+        let invalid = Invalid::new("format", "a bag in a file called .gz", expected, "unpack it: `gunzip`");
+        return Err(crate::invalid(path, &invalid));
+    }
+    for end in ["-wal", "-journal"] {
+        let beside = format!("{name}{end}");
+        let changes = std::fs::metadata(path.with_file_name(&beside));
+        if changes.is_ok_and(|changes| changes.len() > 0) {
+            let found = format!("changes in `{beside}` that are not in the file");
+            let remedy =
+                "the recorder did not end: `sqlite3 FILE 'PRAGMA wal_checkpoint(TRUNCATE)'` writes them";
+            let invalid = Invalid::new("database", found, "a bag that is closed", remedy);
+            return Err(crate::invalid(path, &invalid));
+        }
+    }
+    open(path)
 }
 
 /// Whether the bytes are damaged, and not the disk, whose errors have an OS error number.

@@ -7,12 +7,13 @@ use logs::{Naming, Pattern, Source};
 use refusal::{Invalid, nearest};
 
 use super::IngestFile;
+use super::bag_parts::check_parts;
 use crate::invalid;
 
 /// Finds the recordings in `folder`, in the order of their names.
 ///
 /// # Errors
-/// A pattern without files; what [`Naming::sources`] refuses.
+/// A pattern without files; a bag of which a part is not there; what [`Naming::sources`] refuses.
 pub fn find(
     config: &IngestFile,
     naming: &Naming,
@@ -26,6 +27,9 @@ pub fn find(
             let found = matching(folder, pattern)?;
             if found.is_empty() && !spec.optional {
                 return Err(invalid(config_path, &no_file(folder, pattern)));
+            }
+            if spec.format_of(pattern).is_bag() {
+                check_parts(folder, &found)?;
             }
             group.extend(found);
         }

@@ -4,30 +4,37 @@ use std::collections::BTreeMap;
 
 use refusal::{Invalid, foreign};
 
-use super::decoder::Decoder;
-use super::definition::LONGEST;
+use crate::decoder::Decoder;
+use crate::definition::LONGEST;
 
 /// Total bytes of the definitions that are kept.
 const MOST_BYTES: usize = 1 << 26;
 
 /// Definitions by their ids.
 #[derive(Default)]
-pub(super) struct Schemas {
-    known: BTreeMap<u16, Schema>,
+pub(crate) struct Schemas {
+    known: BTreeMap<u32, Schema>,
     bytes: usize,
 }
 
 /// Name, encoding and text of a definition.
 #[derive(Clone, PartialEq)]
-pub(super) struct Schema {
+pub(crate) struct Schema {
     name: String,
     encoding: String,
     text: Vec<u8>,
 }
 
+impl Schema {
+    /// Name, encoding and text.
+    pub(crate) fn parts(&self) -> (&str, &str, &[u8]) {
+        (&self.name, &self.encoding, &self.text)
+    }
+}
+
 impl Schemas {
     /// Keeps a definition; of one that is too long, only enough to show that.
-    pub(super) fn add(&mut self, id: u16, name: &str, encoding: &str, text: &[u8]) -> Result<(), Invalid> {
+    pub(crate) fn add(&mut self, id: u32, name: &str, encoding: &str, text: &[u8]) -> Result<(), Invalid> {
         if self.known.contains_key(&id) {
             return Ok(());
         }
@@ -43,7 +50,7 @@ impl Schemas {
         Ok(())
     }
 
-    pub(super) fn get(&self, id: u16) -> Option<&Schema> {
+    pub(crate) fn get(&self, id: u32) -> Option<&Schema> {
         self.known.get(&id)
     }
 }
@@ -64,29 +71,29 @@ impl Channel {
 }
 
 /// The channels of the topic that is read.
-pub(super) struct Channels<'a> {
+pub(crate) struct Channels<'a> {
     /// The wanted publisher.
     publisher: Option<&'a str>,
-    known: BTreeMap<u16, Channel>,
+    known: BTreeMap<u32, Channel>,
     /// Names of all publishers of the topic, also of those that are not wanted.
-    called: BTreeMap<u16, String>,
+    called: BTreeMap<u32, String>,
     /// Those whose messages came, in order.
-    heard: Vec<u16>,
+    heard: Vec<u32>,
 }
 
 impl<'a> Channels<'a> {
     /// No channels yet; all of the topic count, or those of one publisher.
-    pub(super) fn new(publisher: Option<&'a str>) -> Self {
+    pub(crate) fn new(publisher: Option<&'a str>) -> Self {
         Self { publisher, known: BTreeMap::new(), called: BTreeMap::new(), heard: Vec::new() }
     }
 
-    /// Adds a channel of the topic, whose messages are to yield the fields at `paths`.
+    /// Adds a channel of the topic, whose messages are to yield the fields at `paths`; `number` names its publisher.
     ///
     /// # Errors
     /// See [`Decoder::new`].
-    pub(super) fn add(
+    pub(crate) fn add(
         &mut self,
-        id: u16,
+        [id, number]: [u32; 2],
         schema: Option<&Schema>,
         encoding: &str,
         metadata: Vec<(&str, &str)>,
@@ -100,12 +107,12 @@ impl<'a> Channels<'a> {
         let names: Vec<String> = names.map(|(key, value)| format!("{key} {value}")).collect();
         let called =
             if names.is_empty() { String::new() } else { format!(" ({})", foreign(&names.join(", "))) };
-        self.called.insert(id, format!("`{id}`{called}"));
+        self.called.insert(id, format!("`{number}`{called}"));
         let is_meant = self.publisher.is_none_or(|publisher| {
-            publisher == id.to_string() || metadata.iter().any(|(_, value)| *value == publisher)
+            publisher == number.to_string() || metadata.iter().any(|(_, value)| *value == publisher)
         });
         if is_meant {
-            let parts = schema.map(|s| (s.name.as_str(), s.encoding.as_str(), s.text.as_slice()));
+            let parts = schema.map(Schema::parts);
             let decoder = Decoder::new(topic, encoding, parts, paths)?;
             let owned = |(key, value): (&str, &str)| (key.to_owned(), value.to_owned());
             let metadata = metadata.into_iter().map(owned).collect();
@@ -120,7 +127,7 @@ impl<'a> Channels<'a> {
     ///
     /// # Errors
     /// Messages of several channels of which none continues another.
-    pub(super) fn heard(&mut self, id: u16, topic: &str) -> Result<Option<&mut Decoder>, Invalid> {
+    pub(crate) fn heard(&mut self, id: u32, topic: &str) -> Result<Option<&mut Decoder>, Invalid> {
         let is_known = self.known.contains_key(&id);
         if let (true, Some(last)) = (is_known && self.heard.last() != Some(&id), self.heard.last()) {
             let is_next = !self.heard.contains(&id)
@@ -138,7 +145,7 @@ impl<'a> Channels<'a> {
     fn several(&self, topic: &str) -> Invalid {
         let called: Vec<&str> = self.called.values().take(4).map(String::as_str).collect();
         let found = format!("{} channels, {}", self.called.len(), called.join(", "));
-        let first = self.called.keys().next().copied().unwrap_or(0);
+        let first = called.first().and_then(|called| called.split('`').nth(1)).unwrap_or_default();
         Invalid::new(
             format!("publishers of topic `{}`", foreign(topic)),
             found,
@@ -148,12 +155,12 @@ impl<'a> Channels<'a> {
     }
 
     /// Whether there are none.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.known.is_empty()
     }
 
     /// Refuses a publisher that the topic does not have.
-    pub(super) fn check_named(&self, topic: &str) -> Result<(), Invalid> {
+    pub(crate) fn check_named(&self, topic: &str) -> Result<(), Invalid> {
         match self.publisher {
             Some(publisher) if self.known.is_empty() && !self.called.is_empty() => {
                 let called: Vec<&str> = self.called.values().take(8).map(String::as_str).collect();
@@ -170,7 +177,7 @@ impl<'a> Channels<'a> {
     }
 
     /// Refuses a field that none of the messages had.
-    pub(super) fn check_found(&self, paths: &[String], messages: usize) -> Result<(), Invalid> {
+    pub(crate) fn check_found(&self, paths: &[String], messages: usize) -> Result<(), Invalid> {
         let heard = self.known.iter().filter(|(id, _)| self.heard.contains(id));
         heard.map(|(_, channel)| channel).try_for_each(|channel| channel.decoder.check_found(paths, messages))
     }

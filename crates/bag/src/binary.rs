@@ -1,23 +1,27 @@
-//! Common Data Representation, version 1, as ROS 2 writes it (OMG, Data Distribution Service Interoperability
-//! Wire Protocol): consecutive values, each aligned to its size, after four bytes that state the byte order.
+//! Binary messages. Common Data Representation, version 1, as ROS 2 writes it (OMG, Data Distribution Service
+//! Interoperability Wire Protocol): consecutive values, each aligned to its size, after four bytes that state the
+//! byte order. Or packed as ROS 1 and ULog have them: without either, least significant byte first.
 
 use std::collections::BTreeMap;
 
-use super::fields::{Primitive, Shape, Step, Wrong};
+use crate::fields::{Primitive, Shape, Step, Wrong};
 
 /// Bytes of a message, and the read position.
-pub(super) struct Cursor<'a> {
+pub(crate) struct Cursor<'a> {
     /// The bytes after the first four.
     data: &'a [u8],
     at: usize,
     is_little: bool,
+    is_aligned: bool,
 }
 
 impl<'a> Cursor<'a> {
-    /// At the first value.
-    pub(super) fn new(message: &'a [u8]) -> Result<Self, Wrong> {
+    /// At the first value of a message in CDR.
+    pub(crate) fn cdr(message: &'a [u8]) -> Result<Self, Wrong> {
         match message.split_at_checked(4) {
-            Some(([0, order @ (0 | 1), ..], data)) => Ok(Self { data, at: 0, is_little: *order == 1 }),
+            Some(([0, order @ (0 | 1), ..], data)) => {
+                Ok(Self { data, at: 0, is_little: *order == 1, is_aligned: true })
+            }
             Some((head, _)) => {
                 let found = format!("the representation {:#06x}", u16::from_be_bytes([head[0], head[1]]));
                 Err((found, "plain CDR, 0x0000 or 0x0001".to_owned()))
@@ -26,9 +30,16 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The next `N` bytes, aligned to `N`, least significant first.
+    /// At the first value of a packed message.
+    pub(crate) fn packed(data: &'a [u8]) -> Self {
+        Self { data, at: 0, is_little: true, is_aligned: false }
+    }
+
+    /// The next `N` bytes, in CDR aligned to `N`, least significant first.
     fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        self.at = self.at.next_multiple_of(N);
+        if self.is_aligned {
+            self.at = self.at.next_multiple_of(N);
+        }
         let mut bytes: [u8; N] = self.data.get(self.at..self.at + N)?.try_into().ok()?;
         self.at += N;
         if !self.is_little {
@@ -63,7 +74,7 @@ impl<'a> Cursor<'a> {
 }
 
 /// A shape, and where its wanted numbers go.
-pub(super) struct Node {
+pub(crate) struct Node {
     kind: Kind,
     /// Indices in the row.
     slots: Vec<usize>,
@@ -72,6 +83,7 @@ pub(super) struct Node {
 enum Kind {
     Number(Primitive),
     Text,
+    Padding(usize),
     Fields(Vec<Node>),
     List {
         of: Box<Node>,
@@ -86,7 +98,7 @@ impl Node {
     ///
     /// # Errors
     /// The index of a path that leads to no number.
-    pub(super) fn new(shape: &Shape, wanted: &[(usize, &[Step])]) -> Result<Self, usize> {
+    pub(crate) fn new(shape: &Shape, wanted: &[(usize, &[Step])]) -> Result<Self, usize> {
         let ends: Vec<usize> =
             wanted.iter().filter(|(_, path)| path.is_empty()).map(|(slot, _)| *slot).collect();
         let is_number = matches!(shape, Shape::Number(_));
@@ -96,6 +108,9 @@ impl Node {
         let kind = match shape {
             Shape::Number(kind) => Kind::Number(*kind),
             Shape::Text => wanted.first().map_or(Ok(Kind::Text), |(slot, _)| Err(*slot))?,
+            Shape::Padding(bytes) => {
+                wanted.first().map_or(Ok(Kind::Padding(*bytes)), |(slot, _)| Err(*slot))?
+            }
             Shape::Fields(fields) => {
                 let is_field = |step: &Step| fields.iter().any(|(name, _)| *step == Step::Name(name.clone()));
                 if let Some((slot, _)) = wanted.iter().find(|(_, path)| !is_field(&path[0])) {
@@ -122,7 +137,7 @@ impl Node {
     }
 
     /// Reads the next value and puts the wanted numbers into `row`; `None` where the message ends early.
-    pub(super) fn read(&self, cursor: &mut Cursor, row: &mut [f64]) -> Option<()> {
+    pub(crate) fn read(&self, cursor: &mut Cursor, row: &mut [f64]) -> Option<()> {
         match &self.kind {
             Kind::Number(kind) => {
                 let value = cursor.number(*kind)?;
@@ -133,8 +148,9 @@ impl Node {
                 let length = cursor.length()?;
                 cursor.skip(length)
             }
-            // A message without fields still has one byte.
-            Kind::Fields(fields) if fields.is_empty() => cursor.skip(1),
+            Kind::Padding(bytes) => cursor.skip((*bytes).min(cursor.data.len().saturating_sub(cursor.at))),
+            // In CDR a message without fields still has one byte.
+            Kind::Fields(fields) if fields.is_empty() => cursor.skip(usize::from(cursor.is_aligned)),
             Kind::Fields(fields) => fields.iter().try_for_each(|field| field.read(cursor, row)),
             Kind::List { of, len, wanted } => {
                 let len = len.map_or_else(|| cursor.length(), Some)?;
@@ -152,9 +168,9 @@ fn below<'a>(wanted: &[(usize, &'a [Step])], is: impl Fn(&Step) -> bool) -> Vec<
 
 #[cfg(test)]
 mod tests {
-    use super::super::definition::definition;
-    use super::super::fields::steps;
     use super::*;
+    use crate::definition::{Dialect, definition};
+    use crate::fields::steps;
 
     /// `uint8 a = 7`, `string s = "hi"`, `float64[] w = [1.5, -2]`, `int16 b = -3`, `float32 c = 0.25` as fastcdr writes them.
     fn message(is_little: bool) -> Vec<u8> {
@@ -179,18 +195,19 @@ mod tests {
 
     #[test]
     fn values_are_aligned_to_their_size_in_either_order_of_bytes() {
-        let shape = definition("a/A", "uint8 a\nstring s\nfloat64[] w\nint16 b\nfloat32 c\n").unwrap();
+        let shape =
+            definition("a/A", "uint8 a\nstring s\nfloat64[] w\nint16 b\nfloat32 c\n", Dialect::Ros2).unwrap();
         let paths = ["a", "w[1]", "b", "c", "w[5]"].map(|path| steps(path).unwrap());
         let wanted: Vec<(usize, &[Step])> = paths.iter().map(Vec::as_slice).enumerate().collect();
         let node = Node::new(&shape, &wanted).unwrap();
         for is_little in [true, false] {
             let data = message(is_little);
             let mut row = [f64::NAN; 5];
-            node.read(&mut Cursor::new(&data).unwrap(), &mut row).unwrap();
+            node.read(&mut Cursor::cdr(&data).unwrap(), &mut row).unwrap();
             assert_eq!(row[..4], [7.0, -2.0, -3.0, 0.25]);
             assert!(row[4].is_nan(), "there are two weights");
             let short = &data[..data.len() - 1];
-            assert_eq!(node.read(&mut Cursor::new(short).unwrap(), &mut row), None);
+            assert_eq!(node.read(&mut Cursor::cdr(short).unwrap(), &mut row), None);
         }
         for path in ["s", "d", "w", "a.x", "a[0]"] {
             let path = steps(path).unwrap();

@@ -1,11 +1,11 @@
 //! Paths to the fields of a message, and the shape of its values.
 
 /// What is wrong with a message: found, expected.
-pub(super) type Wrong = (String, String);
+pub(crate) type Wrong = (String, String);
 
 /// A step of a path.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Step {
+pub(crate) enum Step {
     /// To a field.
     Name(String),
     /// To an element of a list.
@@ -13,7 +13,7 @@ pub(super) enum Step {
 }
 
 /// The steps of a path such as `position[2].x`; `None` where it is not a path.
-pub(super) fn steps(path: &str) -> Option<Vec<Step>> {
+pub(crate) fn steps(path: &str) -> Option<Vec<Step>> {
     let mut steps = Vec::new();
     for part in path.split('.') {
         let (name, mut rest) = part.split_at(part.find('[').unwrap_or(part.len()));
@@ -32,9 +32,11 @@ pub(super) fn steps(path: &str) -> Option<Vec<Step>> {
 
 /// The shape of a value of a message.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Shape {
+pub(crate) enum Shape {
     Number(Primitive),
     Text,
+    /// Bytes without a meaning, which the end of a message may lack.
+    Padding(usize),
     Fields(Vec<(String, Shape)>),
     /// Elements of one shape: a fixed number, or as many as a count before them states.
     List(Box<Shape>, Option<usize>),
@@ -42,7 +44,7 @@ pub(super) enum Shape {
 
 /// A number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Primitive {
+pub(crate) enum Primitive {
     U8,
     I8,
     U16,
@@ -58,24 +60,27 @@ pub(super) enum Primitive {
 /// Most names to search for the one that was meant.
 const MOST_NAMES: usize = 1000;
 
-/// The paths to the numbers of `shape`; of a list, only its first element.
-pub(super) fn leaves(shape: &Shape) -> Vec<String> {
+/// The paths to the numbers of `shape`; of a list all elements if they are `few` at most, else the first.
+pub(crate) fn leaves(shape: &Shape, few: usize) -> Vec<String> {
     let mut found = Vec::new();
-    collect(shape, "", &mut found);
+    collect(shape, "", few, &mut found);
     found
 }
 
-fn collect(shape: &Shape, path: &str, found: &mut Vec<String>) {
+fn collect(shape: &Shape, path: &str, few: usize, found: &mut Vec<String>) {
     match shape {
         _ if found.len() >= MOST_NAMES => {}
         Shape::Number(_) => found.push(path.to_owned()),
-        Shape::Text => {}
+        Shape::Text | Shape::Padding(_) => {}
         Shape::Fields(fields) => {
             for (name, shape) in fields {
                 let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
-                collect(shape, &path, found);
+                collect(shape, &path, few, found);
             }
         }
-        Shape::List(of, _) => collect(of, &format!("{path}[0]"), found),
+        Shape::List(of, len) => {
+            let listed = len.filter(|len| *len <= few).unwrap_or(1);
+            (0..listed).for_each(|i| collect(of, &format!("{path}[{i}]"), few, found));
+        }
     }
 }

@@ -3,13 +3,13 @@
 use refusal::foreign;
 use serde_json::Value;
 
-use super::fields::{Step, Wrong};
+use crate::fields::{Step, Wrong};
 
 /// Most bytes of a message: as values they take many times as many.
 const LONGEST: usize = 1 << 23;
 
 /// Puts the numbers at `paths` of the message `data` into `row`, and notes which paths were found.
-pub(super) fn decode(data: &[u8], paths: &mut [(Vec<Step>, bool)], row: &mut [f64]) -> Result<(), Wrong> {
+pub(crate) fn decode(data: &[u8], paths: &mut [(Vec<Step>, bool)], row: &mut [f64]) -> Result<(), Wrong> {
     if data.len() > LONGEST {
         return Err((format!("{} bytes", data.len()), format!("at most {LONGEST} in JSON")));
     }

@@ -6,7 +6,7 @@ use std::cell::Cell;
 
 use refusal::foreign;
 
-use super::fields::{Primitive, Shape};
+use crate::fields::{Primitive, Shape};
 
 /// Depth of nested types beyond which a definition is taken to be recursive.
 const DEEPEST: usize = 32;
@@ -18,7 +18,7 @@ const MOST_FIELDS: usize = 20_000;
 const MOST_TYPES: usize = 2000;
 
 /// Most bytes of a definition.
-pub(super) const LONGEST: usize = 1 << 20;
+pub(crate) const LONGEST: usize = 1 << 20;
 
 /// Most elements of a list whose length the definition states.
 const MOST_ELEMENTS: usize = 1 << 27;
@@ -40,8 +40,18 @@ const NUMBERS: [(&str, Primitive); 13] = [
     ("float64", Primitive::F64),
 ];
 
+/// Whose definitions they are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Dialect {
+    /// Times are numbers of the language.
+    Ros1,
+    /// Times are messages.
+    Ros2,
+}
+
 /// The types of a definition.
 struct Types<'a> {
+    dialect: Dialect,
     /// `package/Type`, and its lines.
     lines: Vec<(String, Vec<&'a str>)>,
     /// How many more fields are allowed.
@@ -52,11 +62,12 @@ struct Types<'a> {
 ///
 /// # Errors
 /// Why it cannot be read.
-pub(super) fn definition(name: &str, text: &str) -> Result<Shape, String> {
+pub(crate) fn definition(name: &str, text: &str, dialect: Dialect) -> Result<Shape, String> {
     if text.len() > LONGEST {
         return Err(format!("{} bytes, which are more than {LONGEST}", text.len()));
     }
-    let mut types = Types { lines: vec![(short(name), Vec::new())], left: Cell::new(MOST_FIELDS) };
+    let lines = vec![(short(name), Vec::new())];
+    let mut types = Types { dialect, lines, left: Cell::new(MOST_FIELDS) };
     for line in text.lines().map(str::trim) {
         if let Some(next) = line.strip_prefix("MSG:") {
             types.lines.push((short(next.trim()), Vec::new()));
@@ -68,6 +79,11 @@ pub(super) fn definition(name: &str, text: &str) -> Result<Shape, String> {
         return Err(format!("{} types, which are more than {MOST_TYPES}", types.lines.len()));
     }
     types.shape(&short(name), DEEPEST)
+}
+
+/// Seconds and nanoseconds, called as in ROS 2.
+fn time(kind: Primitive) -> Shape {
+    Shape::Fields(["sec", "nanosec"].map(|name| (name.to_owned(), Shape::Number(kind))).to_vec())
 }
 
 /// `package/Type` of `package/msg/Type`.
@@ -113,11 +129,17 @@ impl Types<'_> {
             return Ok(Shape::List(Box::new(self.kind(of, package, deep)?), len));
         }
         let kind = kind.split("<=").next().unwrap_or(kind);
+        // A byte of ROS 1 has a sign.
+        if self.dialect == Dialect::Ros1 && kind == "byte" {
+            return Ok(Shape::Number(Primitive::I8));
+        }
         if let Some((_, number)) = NUMBERS.iter().find(|(known, _)| *known == kind) {
             return Ok(Shape::Number(*number));
         }
         match kind {
             "string" => Ok(Shape::Text),
+            "time" if self.dialect == Dialect::Ros1 => Ok(time(Primitive::U32)),
+            "duration" if self.dialect == Dialect::Ros1 => Ok(time(Primitive::I32)),
             // Its length in bytes depends on the implementation.
             "wstring" => Err("a field of type `wstring`".to_owned()),
             kind if kind.contains('/') => self.shape(&short(kind), deep - 1),
@@ -136,13 +158,13 @@ mod tests {
         let text = "# A pose\nstd_msgs/Header header\nuint8 OK=0\nint32 NONE = -1\nPoint[2] corners # two\nstring<=5 name \"x\"\n\
             float64[] weights\n================\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n=====\n\
             MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n====\nMSG: geometry_msgs/Point\nfloat64 x\nfloat32 y 1.5\n";
-        let shape = definition("geometry_msgs/msg/Thing", text).unwrap();
+        let shape = definition("geometry_msgs/msg/Thing", text, Dialect::Ros2).unwrap();
         let paths =
             ["header.stamp.sec", "header.stamp.nanosec", "corners[0].x", "corners[0].y", "weights[0]"];
-        assert_eq!(super::super::fields::leaves(&shape), paths);
-        let circle = definition("a/A", "A next\n").unwrap_err();
+        assert_eq!(crate::fields::leaves(&shape, 1), paths);
+        let circle = definition("a/A", "A next\n", Dialect::Ros2).unwrap_err();
         assert!(circle.contains("within itself"), "{circle}");
-        assert!(definition("a/A", "B next\n").unwrap_err().contains("no definition of `a/B`"));
+        assert!(definition("a/A", "B next\n", Dialect::Ros2).unwrap_err().contains("no definition of `a/B`"));
     }
 
     #[test]
@@ -153,7 +175,7 @@ mod tests {
                 + &(0..deep).map(of).collect::<String>()
                 + &format!("====\nMSG: a/T{deep}\nint8 x\n")
         };
-        assert!(definition("a/A", &twice(10)).is_ok());
+        assert!(definition("a/A", &twice(10), Dialect::Ros2).is_ok());
         for (text, said) in [
             (twice(28), "more than 20000 fields"),
             ("uint8".to_owned() + &"[2]".repeat(200_000) + " x\n", "one length"),
@@ -162,7 +184,7 @@ mod tests {
             ("====\nMSG: a/B\n".repeat(3000), "3001 types"),
             ("#".repeat(LONGEST + 1), "more than 1048576"),
         ] {
-            let refused = definition("a/A", &text).unwrap_err();
+            let refused = definition("a/A", &text, Dialect::Ros2).unwrap_err();
             assert!(refused.contains(said) && refused.len() < 200, "{refused}");
         }
     }

@@ -1,0 +1,71 @@
+//! The records of an MCAP file, one at a time, including those within chunks.
+
+use std::io::Read;
+
+use mcap::McapError;
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use refusal::Invalid;
+
+use crate::BagError;
+use crate::chunks::{Chunk, LARGEST, Unpacking};
+use crate::parts::{Part, part};
+
+/// Passes every record of `bytes` that is read to `each`.
+///
+/// # Errors
+/// Bytes that cannot be read or are not a bag; refusals of `each`.
+pub(crate) fn each_part(
+    bytes: &mut dyn Read,
+    each: &mut dyn FnMut(Part) -> Result<(), BagError>,
+) -> Result<(), BagError> {
+    Walk { each, unpacking: Unpacking::new(WHOLE, COPY) }.through(bytes, false)
+}
+
+/// The state of a pass over records.
+struct Walk<'a> {
+    each: &'a mut dyn FnMut(Part) -> Result<(), BagError>,
+    unpacking: Unpacking,
+}
+
+impl Walk<'_> {
+    /// Goes through a file, or through the records `within` a chunk.
+    fn through(&mut self, bytes: &mut dyn Read, within: bool) -> Result<(), BagError> {
+        let options = LinearReaderOptions::default().with_emit_chunks(true).with_record_length_limit(LARGEST);
+        let options = options.with_skip_start_magic(within).with_skip_end_magic(within);
+        let mut reader = LinearReader::new_with_options(options);
+        while let Some(event) = reader.next_event() {
+            match event.map_err(|error| damaged(&error))? {
+                LinearReadEvent::ReadRequest(need) => {
+                    let read = bytes.read(reader.insert(need))?;
+                    reader.notify_read(read);
+                }
+                LinearReadEvent::Record { opcode, data } => match part(opcode, data) {
+                    Some(Part::Chunk { size, crc, compression, data }) if !within => {
+                        let bytes = self.unpacking.whole(&Chunk { compression, size, crc, data })?;
+                        self.through(&mut bytes.as_slice(), true)?;
+                    }
+                    Some(part) => (self.each)(part)?,
+                    None => return Err(refused("file", "an end within a record".to_owned(), WHOLE, COPY)),
+                },
+            }
+        }
+        Ok(())
+    }
+}
+
+const WHOLE: &str = "a whole MCAP file";
+
+const COPY: &str = "the file is truncated or damaged: copy it again, or mend it with `mcap recover`";
+
+fn damaged(error: &McapError) -> BagError {
+    let found = match error {
+        McapError::BadMagic => "bytes of another format".to_owned(),
+        McapError::UnexpectedEof | McapError::UnexpectedEoc => "an end within a record".to_owned(),
+        error => error.to_string().replace('\n', " "),
+    };
+    refused("file", found, WHOLE, COPY)
+}
+
+fn refused(thing: &str, found: String, expected: &str, remedy: &str) -> BagError {
+    BagError::Invalid(Invalid::new(thing, found, expected, remedy))
+}
