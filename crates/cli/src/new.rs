@@ -50,7 +50,7 @@ impl Task for Arguments {
             None => (simulated(preset), String::new()),
             Some(logs) => {
                 let (files, looked) = measured(preset, logs)?;
-                let (guessed, missing) = (looked.guessed(), looked.guess.missing.len());
+                let (guessed, missing) = (looked.guessed(), looked.missing().len());
                 (
                     files,
                     format!(

@@ -208,6 +208,10 @@ fn pointers(value: &Value, above: &str, all: &mut Vec<String>) {
 
 /// Flips, cuts, blanks or repeats bytes.
 pub fn damaged_bytes(draw: &mut Draw, mut bytes: Vec<u8>) -> Vec<u8> {
+    // All may have been cut off before.
+    if bytes.is_empty() {
+        return bytes;
+    }
     let at = draw.below(bytes.len());
     let end = (at + 1 + draw.below(64)).min(bytes.len());
     match draw.below(5) {

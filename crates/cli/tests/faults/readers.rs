@@ -53,7 +53,7 @@ macro_rules! plan {
 }
 
 /// Mostly a data file is damaged, rarely its configuration.
-static STAGES: [Stage; 20] = [
+static STAGES: [Stage; 23] = [
     ingest!("csv", "a.csv", "a.csv", "a.csv", "ingest.toml"),
     ingest!("dated", "a.csv", "a.csv", "ingest.toml"),
     ingest!("gz", "a.csv.gz"),
@@ -74,6 +74,9 @@ static STAGES: [Stage; 20] = [
     plan!("cell", "ZZ5BAY01.000", "ZZ5BAY01.000", "ZZ5BAY01.001", "ZZ5BAY01.002"),
     plan!("areas", "a.geojson"),
     plan!("set", "ENC_ROOT/CATALOG.031", "ENC_ROOT/CATALOG.031", "ENC_ROOT/ZZ5BAY01/ZZ5BAY01.001"),
+    ingest!("ros1", "a.bag", "a.bag", "a.bag", "ingest.toml"),
+    ingest!("ros2", "a.db3", "a.db3", "a.db3", "ingest.toml"),
+    ingest!("px4", "a.ulg", "a.ulg", "a.ulg", "ingest.toml"),
 ];
 
 /// The ground of all readers, made once.
@@ -159,6 +162,19 @@ fn logs(folder: &Path) {
         fs::read(repository().join("fixtures/field/robot/short-lz4.mcap")).unwrap(),
     );
     write(folder, "chunks/ingest.toml", config("*.mcap", time[0], time[1]));
+    robots(folder);
+}
+
+/// Bags of the field, each with the `ingest.toml` that was made for it.
+fn robots(folder: &Path) {
+    let field = repository().join("fixtures/field");
+    for (set, name, end) in
+        [("ros1", "short-lz4.bag", "bag"), ("ros2", "mission_0.db3", "db3"), ("px4", "mission.ulg", "ulg")]
+    {
+        write(folder, &format!("{set}/a.{end}"), fs::read(field.join(set).join(name)).unwrap());
+        let text = fs::read_to_string(field.join(set).join("ingest.toml")).unwrap();
+        write(folder, &format!("{set}/ingest.toml"), text.replace("{run}_*.db3", "{run}.db3"));
+    }
 }
 
 fn parquet(compression: Compression) -> Vec<u8> {

@@ -44,7 +44,7 @@ fn bag(records: &[Vec<u8>]) -> Vec<u8> {
 }
 
 /// The motion in second `k`, in JSON.
-fn motion_in_json(k: usize) -> Vec<u8> {
+pub fn motion_in_json(k: usize) -> Vec<u8> {
     let values = rows(k)[k];
     let pairs = COLUMNS.iter().zip(values).map(|(name, value)| format!("\"{name}\":{value:.6}"));
     format!("{{{}}}", pairs.collect::<Vec<_>>().join(",")).into_bytes()
@@ -61,7 +61,7 @@ fn config(keys: &str) -> String {
     base.replace("time =", &format!("topic = \"/s\"\n{keys}\ntime ="))
 }
 
-fn bags(keys: &str, bags: &[(&str, Vec<u8>)]) -> TempDir {
+pub fn bags(keys: &str, bags: &[(&str, Vec<u8>)]) -> TempDir {
     let folder = folder(&[("ingest.toml", &config(keys))]);
     bags.iter().for_each(|(name, bytes)| fs::write(folder.path().join(name), bytes).unwrap());
     folder

@@ -8,15 +8,15 @@ use crate::runner::*;
 const CONFIG: [&str; 2] = ["--config", "ingest.toml"];
 
 /// Surge, sway \[m/s\] and yaw rate \[rad/s\] that all three were made of.
-fn motion(t: f64) -> [f64; 3] {
+pub fn motion(t: f64) -> [f64; 3] {
     [2.0 + 0.4 * (0.11 * t).sin(), 0.2 * (0.17 * t).sin(), 0.08 * (0.13 * t).cos()]
 }
 
-fn rudder(t: f64) -> f64 {
+pub fn rudder(t: f64) -> f64 {
     (15.0 * (0.13 * t + 0.4).sin()).to_radians()
 }
 
-fn revolutions(t: f64) -> f64 {
+pub fn revolutions(t: f64) -> f64 {
     8.0 + (0.11 * t + 0.2).sin()
 }
 

@@ -18,6 +18,7 @@ mod kinds;
 mod known;
 mod real;
 mod refusals;
+mod robots;
 mod runner;
 mod sea_clocks;
 mod segments;

@@ -113,8 +113,12 @@ fn logs_without_columns_or_times() {
     std::fs::create_dir(folder.path().join("logs")).unwrap();
     let line = "new mine --vessel kvlcc2 --logs logs";
     refused(&folder, 3, line, &["logs: logs: found none", "name the folder"]);
+    put(&folder, "logs/a.nmea", "");
+    refused(&folder, 3, line, &["logs: logs: found `a.nmea` and neither CSV nor a bag", "docs/own-logs.md"]);
     put(&folder, "logs/a.mcap", "");
-    refused(&folder, 3, line, &["logs: logs: found `a.mcap` and no CSV", "docs/own-logs.md"]);
+    refused(&folder, 3, line, &["logs/a.mcap: file", "a whole MCAP file"]);
+    put(&folder, "logs/a.ulg", "");
+    refused(&folder, 3, line, &["logs: logs: found `a.ulg` beside `a.mcap`", "bags of one format"]);
     put(&folder, "logs/a.csv", "1,2\n3,4\n5,6\n");
     refused(&folder, 3, line, &["logs/a.csv: columns: found `1` in the first line"]);
     put(&folder, "logs/a.csv", "heading,speed\n3,4\n2,6\n1,6\n");

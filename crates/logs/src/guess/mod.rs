@@ -1,39 +1,19 @@
 //! What is in a log, by the names of its columns and the first of its rows: a proposal for a person to check.
 
 mod head;
+mod messages;
 mod names;
+mod placed;
+mod topics;
 
 pub use head::Head;
 pub use names::Named;
+pub use placed::{Needed, Placed};
+pub use topics::{BagGuess, TopicGuess};
 
 use crate::TimeUnit;
 use names::{ROLES, Role};
-
-/// A channel that is wanted of a log.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Needed {
-    /// Its name, such as `delta`.
-    pub channel: String,
-    /// Its unit in the model.
-    pub unit: String,
-}
-
-/// A column that was given a channel.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Placed {
-    /// Its name.
-    pub column: String,
-    /// The channel.
-    pub channel: String,
-    /// Its unit in the log.
-    pub unit: String,
-    /// Whether the channel was found by a name that is not its own.
-    pub is_channel_guessed: bool,
-    /// Whether the name of the column says no unit.
-    pub is_unit_guessed: bool,
-    /// Whether a model can do without it.
-    pub is_optional: bool,
-}
+use placed::usual_unit;
 
 /// The clock of a log.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,17 +92,6 @@ fn place(head: &Head, name: &Named, at: usize, (channel, unit): (&str, &str)) ->
         is_channel_guessed: name.likeness(channel) != Some(0),
         is_unit_guessed: name.unit.is_none(),
         is_optional: role.is_some_and(|role| role.is_optional),
-    }
-}
-
-/// The unit of numbers up to `largest` whose column says none: angles beyond a turn are in degrees.
-fn usual_unit(unit: &str, largest: f64) -> &str {
-    const TURN: f64 = 2.0 * std::f64::consts::PI + 0.1;
-    match unit {
-        "rad" if largest > TURN => "deg",
-        "rad/s" if largest > TURN => "deg/s",
-        "1/s" if largest > 60.0 => "rpm",
-        other => other,
     }
 }
 

@@ -12,6 +12,7 @@ mod frames;
 mod gate;
 mod grid;
 mod guess;
+mod guess_bags;
 mod lever;
 mod motion;
 mod oracle;

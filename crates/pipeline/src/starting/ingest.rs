@@ -2,27 +2,31 @@
 
 use std::fmt::Write;
 
-use logs::TimeUnit;
-use logs::guess::{Clock, Needed, Placed};
-use toml::Value;
+use logs::guess::{BagGuess, Guess, Head, Needed, Placed};
+use logs::{Format, TimeUnit};
 
-use super::looking::Looked;
+use super::bags;
+use super::looking::{Found, Looked};
 use super::presets::Preset;
-
-/// What is at the end of a line that was guessed.
-const MARK: &str = "  # guessed";
+use super::text::{MARK, quoted};
 
 /// Rows that a gap may be as long as.
 const GAP_ROWS: f64 = 5.0;
 
 /// The text of `ingest.toml` for logs as `looked` found them, of a ship like `preset`.
 pub(super) fn written(looked: &Looked, preset: &Preset) -> String {
-    let mut text = general(looked, preset.sample_rate_hz());
-    text += &files(looked);
-    for own in &looked.guess.placed {
-        text += &channel(own);
-    }
-    looked.guess.missing.iter().for_each(|own| text += &missing(own));
+    let rate_hz = preset.sample_rate_hz();
+    let mut text = match &looked.found {
+        Found::Table(head, guess) => {
+            let placed: String = guess.placed.iter().map(channel).collect();
+            let step_s = guess.clock.as_ref().map_or(1.0, |clock| clock.step_s);
+            general(looked, rate_hz, step_s) + &files(looked, head, guess) + &placed
+        }
+        Found::Bag(guess) => {
+            general_of_bags(looked, guess, rate_hz) + &bags::groups(guess, &looked.patterns, &looked.files)
+        }
+    };
+    looked.missing().iter().for_each(|own| text += &missing(own));
     text += &unplaced(looked);
     text += preset.thrusters();
     text
@@ -36,7 +40,7 @@ const PART: f64 = 0.9;
 
 /// The length of a window \[s\], in whole samples of `rate_hz`.
 fn window_s(looked: &Looked, rate_hz: f64) -> f64 {
-    (PART * looked.usual_s() * rate_hz).floor().clamp(2.0, WINDOW) / rate_hz
+    (PART * looked.usual_s * rate_hz).floor().clamp(2.0, WINDOW) / rate_hz
 }
 
 /// `study.mk` of a study with logs as `looked` found them, of a ship like `preset`.
@@ -65,14 +69,35 @@ pub(super) fn flags(looked: &Looked, preset: &Preset) -> String {
     text
 }
 
-/// `text` in quotes as TOML has them.
-fn quoted(text: &str) -> String {
-    Value::from(text).to_string()
+/// The keys of the whole file, for bags.
+fn general_of_bags(looked: &Looked, guess: &BagGuess, rate_hz: f64) -> String {
+    let steps = guess.topics.iter().map(|topic| topic.step_s);
+    let (fastest, slowest) = (steps.clone().fold(f64::INFINITY, f64::min), steps.fold(0.0, f64::max));
+    let mut text = format!(
+        "# What is in the logs: {} bags. Lines marked \"guessed\" were guessed by names and numbers: check them.\n\
+         sample_rate_hz = {rate_hz:?}            # rate of the trajectories [Hz]: that of vessel.toml\n\
+         max_gap_s = {:?}{MARK}: five messages of the slowest topic [s]; over longer gaps nothing is interpolated\n",
+        looked.files.len(),
+        rounded(GAP_ROWS * slowest),
+    );
+    if fastest * rate_hz < 0.5 {
+        text += &average(rate_hz);
+    }
+    let (frame, body, whose) = match guess.format {
+        Format::Ulg => ("ned", "frd", "of PX4: x north, y east; body x forward, y starboard"),
+        _ => ("enu", "flu", "of ROS: x east, y north; body x forward, y port"),
+    };
+    let _ = writeln!(text, "frame = \"{frame}\"{MARK}: axes {whose}\nbody = \"{body}\"{MARK}");
+    text
 }
 
-/// The keys of the whole file.
-fn general(looked: &Looked, rate_hz: f64) -> String {
-    let step_s = looked.guess.clock.as_ref().map_or(1.0, |clock: &Clock| clock.step_s);
+fn average(rate_hz: f64) -> String {
+    let average_s = rounded(0.5 / rate_hz);
+    format!("average_s = {average_s:?}{MARK}: half a sample [s] over which channels are averaged\n")
+}
+
+/// The keys of the whole file, for tables with a row every `step_s`.
+fn general(looked: &Looked, rate_hz: f64, step_s: f64) -> String {
     let max_gap_s = rounded(GAP_ROWS * step_s);
     let is_fast = step_s * rate_hz < 0.5;
     let mut text = format!(
@@ -82,11 +107,7 @@ fn general(looked: &Looked, rate_hz: f64) -> String {
         looked.files.len()
     );
     if is_fast {
-        let average_s = rounded(0.5 / rate_hz);
-        let _ = writeln!(
-            text,
-            "average_s = {average_s:?}{MARK}: half a sample [s] over which channels are averaged"
-        );
+        text += &average(rate_hz);
     }
     text += "\n# Axes: x north, y east, heading clockwise from north; body x forward, y starboard. The other choice is \"enu\", \"flu\".\n";
     let _ = writeln!(text, "frame = \"ned\"{MARK}\nbody = \"frd\"{MARK}");
@@ -110,16 +131,16 @@ fn rounded(number: f64) -> f64 {
 }
 
 /// The group of files and its clock.
-fn files(looked: &Looked) -> String {
+fn files(looked: &Looked, head: &Head, guess: &Guess) -> String {
     let patterns: Vec<String> = looked.patterns.iter().map(|pattern| quoted(pattern)).collect();
     let mut text = format!("\n[[file]]\npattern = [{}]\n", patterns.join(", "));
-    if looked.head.separator != ',' {
-        let _ = writeln!(text, "separator = {}", quoted(&looked.head.separator.to_string()));
+    if head.separator != ',' {
+        let _ = writeln!(text, "separator = {}", quoted(&head.separator.to_string()));
     }
-    if looked.head.decimal != '.' {
-        let _ = writeln!(text, "decimal = {}", quoted(&looked.head.decimal.to_string()));
+    if head.decimal != '.' {
+        let _ = writeln!(text, "decimal = {}", quoted(&head.decimal.to_string()));
     }
-    if let Some(clock) = &looked.guess.clock {
+    if let Some(clock) = &guess.clock {
         let unit = match clock.unit {
             TimeUnit::S => "s",
             TimeUnit::Ms => "ms",
@@ -167,9 +188,11 @@ fn missing(own: &Needed) -> String {
 fn unplaced(looked: &Looked) -> String {
     let line = |name: &String| format!("#   {}\n", quoted(name));
     let mut text = String::new();
-    if !looked.guess.unplaced.is_empty() {
+    if let Found::Table(_, guess) = &looked.found
+        && !guess.unplaced.is_empty()
+    {
         text += "\n# Columns that are not used:\n";
-        looked.guess.unplaced.iter().for_each(|name| text += &line(name));
+        guess.unplaced.iter().for_each(|name| text += &line(name));
     }
     if !looked.others.is_empty() {
         text += "\n# Logs of other formats that are not used:\n";

@@ -1,4 +1,4 @@
-//! Looks at a folder of logs: which files, which columns, of which ship.
+//! Looks at a folder of logs: which files, which columns or topics, of which ship.
 
 use std::collections::BTreeSet;
 use std::io::Read;
@@ -6,10 +6,12 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Error, open};
 use flate2::read::MultiGzDecoder;
-use logs::guess::{Guess, Head, Named, Needed};
+use logs::guess::{BagGuess, Guess, Head, Named, Needed, Placed};
 use refusal::{foreign, listed};
 
 use study::{invalid, refuse};
+
+use super::bags::{self, BAGS};
 
 /// Bytes of a log that are looked at.
 const LOOKED: u64 = 1 << 17;
@@ -18,7 +20,16 @@ const LOOKED: u64 = 1 << 17;
 const CSV: [&str; 3] = [".csv", ".csv.gz", ".tsv"];
 
 /// Endings of logs that only a person can describe.
-const OTHERS: [&str; 9] = [".parquet", ".mcap", ".nmea", ".nmea.gz", ".bag", ".db3", ".ulg", ".bin", ".mat"];
+const OTHERS: [&str; 5] = [".parquet", ".nmea", ".nmea.gz", ".bin", ".mat"];
+
+/// What is in the first of the logs.
+#[derive(Debug)]
+pub enum Found {
+    /// Columns, and what they are likely to be.
+    Table(Head, Guess),
+    /// Topics, and what they are likely to be.
+    Bag(BagGuess),
+}
 
 /// What a folder of logs has.
 #[derive(Debug)]
@@ -29,12 +40,10 @@ pub struct Looked {
     pub patterns: Vec<String>,
     /// The files, sorted.
     pub files: Vec<String>,
-    /// Rows of a usual one, about.
-    usual_rows: f64,
-    /// The columns of the first of them.
-    pub head: Head,
-    /// What they are likely to be.
-    pub guess: Guess,
+    /// The length of a usual one \[s\], about.
+    pub(super) usual_s: f64,
+    /// What is in the first of them.
+    pub found: Found,
     /// Logs of other formats beside them.
     pub others: Vec<String>,
 }
@@ -43,8 +52,8 @@ impl Looked {
     /// Looks at the logs in `folder` and in its subfolders, for a model that needs the channels `needed`.
     ///
     /// # Errors
-    /// A folder that cannot be listed; no log in CSV; logs of several ships, or with different columns; columns that cannot
-    /// be told apart.
+    /// A folder that cannot be listed; no log in CSV and no bag; logs of several ships, or with different columns; columns
+    /// that cannot be told apart; bags of several formats, or that cannot be read.
     pub fn at(folder: &Path, needed: &[Needed]) -> Result<Self, Error> {
         if !folder.is_dir() {
             let remedy = "name the folder of the logs";
@@ -53,10 +62,23 @@ impl Looked {
         let mut names = Vec::new();
         list(folder, "", &mut names)?;
         names.sort();
-        let ends = |name: &str, ends: &[&str]| ends.iter().any(|end| name.to_lowercase().ends_with(end));
         let (files, rest): (Vec<String>, Vec<String>) = names.into_iter().partition(|name| ends(name, &CSV));
-        let others: Vec<String> = rest.into_iter().filter(|name| ends(name, &OTHERS)).collect();
-        let Some(first) = files.first() else { return Err(no_log(folder, &others)) };
+        let (bags, rest): (Vec<String>, Vec<String>) = rest.into_iter().partition(|name| ends(name, &BAGS));
+        let others = rest.into_iter().filter(|name| ends(name, &OTHERS));
+        match (files.is_empty(), bags.is_empty()) {
+            (false, _) => Self::of_tables(folder, files, bags.into_iter().chain(others).collect(), needed),
+            (true, false) => Self::of_bags(folder, bags, others.collect(), needed),
+            (true, true) => Err(no_log(folder, &others.collect::<Vec<_>>())),
+        }
+    }
+
+    fn of_tables(
+        folder: &Path,
+        files: Vec<String>,
+        others: Vec<String>,
+        needed: &[Needed],
+    ) -> Result<Self, Error> {
+        let first = &files[0];
         let seen: Vec<Seen> =
             files.iter().map(|file| Seen::of(&folder.join(file))).collect::<Result<_, _>>()?;
         for (file, own) in files.iter().zip(&seen) {
@@ -67,18 +89,25 @@ impl Looked {
         rows.sort_by(f64::total_cmp);
         let (usual_rows, head) = (rows[rows.len() / 2], seen[0].head.clone());
         let guess = Guess::of(&head, needed);
-        if guess.clock.is_none() {
+        let Some(clock) = &guess.clock else {
             let found = format!("none that is called a time or increases among {}", listed(&head.columns));
             let remedy = "write ingest.toml yourself, with its `time` (docs/own-logs.md)";
             return Err(refuse(&folder.join(first), "time", &found, "a column with the time", remedy));
-        }
-        let (folder, patterns) = (folder.to_owned(), patterns(&files));
-        Ok(Self { folder, patterns, files, usual_rows, head, guess, others })
+        };
+        let usual_s = usual_rows * clock.step_s;
+        let (folder, patterns) = (folder.to_owned(), patterns(&files, &CSV));
+        Ok(Self { folder, patterns, files, usual_s, found: Found::Table(head, guess), others })
     }
 
-    /// The length of a usual recording \[s\], about.
-    pub(super) fn usual_s(&self) -> f64 {
-        self.usual_rows * self.guess.clock.as_ref().map_or(1.0, |clock| clock.step_s)
+    fn of_bags(
+        folder: &Path,
+        files: Vec<String>,
+        others: Vec<String>,
+        needed: &[Needed],
+    ) -> Result<Self, Error> {
+        let guess = bags::guessed(folder, &files, needed)?;
+        let (folder, patterns, usual_s) = (folder.to_owned(), patterns(&files, &BAGS), guess.length_s);
+        Ok(Self { folder, patterns, files, usual_s, found: Found::Bag(guess), others })
     }
 
     /// Recordings that a model may be tried on: every fifth of them, none of fewer than three. Names that study.mk cannot hold
@@ -87,7 +116,7 @@ impl Looked {
         let is_plain = |name: &&str| name.chars().all(|c| c.is_alphanumeric() || "-_.+".contains(c));
         let name = |file: &'_ String| {
             let lower = file.to_lowercase();
-            let end = CSV.iter().find(|end| lower.ends_with(*end)).map_or(0, |end| end.len());
+            let end = CSV.iter().chain(&BAGS).find(|end| lower.ends_with(*end)).map_or(0, |end| end.len());
             file.rfind('/').map_or(0, |slash| slash + 1)..file.len() - end
         };
         let every = self.files.iter().skip(2).step_by(5);
@@ -96,10 +125,31 @@ impl Looked {
 
     /// How many lines of `ingest.toml` are guessed.
     pub fn guessed(&self) -> usize {
-        let placed = self.guess.placed.iter();
-        let marks = placed.map(|own| usize::from(own.is_channel_guessed) + usize::from(own.is_unit_guessed));
-        marks.sum::<usize>() + self.guess.clock.iter().filter(|clock| clock.is_unit_guessed).count()
+        let marks = |placed: &[Placed]| -> usize {
+            let marks = placed
+                .iter()
+                .map(|own| usize::from(own.is_channel_guessed) + usize::from(own.is_unit_guessed));
+            marks.sum()
+        };
+        match &self.found {
+            Found::Table(_, guess) => {
+                marks(&guess.placed) + guess.clock.iter().filter(|clock| clock.is_unit_guessed).count()
+            }
+            Found::Bag(guess) => guess.topics.iter().map(|topic| marks(&topic.placed)).sum(),
+        }
     }
+
+    /// Channels of the model that were not found.
+    pub fn missing(&self) -> &[Needed] {
+        match &self.found {
+            Found::Table(_, guess) => &guess.missing,
+            Found::Bag(guess) => &guess.missing,
+        }
+    }
+}
+
+fn ends(name: &str, ends: &[&str]) -> bool {
+    ends.iter().any(|end| name.to_lowercase().ends_with(end))
 }
 
 /// Appends the files below `folder/below` to `names`.
@@ -152,10 +202,11 @@ fn no_log(folder: &Path, others: &[String]) -> Error {
         None => ("none".to_owned(), "name the folder of the logs"),
         Some(other) => {
             let remedy = "write ingest.toml yourself for logs of this format (docs/own-logs.md)";
-            (format!("`{}` and no CSV", foreign(other)), remedy)
+            (format!("`{}` and neither CSV nor a bag", foreign(other)), remedy)
         }
     };
-    refuse(folder, "logs", &found, "files that end with .csv, .csv.gz or .tsv", remedy)
+    let expected = "files that end with .csv, .csv.gz, .tsv, .mcap, .bag, .db3 or .ulg";
+    refuse(folder, "logs", &found, expected, remedy)
 }
 
 /// Refuses a file with other columns than the first one.
@@ -210,9 +261,9 @@ fn check_ships<'a>(folder: &Path, files: impl Iterator<Item = (&'a String, &'a S
 }
 
 /// Patterns that match `files`: one for each folder and ending.
-fn patterns(files: &[String]) -> Vec<String> {
+fn patterns(files: &[String], known: &[&str]) -> Vec<String> {
     let pattern = |name: &String| {
-        let end = CSV.iter().find(|end| name.to_lowercase().ends_with(*end)).map_or("", |end| {
+        let end = known.iter().find(|end| name.to_lowercase().ends_with(*end)).map_or("", |end| {
             // As the file writes it.
             &name[name.len() - end.len()..]
         });

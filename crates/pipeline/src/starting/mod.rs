@@ -1,15 +1,17 @@
 //! A new study: the hand-written files that it begins with, from a ship that is known, and from logs.
 
+mod bags;
 mod ingest;
 mod looking;
 mod presets;
+mod text;
 
 use std::path::Path;
 
 use artifact::Error;
 use study::hand_written;
 
-pub use looking::Looked;
+pub use looking::{Found, Looked};
 
 pub use presets::{PRESETS, Preset};
 

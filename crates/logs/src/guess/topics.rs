@@ -1,0 +1,242 @@
+//! What is in a bag, by the types of its messages and the names of its topics: a proposal for a person to check.
+
+use std::collections::BTreeSet;
+
+use super::messages::{KNOWN, Known};
+use super::names::{Named, ROLES};
+use super::placed::{Needed, Placed, usual_unit};
+use crate::{Format, Topic};
+
+/// A topic with channels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TopicGuess {
+    /// Its name.
+    pub topic: String,
+    /// The publisher that was taken, where there are several.
+    pub publisher: Option<u32>,
+    /// The column of its clock.
+    pub clock: &'static str,
+    /// What the clock counts, where it is an ordinary field.
+    pub clock_unit: Option<&'static str>,
+    /// Usual time between messages \[s\].
+    pub step_s: f64,
+    /// Fields of an attitude: w, x, y, z.
+    pub quaternion: Option<[String; 4]>,
+    /// Fields with their channels.
+    pub placed: Vec<Placed>,
+}
+
+/// What is in a bag.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BagGuess {
+    /// The format of the file.
+    pub format: Format,
+    /// Topics with channels.
+    pub topics: Vec<TopicGuess>,
+    /// Topics without.
+    pub unused: Vec<String>,
+    /// Channels of the model without a field.
+    pub missing: Vec<Needed>,
+    /// How long it is \[s\].
+    pub length_s: f64,
+}
+
+impl BagGuess {
+    /// What the bag of `format` with `topics` is likely to have for a model with the channels `needed`.
+    pub fn of(format: Format, topics: &[Topic], needed: &[Needed]) -> Self {
+        let mut search = Search { format, topics, found: Vec::new(), placed: BTreeSet::new() };
+        KNOWN.iter().for_each(|known| search.by_type(known));
+        let motion = ROLES.iter().filter(|role| !role.is_optional).map(|role| (role.channel, role.unit));
+        let wanted = needed.iter().map(|own| (own.channel.as_str(), own.unit.as_str()));
+        for (channel, unit) in motion {
+            search.by_name(channel, unit, true);
+        }
+        for (channel, unit) in wanted {
+            search.by_name(channel, unit, false);
+        }
+        let is_missing = |own: &&Needed| !search.placed.contains(own.channel.as_str());
+        let missing = needed.iter().filter(is_missing).cloned().collect();
+        let unused = topics.iter().filter(|own| search.found.iter().all(|used| used.topic != own.name));
+        let length_s = topics.iter().map(|own| times(format, own)[1]).fold(0.0, f64::max);
+        Self {
+            format,
+            unused: unused.map(|own| own.name.clone()).collect(),
+            topics: search.found,
+            missing,
+            length_s,
+        }
+    }
+}
+
+struct Search<'a> {
+    format: Format,
+    topics: &'a [Topic],
+    found: Vec<TopicGuess>,
+    /// Channels so far.
+    placed: BTreeSet<String>,
+}
+
+impl Search<'_> {
+    /// Places the fields of the first topic whose messages are `known`.
+    fn by_type(&mut self, known: &Known) {
+        let is_known = |topic: &&Topic| topic.kind.replace("/msg/", "/") == known.kind && topic.messages > 0;
+        let Some(topic) = self.topics.iter().find(is_known) else { return };
+        if let Some(fields) = known.quaternion.filter(|fields| has_turns(topic, *fields))
+            && self.is_free("psi")
+        {
+            self.placed.insert("psi".to_owned());
+            self.topic(topic).quaternion = Some(fields.map(str::to_owned));
+        }
+        let is_of_body = values(topic, "velocity_frame").next() == Some(BODY);
+        for (field, channel, unit) in known.fields {
+            let channel = match *channel {
+                "v_x" if is_of_body => "y_u",
+                "v_y" if is_of_body => "y_v",
+                other => other,
+            };
+            if values(topic, field).next().is_some() && self.is_free(channel) {
+                let own = Placed {
+                    column: (*field).to_owned(),
+                    channel: channel.to_owned(),
+                    unit: (*unit).to_owned(),
+                    is_channel_guessed: false,
+                    is_unit_guessed: false,
+                    is_optional: false,
+                };
+                self.place(topic, own);
+            }
+        }
+    }
+
+    /// Places the field whose name fits `channel` best; where it `must_be_measured`, none of a setpoint.
+    fn by_name(&mut self, channel: &str, unit: &str, must_be_measured: bool) {
+        if !self.is_free(channel) {
+            return;
+        }
+        let mut best: Option<(usize, &Topic, &String, Named)> = None;
+        for topic in self.topics.iter().filter(|topic| !is_known(topic)) {
+            for field in topic.fields.iter().filter(|field| !is_clock(field)) {
+                let name = called(topic, field);
+                let Some(likeness) = name.likeness(channel).filter(|_| name.measures(unit)) else { continue };
+                let setpoint = if is_setpoint(topic, field) { SETPOINT } else { 0 };
+                // Of two that fit alike the one that says its unit.
+                let rank = 2 * likeness + usize::from(name.unit.is_none()) + setpoint;
+                let is_allowed = !must_be_measured || rank < SETPOINT;
+                let is_better = best.as_ref().is_none_or(|(known, ..)| rank < *known);
+                if is_allowed && is_better && values(topic, field).next().is_some() {
+                    best = Some((rank, topic, field, name));
+                }
+            }
+        }
+        let Some((_, topic, field, name)) = best else { return };
+        let largest = values(topic, field).fold(0.0, |most: f64, value| most.max(value.abs()));
+        let own = Placed {
+            column: field.clone(),
+            channel: channel.to_owned(),
+            unit: name.unit.unwrap_or_else(|| usual_unit(unit, largest)).to_owned(),
+            is_channel_guessed: true,
+            is_unit_guessed: name.unit.is_none(),
+            is_optional: false,
+        };
+        self.place(topic, own);
+    }
+
+    /// Whether nothing else tells what `channel` does: positions, and velocities, are logged one way.
+    fn is_free(&self, channel: &str) -> bool {
+        const SAME: [[&str; 2]; 4] =
+            [["x", "latitude_deg"], ["y", "longitude_deg"], ["y_u", "v_x"], ["y_v", "v_y"]];
+        let own = SAME.iter().find(|pair| pair.contains(&channel));
+        let all = own.map_or([channel, channel], |pair| *pair);
+        all.iter().all(|own| !self.placed.contains(*own))
+    }
+
+    fn place(&mut self, topic: &Topic, own: Placed) {
+        self.placed.insert(own.channel.clone());
+        self.topic(topic).placed.push(own);
+    }
+
+    /// The guess for `topic`, a new one at first.
+    fn topic(&mut self, topic: &Topic) -> &mut TopicGuess {
+        let at = self.found.iter().position(|own| own.topic == topic.name).unwrap_or_else(|| {
+            self.found.push(begun(self.format, topic));
+            self.found.len() - 1
+        });
+        &mut self.found[at]
+    }
+}
+
+/// The `velocity_frame` of PX4 whose axes are the ship's.
+const BODY: f64 = 3.0;
+
+/// What commands a ship ranks after what it did.
+const SETPOINT: usize = 100;
+
+fn begun(format: Format, topic: &Topic) -> TopicGuess {
+    let (clock, clock_unit) = match format {
+        Format::Ulg => ("timestamp", Some("us")),
+        _ if topic.fields.iter().any(|field| field == "header.stamp.sec") => ("header.stamp", None),
+        _ => ("log_time", None),
+    };
+    let [step_s, _] = times(format, topic);
+    let publisher = topic.publishers.first().copied().filter(|_| topic.publishers.len() > 1);
+    TopicGuess {
+        topic: topic.name.clone(),
+        publisher,
+        clock,
+        clock_unit,
+        step_s,
+        quaternion: None,
+        placed: vec![],
+    }
+}
+
+/// Mean time between the messages of one publisher, and the time that all take \[s\].
+fn times(format: Format, topic: &Topic) -> [f64; 2] {
+    let steps = topic.messages.saturating_sub(1).max(1) as f64;
+    let many = topic.publishers.len().max(1) as f64;
+    let mut clock = values(topic, "timestamp").map(|us| 1e-6 * us);
+    let span = match (format, clock.next(), clock.last()) {
+        (Format::Ulg, Some(first), Some(last)) => {
+            (last - first) * steps / topic.rows.len().saturating_sub(1).max(1) as f64
+        }
+        (Format::Ulg, ..) => 0.0,
+        _ => topic.logged_s[1] - topic.logged_s[0],
+    };
+    [many * span / steps, span]
+}
+
+/// The finite values of a field in the first messages.
+fn values<'a>(topic: &'a Topic, field: &str) -> impl Iterator<Item = f64> + 'a {
+    let at = topic.fields.iter().position(|own| own == field);
+    let rows = at.map(|at| topic.rows.iter().map(move |row| row[at]));
+    rows.into_iter().flatten().filter(|value| value.is_finite())
+}
+
+/// Whether the fields are an attitude that was measured: elsewhere they are zeros, or no numbers.
+fn has_turns(topic: &Topic, fields: [&str; 4]) -> bool {
+    let squares = fields.map(|field| values(topic, field).next().unwrap_or(f64::NAN).powi(2));
+    (squares.iter().sum::<f64>() - 1.0).abs() < 0.05
+}
+
+fn is_known(topic: &Topic) -> bool {
+    KNOWN.iter().any(|known| topic.kind.replace("/msg/", "/") == known.kind)
+}
+
+/// A field as a column: a message of one value is called like its topic.
+fn called(topic: &Topic, field: &str) -> Named {
+    let name = topic.name.trim_start_matches('/');
+    match field {
+        "data" | "value" => Named::of(name),
+        field => Named::of(&format!("{name}.{field}")),
+    }
+}
+
+fn is_clock(field: &str) -> bool {
+    field.starts_with("header.") || field.starts_with("timestamp")
+}
+
+fn is_setpoint(topic: &Topic, field: &str) -> bool {
+    const WORDS: [&str; 7] = ["setpoint", "command", "cmd", "target", "goal", "desired", "reference"];
+    let name = format!("{}.{field}", topic.name).to_lowercase();
+    WORDS.iter().any(|word| name.contains(word))
+}
