@@ -3,6 +3,7 @@
 use refusal::Invalid;
 
 use crate::Format;
+use crate::foreign_text::{N2K, text};
 
 /// Bytes that suffice to recognize all of them.
 pub const SNIFFED: usize = 4096;
@@ -13,7 +14,10 @@ struct Signature(usize, &'static [u8], &'static str, &'static str);
 const SHEET: &str = "save its sheet as CSV";
 const UNPACK: &str = "unpack it, or compress the text with gzip instead";
 const H5: &str = "write its arrays as CSV or Parquet: h5py, or xarray with `.to_dataframe().to_csv(…)`";
-const MAT: &str = "write its variables as CSV: `writetable` in MATLAB, or scipy.io.loadmat in Python";
+const MAT: &str = "convert its columns: `python3 -c \"import scipy.io, pandas; m = scipy.io.loadmat('FILE', squeeze_me=True); \
+     pandas.DataFrame({k: v for k, v in m.items() if getattr(v, 'ndim', 0) == 1}).to_csv('FILE.csv', index=False)\"`";
+const MAT_73: &str = "convert its columns: `python3 -c \"import h5py, pandas; f = h5py.File('FILE'); \
+     pandas.DataFrame({k: v[()].ravel() for k, v in f.items() if hasattr(v, 'shape')}).to_csv('FILE.csv', index=False)\"`";
 const FRAME: &str = "convert it to Parquet: pandas or pyarrow read it and have `to_parquet`";
 const DECODE: &str = "decode its messages to CSV, a column per signal";
 const UBX: &str = "convert its messages to CSV, or log NMEA 0183";
@@ -26,8 +30,9 @@ const BYTES: &[Signature] = &[
         "a log of ArduPilot",
         "convert it: `mavlogdump.py --format csv --types TYPE FILE` of pymavlink",
     ),
-    Signature(0, b"MATLAB 7.3 MAT-file", "a MATLAB file of version 7.3", H5),
+    Signature(0, b"MATLAB 7.3 MAT-file", "a MATLAB file of version 7.3", MAT_73),
     Signature(0, b"MATLAB 5.0 MAT-file", "a MATLAB file", MAT),
+    Signature(0, b"\x10\x02\x93", "messages of NMEA 2000 (Actisense)", N2K),
     Signature(0, b"\x89HDF\r\n\x1A\n", "an HDF5 file, such as NetCDF 4 or MATLAB 7.3", H5),
     Signature(0, b"CDF\x01", "a NetCDF file", H5),
     Signature(0, b"CDF\x02", "a NetCDF file", H5),
@@ -176,41 +181,6 @@ fn readable(head: &[u8]) -> String {
     text.trim_start_matches(|c: char| c.is_whitespace() || c == '\u{feff}' || c == '\u{fffd}').to_owned()
 }
 
-/// Text that is not a table.
-fn text(head: &str) -> Option<(&'static str, &'static str)> {
-    let small = head.get(..15).unwrap_or(head).to_ascii_lowercase();
-    if small.starts_with("<!doctype html") || small.starts_with("<html") {
-        return Some(("a page in HTML", "download the file itself, or save the table as CSV"));
-    }
-    if small.starts_with("<?xml") {
-        return Some(("a file in XML, such as GPX or KML", "export it as CSV, a row per time"));
-    }
-    let mut signs = head.chars().filter(|c| !c.is_whitespace());
-    if matches!((signs.next(), signs.next()), (Some('{'), Some('"')) | (Some('['), Some('{' | '['))) {
-        return Some((
-            "a file in JSON",
-            "convert it to CSV, a row per time: `pandas.read_json(…).to_csv(…)`",
-        ));
-    }
-    is_candump(head)
-        .then_some(("frames of a CAN bus (candump)", "decode them to CSV: `cantools decode` with their .dbc"))
-}
-
-/// `(1436509052.249713) can0 044#2A36`, or `can0  044   [2]  2A 36`.
-fn is_candump(head: &str) -> bool {
-    let mut words = head.lines().next().unwrap_or_default().split_ascii_whitespace();
-    let mut first = words.next().unwrap_or_default();
-    let is_stamped = first.starts_with('(') && first.ends_with(')');
-    if is_stamped {
-        first = words.next().unwrap_or_default();
-    }
-    let is_bus = ["can", "vcan", "slcan"].iter().any(|bus| {
-        first.strip_prefix(bus).is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
-    });
-    let (frame, length) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
-    is_bus && (frame.contains('#') || length.starts_with('[') && length.ends_with(']'))
-}
-
 /// Whether nothing in it occurs only in other files.
 fn is_text(head: &[u8]) -> bool {
     let is_odd = |byte: &u8| *byte < 0x20 && !b"\t\r\n\x0c\x1b".contains(byte) || *byte == 0x7F;
@@ -236,7 +206,7 @@ mod tests {
         for known in BYTES.iter().chain(MESSAGES) {
             let head = [&vec![b'x'; known.0], known.1, &[0; 40]].concat();
             let said = found(&head, Format::Csv);
-            assert!(said.contains(known.2) && said.len() < 360, "{said}");
+            assert!(said.contains(known.2) && said.len() < 400, "{said}");
         }
         for (head, said) in [
             (&b"PK\x03\x04..[Content_Types].xml"[..], "Excel"),
@@ -247,6 +217,8 @@ mod tests {
             (b"\xEF\xBB\xBF<?xml version='1.0'?>", "XML"),
             (b"(1436509052.249713) vcan0 044#2A366C2BBA\n", "candump"),
             (b"  can0  123   [2]  01 02\n", "candump"),
+            (b"A173321.107 23FF7 1F513 012F3070002F30709F\n", "NMEA 2000"),
+            (b"2011-11-24-22:42:04.388,2,127251,36,255,8,7d,0b,7d,02,00,ff,ff,ff\n", "NMEA 2000"),
             (b"PAR1....", "Parquet"),
             (b"\x89MCAP0\r\n", "MCAP"),
             (b"#ROSBAG V2.0\n", "ROS 1"),
@@ -260,8 +232,17 @@ mod tests {
 
     #[test]
     fn tables_and_sentences_are_none_of_them() {
-        for text in ["", "t,u\n", "(a) b,c\n", "can0,1\n", "{a},b\n", "[s],[m]\n", "MATLAB,1\n", "time;\0\0"]
-        {
+        for text in [
+            "",
+            "t,u\n",
+            "(a) b,c\n",
+            "can0,1\n",
+            "{a},b\n",
+            "[s],[m]\n",
+            "MATLAB,1\n",
+            "time;\0\0",
+            "A1 2 3 4\n",
+        ] {
             assert_eq!(found(text.as_bytes(), Format::Csv), "", "{text}");
         }
         for text in ["{\"class\":\"VERSION\"}\n$GPRMC,\n", "\u{b5}b$GPGGA", "$GPRMC,1\n"] {

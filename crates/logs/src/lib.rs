@@ -30,6 +30,7 @@ mod contradiction;
 mod csv;
 mod encoding;
 mod foreign_format;
+mod foreign_text;
 mod fraction;
 mod frame;
 mod gate;

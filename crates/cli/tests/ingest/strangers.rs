@@ -37,6 +37,8 @@ fn strangers() -> Vec<(Vec<u8>, &'static str)> {
         (b"{\"t\": [0, 1], \"u\": [1, 2]}".to_vec(), "JSON"),
         (b"[{\"t\": 0}]".to_vec(), "JSON"),
         (b"(1436509052.249713) can0 044#2A366C2BBA\n".to_vec(), "candump"),
+        (b"A173321.107 23FF7 1F513 012F3070002F30709F\n".to_vec(), "NMEA 2000 as text"),
+        (filled(b"\x10\x02\x93"), "NMEA 2000"),
         ("t,u\n0,1\n".chars().flat_map(|c| (c as u32).to_le_bytes()).collect(), "UTF-32"),
         (filled(b"PAR1"), "a Parquet file"),
         (filled(b"\x89MCAP0\r\n"), "a bag of MCAP"),
