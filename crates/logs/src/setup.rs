@@ -116,10 +116,11 @@ pub enum Format {
 }
 
 impl Format {
-    /// By a file's extension; CSV where it is none of those that others have.
+    /// By a file's extension, in any case; CSV where it is none of those that others have.
     pub fn of(name: &str) -> Self {
         let name = name.strip_suffix(".gz").unwrap_or(name);
-        match name.rsplit_once('.').map(|(_, end)| end) {
+        let end = name.rsplit_once('.').map(|(_, end)| end.to_ascii_lowercase());
+        match end.as_deref() {
             Some("parquet" | "parq" | "pq") => Self::Parquet,
             Some("nmea") => Self::Nmea,
             Some("mcap") => Self::Mcap,

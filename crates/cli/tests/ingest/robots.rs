@@ -92,6 +92,21 @@ fn law_a_ulog_becomes_the_motion_that_it_was_made_of() {
     law_of("px4", &["mission.ulg"]);
 }
 
+#[test]
+fn bags_of_ros_2_in_folders_of_their_own_are_recordings_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["zigzag", "turning"] {
+        let own = logs("ros2", &ROS2);
+        fs::rename(own.keep(), folder.path().join(name)).unwrap();
+    }
+    let text = begun(folder.path());
+    assert!(text.contains("run_from_file = \"{run}/*.db3\""), "{text}");
+    fs::write(folder.path().join("ingest.toml"), text).unwrap();
+    let made = ingest(folder.path(), &["--config", "ingest.toml"]);
+    let names: Vec<&str> = made.summary.recordings.iter().map(|own| own.name.as_str()).collect();
+    assert_eq!((names, made.rows), (vec!["turning", "zigzag"], 240), "{}", made.line);
+}
+
 /// A set in a folder with its `ingest.toml` after `change`, its only log called `name` after `damage`.
 fn changed(set: &str, name: &str, change: &[(&str, &str)], damage: impl Fn(Vec<u8>) -> Vec<u8>) -> TempDir {
     let own = repository("fixtures/field").join(set);

@@ -79,6 +79,21 @@ fn velocities_of_px4_are_along_the_axes_that_it_says() {
 }
 
 #[test]
+fn formats_are_known_by_their_endings_in_any_case() {
+    for (name, format) in [
+        ("a.bag", Format::Bag),
+        ("A.BAG", Format::Bag),
+        ("b/a_0.db3", Format::Db3),
+        ("a.ulg.gz", Format::Ulg),
+        ("a.mcap", Format::Mcap),
+        ("a.txt", Format::Csv),
+        ("bag", Format::Csv),
+    ] {
+        assert_eq!((Format::of(name), format.is_bag()), (format, format != Format::Csv), "{name}");
+    }
+}
+
+#[test]
 fn a_clock_is_the_stamp_where_messages_have_one() {
     let speeds = [("twist.linear.x", 2.0), ("twist.linear.y", 0.1), ("twist.angular.z", 0.0)];
     let stamped =
