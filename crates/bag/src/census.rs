@@ -1,4 +1,4 @@
-//! The topics of a bag with the first of their messages, for whoever does not know what is in it.
+//! The topics of a bag with the first of their messages, to find out what is in it.
 
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};

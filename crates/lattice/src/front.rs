@@ -15,7 +15,7 @@ pub struct FrontPoint {
 /// one exhaustive search: information against cost. One point per count vector, the first informative
 /// action's count fastest; `None` if the search is cancelled or does not fit in the memory.
 ///
-/// Where a `plan` of the problem is known, costs above its own may be missing: those counts tell less and cost more than the plan. The
+/// Where a `plan` of the problem is known, costs above its own may be missing: those counts are fewer and cost more than the plan. The
 /// search then takes as long as the plan's surroundings are large, not the lattice.
 pub fn front(
     problem: &Problem,

@@ -113,13 +113,15 @@ fn nearest_first(graph: &Graph, options: &Options, watch: &mut Watch) -> Verdict
             break;
         }
         if let Some(near) = Graph::new(graph.problem, &live, watch) {
-            let verdict = dense::search(&near, most, memory(graph, options), watch);
+            let memory = memory(graph, options).saturating_sub(near.bytes());
+            let verdict = dense::search(&near, most, memory, watch);
             if verdict.plan.is_some() {
                 return verdict;
             }
-        }
-        if !watch.keep_going(0) {
-            break;
+            // What is larger takes even longer and more memory.
+            if verdict.stopped_by.is_some() {
+                break;
+            }
         }
         most *= 2;
     }

@@ -3,7 +3,8 @@
 use std::io::{Read, Seek};
 use std::sync::Arc;
 
-use bag::{Message, Topic, Wanted};
+use bag::{BagError, Message, Topic, Wanted};
+use refusal::Invalid;
 
 use crate::{Cells, Columns, Content, FileSpec, Format, LogError, Plan, Store};
 
@@ -24,11 +25,7 @@ pub fn read_bag(
     group: usize,
     store: Option<&Arc<dyn Store>>,
 ) -> Result<Columns, LogError> {
-    let (clock, paths) = columns(plan, group);
-    let mut reading = Reading::new(plan, clock, store, group);
-    let wanted = wanted(&plan.setup.files[group], &paths);
-    bag::each_message(&mut bytes, kind(format), &wanted, &mut |message| reading.take(&message))?;
-    Ok(reading.made)
+    read(plan, group, store, |wanted, each| bag::each_message(&mut bytes, kind(format), wanted, each))
 }
 
 /// As [`read_bag`], of a bag in SQLite, whose pages stand in any order.
@@ -41,10 +38,22 @@ pub fn read_database(
     group: usize,
     store: Option<&Arc<dyn Store>>,
 ) -> Result<Columns, LogError> {
+    read(plan, group, store, |wanted, each| bag::each_message_of_database(&mut file, wanted, each))
+}
+
+/// Reads the wanted fields of a topic, whose messages `pass` passes on.
+fn read(
+    plan: &Plan,
+    group: usize,
+    store: Option<&Arc<dyn Store>>,
+    pass: impl FnOnce(&Wanted, &mut dyn FnMut(Message) -> Result<(), Invalid>) -> Result<(), BagError>,
+) -> Result<Columns, LogError> {
     let (clock, paths) = columns(plan, group);
     let mut reading = Reading::new(plan, clock, store, group);
-    let wanted = wanted(&plan.setup.files[group], &paths);
-    bag::each_message_of_database(&mut file, &wanted, &mut |message| reading.take(&message))?;
+    let spec = &plan.setup.files[group];
+    let topic = spec.topic.as_deref().unwrap_or_default();
+    let wanted = Wanted { topic, publisher: spec.publisher.as_deref(), paths: &paths };
+    pass(&wanted, &mut |message| reading.take(&message))?;
     Ok(reading.made)
 }
 
@@ -70,11 +79,6 @@ fn kind(format: Format) -> bag::Format {
         Format::Ulg => bag::Format::ULog,
         _ => bag::Format::Mcap,
     }
-}
-
-fn wanted<'a>(spec: &'a FileSpec, paths: &'a [String]) -> Wanted<'a> {
-    let topic = spec.topic.as_deref().unwrap_or_default();
-    Wanted { topic, publisher: spec.publisher.as_deref(), paths }
 }
 
 /// The clock of group `group`, and the paths to the fields of its time and of its channels.
@@ -126,7 +130,7 @@ impl<'a> Reading<'a> {
         Self { plan, clock, made: Columns { cells, ..Columns::default() } }
     }
 
-    fn take(&mut self, message: &Message) -> Result<(), refusal::Invalid> {
+    fn take(&mut self, message: &Message) -> Result<(), Invalid> {
         let number = self.made.lines.rows() + 1;
         if number > self.plan.most_rows {
             return Err(self.plan.too_many_rows(number));

@@ -134,7 +134,7 @@ fn a_bag_of_lz4_chunks_and_one_of_compressed_messages_without_definitions_are_re
     let made = ingest(bag.path(), &["--config", "ingest.toml"]);
     assert!((9..=10).contains(&made.rows), "{}", made.rows);
     assert!(off(&made, "delta", &rudder) < 0.002);
-    // Its propeller is in a message that nobody knows.
+    // Its propeller is in a message of an unknown type.
     let text = fs::read_to_string(repository("fixtures/field/ros2/ingest.toml")).unwrap();
     let known = text.split("\n[[file]]").filter(|group| !group.contains("/propeller"));
     let known = known.collect::<Vec<_>>().join("\n[[file]]").replace("{run}_*.db3", "{run}.db3");

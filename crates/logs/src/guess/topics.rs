@@ -141,7 +141,7 @@ impl Search<'_> {
         self.place(topic, own);
     }
 
-    /// Whether nothing else tells what `channel` does: positions, and velocities, are logged one way.
+    /// Whether no channel with the same information is placed yet: positions, and velocities, are logged one way.
     fn is_free(&self, channel: &str) -> bool {
         const SAME: [[&str; 2]; 4] =
             [["x", "latitude_deg"], ["y", "longitude_deg"], ["y_u", "v_x"], ["y_v", "v_y"]];

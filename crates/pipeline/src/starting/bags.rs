@@ -18,7 +18,7 @@ pub(super) const BAGS: [&str; 7] = [".mcap", ".mcap.gz", ".bag", ".bag.gz", ".db
 /// What is in the first of `files` in `folder`, for a model that needs the channels `needed`.
 ///
 /// # Errors
-/// Files of several formats; a file that cannot be read; one without a topic that tells a motion.
+/// Files of several formats; a file that cannot be read; one without a topic from which the motion follows.
 pub(super) fn guessed(folder: &Path, files: &[String], needed: &[Needed]) -> Result<BagGuess, Error> {
     let (first, format) = (&files[0], Format::of(&files[0]));
     if let Some(other) = files.iter().find(|file| Format::of(file) != format) {

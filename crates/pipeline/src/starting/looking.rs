@@ -53,7 +53,7 @@ impl Looked {
     ///
     /// # Errors
     /// A folder that cannot be listed; no log in CSV and no bag; logs of several ships, or with different columns; columns
-    /// that cannot be told apart; bags of several formats, or that cannot be read.
+    /// that fit one channel equally; bags of several formats, or that cannot be read.
     pub fn at(folder: &Path, needed: &[Needed]) -> Result<Self, Error> {
         if !folder.is_dir() {
             let remedy = "name the folder of the logs";

@@ -29,7 +29,7 @@ pub struct FrontPoint {
 
 impl Prepared {
     /// Counts that no others beat in both cost and information, cheapest first; empty if the search is not
-    /// exhaustive. A known `plan` beats all that are dearer, since more uses never tell less.
+    /// exhaustive. A known `plan` beats all that are dearer, since more uses never carry less information.
     pub(super) fn front(
         &self,
         problem: &Problem,
