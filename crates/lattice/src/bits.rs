@@ -25,6 +25,22 @@ pub(crate) fn has<const W: usize>(bits: &Bits<W>, bit: usize) -> bool {
     bits[bit / 64] >> (bit % 64) & 1 == 1
 }
 
+/// The bits of `bits` that are also in `others`.
+pub(crate) fn both<const W: usize>(bits: &Bits<W>, others: &Bits<W>) -> Bits<W> {
+    std::array::from_fn(|w| bits[w] & others[w])
+}
+
+/// How many bits below `bit` are set.
+pub(crate) fn below<const W: usize>(bits: &Bits<W>, bit: usize) -> usize {
+    let whole: u32 = bits[..bit / 64].iter().map(|word| word.count_ones()).sum();
+    (whole + (bits[bit / 64] & ((1 << (bit % 64)) - 1)).count_ones()) as usize
+}
+
+/// How many bits are set.
+pub(crate) fn count<const W: usize>(bits: &Bits<W>) -> usize {
+    bits.iter().map(|word| word.count_ones() as usize).sum()
+}
+
 /// Bits that are set, in order.
 pub(crate) fn ones<const W: usize>(bits: &Bits<W>) -> impl Iterator<Item = usize> + use<W> {
     let bits = *bits;
@@ -40,6 +56,11 @@ pub(crate) struct Shift<const W: usize> {
 }
 
 impl<const W: usize> Shift<W> {
+    /// By `stride` bits, of bits in `mask`.
+    pub fn new(mask: Bits<W>, stride: u32) -> Self {
+        Self { mask, words: stride as usize / 64, bits: stride % 64 }
+    }
+
     pub fn apply(&self, bits: &Bits<W>) -> Bits<W> {
         let mut masked = [0; W];
         for w in 0..W {
@@ -53,5 +74,18 @@ impl<const W: usize> Shift<W> {
             }
         }
         shifted
+    }
+
+    /// The bits that [`Self::apply`] takes to some of `bits`.
+    pub fn undo(&self, bits: &Bits<W>) -> Bits<W> {
+        let mut back = [0; W];
+        for w in 0..W - self.words.min(W) {
+            back[w] = bits[w + self.words] >> self.bits;
+            if self.bits > 0 && w + self.words + 1 < W {
+                back[w] |= bits[w + self.words + 1] << (64 - self.bits);
+            }
+            back[w] &= self.mask[w];
+        }
+        back
     }
 }

@@ -53,18 +53,17 @@ impl Class {
 }
 
 impl<const W: usize> Fans<W> {
-    /// `None` if cancelled.
-    pub fn new(graph: &Graph, layout: &Layout, watch: &mut Watch) -> Option<Self> {
+    /// Moves with keys below `unit` count as free. `None` if cancelled.
+    pub fn new(graph: &Graph, layout: &Layout, unit: u64, watch: &mut Watch) -> Option<Self> {
         // The first shift belongs to free basic moves: none.
-        let mut shifts = vec![Shift { mask: [u64::MAX; W], words: 0, bits: 0 }];
+        let mut shifts = vec![Shift::new([u64::MAX; W], 0)];
         let mut hops = Vec::new();
         let mut by_slot = Vec::new();
         for digit in &layout.digits {
             match *digit {
                 Digit::Bit { stride, radix } => {
                     by_slot.push(Class::Within(shifts.len() as u32));
-                    let mask = layout.mask(stride, radix);
-                    shifts.push(Shift { mask, words: stride as usize / 64, bits: stride % 64 });
+                    shifts.push(Shift::new(layout.mask(stride, radix), stride));
                 }
                 Digit::Block { stride, radix } => {
                     by_slot.push(Class::Higher(hops.len() as u32));
@@ -74,7 +73,7 @@ impl<const W: usize> Fans<W> {
         }
         let class = |step: u32| match graph.price(step) {
             (_, Some(slot)) => by_slot[slot as usize],
-            (0, None) => Class::Within(0),
+            (key, None) if key < unit => Class::Within(0),
             (_, None) => Class::Onward,
         };
         let classes: Vec<Class> = (0..graph.problem.moves.len() as u32).map(class).collect();

@@ -1,4 +1,5 @@
 use crate::graph::{Graph, Reach, within};
+use crate::layered::Levels;
 use crate::watch::{self, Watch};
 use crate::{Cost, Options, Problem, Progress, Solution, dense, layered};
 
@@ -39,15 +40,16 @@ pub fn front(
         return watch.keep_going(0).then(|| points(problem, &vec![None; vectors as usize]));
     };
     drop(live);
-    let step = layered::step(&graph);
+    let levels = Levels::of(&graph);
     // Distances are kept in 64 bits here.
-    let bytes = crate::plan::exhaustive_bytes(&graph).saturating_mul(if step.is_none() { 2 } else { 1 });
+    let bytes = crate::plan::exhaustive_bytes(&graph).saturating_mul(if levels.is_none() { 2 } else { 1 });
     if bytes.saturating_add(own_bytes) + u128::from(graph.bytes()) > u128::from(options.memory_bytes) {
         return None;
     }
-    let keys = match step {
-        Some(step) => layered::front(&graph, step, most, &mut watch),
-        None => dense::front(&graph, most, options.memory_bytes.saturating_sub(graph.bytes()), &mut watch),
+    let memory = options.memory_bytes.saturating_sub(graph.bytes());
+    let keys = match levels {
+        Some(levels) => layered::front(&graph, levels, most, memory, &mut watch),
+        None => dense::front(&graph, most, memory, &mut watch),
     };
     keys.map(|keys| points(problem, &keys))
 }

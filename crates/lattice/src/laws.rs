@@ -2,11 +2,15 @@
 
 use crate::graph::{Graph, Reach};
 use crate::lagrangian::{self, Depth};
+use crate::layered::Levels;
 use crate::radix_heap::RadixHeap;
 use crate::relaxation::{Bound, Prices, Table};
 use crate::uses::{Left, Packing};
 use crate::watch::Watch;
 use crate::{Limit, Options, Problem, dense, layered, plan, synthetic};
+
+/// Basic moves of cost 1.
+const LEVELS: Levels = Levels { unit: 1, step: 1 };
 
 fn graph(problem: &Problem) -> Option<Graph<'_>> {
     let mut keep_going = |_| true;
@@ -140,8 +144,8 @@ fn law_engines_agree_on_maps() {
         let problem = synthetic::archipelago(14, 15, 4, 4, 2, seed).into_problem().unwrap();
         let Some(graph) = graph(&problem) else { continue };
         let watch = || Watch::new(&problem, 1000, Box::leak(Box::new(|_| true)));
-        let step = layered::step(&graph).unwrap();
-        let one = layered::search(&graph, step, 1 << 30, &mut watch());
+        let levels = Levels::of(&graph).unwrap();
+        let one = layered::search(&graph, levels, u64::MAX, 1 << 30, &mut watch());
         let two = dense::search(&graph, u64::MAX, 1 << 30, &mut watch());
         let three = lagrangian::search(&graph, 1 << 30, Depth::Proof, &mut watch());
         let key = |verdict: &crate::watch::Verdict| verdict.plan.as_ref().map(|plan| plan.0);
@@ -149,12 +153,12 @@ fn law_engines_agree_on_maps() {
         assert_eq!((key(&one), one.stopped_by), (key(&three), None));
         assert_eq!(one.possible.is_some(), two.possible.is_some());
         // Without room for levels the optimum is known, and the other engine finds a plan.
-        let blind = layered::search(&graph, step, 0, &mut watch());
+        let blind = layered::search(&graph, levels, u64::MAX, 0, &mut watch());
         if let Some(key) = key(&one) {
             assert_eq!((blind.lower, blind.stopped_by), (key, Some(crate::Limit::Memory)));
         }
         let fronts = (
-            layered::front(&graph, step, u64::MAX, &mut watch()),
+            layered::front(&graph, levels, u64::MAX, 1 << 30, &mut watch()),
             dense::front(&graph, u64::MAX, 1 << 30, &mut watch()),
         );
         assert_eq!(fronts.0, fronts.1);
@@ -192,7 +196,7 @@ fn law_many_blocks_agree_with_single_states() {
         let Some(graph) = graph(&problem) else { continue };
         let watch = || Watch::new(&problem, 1000, Box::leak(Box::new(|_| true)));
         let (bits, single) = (
-            layered::search(&graph, 1, 1 << 30, &mut watch()),
+            layered::search(&graph, LEVELS, u64::MAX, 1 << 30, &mut watch()),
             dense::search(&graph, u64::MAX, 1 << 30, &mut watch()),
         );
         let key = |verdict: &crate::watch::Verdict| verdict.plan.as_ref().map(|plan| plan.0);
@@ -204,9 +208,63 @@ fn law_many_blocks_agree_with_single_states() {
         let uses = |possible: &Option<Vec<u32>>| possible.as_ref().map(|counts| counts.iter().sum::<u32>());
         assert_eq!(uses(&bits.possible), uses(&single.possible), "seed {seed}");
         assert_eq!(
-            layered::front(&graph, 1, u64::MAX, &mut watch()),
+            layered::front(&graph, LEVELS, u64::MAX, 1 << 30, &mut watch()),
             dense::front(&graph, u64::MAX, 1 << 30, &mut watch())
         );
+    }
+    assert!(solved >= 6, "{solved} plans");
+}
+
+/// The same with other seconds for every move as the secondary cost.
+fn with_seconds(problem: &Problem) -> Problem {
+    let mut actions = problem.actions().to_vec();
+    for (action, own) in actions.iter_mut().enumerate() {
+        for (index, step) in own.moves.iter_mut().enumerate() {
+            step.cost.secondary = (10 + (7 * action + 5 * index) % 23) as f64;
+        }
+    }
+    let allowed = |id: crate::MoveId, i, j| {
+        let layer = problem.actions()[id.action].moves[id.index].from;
+        problem.is_allowed(crate::Pose { i, j, layer }, id)
+    };
+    Problem::new(problem.lattice(), actions, problem.start(), problem.goal().clone(), allowed).unwrap()
+}
+
+#[test]
+fn law_moves_then_seconds_agree_with_single_states() {
+    let mut solved = 0;
+    for seed in 0..12 {
+        let without = if seed % 2 == 0 { many_blocks(seed) } else { map(seed, false) };
+        let problem = with_seconds(&without);
+        let Some(graph) = graph(&problem) else { continue };
+        let levels = Levels::of(&graph).unwrap();
+        assert!(levels.are_partial());
+        let watch = || Watch::new(&problem, 1000, Box::leak(Box::new(|_| true)));
+        let search = |most: u64, memory: u64| layered::search(&graph, levels, most, memory, &mut watch());
+        let (bits, single) =
+            (search(u64::MAX, 1 << 30), dense::search(&graph, u64::MAX, 1 << 30, &mut watch()));
+        let key = |verdict: &crate::watch::Verdict| verdict.plan.as_ref().map(|plan| plan.0);
+        assert_eq!((key(&bits), bits.stopped_by), (key(&single), None), "seed {seed}");
+        if let Some((key, walk)) = &bits.plan {
+            assert_eq!(followed(&graph, walk), Some(*key), "seed {seed}");
+            assert_eq!(search(*key, 1 << 30).plan, bits.plan);
+            assert_eq!(search(*key - 1, 1 << 30).plan, None);
+            let full = search(u64::MAX, 0);
+            assert_eq!((full.stopped_by, &full.plan), (Some(Limit::Memory), &None));
+            assert!(full.lower <= *key);
+            solved += 1;
+        }
+        let most = key(&bits).unwrap_or(u64::MAX);
+        for most in [u64::MAX, most] {
+            assert_eq!(
+                layered::front(&graph, levels, most, 1 << 30, &mut watch()),
+                dense::front(&graph, most, 1 << 30, &mut watch()),
+                "seed {seed}"
+            );
+        }
+        if seed == 1 {
+            stop_everywhere(&problem, |watch| layered::search(&graph, levels, u64::MAX, 1 << 30, watch));
+        }
     }
     assert!(solved >= 6, "{solved} plans");
 }
@@ -238,7 +296,7 @@ fn law_bounds_of_stopped_searches_hold() {
     for seed in 0..6 {
         let problem = many_blocks(seed);
         if let Some(graph) = graph(&problem) {
-            stop_everywhere(&problem, |watch| layered::search(&graph, 1, 1 << 30, watch));
+            stop_everywhere(&problem, |watch| layered::search(&graph, LEVELS, u64::MAX, 1 << 30, watch));
             if seed == 0 {
                 let options = Options::default();
                 stop_everywhere(&problem, |watch| {
@@ -283,7 +341,7 @@ fn law_every_phase_polls() {
         phase(&mut Watch::new(&problem, 1, &mut keep_going));
         polls
     };
-    let layouts = polls(&|watch| drop(layered::front(&graph, 1, u64::MAX, watch)));
+    let layouts = polls(&|watch| drop(layered::front(&graph, LEVELS, u64::MAX, 1 << 30, watch)));
     assert!(layouts >= nodes, "{layouts} times for the arcs of {nodes} nodes");
     let layers = problem.required().iter().sum::<u32>() as usize + 1;
     let bounds = polls(&|watch| drop(Table::new(&graph, &Prices::zero(&graph), None, false, watch)));

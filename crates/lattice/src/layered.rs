@@ -3,8 +3,12 @@
 //!
 //! Informative moves lead to higher blocks or stay in a block, so at every level one pass over the blocks in order is
 //! enough. The level of a state is kept as a binary number across *planes* of bits; with it a plan is recovered.
+//!
+//! Where that holds of the primary costs alone, levels are these. Only the states on ways to the goal that are optimal in them are then
+//! searched for the least whole cost.
 
 mod arrival;
+mod cheapest;
 mod reading;
 
 use arrival::States;
@@ -18,27 +22,60 @@ use crate::watch::{self, Verdict, Watch};
 
 /// Planes to budget for: enough for 63 levels.
 const USUAL_PLANES: u128 = 6;
+/// To budget for: one state in so many is on a way that is optimal in levels.
+const USUALLY_OPTIMAL: u128 = 8;
 
-/// The step of cost, if the search applies to these costs.
-pub(crate) fn step(graph: &Graph) -> Option<u64> {
-    let mut step = None;
-    for known in &graph.problem.moves {
-        let fits = match known.slot {
-            Some(_) => known.key == 0,
-            None => known.key == 0 || *step.get_or_insert(known.key) == known.key,
-        };
-        if !fits {
-            return None;
-        }
+/// How keys become levels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Levels {
+    /// What keys are divided by: 1, or the radix of primary costs.
+    pub unit: u64,
+    /// The divided key of a basic move that is not free.
+    pub step: u64,
+}
+
+impl Levels {
+    /// Of whole keys, else of primary costs; `None` if the search applies to neither.
+    pub fn of(graph: &Graph) -> Option<Self> {
+        Self::by(graph, 1).or_else(|| Self::by(graph, graph.problem.units.radix))
     }
-    Some(step.unwrap_or(1))
+
+    fn by(graph: &Graph, unit: u64) -> Option<Self> {
+        let mut step = None;
+        for known in &graph.problem.moves {
+            let key = known.key / unit;
+            let fits = match known.slot {
+                Some(_) => key == 0,
+                None => key == 0 || *step.get_or_insert(key) == key,
+            };
+            if !fits {
+                return None;
+            }
+        }
+        Some(Self { unit, step: step.unwrap_or(1) })
+    }
+
+    /// Whether states of a level may differ in their whole keys.
+    pub fn are_partial(self) -> bool {
+        self.unit > 1
+    }
+
+    /// The least key of a level.
+    fn key(self, level: u64) -> u64 {
+        level * self.step * self.unit
+    }
 }
 
 /// Bytes that the search usually needs.
-pub(crate) fn bytes(graph: &Graph) -> u128 {
+pub(crate) fn bytes(graph: &Graph, levels: Levels) -> u128 {
     let layout = Layout::new(&graph.problem.required());
     let plane = layout.blocks.saturating_mul((graph.len() * layout.words * 8) as u128);
-    plane.saturating_mul(2 + USUAL_PLANES) + u128::from(other_bytes(graph, layout.words))
+    let bits = plane.saturating_mul(2 + USUAL_PLANES) + u128::from(other_bytes(graph, layout.words));
+    if !levels.are_partial() {
+        return bits;
+    }
+    let optimal = graph.states().saturating_mul(8) / USUALLY_OPTIMAL;
+    bits + optimal + cheapest::bytes(graph, &layout) + u128::from(graph.arc_bytes(false))
 }
 
 /// Bytes besides the states of all blocks: arcs, the states of one block, queues.
@@ -46,26 +83,34 @@ fn other_bytes(graph: &Graph, words: usize) -> u64 {
     (graph.arc_count() * 8 + graph.len() * (20 + 16 * words)) as u64
 }
 
-/// The cheapest plan. Stops with limit `Memory` and the optimum as the lower bound if levels do not fit.
-pub(crate) fn search(graph: &Graph, step: u64, memory: u64, watch: &mut Watch) -> Verdict {
+/// The cheapest plan with a key of at most `most`. Stops with limit `Memory` and a lower bound if levels, or the states that are
+/// optimal in them, do not fit.
+pub(crate) fn search(graph: &Graph, levels: Levels, most: u64, memory: u64, watch: &mut Watch) -> Verdict {
     let layout = Layout::new(&graph.problem.required());
     let found = match layout.words {
-        1 => Layered::<1>::new(graph, layout, step, memory, watch).map(|new| new.search(watch)),
-        2 => Layered::<2>::new(graph, layout, step, memory, watch).map(|new| new.search(watch)),
-        4 => Layered::<4>::new(graph, layout, step, memory, watch).map(|new| new.search(watch)),
-        _ => Layered::<8>::new(graph, layout, step, memory, watch).map(|new| new.search(watch)),
+        1 => Layered::<1>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
+        2 => Layered::<2>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
+        4 => Layered::<4>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
+        _ => Layered::<8>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
     };
     found.unwrap_or_else(|| Verdict::stopped(None, watch.lower, Limit::Time))
 }
 
-/// The least key of every count vector at any goal, by mixed-radix number, of keys up to `most`; `None` if cancelled.
-pub(crate) fn front(graph: &Graph, step: u64, most: u64, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
+/// The least key of every count vector at any goal, by mixed-radix number, of keys up to `most`; `None` if cancelled, or if it does not
+/// fit in the memory.
+pub(crate) fn front(
+    graph: &Graph,
+    levels: Levels,
+    most: u64,
+    memory: u64,
+    watch: &mut Watch,
+) -> Option<Vec<Option<u64>>> {
     let layout = Layout::new(&graph.problem.required());
     match layout.words {
-        1 => Layered::<1>::new(graph, layout, step, 0, watch)?.front(most, watch),
-        2 => Layered::<2>::new(graph, layout, step, 0, watch)?.front(most, watch),
-        4 => Layered::<4>::new(graph, layout, step, 0, watch)?.front(most, watch),
-        _ => Layered::<8>::new(graph, layout, step, 0, watch)?.front(most, watch),
+        1 => Layered::<1>::new(graph, layout, levels, memory, watch)?.front(most, watch),
+        2 => Layered::<2>::new(graph, layout, levels, memory, watch)?.front(most, watch),
+        4 => Layered::<4>::new(graph, layout, levels, memory, watch)?.front(most, watch),
+        _ => Layered::<8>::new(graph, layout, levels, memory, watch)?.front(most, watch),
     }
 }
 
@@ -73,7 +118,9 @@ struct Layered<'a, const W: usize> {
     graph: &'a Graph<'a>,
     layout: Layout,
     fans: Fans<W>,
-    step: u64,
+    levels: Levels,
+    /// Bytes that it may hold.
+    memory: u64,
     nodes: usize,
     blocks: usize,
     /// By `block * nodes + node`: states reached, those of them that are still to be followed, and the
@@ -94,6 +141,13 @@ struct Layered<'a, const W: usize> {
     planes_left: Option<u64>,
 }
 
+/// A state at a goal.
+struct End {
+    block: usize,
+    node: u32,
+    bit: usize,
+}
+
 /// The state of a block after a level.
 enum Level {
     Goal(u32),
@@ -103,17 +157,24 @@ enum Level {
 
 impl<'a, const W: usize> Layered<'a, W> {
     /// `None` if cancelled.
-    fn new(graph: &'a Graph<'a>, layout: Layout, step: u64, memory: u64, watch: &mut Watch) -> Option<Self> {
+    fn new(
+        graph: &'a Graph<'a>,
+        layout: Layout,
+        levels: Levels,
+        memory: u64,
+        watch: &mut Watch,
+    ) -> Option<Self> {
         let (nodes, blocks) = (graph.len(), layout.blocks as usize);
         let plane = (nodes * blocks * W * 8) as u64;
         let dirty_words = nodes.div_ceil(64);
         let for_planes = memory.saturating_sub(other_bytes(graph, W));
         let planes_left = Some((for_planes / plane.max(1)).saturating_sub(2));
         Some(Self {
-            fans: Fans::new(graph, &layout, watch)?,
+            fans: Fans::new(graph, &layout, levels.unit, watch)?,
             graph,
             layout,
-            step,
+            levels,
+            memory,
             nodes,
             blocks,
             reached: vec![[0; W]; nodes * blocks],
@@ -129,14 +190,17 @@ impl<'a, const W: usize> Layered<'a, W> {
         })
     }
 
-    fn search(mut self, watch: &mut Watch) -> Verdict {
+    fn search(mut self, most: u64, watch: &mut Watch) -> Verdict {
         let goal_bit = self.layout.place(&self.graph.problem.required()).1;
         self.begin();
         let mut level = 0;
-        while self.is_open() {
-            watch.raise(level * self.step);
+        while self.is_open() && self.levels.key(level) <= most {
+            watch.raise(self.levels.key(level));
             match self.level(level, Some(goal_bit), watch, &mut |_, _, _| ()) {
-                Level::Goal(node) => return self.solved(node, level * self.step),
+                Level::Goal(_) if self.levels.are_partial() => {
+                    return self.least(level, goal_bit, most, watch);
+                }
+                Level::Goal(node) => return self.solved(node, self.levels.key(level)),
                 Level::Stopped => return Verdict::stopped(None, watch.lower, Limit::Time),
                 Level::Done => level += 1,
             }
@@ -148,23 +212,37 @@ impl<'a, const W: usize> Layered<'a, W> {
         let required = self.graph.problem.required();
         let (strides, vectors) = watch::strides(&required);
         let mut least = vec![None; vectors as usize];
-        let (layout, step) = (self.layout.clone(), self.step);
-        self.planes_left = None;
+        let (layout, levels) = (self.layout.clone(), self.levels);
+        if !levels.are_partial() {
+            self.planes_left = None;
+        }
+        let mut ends = Vec::new();
         self.begin();
         let mut level = 0;
-        while self.is_open() && level * step <= most {
-            let mut note = |block: usize, bits: &Bits<W>, level: u64| {
+        while self.is_open() && levels.key(level) <= most {
+            let mut here = Vec::new();
+            let mut note = |block: usize, node: u32, bits: &Bits<W>| {
                 for bit in bits::ones(bits) {
                     let number = watch::number(&layout.counts(block, bit), &strides);
-                    least[number as usize].get_or_insert(level * step);
+                    if *least[number as usize].get_or_insert(levels.key(level)) == levels.key(level) {
+                        here.push(End { block, node, bit });
+                    }
                 }
             };
             match self.level(level, None, watch, &mut note) {
                 Level::Stopped => return None,
                 _ => level += 1,
             }
+            if levels.are_partial() {
+                ends.push(here);
+            }
         }
-        Some(least)
+        if !levels.are_partial() {
+            return Some(least);
+        }
+        let keys = self.cheapest(ends, None, watch).ok()?;
+        let key = |number| keys.at_goal(&watch::counts(number as u64, &required)).map(|(key, _)| key);
+        Some((0..least.len()).map(|number| key(number).filter(|key| *key <= most)).collect())
     }
 
     fn begin(&mut self) {
@@ -184,7 +262,7 @@ impl<'a, const W: usize> Layered<'a, W> {
         level: u64,
         goal_bit: Option<usize>,
         watch: &mut Watch,
-        at_goal: &mut dyn FnMut(usize, &Bits<W>, u64),
+        at_goal: &mut dyn FnMut(usize, u32, &Bits<W>),
     ) -> Level {
         for block in 0..self.blocks {
             self.open(block);
@@ -198,7 +276,7 @@ impl<'a, const W: usize> Layered<'a, W> {
                 if block + 1 == self.blocks && goal_bit.is_some_and(|bit| bits::has(new, bit)) {
                     return Level::Goal(node);
                 }
-                at_goal(block, new, level);
+                at_goal(block, node, new);
             }
             if !watch.keep_going(self.touched.len() as u64) {
                 return Level::Stopped;

@@ -1,5 +1,6 @@
 use crate::graph::{Graph, Reach, within};
 use crate::lagrangian::{self, Depth};
+use crate::layered::Levels;
 use crate::watch::{Verdict, Watch};
 use crate::{
     Cost, Engine, Limit, NoPlan, Options, Problem, Progress, Reason, Solution, Status, Step, dense, layered,
@@ -15,8 +16,10 @@ const LARGE_DENSE: u128 = 200_000_000;
 const NEAREST: u64 = 8;
 /// The surroundings are searched first while the lattice is so many times as large.
 const PART: usize = 3;
-/// A state kept as a distance takes about as long as this many kept as bits.
+/// A state kept as a distance takes about as long as this many kept as bits; one that is kept as bits, and as a distance where it is
+/// optimal in its primary cost, as long as so many.
 const DENSE_WEIGHT: u128 = 10;
+const PARTIAL_WEIGHT: u128 = 3;
 
 /// Finds the cheapest plan. `keep_going` is polled and cancels the search by returning false; the best plan
 /// by then is returned with a lower bound. If there is none yet, one narrow beam may still be searched after
@@ -78,8 +81,8 @@ fn memory(graph: &Graph, options: &Options) -> u64 {
 
 /// Bytes that the exhaustive search needs.
 pub(crate) fn exhaustive_bytes(graph: &Graph) -> u128 {
-    match layered::step(graph) {
-        Some(_) => layered::bytes(graph),
+    match Levels::of(graph) {
+        Some(levels) => layered::bytes(graph, levels),
         None if dense::fits(graph) => dense::bytes(graph),
         None => u128::MAX,
     }
@@ -88,7 +91,8 @@ pub(crate) fn exhaustive_bytes(graph: &Graph) -> u128 {
 fn engine(graph: &Graph, options: &Options) -> Chosen {
     let (states, bytes) = (graph.states(), exhaustive_bytes(graph));
     let fits = bytes <= u128::from(memory(graph, options));
-    let (weight, large) = match layered::step(graph) {
+    let (weight, large) = match Levels::of(graph) {
+        Some(levels) if levels.are_partial() => (PARTIAL_WEIGHT, LARGE_BITS / PARTIAL_WEIGHT),
         Some(_) => (1, LARGE_BITS),
         None => (DENSE_WEIGHT, LARGE_DENSE),
     };
@@ -107,14 +111,15 @@ fn engine(graph: &Graph, options: &Options) -> Chosen {
 fn nearest_first(graph: &Graph, options: &Options, watch: &mut Watch) -> Verdict {
     let dearest = graph.problem.moves.iter().map(|step| step.key).max().unwrap_or(0);
     let mut most = NEAREST.saturating_mul(dearest);
-    while layered::step(graph).is_none() && (1..u64::MAX / 4).contains(&most) {
+    let whole = Levels::of(graph).is_some_and(|levels| !levels.are_partial());
+    while !whole && (1..u64::MAX / 4).contains(&most) {
         let Some(live) = within(graph.problem, most, watch) else { break };
         if PART * live.iter().filter(|live| **live).count() > graph.len() {
             break;
         }
         if let Some(near) = Graph::new(graph.problem, &live, watch) {
             let memory = memory(graph, options).saturating_sub(near.bytes());
-            let verdict = dense::search(&near, most, memory, watch);
+            let verdict = all_states(&near, most, memory, watch);
             if verdict.plan.is_some() {
                 return verdict;
             }
@@ -128,13 +133,18 @@ fn nearest_first(graph: &Graph, options: &Options, watch: &mut Watch) -> Verdict
     exhaustive(graph, u64::MAX, options, false, watch)
 }
 
+/// The cheapest plan with a key of at most `most`, by the exhaustive search that fits the costs.
+fn all_states(graph: &Graph, most: u64, memory: u64, watch: &mut Watch) -> Verdict {
+    match Levels::of(graph) {
+        Some(levels) => layered::search(graph, levels, most, memory, watch),
+        None => dense::search(graph, most, memory, watch),
+    }
+}
+
 /// If it is cancelled without a plan, a narrow beam searches for one, provided that takes only a moment.
 fn exhaustive(graph: &Graph, most: u64, options: &Options, has_plan: bool, watch: &mut Watch) -> Verdict {
     let memory = memory(graph, options);
-    let verdict = match layered::step(graph) {
-        Some(step) => layered::search(graph, step, memory, watch),
-        None => dense::search(graph, most, memory, watch),
-    };
+    let verdict = all_states(graph, most, memory, watch);
     match verdict.stopped_by {
         Some(Limit::Memory) => lagrangian::search(graph, memory, Depth::Proof, watch),
         Some(Limit::Time) if !has_plan && lagrangian::is_glimpsed_at_once(graph) => {

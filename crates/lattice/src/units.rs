@@ -54,7 +54,8 @@ fn gcd(a: u64, b: u64) -> u64 {
 pub(crate) struct Units {
     primary: Scale,
     secondary: Scale,
-    radix: u64,
+    /// Keys divided by it are primary units.
+    pub radix: u64,
     /// Bound on the key of any plan without a repeated state.
     pub largest_sum: u64,
 }

@@ -119,10 +119,10 @@ fn a_lattice_that_is_all_land_is_told() {
 #[test]
 fn more_states_than_memory_allows_are_told_with_what_to_reduce() {
     let folder = small_with(&[
-        ("count = 1 }, {", "count = 60 }, {"),
-        ("\"sway-zig-zag\", count = 1", "\"sway-zig-zag\", count = 60"),
+        ("count = 1 }, {", "count = 200 }, {"),
+        ("\"sway-zig-zag\", count = 1", "\"sway-zig-zag\", count = 200"),
     ]);
-    let line = format!("{PLAN} --engine exhaustive --memory-mib 100");
+    let line = format!("{PLAN} --engine exhaustive --memory-mib 200");
     refused(
         &folder,
         4,

@@ -25,7 +25,7 @@ impl<const W: usize> Layered<'_, W> {
             return None;
         }
         let level = |(plane, bits): (usize, &Vec<Bits<W>>)| u64::from(bits::has(&bits[at], bit)) << plane;
-        Some(self.step * self.planes.iter().enumerate().map(level).sum::<u64>())
+        Some(self.levels.step * self.planes.iter().enumerate().map(level).sum::<u64>())
     }
 
     pub(super) fn possible(&self) -> Option<Vec<u32>> {

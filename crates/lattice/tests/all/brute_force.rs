@@ -71,6 +71,11 @@ proptest! {
     }
 
     #[test]
+    fn oracle_moves_then_seconds(small in small(Costs::MovesThenSeconds)) {
+        agrees(&small);
+    }
+
+    #[test]
     fn oracle_two_criteria(small in small(Costs::Both)) {
         agrees(&small);
     }
@@ -78,7 +83,7 @@ proptest! {
     /// Results of a cancelled search are true.
     #[test]
     fn law_stopped_searches_bound_the_optimum(
-        small in prop_oneof![small(Costs::Paper), small(Costs::Both)],
+        small in prop_oneof![small(Costs::Paper), small(Costs::MovesThenSeconds), small(Costs::Both)],
         polls in 0..400u32,
         lagrangian in any::<bool>(),
     ) {

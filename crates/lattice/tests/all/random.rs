@@ -53,6 +53,8 @@ pub enum Costs {
     Paper,
     /// Like `Paper`, some basic actions free.
     SomeFree,
+    /// Like `SomeFree`, and seconds per move as the secondary cost.
+    MovesThenSeconds,
     /// Tenths of seconds, one value per action.
     Seconds,
     /// Anything per move, and a secondary cost.
@@ -103,6 +105,9 @@ impl Shape {
         let tenths = match costs {
             Costs::Paper => (if informative { 0 } else { 10 }, 0),
             Costs::SomeFree => (if informative || of_action.0 < 15 { 0 } else { 10 }, 0),
+            Costs::MovesThenSeconds => {
+                (if informative || of_action.0 < 15 { 0 } else { 10 }, 10 * (self.draw.0 % 7) + self.draw.1)
+            }
             Costs::Seconds => (of_action.0 * 7, 0),
             Costs::Both => (self.draw.0 / 10, self.draw.1),
         };
