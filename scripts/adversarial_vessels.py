@@ -5,7 +5,8 @@
 Sails the plan with its own model of the ship, its own steering and its own distances from land. First the nominal vessel, whose
 track must be the plan's. Then vessels with one parameter at either bound; the corners of the box that these suggest for every leg;
 and, until there are `--vessels`, changes of the worst so far. `--uniform` draws that many more, evenly. Prints what was found and exits
-with 1 where one runs aground, comes nearer than the margin or ends a leg off. Needs numpy, scipy and pyarrow. For charts of land.
+with 1 where one runs aground, comes nearer than the margin or ends a leg off. Needs numpy, scipy and pyarrow. For charts of land, and of
+depth areas with land, as GeoJSON.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ sys.dont_write_bytecode = True
 import numpy as np  # noqa: E402  (no cache before)
 
 from independent.study import read_vessel  # noqa: E402
-from independent.voyage import Fleet, Land, Voyage, wrap  # noqa: E402
+from independent.voyage import Depths, Fleet, Land, Voyage, wrap  # noqa: E402
 
 BATCH = 125
 # By how much the nominal track may differ from the plan's, and a distance from another way of measuring it [m].
@@ -36,8 +37,14 @@ class Trial:
         self.voyage = Voyage(arguments.plan, arguments.config)
         self.fleet = Fleet(self.vessel, self.voyage)
         config, folder = self.voyage.config, arguments.config.parent
-        self.land = Land(self.voyage, [folder / chart["file"] for chart in config["chart"]])
-        safety = config["safety"]
+        safety, charts = config["safety"], [(folder / chart["file"], chart) for chart in config["chart"]]
+        if any(chart["kind"] == "depth" for _, chart in charts):
+            # Under way, and during maneuvers.
+            depths = safety["transit_depth_m"], safety["trial_depth_m"]
+            self.waters = [Depths(self.voyage, charts, depth) for depth in depths]
+            self.rounding = ROUNDING_M + 1.5 * Depths.CELL_M
+        else:
+            self.waters, self.rounding = [Land(self.voyage, [file for file, _ in charts])], ROUNDING_M
         self.margin = safety["margin_m"]
         self.error, self.current = safety.get("parameter_error", 0.0), safety.get("unknown_current_m_s", 0.0)
         self.nominal = np.array([p for row in self.vessel.nominal for p in row])
@@ -49,12 +56,14 @@ class Trial:
 
     def sail(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Clearance of every leg and vessel [m], and the used part of the tolerance at its end."""
-        least = np.full((len(self.voyage.legs), len(points)), self.land.SIGHT_M)
+        least = np.full((len(self.voyage.legs), len(points)), self.waters[0].SIGHT_M)
 
-        def watch(leg: np.ndarray, pose: np.ndarray, _: np.ndarray, under_way: np.ndarray) -> None:
-            lanes = np.flatnonzero(under_way)
-            own = self.land.clearance(pose[:, lanes], self.outline, least[leg[lanes], lanes])
-            least[leg[lanes], lanes] = own
+        def watch(leg: np.ndarray, pose: np.ndarray, informative: np.ndarray, under_way: np.ndarray) -> None:
+            for number, waters in enumerate(self.waters):
+                lanes = np.flatnonzero(under_way & (informative | (number == 0)))
+                if len(lanes):
+                    own = waters.clearance(pose[:, lanes], self.outline, least[leg[lanes], lanes])
+                    least[leg[lanes], lanes] = own
 
         count = len(self.nominal)
         parameters = self.nominal * (1.0 + self.error * points[:, :count])
@@ -162,7 +171,7 @@ class Search:
         """Prints the worst from `begin` on; whether none is bad."""
         least, used = self.least[:, begin:], self.used[:, begin:]
         clearance = least.min(axis=0)
-        aground, near = int((clearance <= 0.0).sum()), int((clearance < self.trial.margin - ROUNDING_M).sum())
+        aground, near = int((clearance <= 0.0).sum()), int((clearance < self.trial.margin - self.trial.rounding).sum())
         # An end beyond its tolerance spoils those after it.
         ends = int((used > 1.0).any(axis=0).sum())
         print(f"{what}: {least.shape[1]} vessels, {aground} aground, {near} below {self.trial.margin:g} m, {ends} off at the end of a leg")

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow.parquet as pq
+from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
 
 from .study import STATES, Vessel
@@ -370,6 +371,53 @@ class Land:
             own = np.where(on_land, 0.0, np.minimum(exact.min(axis=1), self.SIGHT_M))
             least[near] = np.minimum(least[near], own)
         return least
+
+
+class Depths:
+    """Distances from what is too shoal in charts of depth areas and land, on the plane of a voyage's track, by a raster."""
+
+    CELL_M, SIGHT_M, BEYOND_M = 2.0, 400.0, 500.0
+
+    def __init__(self, voyage: Voyage, charts: list[tuple[Path, dict[str, Any]]], depth: float) -> None:
+        low = np.array([min(voyage.track["x"]), min(voyage.track["y"])]) - self.BEYOND_M
+        high = np.array([max(voyage.track["x"]), max(voyage.track["y"])]) + self.BEYOND_M
+        self.low, shape = low, tuple(np.ceil((high - low) / self.CELL_M).astype(int))
+        deep, closed = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
+        for file, chart in charts:
+            only = chart.get("only")
+            for feature in json.loads(file.read_text())["features"]:
+                own = feature["properties"]
+                if only and own.get(only["property"]) not in only["values"]:
+                    continue
+                rings = [Land.on_plane(voyage, np.array(ring)) for ring in rings_of(feature)]
+                least = own.get(chart.get("least", "DRVAL1"))
+                if chart["kind"] != "depth" or least in (None, "") or float(least) < depth:
+                    closed |= self.inside(rings, shape)
+                else:
+                    deep |= self.inside(rings, shape)
+        self.far = np.minimum(distance_transform_edt(deep & ~closed) * self.CELL_M, self.SIGHT_M)
+
+    def inside(self, rings: list[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
+        """Cells whose centres are within an odd number of rings."""
+        odd = np.zeros(shape, dtype=bool)
+        for ring in rings:
+            cells = (ring - self.low) / self.CELL_M - 0.5
+            for (n0, e0), (n1, e1) in zip(cells, np.roll(cells, -1, axis=0)):
+                rows = np.arange(max(math.ceil(min(n0, n1)), 0), min(math.ceil(max(n0, n1)), shape[0]))
+                for row in rows:
+                    cross = math.ceil(e0 + (row - n0) / (n1 - n0) * (e1 - e0))
+                    odd[row, : min(max(cross, 0), shape[1])] ^= True
+        return odd
+
+    def clearance(self, pose: np.ndarray, outline: np.ndarray, least: np.ndarray) -> np.ndarray:
+        """The least of `least` and the distance of the hull's outline from what is too shoal, per vessel, to a cell's diagonal."""
+        sin, cos = np.sin(pose[2])[:, None], np.cos(pose[2])[:, None]
+        corners = np.stack([
+            pose[0][:, None] + outline[:, 0] * cos - outline[:, 1] * sin,
+            pose[1][:, None] + outline[:, 0] * sin + outline[:, 1] * cos,
+        ], -1)
+        cells = np.clip(((corners - self.low) / self.CELL_M).astype(int), 0, np.array(self.far.shape) - 1)
+        return np.minimum(least, self.far[cells[..., 0], cells[..., 1]].min(axis=1))
 
 
 def densified(ring: np.ndarray, spacing: float, low: np.ndarray, high: np.ndarray) -> np.ndarray:

@@ -93,7 +93,8 @@ impl<'a> Inputs<'a> {
 
     fn legend(&self) -> Vec<(String, palette::Rgb)> {
         let entry = |(index, (name, unit, largest)): (usize, &(&str, &str, f64))| {
-            (format!("{name}, 1 = {} {unit}", three(*largest)), palette::input(index))
+            let unit = if *unit == "1" { String::new() } else { format!(" {unit}") };
+            (format!("{name}, 1 = {}{unit}", three(*largest)), palette::input(index))
         };
         self.all.iter().enumerate().map(entry).collect()
     }
