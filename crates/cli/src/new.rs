@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use artifact::{Staged, commit};
 use clap::Parser;
-use pipeline::starting::{PRESETS, Preset, measured, schemas, simulated};
+use pipeline::starting::{Charted, PRESETS, Preset, measured, schemas, simulated};
 use serde_json::json;
 
 use crate::cli::{Common, in_folder};
@@ -24,6 +24,20 @@ pub struct Arguments {
     /// Folder of logs in CSV: what is in them is guessed, and what was guessed is marked
     #[arg(long, value_name = "FOLDER")]
     logs: Option<PathBuf>,
+    /// A chart, or the folder of an exchange set: the trial is planned on it
+    #[arg(long, value_name = "PATH", requires = "place", conflicts_with = "logs")]
+    chart: Option<PathBuf>,
+    /// Where the trial is to be, such as 24.97,60.12
+    #[arg(long, value_name = "LONGITUDE,LATITUDE", requires = "chart", allow_hyphen_values = true, value_parser = place)]
+    place: Option<[f64; 2]>,
+}
+
+/// A longitude and a latitude \[deg\].
+fn place(text: &str) -> Result<[f64; 2], String> {
+    let parts = text
+        .split_once(',')
+        .and_then(|(lon, lat)| Some([lon.trim().parse().ok()?, lat.trim().parse().ok()?]));
+    parts.ok_or_else(|| "expected LONGITUDE,LATITUDE in degrees, such as 24.97,60.12".to_owned())
 }
 
 /// The presets and an example.
@@ -47,7 +61,12 @@ impl Task for Arguments {
             ));
         }
         let (files, said) = match &self.logs {
-            None => (simulated(preset), String::new()),
+            None => {
+                let charted =
+                    self.chart.as_deref().zip(self.place).map(|(file, place)| Charted { file, place });
+                let name = out.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+                (simulated(preset, &name, charted.as_ref())?, String::new())
+            }
             Some(logs) => {
                 let (files, looked) = measured(preset, logs)?;
                 let (guessed, missing) = (looked.guessed(), looked.missing().len());

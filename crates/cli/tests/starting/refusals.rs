@@ -24,6 +24,45 @@ fn a_preset_that_is_not() {
 }
 
 #[test]
+fn charts_that_a_study_cannot_begin_with() {
+    let folder = with(&[]);
+    let chart = repository().join("fixtures/charts/helsinki_land_gshhg.geojson").display().to_string();
+    let new = |vessel: &str, flags: &str| format!("new mine --vessel {vessel} {flags}");
+    for (vessel, flags, code, pieces) in [
+        ("full-scale", format!("--chart {chart}"), 2, ["--place", "LONGITUDE,LATITUDE"]),
+        ("full-scale", "--place 24.97,60.12".to_owned(), 2, ["--chart", "PATH"]),
+        ("full-scale", format!("--chart {chart} --place 24.97"), 2, ["24.97", "such as 24.97,60.12"]),
+        (
+            "full-scale",
+            format!("--chart {chart} --place 24.97,95.0"),
+            3,
+            ["--place: found 24.97,95", "degrees"],
+        ),
+        (
+            "full-scale",
+            format!("--chart {chart} --place 24.95,60.30"),
+            3,
+            ["from dangers", "name another place"],
+        ),
+        (
+            "full-scale",
+            "--chart nowhere.geojson --place 24.97,60.12".to_owned(),
+            3,
+            ["nowhere.geojson", "no such file"],
+        ),
+        (
+            "kvlcc2",
+            format!("--chart {chart} --place 24.97,60.12"),
+            3,
+            ["kvlcc2, a 7 m model", "coaster, full-scale"],
+        ),
+    ] {
+        refused(&folder, code, &new(vessel, &flags), &pieces);
+        assert!(!folder.path().join("mine").exists());
+    }
+}
+
+#[test]
 fn a_study_that_lacks_a_file() {
     for (name, command) in [
         ("vessel.toml", "seatrial new <folder> --vessel <preset>"),

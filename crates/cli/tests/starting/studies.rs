@@ -37,6 +37,65 @@ fn every_hand_written_file_of_a_preset_is_commented() {
     }
 }
 
+/// The chart off Helsinki.
+fn helsinki() -> String {
+    repository().join("fixtures/charts/helsinki_land_gshhg.geojson").display().to_string()
+}
+
+#[test]
+fn a_chart_and_a_place_come_to_a_plan_by_two_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = format!("new mine --vessel full-scale --place 24.97,60.12 --chart {}", helsinki());
+    run(&folder, &line).succeeds();
+    let text = String::from_utf8(bytes(&folder, "mine/plan.toml")).unwrap();
+    assert!(
+        text.starts_with("#:schema schemas/plan-toml.schema.json\n# ") && text.contains("name = \"mine\"")
+    );
+    assert!(text.contains("kind = \"land\"") && text.contains("guessed"), "{text}");
+    let few = "--set campaign.realizations=2 --set plan.safety.runs=16";
+    let ran = run(&folder, &format!("run mine --quiet {few}")).succeeds();
+    assert!(ran.stdout.starts_with("out/mine/report.html: "), "{ran}");
+    let plan: Value = serde_json::from_slice(&bytes(&folder, "out/mine/plan.json")).unwrap();
+    assert_eq!(plan["data"]["status"], "optimal");
+    run(&folder, "verify out/mine").succeeds();
+}
+
+#[test]
+fn the_trial_on_a_chart_begins_where_there_is_most_room() {
+    let folder = tempfile::tempdir().unwrap();
+    // Land but for a square of 10 km about 20° east on the equator, and the same as depths.
+    let ring = |edge: f64| {
+        let corners = [(-edge, -edge), (edge, -edge), (edge, edge), (-edge, edge), (-edge, -edge)];
+        corners.map(|(x, y)| [20.0 + x, y])
+    };
+    let land = json!({"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {},
+        "geometry": {"type": "Polygon", "coordinates": [ring(0.5), ring(0.045)]}}]});
+    put(&folder, "bay.geojson", &land.to_string());
+    let area = |own: &Value, edge: f64| {
+        json!({"type": "Feature", "properties": own,
+        "geometry": {"type": "Polygon", "coordinates": [ring(edge)]}})
+    };
+    let depths = json!({"type": "FeatureCollection", "features":
+        [area(&json!({"DRVAL1": 20.0, "DRVAL2": 30.0}), 0.045)]});
+    put(&folder, "depths.geojson", &depths.to_string());
+    // An area of 7 km, of which the eastern part is closed.
+    for (chart, kind) in [("bay", "land"), ("depths", "depth")] {
+        run(&folder, &format!("new {chart} --vessel full-scale --place 20.02,0.0 --chart {chart}.geojson"))
+            .succeeds();
+        let text = String::from_utf8(bytes(&folder, &format!("{chart}/plan.toml"))).unwrap();
+        assert!(text.contains(&format!("kind = \"{kind}\"")), "{text}");
+        let number = |key: &str| -> f64 {
+            let line =
+                text.lines().find(|line| line.starts_with(key)).unwrap_or_else(|| panic!("{key} in {text}"));
+            line.split(" = ").nth(1).unwrap().parse().unwrap()
+        };
+        // The middle between the area's western edge, 3.5 km west of the place, and the land 5 km east of 20°.
+        let middle = 20.0 + (0.045 + 0.02 - 3500.0 / 111_320.0) / 2.0;
+        assert!((number("longitude_deg") - middle).abs() < 0.001, "{text}");
+        assert!(number("latitude_deg").abs() < 0.012, "{text}");
+    }
+}
+
 #[test]
 fn law_run_writes_the_bytes_that_the_stages_write() {
     let folder = written(4);

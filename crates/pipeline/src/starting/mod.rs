@@ -1,6 +1,7 @@
 //! A new study: the hand-written files that it begins with, from a ship that is known, and from logs.
 
 mod bags;
+mod chart;
 mod ingest;
 mod looking;
 mod presets;
@@ -11,6 +12,7 @@ use std::path::Path;
 use artifact::Error;
 use study::hand_written;
 
+pub use chart::Charted;
 pub use looking::{Found, Looked};
 
 pub use presets::{PRESETS, Preset};
@@ -18,10 +20,18 @@ pub use presets::{PRESETS, Preset};
 /// A hand-written file of a new study: its name and its text.
 pub type NewFile = (String, String);
 
-/// The files of a study of `preset` that is simulated.
-pub fn simulated(preset: &Preset) -> Vec<NewFile> {
-    let files = preset.files().map(|(name, text)| (name.to_owned(), text.to_owned()));
-    files.map(with_schema).collect()
+/// The files of the study `name` of `preset` that is simulated, and with a chart planned on it.
+///
+/// # Errors
+/// A ship that sails on no chart; a chart that cannot be read, or has no water for the trial.
+pub fn simulated(preset: &Preset, name: &str, charted: Option<&Charted>) -> Result<Vec<NewFile>, Error> {
+    let own = |(name, text): (&str, &str)| (name.to_owned(), text.to_owned());
+    let mut files: Vec<NewFile> = preset.files().map(own).collect();
+    if let Some(charted) = charted {
+        let template = preset.plan().map_err(|why| Error::invalid(charted.file, why))?;
+        files.push(("plan.toml".to_owned(), chart::planned(charted, name, template)?));
+    }
+    Ok(files.into_iter().map(with_schema).collect())
 }
 
 /// The files of a study of `preset` with the logs in the folder `logs`, and what was found there.

@@ -19,10 +19,12 @@ pub struct Preset {
     table: Option<(&'static str, &'static str)>,
     /// The thrusters that its forces are made by, as `ingest.toml` has them.
     thrusters: Option<&'static str>,
+    /// `plan.toml` with places to be filled in, and the side of its area \[m\]; none for ships that sail in tanks.
+    plan: Option<(&'static str, f64)>,
 }
 
 macro_rules! preset {
-    ($name:literal, $about:literal, $table:expr, $thrusters:expr) => {
+    ($name:literal, $about:literal, $table:expr, $thrusters:expr, $plan:expr) => {
         Preset {
             name: $name,
             about: $about,
@@ -32,6 +34,7 @@ macro_rules! preset {
             flags: include_str!(concat!("../../presets/", $name, "/study.mk")),
             table: $table,
             thrusters: $thrusters,
+            plan: $plan,
         }
     };
 }
@@ -42,20 +45,29 @@ pub const PRESETS: [Preset; 5] = [
         "model-ship",
         "a model ship of 1 m with two azimuth thrusters aft",
         None,
-        Some(include_str!("../../presets/model-ship/thrusters.toml"))
+        Some(include_str!("../../presets/model-ship/thrusters.toml")),
+        None
     ),
-    preset!("coaster", "a coaster of 100 m with rudder and propeller, for standard maneuvers", None, None),
+    preset!(
+        "coaster",
+        "a coaster of 100 m with rudder and propeller, for standard maneuvers",
+        None,
+        None,
+        Some((include_str!("../../presets/coaster/plan.toml.in"), 16_000.0))
+    ),
     preset!(
         "full-scale",
         "a ship of 30 m with azimuth thrusters fore and aft",
         None,
-        Some(include_str!("../../presets/full-scale/thrusters.toml"))
+        Some(include_str!("../../presets/full-scale/thrusters.toml")),
+        Some((include_str!("../../presets/full-scale/plan.toml.in"), 7_000.0))
     ),
-    preset!("kvlcc2", "a 7 m model of the tanker KVLCC2, with rudder and measured thrust", None, None),
+    preset!("kvlcc2", "a 7 m model of the tanker KVLCC2, with rudder and measured thrust", None, None, None),
     preset!(
         "esso-osaka",
         "a 3 m model of the tanker Esso Osaka, with rudder and propeller",
         Some(("crash-stop.csv", include_str!("../../presets/esso-osaka/crash-stop.csv"))),
+        None,
         None
     ),
 ];
@@ -84,6 +96,23 @@ impl Preset {
     /// The thrusters that its forces are made by, as `ingest.toml` has them; empty if its inputs are logged.
     pub(super) fn thrusters(&self) -> &'static str {
         self.thrusters.unwrap_or_default()
+    }
+
+    /// Its `plan.toml` with places to be filled in, and the side of the area \[m\].
+    ///
+    /// # Errors
+    /// A ship that sails in tanks: names those that have one.
+    pub(super) fn plan(&self) -> Result<(&'static str, f64), Invalid> {
+        self.plan.ok_or_else(|| {
+            let others = PRESETS.iter().filter(|own| own.plan.is_some()).map(|own| own.name);
+            let expected = format!("a ship that sails on charts: {}", others.collect::<Vec<_>>().join(", "));
+            Invalid::new(
+                "--chart",
+                format!("{}, {}", self.name, self.about),
+                expected,
+                "begin with one of them",
+            )
+        })
     }
 
     /// `vessel.toml` without true parameters, which no real ship has.
