@@ -35,6 +35,7 @@
 #![warn(missing_docs)]
 
 mod agreement;
+mod arrow_schema;
 mod budget;
 mod changes;
 mod chunk;
@@ -49,6 +50,7 @@ mod encode;
 mod error;
 pub mod fault;
 mod finite;
+mod flat;
 mod footer;
 mod foreign;
 mod gather;

@@ -14,6 +14,7 @@ use parquet::file::writer::TrackedWrite;
 use parquet::schema::types::SchemaDescPtr;
 use tempfile::NamedTempFile;
 
+use crate::arrow_schema;
 use crate::chunk::{Chunk, PAGE_ROWS};
 use crate::columns::Column;
 use crate::digest::Digest;
@@ -217,9 +218,10 @@ impl TableWriter {
             return Err(Error::io(&path, "write", what));
         }
         let rows = self.groups.iter().map(RowGroupMetaData::num_rows).sum();
-        let envelope = vec![KeyValue::new(KEY.to_owned(), metadata)];
+        let units = KeyValue::new(arrow_schema::KEY.to_owned(), arrow_schema::text(&self.columns));
+        let notes = vec![KeyValue::new(KEY.to_owned(), metadata), units];
         let creator = Some(CREATOR.to_owned());
-        let file = FileMetaData::new(FORMAT, rows, creator, Some(envelope), self.descriptor, None);
+        let file = FileMetaData::new(FORMAT, rows, creator, Some(notes), self.descriptor, None);
         let mut footer = Vec::new();
         ParquetMetaDataWriter::new(&mut footer, &ParquetMetaData::new(file, self.groups))
             .finish()

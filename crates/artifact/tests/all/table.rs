@@ -42,6 +42,18 @@ fn what_is_written_is_read_back() {
 }
 
 #[test]
+fn readers_of_arrow_find_a_schema_in_the_footer() {
+    let folder = folder();
+    let found = |name: &str, rows| {
+        let bytes = std::fs::read(write(&folder, name, &provenance(), rows)).unwrap();
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        // Followed by the value's mark, its length in two bytes, and the first bytes of every schema message in base 64
+        text.split_once("ARROW:schema").unwrap().1.split_once("/////").unwrap().1[..500].to_owned()
+    };
+    assert_eq!(found("some.parquet", 0..3), found("none.parquet", 0..0));
+}
+
+#[test]
 fn a_table_without_rows_keeps_its_columns() {
     let folder = folder();
     let path = write(&folder, "t.parquet", &provenance(), 0..0);
