@@ -20,7 +20,7 @@ use crate::stage::{Summary, Task};
 #[command(
     name = "merit",
     after_help = "Example:\n  validate merit --vessel pipelines/coaster/vessel.toml \
-    --dictionary pipelines/coaster/dictionary.toml --length-m 7 --out merit.json"
+    --dictionary pipelines/coaster/dictionary.toml --length-m 100 --out merit.json"
 )]
 pub struct Arguments {
     /// The ship, or a model of it
