@@ -77,7 +77,8 @@ help:
 	@echo "make faults CASES=...  damage inputs and kill runs, so many times, and say what came of it"
 	@echo "make verify            check that the files of the study in $(OUT)/ are whole and belong together"
 	@echo "make oracle            compute the oracle fixtures again (needs Python with numpy, scipy, pyarrow)"
-	@echo "make schemas           write the JSON Schemas of all documents again"
+	@echo "make python-check      build the wheel for Python and try it, with its notebook (needs the network)"
+	@echo "make schemas           write the JSON Schemas of all documents again, and the classes of Python"
 	@echo "make golden            write the golden results and schema samples again"
 	@echo "make clean             remove out/"
 
@@ -367,6 +368,12 @@ book: book-check
 	elif ! command -v $(PYTHON) > /dev/null; then echo "no book: found no $(PYTHON), expected Python 3.11"; \
 	else $(PYTHON) scripts/book.py --bin $(BIN) --figures out/book-check/out/tutorial/results/figures --out out/book; fi
 
+# The wheel for Python, its tests and its notebook; needs the network. PYTHON_CHECK=--debug builds without optimization
+PYTHON_CHECK ?=
+.PHONY: python-check
+python-check:
+	PYTHON=$(PYTHON) sh scripts/python-check.sh $(PYTHON_CHECK)
+
 .PHONY: faults
 # How many inputs are damaged; a tenth of it is how many runs are killed or fail, at least once at every place of every stage
 CASES ?= 2000
@@ -396,6 +403,8 @@ oracle:
 .PHONY: schemas
 schemas:
 	$(CARGO) run --locked -p study --example write_schemas -- schemas
+	@if command -v $(PYTHON) > /dev/null; then $(PYTHON) scripts/python_documents.py; \
+	else echo "no $(PYTHON): python/src/seatrial/documents.py is not written again"; fi
 
 .PHONY: golden
 golden:

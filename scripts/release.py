@@ -2,11 +2,12 @@
 
     python scripts/release.py check --tag v0.2.0
     python scripts/release.py archive --bin target/release --target x86_64-unknown-linux-gnu --out out/release
+    python scripts/release.py sum out/release/seatrial-0.2.0-py3-none-win_amd64.whl
     python scripts/release.py notes --version 0.2.0
 
 `check` compares the tag with Cargo.toml, CITATION.cff and CHANGELOG.md. `archive` packs the programs with README, licenses and the
-licenses of all dependencies in them, as .tar.gz or, for Windows, .zip, and writes the SHA-256 sum beside it. Needs
-nothing but Python and cargo. Exits with 3 where a file is not as expected.
+licenses of all dependencies in them, as .tar.gz or, for Windows, .zip, and writes the SHA-256 sum beside it. `sum` writes
+that of other files, such as wheels. Needs nothing but Python and cargo. Exits with 3 where a file is not as expected.
 """
 
 from __future__ import annotations
@@ -138,8 +139,17 @@ def archive(folder: Path, target: str, out: Path) -> Path:
     out.mkdir(parents=True, exist_ok=True)
     path = out / f"{name}{ending}"
     path.write_bytes(content)
-    (out / f"{path.name}.sha256").write_bytes(f"{hashlib.sha256(content).hexdigest()}  {path.name}\n".encode())
+    summed(path)
     return path
+
+
+def summed(path: Path) -> Path:
+    """Writes the SHA-256 sum of the file at `path` beside it."""
+    if not path.is_file():
+        raise Refused(f"{path}: found no such file, expected one to sum; build it first")
+    sum_of = path.with_name(f"{path.name}.sha256")
+    sum_of.write_bytes(f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n".encode())
+    return sum_of
 
 
 def arguments() -> argparse.Namespace:
@@ -147,6 +157,7 @@ def arguments() -> argparse.Namespace:
     commands = parser.add_subparsers(dest="command", required=True)
     commands.add_parser("check").add_argument("--tag", required=True)
     commands.add_parser("notes").add_argument("--version", default=version())
+    commands.add_parser("sum").add_argument("files", type=Path, nargs="+")
     packing = commands.add_parser("archive")
     packing.add_argument("--bin", type=Path, required=True)
     packing.add_argument("--target", required=True)
@@ -161,6 +172,9 @@ def main() -> int:
             check(given.tag)
         elif given.command == "notes":
             print(notes(given.version), end="")
+        elif given.command == "sum":
+            for path in given.files:
+                print(summed(path))
         else:
             print(archive(given.bin, given.target, given.out))
     except Refused as refused:
