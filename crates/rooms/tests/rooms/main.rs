@@ -11,9 +11,10 @@ use std::collections::BTreeMap;
 use source::Crate;
 
 /// Crates from the ground up: one may use those of the rows above its own.
-const FLOORS: [&[&str]; 12] = [
+const FLOORS: [&[&str]; 13] = [
     &["refusal", "numerics"],
-    &["artifact", "bag", "enc", "model"],
+    &["artifact", "bag", "enc", "forces"],
+    &["model"],
     &["engine", "design", "lattice", "chart"],
     &["maneuver", "regression"],
     &["identification", "logs", "export"],
@@ -29,6 +30,7 @@ const FLOORS: [&[&str]; 12] = [
 /// The crates that compute, and the one that says in other languages what is computed.
 const SCIENCE: &[&str] = &[
     "numerics",
+    "forces",
     "model",
     "engine",
     "maneuver",

@@ -1,0 +1,134 @@
+use crate::components::Surroundings;
+use crate::mass::Inertia;
+use crate::propeller::Wash;
+use crate::term::motion;
+use crate::{Forces, Real};
+
+/// A ship with her parameters: what accelerates her, and how she moves on.
+#[derive(Clone, Debug)]
+pub struct Body<'f, X> {
+    pub(crate) forces: &'f Forces,
+    pub(crate) numbers: Vec<X>,
+    inertia: Inertia<X>,
+}
+
+impl Forces {
+    /// The ship with these parameters.
+    ///
+    /// # Panics
+    /// With fewer numbers than [`Self::parameters`].
+    pub fn body<X: Real>(&self, theta: &[X]) -> Body<'_, X> {
+        Body::new(self, theta)
+    }
+}
+
+/// Adds one force to another.
+#[inline(always)]
+fn add<X: Real>(sum: &mut [X; 3], more: [X; 3]) {
+    for (own, more) in sum.iter_mut().zip(more) {
+        *own += more;
+    }
+}
+
+impl<'f, X: Real> Body<'f, X> {
+    fn new(forces: &'f Forces, theta: &[X]) -> Self {
+        let numbers = forces.numbers.with(theta);
+        let inertia = forces.mass.with(&numbers);
+        Self { forces, numbers, inertia }
+    }
+
+    /// The force ahead and to starboard \[N\] and the moment \[N m\] without products of mass and yaw rate, in `state`:
+    /// u, v \[m/s\] relative to the water, r \[rad/s\].
+    #[inline(always)]
+    pub fn force(&self, state: [X; 3], channel: &impl Fn(usize) -> X) -> [X; 3] {
+        let Self { forces, numbers, .. } = self;
+        let around = Surroundings {
+            motion: motion(state, forces.prime.speed),
+            channel,
+            density: X::from(forces.prime.density),
+            length: forces.prime.length,
+        };
+        let mut sum = [X::ZERO; 3];
+        for (own, terms) in sum.iter_mut().zip(&forces.terms) {
+            for term in terms {
+                *own += term.value(numbers, &around.motion, channel);
+            }
+        }
+        // Of the few propellers of a ship; a rudder further back than the fourth is rare, and computes its wash again.
+        let mut washes: [Option<Wash<X>>; 4] = [None; 4];
+        for (i, propeller) in forces.propellers.iter().enumerate() {
+            let (own, wash) = propeller.forces(numbers, &around);
+            add(&mut sum, own);
+            if let Some(to) = washes.get_mut(i) {
+                *to = Some(wash);
+            }
+        }
+        for rudder in &forces.rudders {
+            let known = rudder.behind.and_then(|i| washes.get(i).copied().flatten());
+            let again = || rudder.behind.map(|i| forces.propellers[i].forces(numbers, &around).1);
+            let wash = known.or_else(again);
+            add(&mut sum, rudder.forces(numbers, &around, wash.as_ref()));
+        }
+        forces.thrusters.iter().for_each(|own| add(&mut sum, own.forces(numbers, &around)));
+        forces.winds.iter().for_each(|own| add(&mut sum, own.forces(numbers, &around)));
+        forces.crossflows.iter().for_each(|own| add(&mut sum, own.forces(numbers, &around)));
+        sum
+    }
+
+    /// Changes per second of u, v \[m/s²\] and r \[rad/s²\] in `state`: u, v \[m/s\] relative to the water, r \[rad/s\];
+    /// `channels`: one number per input and measured disturbance.
+    pub fn accelerations<E: Copy + Into<X>>(&self, state: [X; 3], channels: &[E]) -> [X; 3] {
+        self.changes(state, &|i: usize| channels[i].into())
+    }
+
+    #[inline(always)]
+    fn changes(&self, state: [X; 3], channel: &impl Fn(usize) -> X) -> [X; 3] {
+        self.inertia.accelerations(state, self.force(state, channel))
+    }
+
+    /// The state after `seconds`, with channels linear between those at its beginning and its end, by steps of order 4.
+    pub fn step<E: Copy + Into<X>>(&self, state: [X; 3], begin: &[E], end: &[E], seconds: f64) -> [X; 3] {
+        self.steps(state, |i| [begin[i].into(), end[i].into()], seconds)
+    }
+
+    /// The state after `seconds`, with channels held.
+    pub fn step_held<E: Copy + Into<X>>(&self, state: [X; 3], channels: &[E], seconds: f64) -> [X; 3] {
+        self.steps(state, |i| [channels[i].into(); 2], seconds)
+    }
+
+    /// The state after `seconds`, where `ends` has a channel at the beginning and at the end.
+    #[inline(always)]
+    pub fn steps(&self, mut state: [X; 3], ends: impl Fn(usize) -> [X; 2], seconds: f64) -> [X; 3] {
+        let count = self.forces.step_s.map_or(1.0, |most| (seconds / most - 1e-9).ceil().max(1.0));
+        let step = seconds / count;
+        for i in 0..count as usize {
+            let at =
+                |share: f64, channel: usize| self.between(channel, ends(channel), (i as f64 + share) / count);
+            state = self.runge_kutta(state, at, step);
+        }
+        state
+    }
+
+    /// A channel between its `ends`; one that goes around takes the shorter way.
+    #[inline(always)]
+    fn between(&self, channel: usize, [begin, end]: [X; 2], share: f64) -> X {
+        let mut change = end - begin;
+        if let Some((_, half)) = self.forces.turning.iter().find(|(own, _)| *own == channel) {
+            let half = X::from(*half);
+            change = (change - half).if_positive(change - half - half, change);
+            change = (change + half).if_positive(change, change + half + half);
+        }
+        begin + change.times(share)
+    }
+
+    #[inline(always)]
+    fn runge_kutta(&self, state: [X; 3], at: impl Fn(f64, usize) -> X, step: f64) -> [X; 3] {
+        let moved = |by: [X; 3], seconds: f64| std::array::from_fn(|d| state[d] + by[d].times(seconds));
+        let k_1 = self.changes(state, &|channel| at(0.0, channel));
+        let k_2 = self.changes(moved(k_1, 0.5 * step), &|channel| at(0.5, channel));
+        let k_3 = self.changes(moved(k_2, 0.5 * step), &|channel| at(0.5, channel));
+        let k_4 = self.changes(moved(k_3, step), &|channel| at(1.0, channel));
+        let sum = |d: usize| k_1[d] + k_4[d] + (k_2[d] + k_3[d]).times(2.0);
+        std::array::from_fn(|d| state[d] + sum(d).times(step / 6.0))
+    }
+}

@@ -1,0 +1,132 @@
+use refusal::{Invalid, check_numbers, check_ranges};
+
+use crate::crossflow::Crossflow;
+use crate::mass::{Mass, Prime};
+use crate::numbers::{Builder, Numbers};
+use crate::propeller::Propeller;
+use crate::rudder::Rudder;
+use crate::term::Term;
+use crate::thruster::Thruster;
+use crate::wind::Wind;
+use crate::{Channel, Description, Parameter};
+
+/// Most parts of a kind, such as terms of an equation or thrusters.
+const MOST: f64 = 2000.0;
+
+/// The forces on a ship, checked and compiled: structure, and one flat vector θ of free parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forces {
+    pub(crate) prime: Prime,
+    pub(crate) step_s: Option<f64>,
+    pub(crate) mass: Mass,
+    pub(crate) terms: [Vec<Term>; 3],
+    pub(crate) propellers: Vec<Propeller>,
+    pub(crate) rudders: Vec<Rudder>,
+    pub(crate) thrusters: Vec<Thruster>,
+    pub(crate) winds: Vec<Wind>,
+    pub(crate) crossflows: Vec<Crossflow>,
+    /// Channels whose values go around, and half a turn in their units.
+    pub(crate) turning: Vec<(usize, f64)>,
+    pub(crate) numbers: Numbers,
+    description: Description,
+}
+
+impl Forces {
+    /// Checks `description`, whose inputs and measured disturbances are `channels`, in the order of a row.
+    ///
+    /// # Errors
+    /// The first name that is unknown or duplicate, number that is missing, not finite or contradicts another, unit that
+    /// does not fit, division by what can be 0; a free mass without a prior; a ship that her nominal masses cannot be.
+    pub fn new(description: &Description, channels: &[Channel]) -> Result<Self, Invalid> {
+        check_counts(description)?;
+        let step = description.step_s.map(|own| ("step_s", own));
+        check_numbers(step, "a step above 0 s", |own| own > 0.0)?;
+        let prime = Prime::new(description.density_kg_m3, &description.ship)?;
+        let mut builder = Builder::default();
+        let own = &mut builder;
+        let mut terms = [Vec::new(), Vec::new(), Vec::new()];
+        for (d, specs) in [&description.surge, &description.sway, &description.yaw].into_iter().enumerate() {
+            for spec in specs {
+                terms[d].push(Term::new(spec, d, channels, &prime, own)?);
+            }
+        }
+        let mass = Mass::new(&description.ship, &prime, own)?;
+        let mut propellers: Vec<Propeller> = Vec::new();
+        for spec in &description.propeller {
+            propellers.push(Propeller::new(spec, channels, &prime, own)?);
+        }
+        let rudder = |spec| Rudder::new(spec, &propellers, channels, &prime, own);
+        let rudders = description.rudder.iter().map(rudder).collect::<Result<Vec<_>, _>>()?;
+        let thruster = |spec| Thruster::new(spec, channels, &prime, own);
+        let thrusters = description.thruster.iter().map(thruster).collect::<Result<Vec<_>, _>>()?;
+        let wind = |spec| Wind::new(spec, channels, &prime, own);
+        let winds = description.wind.iter().map(wind).collect::<Result<Vec<_>, _>>()?;
+        let crossflow = |spec| Crossflow::new(spec, &prime, own);
+        let crossflows = description.crossflow.iter().map(crossflow).collect::<Result<Vec<_>, _>>()?;
+        let turning =
+            thrusters.iter().filter_map(Thruster::turning).chain(winds.iter().map(Wind::turning)).collect();
+        let (numbers, step_s, description) = (builder.finish()?, description.step_s, description.clone());
+        let forces = Self {
+            prime,
+            step_s,
+            mass,
+            terms,
+            propellers,
+            rudders,
+            thrusters,
+            winds,
+            crossflows,
+            turning,
+            numbers,
+            description,
+        };
+        forces.check_mass()?;
+        Ok(forces)
+    }
+
+    /// The free parameters, in the order of θ: those of terms of surge, sway and yaw, of the ship, then of components.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.numbers.parameters
+    }
+
+    /// θ before any estimate.
+    pub fn nominal(&self) -> Vec<f64> {
+        self.parameters().iter().map(|own| own.nominal).collect()
+    }
+
+    /// As written.
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// Refuses a ship that nominal masses accelerate backwards.
+    fn check_mass(&self) -> Result<(), Invalid> {
+        let numbers = self.numbers.with(&self.nominal());
+        if self.mass.with(&numbers).is_sound(()) {
+            return Ok(());
+        }
+        let expected = "masses with added masses above 0, and coupling that does not outweigh them";
+        Err(Invalid::new(
+            "[ship]",
+            "masses with which forces accelerate her backwards",
+            expected,
+            "correct them",
+        ))
+    }
+}
+
+/// Refuses more parts than any ship has.
+fn check_counts(description: &Description) -> Result<(), Invalid> {
+    let Description { surge, sway, yaw, propeller, rudder, thruster, wind, crossflow, .. } = description;
+    let counts = [
+        ("surge", surge.len()),
+        ("sway", sway.len()),
+        ("yaw", yaw.len()),
+        ("propeller", propeller.len()),
+        ("rudder", rudder.len()),
+        ("thruster", thruster.len()),
+        ("wind", wind.len()),
+        ("crossflow", crossflow.len()),
+    ];
+    check_ranges(counts.map(|(key, count)| (key, count as f64, 0.0..=MOST, "parts")))
+}

@@ -1,0 +1,41 @@
+//! The forces on a ship in continuous time, as naval architects write them: hydrodynamic derivatives, propellers, rudders,
+//! thrusters, wind and cross-flow drag.
+//!
+//! States are surge `u`, sway `v` \[m/s\] and yaw rate `r` \[rad/s\] relative to the water, in body axes (x forward, y
+//! starboard, z down), about the origin amidships. A [`Description`] is checked and compiled to [`Forces`], which have one
+//! flat vector θ of free parameters. [`Forces::body`] takes θ and gives a [`Body`]: its accelerations, and its steps by
+//! Runge and Kutta's method of order 4. All of it is generic in the number: values, lanes, tangents ([`Dual`]).
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod body;
+mod channels;
+mod components;
+mod crossflow;
+mod delays;
+mod dual;
+mod forces;
+mod mass;
+mod number;
+mod numbers;
+mod parameter;
+mod propeller;
+mod real;
+mod rudder;
+mod spec;
+mod term;
+mod thruster;
+mod wind;
+
+pub use body::Body;
+pub use channels::Channel;
+pub use dual::Dual;
+pub use forces::Forces;
+pub use number::{Number, NumberSpec};
+pub use parameter::Parameter;
+pub use real::Real;
+pub use spec::{
+    AddedMass, Area, Coriolis, CrossflowSpec, Curve, Description, Inflow, PropellerSpec, Reversed,
+    RudderSpec, ShipSpec, TermSpec, ThrusterSpec, WindSpec,
+};

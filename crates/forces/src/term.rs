@@ -1,0 +1,229 @@
+//! Terms of hull forces: products of motion and channels, with division.
+
+use refusal::{Invalid, foreign};
+
+use crate::Channel;
+use crate::mass::Prime;
+use crate::numbers::{At, Builder, Measured};
+use crate::{Real, TermSpec};
+
+/// Most factors of a term.
+const MOST_FACTORS: usize = 32;
+
+/// Names of what a term can have besides channels; the last four follow from the first two.
+const MOTION: [&str; 6] = ["u", "v", "r", "U", "U_s", "du"];
+
+/// The motion that terms depend on: u, v, r, U, U_s, du.
+pub(crate) type Motion<X> = [X; 6];
+
+/// Added to the square of the speed \[m²/s²\], so that a ship at rest divides by no zero.
+const LEAST: f64 = 1e-18;
+
+/// The motion of a state, where `speed` is that of the approach \[m/s\].
+#[inline(always)]
+pub(crate) fn motion<X: Real>([u, v, r]: [X; 3], speed: f64) -> Motion<X> {
+    let whole = (u * u + v * v + X::from(LEAST)).root();
+    let slow = (0.05 * speed) * (0.05 * speed);
+    let signed = (whole * u).over((u * u + X::from(slow)).root());
+    [u, v, r, whole, signed, u - X::from(speed)]
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Factor {
+    /// Its place among the motion, then the channels.
+    variable: usize,
+    modulus: bool,
+    divides: bool,
+}
+
+/// A parameter and what it multiplies.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Term {
+    parameter: At,
+    factors: Vec<Factor>,
+}
+
+impl Term {
+    /// A term of the equation of degree of freedom `d`.
+    ///
+    /// # Errors
+    /// A text that is no term, a division by what can be 0, or numbers that contradict each other.
+    pub fn new(
+        spec: &TermSpec,
+        d: usize,
+        channels: &[Channel],
+        prime: &Prime,
+        builder: &mut Builder,
+    ) -> Result<Self, Invalid> {
+        let factors = Parser { spec, channels }.factors()?;
+        let measured = measured(spec, &factors, d, channels, prime)?;
+        let parameter = builder.parameter(&spec.parameter, &spec.number(), measured)?;
+        Ok(Self { parameter, factors })
+    }
+
+    /// Parameter times product.
+    #[inline(always)]
+    pub fn value<X: Real>(&self, numbers: &[X], motion: &Motion<X>, channel: &impl Fn(usize) -> X) -> X {
+        let mut product = self.parameter.of(numbers);
+        for factor in &self.factors {
+            let own = match motion.get(factor.variable) {
+                Some(own) => *own,
+                None => channel(factor.variable - MOTION.len()),
+            };
+            let own = if factor.modulus { own.modulus() } else { own };
+            product = if factor.divides { product.over(own) } else { product * own };
+        }
+        product
+    }
+}
+
+/// The unit of a term's parameter, and its scale in the prime system.
+fn measured(
+    spec: &TermSpec,
+    factors: &[Factor],
+    d: usize,
+    channels: &[Channel],
+    prime: &Prime,
+) -> Result<Measured, Invalid> {
+    let (mut speeds, mut rates) = (0_i32, 0_i32);
+    let mut units = String::new();
+    for factor in factors {
+        let sign = if factor.divides { -1 } else { 1 };
+        let unit = match factor.variable.checked_sub(MOTION.len()) {
+            None => {
+                speeds += sign;
+                rates += if factor.variable == 2 { sign } else { 0 };
+                if factor.variable == 2 { "rad/s" } else { "m/s" }
+            }
+            Some(channel) => {
+                let unit = channels[channel].unit.as_str();
+                if spec.prime.is_some() && !["rad", "1", ""].contains(&unit) {
+                    let found =
+                        format!("`prime` with channel `{}` in `{}`", channels[channel].name, foreign(unit));
+                    let expected = "channels in rad or without a unit in terms of the prime system";
+                    return Err(refused(
+                        spec,
+                        &found,
+                        expected,
+                        "write the number as `nominal`, in SI units",
+                    ));
+                }
+                unit
+            }
+        };
+        let joint = if factor.divides { " / " } else { " × " };
+        units.push_str(if units.is_empty() && !factor.divides { "" } else { joint });
+        units.push_str(unit);
+    }
+    let force = ["N", "N", "N m"][d];
+    let unit = if units.is_empty() { force.to_owned() } else { format!("{force} per ({})", units.trim()) };
+    let lengths = prime.length.powi(rates + i32::from(d == 2));
+    Ok(Measured::si(&unit).or_prime(prime.force() * lengths * prime.speed.powi(2 - speeds)))
+}
+
+fn refused(spec: &TermSpec, found: &str, expected: &str, remedy: &str) -> Invalid {
+    let thing = format!("term `{}` of parameter `{}`", foreign(&spec.term), foreign(&spec.parameter));
+    Invalid::new(thing, found, expected, remedy)
+}
+
+struct Parser<'a> {
+    spec: &'a TermSpec,
+    channels: &'a [Channel],
+}
+
+impl Parser<'_> {
+    fn factors(&self) -> Result<Vec<Factor>, Invalid> {
+        let text = self.spec.term.trim();
+        let (mut factors, mut rest, mut divides) = (Vec::new(), text, false);
+        if text.is_empty() {
+            return Err(self.malformed("no factor"));
+        }
+        while !rest.is_empty() {
+            rest = self.factor(rest, divides, &mut factors)?;
+            if factors.len() > MOST_FACTORS {
+                return Err(self.malformed(&format!("more than {MOST_FACTORS} factors")));
+            }
+            divides = rest.starts_with('/');
+            let joined = rest.starts_with(['/', '*']);
+            rest = rest.strip_prefix(['/', '*']).unwrap_or(rest).trim_start();
+            if joined && rest.is_empty() {
+                return Err(self.malformed("nothing after its last `/` or `*`"));
+            }
+        }
+        Ok(factors)
+    }
+
+    /// Adds the factor at the start of `text`; returns the rest.
+    fn factor<'t>(
+        &self,
+        text: &'t str,
+        divides: bool,
+        factors: &mut Vec<Factor>,
+    ) -> Result<&'t str, Invalid> {
+        if let Some(rest) =
+            text.strip_prefix('1').filter(|rest| !rest.starts_with(|c: char| c.is_alphanumeric()))
+        {
+            return Ok(rest.trim_start());
+        }
+        let modulus = text.starts_with('|');
+        let inner = text.strip_prefix('|').unwrap_or(text).trim_start();
+        let end = inner.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(inner.len());
+        let (name, mut rest) = (&inner[..end], inner[end..].trim_start());
+        if modulus {
+            rest = rest.strip_prefix('|').ok_or_else(|| self.malformed("an unclosed `|`"))?.trim_start();
+        }
+        let variable = self.variable(name)?;
+        let mut power = 1;
+        if let Some(exponent) = rest.strip_prefix('^').map(str::trim_start) {
+            let end = exponent.find(|c: char| !c.is_ascii_digit()).unwrap_or(exponent.len());
+            let own = exponent[..end].parse::<usize>().ok().filter(|own| (1..=9).contains(own));
+            power = own.ok_or_else(|| self.malformed("a power that is no whole number from 1 to 9"))?;
+            rest = exponent[end..].trim_start();
+        }
+        if divides {
+            self.check_division(name, variable)?;
+        }
+        factors.extend(std::iter::repeat_n(Factor { variable, modulus, divides }, power));
+        Ok(rest)
+    }
+
+    fn variable(&self, name: &str) -> Result<usize, Invalid> {
+        let known = || MOTION.into_iter().chain(self.channels.iter().map(|own| own.name.as_str()));
+        match known().position(|own| own == name) {
+            Some(variable) => Ok(variable),
+            None if name.is_empty() => Err(self.malformed("a character that begins no name")),
+            None => {
+                let thing = format!(
+                    "term `{}` of parameter `{}`",
+                    foreign(&self.spec.term),
+                    foreign(&self.spec.parameter)
+                );
+                Err(Invalid::unknown(thing, name, known()))
+            }
+        }
+    }
+
+    /// A ship's speed is kept from 0; no other motion is, and channels are only by their range.
+    fn check_division(&self, name: &str, variable: usize) -> Result<(), Invalid> {
+        if MOTION.get(variable) == Some(&"U") {
+            return Ok(());
+        }
+        let own = variable.checked_sub(MOTION.len()).and_then(|channel| self.channels.get(channel));
+        if own.and_then(|own| own.range).is_some_and(|[low, high]| low > 0.0 || high < 0.0) {
+            return Ok(());
+        }
+        let found = format!("a division by `{name}`, which can be 0");
+        let expected = "a division by `U`, or by an input whose `range` is without 0";
+        Err(refused(
+            self.spec,
+            &found,
+            expected,
+            "state such a `range`, or write the term without this division",
+        ))
+    }
+
+    fn malformed(&self, found: &str) -> Invalid {
+        let expected = "names, |names|, powers from 1 to 9 and divisions, such as `v^2 r / U`";
+        refused(self.spec, found, expected, "correct the term")
+    }
+}

@@ -1,0 +1,6 @@
+//! Published ships, laws of steps and tangents, and what is refused.
+
+mod laws;
+mod published;
+mod refusals;
+mod ships;
