@@ -46,6 +46,7 @@ pub fn generated(paper: &Paper, count: usize) -> anyhow::Result<Candidates> {
             keeps: Kept::default(),
             executed: maneuver::Executed::Inputs,
             feedback: None,
+            approach: None,
             kind,
         }
     };

@@ -27,6 +27,7 @@ impl GenerateSpec {
                 keeps: Kept::default(),
                 executed: self.executed,
                 feedback: None,
+                approach: None,
                 kind: draw.kind(kind, index),
             }
         };

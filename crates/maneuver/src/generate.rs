@@ -13,7 +13,7 @@ use crate::DictionaryFile;
 use crate::actuated::actuated;
 use crate::feedback::{Executed, Linearised, Nominal, Tracked};
 use crate::reached::{self, Aim, Tolerance};
-use crate::standard::{Approach, Orders, Standard};
+use crate::standard::{Approach, Orders, Settings, Standard, changes, check_names};
 use crate::steady::{Motion, Steady};
 
 /// A maneuver turned into inputs.
@@ -83,6 +83,7 @@ impl Generator {
             }
             if let Some(standard) = maneuver.kind.standard() {
                 standard.check_inputs(&maneuver.name, vessel)?;
+                check_approach(maneuver, vessel)?;
             }
         }
         let own = Self {
@@ -237,7 +238,7 @@ impl Generator {
             return Ok(self.react(initial, samples, helm.clone()));
         }
         if let Some(standard) = maneuver.kind.standard() {
-            let (orders, approach) = self.orders(standard).map_err(named)?;
+            let (orders, approach) = self.orders(standard, &maneuver.approach).map_err(named)?;
             let helm = actuated(Helm::new(orders), &self.vessel, &approach);
             return Ok(self.react(initial, samples, helm));
         }
@@ -264,7 +265,8 @@ impl Generator {
             return Ok(Some(helm.clone()));
         }
         if let Some(standard) = maneuver.kind.standard() {
-            return self.orders(standard).map(|(orders, _)| Some(Helm::new(orders))).map_err(named);
+            let orders = self.orders(standard, &maneuver.approach);
+            return orders.map(|(orders, _)| Some(Helm::new(orders))).map_err(named);
         }
         if maneuver.executed == Executed::Inputs {
             return Ok(None);
@@ -297,11 +299,14 @@ impl Generator {
     }
 
     /// The orders of a standard maneuver, and the inputs of its approach, by which it begins.
-    fn orders(&self, standard: Standard) -> Result<(Orders, Vec<f64>), Invalid> {
+    fn orders(&self, standard: Standard, given: &Option<Settings>) -> Result<(Orders, Vec<f64>), Invalid> {
         let (vessel, width) = (&self.vessel, self.vessel.model.inputs);
         let mut inputs = vec![0.0; width + 1];
         let motion = Motion { u: standard.speed_m_s(), v: None, r: 0.0 };
-        Steady::new(vessel, &self.parameters).solve(motion, &mut inputs)?;
+        match given {
+            Some(given) => inputs = changes(given, vessel),
+            None => Steady::new(vessel, &self.parameters).solve(motion, &mut inputs)?,
+        }
         inputs.truncate(width);
         let mut linearised = Linearised::new(vessel, &self.parameters);
         linearised.look([motion.u, 0.0, 0.0], &vessel.model.undisturbed(&inputs));
@@ -366,6 +371,14 @@ impl Generator {
         }
         Ok(inputs)
     }
+}
+
+/// Refuses an approach by inputs that `vessel` does not have, or beyond their ranges.
+fn check_approach(maneuver: &ManeuverSpec, vessel: &Vessel) -> Result<(), Invalid> {
+    let Some(approach) = &maneuver.approach else { return Ok(()) };
+    check_names(&maneuver.name, "approach", approach, vessel)?;
+    let thing = || format!("maneuver `{}`, `approach`", maneuver.name);
+    check_range(vessel, &changes(approach, vessel), thing)
 }
 
 /// The wanted motion, sample by sample.

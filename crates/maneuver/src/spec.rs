@@ -10,7 +10,7 @@ use super::shape::Shape;
 use super::signal::{LONGEST_S, SWING_SAMPLES, Signal, check_period};
 use crate::feedback::{Controller, Executed};
 use crate::standard::{
-    PullOut, ReverseSpiral, Sensors, SpiralTest, Standard, Stop, TurningCircle, ZigZagTest,
+    PullOut, ReverseSpiral, Sensors, Settings, SpiralTest, Standard, Stop, TurningCircle, ZigZagTest,
 };
 
 /// One maneuver.
@@ -28,6 +28,8 @@ pub struct ManeuverSpec {
     pub executed: Executed,
     /// The controller of a motion that is executed by feedback; `None`: the usual one.
     pub feedback: Option<Controller>,
+    /// Inputs of the approach of a standard maneuver; `None`: those that hold it steady.
+    pub approach: Option<Settings>,
     /// Its kind and parameters.
     pub kind: Kind,
 }
@@ -37,7 +39,8 @@ const FASTEST_M_S: f64 = 100.0;
 const FASTEST_RAD_S: f64 = 10.0;
 
 /// Keys of every kind of maneuver.
-const COMMON_KEYS: [&str; 7] = ["name", "kind", "description", "duration_s", "keeps", "executed", "feedback"];
+const COMMON_KEYS: [&str; 8] =
+    ["name", "kind", "description", "duration_s", "keeps", "executed", "feedback", "approach"];
 
 impl<'de> Deserialize<'de> for ManeuverSpec {
     /// The keys that all kinds share, then those of the kind: any other key is refused (which a flattened enum would
@@ -64,7 +67,7 @@ impl<'de> Deserialize<'de> for ManeuverSpec {
                 .find_map(|line| Some(line.strip_prefix("in `")?.strip_suffix('`')?.to_owned()));
             D::Error::custom(in_item(&e, called.as_deref(), key.as_deref()))
         };
-        let [keeps, feedback] = ["keeps", "feedback"].map(|key| table.remove(key));
+        let [keeps, feedback, approach] = ["keeps", "feedback", "approach"].map(|key| table.remove(key));
         let Common { name, description, duration_s, executed } = common.try_into().map_err(refused)?;
         let within = |key: &'static str| {
             let name = &name;
@@ -77,7 +80,8 @@ impl<'de> Deserialize<'de> for ManeuverSpec {
         let kind: Kind = strictly(table.clone()).map_err(named)?;
         let executed = executed.unwrap_or(Executed::Inputs);
         let feedback = feedback.map(strictly).transpose().map_err(within("feedback"))?;
-        Ok(Self { name, description, duration_s, keeps, executed, feedback, kind })
+        let approach = approach.map(strictly).transpose().map_err(within("approach"))?;
+        Ok(Self { name, description, duration_s, keeps, executed, feedback, approach, kind })
     }
 }
 
@@ -129,6 +133,8 @@ struct CommonKeys {
     executed: Option<Executed>,
     /// The controller of a motion that is executed by feedback.
     feedback: Option<Controller>,
+    /// Inputs of the approach of a standard maneuver, in place of those that hold it steady.
+    approach: Option<Settings>,
 }
 
 impl JsonSchema for ManeuverSpec {
@@ -333,6 +339,7 @@ impl ManeuverSpec {
         }
         self.keeps.check(&self.name)?;
         self.check_feedback()?;
+        self.check_approach()?;
         if let Some(standard) = self.kind.standard() {
             standard.check(&self.name, self.duration(default_s))?;
         }
@@ -406,6 +413,21 @@ impl ManeuverSpec {
             }
             (_, Some(controller)) => controller.check(&self.name),
             (_, None) => Ok(()),
+        }
+    }
+
+    fn check_approach(&self) -> Result<(), Invalid> {
+        let Some(approach) = &self.approach else { return Ok(()) };
+        let refuse = |found: String, expected: &str, remedy: &str| {
+            Err(Invalid::new(format!("maneuver `{}`, `approach`", self.name), found, expected, remedy))
+        };
+        if self.kind.standard().is_none() {
+            let expected = "the approach of a standard maneuver, such as `kind = \"zig-zag-test\"`";
+            return refuse("inputs of an approach".to_owned(), expected, "remove it");
+        }
+        match approach.iter().find(|(_, value)| !value.is_finite()) {
+            Some((name, value)) => refuse(format!("{name} = {value}"), "finite numbers", "correct it"),
+            None => Ok(()),
         }
     }
 

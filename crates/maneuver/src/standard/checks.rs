@@ -1,7 +1,7 @@
 use model::Vessel;
 use refusal::Invalid;
 
-use super::spec::{Standard, steps};
+use super::spec::{Settings, Standard, steps};
 use crate::signal::LONGEST_S;
 
 /// The most steps of a spiral to one side.
@@ -76,24 +76,34 @@ impl Standard<'_> {
     /// Refuses names that are no inputs of `vessel`, and followers of others.
     pub(crate) fn check_inputs(&self, name: &str, vessel: &Vessel) -> Result<(), Invalid> {
         let (key, settings) = self.settings();
-        let inputs = vessel.model.input_variables();
-        let free = |i: &usize| vessel.couplings[*i].is_none();
-        for input in settings.keys() {
-            let place = inputs.iter().position(|own| own.name == *input);
-            if place.filter(free).is_none() {
-                let known: Vec<String> =
-                    (0..inputs.len()).filter(free).map(|i| format!("`{}`", inputs[i].name)).collect();
-                let found = if place.is_some() { "an input that follows another" } else { "no input" };
-                return Err(Invalid::new(
-                    format!("maneuver `{name}`, `{key}.{input}`"),
-                    found,
-                    format!("one of {} of the vessel", known.join(", ")),
-                    "correct the name",
-                ));
-            }
-        }
-        Ok(())
+        check_names(name, key, settings, vessel)
     }
+}
+
+/// Refuses names in `key` of maneuver `name` that are no inputs of `vessel`, and followers of others.
+pub(crate) fn check_names(
+    name: &str,
+    key: &str,
+    settings: &Settings,
+    vessel: &Vessel,
+) -> Result<(), Invalid> {
+    let inputs = vessel.model.input_variables();
+    let free = |i: &usize| vessel.couplings[*i].is_none();
+    for input in settings.keys() {
+        let place = inputs.iter().position(|own| own.name == *input);
+        if place.filter(free).is_none() {
+            let known: Vec<String> =
+                (0..inputs.len()).filter(free).map(|i| format!("`{}`", inputs[i].name)).collect();
+            let found = if place.is_some() { "an input that follows another" } else { "no input" };
+            return Err(Invalid::new(
+                format!("maneuver `{name}`, `{key}.{input}`"),
+                found,
+                format!("one of {} of the vessel", known.join(", ")),
+                "correct the name",
+            ));
+        }
+    }
+    Ok(())
 }
 
 fn spiral(name: &str, steps: u32, dwell_s: f64) -> Result<(), Invalid> {

@@ -6,8 +6,9 @@ mod orders;
 mod spec;
 
 pub use spec::{
-    Board, PullOut, ReverseSpiral, Sensors, SpiralTest, Standard, Stop, TurningCircle, ZigZagTest,
+    Board, PullOut, ReverseSpiral, Sensors, Settings, SpiralTest, Standard, Stop, TurningCircle, ZigZagTest,
 };
 
-pub(crate) use orders::{Approach, Orders};
-pub(crate) use spec::{Settings, steps};
+pub(crate) use checks::check_names;
+pub(crate) use orders::{Approach, Orders, changes};
+pub(crate) use spec::steps;

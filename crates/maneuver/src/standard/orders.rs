@@ -204,7 +204,7 @@ fn at_stop([low, high]: [f64; 2], input: f64) -> f64 {
 }
 
 /// `settings` as a row of inputs; inputs that follow others do so here, too.
-fn changes(settings: &Settings, vessel: &Vessel) -> Vec<f64> {
+pub(crate) fn changes(settings: &Settings, vessel: &Vessel) -> Vec<f64> {
     let inputs = vessel.model.input_variables();
     let mut row: Vec<f64> =
         inputs.iter().map(|own| settings.get(&own.name).copied().unwrap_or(0.0)).collect();
