@@ -1,8 +1,9 @@
 use std::ops::Range;
 
 use model::{Factor, Model, Term};
-use numerics::{Arithmetic, Row};
+use numerics::Row;
 
+use crate::moving::{Point, Stepping};
 use crate::products::{Curve, Derivatives, ONE, Products, Slope, first_coefficient, note, place, put_state};
 
 /// A model with its parameters, compiled to products of two places each, so that a step has no branches.
@@ -12,8 +13,10 @@ use crate::products::{Curve, Derivatives, ONE, Products, Slope, first_coefficien
 ///
 /// [`Self::look`] sets a point; values there are computed on request. Derivatives are compiled on first use,
 /// so that callers who only need values do not pay for them.
+///
+/// A model that is made of forces has no terms: its increments are a step of Runge and Kutta's method with held inputs.
 #[derive(Clone, Debug)]
-pub struct Compiled<'m, X> {
+pub struct Compiled<'m, X: Stepping> {
     model: &'m Model,
     variables: usize,
     /// The known ones come last.
@@ -29,6 +32,10 @@ pub struct Compiled<'m, X> {
     by_exogenous: Option<Derivatives<Slope>>,
     twice: Option<Derivatives<Curve>>,
     places: Vec<X>,
+    /// In place of terms.
+    moving: Option<Box<X::Moving<'m>>>,
+    /// Of the current at the point that was set \[m/s\]; only where forces move the ship.
+    current: [X; 2],
 }
 
 /// The disturbances of a vessel during a sample; none by default.
@@ -110,7 +117,14 @@ fn kind([one, two]: [usize; 2], variables: usize) -> u8 {
     }
 }
 
-impl<'m, X: Arithmetic> Compiled<'m, X> {
+/// The point of these variables, states first.
+#[inline(always)]
+fn point<X: Stepping>(variables: &[X], current: [X; 2]) -> Point<'_, X> {
+    let relative = [variables[0], variables[1], variables[2]];
+    Point { relative, exogenous: &variables[3..], current }
+}
+
+impl<'m, X: Stepping> Compiled<'m, X> {
     /// `model` with one number per parameter.
     pub fn new(model: &'m Model, parameters: &[X]) -> Self {
         let variables = model.variables.len();
@@ -122,6 +136,7 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         let mut all = parameters.to_vec();
         all.extend(model.known().map(|(_, known)| X::from(known.coefficient)));
         let mut first = 0;
+        let moving = model.forces.as_ref().map(|own| Box::new(X::moving(own, parameters)));
         let mut sums = model.degrees.each_ref().map(|degree| {
             let own = first..first + degree.terms.len();
             first = own.end;
@@ -130,7 +145,7 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
             sum.sort_by_key(|term| kind(term.places, variables));
             sum
         });
-        for ((d, places), parameter) in known.into_iter().zip(&all[terms.len()..]) {
+        for ((d, places), parameter) in known.into_iter().zip(&all[parameters.len()..]) {
             sums[d].push(Weighted { parameter: *parameter, places });
         }
         let Places { moduli, products, tied, .. } = places;
@@ -153,6 +168,8 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
             by_exogenous: None,
             twice: None,
             places,
+            moving,
+            current: [X::ZERO; 2],
         }
     }
 
@@ -165,6 +182,9 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         if let Some([along, across]) = current {
             places[1] = state[0] - along;
             places[2] = state[1] - across;
+        }
+        if self.moving.is_some() {
+            self.current = current.unwrap_or([X::ZERO; 2]);
         }
         for (place, value) in places[4..=*variables].iter_mut().zip(exogenous) {
             *place = (*value).into();
@@ -186,7 +206,7 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         }
     }
 
-    /// φ of parameter `i`.
+    /// φ of parameter `i` of a model of terms.
     #[inline(always)]
     pub fn term(&self, i: usize) -> X {
         let [one, two] = self.terms[i];
@@ -210,7 +230,16 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
     /// θᵀφ of surge, sway and yaw, plus the increments without parameters.
     #[inline(always)]
     pub fn increments(&self) -> [X; 3] {
+        if let Some(own) = &self.moving {
+            return X::increments(own, self.point(self.current));
+        }
         [self.increment(0), self.increment(1), self.increment(2)]
+    }
+
+    /// The point that was set, in this current.
+    #[inline(always)]
+    fn point(&self, current: [X; 2]) -> Point<'_, X> {
+        point(&self.places[1..=self.variables], current)
     }
 
     #[inline(always)]
@@ -254,6 +283,12 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
         for (i, own) in places[4..=*variables].iter_mut().enumerate() {
             *own = X::of(|place| exogenous.entry(i, place));
         }
+        if let Some(own) = &self.moving {
+            let current = [state[0] - self.places[1], state[1] - self.places[2]];
+            let gained = X::increments(own, self.point(current));
+            (0..3).for_each(|d| state[d] += gained[d]);
+            return;
+        }
         self.evaluate();
         // Each sum is finished before the next begins: three at once need more registers than processors have.
         state[0] += self.increment(0);
@@ -264,6 +299,11 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
     /// J with J\[d\]\[i\] = θ_dᵀ ∂φ_d/∂(state i). The slope of a modulus at zero is 0, here and below.
     #[inline(always)]
     pub fn slopes(&mut self) -> [[X; 3]; 3] {
+        if let Some(own) = &mut self.moving {
+            let mut by_state = [[X::ZERO; 3]; 3];
+            X::gradients(own, point(&self.places[1..=self.variables], self.current), 0..3, &mut by_state);
+            return [0, 1, 2].map(|d: usize| by_state.map(|own| own[d]));
+        }
         let Self { model, variables, parameters, by_state, places, .. } = self;
         let own = by_state.get_or_insert_with(|| Derivatives::once(model, places, true));
         own.evaluate(*variables, places);
@@ -309,6 +349,12 @@ impl<'m, X: Arithmetic> Compiled<'m, X> {
 
     /// By the states or by the exogenous variables.
     fn gradients_by(&mut self, which: &[bool], out: &mut [[X; 3]]) {
+        if let Some(own) = &mut self.moving {
+            out.fill([X::ZERO; 3]);
+            let first = if which.contains(&true) { 0 } else { 3 };
+            let here = point(&self.places[1..=self.variables], self.current);
+            return X::gradients(own, here, first..self.variables, out);
+        }
         let Self { model, parameters, by_state, by_exogenous, places, .. } = self;
         out.fill([X::ZERO; 3]);
         for states in which {

@@ -121,14 +121,17 @@ impl<'f, X: Real> Body<'f, X> {
         begin + change.times(share)
     }
 
+    /// One loop over the four stages, so that the forces are compiled once.
     #[inline(always)]
     fn runge_kutta(&self, state: [X; 3], at: impl Fn(f64, usize) -> X, step: f64) -> [X; 3] {
-        let moved = |by: [X; 3], seconds: f64| std::array::from_fn(|d| state[d] + by[d].times(seconds));
-        let k_1 = self.changes(state, &|channel| at(0.0, channel));
-        let k_2 = self.changes(moved(k_1, 0.5 * step), &|channel| at(0.5, channel));
-        let k_3 = self.changes(moved(k_2, 0.5 * step), &|channel| at(0.5, channel));
-        let k_4 = self.changes(moved(k_3, step), &|channel| at(1.0, channel));
-        let sum = |d: usize| k_1[d] + k_4[d] + (k_2[d] + k_3[d]).times(2.0);
-        std::array::from_fn(|d| state[d] + sum(d).times(step / 6.0))
+        // Where each stage is within the step, and its weight.
+        const STAGES: [(f64, f64); 4] = [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)];
+        let (mut change, mut sum) = ([X::ZERO; 3], [X::ZERO; 3]);
+        for (share, weight) in STAGES {
+            let here = std::array::from_fn(|d| state[d] + change[d].times(share * step));
+            change = self.changes(here, &|channel| at(share, channel));
+            (0..3).for_each(|d| sum[d] += change[d].times(weight));
+        }
+        std::array::from_fn(|d| state[d] + sum[d].times(step / 6.0))
     }
 }

@@ -94,6 +94,26 @@ impl Forces {
         self.parameters().iter().map(|own| own.nominal).collect()
     }
 
+    /// The channels that thrusters follow with a lag, and these lags \[s\] before any estimate.
+    pub fn lags(&self) -> Vec<(usize, f64)> {
+        let numbers = self.numbers.with(&self.nominal());
+        let lag = |own: &Thruster| own.delay.map(|[lag, _]| (own.input(), lag.of(&numbers)));
+        self.thrusters.iter().filter_map(lag).filter(|(_, lag)| *lag > 0.0).collect()
+    }
+
+    /// Whether a thruster begins to follow its input only after some time.
+    pub fn has_dead_time(&self) -> bool {
+        let numbers = self.numbers.with(&self.nominal());
+        let late = |own: &Thruster| own.delay.is_some_and(|[_, dead]| dead.of(&numbers) > 0.0);
+        self.thrusters.iter().any(late)
+    }
+
+    /// Whether a channel drives a propeller whose thrust law holds ahead only.
+    pub fn is_ahead_only(&self, channel: usize) -> bool {
+        let mut driven = self.propellers.iter().filter(|own| own.revolutions.channel == channel);
+        driven.any(|own| !own.is_reversed())
+    }
+
     /// As written.
     pub fn description(&self) -> &Description {
         &self.description

@@ -86,6 +86,11 @@ impl Propeller {
         })
     }
 
+    /// Whether it has forces at negative revolutions.
+    pub fn is_reversed(&self) -> bool {
+        self.astern.is_some()
+    }
+
     /// u_P: the speed of the water that flows to it \[m/s\].
     #[inline(always)]
     fn inflow<X: Real>(&self, numbers: &[X], around: &Surroundings<X>) -> X {

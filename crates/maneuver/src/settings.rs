@@ -9,6 +9,14 @@ pub(super) fn check_range(vessel: &Vessel, inputs: &[f64], what: impl Fn() -> St
         None => ("its `range` in the vessel's file", "correct the range"),
         Some(_) => ("about what the logs of the model cover", "allow more with --beyond-range"),
     };
+    if inputs[i] < low && vessel.model.forces.as_ref().is_some_and(|own| own.forces.is_ahead_only(i)) {
+        return Err(Invalid::new(
+            what(),
+            format!("{} = {} {}", variable.name, inputs[i], variable.unit),
+            format!("a setting from {low} to {high}: the propeller's thrust law holds ahead only"),
+            "leave it out, or give the propeller coefficients `astern`",
+        ));
+    }
     Err(Invalid::new(
         what(),
         format!("{} = {} {}", variable.name, inputs[i], variable.unit),

@@ -1,33 +1,9 @@
 use std::collections::BTreeMap;
 
+use forces::TermSpec;
 use refusal::{Invalid, nearest};
-use schemars::JsonSchema;
-use serde::Deserialize;
 
 use crate::{Constrained, Constraint, Degree, DegreeOfFreedom, Product, Term};
-
-/// One term of an equation.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct TermSpec {
-    /// Name of the parameter.
-    pub parameter: String,
-    /// What it multiplies.
-    pub term: String,
-    /// Its true value, where known: simulated trials follow it.
-    pub value: Option<f64>,
-    /// Its crude value: instruments are made with it. Those that are fixed or tied need none.
-    pub nominal: Option<f64>,
-    /// Whether its value (or nominal value) is known, so that it is not estimated.
-    #[serde(default)]
-    pub fixed: bool,
-    /// Another parameter of the same degree of freedom that it equals …
-    pub tied_to: Option<String>,
-    /// … times this factor, 1 unless given.
-    pub factor: Option<f64>,
-    /// Between which its estimates stay.
-    pub bounds: Option<[f64; 2]>,
-}
 
 /// One degree of freedom under construction: its terms as written.
 pub(crate) struct Equation<'a> {

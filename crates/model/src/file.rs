@@ -1,76 +1,18 @@
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
-use std::str::FromStr;
 
+use forces::TermSpec;
 use refusal::{Invalid, check_name, check_numbers, check_ranges};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::derived::derive;
-use crate::equation::{Equation, Reduced, TermSpec};
-use crate::{Actuator, Constrained, DegreeOfFreedom, DerivedSpec, InputSpec, Model, Term, Variable, Written};
-
-/// `vessel.toml` as written.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct VesselFile {
-    /// A built-in vessel to start from; it replaces everything below but `name`, `value` and `nominal`.
-    pub preset: Option<String>,
-    /// Name of the vessel.
-    pub name: Option<String>,
-    /// The sampling rate that the parameters hold for \[Hz\].
-    pub sample_rate_hz: Option<f64>,
-    /// Inputs, in order.
-    #[serde(default)]
-    pub input: Vec<InputSpec>,
-    /// Measured disturbances, in order.
-    #[serde(default)]
-    pub measured: Vec<MeasuredSpec>,
-    /// Channels that are computed from inputs, measured disturbances and each other.
-    #[serde(default)]
-    pub derived: Vec<DerivedSpec>,
-    /// Terms of the surge equation.
-    #[serde(default)]
-    pub surge: Vec<TermSpec>,
-    /// Terms of the sway equation.
-    #[serde(default)]
-    pub sway: Vec<TermSpec>,
-    /// Terms of the yaw equation.
-    #[serde(default)]
-    pub yaw: Vec<TermSpec>,
-    /// True values that replace those of the terms, by parameter.
-    #[serde(default)]
-    pub value: BTreeMap<String, f64>,
-    /// Nominal values that replace those of the terms, by parameter.
-    #[serde(default)]
-    pub nominal: BTreeMap<String, f64>,
-    /// Known increments of u, v \[m/s\] and r \[rad/s\] per sample that do not depend on the vessel.
-    #[serde(default)]
-    pub constant: [f64; 3],
-}
-
-/// From the text of `vessel.toml`, compiled here alone: others would have code of their own for every type in it.
-impl FromStr for VesselFile {
-    type Err = toml::de::Error;
-
-    fn from_str(text: &str) -> Result<Self, toml::de::Error> {
-        toml::from_str(text)
-    }
-}
-
-/// A measured disturbance.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(rename = "ModelChannel")]
-pub struct MeasuredSpec {
-    /// Name as used in terms and as a column.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
-    /// What it is wherever a trial is simulated, in its unit.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub simulated: Option<f64>,
-}
+use crate::equation::{Equation, Reduced};
+use crate::parts::Parts;
+use crate::physics::{self, moved};
+use crate::presets::preset;
+use crate::written::{Kind, VesselFile, missing};
+use crate::{Actuator, Constrained, DegreeOfFreedom, InputSpec, Model, Term, Variable, Written};
 
 /// Which of the two parameter sets is meant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -118,10 +60,6 @@ pub struct Vessel {
     pub motion: Option<[[f64; 2]; 3]>,
 }
 
-/// The built-in vessels: name and `vessel.toml`.
-const PRESETS: [(&str, &str); 1] =
-    [("ljungberg-model-ship", include_str!("../presets/ljungberg-model-ship.toml"))];
-
 impl Vessel {
     /// Checks a file's content.
     ///
@@ -139,31 +77,23 @@ impl Vessel {
         let constant = file.constant.map(|gained| ("constant", gained));
         check_numbers(constant, "at most 10 m/s or rad/s in a sample", |gained| gained.abs() <= 10.0)?;
         let variables = variables(&file)?;
-        let terms = terms(&file, &variables)?;
         let couplings = couplings(&file.input)?;
-        let actuators = file.input.iter().map(Actuator::new).collect::<Result<_, _>>()?;
-        let written = replaced(&file)?;
-        check_parameters(&written)?;
-        let (mut value, mut nominal, mut constrained) = (Vec::new(), Vec::new(), Vec::new());
-        let (all, mut terms) = (written.iter().flatten().collect::<Vec<_>>(), terms.into_iter());
-        let mut degree = |d: DegreeOfFreedom| {
-            let own = written[d as usize].iter().zip(terms.next().unwrap_or_default()).collect();
-            let reduced = Equation::new(d, own, &all).reduced(nominal.len())?;
-            let Reduced { degree, value: values, nominal: nominals, constrained: others } = reduced;
-            value.extend(values);
-            nominal.extend(nominals);
-            constrained.extend(others);
-            Ok::<_, Invalid>(degree)
+        let mut actuators = file.input.iter().map(Actuator::new).collect::<Result<Vec<_>, _>>()?;
+        let (forces, parts) = match file.model.unwrap_or(Kind::PerSample) {
+            Kind::Forces => {
+                let (moved, parts) = moved(&file, &variables, &mut actuators)?;
+                (Some(moved), parts)
+            }
+            Kind::PerSample => (None, parts_per_sample(&file, &variables)?),
         };
-        let [surge, sway, yaw] = DegreeOfFreedom::ALL;
-        let degrees = [degree(surge)?, degree(sway)?, degree(yaw)?];
+        let Parts { degrees, value, nominal, constrained } = parts;
         let name = file.name.clone().ok_or_else(|| missing("name"))?;
         check_name("`name` of the vessel", &name)?;
         let names: Vec<&str> = variables.iter().map(|v| v.name.as_str()).collect();
         let derived = derive(&file.derived, &names, first_derived(&file))?;
         let simulated = simulated(&file)?;
         let inputs = file.input.len();
-        let model = Model { variables, inputs, simulated, derived, degrees, constant: file.constant };
+        let model = Model { variables, inputs, simulated, derived, degrees, constant: file.constant, forces };
         Ok(Self {
             name,
             sample_rate_hz: rate,
@@ -183,6 +113,22 @@ impl Vessel {
     /// An unknown name.
     pub fn preset(name: &str) -> Result<Self, Invalid> {
         Self::from_file(VesselFile { preset: Some(name.to_owned()), ..VesselFile::default() })
+    }
+
+    /// Refuses a ship with forces: `what` computes with products of terms per sample.
+    ///
+    /// # Errors
+    /// Names `what`.
+    pub fn check_terms(&self, what: &str) -> Result<(), Invalid> {
+        if self.model.forces.is_none() {
+            return Ok(());
+        }
+        Err(Invalid::new(
+            "`model`",
+            "`forces`, which have no terms per sample",
+            format!("terms per sample, with whose products `{what}` computes"),
+            "give it a vessel with terms per sample; `simulate` and `validate merit` take forces",
+        ))
     }
 
     /// The true values where every parameter has one, else the nominal ones.
@@ -256,6 +202,25 @@ impl Vessel {
     }
 }
 
+/// Those of terms per sample.
+fn parts_per_sample(file: &VesselFile, variables: &[Variable]) -> Result<Parts, Invalid> {
+    physics::check_absent(file)?;
+    let (written, terms) = (replaced(file)?, terms(file, variables)?);
+    check_parameters(&written)?;
+    let (all, mut terms) = (written.iter().flatten().collect::<Vec<_>>(), terms.into_iter());
+    let mut parts = Parts::default();
+    for d in DegreeOfFreedom::ALL {
+        let own = written[d as usize].iter().zip(terms.next().unwrap_or_default()).collect();
+        let Reduced { degree, value, nominal, constrained } =
+            Equation::new(d, own, &all).reduced(parts.nominal.len())?;
+        parts.degrees[d as usize] = degree;
+        parts.value.extend(value);
+        parts.nominal.extend(nominal);
+        parts.constrained.extend(constrained);
+    }
+    Ok(parts)
+}
+
 /// The numbers of channels and terms, with their limits.
 fn counts(file: &VesselFile) -> [(&'static str, f64, RangeInclusive<f64>, &'static str); 6] {
     let channels =
@@ -296,35 +261,6 @@ fn check_parameters(written: &[Vec<TermSpec>; 3]) -> Result<(), Invalid> {
         }
     }
     Ok(())
-}
-
-fn missing(key: &str) -> Invalid {
-    Invalid::new(format!("key `{key}`"), "none", format!("`{key}`"), "add it, or name a `preset`")
-}
-
-fn preset(file: VesselFile) -> Result<VesselFile, Invalid> {
-    let name = file.preset.as_deref().unwrap_or_default();
-    let Some((_, text)) = PRESETS.iter().find(|(preset, _)| *preset == name) else {
-        return Err(Invalid::unknown("`preset`", name, PRESETS.iter().map(|(name, _)| *name)));
-    };
-    let own = [&file.surge, &file.sway, &file.yaw].iter().any(|terms| !terms.is_empty());
-    let channels = !(file.input.is_empty() && file.measured.is_empty() && file.derived.is_empty());
-    if own || channels || file.sample_rate_hz.is_some() {
-        return Err(Invalid::new(
-            "`preset`",
-            "a structure of the file's own in addition",
-            "a preset with `name`, [value] and [nominal] only",
-            "remove `preset`, or the terms, inputs and `sample_rate_hz`",
-        ));
-    }
-    let mut base: VesselFile = text.parse().map_err(|e: toml::de::Error| {
-        Invalid::new("`preset`", e.message().to_owned(), "a vessel", "report this as a defect")
-    })?;
-    base.name = file.name.or(base.name);
-    base.value.extend(file.value);
-    base.nominal.extend(file.nominal);
-    base.constant = file.constant;
-    Ok(base)
 }
 
 fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {

@@ -10,6 +10,10 @@ impl Vessel {
     /// known, with their values if these are known.
     #[must_use]
     pub fn with_disturbances_held(self) -> Self {
+        // The parameters of forces belong to no terms.
+        if self.model.forces.is_some() {
+            return self;
+        }
         let held = self.held_variables();
         let is_held = |term: &Term| term.products().flatten().any(|Factor { variable, .. }| held[*variable]);
         let degrees = &self.model.degrees;

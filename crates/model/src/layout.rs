@@ -29,6 +29,11 @@ impl Model {
 
     /// The order of its parameters.
     pub fn layout(&self) -> ParameterLayout {
+        if self.forces.is_some() {
+            // Parameters of forces belong to no one degree of freedom; they are in order, and no intercepts are among them.
+            let terms = [self.parameters(), 0, 0];
+            return ParameterLayout { terms, intercepts: [false; 3], constants: [true; 3] };
+        }
         ParameterLayout {
             terms: self.degrees.each_ref().map(|degree| degree.terms.len() - usize::from(degree.intercept)),
             intercepts: self.degrees.each_ref().map(|degree| degree.intercept),

@@ -4,7 +4,8 @@
 //! States are surge `u`, sway `v` \[m/s\] and yaw rate `r` \[rad/s\] in body axes (x forward, y starboard, z down).
 //! A model structure lists per degree of freedom terms that are products of powers and moduli of states, inputs and
 //! measured disturbances; the parameter of a term multiplies it, and the sum is the state's increment per sample:
-//! `x_d(k+1) = x_d(k) + φ_d(k)ᵀ θ_d`. See `docs/notation.md`.
+//! `x_d(k+1) = x_d(k) + φ_d(k)ᵀ θ_d`. See `docs/notation.md`. Or the model is made of forces in continuous time
+//! ([`Moved`]), and has no terms per sample.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -21,18 +22,25 @@ mod input;
 mod layout;
 mod model;
 mod more_channels;
+mod moved;
+mod parts;
+mod physics;
+mod presets;
 mod rows;
 mod term;
 pub mod terms;
+mod written;
 
 pub use acting::{Acting, Ordered};
 pub use actuator::Actuator;
 pub use constraint::{Constrained, Constraint, Written};
 pub use derived::{DerivedChannel, DerivedSpec};
-pub use equation::TermSpec;
-pub use file::{MeasuredSpec, Source, Vessel, VesselFile};
+pub use file::{Source, Vessel};
+pub use forces::TermSpec;
 pub use formula::{Formula, Function, Malformed};
 pub use input::InputSpec;
 pub use layout::ParameterLayout;
 pub use model::{Degree, DegreeOfFreedom, Model, Variable};
+pub use moved::Moved;
 pub use term::{Factor, Product, Term};
+pub use written::{Kind, MeasuredSpec, VesselFile};

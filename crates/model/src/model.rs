@@ -1,6 +1,9 @@
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use crate::{DerivedChannel, Product, Term};
+use forces::Parameter;
+
+use crate::{DerivedChannel, Moved, Product, Term};
 
 /// Surge, sway or yaw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,6 +96,8 @@ pub struct Model {
     /// Known increments of u, v \[m/s\] and r \[rad/s\] per sample that do not depend on the vessel; not
     /// parameters.
     pub constant: [f64; 3],
+    /// Forces in continuous time, in place of terms and constants: then the degrees of freedom have none.
+    pub forces: Option<Arc<Moved>>,
 }
 
 impl Model {
@@ -113,7 +118,12 @@ impl Model {
 
     /// Number of parameters of all degrees of freedom.
     pub fn parameters(&self) -> usize {
-        self.degrees.iter().map(|d| d.terms.len()).sum()
+        self.degrees.iter().map(|d| d.terms.len()).sum::<usize>() + self.free().len()
+    }
+
+    /// The free parameters of its forces; none of terms per sample.
+    fn free(&self) -> &[Parameter] {
+        self.forces.as_ref().map_or(&[], |own| own.forces.parameters())
     }
 
     /// The measured disturbances.
@@ -128,6 +138,10 @@ impl Model {
 
     /// The bounds of all parameters, infinite where there are none; `None` without any.
     pub fn bounds(&self) -> Option<Vec<[f64; 2]>> {
+        if let Some(own) = &self.forces {
+            let all: Vec<[f64; 2]> = own.forces.parameters().iter().map(|own| own.bounds).collect();
+            return Some(all).filter(|all| all.iter().any(|own| *own != OPEN));
+        }
         let bounded = self.degrees.iter().any(|degree| !degree.bounds.is_empty());
         bounded.then(|| {
             let own = |degree: &Degree, i: usize| degree.bounds.get(&i).copied().unwrap_or(OPEN);
@@ -140,7 +154,8 @@ impl Model {
 
     /// Names of all parameters: surge, sway, yaw.
     pub fn parameter_names(&self) -> impl Iterator<Item = &str> {
-        self.degrees.iter().flat_map(|d| d.parameters.iter().map(String::as_str))
+        let free = self.free().iter().map(|own| own.name.as_str());
+        self.degrees.iter().flat_map(|d| d.parameters.iter().map(String::as_str)).chain(free)
     }
 
     /// The unit of the parameter of `term` in the equation of `degree`.
@@ -158,6 +173,7 @@ impl Model {
         let of = |(d, degree): (DegreeOfFreedom, &Degree)| {
             degree.terms.iter().map(|term| self.unit(d, term)).collect::<Vec<_>>()
         };
-        DegreeOfFreedom::ALL.into_iter().zip(&self.degrees).flat_map(of).collect()
+        let free = self.free().iter().map(|own| own.unit.clone());
+        DegreeOfFreedom::ALL.into_iter().zip(&self.degrees).flat_map(of).chain(free).collect()
     }
 }

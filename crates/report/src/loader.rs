@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use artifact::{Changes, Digest, Document, Error, Loaded, MIXED, Provenance, TableReader, read_document};
 use serde::de::DeserializeOwned;
 use study::documents::Reference;
-use study::files::{DictionaryFile, Vessel, read_reference, read_vessel};
+use study::files::{DictionaryFile, Vessel, read_any_vessel, read_reference};
 use study::role_of;
 
 /// The locations of a study's files.
@@ -91,7 +91,7 @@ impl<'a> Loader<'a> {
 
     pub(super) fn vessel(&mut self) -> Result<Option<Vessel>, Error> {
         let Some(path) = existing(self.sources.study.join("vessel.toml")) else { return Ok(None) };
-        let vessel = read_vessel(&path, &mut self.known)?;
+        let vessel = read_any_vessel(&path, &mut self.known)?;
         self.read("vessel.toml", "model structure and parameters");
         Ok(Some(vessel))
     }

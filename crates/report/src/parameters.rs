@@ -159,10 +159,12 @@ fn terms(vessel: &Vessel) -> Vec<(DegreeOfFreedom, &str, &str)> {
 
 fn structure(vessel: &Vessel) -> Markup {
     let (terms, units) = (terms(vessel), vessel.model.parameter_units());
-    let table = Table::of(0..terms.len())
-        .name("Parameter", |i| terms[i].1)
-        .text("Degree", |i| terms[i].0.name())
-        .text("Term", |i| terms[i].2)
+    let names: Vec<&str> = vessel.model.parameter_names().collect();
+    // Those of forces belong to no one degree of freedom.
+    let table = Table::of(0..names.len())
+        .name("Parameter", |i| names[i])
+        .text("Degree", |i| terms.get(i).map_or("–", |own| own.0.name()))
+        .text("Term", |i| terms.get(i).map_or("–", |own| own.2))
         .text("Unit", |i| unit(&units[i]))
         .number("True", |i| three_or_dash(vessel.value[i]))
         .number("Nominal", |i| three(vessel.nominal[i]));

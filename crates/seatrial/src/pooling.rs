@@ -48,6 +48,9 @@ impl<'a> Pooling<'a> {
         runs: &PooledRuns<R>,
         asked: Option<Estimator>,
     ) -> Result<PooledSet, PoolError<R::Error>> {
+        if let Err(refused) = self.pool.vessel.check_terms("estimate pool") {
+            return Err(PoolError::NotIdentifiable(vec![refused.to_string()]));
+        }
         let estimator = match asked.or_else(|| self.pool.usual(false)) {
             Some(estimator) => estimator,
             None => unstated(&self.pool, runs)?,

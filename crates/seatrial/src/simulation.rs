@@ -97,8 +97,9 @@ impl Study {
     /// per maneuver.
     ///
     /// # Errors
-    /// A nominal model that diverges; a maneuver that is too short.
+    /// A ship with forces; a nominal model that diverges; a maneuver that is too short.
     pub fn moments(&self, runs: &[Run]) -> Result<Moments, StudyError> {
+        self.vessel.check_terms("moments")?;
         let model = &self.vessel.model;
         let prediction = Prediction::new(model, None, None);
         let (parts, mut pool) = (prediction.runs(runs), Pool::default());
@@ -148,12 +149,13 @@ impl Study {
     /// The parameters of every run.
     ///
     /// # Errors
-    /// A nominal model that diverges; a run that is too short.
+    /// A ship with forces; a nominal model that diverges; a run that is too short.
     pub fn estimate(
         &self,
         runs: &[SimulatedRun],
         estimator: Estimator,
     ) -> Result<Vec<RunEstimate>, StudyError> {
+        self.vessel.check_terms("estimate")?;
         let runs: Vec<Run> = runs.iter().map(|simulated| simulated.run.clone()).collect();
         let estimators = RunEstimators {
             vessel: &self.vessel,

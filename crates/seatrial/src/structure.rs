@@ -24,6 +24,7 @@ impl StructureSearch {
     /// # Errors
     /// Roles of channels that do not exist.
     pub fn by_roles(vessel: Vessel, roles: &NamedRoles) -> Result<Self, Invalid> {
+        vessel.check_terms("search")?;
         let roles = Roles::new(&vessel.model, roles)?;
         let (model, roles) = with_channels(&vessel.model, &roles)?;
         let library = library(&model, &roles);
@@ -35,6 +36,7 @@ impl StructureSearch {
     /// # Errors
     /// A term with channels that do not exist.
     pub fn by_terms(vessel: Vessel, TermLists { surge, sway, yaw }: &TermLists) -> Result<Self, Invalid> {
+        vessel.check_terms("search")?;
         let library = listed(&vessel.model, [surge, sway, yaw])?;
         Ok(Self { vessel, library })
     }

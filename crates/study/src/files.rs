@@ -18,9 +18,17 @@ use crate::tried::is_average;
 pub use maneuver::DictionaryFile;
 pub use model::{Variable, Vessel};
 
-/// Reads `vessel.toml`, or a `model.json` in its place, and notes its digest. A model starts a new study: its own
-/// inputs are not part of that.
+/// As [`read_any_vessel`], for stages that compute from terms per sample: a ship with forces is refused.
 pub fn read_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
+    let vessel = read_any_vessel(path, provenance)?;
+    let stage = provenance.producer.split(' ').next().unwrap_or_default();
+    vessel.check_terms(stage).map_err(|e| crate::invalid(path, &e))?;
+    Ok(vessel)
+}
+
+/// Reads `vessel.toml`, or a `model.json` in its place, and notes its digest. A model starts a new study: its own
+/// inputs are not part of that. The model may have terms per sample or forces.
+pub fn read_any_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
     if is_model(path) {
         let model = read_document::<ModelDocument>(path).map_err(|e| not_one(path).unwrap_or(e))?;
         provenance.written("vessel", path, model.digest)?;
@@ -38,9 +46,27 @@ pub fn read_simulated(path: &Path, provenance: &mut Provenance) -> Result<Vessel
 
 /// As [`read_vessel`], for stages whose runs may be simulated: those of a model follow the model.
 pub fn read_followed(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
-    let vessel = read_vessel(path, provenance)?;
+    read_vessel(path, provenance).map(|vessel| followed(path, vessel))
+}
+
+/// As [`read_simulated`], for stages that only simulate: the ship may have forces.
+///
+/// # Errors
+/// A file that is refused; a dead time, which simulations do not have.
+pub fn read_any_simulated(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
+    let vessel = followed(path, read_any_vessel(path, provenance)?).with_disturbances_held();
+    if vessel.model.forces.as_ref().is_some_and(|own| own.forces.has_dead_time()) {
+        let found = "a dead time above 0 s";
+        let expected = "none: simulations give inputs as they act";
+        return Err(Error::refuse(path, "`dead_time_s`", found, expected, "remove it for this stage"));
+    }
+    Ok(vessel)
+}
+
+/// The vessel of `path`, whose truth is the model where the file is one.
+fn followed(path: &Path, vessel: Vessel) -> Vessel {
     let truth = vessel.nominal.iter().copied().map(Some).collect();
-    Ok(if is_model(path) { Vessel { value: truth, ..vessel } } else { vessel })
+    if is_model(path) { Vessel { value: truth, ..vessel } } else { vessel }
 }
 
 /// The vessel at `path`; if it is a model, limited to the ranges of its data, unless it may go `beyond` them.

@@ -16,7 +16,7 @@ use seatrial::Logs;
 use serde_json::json;
 use study::Doubtful;
 use study::documents::{IngestDocument, RecordingSummary};
-use study::files::{read_ingest, read_vessel};
+use study::files::{read_any_vessel, read_ingest};
 use study::ingest_file::read::recorded;
 use study::trajectories::{Layout, MeasuredBlock};
 
@@ -43,7 +43,7 @@ impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("ingest");
         let config = read_ingest(&self.config, &mut provenance)?;
-        let vessel = self.vessel.as_deref().map(|path| read_vessel(path, &mut provenance)).transpose()?;
+        let vessel = self.vessel.as_deref().map(|path| read_any_vessel(path, &mut provenance)).transpose()?;
         let vessel_file = self.vessel.as_deref().unwrap_or(Path::new("")).display().to_string();
         let named = vessel.as_ref().map(|vessel| (vessel, vessel_file.as_str()));
         let logs = Logs::of(&self.config, config, named, self.logs.as_deref(), &mut provenance)?;

@@ -8,7 +8,7 @@ use identification::pooled::Covariance;
 use seatrial::Merits;
 use serde_json::json;
 use study::documents::merit_rows;
-use study::files::{read_dictionary, read_model, read_simulated};
+use study::files::{read_any_simulated, read_dictionary, read_model};
 
 use crate::cli::{Common, member};
 use crate::failure::Failure;
@@ -58,7 +58,7 @@ impl Task for Arguments {
                 self.length_m
             )));
         }
-        let vessel = read_simulated(&self.vessel, &mut provenance)?;
+        let vessel = read_any_simulated(&self.vessel, &mut provenance)?;
         let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
         let refused = |e| Failure::invalid(&self.dictionary, &e);
         let mut merits = Merits::new(&vessel, &generator, self.length_m).map_err(refused)?;

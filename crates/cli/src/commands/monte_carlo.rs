@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use study::campaign_file::CampaignFile;
 use study::documents::TallyDocument;
 use study::estimates::{self, distinct};
-use study::files::generator;
+use study::files::{generator, read_simulated};
 use study::kept::{Keep, Kept};
 use study::tallies::MAIN;
 use study::trajectories::Layout;
@@ -83,7 +83,7 @@ impl Arguments {
     fn computed(&self, common: &Common, out: &Path) -> Result<Summary, Failure> {
         self.additional.check(&self.estimator)?;
         let mut provenance = common.provenance("monte-carlo");
-        let of = self.of.read(&mut provenance)?;
+        let of = self.of.read(read_simulated, &mut provenance)?;
         let (files, config) = (of.files, &of.config);
         of.logged_helm().check(files.dictionary, &self.estimator)?;
         let settings = self.settings(config, common, files.campaign)?;

@@ -18,7 +18,7 @@ use model::Source;
 use serde_json::{Value, json};
 use study::campaign_file::CampaignFile;
 use study::documents::{SIMULATED_FILE, SimulatedLogsDocument};
-use study::files::{generator, kept_to_data, read_campaign, read_dictionary, read_simulated};
+use study::files::{generator, kept_to_data, read_any_simulated, read_campaign, read_dictionary};
 use study::logs_file::LogsFile;
 use study::track::read_planned;
 use study::trajectories::{DataLabel, ID, VERSION};
@@ -138,7 +138,7 @@ impl Task for Dictionary {
         }
         let mut provenance = common.provenance("simulate");
         let files = (given(&self.vessel, "vessel")?, given(&self.dictionary, "dictionary")?);
-        let vessel = kept_to_data(files.0, read_simulated(files.0, &mut provenance)?, self.beyond_range)?;
+        let vessel = kept_to_data(files.0, read_any_simulated(files.0, &mut provenance)?, self.beyond_range)?;
         let generator = read_dictionary(files.1, &vessel, &mut provenance)?;
         let source = vessel.best_known();
         provenance.settings.insert("model".into(), json!(source.name()));
@@ -151,7 +151,7 @@ impl Task for Dictionary {
 impl Task for Validation {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("simulate");
-        let vessel = read_simulated(&self.vessel, &mut provenance)?;
+        let vessel = read_any_simulated(&self.vessel, &mut provenance)?;
         let config = read_campaign(&self.campaign, &mut provenance)?;
         let maneuvers = config.validation_dictionary();
         let generator = generator(&self.campaign, &vessel, &maneuvers, &mut provenance)?;
@@ -198,7 +198,7 @@ impl Task for Campaign {
             return gathered(&self.sharding, &out);
         }
         let mut provenance = common.provenance("simulate");
-        let of = self.of.read(&mut provenance)?;
+        let of = self.of.read(read_any_simulated, &mut provenance)?;
         let settings = settings(&of.config, &self.sharding, common, &mut provenance);
         let samples = settings.samples(&of.vessel).map_err(|e| of.files.refused(e))?;
         let runs = settings.runs() / f64::from(self.sharding.shard.map_or(1, |shard| shard.count));
@@ -220,7 +220,7 @@ impl Task for Plan {
         }
         let mut provenance = common.provenance("simulate");
         let (vessel_file, plan) = (given(&self.vessel, "vessel")?, given(&self.plan, "plan")?);
-        let vessel = read_simulated(vessel_file, &mut provenance)?;
+        let vessel = read_any_simulated(vessel_file, &mut provenance)?;
         let config = read_campaign(given(&self.campaign, "campaign")?, &mut provenance)?;
         let track = read_planned(plan, &vessel, &mut provenance)?;
         let settings = settings(&config, &self.sharding, common, &mut provenance);
@@ -289,7 +289,7 @@ fn shard_of(provenance: &Provenance) -> String {
 impl Task for Logs {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("simulate");
-        let vessel = read_simulated(&self.vessel, &mut provenance)?;
+        let vessel = read_any_simulated(&self.vessel, &mut provenance)?;
         let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
         let config: LogsFile = inputs::toml(&self.logs, "logs", &mut provenance)?;
         let seed = common.seed.unwrap_or(config.seed);

@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use artifact::Provenance;
 use clap::Args;
@@ -7,7 +7,7 @@ use model::Vessel;
 use study::LoggedHelm;
 use study::campaign_file::CampaignFile;
 use study::documents::DesignDocument;
-use study::files::{read_campaign, read_dictionary, read_simulated};
+use study::files::{read_campaign, read_dictionary};
 use trial::campaign::{Campaign, Settings};
 
 use super::Files;
@@ -65,13 +65,17 @@ impl CampaignFlags {
         })
     }
 
-    /// Reads them.
+    /// Reads them, the vessel by `read_vessel`.
     ///
     /// # Errors
     /// A file that is refused.
-    pub fn read(&self, provenance: &mut Provenance) -> Result<CampaignInputs<'_>, Failure> {
+    pub fn read(
+        &self,
+        read_vessel: impl Fn(&Path, &mut Provenance) -> Result<Vessel, artifact::Error>,
+        provenance: &mut Provenance,
+    ) -> Result<CampaignInputs<'_>, Failure> {
         let files = self.files()?;
-        let vessel = read_simulated(files.vessel, provenance)?;
+        let vessel = read_vessel(files.vessel, provenance)?;
         let dictionary = read_dictionary(files.dictionary, &vessel, provenance)?;
         let config = read_campaign(files.campaign, provenance)?;
         let design: DesignDocument = inputs::document(files.design, "design", provenance)?;

@@ -24,6 +24,7 @@ mod monte_carlo;
 mod names;
 mod oracle;
 mod paper;
+mod physics;
 mod pipeline;
 mod promises;
 mod propeller;

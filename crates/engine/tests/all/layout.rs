@@ -20,6 +20,7 @@ fn model() -> Model {
         derived: Vec::new(),
         degrees: [degree(&["u", "u |u|"]), degree(&["v"]), degree(&["r", "u r", "v"])],
         constant: [0.0; 3],
+        forces: None,
     }
 }
 

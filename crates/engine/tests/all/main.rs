@@ -6,4 +6,5 @@ mod constraints;
 mod layout;
 mod noise;
 mod normals;
+mod physics;
 mod steps;

@@ -1,8 +1,8 @@
 //! Runs that are stepped in lanes, and in place, against single runs.
 
-use engine::{Ambient, Compiled};
+use engine::{Ambient, Compiled, Stepping};
 use model::{Model, Term, Vessel};
-use numerics::{Arithmetic, LANES, Lane, Wide};
+use numerics::{LANES, Lane, Wide};
 
 /// The model ship with products of inputs and of more than two factors, a constant, and a known term.
 fn model() -> Model {
@@ -31,7 +31,7 @@ fn number(i: usize) -> f64 {
 }
 
 /// States of 200 samples as bits; `x` gives the number of a place.
-fn steps<X: Arithmetic>(model: &Model, x: impl Fn(usize) -> X, bits: impl Fn(X) -> u64) -> Vec<[u64; 3]> {
+fn steps<X: Stepping>(model: &Model, x: impl Fn(usize) -> X, bits: impl Fn(X) -> u64) -> Vec<[u64; 3]> {
     let parameters: Vec<X> = (0..17).map(&x).collect();
     let mut compiled = Compiled::new(model, &parameters);
     let mut state = [20, 21, 22].map(&x);

@@ -1,4 +1,4 @@
-use engine::{Ambient, Compiled};
+use engine::{Ambient, Compiled, Stepping};
 use model::Model;
 use numerics::Lane;
 
@@ -10,7 +10,7 @@ use super::unknowns::Unknowns;
 /// sample, both over ground (N = 9). With drifting sensors (N = 7) the first three states are the measured ones,
 /// including drift; the last three are the drift itself, and the one between them stays zero.
 #[derive(Clone, Debug)]
-pub(crate) struct Dynamics<'m, X, const N: usize> {
+pub(crate) struct Dynamics<'m, X: Stepping, const N: usize> {
     model: Compiled<'m, X>,
     motion: Motion<X, N>,
 }

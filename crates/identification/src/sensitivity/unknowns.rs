@@ -1,7 +1,8 @@
+use engine::Stepping;
 use numerics::{LANES, Lane, Number};
 
 /// The layout of unknowns in columns of lanes.
-pub trait Unknowns: Number {
+pub trait Unknowns: Number + Stepping {
     /// Unknowns per column.
     const PER_COLUMN: usize;
     /// The entry of unknown `i` in its column.

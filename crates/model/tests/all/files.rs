@@ -56,3 +56,44 @@ fn law_a_parameter_that_is_held_is_one_that_is_fixed() {
     assert_eq!(held.model, fixed.model);
     assert_eq!(names(&vessel(&text).unwrap().with_held("Y_vvv")).len(), 10);
 }
+
+#[test]
+fn a_ship_with_forces_takes_any_rate_and_numbers_by_name() {
+    for name in ["mariner", "kvlcc2-l7", "otter"] {
+        let own = vessel(&format!("preset = \"{name}\"\nsample_rate_hz = 3.0")).unwrap();
+        assert_eq!(own.sample_rate_hz, 3.0);
+        assert_eq!(own.best_known(), Source::Value);
+        assert_eq!(own.parameters(Source::Value).unwrap(), own.nominal);
+        assert_eq!(own.model.parameters(), own.nominal.len());
+        assert_eq!(own.model.layout().theta(&own.nominal), own.nominal);
+        assert!(own.check_terms("ls").unwrap_err().to_string().contains("`ls`"));
+    }
+    let changed =
+        vessel("preset = \"kvlcc2-l7\"\n[nominal]\n\"rudder.epsilon\" = 1.2\n[value]\nN_v = -0.2").unwrap();
+    let at = |name: &str| changed.model.parameter_names().position(|own| own == name).unwrap();
+    assert_eq!(changed.nominal[at("rudder.epsilon")], 1.2);
+    assert_eq!(changed.value[at("N_v")], Some(-0.2));
+    let unknown = vessel("preset = \"kvlcc2-l7\"\n[nominal]\nN_w = -0.2").unwrap_err().to_string();
+    assert!(unknown.contains("did you mean `N_v`?"), "{unknown}");
+}
+
+#[test]
+fn keys_of_one_kind_of_model_are_refused_in_the_other() {
+    let terms = "name = \"x\"\nsample_rate_hz = 1.0\n[[input]]\nname = \"n\"\nunit = \"1/s\"\n\
+         [[surge]]\nparameter = \"a\"\nterm = \"n |n|\"\nnominal = 1.0\n[[sway]]\nparameter = \"b\"\nterm = \"v\"\n\
+         nominal = 1.0\n[[yaw]]\nparameter = \"c\"\nterm = \"r\"\nnominal = 1.0\n";
+    assert!(vessel(terms).unwrap().model.forces.is_none());
+    for (more, words) in [("prior = 0.1", "`prior`"), ("prime = 0.1", "`prime`")] {
+        let refused = vessel(&format!("{terms}{more}\n")).unwrap_err().to_string();
+        assert!(refused.contains(words) && refused.contains("`c`"), "{refused}");
+    }
+    let refused = vessel(&format!("density_kg_m3 = 1000.0\n{terms}")).unwrap_err().to_string();
+    assert!(refused.contains("density_kg_m3"), "{refused}");
+    let without =
+        vessel(&format!("model = \"forces\"\ndensity_kg_m3 = 1000.0\n{terms}")).unwrap_err().to_string();
+    assert!(without.contains("`ship`"), "{without}");
+    let constant = vessel("preset = \"otter\"\nconstant = [0.1, 0.0, 0.0]").unwrap_err().to_string();
+    assert!(constant.contains("`constant`"), "{constant}");
+    let structure = vessel("preset = \"otter\"\nstep_s = 0.1").unwrap_err().to_string();
+    assert!(structure.contains("`preset`"), "{structure}");
+}

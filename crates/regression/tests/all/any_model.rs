@@ -39,6 +39,7 @@ pub fn model(terms: [&[&str]; 3]) -> Model {
         derived: Vec::new(),
         degrees,
         constant: [0.0; 3],
+        forces: None,
     }
 }
 

@@ -304,6 +304,7 @@ impl ModelDocument {
                 bounds: p
                     .bounds
                     .map(|[low, high]| [low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)]),
+                ..TermSpec::default()
             })
         };
         let terms = |degree: &ModelDegree| degree.parameters.iter().map(term).collect::<Option<Vec<_>>>();
