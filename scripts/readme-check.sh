@@ -8,7 +8,7 @@ PATH="$PWD/$1:$PATH"
 export PATH
 mkdir -p out
 commands=out/readme-commands.sh
-pages="README.md docs/own-ship.md docs/trials.md docs/own-chart.md docs/own-cluster.md docs/own-logs.md docs/design.md docs/estimators.md docs/export.md"
+pages="README.md docs/own-ship.md docs/physics.md docs/trials.md docs/own-chart.md docs/own-cluster.md docs/own-logs.md docs/design.md docs/estimators.md docs/export.md"
 for page in $pages; do
   awk '/^```sh$/ { inside = 1; next } /^```/ { inside = 0 } inside && !/^(make|cp|cargo)/' "$page"
 done > "$commands"
