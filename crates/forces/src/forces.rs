@@ -80,7 +80,7 @@ impl Forces {
             numbers,
             description,
         };
-        forces.check_mass()?;
+        forces.check(&forces.nominal())?;
         Ok(forces)
     }
 
@@ -94,16 +94,16 @@ impl Forces {
         self.parameters().iter().map(|own| own.nominal).collect()
     }
 
-    /// The channels that thrusters follow with a lag, and these lags \[s\] before any estimate.
-    pub fn lags(&self) -> Vec<(usize, f64)> {
-        let numbers = self.numbers.with(&self.nominal());
+    /// The channels that thrusters follow with a lag, and these lags \[s\] with parameters `theta`.
+    pub fn lags(&self, theta: &[f64]) -> Vec<(usize, f64)> {
+        let numbers = self.numbers.with(theta);
         let lag = |own: &Thruster| own.delay.map(|[lag, _]| (own.input(), lag.of(&numbers)));
         self.thrusters.iter().filter_map(lag).filter(|(_, lag)| *lag > 0.0).collect()
     }
 
-    /// Whether a thruster begins to follow its input only after some time.
-    pub fn has_dead_time(&self) -> bool {
-        let numbers = self.numbers.with(&self.nominal());
+    /// Whether, with parameters `theta`, a thruster begins to follow its input only after some time.
+    pub fn has_dead_time(&self, theta: &[f64]) -> bool {
+        let numbers = self.numbers.with(theta);
         let late = |own: &Thruster| own.delay.is_some_and(|[_, dead]| dead.of(&numbers) > 0.0);
         self.thrusters.iter().any(late)
     }
@@ -119,9 +119,12 @@ impl Forces {
         &self.description
     }
 
-    /// Refuses a ship that nominal masses accelerate backwards.
-    fn check_mass(&self) -> Result<(), Invalid> {
-        let numbers = self.numbers.with(&self.nominal());
+    /// Refuses parameters `theta` with whose masses forces accelerate the ship backwards.
+    ///
+    /// # Errors
+    /// Names the ship.
+    pub fn check(&self, theta: &[f64]) -> Result<(), Invalid> {
+        let numbers = self.numbers.with(theta);
         if self.mass.with(&numbers).is_sound(()) {
             return Ok(());
         }

@@ -16,6 +16,9 @@ impl At {
     }
 }
 
+/// The range of numbers of any sign.
+const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
 /// What a number is measured in.
 #[derive(Clone, Debug)]
 pub(crate) struct Measured {
@@ -25,6 +28,8 @@ pub(crate) struct Measured {
     pub prime: Option<f64>,
     /// Whether a plain number is in the prime system.
     pub plain_prime: bool,
+    /// Between which it is for any ship.
+    pub range: [f64; 2],
     /// Whether it is a mass: free runs determine forces over masses alone.
     pub mass: bool,
 }
@@ -37,7 +42,12 @@ impl Measured {
 
     /// One in this SI unit alone.
     pub fn si(unit: &str) -> Self {
-        Self { unit: unit.to_owned(), prime: None, plain_prime: false, mass: false }
+        Self { unit: unit.to_owned(), prime: None, plain_prime: false, range: ANY, mass: false }
+    }
+
+    /// One above 0.
+    pub fn above_zero(self) -> Self {
+        Self { range: [f64::MIN_POSITIVE, f64::INFINITY], ..self }
     }
 
     /// With what one of the prime system is.
@@ -100,6 +110,15 @@ impl Entry {
                 expected,
                 "write `fixed = true` if it is known",
             ));
+        }
+        let [low, high] = self.measured.range;
+        let outside = |own: &&f64| !(low..=high).contains(&(**own * self.scale()));
+        if let Some(number) = [nominal, prime, value].into_iter().flatten().find(outside) {
+            let expected = match (low, high) {
+                (f64::MIN_POSITIVE, _) => "a number above 0".to_owned(),
+                _ => format!("a number from {low} to {high} {}", self.measured.unit),
+            };
+            return Err(self.refused(number.to_string(), expected, "correct it"));
         }
         let constrained = [*fixed, tied_to.is_some()].into_iter().filter(|own| *own).count();
         if constrained > 1 || (constrained == 1 && (prior.is_some() || bounds.is_some())) {
@@ -261,7 +280,7 @@ fn parameter(entry: &Entry) -> Parameter {
         nominal: entry.written().unwrap_or_default(),
         value: entry.spec.value,
         prior: entry.spec.prior,
-        bounds: entry.spec.bounds.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
+        bounds: entry.spec.bounds.unwrap_or(entry.measured.range.map(|own| own / entry.scale())),
         scale: entry.scale(),
     }
 }

@@ -66,7 +66,8 @@ impl Propeller {
         let [port, starboard] = [0, 1].map(|i: usize| spec.wake_ratio.as_ref().map(|own| &own[i]));
         let wake_ratio = [pure("wake_ratio.0", port, 1.0)?, pure("wake_ratio.1", starboard, 1.0)?];
         let astern = astern(spec, &mut pure)?;
-        let diameter = builder.number(name, "diameter_m", Some(&spec.diameter_m), 0.0, metres())?;
+        let diameter =
+            builder.number(name, "diameter_m", Some(&spec.diameter_m), 0.0, metres().above_zero())?;
         let place = [
             builder.number(name, "x_m", spec.x_m.as_ref(), 0.0, metres())?,
             builder.number(name, "y_m", spec.y_m.as_ref(), 0.0, metres())?,

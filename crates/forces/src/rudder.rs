@@ -49,6 +49,7 @@ impl Rudder {
                 1 => Measured::si("m").or_prime(length),
                 _ => Measured::si("m²").or_prime(length * prime.draught),
             };
+            let measured = if key == "height_m" { measured.above_zero() } else { measured };
             builder.number(name, key, number, default, measured)
         };
         let gamma = |i: usize| spec.gamma.as_ref().map(|own| &own[i]);

@@ -8,6 +8,9 @@ use crate::mass::Prime;
 use crate::numbers::{At, Builder, Measured};
 use crate::{Channel, Curve, Number, Real, ThrusterSpec};
 
+/// The longest lag and dead time \[s\].
+const LONGEST_S: f64 = 1e4;
+
 /// Which way a thruster pushes.
 #[derive(Clone, Debug, PartialEq)]
 enum Direction {
@@ -72,11 +75,12 @@ impl Thruster {
         let loss = loss
             .map(|_| number("loss", loss, 0.0, Measured::si("N s/m per unit of the input")))
             .transpose()?;
+        let seconds = || Measured { range: [0.0, LONGEST_S], ..Measured::si("s") };
         let delay = match (&spec.lag_s, &spec.dead_time_s) {
             (None, None) => None,
             (lag, dead) => Some([
-                number("lag_s", lag.as_ref(), 0.0, Measured::si("s"))?,
-                number("dead_time_s", dead.as_ref(), 0.0, Measured::si("s"))?,
+                number("lag_s", lag.as_ref(), 0.0, seconds())?,
+                number("dead_time_s", dead.as_ref(), 0.0, seconds())?,
             ]),
         };
         Ok(Self { input, curve: spec.curve, direction, place, ahead, astern, loss, delay })

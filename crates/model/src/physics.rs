@@ -72,7 +72,17 @@ pub(crate) fn moved(
     };
     let channels: Vec<Channel> = variables[3..].iter().enumerate().map(channel).collect();
     let forces = Forces::new(&description, &channels)?;
-    for (i, lag_s) in forces.lags() {
+    let mut parts = Parts {
+        nominal: forces.nominal(),
+        value: forces.parameters().iter().map(|own| own.value).collect(),
+        ..Parts::default()
+    };
+    replace(file, &forces, &mut parts)?;
+    forces.check(&parts.nominal)?;
+    let true_ones: Vec<f64> =
+        parts.value.iter().zip(&parts.nominal).map(|(value, nominal)| value.unwrap_or(*nominal)).collect();
+    forces.check(&true_ones)?;
+    for (i, lag_s) in forces.lags(&parts.nominal) {
         let Some(actuator) = actuators.get_mut(i) else { continue };
         if actuator.lag_s > 0.0 {
             let thing = format!("`lag_s` of input `{}`", variables[3 + i].name);
@@ -81,12 +91,6 @@ pub(crate) fn moved(
         }
         actuator.lag_s = lag_s;
     }
-    let mut parts = Parts {
-        nominal: forces.nominal(),
-        value: forces.parameters().iter().map(|own| own.value).collect(),
-        ..Parts::default()
-    };
-    replace(file, &forces, &mut parts)?;
     let sample_s = 1.0 / file.sample_rate_hz.unwrap_or(1.0);
     Ok((Arc::new(Moved { forces, sample_s }), parts))
 }

@@ -55,7 +55,7 @@ pub fn read_followed(path: &Path, provenance: &mut Provenance) -> Result<Vessel,
 /// A file that is refused; a dead time, which simulations do not have.
 pub fn read_any_simulated(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
     let vessel = followed(path, read_any_vessel(path, provenance)?).with_disturbances_held();
-    if vessel.model.forces.as_ref().is_some_and(|own| own.forces.has_dead_time()) {
+    if vessel.model.forces.as_ref().is_some_and(|own| own.forces.has_dead_time(&vessel.nominal)) {
         let found = "a dead time above 0 s";
         let expected = "none: simulations give inputs as they act";
         return Err(Error::refuse(path, "`dead_time_s`", found, expected, "remove it for this stage"));

@@ -78,20 +78,48 @@ fn agree(pairs: &[(String, String, f64, f64)]) {
     }
 }
 
+/// The figures called `key`, in the order of the reference, compared with a table of another program, whose numbers have two
+/// or three digits.
+fn tabled(pairs: &[(String, String, f64, f64)], key: &str, expected: &[f64]) {
+    let found = pairs.iter().filter(|own| own.1 == key);
+    let own: Vec<_> = found
+        .zip(expected)
+        .map(|(own, expected)| (own.0.clone(), key.to_owned(), own.2, *expected))
+        .collect();
+    assert_eq!(own.len(), expected.len(), "{key}");
+    agree(&own);
+}
+
+// Rates at which a rudder that is held during samples moves almost as one that moves all the time.
+
 #[test]
 fn oracle_the_mariner_turns_as_her_source_does() {
     let pairs = compared("mariner", 10.0, "Mariner", "{ delta = 0.0 }");
     assert_eq!(pairs.len(), 4 * 3 + 2 * 8);
     agree(&pairs);
+    tabled(&pairs, "advance", &[3.54, 3.71]);
+    tabled(&pairs, "tactical_diameter", &[6.40, 6.65]);
+    tabled(&pairs, "overshoot_1", &[4.95, 3.46, 7.79, 6.74]);
+    tabled(&pairs, "overshoot_2", &[4.47, 6.20, 6.31, 7.28]);
 }
 
 #[test]
 fn oracle_kvlcc2_turns_as_her_source_does() {
-    for n in ["11.85", "10.4"] {
+    let of = |n: &str| {
         let pairs = compared("kvlcc2-l7", 40.0, &format!("KVLCC2 L7, n = {n}"), &format!("{{ n = {n} }}"));
         assert_eq!(pairs.len(), 4 * 3 + 2 * 8);
         agree(&pairs);
-    }
+        pairs
+    };
+    let (holding, tank) = (of("11.85"), of("10.4"));
+    tabled(&holding, "advance", &[3.08, 3.09]);
+    tabled(&holding, "tactical_diameter", &[3.12, 3.11]);
+    tabled(&holding, "overshoot_1", &[4.95, 7.03, 10.5, 13.7]);
+    tabled(&holding, "overshoot_2", &[13.6, 8.79, 15.7, 11.7]);
+    tabled(&tank, "advance", &[3.24, 3.26]);
+    tabled(&tank, "tactical_diameter", &[3.23, 3.22]);
+    tabled(&tank, "overshoot_1", &[5.16, 7.47, 10.7]);
+    tabled(&tank, "overshoot_2", &[14.3, 9.12, 15.8]);
 }
 
 #[test]
@@ -99,6 +127,8 @@ fn oracle_otter_turns_and_stops_as_her_source_does() {
     let pairs = compared("otter", 100.0, "Otter", "");
     assert_eq!(pairs.len(), 4 * 3 + 2 * 4);
     agree(&pairs);
+    tabled(&pairs, "overshoot_1", &[5.80, 5.80, 10.7, 10.7]);
+    tabled(&pairs, "overshoot_2", &[6.44, 6.44, 12.0, 12.0]);
 }
 
 /// A folder with KVLCC2's whole file, changed, and one maneuver.
@@ -140,6 +170,22 @@ fn descriptions_that_are_no_ship_are_refused_in_one_line() {
         let folder = tanker(from, to, CIRCLE);
         refused(&folder, 3, DICTIONARY, &[&["vessel.toml"][..], &words].concat());
     }
+}
+
+#[test]
+fn products_of_wind_are_no_wind_speed() {
+    let wind = "[[measured]]\nname = \"wind_x\"\nunit = \"m^2/s^2\"\nsimulated = 0.0\n[[measured]]\nname = \"from\"\n\
+         unit = \"rad\"\nsimulated = 0.0\n[[wind]]\nname = \"wind\"\nspeed = \"wind_x\"\ndirection = \"from\"\n\
+         frontal_area_m2 = 1.0\nlateral_area_m2 = 3.0\nsurge = [0.7]\n[[propeller]]\n";
+    let folder = tanker("[[propeller]]\n", wind, CIRCLE);
+    refused(
+        &folder,
+        3,
+        DICTIONARY,
+        &["vessel.toml", "`speed` of `wind`", "`wind_x` in `m^2/s^2`", "m/s, kn"],
+    );
+    edit(&folder, "vessel.toml", "m^2/s^2", "m/s");
+    run(&folder, DICTIONARY).succeeds();
 }
 
 #[test]

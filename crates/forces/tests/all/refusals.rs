@@ -56,6 +56,14 @@ fn a_description_that_contradicts_itself_is_refused_with_the_reason() {
             ["`port.astern`", "the prime system has no such number"],
         ),
         (OTTER, "curve = \"square\"", "curve = \"force\"", ["`input` of `port`", "N, kN"]),
+        (KVLCC2, "diameter_m = 0.216", "diameter_m = 0.0", ["`propeller.diameter_m`", "above 0"]),
+        (KVLCC2, "height_m = 0.345", "height_m = -1.0", ["`rudder.height_m`", "above 0"]),
+        (
+            OTTER,
+            "curve = \"square\"",
+            "lag_s = -0.1\ncurve = \"square\"",
+            ["`port.lag_s`", "from 0 to 10000 s"],
+        ),
         (OTTER, "strips = 21", "strips = 1", ["strips", "2 to 1000"]),
     ];
     for (text, old, new, words) in cases {
