@@ -14,7 +14,7 @@ fn parameters(file: &VesselFile) -> BTreeMap<String, (String, Option<f64>)> {
 }
 
 fn vessel_of(name: &str) -> VesselFile {
-    let files = simulated(Preset::named(name).unwrap());
+    let files = simulated(Preset::named(name).unwrap(), name, None).unwrap();
     files.iter().find(|(name, _)| name == "vessel.toml").unwrap().1.parse().unwrap()
 }
 
