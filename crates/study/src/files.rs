@@ -18,6 +18,9 @@ use crate::tried::is_average;
 pub use maneuver::DictionaryFile;
 pub use model::{Variable, Vessel};
 
+/// A reader of vessels: which kinds of models a stage takes.
+pub type VesselReader = fn(&Path, &mut Provenance) -> Result<Vessel, Error>;
+
 /// As [`read_any_vessel`], for stages that compute from terms per sample: a ship with forces is refused.
 pub fn read_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
     let vessel = read_any_vessel(path, provenance)?;

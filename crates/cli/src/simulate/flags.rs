@@ -1,4 +1,4 @@
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use artifact::Provenance;
 use clap::Args;
@@ -7,7 +7,7 @@ use model::Vessel;
 use study::LoggedHelm;
 use study::campaign_file::CampaignFile;
 use study::documents::DesignDocument;
-use study::files::{read_campaign, read_dictionary};
+use study::files::{VesselReader, read_campaign, read_dictionary};
 use trial::campaign::{Campaign, Settings};
 
 use super::Files;
@@ -65,20 +65,16 @@ impl CampaignFlags {
         })
     }
 
-    /// Reads them, the vessel by `read_vessel`.
+    /// Reads them, the vessel by that reader.
     ///
     /// # Errors
     /// A file that is refused.
-    pub fn read(
-        &self,
-        read_vessel: impl Fn(&Path, &mut Provenance) -> Result<Vessel, artifact::Error>,
-        provenance: &mut Provenance,
-    ) -> Result<CampaignInputs<'_>, Failure> {
+    pub fn read(&self, vessel: VesselReader, noted: &mut Provenance) -> Result<CampaignInputs<'_>, Failure> {
         let files = self.files()?;
-        let vessel = read_vessel(files.vessel, provenance)?;
-        let dictionary = read_dictionary(files.dictionary, &vessel, provenance)?;
-        let config = read_campaign(files.campaign, provenance)?;
-        let design: DesignDocument = inputs::document(files.design, "design", provenance)?;
+        let vessel = vessel(files.vessel, noted)?;
+        let dictionary = read_dictionary(files.dictionary, &vessel, noted)?;
+        let config = read_campaign(files.campaign, noted)?;
+        let design: DesignDocument = inputs::document(files.design, "design", noted)?;
         // Estimates of its trials tell nothing of these.
         let vessel = design.held.iter().fold(vessel, |vessel, own| vessel.with_held(&own.parameter));
         Ok(CampaignInputs { files, vessel, dictionary, config, design })
