@@ -14,7 +14,7 @@ use source::Crate;
 const FLOORS: [&[&str]; 13] = [
     &["refusal", "numerics"],
     &["artifact", "bag", "enc", "forces"],
-    &["model"],
+    &["model", "fitting"],
     &["engine", "design", "lattice", "chart"],
     &["maneuver", "regression"],
     &["identification", "logs", "export"],
@@ -31,6 +31,7 @@ const FLOORS: [&[&str]; 13] = [
 const SCIENCE: &[&str] = &[
     "numerics",
     "forces",
+    "fitting",
     "model",
     "engine",
     "maneuver",

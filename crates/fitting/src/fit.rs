@@ -1,0 +1,258 @@
+//! The search for the minimum, by Levenberg's and Marquardt's method.
+
+use rayon::prelude::*;
+
+use crate::normal::{Reduced, reduced};
+use crate::sums::{Errors, Sums};
+use crate::window::Window;
+use crate::{Problem, Unfit};
+
+/// A step that lowers the cost by a smaller share, and was to, ends the search.
+const ENOUGH: f64 = 1e-6;
+/// What no step need lower: errors of a millionth of a standard deviation.
+const LEAST: f64 = 1e-12;
+/// Damping at the beginning, and where no step helps any more.
+const DAMPING: [f64; 2] = [1e-3, 1e12];
+
+/// The minimum.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// θ, in the system that each was written in.
+    pub theta: Vec<f64>,
+    /// The mean of Huber's function of the windows' RMS errors, with what the priors add.
+    pub cost: f64,
+    /// RMS error over all windows, in standard deviations of u, v and r.
+    pub rms: f64,
+    /// Steps of the search.
+    pub steps: usize,
+    /// The start of each window.
+    pub(crate) starts: Vec<Vec<[f64; 3]>>,
+}
+
+/// Where a search is.
+struct At {
+    theta: Vec<f64>,
+    /// By group.
+    starts: Vec<Vec<[f64; 3]>>,
+    cost: f64,
+    rms: f64,
+}
+
+impl Problem<'_> {
+    /// Fits the model, from its numbers before the fit.
+    ///
+    /// # Errors
+    /// A simulation that diverges, a parameter that nothing determines, no end of the search.
+    pub fn fit(&self) -> Result<Fit, Unfit> {
+        self.fit_from(&self.forces.nominal())
+    }
+
+    /// Fits the model, from `theta`.
+    ///
+    /// # Errors
+    /// As [`Self::fit`].
+    pub fn fit_from(&self, theta: &[f64]) -> Result<Fit, Unfit> {
+        let mut at = self.at(theta.to_vec(), self.measured_starts());
+        if !at.cost.is_finite() {
+            return Err(self.diverged(&at));
+        }
+        let mut damping = DAMPING[0];
+        for step in 0..self.settings.most_steps {
+            let sums = self.all_sums(&at.theta, &at.starts);
+            let before = at.cost;
+            let expected = loop {
+                match self.tried(&at, &sums, damping)? {
+                    Some((next, expected)) if next.cost <= at.cost => {
+                        // A step that gains much less than the equations promise overshoots: the next one is held back.
+                        let gained = (at.cost - next.cost) / expected;
+                        damping *= if gained > 0.75 {
+                            0.1
+                        } else if gained < 0.25 {
+                            10.0
+                        } else {
+                            1.0
+                        };
+                        at = next;
+                        break expected;
+                    }
+                    _ => damping = 10.0 * damping.max(DAMPING[0]),
+                }
+                if damping > DAMPING[1] {
+                    return Ok(at.ended(step));
+                }
+            };
+            if expected.max(before - at.cost) <= ENOUGH * before + LEAST {
+                return Ok(at.ended(step + 1));
+            }
+        }
+        Err(Unfit::Unfinished(self.settings.most_steps))
+    }
+
+    /// The cost of θ with windows that start at their first measured sample, and its derivatives by θ.
+    pub fn cost(&self, theta: &[f64]) -> (f64, Vec<f64>) {
+        let at = self.at(theta.to_vec(), self.measured_starts());
+        let sums = self.all_sums(&at.theta, &at.starts);
+        let mut slopes = vec![0.0; theta.len()];
+        for own in sums.iter().flatten() {
+            let weight = 2.0 * self.weight(&own.errors);
+            for piece in &own.pieces {
+                slopes.iter_mut().zip(piece).for_each(|(sum, own)| *sum += weight * own);
+            }
+        }
+        for (i, prior) in self.priors.iter().enumerate() {
+            let Some(prior) = prior else { continue };
+            slopes[i] += 2.0 * self.prior_cost() * (theta[i] - prior.mean) / prior.deviation.powi(2);
+        }
+        (at.cost, slopes)
+    }
+
+    /// The first measured sample of each window.
+    fn measured_starts(&self) -> Vec<Vec<[f64; 3]>> {
+        let start = |own: &Window| {
+            let measured = self.recordings[own.recording].measured;
+            [0, 1, 2].map(|d| measured[3 * own.first + d])
+        };
+        self.groups.iter().map(|group| group.windows.iter().map(start).collect()).collect()
+    }
+
+    /// Sums of all windows, group by group.
+    pub(crate) fn all_sums(&self, theta: &[f64], starts: &[Vec<[f64; 3]>]) -> Vec<Vec<Sums>> {
+        let groups: Vec<_> = self.groups.iter().zip(starts).collect();
+        groups.par_iter().map(|(group, starts)| self.sums(group, theta, starts)).collect()
+    }
+
+    /// The cost at θ and these starts.
+    fn at(&self, theta: Vec<f64>, starts: Vec<Vec<[f64; 3]>>) -> At {
+        let groups: Vec<_> = self.groups.iter().zip(&starts).collect();
+        let all: Vec<Vec<Errors>> =
+            groups.par_iter().map(|(group, starts)| self.errors(group, &theta, starts)).collect();
+        let knee = self.settings.knee;
+        let (mut cost, mut square) = (0.0, 0.0);
+        for own in all.iter().flatten() {
+            cost += self.share(own) * own.cost(knee);
+            square += self.share(own) * own.mean_square;
+        }
+        let held: f64 = theta
+            .iter()
+            .zip(&self.priors)
+            .map(|(own, prior)| prior.map_or(0.0, |prior| ((own - prior.mean) / prior.deviation).powi(2)))
+            .sum();
+        cost += self.prior_cost() * held;
+        At { theta, starts, cost, rms: square.sqrt() }
+    }
+
+    /// A window's share in the mean over windows, by its samples.
+    pub(crate) fn share(&self, window: &Errors) -> f64 {
+        window.samples as f64 / self.samples as f64
+    }
+
+    /// Where a step with this damping leads, and by how much it is expected to lower the cost; `None` where it cannot be
+    /// computed.
+    fn tried(&self, at: &At, sums: &[Vec<Sums>], damping: f64) -> Result<Option<(At, f64)>, Unfit> {
+        let n = at.theta.len();
+        let Some(windows) = self.reduced(sums, damping) else { return Ok(None) };
+        let (products, gradient) = self.normal(&at.theta, sums, &windows);
+        let held = self.held(&at.theta, &gradient);
+        let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
+        if let Some(i) = free.iter().find(|i| products[**i * n + **i] <= 0.0) {
+            return Err(Unfit::Undetermined(self.forces.parameters()[*i].name.clone()));
+        }
+        let scale: Vec<f64> = free.iter().map(|i| products[i * n + i].sqrt()).collect();
+        let m = free.len();
+        let entry = |k: usize| {
+            let (i, j) = (k / m, k % m);
+            let damped = if i == j { damping } else { 0.0 };
+            products[free[i] * n + free[j]] / (scale[i] * scale[j]) + damped
+        };
+        let mut matrix: Vec<f64> = (0..m * m).map(entry).collect();
+        let mut step: Vec<f64> = (0..m).map(|i| -gradient[free[i]] / scale[i]).collect();
+        if numerics::solve(m, &mut matrix, &mut step).is_none() {
+            return Ok(None);
+        }
+        let mut theta = at.theta.clone();
+        for (i, (step, scale)) in free.iter().zip(step.iter().zip(&scale)) {
+            let [low, high] = self.forces.parameters()[*i].bounds;
+            theta[*i] = (theta[*i] + step / scale).clamp(low, high);
+        }
+        let change: Vec<f64> = theta.iter().zip(&at.theta).map(|(new, old)| new - old).collect();
+        let starts = at.starts.iter().zip(&windows).map(|(starts, windows)| {
+            starts.iter().zip(windows).map(|(own, window)| window.start(*own, &change)).collect()
+        });
+        let slope = |i: usize| {
+            let row: f64 = (0..n).map(|j| products[i * n + j] * change[j]).sum();
+            -change[i] * (2.0 * gradient[i] + row)
+        };
+        let expected: f64 = (0..n).map(slope).sum();
+        let next = self.at(theta, starts.collect());
+        Ok(next.cost.is_finite().then_some((next, expected.max(f64::MIN_POSITIVE))))
+    }
+
+    /// Every window reduced to θ.
+    pub(crate) fn reduced(&self, sums: &[Vec<Sums>], damping: f64) -> Option<Vec<Vec<Reduced>>> {
+        let n = self.forces.parameters().len();
+        sums.iter().map(|group| group.iter().map(|own| reduced(own, n, damping)).collect()).collect()
+    }
+
+    /// The second and first derivatives of half the cost by θ.
+    fn normal(&self, theta: &[f64], sums: &[Vec<Sums>], windows: &[Vec<Reduced>]) -> (Vec<f64>, Vec<f64>) {
+        let n = theta.len();
+        let (mut products, mut gradient) = (vec![0.0; n * n], vec![0.0; n]);
+        for (own, window) in sums.iter().flatten().zip(windows.iter().flatten()) {
+            let weight = self.weight(&own.errors);
+            products.iter_mut().zip(&window.products).for_each(|(sum, own)| *sum += weight * own);
+            gradient.iter_mut().zip(&window.gradient).for_each(|(sum, own)| *sum += weight * own);
+        }
+        for (i, prior) in self.priors.iter().enumerate() {
+            let Some(prior) = prior else { continue };
+            let pull = self.prior_cost() / (prior.deviation * prior.deviation);
+            products[i * n + i] += pull;
+            gradient[i] += pull * (theta[i] - prior.mean);
+        }
+        (products, gradient)
+    }
+
+    /// What a window's sums of squares count in the cost.
+    pub(crate) fn weight(&self, window: &Errors) -> f64 {
+        self.share(window) * window.slope(self.settings.knee) / window.numbers
+    }
+
+    /// Which of θ lie at a bound that the cost pushes them to.
+    pub(crate) fn held(&self, theta: &[f64], gradient: &[f64]) -> Vec<bool> {
+        let own = |((own, gradient), parameter): ((&f64, &f64), &forces::Parameter)| {
+            let [low, high] = parameter.bounds;
+            (*own <= low && *gradient > 0.0) || (*own >= high && *gradient < 0.0)
+        };
+        theta.iter().zip(gradient).zip(self.forces.parameters()).map(own).collect()
+    }
+
+    /// The first window whose simulation leaves every bound.
+    fn diverged(&self, at: &At) -> Unfit {
+        for (group, starts) in self.groups.iter().zip(&at.starts) {
+            let errors = self.errors(group, &at.theta, starts);
+            let pairs = group.windows.iter().zip(&errors);
+            if let Some((own, _)) = pairs.into_iter().find(|(_, own)| !own.mean_square.is_finite()) {
+                let recording = self.recordings[own.recording].name.to_owned();
+                return Unfit::Diverged { recording, first_s: own.first as f64 * self.settings.sample_s };
+            }
+        }
+        Unfit::NoSample
+    }
+}
+
+impl At {
+    fn ended(self, steps: usize) -> Fit {
+        let Self { theta, starts, cost, rms } = self;
+        Fit { theta, cost, rms, steps, starts }
+    }
+}
+
+impl Reduced {
+    /// The start after θ has changed by `change`.
+    fn start(&self, old: [f64; 3], change: &[f64]) -> [f64; 3] {
+        let n = change.len();
+        [0, 1, 2].map(|d: usize| {
+            let followed: f64 = (0..n).map(|i| self.follows[d * n + i] * change[i]).sum();
+            old[d] + self.own[d] + followed
+        })
+    }
+}

@@ -1,0 +1,211 @@
+//! One pass over the windows of a group: errors, their derivatives, and the sums of both.
+
+use forces::{Body, Dual, Real};
+use numerics::{LANES, Lane, vectorized};
+
+use crate::Problem;
+use crate::window::Group;
+
+/// Unknowns by which derivatives are computed at once.
+const AT_ONCE: usize = 13;
+
+/// Huber's function of a window's RMS error: its square up to the knee, and its tangent there beyond.
+pub fn cost_of_rms(rms: f64, knee: f64) -> f64 {
+    if rms <= knee { rms * rms } else { 2.0 * knee * rms - knee * knee }
+}
+
+/// The mean square error of a window, and how many numbers it is the mean of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Errors {
+    pub mean_square: f64,
+    pub numbers: f64,
+    pub samples: usize,
+}
+
+impl Errors {
+    pub fn cost(&self, knee: f64) -> f64 {
+        cost_of_rms(self.mean_square.sqrt(), knee)
+    }
+
+    /// The derivative of its cost by its mean square.
+    pub fn slope(&self, knee: f64) -> f64 {
+        let rms = self.mean_square.sqrt();
+        if rms <= knee { 1.0 } else { knee / rms }
+    }
+}
+
+/// Sums of a window: of products of the derivatives of its errors, and of these with the errors, piece by piece.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Sums {
+    pub errors: Errors,
+    /// JᵀJ, square, of θ and then of the start.
+    pub products: Vec<f64>,
+    /// Jᵀe of each piece.
+    pub pieces: Vec<Vec<f64>>,
+}
+
+impl Problem<'_> {
+    /// Errors of the windows of `group`, which start at `starts`.
+    pub(crate) fn errors(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Errors> {
+        let theta: Vec<Lane> = theta.iter().map(|own| Lane::splat(*own)).collect();
+        let body = self.forces.body(&theta);
+        let mut squares = Lane::ZERO;
+        vectorized!(squared(self, group, &body, start(starts), &mut squares));
+        self.told_by(group, squares)
+    }
+
+    /// The errors and sums of the windows of `group`, which start at `starts`.
+    pub(crate) fn sums(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Sums> {
+        let unknowns = self.unknowns();
+        let rows = 3 * (group.samples + 1);
+        let mut slopes = vec![Lane::ZERO; rows * unknowns];
+        let mut left = vec![Lane::ZERO; rows];
+        for first in (0..unknowns).step_by(AT_ONCE) {
+            let own = |value: Lane, i: usize| Dual::<Lane, AT_ONCE>::unknown(value, i.wrapping_sub(first));
+            let parameters: Vec<_> =
+                theta.iter().enumerate().map(|(i, value)| own(Lane::splat(*value), i)).collect();
+            let begin = start(starts);
+            let begin = [0, 1, 2].map(|d: usize| own(begin[d], theta.len() + d));
+            let body = self.forces.body(&parameters);
+            let count = AT_ONCE.min(unknowns - first);
+            let out = (&mut left[..], &mut slopes[first..]);
+            vectorized!(columns(self, group, &body, begin, (count, unknowns), out));
+        }
+        let piece = self.settings.samples(self.settings.piece_s);
+        let mut products = vec![Lane::ZERO; unknowns * unknowns];
+        let mut gradients = vec![Lane::ZERO; (group.samples / piece + 1) * unknowns];
+        let mut squares = Lane::ZERO;
+        let sums = (&mut products[..], &mut gradients[..], &mut squares);
+        vectorized!(accumulate(&slopes, &left, unknowns, 3 * piece, sums));
+        let told = self.told_by(group, squares).into_iter().enumerate();
+        told.map(|(lane, errors)| {
+            let at = |i: usize, j: usize| products[i.min(j) * unknowns + i.max(j)][lane];
+            let pieces = gradients.chunks_exact(unknowns);
+            Sums {
+                errors,
+                products: (0..unknowns * unknowns).map(|k| at(k / unknowns, k % unknowns)).collect(),
+                pieces: pieces.map(|own| own.iter().map(|own| own[lane]).collect()).collect(),
+            }
+        })
+        .collect()
+    }
+
+    /// What the windows of `group` err by, from their sums of squares.
+    fn told_by(&self, group: &Group, squares: Lane) -> Vec<Errors> {
+        let first = usize::from(!self.unknown_starts());
+        let told = |(lane, own): (usize, &crate::window::Window)| {
+            let numbers = (3 * (own.samples + 1 - first)) as f64;
+            Errors { mean_square: squares[lane] / numbers, numbers, samples: own.samples }
+        };
+        group.windows.iter().enumerate().map(told).collect()
+    }
+}
+
+/// The starts of the windows of a group, side by side.
+fn start(starts: &[[f64; 3]]) -> [Lane; 3] {
+    [0, 1, 2].map(|d: usize| numerics::lanes::lane(starts.len(), |i| starts[i][d]))
+}
+
+/// Calls `look` with the state in every sample.
+#[inline(always)]
+fn follow<X: Real>(
+    problem: &Problem,
+    group: &Group,
+    body: &Body<X>,
+    mut state: [X; 3],
+    lift: impl Fn(Lane) -> X,
+    mut look: impl FnMut(usize, [X; 3]),
+) {
+    let (width, sample_s) = (problem.width, problem.settings.sample_s);
+    let acting = problem.late.then(|| {
+        let rows: Vec<X> = group.inputs.iter().map(|own| lift(*own)).collect();
+        body.acting(&rows, width, sample_s)
+    });
+    let input = |at: usize| match &acting {
+        Some(rows) => rows[at],
+        None => lift(group.inputs[at]),
+    };
+    look(0, state);
+    for k in 0..group.samples {
+        let row = (group.before + k) * width;
+        state = body.steps(state, |i| [input(row + i), input(row + width + i)], sample_s);
+        look(k + 1, state);
+    }
+}
+
+/// 1 in windows that have sample `k`, else 0.
+#[inline(always)]
+fn counted(problem: &Problem, group: &Group, k: usize) -> [bool; LANES] {
+    let first = usize::from(!problem.unknown_starts());
+    std::array::from_fn(|lane| group.windows.get(lane).is_some_and(|own| first <= k && k <= own.samples))
+}
+
+/// `own` where it counts, else 0.
+#[inline(always)]
+fn only(own: Lane, counted: [bool; LANES]) -> Lane {
+    Lane(std::array::from_fn(|lane| if counted[lane] { own[lane] } else { 0.0 }))
+}
+
+#[inline(always)]
+fn squared(problem: &Problem, group: &Group, body: &Body<Lane>, start: [Lane; 3], squares: &mut Lane) {
+    follow(
+        problem,
+        group,
+        body,
+        start,
+        |own| own,
+        |k, state| {
+            let counted = counted(problem, group, k);
+            for (d, own) in state.into_iter().enumerate() {
+                let error = (own - group.measured[3 * k + d]) * Lane::splat(1.0 / problem.deviations[d]);
+                let error = only(error, counted);
+                *squares += error * error;
+            }
+        },
+    );
+}
+
+/// Errors, and the first `count` columns of their derivatives in rows of `width`.
+#[inline(always)]
+fn columns(
+    problem: &Problem,
+    group: &Group,
+    body: &Body<Dual<Lane, AT_ONCE>>,
+    start: [Dual<Lane, AT_ONCE>; 3],
+    (count, width): (usize, usize),
+    (left, slopes): (&mut [Lane], &mut [Lane]),
+) {
+    follow(problem, group, body, start, Dual::constant, |k, state| {
+        let counted = counted(problem, group, k);
+        for (d, own) in state.into_iter().enumerate() {
+            let (row, scale) = (3 * k + d, Lane::splat(1.0 / problem.deviations[d]));
+            left[row] = only((own.value - group.measured[row]) * scale, counted);
+            for i in 0..count {
+                slopes[row * width + i] = only(own.tangents[i] * scale, counted);
+            }
+        }
+    });
+}
+
+/// The sums over rows of `width` derivatives; gradients by pieces of so many rows.
+#[inline(always)]
+fn accumulate(
+    slopes: &[Lane],
+    left: &[Lane],
+    width: usize,
+    piece: usize,
+    (products, gradients, squares): (&mut [Lane], &mut [Lane], &mut Lane),
+) {
+    for (k, (row, error)) in slopes.chunks_exact(width).zip(left).enumerate() {
+        *squares += *error * *error;
+        let gradient = &mut gradients[k / piece * width..][..width];
+        for i in 0..width {
+            let own = row[i];
+            gradient[i] += own * *error;
+            let sums = &mut products[i * width..][..width];
+            for j in i..width {
+                sums[j] += own * row[j];
+            }
+        }
+    }
+}

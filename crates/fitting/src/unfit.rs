@@ -1,0 +1,49 @@
+use refusal::Invalid;
+use thiserror::Error;
+
+/// Why there is no fit.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Unfit {
+    /// Every number is known, fixed or tied.
+    #[error("no number of the model is free")]
+    NoParameter,
+    /// No recording has two samples.
+    #[error("no recording has two samples")]
+    NoSample,
+    /// A state is constant, so that its errors have no scale.
+    #[error("`{0}` does not vary in the recordings")]
+    Constant(&'static str),
+    /// With the numbers before the fit a simulation leaves every bound.
+    #[error("with the numbers before the fit, the simulation of `{recording}` from {first_s} s on diverges")]
+    Diverged {
+        /// The recording.
+        recording: String,
+        /// Where the window begins in it \[s\].
+        first_s: f64,
+    },
+    /// Neither the recordings nor a prior determine a parameter.
+    #[error("nothing in the recordings determines `{0}`, and it has no prior")]
+    Undetermined(String),
+    /// The search did not end.
+    #[error("no minimum after {0} steps")]
+    Unfinished(usize),
+}
+
+impl Unfit {
+    /// What is invalid, and the remedy.
+    pub fn invalid(&self) -> Invalid {
+        let (thing, expected, remedy) = match self {
+            Self::NoParameter => {
+                ("the model", "at least one free number", "write some as tables with `nominal` and `prior`")
+            }
+            Self::NoSample => ("the recordings", "two samples or more", "give longer runs"),
+            Self::Constant(_) => ("the recordings", "u, v and r that vary", "give runs with maneuvers"),
+            Self::Diverged { .. } => {
+                ("the model", "numbers that the ship can be simulated with", "correct `nominal` or `prime`")
+            }
+            Self::Undetermined(_) => ("the model", "information about each", "add a `prior`, or fix it"),
+            Self::Unfinished(_) => ("the fit", "a minimum", "add priors, or begin from better numbers"),
+        };
+        Invalid::new(thing, self.to_string(), expected, remedy)
+    }
+}

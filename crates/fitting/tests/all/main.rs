@@ -1,0 +1,4 @@
+//! Laws of fits to simulated recordings.
+
+mod laws;
+mod ship;
