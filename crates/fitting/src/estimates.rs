@@ -2,6 +2,7 @@
 
 use numerics::{congruence, symmetric};
 
+use crate::pass::Pass;
 use crate::{Fit, Problem, Unfit};
 
 /// A free parameter after the fit, in the system that it was written in.
@@ -42,6 +43,12 @@ impl Problem<'_> {
     /// # Errors
     /// A parameter that nothing determines.
     pub fn estimates(&self, fit: &Fit) -> Result<Estimates, Unfit> {
+        Pass::new(self, fit.first).estimates(fit)
+    }
+}
+
+impl Pass<'_> {
+    fn estimates(&self, fit: &Fit) -> Result<Estimates, Unfit> {
         let n = fit.theta.len();
         let sums = self.all_sums(&fit.theta, &fit.starts);
         let windows = self.reduced(&sums, 0.0).ok_or(Unfit::NoSample)?;

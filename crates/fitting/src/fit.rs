@@ -3,9 +3,10 @@
 use rayon::prelude::*;
 
 use crate::normal::{Reduced, reduced};
+use crate::pass::Pass;
 use crate::sums::{Errors, Sums};
 use crate::window::Window;
-use crate::{Problem, Unfit};
+use crate::{Problem, Starts, Unfit};
 
 /// A step that lowers the cost by a smaller share, and was to, ends the search.
 const ENOUGH: f64 = 1e-6;
@@ -21,12 +22,14 @@ pub struct Fit {
     pub theta: Vec<f64>,
     /// The mean of Huber's function of the windows' RMS errors, with what the priors add.
     pub cost: f64,
-    /// RMS error over all windows, in standard deviations of u, v and r.
-    pub rms: f64,
+    /// RMS errors of u, v and r over all windows, in their standard deviations.
+    pub rms: [f64; 3],
     /// Steps of the search.
     pub steps: usize,
     /// The start of each window.
     pub(crate) starts: Vec<Vec<[f64; 3]>>,
+    /// As how many samples the first one of a window counts.
+    pub(crate) first: Option<[f64; 3]>,
 }
 
 /// Where a search is.
@@ -35,7 +38,7 @@ struct At {
     /// By group.
     starts: Vec<Vec<[f64; 3]>>,
     cost: f64,
-    rms: f64,
+    rms: [f64; 3],
 }
 
 impl Problem<'_> {
@@ -47,11 +50,27 @@ impl Problem<'_> {
         self.fit_from(&self.forces.nominal())
     }
 
-    /// Fits the model, from `theta`.
+    /// Fits the model, from `theta`: with windows that start at their first measured sample, and from there with starts of
+    /// their own, if these are unknown.
     ///
     /// # Errors
     /// As [`Self::fit`].
     pub fn fit_from(&self, theta: &[f64]) -> Result<Fit, Unfit> {
+        let found = Pass::new(self, None).fit(theta)?;
+        match self.settings.starts {
+            Starts::Measured => Ok(found),
+            Starts::Unknown => Pass::new(self, Some(self.first(found.rms))).fit(&found.theta),
+        }
+    }
+
+    /// The cost of θ with windows that start at their first measured sample, and its derivatives by θ.
+    pub fn cost(&self, theta: &[f64]) -> (f64, Vec<f64>) {
+        Pass::new(self, None).cost(theta)
+    }
+}
+
+impl Pass<'_> {
+    fn fit(&self, theta: &[f64]) -> Result<Fit, Unfit> {
         let mut at = self.at(theta.to_vec(), self.measured_starts());
         if !at.cost.is_finite() {
             return Err(self.diverged(&at));
@@ -78,18 +97,17 @@ impl Problem<'_> {
                     _ => damping = 10.0 * damping.max(DAMPING[0]),
                 }
                 if damping > DAMPING[1] {
-                    return Ok(at.ended(step));
+                    return Ok(at.ended(self, step));
                 }
             };
             if expected.max(before - at.cost) <= ENOUGH * before + LEAST {
-                return Ok(at.ended(step + 1));
+                return Ok(at.ended(self, step + 1));
             }
         }
         Err(Unfit::Unfinished(self.settings.most_steps))
     }
 
-    /// The cost of θ with windows that start at their first measured sample, and its derivatives by θ.
-    pub fn cost(&self, theta: &[f64]) -> (f64, Vec<f64>) {
+    fn cost(&self, theta: &[f64]) -> (f64, Vec<f64>) {
         let at = self.at(theta.to_vec(), self.measured_starts());
         let sums = self.all_sums(&at.theta, &at.starts);
         let mut slopes = vec![0.0; theta.len()];
@@ -127,10 +145,10 @@ impl Problem<'_> {
         let all: Vec<Vec<Errors>> =
             groups.par_iter().map(|(group, starts)| self.errors(group, &theta, starts)).collect();
         let knee = self.settings.knee;
-        let (mut cost, mut square) = (0.0, 0.0);
+        let (mut cost, mut squares) = (0.0, [0.0; 3]);
         for own in all.iter().flatten() {
             cost += self.share(own) * own.cost(knee);
-            square += self.share(own) * own.mean_square;
+            squares.iter_mut().zip(own.squares).for_each(|(sum, own)| *sum += own);
         }
         let held: f64 = theta
             .iter()
@@ -138,7 +156,7 @@ impl Problem<'_> {
             .map(|(own, prior)| prior.map_or(0.0, |prior| ((own - prior.mean) / prior.deviation).powi(2)))
             .sum();
         cost += self.prior_cost() * held;
-        At { theta, starts, cost, rms: square.sqrt() }
+        At { theta, starts, cost, rms: squares.map(|own| (own / self.samples as f64).sqrt()) }
     }
 
     /// A window's share in the mean over windows, by its samples.
@@ -213,7 +231,7 @@ impl Problem<'_> {
 
     /// What a window's sums of squares count in the cost.
     pub(crate) fn weight(&self, window: &Errors) -> f64 {
-        self.share(window) * window.slope(self.settings.knee) / window.numbers
+        self.share(window) * window.slope(self.settings.knee) / window.numbers()
     }
 
     /// Which of θ lie at a bound that the cost pushes them to.
@@ -230,7 +248,7 @@ impl Problem<'_> {
         for (group, starts) in self.groups.iter().zip(&at.starts) {
             let errors = self.errors(group, &at.theta, starts);
             let pairs = group.windows.iter().zip(&errors);
-            if let Some((own, _)) = pairs.into_iter().find(|(_, own)| !own.mean_square.is_finite()) {
+            if let Some((own, _)) = pairs.into_iter().find(|(_, own)| !own.rms().is_finite()) {
                 let recording = self.recordings[own.recording].name.to_owned();
                 return Unfit::Diverged { recording, first_s: own.first as f64 * self.settings.sample_s };
             }
@@ -240,9 +258,9 @@ impl Problem<'_> {
 }
 
 impl At {
-    fn ended(self, steps: usize) -> Fit {
+    fn ended(self, pass: &Pass, steps: usize) -> Fit {
         let Self { theta, starts, cost, rms } = self;
-        Fit { theta, cost, rms, steps, starts }
+        Fit { theta, cost, rms, steps, starts, first: pass.first }
     }
 }
 

@@ -13,6 +13,7 @@
 mod estimates;
 mod fit;
 mod normal;
+mod pass;
 mod problem;
 mod settings;
 mod sums;

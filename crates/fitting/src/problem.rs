@@ -2,10 +2,13 @@ use forces::Forces;
 use numerics::statistics;
 
 use crate::window::{Group, windows};
-use crate::{Prior, Recording, Settings, Starts, Unfit};
+use crate::{Prior, Recording, Settings, Unfit};
 
 /// How long inputs before a window may act in it, where thrusters follow theirs late \[s\].
 const HISTORY_S: f64 = 20.0;
+
+/// As how many samples the first one of a window counts at most.
+const MOST: f64 = 1e6;
 
 /// Recordings that a force model is fitted to.
 pub struct Problem<'a> {
@@ -65,14 +68,17 @@ impl<'a> Problem<'a> {
         self.groups.iter().map(|own| own.windows.len()).sum()
     }
 
-    /// Whether windows have starts of their own.
-    pub(crate) fn unknown_starts(&self) -> bool {
-        self.settings.starts == Starts::Unknown
-    }
-
-    /// Unknowns of a window: θ and its start.
-    pub(crate) fn unknowns(&self) -> usize {
-        self.forces.parameters().len() + if self.unknown_starts() { 3 } else { 0 }
+    /// How many samples the first one of u, v and r counts as, where errors of the simulation are `rms` of the standard
+    /// deviations: as often as noise is smaller than they are. Noise is what changes of the third order tell of it.
+    pub(crate) fn first(&self, rms: [f64; 3]) -> [f64; 3] {
+        let third = |own: &[[f64; 3]], d: usize| own[3][d] - own[0][d] - 3.0 * (own[2][d] - own[1][d]);
+        [0, 1, 2].map(|d: usize| {
+            let all = self.recordings.iter().flat_map(|own| own.measured.as_chunks::<3>().0.windows(4));
+            let squares: Vec<f64> = all.map(|own| third(own, d).powi(2)).collect();
+            let noise = statistics::mean(&squares).unwrap_or(0.0) / 20.0;
+            let error = (rms[d] * self.deviations[d]).powi(2);
+            (error / noise.max(f64::MIN_POSITIVE)).clamp(1.0, MOST)
+        })
     }
 
     /// What the square of a prior's standardised distance costs: the weight over half the numbers at 1 Hz.

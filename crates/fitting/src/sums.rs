@@ -3,8 +3,8 @@
 use forces::{Body, Dual, Real};
 use numerics::{LANES, Lane, vectorized};
 
-use crate::Problem;
-use crate::window::Group;
+use crate::pass::Pass;
+use crate::window::{Group, Window};
 
 /// Unknowns by which derivatives are computed at once.
 const AT_ONCE: usize = 13;
@@ -14,22 +14,32 @@ pub fn cost_of_rms(rms: f64, knee: f64) -> f64 {
     if rms <= knee { rms * rms } else { 2.0 * knee * rms - knee * knee }
 }
 
-/// The mean square error of a window, and how many numbers it is the mean of.
+/// What a window errs by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Errors {
-    pub mean_square: f64,
-    pub numbers: f64,
+    /// Sums of squares in u, v and r.
+    pub squares: [f64; 3],
     pub samples: usize,
 }
 
 impl Errors {
+    /// Numbers that are compared.
+    pub fn numbers(&self) -> f64 {
+        (3 * self.samples) as f64
+    }
+
+    /// RMS error of u, v and r together.
+    pub fn rms(&self) -> f64 {
+        (self.squares.iter().sum::<f64>() / self.numbers()).sqrt()
+    }
+
     pub fn cost(&self, knee: f64) -> f64 {
-        cost_of_rms(self.mean_square.sqrt(), knee)
+        cost_of_rms(self.rms(), knee)
     }
 
     /// The derivative of its cost by its mean square.
     pub fn slope(&self, knee: f64) -> f64 {
-        let rms = self.mean_square.sqrt();
+        let rms = self.rms();
         if rms <= knee { 1.0 } else { knee / rms }
     }
 }
@@ -44,18 +54,18 @@ pub(crate) struct Sums {
     pub pieces: Vec<Vec<f64>>,
 }
 
-impl Problem<'_> {
+impl Pass<'_> {
     /// Errors of the windows of `group`, which start at `starts`.
-    pub(crate) fn errors(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Errors> {
+    pub fn errors(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Errors> {
         let theta: Vec<Lane> = theta.iter().map(|own| Lane::splat(*own)).collect();
         let body = self.forces.body(&theta);
-        let mut squares = Lane::ZERO;
+        let mut squares = [Lane::ZERO; 3];
         vectorized!(squared(self, group, &body, start(starts), &mut squares));
         self.told_by(group, squares)
     }
 
     /// The errors and sums of the windows of `group`, which start at `starts`.
-    pub(crate) fn sums(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Sums> {
+    pub fn sums(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Sums> {
         let unknowns = self.unknowns();
         let rows = 3 * (group.samples + 1);
         let mut slopes = vec![Lane::ZERO; rows * unknowns];
@@ -74,7 +84,7 @@ impl Problem<'_> {
         let piece = self.settings.samples(self.settings.piece_s);
         let mut products = vec![Lane::ZERO; unknowns * unknowns];
         let mut gradients = vec![Lane::ZERO; (group.samples / piece + 1) * unknowns];
-        let mut squares = Lane::ZERO;
+        let mut squares = [Lane::ZERO; 3];
         let sums = (&mut products[..], &mut gradients[..], &mut squares);
         vectorized!(accumulate(&slopes, &left, unknowns, 3 * piece, sums));
         let told = self.told_by(group, squares).into_iter().enumerate();
@@ -91,11 +101,10 @@ impl Problem<'_> {
     }
 
     /// What the windows of `group` err by, from their sums of squares.
-    fn told_by(&self, group: &Group, squares: Lane) -> Vec<Errors> {
-        let first = usize::from(!self.unknown_starts());
-        let told = |(lane, own): (usize, &crate::window::Window)| {
-            let numbers = (3 * (own.samples + 1 - first)) as f64;
-            Errors { mean_square: squares[lane] / numbers, numbers, samples: own.samples }
+    fn told_by(&self, group: &Group, squares: [Lane; 3]) -> Vec<Errors> {
+        let told = |(lane, own): (usize, &Window)| Errors {
+            squares: squares.map(|own| own[lane]),
+            samples: own.samples,
         };
         group.windows.iter().enumerate().map(told).collect()
     }
@@ -109,15 +118,15 @@ fn start(starts: &[[f64; 3]]) -> [Lane; 3] {
 /// Calls `look` with the state in every sample.
 #[inline(always)]
 fn follow<X: Real>(
-    problem: &Problem,
+    pass: &Pass,
     group: &Group,
     body: &Body<X>,
     mut state: [X; 3],
     lift: impl Fn(Lane) -> X,
     mut look: impl FnMut(usize, [X; 3]),
 ) {
-    let (width, sample_s) = (problem.width, problem.settings.sample_s);
-    let acting = problem.late.then(|| {
+    let (width, sample_s) = (pass.width, pass.settings.sample_s);
+    let acting = pass.late.then(|| {
         let rows: Vec<X> = group.inputs.iter().map(|own| lift(*own)).collect();
         body.acting(&rows, width, sample_s)
     });
@@ -135,9 +144,8 @@ fn follow<X: Real>(
 
 /// 1 in windows that have sample `k`, else 0.
 #[inline(always)]
-fn counted(problem: &Problem, group: &Group, k: usize) -> [bool; LANES] {
-    let first = usize::from(!problem.unknown_starts());
-    std::array::from_fn(|lane| group.windows.get(lane).is_some_and(|own| first <= k && k <= own.samples))
+fn counted(group: &Group, k: usize) -> [bool; LANES] {
+    std::array::from_fn(|lane| group.windows.get(lane).is_some_and(|own| k <= own.samples))
 }
 
 /// `own` where it counts, else 0.
@@ -147,19 +155,19 @@ fn only(own: Lane, counted: [bool; LANES]) -> Lane {
 }
 
 #[inline(always)]
-fn squared(problem: &Problem, group: &Group, body: &Body<Lane>, start: [Lane; 3], squares: &mut Lane) {
+fn squared(pass: &Pass, group: &Group, body: &Body<Lane>, start: [Lane; 3], squares: &mut [Lane; 3]) {
     follow(
-        problem,
+        pass,
         group,
         body,
         start,
         |own| own,
         |k, state| {
-            let counted = counted(problem, group, k);
+            let (counted, scales) = (counted(group, k), pass.scales(k));
             for (d, own) in state.into_iter().enumerate() {
-                let error = (own - group.measured[3 * k + d]) * Lane::splat(1.0 / problem.deviations[d]);
+                let error = (own - group.measured[3 * k + d]) * Lane::splat(scales[d]);
                 let error = only(error, counted);
-                *squares += error * error;
+                squares[d] += error * error;
             }
         },
     );
@@ -168,17 +176,17 @@ fn squared(problem: &Problem, group: &Group, body: &Body<Lane>, start: [Lane; 3]
 /// Errors, and the first `count` columns of their derivatives in rows of `width`.
 #[inline(always)]
 fn columns(
-    problem: &Problem,
+    pass: &Pass,
     group: &Group,
     body: &Body<Dual<Lane, AT_ONCE>>,
     start: [Dual<Lane, AT_ONCE>; 3],
     (count, width): (usize, usize),
     (left, slopes): (&mut [Lane], &mut [Lane]),
 ) {
-    follow(problem, group, body, start, Dual::constant, |k, state| {
-        let counted = counted(problem, group, k);
+    follow(pass, group, body, start, Dual::constant, |k, state| {
+        let (counted, scales) = (counted(group, k), pass.scales(k));
         for (d, own) in state.into_iter().enumerate() {
-            let (row, scale) = (3 * k + d, Lane::splat(1.0 / problem.deviations[d]));
+            let (row, scale) = (3 * k + d, Lane::splat(scales[d]));
             left[row] = only((own.value - group.measured[row]) * scale, counted);
             for i in 0..count {
                 slopes[row * width + i] = only(own.tangents[i] * scale, counted);
@@ -194,10 +202,10 @@ fn accumulate(
     left: &[Lane],
     width: usize,
     piece: usize,
-    (products, gradients, squares): (&mut [Lane], &mut [Lane], &mut Lane),
+    (products, gradients, squares): (&mut [Lane], &mut [Lane], &mut [Lane; 3]),
 ) {
     for (k, (row, error)) in slopes.chunks_exact(width).zip(left).enumerate() {
-        *squares += *error * *error;
+        squares[k % 3] += *error * *error;
         let gradient = &mut gradients[k / piece * width..][..width];
         for i in 0..width {
             let own = row[i];
