@@ -18,6 +18,7 @@ pub mod manual;
 pub mod monte_carlo;
 pub mod new;
 pub mod ordered;
+pub mod physical;
 pub mod plan;
 pub mod pool;
 pub mod progress;

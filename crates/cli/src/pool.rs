@@ -32,6 +32,23 @@ pub enum Nominal {
     File(PathBuf),
 }
 
+/// What holds estimates back.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Held {
+    /// A pull to nominal values.
+    Strength(f64),
+    /// A former fit of forces.
+    Former(PathBuf),
+}
+
+impl FromStr for Held {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        Ok(text.parse().map_or_else(|_| Self::Former(text.into()), Self::Strength))
+    }
+}
+
 /// The selection of runs.
 #[derive(Clone, Debug, Args)]
 pub struct RunFlags {
@@ -111,9 +128,10 @@ pub struct PoolFlags {
     /// data), or a previous estimate.json
     #[arg(long, value_name = "given|least-squares|FILE")]
     pub nominal: Option<Nominal>,
-    /// Pull towards the nominal model, on the scale of correlations; 0.03 is mild
-    #[arg(long, value_name = "STRENGTH")]
-    pub prior: Option<f64>,
+    /// Pull towards the nominal model, on the scale of correlations; 0.03 is mild. Of a ship with forces: the weight of
+    /// her priors, or the model of a former fit or of a sister's
+    #[arg(long, value_name = "STRENGTH|model.json")]
+    pub prior: Option<Held>,
 }
 
 impl PoolFlags {
@@ -124,7 +142,7 @@ impl PoolFlags {
             ("leave_out", json!(self.of.leave_out)),
             ("part_s", json!(self.part_s)),
             ("mean_removal", json!(self.mean_removal)),
-            ("prior", json!(self.prior.unwrap_or(0.0))),
+            ("prior", json!(self.strength())),
         ];
         let given = |(_, value): &(&str, Value)| *value != json!([]) && !value.is_null();
         let all = own.into_iter().chain(pooled).filter(given);
@@ -133,7 +151,11 @@ impl PoolFlags {
 
     /// The files that are read.
     pub fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.vessel].into_iter().chain(self.of.inputs())
+        let former = match &self.prior {
+            Some(Held::Former(path)) => Some(path),
+            _ => None,
+        };
+        [&self.vessel].into_iter().chain(self.of.inputs()).chain(former)
     }
 
     /// Reads the runs with `recorded`, and the model for instruments. Results from simulated logs are labelled so.
@@ -149,7 +171,11 @@ impl PoolFlags {
     where
         artifact::Error: From<R::Error>,
     {
-        let strength = not_below("--prior", self.prior.unwrap_or(0.0), 0.0)?;
+        if let Some(Held::Former(path)) = &self.prior {
+            let found = format!("--prior: found {} for a vessel with terms per sample", path.display());
+            return Err(Failure::Usage(format!("{found}, expected a number from 0.0 on; correct it")));
+        }
+        let strength = not_below("--prior", self.strength(), 0.0)?;
         let nominal = self.nominal().read(vessel, provenance)?;
         let (runs, constant) = self.of.read(vessel, provenance, recorded)?;
         let rate_hz = vessel.sample_rate_hz;
@@ -158,6 +184,32 @@ impl PoolFlags {
         let pool = Pool { removal, strength, nominal, part_samples, constant, ..Pool::new(vessel) };
         pool.check().map_err(|e| Failure::invalid(&self.vessel, &e))?;
         Ok((runs, pool))
+    }
+
+    /// The pull to nominal values.
+    fn strength(&self) -> f64 {
+        match self.prior {
+            Some(Held::Strength(own)) => own,
+            _ => 0.0,
+        }
+    }
+
+    /// Refuses flags of regressions for a ship with forces.
+    ///
+    /// # Errors
+    /// A usage error that names the first of them.
+    pub fn check_forces(&self) -> Result<(), Failure> {
+        let given = [
+            ("--nominal", self.nominal.is_some()),
+            ("--part-s", self.part_s.is_some()),
+            ("--mean-removal", self.mean_removal != MeanRemoval::Complete),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            None => Ok(()),
+            Some((flag, _)) => Err(Failure::Usage(format!(
+                "{flag}: found a ship with forces, which has no instruments, expected terms per sample; leave it out"
+            ))),
+        }
     }
 
     /// The source of instruments.

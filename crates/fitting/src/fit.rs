@@ -59,7 +59,10 @@ impl Problem<'_> {
         let found = Pass::new(self, None).fit(theta)?;
         match self.settings.starts {
             Starts::Measured => Ok(found),
-            Starts::Unknown => Pass::new(self, Some(self.first(found.rms))).fit(&found.theta),
+            Starts::Unknown => {
+                let own = Pass::new(self, Some(self.first(found.rms))).fit(&found.theta)?;
+                Ok(Fit { steps: own.steps + found.steps, ..own })
+            }
         }
     }
 

@@ -282,6 +282,8 @@ fn parameter(entry: &Entry) -> Parameter {
         prior: entry.spec.prior,
         bounds: entry.spec.bounds.unwrap_or(entry.measured.range.map(|own| own / entry.scale())),
         scale: entry.scale(),
+        si_unit: entry.measured.unit.clone(),
+        prime: entry.measured.prime,
     }
 }
 

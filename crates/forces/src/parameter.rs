@@ -15,4 +15,8 @@ pub struct Parameter {
     pub bounds: [f64; 2],
     /// Factor from θ to SI units: ρ, length, draught and speed of the prime system, or 1.
     pub scale: f64,
+    /// Its SI unit, whatever it was written in.
+    pub si_unit: String,
+    /// What one of the prime system is in SI units, if the number can be written in it.
+    pub prime: Option<f64>,
 }

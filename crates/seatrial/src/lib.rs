@@ -4,6 +4,7 @@
 //!   of them, disturbed realizations of it, their estimates and scores. [`MonteCarlo`] repeats the last three.
 //! - [`Logs`] become runs, [`Pooling`] makes one model of them, [`StructureSearch`] finds its structure, and [`Comparison`]
 //!   validates it on other recordings.
+//! - [`Physical`] fits a ship as physics to runs.
 //! - [`ChartedTrial`] is planned as one walk over a chart, proved to be the cheapest and checked in simulation.
 //! - [`Designing`] finds the shares of a trial by any criterion, and the shortest trial of an accuracy.
 //! - [`Updating`] states the promise of a design anew from an estimate of its trial.
@@ -20,9 +21,11 @@
 mod charted;
 mod comparison;
 mod designing;
+mod former;
 mod measured;
 mod merit;
 mod monte_carlo;
+mod physical;
 mod pooling;
 mod sampling;
 mod simulation;
@@ -32,9 +35,11 @@ mod updating;
 pub use charted::{ChartedTrial, PlanError, Planned};
 pub use comparison::Comparison;
 pub use designing::{Designing, Wish};
+pub use former::former;
 pub use measured::{Ingested, Logs};
 pub use merit::Merits;
 pub use monte_carlo::{MonteCarlo, Realized};
+pub use physical::{Physical, PhysicalError};
 pub use pooling::Pooling;
 pub use sampling::sampled_ships;
 pub use simulation::{Optimum, Study, StudyError, undisturbed};
@@ -42,8 +47,8 @@ pub use structure::{FoundStructure, StructureSearch};
 pub use updating::{UpdateError, Updating};
 
 pub use {
-    artifact, chart, design, engine, identification, lattice, logs, maneuver, model, refusal, regression,
-    search, study, trial, validation,
+    artifact, chart, design, engine, fitting, forces, identification, lattice, logs, maneuver, model,
+    refusal, regression, search, study, trial, validation,
 };
 
 pub use artifact::{Budget, Error, Provenance};
@@ -52,6 +57,7 @@ pub use design::{
     Wanted,
 };
 pub use engine::Run;
+pub use fitting::{Settings, Starts, Unfit};
 pub use identification::pooled::{Covariance, Grown, Judgement, Pool, PoolError, Resampling};
 pub use identification::runs::{RunError, RunEstimators};
 pub use identification::{Estimator, RunEstimate, RunScore, ValidationRuns};

@@ -7,12 +7,13 @@ use artifact::{Provenance, Shard, TableReader};
 use clap::Parser;
 use identification::Estimator;
 use identification::pooled::{Judgement, Pool, Resample, Resampling, grown, resampled, unstated};
+use identification::runs::AdditionalUnknowns;
 use model::Vessel;
 use regression::pooled::{PooledRuns, Recorded};
 use seatrial::Pooling;
 use serde_json::json;
 use study::LoggedHelm;
-use study::files::read_vessel;
+use study::files::read_any_vessel;
 use study::pooled_set::MAIN;
 use study::resamples;
 use study::trajectories::{Layout, TrajectoryReader};
@@ -21,6 +22,7 @@ use crate::choice::choice;
 use crate::cli::{Common, Sharding, member};
 use crate::failure::Failure;
 use crate::inputs;
+use crate::physical::{self, PhysicalFlags};
 use crate::pool::PoolFlags;
 use crate::progress::Progress;
 use crate::sharded::{Made, rows_of_shards};
@@ -41,7 +43,7 @@ use crate::stage::{Summary, Task};
 pub struct Arguments {
     #[command(flatten)]
     flags: PoolFlags,
-    /// The estimator [default: of measured logs `prediction-error`, or `output-error` where no noise known here describes their
+    /// The estimator [default: of a ship with forces `output-error`; of measured logs `prediction-error`, or `output-error` where no noise known here describes their
     /// errors; of simulated trials and with --prior `iv`]
     #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description))]
     estimator: Option<Estimator>,
@@ -54,13 +56,21 @@ pub struct Arguments {
     #[arg(long, value_name = "K", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=50))]
     add_terms: u16,
     #[command(flatten)]
+    physical: PhysicalFlags,
+    #[command(flatten)]
     sharding: Sharding,
 }
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
-        let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
+        let vessel = read_any_vessel(&self.flags.vessel, &mut provenance)?;
+        if vessel.model.forces.is_some() {
+            self.check_forces()?;
+            let flags = (&self.flags, &self.physical);
+            return physical::fit(flags, self.estimator, &vessel, (common, provenance));
+        }
+        self.physical.check_absent()?;
         let main = if self.sharding.shard.is_some() { resamples::MAIN } else { MAIN };
         let out = common.main_output(main, self.flags.inputs().chain(&self.sharding.gather))?;
         let model = member(&out, MAIN, "model.json", self.flags.inputs())?;
@@ -103,6 +113,21 @@ impl Task for Arguments {
 }
 
 impl Arguments {
+    /// Refuses flags that a fit of forces does not have.
+    fn check_forces(&self) -> Result<(), Failure> {
+        let given = [
+            ("--bootstrap", self.bootstrap.is_some()),
+            ("--add-terms", self.add_terms > 0),
+            ("unknown water or wind", self.additional.unknown() != AdditionalUnknowns::default()),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            None => Ok(()),
+            Some((flag, _)) => Err(Failure::Usage(format!(
+                "{flag}: found a ship with forces, expected terms per sample; leave it out"
+            ))),
+        }
+    }
+
     /// The requested estimator, or the default.
     fn estimator<R: Recorded<Error = artifact::Error>>(
         &self,

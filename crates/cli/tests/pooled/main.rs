@@ -6,6 +6,7 @@ mod support;
 mod constraints;
 mod cross;
 mod estimate;
+mod forces;
 mod golden;
 mod model;
 mod moments;

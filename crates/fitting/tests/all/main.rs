@@ -1,4 +1,5 @@
 //! Laws of fits to simulated recordings.
 
 mod laws;
+mod oracle;
 mod ship;

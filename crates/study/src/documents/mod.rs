@@ -11,6 +11,7 @@ mod design_status;
 mod design_update;
 mod estimate;
 mod follow;
+mod forces;
 mod found;
 mod ingest;
 mod map;
@@ -76,6 +77,7 @@ pub use design_update::{
 pub(crate) use estimate::bounded;
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
 pub use follow::{FollowDocument, FollowStatus, FollowedStep};
+pub use forces::{FittedForces, FittedParameter};
 pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State,
     WarningKind, WarningSummary,

@@ -11,6 +11,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use validation::comparison::Magnitudes;
 
+use super::forces::{FittedForces, own_lag};
+
 /// `model.json`: a model as it was estimated, with all that it takes to simulate it. Every stage that takes a `vessel.toml`
 /// takes it instead.
 ///
@@ -29,8 +31,11 @@ pub struct ModelDocument {
     /// Channels that are computed from inputs, measured disturbances and each other.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub derived: Vec<DerivedSpec>,
-    /// Surge, sway, yaw.
+    /// Surge, sway, yaw; without terms where the model is made of forces.
     pub degrees: Vec<ModelDegree>,
+    /// Forces that the model is made of, in place of terms per sample.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forces: Option<FittedForces>,
     /// Covariance of the values that were estimated by themselves, 0 at bounds; null where some have no standard error, for the
     /// estimate of a single run, and where the structure was searched for: a ridge or a choice of terms leaves none that hold.
     pub covariance: Option<Covariance>,
@@ -180,6 +185,7 @@ impl ModelDocument {
             measured: Vec::new(),
             derived: Vec::new(),
             degrees: DegreeOfFreedom::ALL.into_iter().map(degree).collect(),
+            forces: None,
             covariance: delivered.covariance.clone(),
             estimator,
             mean_removal,
@@ -207,7 +213,7 @@ impl ModelDocument {
                 follows: coupling.map(|(leader, _)| inputs[leader].name.clone()),
                 factor: coupling.map(|(_, factor)| factor),
                 range: vessel.actuators[i].range,
-                lag_s: Some(vessel.actuators[i].lag_s).filter(|lag| *lag > 0.0),
+                lag_s: own_lag(vessel, i),
                 rate_per_s: vessel.actuators[i].rate_per_s,
                 dead_band: Some(vessel.actuators[i].dead_band).filter(|band| *band > 0.0),
                 hold_s: Some(vessel.actuators[i].hold_s).filter(|hold| *hold > 0.0),
@@ -291,6 +297,11 @@ impl ModelDocument {
         constant: impl Fn(&ModelDegree) -> Option<f64>,
     ) -> Option<Result<Vessel, Invalid>> {
         let [surge, sway, yaw] = self.degrees.as_slice() else { return None };
+        if let Some(own) = &self.forces {
+            // They have no other values.
+            constant(surge)?;
+            return Some(own.file().and_then(|file| Vessel::from_file(self.channels_of(file))));
+        }
         let term = |p: &ModelParameter| {
             Some(TermSpec {
                 parameter: p.name.clone(),
@@ -308,18 +319,44 @@ impl ModelDocument {
             })
         };
         let terms = |degree: &ModelDegree| degree.parameters.iter().map(term).collect::<Option<Vec<_>>>();
-        Some(Vessel::from_file(VesselFile {
-            name: Some(self.vessel.clone()),
-            sample_rate_hz: Some(self.sample_rate_hz),
-            input: self.inputs.clone(),
-            measured: self.measured.clone(),
-            derived: self.derived.clone(),
+        Some(Vessel::from_file(self.channels_of(VesselFile {
             surge: terms(surge)?,
             sway: terms(sway)?,
             yaw: terms(yaw)?,
             constant: [constant(surge)?, constant(sway)?, constant(yaw)?],
             ..VesselFile::default()
-        }))
+        })))
+    }
+
+    /// `file` with the name, rate and channels of the model.
+    fn channels_of(&self, file: VesselFile) -> VesselFile {
+        VesselFile {
+            name: Some(self.vessel.clone()),
+            sample_rate_hz: Some(self.sample_rate_hz),
+            input: self.inputs.clone(),
+            measured: self.measured.clone(),
+            derived: self.derived.clone(),
+            ..file
+        }
+    }
+
+    /// The model that was fitted to recordings: forces, and what is told of them degree by degree.
+    pub fn fitted(vessel: &Vessel, delivered: &Delivered, forces: FittedForces) -> Self {
+        let degree = |degree: DegreeOfFreedom| {
+            let d = degree as usize;
+            ModelDegree {
+                name: degree.name().to_owned(),
+                state: degree.state().to_owned(),
+                unit: degree.unit().to_owned(),
+                parameters: Vec::new(),
+                constant: 0.0,
+                constant_least_squares: None,
+                increment_std: delivered.increment_std[d],
+                output_rmse: delivered.output_rmse.map(|rmse| rmse[d]),
+            }
+        };
+        let made = (Estimator::OutputError, MeanRemoval::None);
+        Self { forces: Some(forces), ..Self::with_degrees(vessel, made, delivered, degree) }
     }
 }
 
@@ -410,10 +447,13 @@ impl Document for ModelDocument {
     const VERSION: u32 = 1;
     const UNITS: Units = &[
         ("Hz", "sample_rate_hz"),
-        ("1", "samples stretches factor part"),
-        ("s", "stretch_s lag_s hold_s"),
+        (
+            "1",
+            "samples stretches factor part condition windows pieces prior_weight cost steps prior_share inflation",
+        ),
+        ("s", "stretch_s lag_s hold_s window_s"),
         ("the channel's unit a second", "rate_per_s"),
-        ("the parameter's unit", "value standard_error least_squares truth bounds"),
+        ("the parameter's unit", "value standard_error least_squares truth bounds prior prior_deviation"),
         ("m/s, m/s, rad/s", "left_out_rmse"),
         ("the unit of the row's name times that of the column's", "entries"),
         ("the state's unit", "constant constant_least_squares increment_std output_rmse"),

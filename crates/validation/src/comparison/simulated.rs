@@ -1,4 +1,4 @@
-use engine::{check_diverged, simulate_one};
+use engine::{check_diverged, replay};
 use identification::pooled::deviations;
 use model::Model;
 use numerics::statistics::MeanTrajectory;
@@ -65,7 +65,7 @@ impl Simulated {
         Self::new(one.standing, sources, |_, window| {
             let mut mean = MeanTrajectory::default();
             for Ship { model, theta } in &one.ships {
-                let states = simulate_one(model, theta, window.view().initial, &window.exogenous);
+                let states = replay(model, theta, window.view().initial, &window.exogenous);
                 if check_diverged(states.iter().copied()).is_some() {
                     return None;
                 }

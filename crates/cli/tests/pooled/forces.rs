@@ -1,0 +1,216 @@
+//! Ships as physics, fitted to runs through the binaries.
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::support::*;
+
+const DICTIONARY: &str =
+    "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml --out d.parquet";
+const POOL: &str = "estimate pool --vessel vessel.toml --trajectories d.parquet";
+
+/// The tanker KVLCC2 at 2 Hz, her zig-zags, and another guess of her numbers.
+fn trial() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    put(&folder, "vessel.toml", "preset = \"kvlcc2-l7\"\nsample_rate_hz = 2.0\n");
+    let zigzag = |(angle, n): (f64, f64)| {
+        format!(
+            "[[maneuver]]\nname = \"z{:.0}\"\nkind = \"zig-zag-test\"\nspeed_m_s = 1.1\nhelm = {{ delta = {angle} }}\n\
+             heading_rad = {:.4}\nto = \"starboard\"\nduration_s = 200.0\napproach = {{ n = {n} }}\n",
+            angle.to_degrees(),
+            angle
+        )
+    };
+    let all: String = [(0.175, 10.5), (0.35, 10.5), (0.26, 9.0), (0.6, 12.0)].map(zigzag).concat();
+    put(&folder, "dictionary.toml", &all);
+    run(&folder, DICTIONARY).succeeds();
+    folder
+}
+
+/// The numbers of KVLCC2 that a fit begins with.
+const GUESS: &str = "preset = \"kvlcc2-l7\"\nsample_rate_hz = 2.0\n[nominal]\nY_v = -0.4\nN_v = -0.1\nN_r = -0.06\nX_0 = -0.03\n\
+    \"propeller.wake\" = 0.3\n\"rudder.epsilon\" = 1.2\n";
+
+fn parameters(folder: &TempDir, name: &str) -> Vec<Value> {
+    json(folder, name)["data"]["forces"]["parameters"].as_array().unwrap().clone()
+}
+
+fn fits(folder: &TempDir, name: &str) -> [f64; 3] {
+    let document = json(folder, name);
+    let errors = &document["data"]["models"][0]["errors"];
+    ["fit_u", "fit_v", "fit_r"].map(|fit| errors[fit].as_f64().unwrap())
+}
+
+#[test]
+fn a_fit_of_forces_is_compared_simulated_and_judged_in_place_of_vessel_toml() {
+    let folder = trial();
+    put(&folder, "vessel.toml", GUESS);
+    let said = run(&folder, &format!("{POOL} --prior-weight 0.01 --out model.json")).succeeds();
+    assert!(said.stdout.contains("output-error from "), "{said}");
+    let own = parameters(&folder, "model.json");
+    assert_eq!(own.len(), 26);
+    let sway = own.iter().find(|own| own["name"] == "Y_v").unwrap();
+    assert_eq!(
+        (&sway["unit"], &sway["prior"], &sway["value"]),
+        (&"1".into(), &(-0.4).into(), &sway["prime_value"])
+    );
+    assert_eq!(sway["si_unit"], "N per (m/s × m/s)");
+    run(
+        &folder,
+        "validate compare --model model.json --trajectories d.parquet --window-s 50 --out compare.json",
+    )
+    .succeeds();
+    let found = fits(&folder, "compare.json");
+    assert!(found.iter().all(|fit| *fit > 97.0), "{found:?}");
+    run(&folder, "simulate dictionary --vessel model.json --dictionary dictionary.toml --out again.parquet")
+        .succeeds();
+    run(
+        &folder,
+        "validate merit --model model.json --dictionary dictionary.toml --length-m 7 --out merit.json",
+    )
+    .succeeds();
+    // The same files again, and with one thread, are the same bytes.
+    let first = bytes(&folder, "model.json");
+    run(&folder, &format!("{POOL} --prior-weight 0.01 --threads 1 --out model.json")).succeeds();
+    assert_eq!(first, bytes(&folder, "model.json"));
+}
+
+#[test]
+fn a_former_fit_and_that_of_a_sister_are_priors() {
+    let folder = trial();
+    run(&folder, &format!("{POOL} --out former.json")).succeeds();
+    put(&folder, "vessel.toml", GUESS);
+    run(&folder, &format!("{POOL} --prior former.json --out model.json")).succeeds();
+    let (former, own) = (parameters(&folder, "former.json"), parameters(&folder, "model.json"));
+    for (former, own) in former.iter().zip(&own) {
+        assert_eq!(former["value"], own["prior"]);
+    }
+    assert_eq!(json(&folder, "model.json")["data"]["forces"]["prior_weight"], 10.0);
+    // A sister of half the length: her prime numbers are the same.
+    let text = std::fs::read_to_string(repository().join("crates/model/presets/kvlcc2-l7.toml")).unwrap();
+    let sister =
+        text.replace("length_m = 7.0", "length_m = 3.5").replace("draught_m = 0.46", "draught_m = 0.23");
+    put(&folder, "vessel.toml", &sister.replace("sample_rate_hz = 10.0", "sample_rate_hz = 2.0"));
+    edit(&folder, "vessel.toml", "mass_kg = 3270.0", "mass_kg = 408.0");
+    edit(&folder, "vessel.toml", "gyration_m = 1.75", "gyration_m = 0.875");
+    run(&folder, &format!("{POOL} --prior former.json --out sister.json")).succeeds();
+    let found = parameters(&folder, "sister.json");
+    for (former, own) in former.iter().zip(&found) {
+        let [former, own] = [&former["value"], &own["prior"]].map(|own| own.as_f64().unwrap());
+        assert!((former - own).abs() <= 1e-12 * former.abs(), "{former} {own}");
+    }
+}
+
+#[test]
+fn fits_of_forces_that_cannot_be_are_refused_in_one_line() {
+    let folder = trial();
+    for estimator in ["ls", "iv", "refined-iv", "auto", "prediction-error"] {
+        let line = format!("{POOL} --estimator {estimator} --out model.json");
+        let computes = format!("`{estimator}` computes");
+        refused(&folder, 3, &line, &["vessel.toml", "`forces`, which have no terms per sample", &computes]);
+    }
+    for (flags, words) in [
+        ("--nominal least-squares", ["--nominal", "which has no instruments"]),
+        ("--bootstrap 10", ["--bootstrap", "terms per sample"]),
+        ("--add-terms 2", ["--add-terms", "terms per sample"]),
+        ("--window-s 0.1", ["--window-s", "at least a sample"]),
+        ("--prior-weight -1", ["--prior-weight", "a number from 0"]),
+        ("--prior 2 --prior-weight 1", ["--prior-weight", "beside a number as --prior"]),
+    ] {
+        refused(&folder, 2, &format!("{POOL} {flags} --out model.json"), &words);
+    }
+    run(&folder, &format!("{POOL} --out former.json")).succeeds();
+    let text = std::fs::read_to_string(repository().join("crates/model/presets/kvlcc2-l7.toml")).unwrap();
+    let text = text.replace("sample_rate_hz = 10.0", "sample_rate_hz = 2.0");
+    put(
+        &folder,
+        "vessel.toml",
+        &text.replace("term = \"v^3 / U\", prime = -1.607", "term = \"v |v|\", prime = -1.607"),
+    );
+    let line = format!("{POOL} --prior former.json --out model.json");
+    refused(
+        &folder,
+        3,
+        &line,
+        &["former.json", "`Y_vvv` v^3 / U in sway", "`Y_vvv` v |v| in sway, as this vessel has"],
+    );
+    put(
+        &folder,
+        "vessel.toml",
+        &text.replace("name = \"n\"", "name = \"shaft\"").replace("input = \"n\"", "input = \"shaft\""),
+    );
+    refused(&folder, 3, &format!("{POOL} --out model.json"), &["d.parquet", "shaft"]);
+    let fixed: String = text.lines().map(known).collect();
+    put(&folder, "vessel.toml", &fixed);
+    refused(
+        &folder,
+        3,
+        &format!("{POOL} --out model.json"),
+        &["vessel.toml", "no number of the model is free"],
+    );
+    let terms = "name = \"t\"\nsample_rate_hz = 2.0\n[[input]]\nname = \"delta\"\nunit = \"rad\"\n[[input]]\nname = \"n\"\n\
+        unit = \"1/s\"\n[[surge]]\nparameter = \"a\"\nterm = \"u\"\nnominal = -0.1\n[[sway]]\nparameter = \"b\"\nterm = \"v\"\n\
+        nominal = -0.1\n[[yaw]]\nparameter = \"c\"\nterm = \"r\"\nnominal = -0.1\n";
+    put(&folder, "vessel.toml", terms);
+    refused(&folder, 2, &format!("{POOL} --window-s 50 --out m/"), &["--window-s", "terms per sample"]);
+    refused(&folder, 2, &format!("{POOL} --prior former.json --out m/"), &["--prior", "terms per sample"]);
+}
+
+/// A line of the preset with its numbers known.
+fn known(line: &str) -> String {
+    let mut line = line.to_owned();
+    while let Some(at) = line.find(", prior = ") {
+        let end = line[at + 2..].find([',', ' ', '}']).map_or(line.len(), |_| {
+            let rest = &line[at + 10..];
+            at + 10 + rest.find([',', ' ', '}']).unwrap_or(rest.len())
+        });
+        line.replace_range(at..end, ", fixed = true");
+    }
+    line + "\n"
+}
+
+/// Recordings of a study with forces, joined to its `ingest.toml`; `None` without the logs.
+fn logged(vessel: &str, ingest: &str, data: &str) -> Option<TempDir> {
+    let logs = repository().join("../shared/data").join(data);
+    if !logs.is_dir() {
+        eprintln!("skipped: there is no {}", logs.display());
+        return None;
+    }
+    let folder = TempDir::new().unwrap();
+    put(&folder, "vessel.toml", vessel);
+    put(&folder, "ingest.toml", ingest);
+    run(
+        &folder,
+        &format!(
+            "ingest --config ingest.toml --vessel vessel.toml --logs {} --out d.parquet --quiet",
+            logs.display()
+        ),
+    )
+    .succeeds();
+    Some(folder)
+}
+
+/// A file of the repository.
+fn file(path: &str) -> String {
+    std::fs::read_to_string(repository().join(path)).unwrap()
+}
+
+#[test]
+fn recordings_left_out_of_the_esso_osaka_are_followed_by_forces() {
+    let (vessel, ingest) =
+        (file("pipelines/esso-osaka/forces.toml"), file("pipelines/esso-osaka/ingest.toml"));
+    let Some(folder) = logged(&vessel, &ingest, "esso_osaka") else { return };
+    let test = "random_06-Aug-2020_16_24_25_4,random_31-Jul-2020_14_52_18,turn_14-Oct-2020_14_39_54,\
+        turn_14-Sep-2020_13_51_45,zigzag_31-Jul-2020_13_14_21,zigzag_31-Jul-2020_13_50_28";
+    let flags = "--recordings ingest.json";
+    run(&folder, &format!("{POOL} {flags} --leave-out {test} --out model.json")).succeeds();
+    run(
+        &folder,
+        &format!("validate compare --model model.json --trajectories d.parquet {flags} --runs {test} --window-s 100 --out compare.json"),
+    )
+    .succeeds();
+    let found = fits(&folder, "compare.json");
+    println!("{found:?}");
+    assert!(parameters(&folder, "model.json").len() <= 45);
+    assert!(found[0] > 70.0 && found[1] > 65.0 && found[2] > 65.0, "{found:?}");
+}

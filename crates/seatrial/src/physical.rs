@@ -1,0 +1,214 @@
+//! Ships as physics, fitted to runs.
+
+use engine::{check_diverged, replay};
+use fitting::{Estimates, Fit, Prior, Problem, Recording, Settings, Starts, Unfit};
+use forces::Forces;
+use identification::pooled::{Covariance, Delivered, RecordingConstant, Score, covered};
+use model::Vessel;
+use refusal::Invalid;
+use regression::pooled::{Part, PooledRuns};
+use study::documents::{FittedForces, FittedParameter, ModelDocument};
+use validation::comparison::Magnitudes;
+
+/// The standard error of a parameter that grows more than this because others are unknown is none of its own.
+const ENTANGLED: f64 = 10.0;
+
+/// Options of a fit of forces to runs.
+pub struct Physical<'a> {
+    /// The ship, whose model is made of forces.
+    pub vessel: &'a Vessel,
+    /// Windows, weights and starts.
+    pub settings: Settings,
+    /// What a former fit says of the parameters, in place of the ship's nominal values.
+    pub former: Option<&'a [f64]>,
+}
+
+/// A recording's name and its parts without gaps.
+type Recorded = (String, Vec<Part>);
+
+impl Physical<'_> {
+    /// The model of `runs`.
+    ///
+    /// # Errors
+    /// Why there is no fit, or a model without forces.
+    pub fn model(&self, runs: &PooledRuns) -> Result<ModelDocument, PhysicalError> {
+        let forces = &self.vessel.model.forces.as_ref().ok_or_else(without_forces)?.forces;
+        let sources = runs.windows(None);
+        let recordings = sources.iter().flat_map(|(name, parts)| {
+            parts.iter().map(|part| Recording { name, inputs: &part.exogenous, measured: &part.measured })
+        });
+        let width = self.vessel.model.exogenous();
+        let problem = Problem::new(forces, recordings.collect(), width, self.settings)?;
+        let problem = problem.with_priors(self.priors(forces));
+        let fit = problem.fit_from(self.former.unwrap_or(&self.vessel.nominal))?;
+        let estimates = problem.estimates(&fit)?;
+        let fitted = self.fitted(forces, (&fit, &estimates), problem.windows())?;
+        let mut model = ModelDocument::fitted(self.vessel, &self.delivered(&fit, &sources), fitted);
+        model.statements = statements(&estimates);
+        let Ok(magnitudes) = Magnitudes::of(&self.vessel.model, runs, self.vessel.sample_rate_hz);
+        model.magnitudes = magnitudes;
+        Ok(model)
+    }
+
+    /// Priors about the ship's nominal values, or those of a former fit.
+    fn priors(&self, forces: &Forces) -> Vec<Option<Prior>> {
+        let means = self.former.unwrap_or(&self.vessel.nominal);
+        let prior = |(own, mean): (&forces::Parameter, &f64)| {
+            own.prior.map(|deviation| Prior { mean: *mean, deviation })
+        };
+        forces.parameters().iter().zip(means).map(prior).collect()
+    }
+
+    fn fitted(
+        &self,
+        forces: &Forces,
+        (fit, estimates): (&Fit, &Estimates),
+        windows: usize,
+    ) -> Result<FittedForces, Invalid> {
+        let priors = self.priors(forces);
+        let means = self.former.unwrap_or(&self.vessel.nominal);
+        let parameter = |i: usize| {
+            let (own, found) = (&forces.parameters()[i], &estimates.parameters[i]);
+            let si_value = found.value * own.scale;
+            FittedParameter {
+                name: own.name.clone(),
+                unit: own.unit.clone(),
+                value: found.value,
+                standard_error: found.standard_error,
+                prior: means[i],
+                prior_deviation: priors[i].map(|own| own.deviation),
+                prior_share: found.prior_share,
+                inflation: found.inflation,
+                entangled: is_entangled(found),
+                si_value,
+                si_unit: own.si_unit.clone(),
+                prime_value: own.prime.map(|one| si_value / one),
+                truth: self.vessel.value[i],
+            }
+        };
+        let names = estimates.parameters.iter().map(|own| own.name.clone()).collect();
+        Ok(FittedForces {
+            description: FittedForces::text(forces.description())?,
+            parameters: (0..fit.theta.len()).map(parameter).collect(),
+            covariance: Covariance { joint: true, names, entries: estimates.covariance.clone() },
+            condition: Some(estimates.condition).filter(|own| own.is_finite()),
+            window_s: self.settings.window_s,
+            windows: windows as u64,
+            pieces: estimates.pieces as u64,
+            unknown_starts: self.settings.starts == Starts::Unknown,
+            prior_weight: self.settings.prior_weight,
+            cost: fit.cost,
+            steps: fit.steps as u64,
+        })
+    }
+
+    /// How the fit follows the recordings, whole and from sample to sample.
+    fn delivered(&self, fit: &Fit, sources: &[Recorded]) -> Delivered {
+        let model = &self.vessel.model;
+        let mut score = Score::default();
+        let (mut squares, mut samples, mut recordings) = ([0.0; 3], 0.0, Vec::new());
+        for (source, parts) in sources {
+            let (mut left, mut own) = ([0.0; 3], 0);
+            for part in parts {
+                let states = replay(model, &fit.theta, part.view().initial, &part.exogenous);
+                add(&mut score, part, &states);
+                for error in self.steps(fit, part) {
+                    own += 1;
+                    (0..3).for_each(|d| {
+                        left[d] += error[d];
+                        squares[d] += error[d] * error[d];
+                    });
+                }
+            }
+            samples += own as f64;
+            let [constant_u, constant_v, constant_r] = left.map(|sum| sum / (own as f64).max(1.0));
+            let source = source.clone();
+            recordings.push(RecordingConstant { source, samples: own, constant_u, constant_v, constant_r });
+        }
+        let parts: Vec<Part> = sources.iter().flat_map(|(_, parts)| parts.iter().cloned()).collect();
+        Delivered {
+            theta: fit.theta.clone(),
+            constant: [0.0; 3],
+            covariance: None,
+            least_squares: None,
+            increment_std: squares.map(|sum| (sum / f64::max(samples, 1.0)).sqrt()),
+            output_rmse: score.rmse(),
+            recordings,
+            surroundings: Vec::new(),
+            covered: covered(model, &parts),
+        }
+    }
+
+    /// What a step from each measured state leaves of the next one.
+    fn steps(&self, fit: &Fit, part: &Part) -> Vec<[f64; 3]> {
+        let Some(moved) = &self.vessel.model.forces else { return Vec::new() };
+        let body = moved.forces.body::<f64>(&fit.theta);
+        let width = self.vessel.model.exogenous().max(1);
+        let acting = body.acting(&part.exogenous, width, moved.sample_s);
+        let (rows, states) = (acting.chunks_exact(width), part.measured.as_chunks::<3>().0);
+        let ends = acting.chunks_exact(width).skip(1).chain(rows.clone().next_back());
+        let step = |((row, end), pair): ((&[f64], &[f64]), &[[f64; 3]])| {
+            let next = body.step(pair[0], row, end, moved.sample_s);
+            [0, 1, 2].map(|d| pair[1][d] - next[d])
+        };
+        rows.zip(ends).zip(states.windows(2)).map(step).collect()
+    }
+}
+
+/// Adds a simulation of a part to `score`.
+fn add(score: &mut Score, part: &Part, states: &[f64]) {
+    if check_diverged(states.iter().copied()).is_some() {
+        score.diverged += 1;
+        return;
+    }
+    score.samples += part.samples() as u64;
+    for (found, measured) in states.as_chunks::<3>().0.iter().zip(part.measured.as_chunks::<3>().0).skip(1) {
+        (0..3).for_each(|d| score.squares[d] += (found[d] - measured[d]).powi(2));
+    }
+}
+
+fn is_entangled(own: &fitting::Parameter) -> bool {
+    own.standard_error.is_some() && own.inflation.is_none_or(|own| own > ENTANGLED)
+}
+
+/// What to know before using the fit.
+fn statements(estimates: &Estimates) -> Vec<String> {
+    let named = |of: &dyn Fn(&fitting::Parameter) -> bool| -> Vec<String> {
+        let names = estimates.parameters.iter().filter(|own| of(own));
+        names.map(|own| format!("`{}`", own.name)).collect()
+    };
+    let mut all = Vec::new();
+    let entangled = named(&is_entangled);
+    if !entangled.is_empty() {
+        all.push(format!(
+            "condition index {:.0}: the runs know sums of terms, not {} alone",
+            estimates.condition,
+            entangled.join(", ")
+        ));
+    }
+    let prior = named(&|own| own.prior_share > 0.5);
+    if !prior.is_empty() {
+        all.push(format!("more than half the prior's: {}", prior.join(", ")));
+    }
+    let held = named(&|own| own.standard_error.is_none());
+    if !held.is_empty() {
+        all.push(format!("at a bound: {}", held.join(", ")));
+    }
+    all
+}
+
+fn without_forces() -> Invalid {
+    let remedy = "write `model = \"forces\"`, or take another estimator";
+    Invalid::new("`model`", "terms per sample", "forces", remedy)
+}
+
+/// Why forces were not fitted.
+#[derive(Debug, thiserror::Error)]
+pub enum PhysicalError {
+    /// There is no fit.
+    #[error("{0}")]
+    Unfit(#[from] Unfit),
+    /// What is asked for is invalid.
+    #[error("{0}")]
+    Invalid(#[from] Invalid),
+}

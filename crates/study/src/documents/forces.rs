@@ -1,0 +1,121 @@
+use forces::Description;
+use identification::pooled::Covariance;
+use model::{Kind, Vessel, VesselFile};
+use refusal::Invalid;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Forces that were fitted to recordings: the ship as written before the fit, and her free numbers after it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FittedForces {
+    /// The ship as a `vessel.toml` has her, with her numbers before the fit and their priors.
+    pub description: String,
+    /// The free numbers.
+    pub parameters: Vec<FittedParameter>,
+    /// Covariance of the free numbers, in the systems that they were written in; 0 at bounds.
+    pub covariance: Covariance,
+    /// Square root of the largest over the smallest eigenvalue of what the recordings tell, in correlations; null where they
+    /// leave a direction open.
+    pub condition: Option<f64>,
+    /// Length of the windows \[s\].
+    pub window_s: f64,
+    /// Number of windows.
+    pub windows: u64,
+    /// Pieces of the windows that count as independent in standard errors.
+    pub pieces: u64,
+    /// Whether every window has a start of its own, or starts at its first measured sample.
+    pub unknown_starts: bool,
+    /// Weight of the priors.
+    pub prior_weight: f64,
+    /// The mean of Huber's function of the windows' RMS errors in standard deviations, with what the priors add.
+    pub cost: f64,
+    /// Steps of the search.
+    pub steps: u64,
+}
+
+/// A free number after the fit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FittedParameter {
+    /// Its name.
+    pub name: String,
+    /// Its unit as written; `1` in the prime system.
+    pub unit: String,
+    /// The estimate.
+    pub value: f64,
+    /// Its standard error; null at a bound.
+    pub standard_error: Option<f64>,
+    /// Its value before the fit.
+    pub prior: f64,
+    /// Standard deviation of its prior; null without one.
+    pub prior_deviation: Option<f64>,
+    /// How much of the estimate is the prior's: 0 none, 1 all.
+    pub prior_share: f64,
+    /// By what the recordings' standard error grows because other parameters are unknown; null where they leave a direction
+    /// open.
+    pub inflation: Option<f64>,
+    /// Whether recordings hardly tell it from others: then sums of terms are known, this number alone is not.
+    pub entangled: bool,
+    /// The estimate in SI units.
+    pub si_value: f64,
+    /// Its SI unit.
+    pub si_unit: String,
+    /// The estimate in the prime system; null where it has none.
+    pub prime_value: Option<f64>,
+    /// Its true value, where the logs were simulated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<f64>,
+}
+
+impl FittedForces {
+    /// `description` as text.
+    ///
+    /// # Errors
+    /// One that cannot be written.
+    pub fn text(description: &Description) -> Result<String, Invalid> {
+        toml::to_string(description).map_err(|e| {
+            Invalid::new("the ship", e.to_string(), "a ship that TOML can state", "report this as a defect")
+        })
+    }
+
+    /// The ship as written.
+    ///
+    /// # Errors
+    /// A text that is none.
+    pub fn description(&self) -> Result<Description, Invalid> {
+        toml::from_str(&self.description).map_err(|e| {
+            let found = e.message().to_owned();
+            Invalid::new("data.forces.description", found, "a ship with forces", "estimate the model again")
+        })
+    }
+
+    /// The ship as a file, with the estimates as her nominal values.
+    pub(super) fn file(&self) -> Result<VesselFile, Invalid> {
+        let own = self.description()?;
+        Ok(VesselFile {
+            model: Some(Kind::Forces),
+            nominal: self.parameters.iter().map(|own| (own.name.clone(), own.value)).collect(),
+            density_kg_m3: Some(own.density_kg_m3),
+            step_s: own.step_s,
+            ship: Some(own.ship),
+            surge: own.surge,
+            sway: own.sway,
+            yaw: own.yaw,
+            propeller: own.propeller,
+            rudder: own.rudder,
+            thruster: own.thruster,
+            wind: own.wind,
+            crossflow: own.crossflow,
+            ..VesselFile::default()
+        })
+    }
+}
+
+/// The lag of an input \[s\] where it is not that of a thruster, which describes it itself.
+pub(super) fn own_lag(vessel: &Vessel, input: usize) -> Option<f64> {
+    let lag_s = Some(vessel.actuators[input].lag_s).filter(|lag| *lag > 0.0)?;
+    let moved = vessel.model.forces.as_ref();
+    let driven = moved.is_some_and(|own| own.forces.lags().iter().any(|(driven, _)| *driven == input));
+    (!driven).then_some(lag_s)
+}
