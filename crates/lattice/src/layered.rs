@@ -74,8 +74,10 @@ pub(crate) fn bytes(graph: &Graph, levels: Levels) -> u128 {
     if !levels.are_partial() {
         return bits;
     }
-    let optimal = graph.states().saturating_mul(8) / USUALLY_OPTIMAL;
-    bits + optimal + cheapest::bytes(graph, &layout) + u128::from(graph.arc_bytes(false))
+    // Optimal states as bits, how many there are before each node, and a key for each.
+    let places = layout.blocks.saturating_mul((graph.len() * 8 * (1 + layout.words)) as u128);
+    let keys = graph.states().saturating_mul(8) / USUALLY_OPTIMAL;
+    bits + places + keys + u128::from(graph.arc_bytes(false))
 }
 
 /// Bytes besides the states of all blocks: arcs, the states of one block, queues.

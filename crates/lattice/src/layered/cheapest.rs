@@ -13,11 +13,6 @@ use crate::watch::{Verdict, Watch};
 /// States between two checks of the queue's memory.
 const LOOKS: u32 = 1 << 12;
 
-/// Bytes besides those of the search by levels and a key per state: optimal states as bits, and how many there are before each node.
-pub(super) fn bytes(graph: &Graph, layout: &Layout) -> u128 {
-    layout.blocks.saturating_mul((graph.len() * 8 * (1 + layout.words)) as u128)
-}
-
 /// The least keys of optimal states.
 pub(super) struct Keys<'a, const W: usize> {
     graph: &'a Graph<'a>,
