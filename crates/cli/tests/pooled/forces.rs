@@ -7,7 +7,9 @@ use crate::support::*;
 
 const DICTIONARY: &str =
     "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml --out d.parquet";
-const POOL: &str = "estimate pool --vessel vessel.toml --trajectories d.parquet";
+const LOGGED: &str = "estimate pool --vessel vessel.toml --trajectories trajectories.parquet";
+/// The runs follow another guess of the ship.
+const POOL: &str = "estimate pool --vessel vessel.toml --trajectories d.parquet --allow-mixed";
 
 /// The tanker KVLCC2 at 2 Hz, her zig-zags, and another guess of her numbers.
 fn trial() -> TempDir {
@@ -57,7 +59,7 @@ fn a_fit_of_forces_is_compared_simulated_and_judged_in_place_of_vessel_toml() {
     assert_eq!(sway["si_unit"], "N per (m/s × m/s)");
     run(
         &folder,
-        "validate compare --model model.json --trajectories d.parquet --window-s 50 --out compare.json",
+        "validate compare --model model.json --trajectories d.parquet --allow-mixed --window-s 50 --out compare.json",
     )
     .succeeds();
     let found = fits(&folder, "compare.json");
@@ -114,7 +116,7 @@ fn fits_of_forces_that_cannot_be_are_refused_in_one_line() {
         ("--bootstrap 10", ["--bootstrap", "terms per sample"]),
         ("--add-terms 2", ["--add-terms", "terms per sample"]),
         ("--window-s 0.1", ["--window-s", "at least a sample"]),
-        ("--prior-weight -1", ["--prior-weight", "a number from 0"]),
+        ("--prior-weight=-1", ["--prior-weight", "a number from 0"]),
         ("--prior 2 --prior-weight 1", ["--prior-weight", "beside a number as --prior"]),
     ] {
         refused(&folder, 2, &format!("{POOL} {flags} --out model.json"), &words);
@@ -152,8 +154,18 @@ fn fits_of_forces_that_cannot_be_are_refused_in_one_line() {
         unit = \"1/s\"\n[[surge]]\nparameter = \"a\"\nterm = \"u\"\nnominal = -0.1\n[[sway]]\nparameter = \"b\"\nterm = \"v\"\n\
         nominal = -0.1\n[[yaw]]\nparameter = \"c\"\nterm = \"r\"\nnominal = -0.1\n";
     put(&folder, "vessel.toml", terms);
-    refused(&folder, 2, &format!("{POOL} --window-s 50 --out m/"), &["--window-s", "terms per sample"]);
-    refused(&folder, 2, &format!("{POOL} --prior former.json --out m/"), &["--prior", "terms per sample"]);
+    refused(
+        &folder,
+        2,
+        &format!("{POOL} --window-s 50 --out estimates.parquet"),
+        &["--window-s", "terms per sample"],
+    );
+    refused(
+        &folder,
+        2,
+        &format!("{POOL} --prior former.json --out estimates.parquet"),
+        &["--prior", "terms per sample"],
+    );
 }
 
 /// A line of the preset with its numbers known.
@@ -182,7 +194,7 @@ fn logged(vessel: &str, ingest: &str, data: &str) -> Option<TempDir> {
     run(
         &folder,
         &format!(
-            "ingest --config ingest.toml --vessel vessel.toml --logs {} --out d.parquet --quiet",
+            "ingest --config ingest.toml --vessel vessel.toml --logs {} --out trajectories.parquet --quiet",
             logs.display()
         ),
     )
@@ -203,10 +215,10 @@ fn recordings_left_out_of_the_esso_osaka_are_followed_by_forces() {
     let test = "random_06-Aug-2020_16_24_25_4,random_31-Jul-2020_14_52_18,turn_14-Oct-2020_14_39_54,\
         turn_14-Sep-2020_13_51_45,zigzag_31-Jul-2020_13_14_21,zigzag_31-Jul-2020_13_50_28";
     let flags = "--recordings ingest.json";
-    run(&folder, &format!("{POOL} {flags} --leave-out {test} --out model.json")).succeeds();
+    run(&folder, &format!("{LOGGED} {flags} --leave-out {test} --out model.json")).succeeds();
     run(
         &folder,
-        &format!("validate compare --model model.json --trajectories d.parquet {flags} --runs {test} --window-s 100 --out compare.json"),
+        &format!("validate compare --model model.json --trajectories trajectories.parquet {flags} --runs {test} --window-s 100 --out compare.json"),
     )
     .succeeds();
     let found = fits(&folder, "compare.json");
