@@ -145,13 +145,14 @@ impl Physical<'_> {
         let body = moved.forces.body::<f64>(&fit.theta);
         let width = self.vessel.model.exogenous().max(1);
         let acting = body.acting(&part.exogenous, width, moved.sample_s);
-        let (rows, states) = (acting.chunks_exact(width), part.measured.as_chunks::<3>().0);
-        let ends = acting.chunks_exact(width).skip(1).chain(rows.clone().next_back());
-        let step = |((row, end), pair): ((&[f64], &[f64]), &[[f64; 3]])| {
-            let next = body.step(pair[0], row, end, moved.sample_s);
-            [0, 1, 2].map(|d| pair[1][d] - next[d])
+        let rows: Vec<&[f64]> = acting.chunks_exact(width).collect();
+        let states = part.measured.as_chunks::<3>().0;
+        let step = |k: usize| {
+            let end = rows.get(k + 1).unwrap_or(&rows[k]);
+            let next = body.step(states[k], rows[k], end, moved.sample_s);
+            [0, 1, 2].map(|d| states[k + 1][d] - next[d])
         };
-        rows.zip(ends).zip(states.windows(2)).map(step).collect()
+        (0..part.samples()).map(step).collect()
     }
 }
 
