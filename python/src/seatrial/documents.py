@@ -1286,6 +1286,68 @@ class FigureMerit:
 
 
 @dataclass(frozen=True, kw_only=True)
+class FittedForces:
+    """Forces that were fitted to recordings: the ship as written before the fit, and her free numbers after it."""
+
+    #: The ship as a `vessel.toml` has her, with her numbers before the fit and their priors.
+    description: str
+    #: The free numbers.
+    parameters: list[FittedParameter]
+    #: Covariance of the free numbers, in the systems that they were written in; 0 at bounds.
+    covariance: Covariance
+    #: Square root of the largest over the smallest eigenvalue of what the recordings tell, in correlations; null where
+    #: they leave a direction open.
+    condition: float | None = None
+    #: Length of the windows \[s\].
+    window_s: float
+    #: Number of windows.
+    windows: int
+    #: Pieces of the windows that count as independent in standard errors.
+    pieces: int
+    #: Whether every window has a start of its own, or starts at its first measured sample.
+    unknown_starts: bool
+    #: Weight of the priors.
+    prior_weight: float
+    #: The mean of Huber's function of the windows' RMS errors in standard deviations, with what the priors add.
+    cost: float
+    #: Steps of the search.
+    steps: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class FittedParameter:
+    """A free number after the fit."""
+
+    #: Its name.
+    name: str
+    #: Its unit as written; `1` in the prime system.
+    unit: str
+    #: The estimate.
+    value: float
+    #: Its standard error; null at a bound.
+    standard_error: float | None = None
+    #: Its value before the fit.
+    prior: float
+    #: Standard deviation of its prior; null without one.
+    prior_deviation: float | None = None
+    #: How much of the estimate is the prior's: 0 none, 1 all.
+    prior_share: float
+    #: By what the recordings' standard error grows because other parameters are unknown; null where they leave a
+    #: direction open.
+    inflation: float | None = None
+    #: Whether recordings hardly tell it from others: then sums of terms are known, this number alone is not.
+    entangled: bool
+    #: The estimate in SI units.
+    si_value: float
+    #: Its SI unit.
+    si_unit: str
+    #: The estimate in the prime system; null where it has none.
+    prime_value: float | None = None
+    #: Its true value, where the logs were simulated.
+    truth: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class FollowDocument:
     """`follow.json`: where a ship is in a plan, by her positions so far."""
 
@@ -1980,8 +2042,10 @@ class ModelDocument:
     measured: list[ModelChannel]
     #: Channels that are computed from inputs, measured disturbances and each other.
     derived: list[ModelDerived] = field(default_factory=list)
-    #: Surge, sway, yaw.
+    #: Surge, sway, yaw; without terms where the model is made of forces.
     degrees: list[ModelDegree]
+    #: Forces that the model is made of, in place of terms per sample.
+    forces: FittedForces | None = None
     #: Covariance of the values that were estimated by themselves, 0 at bounds; null where some have no standard error,
     #: for the estimate of a single run, and where the structure was searched for: a ridge or a choice of terms leaves
     #: none that hold.
