@@ -210,7 +210,7 @@ fn file(path: &str) -> String {
 #[test]
 fn recordings_left_out_of_the_esso_osaka_are_followed_by_forces() {
     let (vessel, ingest) =
-        (file("pipelines/esso-osaka/forces.toml"), file("pipelines/esso-osaka/ingest.toml"));
+        (file("pipelines/esso-osaka/vessel-forces.toml"), file("pipelines/esso-osaka/ingest.toml"));
     let Some(folder) = logged(&vessel, &ingest, "esso_osaka") else { return };
     let test = "random_06-Aug-2020_16_24_25_4,random_31-Jul-2020_14_52_18,turn_14-Oct-2020_14_39_54,\
         turn_14-Sep-2020_13_51_45,zigzag_31-Jul-2020_13_14_21,zigzag_31-Jul-2020_13_50_28";
@@ -229,7 +229,8 @@ fn recordings_left_out_of_the_esso_osaka_are_followed_by_forces() {
 
 #[test]
 fn recordings_left_out_of_the_kvlcc2_are_followed_by_forces() {
-    let (vessel, ingest) = (file("pipelines/kvlcc2/forces.toml"), file("pipelines/kvlcc2/ingest.toml"));
+    let (vessel, ingest) =
+        (file("pipelines/kvlcc2/vessel-forces.toml"), file("pipelines/kvlcc2/ingest.toml"));
     let Some(folder) = logged(&vessel, &ingest, "kvlcc2_hsva") else { return };
     let test = "kvlcc2_hsva_Z_10_05,kvlcc2_hsva_Z_20_10_S,kvlcc2_hsva_Z_35_05";
     let flags = "--recordings ingest.json";
