@@ -226,7 +226,8 @@ impl<'a, const W: usize> Layered<'a, W> {
             let mut note = |block: usize, node: u32, bits: &Bits<W>| {
                 for bit in bits::ones(bits) {
                     let number = watch::number(&layout.counts(block, bit), &strides);
-                    if *least[number as usize].get_or_insert(levels.key(level)) == levels.key(level) {
+                    let first = *least[number as usize].get_or_insert(levels.key(level));
+                    if levels.are_partial() && first == levels.key(level) {
                         here.push(End { block, node, bit });
                     }
                 }
