@@ -52,22 +52,21 @@ impl Pass<'_> {
         let n = fit.theta.len();
         let sums = self.all_sums(&fit.theta, &fit.starts);
         let windows = self.reduced(&sums, 0.0).ok_or(Unfit::NoSample)?;
-        let (mut data, mut meat, mut pieces) = (vec![0.0; n * n], vec![0.0; n * n], 0);
-        let mut gradient = vec![0.0; n];
+        let (data, gradient) = self.information(n, &sums, &windows);
+        let (mut meat, mut pieces) = (vec![0.0; n * n], 0);
         for (own, window) in sums.iter().flatten().zip(windows.iter().flatten()) {
             let weight = self.weight(&own.errors);
-            data.iter_mut().zip(&window.products).for_each(|(sum, own)| *sum += weight * own);
             for score in own.scores(window, n).into_iter().filter(|own| own.iter().any(|own| *own != 0.0)) {
                 let score: Vec<f64> = score.iter().map(|own| weight * own).collect();
-                gradient.iter_mut().zip(&score).for_each(|(sum, own)| *sum += own);
                 numerics::add_outer(&mut meat, &score, &score);
                 pieces += 1;
             }
         }
-        self.told(fit, (data, meat), gradient, pieces)
+        self.errors_of(fit, (data, meat), gradient, pieces)
     }
 
-    fn told(
+    /// The errors of `fit`, from the information and the scores' products of the recordings, and their gradient.
+    fn errors_of(
         &self,
         fit: &Fit,
         (data, mut meat): (Vec<f64>, Vec<f64>),
@@ -75,10 +74,9 @@ impl Pass<'_> {
         pieces: usize,
     ) -> Result<Estimates, Unfit> {
         let n = fit.theta.len();
-        let pulls: Vec<f64> = self.pulls();
-        for i in 0..n {
-            gradient[i] += self.priors[i].map_or(0.0, |own| pulls[i] * (fit.theta[i] - own.mean));
-        }
+        let pulls = self.pulls(&fit.theta);
+        gradient.iter_mut().zip(&pulls).for_each(|(sum, [_, own])| *sum += own);
+        let pulls: Vec<f64> = pulls.iter().map(|[own, _]| *own).collect();
         let held = self.held(&fit.theta, &gradient);
         let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
         let m = free.len();
@@ -114,14 +112,6 @@ impl Pass<'_> {
         };
         let parameters = (0..n).map(parameter).collect();
         Ok(Estimates { parameters, covariance, condition, pieces })
-    }
-
-    /// What each prior adds to the second derivative of half the cost.
-    fn pulls(&self) -> Vec<f64> {
-        let pull = |own: &Option<crate::Prior>| {
-            own.map_or(0.0, |own| self.prior_cost() / (own.deviation * own.deviation))
-        };
-        self.priors.iter().map(pull).collect()
     }
 
     fn undetermined(&self, free: &[usize], bread: &[f64]) -> Unfit {

@@ -6,7 +6,7 @@ use crate::normal::{Reduced, reduced};
 use crate::pass::Pass;
 use crate::sums::{Errors, Sums};
 use crate::window::Window;
-use crate::{Problem, Starts, Unfit};
+use crate::{Prior, Problem, Starts, Unfit};
 
 /// A step that lowers the cost by a smaller share, and was to, ends the search.
 const ENOUGH: f64 = 1e-6;
@@ -120,10 +120,7 @@ impl Pass<'_> {
                 slopes.iter_mut().zip(piece).for_each(|(sum, own)| *sum += weight * own);
             }
         }
-        for (i, prior) in self.priors.iter().enumerate() {
-            let Some(prior) = prior else { continue };
-            slopes[i] += 2.0 * self.prior_cost() * (theta[i] - prior.mean) / prior.deviation.powi(2);
-        }
+        slopes.iter_mut().zip(self.pulls(theta)).for_each(|(sum, [_, own])| *sum += 2.0 * own);
         (at.cost, slopes)
     }
 
@@ -217,19 +214,38 @@ impl Pass<'_> {
     /// The second and first derivatives of half the cost by θ.
     fn normal(&self, theta: &[f64], sums: &[Vec<Sums>], windows: &[Vec<Reduced>]) -> (Vec<f64>, Vec<f64>) {
         let n = theta.len();
+        let (mut products, mut gradient) = self.information(n, sums, windows);
+        for (i, [pull, slope]) in self.pulls(theta).into_iter().enumerate() {
+            products[i * n + i] += pull;
+            gradient[i] += slope;
+        }
+        (products, gradient)
+    }
+
+    /// The same of the recordings alone, for `n` parameters.
+    pub(crate) fn information(
+        &self,
+        n: usize,
+        sums: &[Vec<Sums>],
+        windows: &[Vec<Reduced>],
+    ) -> (Vec<f64>, Vec<f64>) {
         let (mut products, mut gradient) = (vec![0.0; n * n], vec![0.0; n]);
         for (own, window) in sums.iter().flatten().zip(windows.iter().flatten()) {
             let weight = self.weight(&own.errors);
             products.iter_mut().zip(&window.products).for_each(|(sum, own)| *sum += weight * own);
             gradient.iter_mut().zip(&window.gradient).for_each(|(sum, own)| *sum += weight * own);
         }
-        for (i, prior) in self.priors.iter().enumerate() {
-            let Some(prior) = prior else { continue };
-            let pull = self.prior_cost() / (prior.deviation * prior.deviation);
-            products[i * n + i] += pull;
-            gradient[i] += pull * (theta[i] - prior.mean);
-        }
         (products, gradient)
+    }
+
+    /// What the prior of each of θ adds to the second and to the first derivative of half the cost.
+    pub(crate) fn pulls(&self, theta: &[f64]) -> Vec<[f64; 2]> {
+        let pull = |(own, prior): (&f64, &Option<Prior>)| {
+            let Some(prior) = prior else { return [0.0; 2] };
+            let pull = self.prior_cost() / (prior.deviation * prior.deviation);
+            [pull, pull * (own - prior.mean)]
+        };
+        theta.iter().zip(&self.priors).map(pull).collect()
     }
 
     /// What a window's sums of squares count in the cost.

@@ -61,7 +61,7 @@ impl Pass<'_> {
         let body = self.forces.body(&theta);
         let mut squares = [Lane::ZERO; 3];
         vectorized!(squared(self, group, &body, start(starts), &mut squares));
-        self.told_by(group, squares)
+        window_errors(group, squares)
     }
 
     /// The errors and sums of the windows of `group`, which start at `starts`.
@@ -87,27 +87,28 @@ impl Pass<'_> {
         let mut squares = [Lane::ZERO; 3];
         let sums = (&mut products[..], &mut gradients[..], &mut squares);
         vectorized!(accumulate(&slopes, &left, unknowns, 3 * piece, sums));
-        let told = self.told_by(group, squares).into_iter().enumerate();
-        told.map(|(lane, errors)| {
-            let at = |i: usize, j: usize| products[i.min(j) * unknowns + i.max(j)][lane];
-            let pieces = gradients.chunks_exact(unknowns);
-            Sums {
-                errors,
-                products: (0..unknowns * unknowns).map(|k| at(k / unknowns, k % unknowns)).collect(),
-                pieces: pieces.map(|own| own.iter().map(|own| own[lane]).collect()).collect(),
-            }
-        })
-        .collect()
+        let errors = window_errors(group, squares).into_iter().enumerate();
+        errors
+            .map(|(lane, errors)| {
+                let at = |i: usize, j: usize| products[i.min(j) * unknowns + i.max(j)][lane];
+                let pieces = gradients.chunks_exact(unknowns);
+                Sums {
+                    errors,
+                    products: (0..unknowns * unknowns).map(|k| at(k / unknowns, k % unknowns)).collect(),
+                    pieces: pieces.map(|own| own.iter().map(|own| own[lane]).collect()).collect(),
+                }
+            })
+            .collect()
     }
+}
 
-    /// What the windows of `group` err by, from their sums of squares.
-    fn told_by(&self, group: &Group, squares: [Lane; 3]) -> Vec<Errors> {
-        let told = |(lane, own): (usize, &Window)| Errors {
-            squares: squares.map(|own| own[lane]),
-            samples: own.samples,
-        };
-        group.windows.iter().enumerate().map(told).collect()
-    }
+/// The errors of the windows of `group`, from their sums of squares.
+fn window_errors(group: &Group, squares: [Lane; 3]) -> Vec<Errors> {
+    let of = |(lane, own): (usize, &Window)| Errors {
+        squares: squares.map(|own| own[lane]),
+        samples: own.samples,
+    };
+    group.windows.iter().enumerate().map(of).collect()
 }
 
 /// The starts of the windows of a group, side by side.
