@@ -226,6 +226,23 @@ pub fn check_positive(flag: &str, value: Option<f64>) -> Result<(), Failure> {
     }
 }
 
+/// Refuses the first of `flags` that is given where there is `found`.
+///
+/// # Errors
+/// A usage error that names the flag.
+pub fn none_given<'a>(
+    flags: impl IntoIterator<Item = (&'a str, bool)>,
+    found: &str,
+    expected: &str,
+) -> Result<(), Failure> {
+    match flags.into_iter().find(|(_, given)| *given) {
+        None => Ok(()),
+        Some((flag, _)) => {
+            Err(Failure::Usage(format!("{flag}: found {found}, expected {expected}; leave it out")))
+        }
+    }
+}
+
 /// `value`, which must not be below `least`.
 ///
 /// # Errors

@@ -11,7 +11,7 @@ use seatrial::{Physical, PhysicalError, former};
 use serde_json::json;
 use study::documents::ModelDocument;
 
-use crate::cli::{Common, not_below, samples};
+use crate::cli::{Common, none_given, not_below, samples};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::pool::{Held, PoolFlags};
@@ -43,17 +43,12 @@ impl PhysicalFlags {
     /// # Errors
     /// A usage error that names the first of them.
     pub fn check_absent(&self) -> Result<(), Failure> {
-        let given = [
+        let flags = [
             ("--window-s", self.window_s.is_some()),
             ("--prior-weight", self.prior_weight.is_some()),
             ("--measured-starts", self.measured_starts),
         ];
-        match given.into_iter().find(|(_, given)| *given) {
-            None => Ok(()),
-            Some((flag, _)) => Err(Failure::Usage(format!(
-                "{flag}: found a vessel with terms per sample, expected one with forces; leave it out"
-            ))),
-        }
+        none_given(flags, "a vessel with terms per sample", "one with forces")
     }
 
     fn settings(&self, sample_s: f64, held: Option<&Held>) -> Result<Settings, Failure> {

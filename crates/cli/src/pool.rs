@@ -16,7 +16,7 @@ use study::documents::{EstimateDocument, IngestDocument};
 use study::trajectories::label;
 
 use crate::choice::choice;
-use crate::cli::{not_below, samples};
+use crate::cli::{none_given, not_below, samples};
 use crate::failure::Failure;
 use crate::inputs;
 
@@ -199,17 +199,12 @@ impl PoolFlags {
     /// # Errors
     /// A usage error that names the first of them.
     pub fn check_forces(&self) -> Result<(), Failure> {
-        let given = [
+        let flags = [
             ("--nominal", self.nominal.is_some()),
             ("--part-s", self.part_s.is_some()),
             ("--mean-removal", self.mean_removal != MeanRemoval::Complete),
         ];
-        match given.into_iter().find(|(_, given)| *given) {
-            None => Ok(()),
-            Some((flag, _)) => Err(Failure::Usage(format!(
-                "{flag}: found a ship with forces, which has no instruments, expected terms per sample; leave it out"
-            ))),
-        }
+        none_given(flags, "a ship with forces, which has no instruments", "terms per sample")
     }
 
     /// The source of instruments.

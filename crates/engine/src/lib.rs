@@ -32,7 +32,7 @@ pub use noise::{NormalRows, Streams};
 pub use normals::fill_normals;
 pub use pose::{Origin, Pose, track};
 pub use refusals::{MOST_SAMPLES, refuse_endless};
-pub use replay::replay;
+pub use replay::{Replayed, replay};
 pub use run::{Run, RunView, Segment};
 pub use ship::Ship;
 pub use side_by_side::SideBySide;

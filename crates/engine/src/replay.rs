@@ -1,3 +1,4 @@
+use forces::Body;
 use model::{Model, Moved};
 
 use crate::simulate_one;
@@ -5,27 +6,38 @@ use crate::simulate_one;
 /// Simulates one logged run in still water. As [`simulate_one`], but forces act by inputs that are linear between samples, as
 /// logged ones are; the last row is held.
 pub fn replay(model: &Model, parameters: &[f64], initial: [f64; 3], exogenous: &[f64]) -> Vec<f64> {
-    match &model.forces {
-        None => simulate_one(model, parameters, initial, exogenous),
-        Some(moved) => moved_on(moved, parameters, initial, (exogenous, model.exogenous().max(1))),
-    }
-}
-
-fn moved_on(
-    moved: &Moved,
-    parameters: &[f64],
-    initial: [f64; 3],
-    (exogenous, width): (&[f64], usize),
-) -> Vec<f64> {
-    let body = moved.forces.body::<f64>(parameters);
-    let acting = body.acting(exogenous, width, moved.sample_s);
-    let rows: Vec<&[f64]> = acting.chunks_exact(width).collect();
-    let mut states = initial.to_vec();
-    let mut state = initial;
-    for (k, row) in rows.iter().enumerate() {
-        let end = rows.get(k + 1).unwrap_or(row);
-        state = body.step(state, row, end, moved.sample_s);
+    let width = model.exogenous().max(1);
+    let Some(moved) = &model.forces else { return simulate_one(model, parameters, initial, exogenous) };
+    let replayed = Replayed::new(moved, parameters, (exogenous, width));
+    let (mut state, mut states) = (initial, initial.to_vec());
+    for k in 0..exogenous.len() / width {
+        state = replayed.step(k, state);
         states.extend(state);
     }
     states
+}
+
+/// A ship that forces move along the inputs of a logged run, in still water.
+pub struct Replayed<'m> {
+    body: Body<'m, f64>,
+    /// What acts in every sample, in rows of `width`.
+    acting: Vec<f64>,
+    width: usize,
+    sample_s: f64,
+}
+
+impl<'m> Replayed<'m> {
+    /// With these parameters, along rows of so many inputs and measured disturbances.
+    pub fn new(moved: &'m Moved, parameters: &[f64], (exogenous, width): (&[f64], usize)) -> Self {
+        let body = moved.forces.body::<f64>(parameters);
+        let acting = body.acting(exogenous, width, moved.sample_s);
+        Self { body, acting, width, sample_s: moved.sample_s }
+    }
+
+    /// The state after `state` at sample `k`. Inputs are linear between samples, and held after the last row.
+    pub fn step(&self, k: usize, state: [f64; 3]) -> [f64; 3] {
+        let row = &self.acting[k * self.width..][..self.width];
+        let end = self.acting[(k + 1) * self.width..].get(..self.width).unwrap_or(row);
+        self.body.step(state, row, end, self.sample_s)
+    }
 }

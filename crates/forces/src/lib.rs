@@ -16,6 +16,7 @@ mod crossflow;
 mod delays;
 mod dual;
 mod forces;
+pub mod grammar;
 mod mass;
 mod number;
 mod numbers;

@@ -3,12 +3,10 @@
 use refusal::{Invalid, foreign};
 
 use crate::Channel;
+use crate::grammar::{MOST_FACTORS, parse_name, parse_power};
 use crate::mass::Prime;
 use crate::numbers::{At, Builder, Measured};
 use crate::{Real, TermSpec};
-
-/// Most factors of a term.
-const MOST_FACTORS: usize = 32;
 
 /// Names of what a term can have besides channels; the last four follow from the first two.
 const MOTION: [&str; 6] = ["u", "v", "r", "U", "U_s", "du"];
@@ -165,26 +163,14 @@ impl Parser<'_> {
         {
             return Ok(rest.trim_start());
         }
-        let modulus = text.starts_with('|');
-        let inner = text.strip_prefix('|').unwrap_or(text).trim_start();
-        let end = inner.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(inner.len());
-        let (name, mut rest) = (&inner[..end], inner[end..].trim_start());
-        if modulus {
-            rest = rest.strip_prefix('|').ok_or_else(|| self.malformed("an unclosed `|`"))?.trim_start();
-        }
+        let (modulus, name, rest) = parse_name(text).map_err(|found| self.malformed(&found))?;
         let variable = self.variable(name)?;
-        let mut power = 1;
-        if let Some(exponent) = rest.strip_prefix('^').map(str::trim_start) {
-            let end = exponent.find(|c: char| !c.is_ascii_digit()).unwrap_or(exponent.len());
-            let own = exponent[..end].parse::<usize>().ok().filter(|own| (1..=9).contains(own));
-            power = own.ok_or_else(|| self.malformed("a power that is no whole number from 1 to 9"))?;
-            rest = exponent[end..].trim_start();
-        }
+        let (power, rest) = parse_power(rest).map_err(|found| self.malformed(&found))?;
         if divides {
             self.check_division(name, variable)?;
         }
-        factors.extend(std::iter::repeat_n(Factor { variable, modulus, divides }, power));
-        Ok(rest)
+        factors.extend(std::iter::repeat_n(Factor { variable, modulus, divides }, power.into()));
+        Ok(rest.trim_start())
     }
 
     fn variable(&self, name: &str) -> Result<usize, Invalid> {

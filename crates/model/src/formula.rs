@@ -1,10 +1,8 @@
 use std::collections::BTreeMap;
 
+use forces::grammar::{MOST_FACTORS, parse_power};
 use numerics::Arithmetic;
 use thiserror::Error;
-
-/// Most factors of a term, and of a formula.
-pub(crate) const MOST_FACTORS: usize = 32;
 
 /// A function of a channel, before it is multiplied with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,12 +103,12 @@ impl Formula {
             return Ok(&text[end..]);
         }
         let (function, name, after) = parse_operand(text)?;
-        let (power, after) = parse_power(after)?;
+        let (power, after) = parse_power(after).map_err(Malformed)?;
         let channel = self.channels.iter().position(|c| c == name).unwrap_or_else(|| {
             self.channels.push(name.to_owned());
             self.channels.len() - 1
         });
-        product.factors.push(Factor { channel, function, power });
+        product.factors.push(Factor { channel, function, power: power.into() });
         if product.factors.len() > MOST_FACTORS {
             return Err(Malformed(format!("more than {MOST_FACTORS} factors")));
         }
@@ -277,15 +275,4 @@ fn split_name(text: &str) -> Result<(&str, &str), Malformed> {
         return Err(Malformed(format!("{found} where a channel should be")));
     }
     Ok((&text[..end], text[end..].trim_start()))
-}
-
-/// The power at the start of `text`, 1 if there is none, and the rest.
-pub(crate) fn parse_power(text: &str) -> Result<(i32, &str), Malformed> {
-    let Some(exponent) = text.trim_start().strip_prefix('^') else { return Ok((1, text)) };
-    let exponent = exponent.trim_start();
-    let end = exponent.find(|c: char| !c.is_ascii_digit()).unwrap_or(exponent.len());
-    match exponent[..end].parse::<i32>() {
-        Ok(power @ 1..=9) => Ok((power, &exponent[end..])),
-        _ => Err(Malformed("a power that is no whole number from 1 to 9".to_owned())),
-    }
 }

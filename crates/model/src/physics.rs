@@ -7,7 +7,7 @@ use refusal::Invalid;
 
 use crate::moved::Moved;
 use crate::parts::Parts;
-use crate::written::{VesselFile, missing};
+use crate::written::{Kind, VesselFile, missing};
 use crate::{Actuator, Variable};
 
 /// Whether a file has keys of forces.
@@ -93,6 +93,27 @@ pub(crate) fn moved(
     }
     let sample_s = 1.0 / file.sample_rate_hz.unwrap_or(1.0);
     Ok((Arc::new(Moved { forces, sample_s }), parts))
+}
+
+impl VesselFile {
+    /// The keys of forces as `own` has them, and no others.
+    pub fn of_forces(own: Description) -> Self {
+        Self {
+            model: Some(Kind::Forces),
+            density_kg_m3: Some(own.density_kg_m3),
+            step_s: own.step_s,
+            ship: Some(own.ship),
+            surge: own.surge,
+            sway: own.sway,
+            yaw: own.yaw,
+            propeller: own.propeller,
+            rudder: own.rudder,
+            thruster: own.thruster,
+            wind: own.wind,
+            crossflow: own.crossflow,
+            ..Self::default()
+        }
+    }
 }
 
 fn description(file: &VesselFile) -> Result<Description, Invalid> {

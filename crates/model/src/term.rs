@@ -1,7 +1,6 @@
+use forces::grammar::{MOST_FACTORS, parse_name, parse_power};
 use numerics::Number;
 use refusal::{Invalid, foreign, nearest};
-
-use crate::formula::{MOST_FACTORS, parse_power};
 
 /// One factor of a term: a variable or its modulus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +47,7 @@ impl Term {
         let mut factors = Vec::new();
         while !rest.is_empty() {
             let (factor, power, after) = parse_factor(text, rest, variables)?;
-            factors.extend(std::iter::repeat_n(factor, power as usize));
+            factors.extend(std::iter::repeat_n(factor, power.into()));
             if factors.len() > MOST_FACTORS {
                 return Err(malformed(text, &format!("more than {MOST_FACTORS} factors")));
             }
@@ -111,22 +110,10 @@ fn multiply<X: Number, const N: usize>(factors: &[Factor], values: &[[X; N]], ou
     }
 }
 
-fn parse_factor<'a>(
-    text: &str,
-    rest: &'a str,
-    variables: &[&str],
-) -> Result<(Factor, i32, &'a str), Invalid> {
-    let (modulus, start) = match rest.strip_prefix('|') {
-        Some(inner) => (true, inner.trim_start()),
-        None => (false, rest),
-    };
-    let end = start.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(start.len());
-    let (name, mut after) = start.split_at(end);
-    if modulus {
-        after = after.trim_start().strip_prefix('|').ok_or_else(|| malformed(text, "an unclosed `|`"))?;
-    }
+fn parse_factor<'a>(text: &str, rest: &'a str, variables: &[&str]) -> Result<(Factor, u8, &'a str), Invalid> {
+    let (modulus, name, after) = parse_name(rest).map_err(|found| malformed(text, &found))?;
     let variable = variables.iter().position(|v| *v == name).ok_or_else(|| unknown(text, name, variables))?;
-    let (power, after) = parse_power(after).map_err(|e| malformed(text, &e.0))?;
+    let (power, after) = parse_power(after).map_err(|found| malformed(text, &found))?;
     Ok((Factor { variable, modulus }, power, after))
 }
 

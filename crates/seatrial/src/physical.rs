@@ -1,6 +1,6 @@
 //! Ships as physics, fitted to runs.
 
-use engine::{check_diverged, replay};
+use engine::{Replayed, check_diverged, replay};
 use fitting::{Estimates, Fit, Prior, Problem, Recording, Settings, Starts, Unfit};
 use forces::Forces;
 use identification::pooled::{Covariance, Delivered, RecordingConstant, Score, covered};
@@ -142,14 +142,11 @@ impl Physical<'_> {
     /// What a step from each measured state leaves of the next one.
     fn steps(&self, fit: &Fit, part: &Part) -> Vec<[f64; 3]> {
         let Some(moved) = &self.vessel.model.forces else { return Vec::new() };
-        let body = moved.forces.body::<f64>(&fit.theta);
         let width = self.vessel.model.exogenous().max(1);
-        let acting = body.acting(&part.exogenous, width, moved.sample_s);
-        let rows: Vec<&[f64]> = acting.chunks_exact(width).collect();
+        let replayed = Replayed::new(moved, &fit.theta, (&part.exogenous, width));
         let states = part.measured.as_chunks::<3>().0;
         let step = |k: usize| {
-            let end = rows.get(k + 1).unwrap_or(&rows[k]);
-            let next = body.step(states[k], rows[k], end, moved.sample_s);
+            let next = replayed.step(k, states[k]);
             [0, 1, 2].map(|d| states[k + 1][d] - next[d])
         };
         (0..part.samples()).map(step).collect()

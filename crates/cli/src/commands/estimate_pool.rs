@@ -19,7 +19,7 @@ use study::resamples;
 use study::trajectories::{Layout, TrajectoryReader};
 
 use crate::choice::choice;
-use crate::cli::{Common, Sharding, member};
+use crate::cli::{Common, Sharding, member, none_given};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::physical::{self, PhysicalFlags};
@@ -115,17 +115,12 @@ impl Task for Arguments {
 impl Arguments {
     /// Refuses flags that a fit of forces does not have.
     fn check_forces(&self) -> Result<(), Failure> {
-        let given = [
+        let flags = [
             ("--bootstrap", self.bootstrap.is_some()),
             ("--add-terms", self.add_terms > 0),
             ("unknown water or wind", self.additional.unknown() != AdditionalUnknowns::default()),
         ];
-        match given.into_iter().find(|(_, given)| *given) {
-            None => Ok(()),
-            Some((flag, _)) => Err(Failure::Usage(format!(
-                "{flag}: found a ship with forces, expected terms per sample; leave it out"
-            ))),
-        }
+        none_given(flags, "a ship with forces", "terms per sample")
     }
 
     /// The requested estimator, or the default.

@@ -1,6 +1,6 @@
 use forces::Description;
 use identification::pooled::Covariance;
-use model::{Kind, Vessel, VesselFile};
+use model::{Vessel, VesselFile};
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -92,22 +92,9 @@ impl FittedForces {
 
     /// The ship as a file, with the estimates as her nominal values.
     pub(super) fn file(&self) -> Result<VesselFile, Invalid> {
-        let own = self.description()?;
         Ok(VesselFile {
-            model: Some(Kind::Forces),
             nominal: self.parameters.iter().map(|own| (own.name.clone(), own.value)).collect(),
-            density_kg_m3: Some(own.density_kg_m3),
-            step_s: own.step_s,
-            ship: Some(own.ship),
-            surge: own.surge,
-            sway: own.sway,
-            yaw: own.yaw,
-            propeller: own.propeller,
-            rudder: own.rudder,
-            thruster: own.thruster,
-            wind: own.wind,
-            crossflow: own.crossflow,
-            ..VesselFile::default()
+            ..VesselFile::of_forces(self.description()?)
         })
     }
 }
