@@ -50,6 +50,16 @@ def model() -> Path:
 
 
 @lru_cache
+def covariances() -> Path:
+    """The estimates of the trials again, with covariances."""
+    out = folder() / "covariances"
+    out.mkdir()
+    vessel, campaign = study() / "vessel.toml", results() / "campaign.parquet"
+    seatrial.run("estimate", vessel=vessel, trajectories=campaign, covariance=True, out=f"{out}/", quiet=True)
+    return out
+
+
+@lru_cache
 def coaster() -> Path:
     """The hand-written files of a coaster with standard maneuvers."""
     found = folder() / "coaster"

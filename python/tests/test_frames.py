@@ -8,7 +8,7 @@ from importlib.util import find_spec
 
 import seatrial
 
-from .study import REPOSITORY, folder, model, results, study
+from .study import REPOSITORY, covariances, folder, model, results, study
 
 MISSING = [name for name in ("pyarrow", "pandas", "polars", "matplotlib") if find_spec(name) is None]
 
@@ -91,6 +91,28 @@ class Frames(unittest.TestCase):
     def test_units_of_tables_of_older_releases_come_with_frames(self) -> None:
         table = seatrial.read(REPOSITORY / "fixtures" / "schema" / "trajectories-1.parquet", "arrow")
         self.assertEqual(table.schema.field("u").metadata[b"unit"], b"m/s")
+
+    def test_covariances_are_lists_of_fixed_size(self) -> None:
+        import polars
+        import pyarrow
+
+        path = covariances() / "covariances.parquet"
+        errors = seatrial.read(covariances() / "estimates.parquet", "pandas")
+        arrow, pandas, table = (seatrial.read(path, frame) for frame in ("arrow", "pandas", "polars"))
+        names = pandas.attrs["parameters"]
+        self.assertEqual(names, list(seatrial.Model.load(study() / "vessel.toml").parameters))
+        self.assertEqual(arrow.schema.field("covariance").type, pyarrow.list_(pyarrow.float64(), len(names) ** 2))
+        self.assertEqual(table.schema["covariance"], polars.Array(polars.Float64, len(names) ** 2))
+        self.assertEqual(table["covariance"].to_list(), arrow.column("covariance").to_pylist())
+        self.assertEqual(len(pandas), len(errors))
+        for row, matrix in zip(errors.itertuples(), pandas.covariance):
+            for i, name in enumerate(names):
+                square = getattr(row, f"{name}_se") ** 2
+                self.assertAlmostEqual(matrix[i * len(names) + i] / square, 1.0, places=9)
+                for j in range(len(names)):
+                    self.assertEqual(matrix[i * len(names) + j], matrix[j * len(names) + i])
+        pair = seatrial.read(path, "pandas", ["run", "X_u X_uu"])
+        self.assertEqual(pair["X_u X_uu"].tolist(), [matrix[1] for matrix in pandas.covariance])
 
     def test_a_column_that_is_not_there_is_refused(self) -> None:
         with self.assertRaisesRegex(seatrial.Refused, "columns: found design, .*, expected also speed"):

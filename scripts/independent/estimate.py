@@ -22,7 +22,13 @@ class Estimate:
     condition: list[float]
     gamma0: list[float]
     gamma1: list[float]
-    variance: np.ndarray
+    # Of each degree of freedom
+    covariance: list[np.ndarray]
+
+    @property
+    def variance(self) -> np.ndarray:
+        """Of all parameters."""
+        return np.concatenate([np.diag(own) for own in self.covariance])
 
 
 def estimate(vessel: Vessel, run: Run, estimator: str, removal: str) -> Estimate:
@@ -41,8 +47,8 @@ def estimate(vessel: Vessel, run: Run, estimator: str, removal: str) -> Estimate
         _spread(z, f, target[:, d], part, removal, run.segment)
         for d, (z, f, part) in enumerate(zip(centred, phi, parts))
     ]
-    gamma0, gamma1, variance = zip(*spreads)
-    return Estimate(theta, conditions, list(gamma0), list(gamma1), np.concatenate(variance))
+    gamma0, gamma1, covariance = zip(*spreads)
+    return Estimate(theta, conditions, list(gamma0), list(gamma1), list(covariance))
 
 
 def _blocks(parts: list[np.ndarray]) -> np.ndarray:
@@ -71,7 +77,7 @@ def _solve(z: np.ndarray, phi: np.ndarray, y: np.ndarray) -> np.ndarray:
 def _spread(
     zeta: np.ndarray, phi: np.ndarray, target: np.ndarray, theta: np.ndarray, removal: str, segment: np.ndarray
 ) -> tuple[float, float, np.ndarray]:
-    """γ0, γ1 of the residual and the parameters' variances A⁻¹ ζᵀ Γ ζ A⁻ᵀ, Γ the residual's covariance matrix: γ0 on
+    """γ0, γ1 of the residual and the parameters' covariance A⁻¹ ζᵀ Γ ζ A⁻ᵀ, Γ the residual's covariance matrix: γ0 on
     its diagonal, γ1 beside it, those of the likeliest moving average of order 1.
 
     `zeta` is without its mean; the residual loses the mean that the removal's intercepts take.
@@ -83,7 +89,7 @@ def _spread(
     inverse = np.linalg.inv(zeta.T @ phi)
     beside = np.eye(n, k=1) + np.eye(n, k=-1)
     middle = zeta.T @ (gamma0 * np.eye(n) + gamma1 * beside) @ zeta
-    return gamma0, gamma1, np.diag(inverse @ middle @ inverse.T)
+    return gamma0, gamma1, inverse @ middle @ inverse.T
 
 
 def _moving_average(sequence: np.ndarray) -> tuple[float, float]:

@@ -27,7 +27,7 @@ pub use estimator::Estimator;
 pub use quantiles::{Quantiles, Share};
 pub use recommendation::{Contender, MOST_WITHOUT_ESTIMATE, Other, PairedDifference, Recommendation};
 pub use repeated::{RepeatedEstimates, TRUSTED, relative_norms};
-pub use run_estimate::RunEstimate;
+pub use run_estimate::{EstimateCovariance, RunEstimate};
 pub use sensitivity::{
     OutputInformation, Simulated, output_information, output_informations, prediction_weights,
 };

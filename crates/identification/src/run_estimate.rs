@@ -18,3 +18,8 @@ pub struct RunEstimate {
     /// Name of the parameter that dominates the weakest direction, per degree of freedom.
     pub weakest: [String; 3],
 }
+
+/// The covariance of the parameters of an estimate, as many rows as parameters, row-major. `None` without an estimate, and
+/// where standard errors are the largest under several kinds of noise. Between degrees of freedom it is 0 for
+/// estimators that regress.
+pub type EstimateCovariance = Option<Vec<f64>>;

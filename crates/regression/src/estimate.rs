@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 use numerics::lanes::lane_of;
-use numerics::{LANES, Lane, Number, quadratic};
+use numerics::{LANES, Lane, Number, congruence, quadratic};
 
 use crate::bounded::estimated;
 use crate::groups::Group;
@@ -20,6 +20,8 @@ pub struct Estimate {
     pub parameters: Vec<f64>,
     /// Standard error of each.
     pub standard_errors: Vec<f64>,
+    /// Their covariance, as many rows, row-major; 0 between degrees of freedom, which are estimated separately.
+    pub covariance: Vec<f64>,
 }
 
 /// The outcome of the estimation from one run: an [`Estimate`], or its parameters alone.
@@ -142,12 +144,19 @@ impl Instruments {
         let residuals = residuals(batch.any(), &self.kept, &theta, intercepts);
         let means = || self.means.each_ref().map(Vec::as_slice);
         let squares = self.squares.get_or_init(|| InstrumentSquares::over(batch.any(), &self.kept, means()));
-        let errors = self.standard_errors(squares, &solved, &residuals);
+        let (errors, meats) = self.standard_errors(squares, &solved, &residuals);
+        let covariance = |lane: usize| {
+            let own = solved.iter().zip(&meats);
+            block_diagonal(own.map(|(own, meat)| {
+                congruence(own.theta.len(), &lane_of(&own.inverse, lane), &lane_of(meat, lane))
+            }))
+        };
         let found = |(lane, unsolved): (usize, Option<Unsolved>)| match unsolved {
             Some(unsolved) => unsolved.outcome(),
             None => Outcome::Identified(Estimate {
                 parameters: lane_of(&theta, lane),
                 standard_errors: lane_of(&errors, lane),
+                covariance: covariance(lane),
             }),
         };
         unsolved.into_iter().enumerate().map(found).collect()
@@ -213,13 +222,14 @@ impl Instruments {
         })
     }
 
-    /// Of all lanes: from A⁻¹ (γ₀ Σζᶜζᶜᵀ + γ₁ Σ neighbours) A⁻ᵀ.
+    /// Of all lanes: from A⁻¹ B A⁻ᵀ with B = γ₀ Σζᶜζᶜᵀ + γ₁ Σ neighbours, which is returned, too, p × p for each
+    /// degree of freedom.
     fn standard_errors(
         &self,
         squares: &InstrumentSquares,
         solved: &[SolvedLanes; 3],
         residuals: &[Vec<Lane>; 3],
-    ) -> Vec<Lane> {
+    ) -> (Vec<Lane>, Vec<Vec<Lane>>) {
         let samples = residuals[0].len();
         let freedom = |d: usize| {
             Lane(std::array::from_fn(|lane| {
@@ -231,7 +241,7 @@ impl Instruments {
         let freedom = [0, 1, 2].map(freedom);
         let gammas = residuals.each_ref().map(|own| autocovariances(own));
         numerics::vectorized!({
-            let mut errors = Vec::new();
+            let (mut errors, mut meats) = (Vec::new(), Vec::new());
             let mut pairs = squares.squares.iter().zip(&squares.neighbours);
             for (d, SolvedLanes { theta, inverse, .. }) in solved.iter().enumerate() {
                 let p = theta.len();
@@ -246,8 +256,9 @@ impl Instruments {
                 }
                 let variance = |row: &[Lane]| quadratic(row, &meat).each(Lane::ZERO, f64::max);
                 errors.extend(inverse.chunks_exact(p.max(1)).map(|row| variance(row).sqrt()));
+                meats.push(meat);
             }
-            errors
+            (errors, meats)
         })
     }
 }
@@ -328,4 +339,27 @@ impl Solved {
         }
         standard_errors
     }
+
+    /// The covariance of θ̂, of these meats.
+    pub(crate) fn covariance(&self, meats: &[Vec<f64>; 3]) -> Vec<f64> {
+        let own = self.inverses.iter().zip(meats);
+        block_diagonal(own.map(|(inverse, meat)| congruence(inverse.len().isqrt(), inverse, meat)))
+    }
+}
+
+/// The matrix with the square `blocks` along its diagonal, and zeros elsewhere, row-major.
+fn block_diagonal(blocks: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
+    let blocks: Vec<Vec<f64>> = blocks.collect();
+    let all: usize = blocks.iter().map(|block| block.len().isqrt()).sum();
+    let mut matrix = vec![0.0; all * all];
+    let mut first = 0;
+    for block in blocks {
+        let p = block.len().isqrt();
+        for (row, own) in block.chunks_exact(p.max(1)).enumerate() {
+            let at = (first + row) * all + first;
+            matrix[at..at + p].copy_from_slice(own);
+        }
+        first += p;
+    }
+    matrix
 }

@@ -48,7 +48,8 @@ pub fn estimate_prefiltered(
     let finish = |(solved, meats): (Result<Solved, Outcome>, Meats)| {
         solved.map_or_else(std::convert::identity, |solved| {
             let standard_errors = solved.spread(&meats.0);
-            Outcome::Identified(Estimate { parameters: solved.theta, standard_errors })
+            let covariance = solved.covariance(&meats.0);
+            Outcome::Identified(Estimate { parameters: solved.theta, standard_errors, covariance })
         })
     };
     solved.into_iter().zip(meats).map(finish).collect()

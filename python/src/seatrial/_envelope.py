@@ -15,6 +15,7 @@ KEY = b"\x18\x08seatrial\x18"
 #: The tables that this version reads, and the version of their schema.
 TABLES = {
     "compare": 1,
+    "covariances": 1,
     "estimates": 1,
     "merit-rows": 1,
     "moments-table": 1,

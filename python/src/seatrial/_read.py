@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from . import _covariance
 from ._envelope import check_table, envelope, path_of, units_of
 from ._errors import MissingLibrary, Refused, WrongUsage, missing
 
@@ -39,6 +40,9 @@ def read(path: str | os.PathLike[str], frame: str | None = None, columns: list[s
     `frame` is pandas, polars or arrow; without it the first of these that is installed. Units are in `attrs["units"]`
     of a frame of pandas, and in the metadata of each field of a table of Arrow; a frame of polars has no place for
     them: see `units`. `columns` reads these columns alone.
+
+    Of `covariances.parquet` the column `covariance` is a list of fixed size: for every run a matrix, row-major, with the
+    parameters in the order of the model.
 
     Raises `Refused` for another schema or version, `Failed` for a file that cannot be read, `MissingLibrary` where the
     library of the frame is not installed. Seals are not checked: `seatrial verify` does.
@@ -79,12 +83,17 @@ def check_frame(frame: str, thing: str) -> None:
 def _frame(path: Path, frame: str, columns: list[str] | None, found: dict[str, Any]) -> Any:
     check_frame(frame, str(path))
     known = units_of(path, found)
+    whole = columns is None and check_table(path, found) == "covariances"
     try:
         if frame == "polars":
             import polars
 
-            return polars.read_parquet(path, columns=columns)
+            rows = polars.read_parquet(path, columns=columns)
+            return _covariance.in_polars(rows) if whole else rows
         table = arrow_table(path, columns, found)
+        pairs = table.column_names
+        if whole:
+            table, known = _covariance.in_arrow(table), _covariance.units_of_pairs(known)
     except MissingLibrary:
         raise
     except Exception as error:
@@ -97,6 +106,8 @@ def _frame(path: Path, frame: str, columns: list[str] | None, found: dict[str, A
         return table
     data = table.to_pandas()
     data.attrs["units"] = {name: known[name] for name in data.columns}
+    if whole:
+        data.attrs["parameters"] = _covariance.parameters_of([name for name in pairs if name not in _covariance.KEYS])
     return data
 
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::additional::AdditionalFlags;
-use artifact::{Provenance, commit, stage_document, stage_set_document};
+use artifact::{Provenance, Staged, stage_document};
 use clap::Parser;
 use engine::Run;
 use identification::predictor::{InitialState, Levels};
@@ -13,7 +13,8 @@ use model::Vessel;
 use refusal::{Invalid, nearest};
 use regression::MeanRemoval;
 use serde_json::json;
-use study::documents::{EstimateDocument, ModelDocument};
+use study::documents::ModelDocument;
+use study::estimates::covariances::{self, Covariances};
 use study::estimates::{self, Row};
 use study::files::{read_campaign, read_followed};
 use study::trajectories::{Layout, TrajectoryReader};
@@ -25,7 +26,7 @@ use crate::failure::Failure;
 use crate::inputs;
 use crate::ordered::{joined, joined_blocks};
 use crate::progress::Progress;
-use crate::sharded::{self, Made};
+use crate::sharded::Made;
 use crate::stage::{Summary, Task};
 
 /// Estimates the model's parameters from each run, with standard errors; writes estimates.parquet and estimate.json
@@ -60,6 +61,9 @@ pub struct Arguments {
     /// Delivers the model of this run, by name (`optimized/3`), as model.json; without it that of the only run
     #[arg(long, value_name = "RUN", conflicts_with_all = ["shard", "gather", "compare"])]
     model_of: Option<String>,
+    /// Writes covariances.parquet, too: for every run the covariances of its parameters
+    #[arg(long, conflicts_with_all = ["shard", "gather"])]
+    covariance: bool,
     /// Which runs are asked what the model lacks
     #[arg(long, value_name = "WHICH", value_parser = choice(&Asked::ALL, Asked::name, Asked::description), default_value_t = Asked::Stated)]
     criticise: Asked,
@@ -83,11 +87,17 @@ impl Task for Arguments {
         let levels = levels(self, &vessel, &mut provenance)?;
         let document = beside(&out, MAIN, "estimate.json");
         let path = member(&out, MAIN, "model.json", [&self.vessel].into_iter().chain(&self.trajectories))?;
+        let inputs = [&self.vessel].into_iter().chain(&self.trajectories);
+        let table = member(&out, MAIN, covariances::FILE, inputs)?;
+        let kept = self.covariance.then(|| Covariances::new(&table));
         let (made, model) = match self.sharding.gathers() {
             true => (gathered(&self.sharding.gather, &vessel, [&out, &document], provenance)?, None),
-            false => self.computed(&vessel, levels, provenance, [&out, &document], common.quiet)?,
+            false => {
+                self.computed(&vessel, levels, provenance, [&out, &document], (kept.as_ref(), common.quiet))?
+            }
         };
-        publish(&vessel, &document, made, (&path, model))
+        let also = kept.map(|kept| kept.staged(&vessel, &document, &made.provenance)).transpose()?;
+        publish(&vessel, &document, made, (&path, model), (&table, also))
     }
 }
 
@@ -116,7 +126,7 @@ impl Arguments {
         levels: Option<Levels>,
         mut provenance: Provenance,
         out: [&Path; 2],
-        quiet: bool,
+        (kept, quiet): (Option<&Covariances>, bool),
     ) -> Result<(Made<Row>, Option<ModelDocument>), Failure> {
         let file = given(&self.trajectories, "trajectories")?;
         let reader = inputs::trajectories(file, "trajectories", vessel, &mut provenance)?;
@@ -143,7 +153,8 @@ impl Arguments {
         self.settings(estimator, initial, asks, &mut provenance);
         let share = self.sharding.shard.map_or(1.0, |shard| 1.0 / f64::from(shard.count));
         let rows = reader.expected_runs()? * share * estimators.estimators.len() as f64;
-        inputs::fits(file, &format!("about {rows:.0} estimates"), rows * estimates::row_bytes(vessel))?;
+        let bytes = estimates::row_bytes(vessel) + kept.map_or(0.0, |_| covariances::row_bytes(vessel));
+        inputs::fits(file, &format!("about {rows:.0} estimates"), rows * bytes)?;
         let each: f64 = estimators.estimators.iter().map(|estimator| estimator.seconds_per_row()).sum();
         let each = each + if asks { estimators.seconds_per_row_asked() } else { 0.0 };
         let each = each + estimators.seconds_per_row_calibrated();
@@ -151,8 +162,11 @@ impl Arguments {
         let progress = Progress::new("blocks of runs", reader.blocks(), quiet).foretold(seconds);
         let block = |i: usize| {
             let runs = reader.runs(i)?;
-            let mut rows =
-                estimators.estimates(&runs).map_err(|e| Failure::of_run(&e, &self.vessel, file))?;
+            let found = match kept {
+                None => estimators.estimates(&runs),
+                Some(kept) => estimators.estimates_with_covariances(&runs).map(|found| kept.keep(i, found)),
+            };
+            let mut rows = found.map_err(|e| Failure::of_run(&e, &self.vessel, file))?;
             if asks {
                 estimators.criticise(&runs, &mut rows);
             }
@@ -287,6 +301,7 @@ fn publish(
     document: &Path,
     made: Made<Row>,
     (path, model): (&Path, Option<ModelDocument>),
+    (second, covariances): (&Path, Option<Staged>),
 ) -> Result<Summary, Failure> {
     let Made { table, provenance, rows } = made;
     let out = table.path().to_owned();
@@ -308,23 +323,10 @@ fn publish(
         + &also(approximate, "with approximate standard errors: these errors follow no noise known here");
     let verdict =
         if asked { format!(", {rejected} reject the model") } else { ", model not criticised".to_owned() };
-    let summary = || Ok(estimates::summarize(&out, &provenance, vessel, &rows)?);
-    let (also_model, left) = (
-        if model.is_some() { ", a model" } else { "" },
-        artifact::is_member_of::<EstimateDocument>(document, path),
-    );
-    match model {
-        None => sharded::publish(table, document, &provenance, summary)?,
-        Some(model) => {
-            let mut staged = vec![table, stage_document(path, &provenance, &model)?];
-            staged.push(stage_set_document(document, &provenance, &summary()?, &staged)?);
-            commit(staged)?;
-        }
-    }
-    if also_model.is_empty() && left && provenance.shard.is_none() {
-        // The file of an earlier estimate does not belong to this one.
-        let _ = std::fs::remove_file(path);
-    }
+    let summary = || estimates::summarize(&out, &provenance, vessel, &rows);
+    let also_model = if model.is_some() { ", a model" } else { "" };
+    let model = model.map(|model| stage_document(path, &provenance, &model)).transpose()?;
+    estimates::publish(table, [(second, covariances), (path, model)], document, &provenance, summary)?;
     let single = estimates::estimators(&rows).len() < 2;
     let things = if single { "runs" } else { "estimates" };
     let part = provenance.shard.map_or(String::new(), |s| format!(", shard {s}"));

@@ -6,6 +6,7 @@ mod support;
 mod budgets;
 mod changed;
 mod command_line;
+mod covariances;
 mod criteria;
 mod documents;
 mod estimates;

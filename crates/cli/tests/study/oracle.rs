@@ -7,7 +7,7 @@ use artifact::{Provenance, TableReader, read_document};
 use model::Vessel;
 use serde_json::Value;
 use study::documents::{DesignDocument, MomentsDocument};
-use study::estimates::{self, Row};
+use study::estimates::{self, Row, covariances};
 use study::files::read_vessel;
 use tempfile::TempDir;
 
@@ -100,6 +100,49 @@ fn oracle_estimates_standard_errors_and_conditions_of_every_run() {
                 compare(row, &run["estimates"][estimator][removal], &what);
             }
         }
+    }
+}
+
+#[test]
+fn oracle_covariances_of_every_run_by_regression() {
+    const EXPECTED: &str = include_str!("../../../../fixtures/oracle/covariances.json");
+    let (folder, vessel) = (TempDir::new().unwrap(), vessel());
+    let expected: Value = serde_json::from_str(EXPECTED).unwrap();
+    for estimator in ["iv", "ls"] {
+        Stage::new(&["estimate"])
+            .file("--vessel", &repository("pipelines/paper/vessel.toml"))
+            .file("--trajectories", &repository("fixtures/oracle/runs.parquet"))
+            .words(&["--estimator", estimator, "--covariance"])
+            .file("--out", &folder.path().join("estimates.parquet"))
+            .run();
+        let file = folder.path().join("covariances.parquet");
+        let reader = TableReader::open(&file, covariances::ID, covariances::VERSION).unwrap();
+        let read = |block| covariances::rows(&reader, &vessel, block).unwrap();
+        let rows: Vec<covariances::Row> = (0..reader.blocks()).flat_map(read).collect();
+        assert_eq!(rows.len(), 20);
+        for (row, degrees) in rows.iter().zip(expected[estimator].as_array().unwrap()) {
+            assert_eq!(row.estimator.name(), estimator);
+            compare_covariance(row.covariance.as_deref().unwrap(), degrees, row.run);
+        }
+    }
+}
+
+/// The blocks of degrees of freedom, to the tolerance of standard errors; zeros elsewhere.
+fn compare_covariance(found: &[f64], degrees: &Value, run: i32) {
+    let blocks: Vec<Vec<f64>> = degrees.as_array().unwrap().iter().map(numbers).collect();
+    let all = found.len().isqrt();
+    let mut expected = vec![0.0; all * all];
+    let mut first = 0;
+    for block in &blocks {
+        let p = block.len().isqrt();
+        (0..p * p).for_each(|k| expected[(first + k / p) * all + first + k % p] = block[k]);
+        first += p;
+    }
+    assert_eq!(first, all);
+    for (k, (found, own)) in found.iter().zip(&expected).enumerate() {
+        let (i, j) = (k / all, k % all);
+        let bound = 1e-5 * (expected[i * all + i] * expected[j * all + j]).sqrt();
+        assert!((found - own).abs() <= bound, "run {run}, {i}, {j}: found {found}, expected {own}");
     }
 }
 

@@ -7,6 +7,7 @@
 //! and Marquardt's method takes the steps. Near a minimum one adjoint pass, which gives the gradient alone, replaces
 //! them.
 
+mod errors;
 mod levenberg_marquardt;
 mod output_error;
 mod prediction_error;
@@ -14,6 +15,7 @@ mod scores;
 mod sums;
 mod unknown;
 
+pub(crate) use errors::{held, of_terms, roots, scaled};
 pub(crate) use levenberg_marquardt::{
     Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };

@@ -5,11 +5,12 @@ use std::convert::Infallible;
 use engine::{RunView, SideBySide};
 use model::{Model, ParameterLayout};
 use numerics::lanes::lane;
-use numerics::{LANES, Lane, times};
+use numerics::{LANES, Lane, congruence, times};
 use regression::{Direction, jackknife};
 
+use super::errors::{Errors, of_terms};
 use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
-use super::scores::{disturbed_scores, roots};
+use super::scores::disturbed_scores;
 use super::sums::{Linear, linearize_and_keep};
 use super::unknown::{AMBIENT, Unknown};
 use crate::sensitivity::{Levels, Recordings, Sensitivities, Slopes, groups, of_one_length, with_states};
@@ -52,6 +53,8 @@ pub struct Fitted {
     pub parameters: Vec<f64>,
     /// Standard error of each.
     pub standard_errors: Vec<f64>,
+    /// Their covariance, as many rows, row-major; none where the errors are the largest under several kinds of noise.
+    pub covariance: Option<Vec<f64>>,
     /// One per degree of freedom; zero if the model has none.
     pub intercepts: [f64; 3],
     /// Estimated minus given initial state.
@@ -286,7 +289,7 @@ pub(super) fn side_by_side(points: &[impl AsRef<[f64]>], free: &[usize], all: us
 pub(super) fn fit(
     recordings: &Recordings,
     minimum: &Minimum,
-    errors: Option<(Vec<f64>, bool)>,
+    errors: Option<Errors>,
     unknown: Unknown,
 ) -> Fit {
     let layout = recordings.model.layout();
@@ -308,16 +311,19 @@ pub(super) fn fit(
             let degree = all_held(layout, minimum).unwrap_or_default();
             Fit::NotIdentifiable(Direction { degree, parameter: 0 })
         }
-        (Ended::Converged, Some((errors, approximate))) => Fit::Converged(Fitted {
-            parameters: layout.theta(&point[..all]),
-            standard_errors: layout.theta(&errors[..all]),
-            intercepts: layout.intercepts(point),
-            offset: [0, 1, 2].map(|d| entry(point, d)),
-            ambient: Box::new([point, &errors].map(|of| std::array::from_fn(|i| entry(of, 3 + i)))),
-            rmse: minimum.linear.squares.map(|s| (s / minimum.linear.samples).sqrt()),
-            steps: minimum.steps,
-            approximate,
-        }),
+        (Ended::Converged, Some(Errors { each: errors, covariance, approximate })) => {
+            Fit::Converged(Fitted {
+                parameters: layout.theta(&point[..all]),
+                standard_errors: layout.theta(&errors[..all]),
+                covariance: covariance.map(|own| of_terms(layout, &own)),
+                intercepts: layout.intercepts(point),
+                offset: [0, 1, 2].map(|d| entry(point, d)),
+                ambient: Box::new([point, &errors].map(|of| std::array::from_fn(|i| entry(of, 3 + i)))),
+                rmse: minimum.linear.squares.map(|s| (s / minimum.linear.samples).sqrt()),
+                steps: minimum.steps,
+                approximate,
+            })
+        }
         _ => Fit::NotConverged(minimum.steps),
     }
 }
@@ -507,7 +513,7 @@ impl Simulations<'_> {
         weighting: &[Weighting],
         spread: Spread,
         kept: &Sensitivities<Lane>,
-    ) -> Vec<Option<(Vec<f64>, bool)>> {
+    ) -> Vec<Option<Errors>> {
         let own = found.iter().zip(weighting);
         let weights: Vec<[f64; 3]> =
             own.map(|(own, weighting)| weighting.weights(own.linear.squares, own.linear.samples)).collect();
@@ -522,15 +528,15 @@ impl Simulations<'_> {
                 let (_, gradient) = block.weighted(weights[lane]);
                 Some(minimum.without(block, weights[lane]).unwrap_or_else(|_| times(&inverse, &gradient)))
             };
-            jackknife(blocks.iter().map(|block| &block[lane]), without).map(|own| roots(&own))
+            jackknife(blocks.iter().map(|block| &block[lane]), without)
         };
         let parameters = self.recordings.model.parameters();
         let mut meats = BTreeMap::new();
         let errors = |(lane, minimum): (usize, &Minimum)| match spread {
-            Spread::Blocks => of_blocks(lane, minimum).map(|errors| (errors, false)),
+            Spread::Blocks => of_blocks(lane, minimum).map(Errors::of),
             Spread::Stated(levels) => {
                 let meat = meats.entry(0).or_insert_with(|| self.meats(&weights, levels, kept));
-                self.of_levels(minimum, weights[lane], meat, lane, levels).map(|errors| (errors, false))
+                self.of_levels(minimum, weights[lane], meat, lane, levels)
             }
             Spread::Found(of) if minimum.status == Ended::Converged => {
                 let FoundSpread { levels, factor } = of(group[lane], &minimum.point[..parameters]);
@@ -538,12 +544,12 @@ impl Simulations<'_> {
                     let meat = self.meats(&weights, levels, kept);
                     self.of_levels(minimum, weights[lane], &meat, lane, levels)
                 };
-                let all: Option<Vec<Vec<f64>>> = levels.iter().map(of_one).collect();
-                let largest =
-                    |a: Vec<f64>, b: Vec<f64>| a.into_iter().zip(b).map(|(a, b)| a.max(b)).collect();
-                match all?.into_iter().reduce(largest) {
-                    Some(errors) => Some((errors.into_iter().map(|e| factor * e).collect(), false)),
-                    None => of_blocks(lane, minimum).map(|errors| (errors, true)),
+                let all: Option<Vec<Errors>> = levels.iter().map(of_one).collect();
+                match all?.into_iter().reduce(Errors::largest) {
+                    Some(errors) => Some(errors.times(factor)),
+                    None => {
+                        of_blocks(lane, minimum).map(|own| Errors { approximate: true, ..Errors::of(own) })
+                    }
                 }
             }
             Spread::Found(_) => None,
@@ -558,7 +564,7 @@ impl Simulations<'_> {
         with_states!(levels, disturbed_scores(recordings, unknowns, kept, weights, levels))
     }
 
-    /// √diag(H⁻¹ B H⁻¹), H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe: that of the measurements and the `meat`.
+    /// H⁻¹ B H⁻¹, H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe: that of the measurements and the `meat`.
     fn of_levels(
         &self,
         minimum: &Minimum,
@@ -566,14 +572,15 @@ impl Simulations<'_> {
         meat: &[Lane],
         lane: usize,
         levels: &Levels,
-    ) -> Option<Vec<f64>> {
+    ) -> Option<Errors> {
         let inverse = minimum.inverse(weights).ok()?;
         let mut meat: Vec<f64> = meat.iter().map(|m| m[lane]).collect();
         let noise = [0, 1, 2].map(|d: usize| (weights[d] * levels.measurement[d]).powi(2));
         let (measured, _) = minimum.linear.weighted(noise);
         meat.iter_mut().zip(measured).for_each(|(all, own)| *all += own);
         let error = |row: &[f64]| numerics::quadratic(row, &meat).max(0.0).sqrt();
-        let errors: Vec<f64> = inverse.chunks_exact(self.free.len()).map(error).collect();
-        errors.iter().all(|e| e.is_finite()).then_some(errors)
+        let each: Vec<f64> = inverse.chunks_exact(self.free.len()).map(error).collect();
+        let covariance = Some(congruence(self.free.len(), &inverse, &meat));
+        each.iter().all(|e| e.is_finite()).then_some(Errors { each, covariance, approximate: false })
     }
 }

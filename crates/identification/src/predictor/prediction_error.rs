@@ -6,11 +6,12 @@ use numerics::lanes::by_lane;
 use numerics::{LANES, Lane, times};
 use regression::jackknife;
 
+use super::errors::Errors;
 use super::levenberg_marquardt::{
     Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };
 use super::output_error::{Fit, better, fit, side_by_side};
-use super::scores::{blocks, roots};
+use super::scores::blocks;
 use super::sums::{Linear, linearize};
 use super::unknown::InitialState;
 use crate::sensitivity::{Gain, Levels, Recordings, filter, groups, with_states};
@@ -57,7 +58,7 @@ pub fn innovations(
     with_states!(levels, filter(recordings, unknowns, levels, known).1)
 }
 
-/// Standard errors of the parameters `theta` of a run, by leaving out each of ten blocks of samples of the
+/// The covariance of the parameters `theta` of a run, intercepts among them, by leaving out each of ten blocks of samples of the
 /// predictions by a filter for `levels`: for any kind of errors, and approximate.
 pub(crate) fn errors_by_blocks(
     model: &Model,
@@ -82,7 +83,7 @@ pub(crate) fn errors_by_blocks(
             scaled_inverse(&others, gradient.len()).or_else(|_| scaled_inverse(&whole, gradient.len()));
         Some(times(&inverse.ok()?, &gradient))
     };
-    jackknife(own.iter().copied(), without).map(|own| roots(&own))
+    jackknife(own.iter().copied(), without)
 }
 
 fn of_blocks<const N: usize>(
@@ -169,10 +170,8 @@ fn rounds<const N: usize>(
             }
         }
     }
-    let fit = |minimum: &Minimum| {
-        let errors = errors(minimum, free.len()).map(|errors| (errors, false));
-        fit(recordings, minimum, errors, InitialState::Known.into())
-    };
+    let fit =
+        |minimum: &Minimum| fit(recordings, minimum, errors(minimum, free.len()), InitialState::Known.into());
     best.iter().map(fit).collect()
 }
 
@@ -218,11 +217,16 @@ fn likelihoods<const N: usize>(
     likelihood
 }
 
-/// √diag(σ̂² H⁻¹), σ̂² being the whitened innovations' variance, near 1 if the levels are right.
-fn errors(minimum: &Minimum, p: usize) -> Option<Vec<f64>> {
-    let inverse = minimum.inverse([1.0; 3]).ok()?;
+/// From σ̂² H⁻¹, σ̂² being the whitened innovations' variance, near 1 if the levels are right.
+fn errors(minimum: &Minimum, p: usize) -> Option<Errors> {
+    let mut inverse = minimum.inverse([1.0; 3]).ok()?;
     let freedom = (3.0 * minimum.linear.samples - p as f64).max(1.0);
     let variance = minimum.linear.squares.iter().sum::<f64>() / freedom;
-    let errors: Vec<f64> = (0..p).map(|i| (variance * inverse[i * p + i]).max(0.0).sqrt()).collect();
-    errors.iter().all(|e| e.is_finite()).then_some(errors)
+    let each: Vec<f64> = (0..p).map(|i| (variance * inverse[i * p + i]).max(0.0).sqrt()).collect();
+    inverse.iter_mut().for_each(|entry| *entry *= variance);
+    each.iter().all(|e| e.is_finite()).then_some(Errors {
+        each,
+        covariance: Some(inverse),
+        approximate: false,
+    })
 }

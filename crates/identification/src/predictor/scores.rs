@@ -46,12 +46,6 @@ pub(crate) fn blocks<const N: usize>(
     found
 }
 
-/// Roots of a diagonal.
-pub(crate) fn roots(covariance: &[f64]) -> Vec<f64> {
-    let p = covariance.len().isqrt();
-    covariance.iter().step_by(p + 1).map(|variance| variance.sqrt()).collect()
-}
-
 /// The contribution of `levels` to the covariance of Σ sᵀWe in addition to measurement noise, to first order about
 /// the run's simulation: every draw enters the states and propagates with them; adjoints are the derivatives of the
 /// scores by the states. free × free lanes.

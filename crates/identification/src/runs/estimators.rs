@@ -10,7 +10,7 @@ use super::refined::{Refined, refine};
 use crate::additional::AdditionalUnknowns;
 use crate::pooled::{Delivered, Surroundings};
 use crate::predictor::{InitialState, Levels};
-use crate::{Estimator, RunEstimate};
+use crate::{EstimateCovariance, Estimator, RunEstimate};
 
 /// Estimates runs one by one, each by every requested estimator.
 pub struct RunEstimators<'a> {
@@ -50,11 +50,21 @@ impl Everything {
         }
     }
 
-    /// The estimates by one estimator.
-    fn by(&self, all: &RunEstimators, estimator: Estimator, runs: &[Run]) -> Vec<RunEstimate> {
-        let rows = |found: &mut dyn Iterator<Item = &Found>, excited: &[Regressed]| {
+    /// The estimates by one estimator, with their covariances.
+    fn by<'f>(
+        &'f self,
+        all: &RunEstimators,
+        estimator: Estimator,
+        runs: &[Run],
+    ) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
+        let rows = |found: &mut dyn Iterator<Item = &'f Found>, excited: &[Regressed]| {
             let each = found.zip(excited).zip(runs);
-            each.map(|((found, excited), run)| all.estimate(estimator, run, found, excited)).collect()
+            let row = |((found, excited), run): ((&'f Found, &Regressed), &Run)| {
+                let row = all.estimate(estimator, run, found, excited);
+                let covariance = found.covariance.as_deref().filter(|_| row.estimate.is_some());
+                (row, covariance)
+            };
+            each.map(row).collect()
         };
         match estimator {
             Estimator::Ls => rows(&mut self.ls.iter().map(|r| &r.found), &self.ls),
@@ -85,10 +95,28 @@ impl RunEstimators<'_> {
         near: Option<&[Option<Vec<f64>>]>,
     ) -> Result<Vec<RunEstimate>, RunError> {
         let found = self.found(runs, near)?;
+        Ok(self.rows(&found, runs).into_iter().map(|(row, _)| row).collect())
+    }
+
+    /// The same, each with its covariance.
+    ///
+    /// # Errors
+    /// See [`RunEstimators::estimates`].
+    pub fn estimates_with_covariances(
+        &self,
+        runs: &[Run],
+    ) -> Result<Vec<(RunEstimate, EstimateCovariance)>, RunError> {
+        let found = self.found(runs, None)?;
+        let rows = self.rows(&found, runs).into_iter();
+        Ok(rows.map(|(row, covariance)| (row, covariance.map(<[f64]>::to_vec))).collect())
+    }
+
+    /// All estimates with their covariances, run by run.
+    fn rows<'f>(&self, found: &'f Everything, runs: &[Run]) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
         let columns = self.estimators.iter().map(|e| found.by(self, *e, runs).into_iter());
         let mut columns: Vec<_> = columns.collect();
         let row = |_| columns.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
-        Ok(runs.iter().flat_map(row).collect())
+        runs.iter().flat_map(row).collect()
     }
 
     /// The model of the first estimator from `run`, which is called `name`, with that by least squares; `None`
@@ -104,7 +132,7 @@ impl RunEstimators<'_> {
             found.first(estimator).map_or((None, None), |own| (own.intercepts, own.ambient));
         let ambient = ambient.filter(|_| estimator == Estimator::OutputError);
         let ambient = ambient.and_then(|own| Surroundings::of(self.unknown(), (name, 0), &own));
-        let row = found.by(self, estimator, runs).pop();
+        let row = found.by(self, estimator, runs).pop().map(|(row, _)| row);
         let Some((row, theta)) = row.and_then(|row| Some((row.clone(), row.estimate?.0))) else {
             return Ok(None);
         };

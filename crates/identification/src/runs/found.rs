@@ -11,6 +11,8 @@ use crate::{EstimateStatus, Estimator, RunEstimate};
 pub(super) struct Found {
     pub status: EstimateStatus,
     pub estimate: Option<(Vec<f64>, Vec<f64>)>,
+    /// The covariance of the parameters, if known.
+    pub covariance: Option<Vec<f64>>,
     /// Intercepts, if they were estimated with the parameters; else they are the mean residuals.
     pub intercepts: Option<[f64; 3]>,
     /// The ambient unknowns, and their standard errors, if estimated.
@@ -36,12 +38,13 @@ impl Found {
     pub(super) fn or_at(mut self, theta: Option<&[f64]>) -> Self {
         if let Some(theta) = theta {
             self.estimate = Some((theta.to_vec(), vec![f64::NAN; theta.len()]));
+            self.covariance = None;
         }
         self
     }
 
     fn none(status: EstimateStatus) -> Self {
-        Self { status, estimate: None, intercepts: None, ambient: None }
+        Self { status, estimate: None, covariance: None, intercepts: None, ambient: None }
     }
 }
 
@@ -55,6 +58,7 @@ impl From<&Fit> for Found {
                     EstimateStatus::Identified
                 },
                 estimate: Some((found.parameters.clone(), found.standard_errors.clone())),
+                covariance: found.covariance.clone(),
                 intercepts: Some(found.intercepts),
                 ambient: Some(*found.ambient),
             },
@@ -75,7 +79,8 @@ impl Regressed {
         match outcome {
             Outcome::Identified(found) => {
                 let estimate = Some((found.parameters, found.standard_errors));
-                let found = Found { estimate, ..Found::none(EstimateStatus::Identified) };
+                let covariance = Some(found.covariance);
+                let found = Found { estimate, covariance, ..Found::none(EstimateStatus::Identified) };
                 Ok(Self { found, condition, weakest })
             }
             Outcome::NotIdentifiable(Direction { degree, parameter }) => {

@@ -129,5 +129,6 @@ impl<'a> Refinement<'a> {
         }
         self.models[lane].clone_from(&next.parameters);
         self.found[lane].estimate = Some((next.parameters, next.standard_errors));
+        self.found[lane].covariance = Some(next.covariance);
     }
 }

@@ -11,8 +11,8 @@ use super::found::Found;
 use crate::additional::Intercepts;
 use crate::criticism::{Calibrated, calibrated};
 use crate::predictor::{
-    Fit, Fitted, FoundSpread, InitialState, Levels, Spread, Unknown, errors_by_blocks, output_error,
-    prediction_error,
+    Fit, Fitted, FoundSpread, InitialState, Levels, Spread, Unknown, errors_by_blocks, held, of_terms,
+    output_error, prediction_error, roots, scaled,
 };
 
 impl RunEstimators<'_> {
@@ -99,18 +99,22 @@ impl RunEstimators<'_> {
     fn with_errors_of(&self, found: Fitted, model: &Model, run: RunView, noise: &Calibrated) -> Fitted {
         let layout = model.layout();
         let theta = layout.woven(&found.parameters, found.intercepts);
-        let found_ones = || found.standard_errors.clone();
-        let own: Vec<f64> = if noise.white {
-            let all = noise.widest.as_ref().map_or_else(found_ones, |errors| layout.theta(errors));
-            all.into_iter().map(|error| noise.factor * error).collect()
+        let found_ones = || (found.standard_errors.clone(), found.covariance.clone());
+        let (own, covariance) = if noise.white {
+            let widest = noise.widest.as_ref().map(|errors| (layout.theta(errors), None));
+            let (all, covariance) = widest.unwrap_or_else(found_ones);
+            let all = all.into_iter().map(|error| noise.factor * error).collect();
+            (all, covariance.map(|own| scaled(own, noise.factor)))
         } else {
-            let errors = errors_by_blocks(model, run, &theta, self.initial, &noise.levels);
-            errors.map_or_else(found_ones, |errors| layout.theta(&errors))
+            let blocks = errors_by_blocks(model, run, &theta, self.initial, &noise.levels);
+            let own = blocks.map(|own| of_terms(layout, &own)).map(|own| (roots(&own), Some(own)));
+            own.unwrap_or_else(found_ones)
         };
         // A parameter at a bound has no error.
-        let held = |(before, own): (&f64, f64)| if *before == 0.0 { 0.0 } else { own };
-        let standard_errors = found.standard_errors.iter().zip(own).map(held).collect();
-        Fitted { standard_errors, approximate: !noise.white, ..found }
+        let zero = |(before, own): (&f64, f64)| if *before == 0.0 { 0.0 } else { own };
+        let covariance = covariance.map(|own| held(own, &found.standard_errors));
+        let standard_errors = found.standard_errors.iter().zip(own).map(zero).collect();
+        Fitted { standard_errors, covariance, approximate: !noise.white, ..found }
     }
 
     /// The model with its intercepts, if it is to have any.

@@ -1,5 +1,7 @@
 //! The table of estimates: one row per run.
 
+pub mod covariances;
+mod published;
 mod summary;
 mod unidentified;
 
@@ -9,6 +11,7 @@ use artifact::{Columns, Error, TableReader};
 pub use identification::RunEstimate as Row;
 use identification::{EstimateStatus, Estimator};
 use model::{DegreeOfFreedom, Vessel};
+pub use published::publish;
 use refusal::listed;
 pub use summary::{CRITICISED, criticised, distinct, estimators, summarize};
 pub use unidentified::unidentified;
