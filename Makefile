@@ -22,8 +22,6 @@ check = $(if $(call without,$1,$(PLAIN))$(filter -%,$1),$(error $2: found `$1`, 
 $(foreach name,$(NAMED),$(if $(filter command environment,$(origin $(name))),$(call check,$(call shown,$(value $(name))),$(name))))
 
 STUDY   ?= pipelines/paper
-# Its maneuvers; a study's study.mk may name another study's
-DICTIONARY ?= $(STUDY)/dictionary.toml
 NAME    := $(notdir $(patsubst %/,%,$(STUDY)))
 OUT     ?= out/$(NAME)
 CARGO   ?= cargo
@@ -31,20 +29,8 @@ CARGO   ?= cargo
 BIN     ?= target/release
 # Flags for every stage, such as FLAGS="--threads 1 --quiet"
 FLAGS   ?=
-# Flags for one stage, best set in the study's study.mk
-MOMENTS_FLAGS  ?=
-DESIGN_FLAGS   ?=
-ESTIMATE_FLAGS ?=
-PLAN_FLAGS     ?=
--include $(STUDY)/study.mk
-# A folder with ingest.toml has logs, and one with logs.toml simulates them, whether its study.mk includes the stages for them or not
-ifndef MEASURED
-  ifneq ($(wildcard $(STUDY)/logs.toml),)
-    include pipelines/simulated.mk
-  else ifneq ($(wildcard $(STUDY)/ingest.toml),)
-    include pipelines/measured.mk
-  endif
-endif
+# The stage that a study ends with, after those that it needs; none: its report
+STAGE   ?=
 
 STAGES  := ingest simulate moments design estimate validate monte-carlo sweep plan sequential export report
 BINARIES := $(addprefix $(BIN)/,$(STAGES) seatrial)
@@ -53,15 +39,28 @@ BINARIES := $(addprefix $(BIN)/,$(STAGES) seatrial)
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
+# All stages of a study that are not up to date. `seatrial run` knows them; settings of its study.mk may be given to make, too.
+SETTINGS := DICTIONARY MOMENTS_FLAGS DESIGN_FLAGS ESTIMATE_FLAGS PLAN_FLAGS MONTE_CARLO LENGTH_M POOL_FLAGS ESTIMATOR BOOTSTRAP \
+  CROSS_FLAGS TEST TEST_FLAGS SELECTION_FLAGS SELECTED NEXT SEARCH_FLAGS NEXT_FLAGS
+GIVEN   = $(foreach name,$(SETTINGS),$(if $(filter command,$(origin $(name))),--setting '$(name)=$($(name))'))
+RUN     = $(strip $(BIN)/seatrial run $(STUDY) $(if $(LOGS),--logs $(LOGS)) $(GIVEN) $(FLAGS) $(if $(STAGE),--stage $(STAGE)))
+RESULTS = $(OUT)$(if $(wildcard $(STUDY)/ingest.toml),/measured)
+
+# Said before anything is built
+ifneq ($(filter study,$(or $(MAKECMDGOALS),study)),)
+  $(foreach folder,$(STUDY) $(LOGS),$(if $(wildcard $(folder)/.),,$(error $(folder): found no such folder, expected one of a study or of \
+    its logs; name it: make STUDY=<folder> LOGS=<folder>)))
+endif
+
 .PHONY: study
-study: $(OUT)/report.html
-	@echo
-	@echo "Report: $(OUT)/report.html"
+study: build
+	$(RUN) --out $(OUT)
+	@$(if $(STAGE),,echo; echo "Report: $(RESULTS)/report.html")
 
 .PHONY: help
 help:
 	@echo "make                   build, run the study in $(STUDY) into $(OUT)/, end with its report"
-	@echo "make STUDY=<folder>    run another study: a folder with vessel.toml, dictionary.toml, campaign.toml"
+	@echo "make STUDY=<folder>    run another study: a folder with vessel.toml, dictionary.toml, campaign.toml; with STAGE=design up to there"
 	@echo "make helsinki          plan a trial off Helsinki and draw it, into out/helsinki/"
 	@echo "make STUDY=pipelines/esso-osaka LOGS=<folder>   a study of measured logs (docs/own-logs.md: where they are published)"
 	@echo "make sequential        trials designed in rounds against trials designed once, into out/sequential/; with STUDY=<folder> of that study"
@@ -82,7 +81,7 @@ help:
 	@echo "make golden            write the golden results and schema samples again"
 	@echo "make clean             remove out/"
 
-# --- build: cargo decides what is out of date; the binaries' time stamps decide what is run again
+# --- build: cargo decides what is out of date
 
 .PHONY: build
 build: $(BINARIES)
@@ -99,93 +98,19 @@ $(BIN)/.built: $(SOURCES)
 
 $(BINARIES): $(BIN)/.built ;
 
-# --- the study
-
-# What is written by hand is not made; what is missing is named
-$(STUDY)/%.toml:
-	@echo "error: $@: found no such file, expected one written by hand; write it, or begin with a new folder: seatrial new <folder> --vessel <preset>" >&2; exit 1
-
-$(OUT):
-	@mkdir -p $@
-
-$(OUT)/dictionary.parquet: $(STUDY)/vessel.toml $(DICTIONARY) $(BIN)/simulate | $(OUT)
-	$(BIN)/simulate dictionary --vessel $(STUDY)/vessel.toml --dictionary $(DICTIONARY) $(FLAGS) --out $@
-
-$(OUT)/moments.json: $(STUDY)/vessel.toml $(OUT)/dictionary.parquet $(BIN)/moments
-	$(BIN)/moments --vessel $(STUDY)/vessel.toml --trajectories $(OUT)/dictionary.parquet $(MOMENTS_FLAGS) $(FLAGS) --out $@
-
-$(OUT)/design.json: $(OUT)/moments.json $(wildcard $(STUDY)/study.mk) $(BIN)/design
-	$(BIN)/design --moments $(OUT)/moments.json $(DESIGN_FLAGS) $(FLAGS) --out $@
-
-$(OUT)/validation.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(BIN)/simulate | $(OUT)
-	$(BIN)/simulate validation --vessel $(STUDY)/vessel.toml --campaign $(STUDY)/campaign.toml $(FLAGS) --out $@
-
-# Trials are simulated, estimated and scored in memory where the study's study.mk sets MONTE_CARLO, else from file to file. The
-# document beside a table is written by the same stage in the same breath.
-ifdef MONTE_CARLO
-SCORED := $(OUT)/tally.json
-
-$(SCORED): $(STUDY)/vessel.toml $(DICTIONARY) $(STUDY)/campaign.toml $(OUT)/design.json $(BIN)/monte-carlo
-	$(BIN)/monte-carlo --vessel $(STUDY)/vessel.toml --dictionary $(DICTIONARY) --campaign $(STUDY)/campaign.toml \
-	  --design $(OUT)/design.json --keep estimates $(ESTIMATE_FLAGS) $(FLAGS) --out $@
-else
-SCORED := $(OUT)/scores.parquet
-
-$(OUT)/campaign.parquet: $(STUDY)/vessel.toml $(DICTIONARY) $(STUDY)/campaign.toml $(OUT)/design.json $(BIN)/simulate
-	$(BIN)/simulate campaign --vessel $(STUDY)/vessel.toml --dictionary $(DICTIONARY) \
-	  --campaign $(STUDY)/campaign.toml --design $(OUT)/design.json $(FLAGS) --out $@
-
-$(OUT)/estimates.parquet: $(STUDY)/vessel.toml $(OUT)/campaign.parquet $(BIN)/estimate
-	$(BIN)/estimate --vessel $(STUDY)/vessel.toml --trajectories $(OUT)/campaign.parquet $(ESTIMATE_FLAGS) $(FLAGS) --out $@
-
-$(OUT)/scores.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(OUT)/estimates.parquet $(OUT)/validation.parquet $(BIN)/validate
-	$(BIN)/validate --vessel $(STUDY)/vessel.toml --campaign $(STUDY)/campaign.toml --estimates $(OUT)/estimates.parquet \
-	  --validation $(OUT)/validation.parquet $(FLAGS) --out $@
-endif
-
-# A study with plan.toml is laid out on its chart, and so is every variant plan-<name>.toml. The planned experiment is then
-# simulated, estimated and validated like the free ones.
-VARIANTS := $(patsubst $(STUDY)/%.toml,%,$(wildcard $(STUDY)/plan-*.toml))
-PLANS    := $(if $(wildcard $(STUDY)/plan.toml),$(OUT)/plan.json $(OUT)/planned/scores.parquet) \
-  $(VARIANTS:%=$(OUT)/%/plan.json)
-PLAN_INPUTS := $(STUDY)/vessel.toml $(OUT)/dictionary.parquet $(OUT)/design.json $(BIN)/plan
-RUN_PLAN = @mkdir -p $(@D); set -x; $(BIN)/plan --vessel $(STUDY)/vessel.toml --trajectories $(OUT)/dictionary.parquet \
-  --dictionary $(DICTIONARY) --design $(OUT)/design.json $(PLAN_FLAGS) $(FLAGS)
-
-$(OUT)/plan.json: $(STUDY)/plan.toml $(PLAN_INPUTS)
-	$(RUN_PLAN) --config $< --out $@
-
-$(OUT)/plan-%/plan.json: $(STUDY)/plan-%.toml $(PLAN_INPUTS)
-	$(RUN_PLAN) --config $< --out $@
-
-$(OUT)/planned/trajectories.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(OUT)/plan.json $(BIN)/simulate
-	@mkdir -p $(@D)
-	$(BIN)/simulate plan --vessel $(STUDY)/vessel.toml --campaign $(STUDY)/campaign.toml --plan $(OUT)/plan.json \
-	  $(FLAGS) --out $@
-
-$(OUT)/planned/estimates.parquet: $(STUDY)/vessel.toml $(OUT)/planned/trajectories.parquet $(BIN)/estimate
-	$(BIN)/estimate --vessel $(STUDY)/vessel.toml --trajectories $(OUT)/planned/trajectories.parquet $(ESTIMATE_FLAGS) \
-	  $(FLAGS) --out $@
-
-$(OUT)/planned/scores.parquet: $(STUDY)/vessel.toml $(STUDY)/campaign.toml $(OUT)/planned/estimates.parquet $(OUT)/validation.parquet $(BIN)/validate
-	$(BIN)/validate --vessel $(STUDY)/vessel.toml --campaign $(STUDY)/campaign.toml \
-	  --estimates $(OUT)/planned/estimates.parquet --validation $(OUT)/validation.parquet $(FLAGS) --out $@
-
-# A study whose study.mk states the ship's LENGTH_M measures its standard maneuvers.
-ifdef LENGTH_M
-MERIT := $(OUT)/merit.json
-
-$(MERIT): $(STUDY)/vessel.toml $(DICTIONARY) $(OUT)/dictionary.parquet $(BIN)/validate
-	$(BIN)/validate merit --vessel $(STUDY)/vessel.toml --dictionary $(DICTIONARY) --trajectories $(OUT)/dictionary.parquet \
-	  --length-m $(LENGTH_M) $(FLAGS) --out $@
-endif
-
-$(OUT)/report.html: $(MERIT) $(SCORED) $(OUT)/validation.parquet $(wildcard $(STUDY)/reference.toml) $(PLANS) $(BIN)/report
-	$(BIN)/report --study $(STUDY) --dictionary $(DICTIONARY) --results $(OUT) $(FLAGS) --out $@
+# --- studies
 
 .PHONY: helsinki
 helsinki:
 	$(MAKE) STUDY=pipelines/helsinki OUT=out/helsinki study
+
+# The selection study of a study on simulated logs, on logs of ten other seeds
+SEEDS ?= 1 2 3 4 5 6 7 8 9 10
+
+.PHONY: seeds
+seeds: build
+	@for seed in $(SEEDS); do \
+	  $(RUN) --stage selection --set logs.seed=$$seed --quiet --out $(OUT)/seeds/$$seed || exit 1; done
 
 # Every estimator under four kinds of disturbance, and one page that puts them side by side.
 SCENARIOS := white current-constant current-gauss-markov wind-bias
@@ -228,7 +153,7 @@ $(UNKNOWN:%=%/scores.parquet): $(SCENARIO_OUT)/%/scores.parquet: $(SCENARIO_OUT)
 # Trials designed in rounds against trials designed once: of the study that is named, or else of pipelines/sequential.
 IS_NAMED          := $(filter command environment,$(origin STUDY))
 ROUNDS            := $(if $(IS_NAMED),$(STUDY),pipelines/sequential)
-ROUNDS_DICTIONARY ?= $(if $(IS_NAMED),$(DICTIONARY),$(ROUNDS)/dictionary.toml)
+ROUNDS_DICTIONARY ?= $(or $(DICTIONARY),$(ROUNDS)/dictionary.toml)
 ROUNDS_OUT        ?= $(if $(IS_NAMED),$(OUT)/sequential,out/sequential)
 # Such as ROUNDS_FLAGS="--set sequential.realizations=10000", which docs/results.md tells of
 ROUNDS_FLAGS      ?=
@@ -277,7 +202,7 @@ results: build
 	for name in $(SELECTED_STUDIES); do $(MAKE) STUDY=pipelines/$$name OUT=out/$$name seeds || exit 1; done
 	for name in $(LOGGED_STUDIES); do \
 	  case $$name in esso-osaka) logs="$(ESSO_OSAKA_LOGS)" ;; *) logs="$(KVLCC2_LOGS)" ;; esac; \
-	  $(MAKE) STUDY=pipelines/$$name LOGS="$$logs" out/$$name/measured/crossval.json || exit 1; done
+	  $(MAKE) STUDY=pipelines/$$name OUT=out/$$name LOGS="$$logs" STAGE=cross study || exit 1; done
 	$(MAKE) docs
 
 .PHONY: docs

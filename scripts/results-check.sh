@@ -18,27 +18,27 @@ export PATH
 rm -rf "$out"
 mkdir -p "$out" "$(dirname "$kept")"
 
-# Runs make for study $1, which is to give $2.
+# Runs what follows, which is to give $2 of study $1.
 run() {
   study=$1 wanted=$2
   shift 2
-  make --no-print-directory -s BIN="$bin" FLAGS=--quiet "$@" > "$out/said" 2>&1 || {
+  "$@" > "$out/said" 2>&1 || {
     cat "$out/said" >&2
     echo "results-check: found that $study does not run, expected $wanted; try make STUDY=pipelines/$study" >&2
     exit 1
   }
 }
 
-# Makes the target $2 of study $1, with further variables of make.
+# Runs the study in the folder $1 up to its stage $2 into the folder $3 of results, with further flags.
 made() {
-  study=$1 target=$2
-  shift 2
-  run "$study" "$target" STUDY="pipelines/$study" OUT="$out/$study" "$@" "$out/$study/$target"
+  folder=$1 stage=$2 to=$3
+  shift 3
+  run "$to" "its $stage" seatrial run "$folder" --stage "$stage" --out "$out/$to" --quiet "$@"
 }
 
 # Trials of study $1, simulated, estimated by $2 and scored in memory.
 trials() {
-  made "$1" tally.json MONTE_CARLO=yes ESTIMATE_FLAGS="--estimator $2 --realizations $few"
+  made "pipelines/$1" monte-carlo "$1" --setting MONTE_CARLO=yes --setting "ESTIMATE_FLAGS=--estimator $2 --realizations $few"
 }
 
 trials paper iv
@@ -49,10 +49,11 @@ for name in white current-constant current-gauss-markov wind-bias; do
   mkdir -p "$out/studies/$name"
   cp pipelines/scenarios/$name/* "$out/studies/$name/"
   sed "s/^realizations *=.*/realizations = $fewer/" pipelines/scenarios/$name/campaign.toml > "$out/studies/$name/campaign.toml"
-  run "scenarios/$name" "scores.parquet of it" STUDY="$out/studies/$name" OUT="$out/scenarios/$name" "$out/scenarios/$name/scores.parquet"
+  made "$out/studies/$name" validate "scenarios/$name"
   scenarios="$scenarios $out/scenarios/$name"
 done
-run scenarios "water and wind as unknowns" SCENARIO_STUDIES="$out/studies" SCENARIO_OUT="$out/scenarios" unknown
+run scenarios "water and wind as unknowns" make --no-print-directory -s BIN="$bin" FLAGS=--quiet \
+  SCENARIO_STUDIES="$out/studies" SCENARIO_OUT="$out/scenarios" unknown
 for name in "$out"/scenarios/*/unknown/*; do
   unknown="$unknown $name"
 done
@@ -66,15 +67,15 @@ for name in sequential scenarios; do
 done
 selections=""
 for name in model-ship full-scale; do
-  made $name measured/selection.parquet SEED_FLAGS="--seed 1" \
-    SELECTION_FLAGS="--estimator iv --nominal least-squares --realizations $few"
+  made pipelines/$name selection $name --set logs.seed=1 \
+    --setting "SELECTION_FLAGS=--estimator iv --nominal least-squares --realizations $few"
   selections="$selections $out/$name/measured"
 done
 logs=""
 for name in esso-osaka:esso_osaka kvlcc2:kvlcc2_hsva; do
   folder=../shared/data/${name#*:} study=${name%:*}
   if [ -d "$folder" ]; then
-    made "$study" measured/crossval.json LOGS="$folder"
+    made "pipelines/$study" cross "$study" --logs "$folder"
     logs="$logs $out/$study/measured"
   fi
 done

@@ -51,10 +51,10 @@ study() {
       $make STUDY="$copy" study ;;
     model-ship)
       small model-ship "$2" "$copy"
-      $make STUDY="$copy" BOOTSTRAP=20 measured ;;
+      "$3/seatrial" run "$copy" --setting BOOTSTRAP=20 --out "$out" --quiet ;;
     pooled)
       small smoke "$2" "$copy"
-      $make STUDY="$copy" "$out/campaign.parquet"
+      "$3/seatrial" run "$copy" --stage campaign --out "$out" --quiet
       for estimator in ls iv output-error; do
         mkdir -p "$out/$estimator"
         "$3/estimate" pool --help > /dev/null 2>&1 && pool=pool || pool=--pool
@@ -84,7 +84,7 @@ run() {
     rm "$to/$name.log"
   done
   rm -rf "$to/.tree"
-  (cd "$to" && find . -type f ! -path ./digests | sed 's#^\./##' | LC_ALL=C sort | xargs sha256sum) > "$to/digests"
+  (cd "$to" && find . -type f ! -path ./digests ! -name run.json | sed 's#^\./##' | LC_ALL=C sort | xargs sha256sum) > "$to/digests"
 }
 
 compare() {

@@ -14,4 +14,3 @@ SELECTED        := yes
 NEXT            := yes
 SEARCH_FLAGS    := --window-s 100 --compact
 NEXT_FLAGS      := --duration-s 1800 --tolerance 1e-6
-include pipelines/measured.mk

@@ -1,3 +1,2 @@
 # Six sub-experiments of 100 samples, as in the paper.
 DESIGN_FLAGS    := --segments 6 --segment-samples 100
-include pipelines/simulated.mk

@@ -10,4 +10,3 @@ TEST       ?= kvlcc2_hsva_Z_10_05,kvlcc2_hsva_Z_20_10_S,kvlcc2_hsva_Z_35_05
 NEXT         := yes
 SEARCH_FLAGS := --window-s 100 --compact
 NEXT_FLAGS   := --duration-s 1800 --tolerance 1e-4
-include pipelines/measured.mk

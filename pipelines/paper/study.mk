@@ -1,4 +1,4 @@
-# Flags of this study's stages; make reads this file where it exists.
+# Flags of this study's stages.
 # Beside the shares: counts for five segments of 200 samples, the size of the random design.
 DESIGN_FLAGS = --segments 5 --segment-samples 200
 # The trials are simulated, estimated and scored in memory, and so many as the page shows are kept.

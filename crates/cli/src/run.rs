@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Error, Provenance};
+use artifact::{Digest, Error, Provenance};
 use clap::{ArgMatches, Parser};
-use pipeline::{Pipeline, Record, Step};
+use pipeline::{Pipeline, Record, Settings, Step};
 use refusal::Invalid;
 use serde_json::json;
 
@@ -34,6 +34,9 @@ pub struct Arguments {
     /// Ends with this stage, after those that it needs
     #[arg(long, value_name = "STAGE")]
     stage: Option<String>,
+    /// Replaces a setting of study.mk, as in DESIGN_FLAGS="--segments 5"; may stand more than once
+    #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    setting: Vec<String>,
     /// Folder for the results
     #[arg(long, value_name = "FOLDER", default_value = USUAL)]
     out: PathBuf,
@@ -42,19 +45,24 @@ pub struct Arguments {
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let out = self.results();
-        let mut pipeline = Pipeline::read(&self.whole_study, &out, self.logs.as_deref())?;
+        let mut settings = Settings::read(&self.whole_study)?;
+        for given in &self.setting {
+            settings.set(given).map_err(|e| Failure::Usage(format!("--setting: {e}")))?;
+        }
+        let mut pipeline = Pipeline::read(&self.whole_study, &out, &settings, self.logs.as_deref())?;
         if let Some(stage) = &self.stage {
             pipeline.until(stage).map_err(|e| Failure::Usage(format!("--stage: {e}")))?;
         }
         let commands = commands(&pipeline, common)?;
         let Provenance { producer, .. } = common.provenance("seatrial");
-        let (mut record, mut ran) = (Record::read(&out, producer), Vec::new());
+        let program = std::env::current_exe().ok().and_then(|file| Digest::of_file(file).ok());
+        let (mut record, mut ran) = (Record::read(&out, producer, program), Vec::new());
         for (i, (step, words)) in pipeline.steps.iter().zip(&commands).enumerate() {
             let inputs = pipeline.inputs(step)?;
             let is_current = record.is_current(&pipeline, step, words, &inputs)?;
             if !common.quiet {
-                let state = if is_current { ": up to date" } else { "" };
-                on_stderr(format_args!("[{}/{}] {}{state}", i + 1, commands.len(), step.name));
+                let state = if is_current { "up to date".to_owned() } else { shown(&pipeline, words) };
+                on_stderr(format_args!("[{}/{}] {}: {state}", i + 1, commands.len(), step.name));
             }
             if !is_current {
                 run_one(&pipeline, step, words, common)?;
@@ -108,6 +116,12 @@ fn commands(pipeline: &Pipeline, common: &Common) -> Result<Vec<Vec<String>>, Fa
             Err(Failure::Usage(format!("--set: {invalid}")))
         }
     }
+}
+
+/// The command that `words` are, as one may call it.
+fn shown(pipeline: &Pipeline, words: &[String]) -> String {
+    let words = words.iter().map(|word| pipeline.resolved(word));
+    format!("seatrial {}", words.collect::<Vec<_>>().join(" "))
 }
 
 /// Runs `step` with these `words`.

@@ -36,12 +36,12 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// The study in the folder `study`, whose results are in `out`, with the logs in `logs` or where its study.mk says.
+    /// The study in the folder `study` with these `settings`, whose results are in `out`, with the logs in `logs` or where its
+    /// settings say.
     ///
     /// # Errors
-    /// No such folder, no study in it, a missing file, a study.mk with more than settings.
-    pub fn read(study: &Path, out: &Path, logs: Option<&Path>) -> Result<Self, Error> {
-        let settings = Settings::read(study)?;
+    /// No such folder, no study in it, a missing file.
+    pub fn read(study: &Path, out: &Path, settings: &Settings, logs: Option<&Path>) -> Result<Self, Error> {
         let has = |name: &str| study.join(name).is_file();
         check_study(study)?;
         let shape = Shape {
@@ -55,9 +55,9 @@ impl Pipeline {
             let settings = settings.selecting();
             [simulated_logs().to_vec(), measured(&settings, &shape, selection)].concat()
         } else if has("ingest.toml") {
-            measured(&settings, &shape, "--estimator iv --nominal least-squares")
+            measured(settings, &shape, "--estimator iv --nominal least-squares")
         } else {
-            simulated(&settings, &shape)
+            simulated(settings, &shape)
         };
         let own = |name: &str| settings.path(name, study);
         let logs =

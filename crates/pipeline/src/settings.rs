@@ -1,4 +1,4 @@
-//! `study.mk`: flags of a study's stages, in the form that make reads too.
+//! `study.mk`: flags of a study's stages.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -63,6 +63,15 @@ impl Settings {
         Ok(settings)
     }
 
+    /// Sets what `given` says, as a line of study.mk would at its end: `NAME=VALUE`.
+    ///
+    /// # Errors
+    /// As of such a line.
+    pub fn set(&mut self, given: &str) -> Result<(), Invalid> {
+        let (name, value) = given.split_once('=').ok_or_else(|| not_a_setting(given))?;
+        self.put(name.trim(), None, value)
+    }
+
     /// The value of `name`, empty if it is not set.
     pub fn get(&self, name: &str) -> &str {
         self.0.get(name).map_or("", String::as_str)
@@ -96,7 +105,11 @@ impl Settings {
         }
         let (name, value) = line.split_once('=').ok_or_else(|| not_a_setting(line))?;
         let kind = name.chars().next_back().filter(|last| [':', '?', '+'].contains(last));
-        let name = name.trim_end_matches([':', '?', '+']).trim();
+        self.put(name.trim_end_matches([':', '?', '+']).trim(), kind, value)
+    }
+
+    /// Sets `name` to `value`: `kind` `?` only if it is not set, `+` behind what it is set to.
+    fn put(&mut self, name: &str, kind: Option<char>, value: &str) -> Result<(), Invalid> {
         if !KNOWN.contains(&name) {
             let meant = nearest(name, KNOWN).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
             let remedy = format!("correct or remove it{meant}");
@@ -121,7 +134,7 @@ impl Settings {
 
 fn not_a_setting(line: &str) -> Invalid {
     let expected = "settings such as `DESIGN_FLAGS = --segments 5`, and comments";
-    Invalid::new("line", format!("`{}`", foreign(line)), expected, "correct it, or run the study by make")
+    Invalid::new("line", format!("`{}`", foreign(line)), expected, "correct or remove it")
 }
 
 /// `value` without references to other settings.
@@ -131,6 +144,6 @@ fn resolved(name: &str, value: &str) -> Result<String, Invalid> {
         return Ok(value);
     }
     let known = REFERENCES.map(|(name, _)| name).join(", ");
-    let remedy = "write the value out, or run the study by make";
+    let remedy = "write the value out";
     Err(Invalid::new(format!("`{name}`"), format!("`{}`", foreign(&value)), known, remedy))
 }

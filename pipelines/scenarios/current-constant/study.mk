@@ -1,4 +1,4 @@
-# Flags of this study's stages; make reads this file where it exists. The maneuvers are the paper's.
+# Flags of this study's stages. The maneuvers are the paper's.
 DICTIONARY = pipelines/scenarios/dictionary.toml
 DESIGN_FLAGS = --segments 5 --segment-samples 200
 # Every estimator on the same runs; the campaign's disturbances are what prediction-error filters with.

@@ -2937,6 +2937,8 @@ class RunStage:
 
     #: The program and its version.
     program: str
+    #: Digest of the program's file.
+    digest: Digest | None = None
     #: Its command line.
     command: list[str]
     #: Digests of the files that it read.

@@ -98,7 +98,7 @@ fn settings_that_no_stage_has() {
     let folder = with(&[]);
     for (text, pieces) in [
         ("DESIGN_FLAG = --segments 5\n", ["study.mk: `DESIGN_FLAG`: found", "did you mean DESIGN_FLAGS?"]),
-        ("all: it\n", ["study.mk: line: found `all: it`", "run the study by make"]),
+        ("all: it\n", ["study.mk: line: found `all: it`", "correct or remove it"]),
         (
             "DESIGN_FLAGS = $(shell date)\n",
             ["study.mk: `DESIGN_FLAGS`: found `$(shell date)`", "write the value out"],
@@ -106,6 +106,13 @@ fn settings_that_no_stage_has() {
     ] {
         put(&folder, "study.mk", text);
         refused(&folder, 3, "run . --out out", &pieces);
+    }
+    put(&folder, "study.mk", "");
+    for (line, piece) in [
+        ("run . --out out --setting DESIGN_FLAG=1", "--setting: `DESIGN_FLAG`: found a setting of no stage"),
+        ("run . --out out --setting SEED", "--setting: line: found `SEED`"),
+    ] {
+        refused(&folder, 2, line, &[piece]);
     }
     put(&folder, "study.mk", "DESIGN_FLAGS = --segmnts 5\n");
     refused(&folder, 2, "run . --out out", &["study.mk: flags of design: ", "--segmnts"]);

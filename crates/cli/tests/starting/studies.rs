@@ -1,6 +1,8 @@
 //! Studies that are simulated.
 
+use artifact::{Digest, Provenance, commit, stage_document};
 use serde_json::{Value, json};
+use study::documents::RunDocument;
 
 use crate::support::*;
 
@@ -137,6 +139,11 @@ fn law_a_damaged_output_is_made_again_and_nothing_else() {
     assert!(bytes(&folder, "out/moments.json") == whole);
     std::fs::remove_file(folder.path().join("out/scores.parquet")).unwrap();
     assert_eq!(stages(&folder, "run . --out out"), ["validate"]);
+    let mut record: RunDocument = document(&folder, "out/run.json").data;
+    record.stages.get_mut("design").unwrap().digest = Some(Digest::of_bytes(b"another program"));
+    let file = stage_document(folder.path().join("out/run.json"), &Provenance::default(), &record).unwrap();
+    commit(vec![file]).unwrap();
+    assert_eq!(stages(&folder, "run . --out out"), ["design"], "another program ran it");
     put(&folder, "out/run.json", "{}");
     assert_eq!(stages(&folder, "run . --out out").len(), 8, "without a record nothing is known");
 }
@@ -164,10 +171,28 @@ fn a_stage_brings_those_that_it_needs_and_no_more() {
 }
 
 #[test]
+fn a_setting_on_the_command_line_replaces_that_of_the_study() {
+    let folder = written(4);
+    put(&folder, "study.mk", "DESIGN_FLAGS = --tolerance 1e-9\n");
+    run(&folder, "run . --out out --stage design --setting DESIGN_FLAGS=--tolerance=1e-7").succeeds();
+    let document = json(&folder, "out/run.json");
+    let command = &document["data"]["stages"]["design"]["command"];
+    let words =
+        ["design", "--moments", "{out}/moments.json", "--tolerance=1e-7", "--out", "{out}/design.json"];
+    assert_eq!(*command, json!(words));
+}
+
+#[test]
 fn progress_names_every_stage() {
     let folder = written(4);
     let ran = run(&folder, "run . --out out --stage moments").succeeds();
-    assert!(ran.stderr.starts_with("[1/2] dictionary\n") && ran.stderr.contains("[2/2] moments\n"), "{ran}");
+    let called =
+        "[2/2] moments: seatrial moments --vessel ./vessel.toml --trajectories out/dictionary.parquet --out";
+    assert!(
+        ran.stderr.starts_with("[1/2] dictionary: seatrial simulate dictionary")
+            && ran.stderr.contains(called),
+        "{ran}"
+    );
     let again = run(&folder, "run . --out out --stage moments").succeeds();
     assert_eq!(again.stderr, "[1/2] dictionary: up to date\n[2/2] moments: up to date\n", "{again}");
     assert_eq!(again.stdout, "out/moments.json: 0 of 2 stages run, 2 up to date\n", "{again}");

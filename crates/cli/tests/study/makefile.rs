@@ -67,6 +67,11 @@ fn commands(words: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
+/// `text` with one blank wherever there are several.
+fn one_blank(text: &str) -> String {
+    text.split(' ').filter(|word| !word.is_empty()).collect::<Vec<_>>().join(" ")
+}
+
 #[test]
 fn make_runs_the_study_that_is_named() {
     if Command::new("make").arg("--version").output().is_err() {
@@ -81,21 +86,23 @@ fn make_runs_the_study_that_is_named() {
     std::fs::create_dir(folder.path().join("logs")).unwrap();
     let place = folder.path().display();
     let said = commands(&[&format!("STUDY={place}"), &format!("LOGS={place}/logs"), "OUT=out/logged"]);
-    for piece in [
-        format!("ingest --config {place}/ingest.toml --vessel {place}/vessel.toml --logs \"{place}/logs\""),
-        format!("report --study {place} --results out/logged/measured"),
-    ] {
-        assert!(said.contains(&piece), "no `{piece}` in\n{said}");
-    }
+    let piece = format!("seatrial run {place} --logs {place}/logs --out out/logged");
+    assert!(
+        one_blank(&said).contains(&piece) && said.contains("Report: out/logged/measured/report.html"),
+        "{said}"
+    );
+    let further = ["STUDY=pipelines/smoke", "DESIGN_FLAGS=--segments 5", "STAGE=design", "FLAGS=--quiet"];
+    let piece =
+        "run pipelines/smoke --setting 'DESIGN_FLAGS=--segments 5' --quiet --stage design --out out/smoke";
+    assert!(one_blank(&commands(&further)).contains(piece), "{}", commands(&further));
     let own = commands(&["STUDY=pipelines/smoke", "sequential"]);
     for piece in ["--config pipelines/smoke/sequential.toml", "--results out/smoke/sequential"] {
         assert!(own.contains(piece), "no `{piece}` in\n{own}");
     }
     assert!(commands(&["sequential"]).contains("--config pipelines/sequential/sequential.toml"));
-    // What is missing is named, not reported as a target without a rule.
-    std::fs::remove_file(folder.path().join("ingest.toml")).unwrap();
-    let lacking = commands(&[&format!("STUDY={place}"), "OUT=out/logged"]);
-    assert!(lacking.contains(&format!("error: {place}/dictionary.toml: found no such file")), "{lacking}");
+    // A folder that is not there is named before anything is built.
+    let (code, said) = made("STUDY=pipelines/none", false);
+    assert!(code == Some(2) && said.contains("pipelines/none: found no such folder"), "{said}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-# Flags of the stages. `seatrial run` reads this file, and make does where the repository is at hand.
+# Flags of the stages.
 # Output error needs no variation of the thrust to tell the terms of surge apart.
 MOMENTS_FLAGS = --campaign $(STUDY)/campaign.toml --estimator output-error
 DESIGN_FLAGS = --for output-error --tolerance 1e-4

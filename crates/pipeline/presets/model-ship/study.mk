@@ -1,3 +1,3 @@
-# Flags of the stages. `seatrial run` reads this file, and make does where the repository is at hand.
+# Flags of the stages.
 # Beside the shares of time: whole maneuvers for five segments of 200 samples [1], as the random design has.
 DESIGN_FLAGS = --segments 5 --segment-samples 200

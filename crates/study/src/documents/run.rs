@@ -19,6 +19,8 @@ pub struct RunDocument {
 pub struct RunStage {
     /// The program and its version.
     pub program: String,
+    /// Digest of the program's file.
+    pub digest: Option<Digest>,
     /// Its command line.
     pub command: Vec<String>,
     /// Digests of the files that it read.
