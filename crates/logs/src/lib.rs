@@ -87,7 +87,7 @@ pub use lever::Lever;
 pub use log::{Log, RowSummary};
 pub use log_error::LogError;
 pub use model::{Formula, Malformed};
-pub use nmea::{Accepted, read_nmea};
+pub use nmea::{Accepted, Spoken, SpokenField, has_sentences, read_nmea, sentence_census};
 pub use numbering::{Labels, Numbering};
 pub use omission::{Omission, Omissions, Reason};
 pub use pattern::{Pattern, Template};

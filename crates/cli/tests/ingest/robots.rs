@@ -1,5 +1,5 @@
-//! Bags of ROS 1, of ROS 2 in SQLite, and ULogs of PX4 (`fixtures/field`, written by scripts/field_bags.py): from the file
-//! by way of the `ingest.toml` that `new --logs` writes to trajectories, and what is refused.
+//! Bags of ROS 1, of ROS 2 in SQLite, ULogs of PX4 and sentences (`fixtures/field`, written by scripts/field_bags.py and
+//! field_logs.py): from the file by way of the `ingest.toml` that `new --logs` writes to trajectories, and what is refused.
 
 use std::fs;
 use std::path::Path;
@@ -26,6 +26,12 @@ fn logs(set: &str, names: &[&str]) -> TempDir {
 /// The `ingest.toml` that `new` writes for the logs in `folder`.
 #[track_caller]
 fn begun(folder: &Path) -> String {
+    begun_with(folder, "0 channels missing")
+}
+
+/// As [`begun`], where `new` says `missing`.
+#[track_caller]
+fn begun_with(folder: &Path, missing: &str) -> String {
     let mine = tempfile::tempdir().unwrap();
     let study = mine.path().join("mine");
     let mut new = Command::new(env!("CARGO_BIN_EXE_seatrial"));
@@ -33,7 +39,7 @@ fn begun(folder: &Path) -> String {
     let ran = new.output().unwrap();
     assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
     let said = String::from_utf8_lossy(&ran.stdout).into_owned();
-    assert!(said.contains("0 channels missing"), "{said}");
+    assert!(said.contains(missing), "{said}");
     fs::read_to_string(study.join("ingest.toml")).unwrap()
 }
 
@@ -90,6 +96,78 @@ fn law_a_split_bag_of_ros_2_in_sqlite_becomes_the_motion_that_it_was_made_of() {
 #[test]
 fn law_a_ulog_becomes_the_motion_that_it_was_made_of() {
     law_of("px4", &["mission.ulg"]);
+}
+
+/// The sentences of the survey vessel after `change`, in a file called `name`.
+fn sentences(name: &str, change: impl Fn(&str) -> String) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let text = fs::read_to_string(repository("fixtures/field/survey/line.nmea")).unwrap();
+    let lines: Vec<String> = text.lines().map(change).filter(|line| !line.is_empty()).collect();
+    fs::write(folder.path().join(name), lines.join("\r\n")).unwrap();
+    folder
+}
+
+#[test]
+fn law_sentences_become_the_motion_that_they_were_made_of() {
+    for (name, kind) in [("line.nmea", "pattern = [\"*.nmea\"]"), ("line.log", "format = \"nmea\"")] {
+        let folder = sentences(name, str::to_owned);
+        let text = begun(folder.path());
+        assert!(text.contains(kind) && text.lines().count() <= LINES, "{text}");
+        fs::write(folder.path().join("ingest.toml"), &text).unwrap();
+        let made = ingest(folder.path(), &["--config", "ingest.toml"]);
+        assert_eq!((made.rows, made.summary.recordings.len()), (120, 1), "{}", made.line);
+        // Slopes of positions with a noise of 1 cm over five seconds; rudder and propeller once a second.
+        let truths: [(&str, f64, Truth); 5] = [
+            ("y_u", 0.02, &|t| motion(t)[0]),
+            ("y_v", 0.02, &|t| motion(t)[1]),
+            ("y_r", 0.001, &|t| motion(t)[2]),
+            ("delta", 0.005, &rudder),
+            ("n", 0.04, &revolutions),
+        ];
+        for (name, noise, truth) in truths {
+            let found = off(&made, name, truth);
+            assert!(found < noise, "{name} is {found} off");
+        }
+    }
+}
+
+#[test]
+fn of_several_talkers_the_one_that_says_most_comes_first() {
+    // A second compass that speaks once a second.
+    let folder = sentences("line.nmea", |line| match line.starts_with("$GPRMC") {
+        true => format!("{line}\r\n$GPHDT,68.775,T*0E"),
+        false => line.to_owned(),
+    });
+    let text = begun(folder.path());
+    assert!(text.contains("prefer = [\"HE\", \"GP\"]  # guessed"), "{text}");
+    fs::write(folder.path().join("ingest.toml"), &text).unwrap();
+    assert_eq!(ingest(folder.path(), &["--config", "ingest.toml"]).rows, 120);
+}
+
+#[test]
+fn a_field_that_is_missing_works_once_it_is_named() {
+    let folder = sentences("line.nmea", |line| line.replace("IIRSA", "IIXDR"));
+    let text = begun_with(folder.path(), "1 channels missing");
+    let template = "#    { column = \"\", channel = \"delta\", unit = \"rad\" },\n";
+    assert!(text.contains(template), "{text}");
+    let named = "channel = [\n    { column = \"RPM-S1.pitch\", channel = \"delta\", unit = \"%\" },";
+    let text = text.replace(template, "").replacen("channel = [", named, 1);
+    fs::write(folder.path().join("ingest.toml"), &text).unwrap();
+    assert_eq!(ingest(folder.path(), &["--config", "ingest.toml"]).rows, 120);
+}
+
+#[test]
+fn sentences_without_a_time_are_refused() {
+    let is_timed = |line: &str| line.contains("RMC") || line.contains("GGA");
+    let folder = sentences("line.nmea", |line| if is_timed(line) { String::new() } else { line.to_owned() });
+    let mut new = Command::new(env!("CARGO_BIN_EXE_seatrial"));
+    let logs = folder.path().to_str().unwrap();
+    let words = ["new", &format!("{logs}/mine"), "--vessel", "coaster", "--logs", logs];
+    let ran = new.args(words).output().unwrap();
+    let said = String::from_utf8_lossy(&ran.stderr).into_owned();
+    assert!(ran.status.code() == Some(3) && said.lines().count() == 1, "{said}");
+    assert!(said.contains("line.nmea: time: found none, expected sentences with a time: RMC, ZDA"), "{said}");
+    assert!(!folder.path().join("mine").exists());
 }
 
 #[test]

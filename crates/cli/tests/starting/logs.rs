@@ -72,6 +72,29 @@ fn what_was_guessed_is_marked_on_its_line() {
 }
 
 #[test]
+fn columns_of_parquet_are_recognised() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("logs")).unwrap();
+    for name in ["a_thruster.parquet", "b_thruster.parquet"] {
+        fs::copy(repository().join("fixtures/logs").join(name), folder.path().join("logs").join(name))
+            .unwrap();
+    }
+    let ran = run(&folder, "new mine --vessel esso-osaka --logs logs").succeeds();
+    assert!(ran.stdout.contains("2 logs"), "{ran}");
+    let text = String::from_utf8(bytes(&folder, "mine/ingest.toml")).unwrap();
+    for piece in [
+        "2 files in Parquet",
+        "pattern = [\"*.parquet\"]",
+        "# A row about every 0.25 s.\n[file.time]\ncolumn = \"t_ns\"\nunit = \"ns\"  # guessed",
+        "column = \"rpm\"\nchannel = \"n\"",
+    ] {
+        assert!(text.contains(piece), "no `{piece}` in\n{text}");
+    }
+    put(&folder, "logs/b_thruster.parquet", "PAR1");
+    refused(&folder, 3, "new other --vessel esso-osaka --logs logs", &["logs/b_thruster.parquet: "]);
+}
+
+#[test]
 fn a_column_that_is_not_placed_is_listed_and_works_once_it_is_named() {
     let folder = logged("thruster 1 [rpm]", "port [rpm]");
     let ran = run(&folder, NEW).succeeds();

@@ -159,8 +159,15 @@ fn logs_without_columns_or_times() {
     std::fs::create_dir(folder.path().join("logs")).unwrap();
     let line = "new mine --vessel kvlcc2 --logs logs";
     refused(&folder, 3, line, &["logs: logs: found none", "name the folder"]);
+    put(&folder, "logs/a.mat", "");
+    refused(
+        &folder,
+        3,
+        line,
+        &["logs: logs: found `a.mat` and neither CSV, Parquet, a bag nor sentences", "docs/own-logs.md"],
+    );
     put(&folder, "logs/a.nmea", "");
-    refused(&folder, 3, line, &["logs: logs: found `a.nmea` and neither CSV nor a bag", "docs/own-logs.md"]);
+    refused(&folder, 3, line, &["logs/a.nmea: time: found none, expected sentences with a time"]);
     put(&folder, "logs/a.mcap", "");
     refused(&folder, 3, line, &["logs/a.mcap: file", "a whole MCAP file"]);
     put(&folder, "logs/a.ulg", "");

@@ -1,4 +1,4 @@
-//! The first rows of a log in CSV.
+//! The first rows of a log in columns.
 
 use refusal::{Invalid, foreign};
 
@@ -56,6 +56,13 @@ impl Head {
             Some(wrong) => Err(refused(&format!("`{}` in the first line", foreign(wrong)))),
             None => Ok(head),
         }
+    }
+
+    /// The columns of a table that is not text: their names, and the first cells of each as text.
+    pub fn of_cells(columns: Vec<String>, cells: &[Vec<String>]) -> Self {
+        let rows = cells.iter().map(Vec::len).max().unwrap_or(0);
+        let row = |at: usize| cells.iter().map(|own| own.get(at).cloned().unwrap_or_default()).collect();
+        Self { separator: ',', decimal: '.', columns, rows: (0..rows.min(ROWS)).map(row).collect() }
     }
 
     /// The numbers of the column at `at`.

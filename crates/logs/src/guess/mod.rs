@@ -4,11 +4,13 @@ mod head;
 mod messages;
 mod names;
 mod placed;
+mod sentences;
 mod topics;
 
 pub use head::Head;
 pub use names::Named;
 pub use placed::{Needed, Placed};
+pub use sentences::SentenceGuess;
 pub use topics::{BagGuess, TopicGuess};
 
 use crate::TimeUnit;

@@ -193,6 +193,23 @@ impl Column {
     }
 }
 
+/// The fields of `sentence`, which stands on `line`: their names as columns of any talker, units and values of quality `accepted`.
+/// Values that cannot be read are none.
+pub(super) fn fields_of(
+    sentence: &Sentence,
+    line: usize,
+    accepted: &Accepted,
+) -> Vec<(String, &'static str, Value)> {
+    let Some(kind) = KINDS.iter().find(|kind| sentence.is_a(kind.name)) else { return Vec::new() };
+    let qualifier: String = kind.qualifier.iter().flat_map(|place| sentence.field(*place).chars()).collect();
+    let dash = if kind.qualifier.is_empty() { "" } else { "-" };
+    let field = |field: &'static Field| {
+        let value = field.value(sentence, line, accepted).unwrap_or(Value::Empty);
+        (format!("{}{dash}{qualifier}.{}", kind.name, field.name), field.unit, value)
+    };
+    kind.fields.iter().map(field).collect()
+}
+
 /// The columns of the kind of sentence in `name`, if that is known; otherwise those of all kinds.
 pub(super) fn columns_like(name: &str) -> Vec<String> {
     let of = name.split(['.', '-']).next().unwrap_or_default();

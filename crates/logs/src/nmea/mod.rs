@@ -17,6 +17,7 @@ mod positions;
 mod quality;
 mod sentence;
 mod sources;
+mod spoken;
 mod table;
 mod timeline;
 mod trust;
@@ -36,6 +37,7 @@ pub(crate) use positions::positions_in_sentences;
 pub use quality::Accepted;
 use sentence::raw_sentences;
 use sources::Sources;
+pub use spoken::{Spoken, SpokenField, has_sentences, sentence_census};
 use table::Table;
 
 /// Reads the fields of sentences that `plan` wants of files of group `group` (`HDT.heading`); `store` takes

@@ -2,12 +2,14 @@
 
 use std::fmt::Write;
 
-use logs::guess::{BagGuess, Guess, Head, Needed, Placed};
+use logs::guess::{BagGuess, Guess, Head, Needed, Placed, SentenceGuess};
 use logs::{Format, TimeUnit};
 
 use super::bags;
 use super::looking::{Found, Looked};
 use super::presets::Preset;
+use super::sentences;
+use super::table::PARQUET;
 use super::text::{MARK, quoted};
 
 /// Rows that a gap may be as long as.
@@ -25,8 +27,11 @@ pub(super) fn written(looked: &Looked, preset: &Preset) -> String {
         Found::Bag(guess) => {
             general_of_bags(looked, guess, rate_hz) + &bags::groups(guess, &looked.patterns, &looked.files)
         }
+        Found::Sentences(guess) => {
+            general_of_sentences(looked, guess, rate_hz) + &sentences::group(guess, &looked.patterns)
+        }
     };
-    looked.missing().iter().for_each(|own| text += &missing(own));
+    looked.missing().iter().for_each(|own| text += &missing(own, &looked.found));
     text += &unplaced(looked);
     text += preset.thrusters();
     text
@@ -91,6 +96,26 @@ fn general_of_bags(looked: &Looked, guess: &BagGuess, rate_hz: f64) -> String {
     text
 }
 
+/// The keys of the whole file, for sentences.
+fn general_of_sentences(looked: &Looked, guess: &SentenceGuess, rate_hz: f64) -> String {
+    let [fastest_s, slowest_s] = guess.steps_s;
+    let mut text = format!(
+        "# What is in the logs: {} files of NMEA 0183. Lines marked \"guessed\" were guessed by the kinds of sentences: check them.\n\
+         sample_rate_hz = {rate_hz:?}            # rate of the trajectories [Hz]: that of vessel.toml\n\
+         max_gap_s = {:?}{MARK}: five times that between values of the slowest field [s]; over longer gaps nothing is interpolated\n",
+        looked.files.len(),
+        rounded(GAP_ROWS * slowest_s),
+    );
+    if fastest_s * rate_hz < 0.5 {
+        text += &average(rate_hz);
+    }
+    let window_s = rounded((5.0 * slowest_s).max(1.0));
+    text + &format!(
+        "# Speeds that are not logged are slopes of positions: of parabolas over `window_s` [s].\n\
+         velocities = {{ method = \"smoother\", window_s = {window_s:?} }}{MARK}\n"
+    )
+}
+
 fn average(rate_hz: f64) -> String {
     let average_s = rounded(0.5 / rate_hz);
     format!("average_s = {average_s:?}{MARK}: half a sample [s] over which channels are averaged\n")
@@ -101,10 +126,11 @@ fn general(looked: &Looked, rate_hz: f64, step_s: f64) -> String {
     let max_gap_s = rounded(GAP_ROWS * step_s);
     let is_fast = step_s * rate_hz < 0.5;
     let mut text = format!(
-        "# What is in the logs: {} files in CSV. Lines marked \"guessed\" were guessed by names and numbers: check them.\n\
+        "# What is in the logs: {} files in {}. Lines marked \"guessed\" were guessed by names and numbers: check them.\n\
          sample_rate_hz = {rate_hz:?}            # rate of the trajectories [Hz]: that of vessel.toml\n\
          max_gap_s = {max_gap_s:?}{MARK}: five rows of the logs [s]; over longer gaps nothing is interpolated\n",
-        looked.files.len()
+        looked.files.len(),
+        if looked.files[0].to_lowercase().ends_with(PARQUET[0]) { "Parquet" } else { "CSV" },
     );
     if is_fast {
         text += &average(rate_hz);
@@ -175,13 +201,18 @@ fn channel(own: &Placed) -> String {
     text
 }
 
-fn missing(own: &Needed) -> String {
-    format!(
-        "\n# The model needs this channel, and no column was recognised as it: name its column.\n# [[file.channel]]\n\
-         # column = \"\"\n# channel = {}\n# unit = {}\n",
-        quoted(&own.channel),
-        quoted(&own.unit)
-    )
+fn missing(own: &Needed, found: &Found) -> String {
+    let [channel, unit] = [&own.channel, &own.unit].map(|text| quoted(text));
+    match found {
+        Found::Table(..) => format!(
+            "\n# The model needs this channel, and no column was recognised as it: name its column.\n# [[file.channel]]\n\
+             # column = \"\"\n# channel = {channel}\n# unit = {unit}\n"
+        ),
+        Found::Bag(_) | Found::Sentences(_) => format!(
+            "\n# The model needs this channel, and no field was recognised as it: name its field in a `channel` above.\n\
+             #    {{ column = \"\", channel = {channel}, unit = {unit} }},\n"
+        ),
+    }
 }
 
 /// Columns that were not placed, and logs of other formats.

@@ -6,12 +6,14 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Error, open};
 use flate2::read::MultiGzDecoder;
-use logs::guess::{BagGuess, Guess, Head, Named, Needed, Placed};
+use logs::guess::{BagGuess, Guess, Head, Named, Needed, Placed, SentenceGuess};
 use refusal::{foreign, listed};
 
 use study::{invalid, refuse};
 
 use super::bags::{self, BAGS};
+use super::sentences::{self, PERHAPS, SENTENCES, is_of_sentences};
+use super::table::{self, PARQUET};
 
 /// Bytes of a log that are looked at.
 const LOOKED: u64 = 1 << 17;
@@ -20,7 +22,7 @@ const LOOKED: u64 = 1 << 17;
 const CSV: [&str; 3] = [".csv", ".csv.gz", ".tsv"];
 
 /// Endings of logs that only a person can describe.
-const OTHERS: [&str; 5] = [".parquet", ".nmea", ".nmea.gz", ".bin", ".mat"];
+const OTHERS: [&str; 2] = [".bin", ".mat"];
 
 /// What is in the first of the logs.
 #[derive(Debug)]
@@ -29,6 +31,8 @@ pub enum Found {
     Table(Head, Guess),
     /// Topics, and what they are likely to be.
     Bag(BagGuess),
+    /// Fields of sentences, and what they are likely to be.
+    Sentences(SentenceGuess),
 }
 
 /// What a folder of logs has.
@@ -52,8 +56,8 @@ impl Looked {
     /// Looks at the logs in `folder` and in its subfolders, for a model that needs the channels `needed`.
     ///
     /// # Errors
-    /// A folder that cannot be listed; no log in CSV and no bag; logs of several ships, or with different columns; columns
-    /// that fit one channel equally; bags of several formats, or that cannot be read.
+    /// A folder that cannot be listed; no log in CSV or Parquet, no bag and no sentences; logs of several ships, or with different columns;
+    /// columns that fit one channel equally; bags of several formats, or that cannot be read; sentences without a time.
     pub fn at(folder: &Path, needed: &[Needed]) -> Result<Self, Error> {
         if !folder.is_dir() {
             let remedy = "name the folder of the logs";
@@ -62,13 +66,25 @@ impl Looked {
         let mut names = Vec::new();
         list(folder, "", &mut names)?;
         names.sort();
-        let (files, rest): (Vec<String>, Vec<String>) = names.into_iter().partition(|name| ends(name, &CSV));
+        let (mut files, mut rest): (Vec<String>, Vec<String>) =
+            names.into_iter().partition(|name| ends(name, &CSV));
+        if files.is_empty() {
+            (files, rest) = rest.into_iter().partition(|name| ends(name, &PARQUET));
+        }
         let (bags, rest): (Vec<String>, Vec<String>) = rest.into_iter().partition(|name| ends(name, &BAGS));
-        let others = rest.into_iter().filter(|name| ends(name, &OTHERS));
-        match (files.is_empty(), bags.is_empty()) {
-            (false, _) => Self::of_tables(folder, files, bags.into_iter().chain(others).collect(), needed),
-            (true, false) => Self::of_bags(folder, bags, others.collect(), needed),
-            (true, true) => Err(no_log(folder, &others.collect::<Vec<_>>())),
+        let is_said = |name: &String| {
+            ends(name, &SENTENCES) || ends(name, &PERHAPS) && is_of_sentences(&folder.join(name))
+        };
+        let (said, rest): (Vec<String>, Vec<String>) = rest.into_iter().partition(is_said);
+        let others = rest.into_iter().filter(|name| ends(name, &OTHERS) || ends(name, &PARQUET));
+        match (files.is_empty(), bags.is_empty(), said.is_empty()) {
+            (false, ..) => {
+                let others = bags.into_iter().chain(said).chain(others).collect();
+                Self::of_tables(folder, files, others, needed)
+            }
+            (true, false, _) => Self::of_bags(folder, bags, said.into_iter().chain(others).collect(), needed),
+            (true, true, false) => Self::of_sentences(folder, said, others.collect(), needed),
+            (true, true, true) => Err(no_log(folder, &others.collect::<Vec<_>>())),
         }
     }
 
@@ -95,7 +111,7 @@ impl Looked {
             return Err(refuse(&folder.join(first), "time", &found, "a column with the time", remedy));
         };
         let usual_s = usual_rows * clock.step_s;
-        let (folder, patterns) = (folder.to_owned(), patterns(&files, &CSV));
+        let (folder, patterns) = (folder.to_owned(), patterns(&files, &[CSV.as_slice(), &PARQUET].concat()));
         Ok(Self { folder, patterns, files, usual_s, found: Found::Table(head, guess), others })
     }
 
@@ -110,13 +126,26 @@ impl Looked {
         Ok(Self { folder, patterns, files, usual_s, found: Found::Bag(guess), others })
     }
 
+    fn of_sentences(
+        folder: &Path,
+        files: Vec<String>,
+        others: Vec<String>,
+        needed: &[Needed],
+    ) -> Result<Self, Error> {
+        let guess = sentences::guessed(&folder.join(&files[0]), needed)?;
+        let patterns = patterns(&files, &[SENTENCES.as_slice(), &PERHAPS].concat());
+        let (folder, usual_s, found) = (folder.to_owned(), guess.length_s, Found::Sentences(guess));
+        Ok(Self { folder, patterns, files, usual_s, found, others })
+    }
+
     /// Recordings that a model may be tried on: every fifth of them, none of fewer than three. Names that study.mk cannot hold
     /// are passed over.
     pub(super) fn kept_apart(&self) -> Vec<&str> {
         let is_plain = |name: &&str| name.chars().all(|c| c.is_alphanumeric() || "-_.+".contains(c));
         let name = |file: &'_ String| {
             let lower = file.to_lowercase();
-            let end = CSV.iter().chain(&BAGS).find(|end| lower.ends_with(*end)).map_or(0, |end| end.len());
+            let known = CSV.iter().chain(&PARQUET).chain(&BAGS).chain(&SENTENCES).chain(&PERHAPS);
+            let end = known.filter(|end| lower.ends_with(*end)).map(|end| end.len()).max().unwrap_or(0);
             file.rfind('/').map_or(0, |slash| slash + 1)..file.len() - end
         };
         let every = self.files.iter().skip(2).step_by(5);
@@ -136,6 +165,13 @@ impl Looked {
                 marks(&guess.placed) + guess.clock.iter().filter(|clock| clock.is_unit_guessed).count()
             }
             Found::Bag(guess) => guess.topics.iter().map(|topic| marks(&topic.placed)).sum(),
+            Found::Sentences(guess) => {
+                // The clock, and what else stands on a line of its own.
+                marks(&guess.placed)
+                    + 1
+                    + usize::from(guess.is_unchecked)
+                    + usize::from(!guess.prefer.is_empty())
+            }
         }
     }
 
@@ -144,6 +180,7 @@ impl Looked {
         match &self.found {
             Found::Table(_, guess) => &guess.missing,
             Found::Bag(guess) => &guess.missing,
+            Found::Sentences(guess) => &guess.missing,
         }
     }
 }
@@ -180,6 +217,10 @@ struct Seen {
 impl Seen {
     /// The columns and first rows of the log at `path`.
     fn of(path: &Path) -> Result<Self, Error> {
+        if ends(&path.to_string_lossy(), &PARQUET) {
+            let (head, rows) = table::head(path)?;
+            return Ok(Self { head, rows: rows as f64 });
+        }
         let unreadable = |e| Error::io(path, "read", e);
         let file = open(path)?;
         let length = file.metadata().map_err(unreadable)?.len();
@@ -202,10 +243,10 @@ fn no_log(folder: &Path, others: &[String]) -> Error {
         None => ("none".to_owned(), "name the folder of the logs"),
         Some(other) => {
             let remedy = "write ingest.toml yourself for logs of this format (docs/own-logs.md)";
-            (format!("`{}` and neither CSV nor a bag", foreign(other)), remedy)
+            (format!("`{}` and neither CSV, Parquet, a bag nor sentences", foreign(other)), remedy)
         }
     };
-    let expected = "files that end with .csv, .csv.gz, .tsv, .mcap, .bag, .db3 or .ulg";
+    let expected = "files that end with .csv, .csv.gz, .tsv, .parquet, .mcap, .bag, .db3, .ulg or .nmea";
     refuse(folder, "logs", &found, expected, remedy)
 }
 

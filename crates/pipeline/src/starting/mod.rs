@@ -5,6 +5,8 @@ mod chart;
 mod ingest;
 mod looking;
 mod presets;
+mod sentences;
+mod table;
 mod text;
 
 use std::path::Path;

@@ -1,0 +1,175 @@
+//! What is in a log of sentences (NMEA 0183): which field is likely to be which channel, and of which talker.
+
+use std::collections::BTreeMap;
+
+use super::placed::{Needed, Placed};
+use crate::{Spoken, SpokenField, factor, shaft_factor};
+
+/// What is in a log of sentences.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SentenceGuess {
+    /// The kind of sentences whose time all others have.
+    pub clock: &'static str,
+    /// Whether others come several times between two of these.
+    pub is_spread: bool,
+    /// Whether sentences lack checksums.
+    pub is_unchecked: bool,
+    /// Talkers in the order in which they are taken, where several have one field.
+    pub prefer: Vec<String>,
+    /// Fields with their channels: motion first.
+    pub placed: Vec<Placed>,
+    /// Fields without a channel.
+    pub unused: Vec<String>,
+    /// Channels of the model without a field.
+    pub missing: Vec<Needed>,
+    /// Usual times between values of the fastest and the slowest placed field \[s\].
+    pub steps_s: [f64; 2],
+    /// How long the log is \[s\].
+    pub length_s: f64,
+}
+
+/// Clocks, the best first.
+const CLOCKS: [&str; 5] = ["RMC", "ZDA", "GGA", "GNS", "GLL"];
+
+/// Fields of motion and wind: sets of channels that are logged together, and the sentences that may have them, the best first. The
+/// last are of use, but not needed.
+const KNOWN: [(&[(&str, &str)], &[&str], bool); 5] = [
+    (&[("latitude", "latitude_deg"), ("longitude", "longitude_deg")], &["GGA", "GNS", "RMC", "GLL"], false),
+    (&[("heading", "psi")], &["HDT", "THS", "HDG", "VHW"], false),
+    (&[("surge", "y_u"), ("sway", "y_v")], &["VBW"], false),
+    (&[("rate", "y_r")], &["ROT"], false),
+    (&[("speed", "wind"), ("angle", "wind_from")], &["MWV-R"], true),
+];
+
+/// Times as many values of a field as there are of the clock from which on they are spread.
+const SPREAD: f64 = 1.2;
+
+impl SentenceGuess {
+    /// What a log with what `spoken` counts is likely to have for a model with the channels `needed`; `None` without a clock.
+    pub fn of(spoken: &Spoken, needed: &[Needed]) -> Option<Self> {
+        let most = spoken.timed.values().max()?;
+        // A clock that speaks seldom leaves long gaps.
+        let is_clock = |kind: &&str| spoken.timed.get(*kind).is_some_and(|count| 2 * count >= *most);
+        let clock = CLOCKS.into_iter().find(is_clock)?;
+        let mut search = Search { fields: &spoken.fields, needed, placed: Vec::new() };
+        KNOWN.iter().for_each(|(fields, kinds, is_optional)| search.known(fields, kinds, *is_optional));
+        search.steered();
+        let placed = search.placed;
+        let is_missing = |own: &&Needed| placed.iter().all(|known| known.channel != own.channel);
+        let missing = needed.iter().filter(is_missing).cloned().collect();
+        let is_placed = |own: &&SpokenField| placed.iter().any(|known| known.column == own.column);
+        let mut unused: Vec<String> =
+            spoken.fields.iter().filter(|own| !is_placed(own)).map(|own| own.column.clone()).collect();
+        unused.dedup();
+        let (mut fastest, mut slowest) = (f64::INFINITY, 0.0_f64);
+        for field in spoken.fields.iter().filter(is_placed) {
+            let step_s = spoken.length_s / (field.values as f64 - 1.0).max(1.0);
+            (fastest, slowest) = (fastest.min(step_s), slowest.max(step_s));
+        }
+        let clocked = spoken.timed[clock] as f64;
+        let is_timed = |own: &SpokenField| CLOCKS.contains(&&own.column[..3]);
+        let untimed = spoken.fields.iter().filter(is_placed).filter(|own| !is_timed(own));
+        Some(Self {
+            clock,
+            is_spread: untimed.map(|own| own.values as f64).any(|values| values > SPREAD * clocked),
+            is_unchecked: spoken.sentences[1] > spoken.sentences[0] / 2,
+            prefer: talkers(spoken.fields.iter().filter(is_placed)),
+            placed,
+            unused,
+            missing,
+            steps_s: [fastest, slowest],
+            length_s: spoken.length_s,
+        })
+    }
+}
+
+/// The talkers of fields that several talkers have, those with most values first.
+fn talkers<'a>(fields: impl Iterator<Item = &'a SpokenField>) -> Vec<String> {
+    let mut by_column = BTreeMap::<&str, Vec<&SpokenField>>::new();
+    fields.for_each(|own| by_column.entry(own.column.as_str()).or_default().push(own));
+    let mut values = BTreeMap::<&str, usize>::new();
+    for own in by_column.values().filter(|several| several.len() > 1).flatten() {
+        *values.entry(own.talker.as_str()).or_default() += own.values;
+    }
+    let mut talkers: Vec<(&str, usize)> = values.into_iter().collect();
+    talkers.sort_by_key(|(_, values)| usize::MAX - values);
+    talkers.into_iter().map(|(talker, _)| talker.to_owned()).collect()
+}
+
+struct Search<'a> {
+    fields: &'a [SpokenField],
+    needed: &'a [Needed],
+    placed: Vec<Placed>,
+}
+
+impl Search<'_> {
+    /// Places the `fields` of the first of `kinds` that has values of all of them.
+    fn known(&mut self, fields: &[(&str, &str)], kinds: &[&str], is_optional: bool) {
+        let column = |kind: &str, field: &str| format!("{kind}.{field}");
+        let has_all =
+            |kind: &&&str| fields.iter().all(|(field, _)| self.find(&column(kind, field)).is_some());
+        let Some(kind) = kinds.iter().find(has_all) else { return };
+        for (field, channel) in fields {
+            let is_needed = self.needed.iter().any(|own| own.channel == *channel);
+            self.place(&column(kind, field), channel, (false, is_optional && !is_needed));
+        }
+    }
+
+    /// Places rudders and propellers: those of the model in its order, by the numbers that their names and the sentences have.
+    fn steered(&mut self) {
+        for own in self.needed.iter().filter(|own| !self.is_placed(&own.channel)).cloned().collect::<Vec<_>>()
+        {
+            let name = own.channel.as_str();
+            let number = name.rsplit('_').next().filter(|part| part.chars().all(|c| c.is_ascii_digit()));
+            let fits = |field: &&SpokenField| {
+                let is_kind = match name {
+                    _ if is_called(name, "delta") => field.column.starts_with("RSA."),
+                    _ if is_called(name, "n") => {
+                        field.column.starts_with("RPM-") && field.column.ends_with(".speed")
+                    }
+                    _ => false,
+                };
+                let measures =
+                    factor(field.unit, &own.unit).or(shaft_factor(field.unit, &own.unit)).is_some();
+                let has_number = number.is_none_or(|number| {
+                    !field.column.starts_with("RPM-") || field.column.ends_with(&format!("{number}.speed"))
+                });
+                is_kind
+                    && measures
+                    && has_number
+                    && self.placed.iter().all(|known| known.column != field.column)
+            };
+            // The sole rudder of a ship is the one to starboard.
+            let found = self.fields.iter().filter(fits).min_by_key(|field| field.column.ends_with(".port"));
+            if let Some(column) = found.map(|field| field.column.clone()) {
+                self.place(&column, name, (true, false));
+            }
+        }
+    }
+
+    fn find(&self, column: &str) -> Option<&SpokenField> {
+        self.fields.iter().find(|own| own.column == column)
+    }
+
+    fn is_placed(&self, channel: &str) -> bool {
+        self.placed.iter().any(|own| own.channel == channel)
+    }
+
+    fn place(&mut self, column: &str, channel: &str, (is_channel_guessed, is_optional): (bool, bool)) {
+        let Some(unit) = self.find(column).map(|own| own.unit.to_owned()) else { return };
+        self.placed.push(Placed {
+            column: column.to_owned(),
+            channel: channel.to_owned(),
+            unit,
+            is_channel_guessed,
+            is_unit_guessed: false,
+            is_optional,
+        });
+    }
+}
+
+/// Whether a channel's name is `name`, or that with more behind an underscore or a number.
+fn is_called(channel: &str, name: &str) -> bool {
+    let rest = channel.strip_prefix(name);
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(|c: char| c == '_' || c.is_ascii_digit()))
+}
