@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 DEGREES = ("surge", "sway", "yaw")
 STATES = ("u", "v", "r")
 
@@ -30,6 +32,24 @@ class Term:
             product = product * (abs(values[name]) if modulus else values[name])
         return product
 
+    def slope(self, by: str, values: dict[str, Any]) -> Any:
+        """Its derivative by the variable `by`, by the product rule; that of a modulus is the sign."""
+        total: Any = 0.0
+        for index, (name, modulus) in enumerate(self.factors):
+            if name == by:
+                rest = Term(self.factors[:index] + self.factors[index + 1 :])
+                total = total + (np.sign(values[name]) if modulus else 1.0) * rest.value(values)
+        return total
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """The range of an input's settings, its time constant [s] and the greatest change per second."""
+
+    range: tuple[float, float] | None
+    lag_s: float
+    rate_per_s: float | None
+
 
 @dataclass(frozen=True)
 class Vessel:
@@ -42,6 +62,7 @@ class Vessel:
     value: tuple[tuple[float, ...], ...]
     nominal: tuple[tuple[float, ...], ...]
     follows: dict[str, tuple[str, float]]
+    actuators: tuple[Actuator, ...]
 
     @property
     def truth(self) -> list[float]:
@@ -85,6 +106,11 @@ def read_study(folder: Path) -> Study:
     )
 
 
+def _actuator(table: dict[str, Any]) -> Actuator:
+    ends = table.get("range")
+    return Actuator((ends[0], ends[1]) if ends else None, table.get("lag_s", 0.0), table.get("rate_per_s"))
+
+
 def _vessel(table: dict[str, Any]) -> Vessel:
     def per_degree(key: str) -> tuple[tuple[Any, ...], ...]:
         return tuple(tuple(entry[key] for entry in table[degree]) for degree in DEGREES)
@@ -98,4 +124,5 @@ def _vessel(table: dict[str, Any]) -> Vessel:
         value=per_degree("value"),
         nominal=per_degree("nominal"),
         follows=follows,
+        actuators=tuple(_actuator(i) for i in table["input"]),
     )
