@@ -1,9 +1,12 @@
 //! The memory that a lattice needs, before any state has been visited.
 
+use crate::graph::WITHIN_PER_POSE;
 use crate::{Action, Lattice};
 
 /// Approximate bytes of a pose in the tables of graph and search together.
 const PER_POSE: u128 = 28;
+/// Bytes of a pose while the surroundings of start and goals are searched: those of the graph, and of [`WITHIN_PER_POSE`].
+const PER_POSE_WITHIN: u128 = 16 + WITHIN_PER_POSE as u128;
 /// Approximate bytes of an allowed move: a bit in the problem, and one entry in the tables of a search.
 const PER_MOVE: u128 = 10;
 
@@ -29,8 +32,8 @@ impl Demand {
 
     /// Approximate bytes of problem, graph and arcs of a search at most; its states need more.
     pub fn bytes(&self) -> u128 {
-        let poses = self.poses.saturating_mul(PER_POSE);
-        poses.saturating_add(self.moves.saturating_mul(PER_MOVE))
+        let search = self.poses.saturating_mul(PER_POSE).saturating_add(self.moves.saturating_mul(PER_MOVE));
+        search.max(self.poses.saturating_mul(PER_POSE_WITHIN).saturating_add(self.moves / 8))
     }
 
     /// Approximate bytes of the problem that remain after the search: a bit for each move.

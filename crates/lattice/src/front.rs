@@ -34,7 +34,10 @@ pub fn front(
     let most = plan.map_or(u64::MAX, |plan| problem.whole_key(plan));
     let live = match plan {
         None => Reach::new(problem, &mut watch)?.live(),
-        Some(_) => within(problem, most, &mut watch)?,
+        Some(_) => {
+            let memory = u128::from(options.memory_bytes) - own_bytes;
+            within(problem, most, memory as u64, &mut watch).ok()?
+        }
     };
     let Some(graph) = Graph::new(problem, &live, &mut watch) else {
         return watch.keep_going(0).then(|| points(problem, &vec![None; vectors as usize]));

@@ -6,10 +6,15 @@ use crate::allowed::Arc;
 use crate::by_node::ByNode;
 use crate::radix_heap::RadixHeap;
 use crate::watch::{self, Watch, filled};
-use crate::{Goal, Problem};
+use crate::{Goal, Limit, Problem};
 
 /// The number of a pose that is not live.
 const NONE: u32 = u32::MAX;
+
+/// Bytes of a pose in the tables of [`within`]: its least keys from the start and to a goal, and whether plans pass.
+pub(crate) const WITHIN_PER_POSE: usize = 2 * size_of::<u64>() + size_of::<bool>();
+/// Poses between two checks of the queue's memory.
+const LOOKS: u32 = 1 << 10;
 
 /// The live poses, renumbered as *nodes* in the order of their numbers, with the arcs between them.
 pub(crate) struct Graph<'a> {
@@ -166,39 +171,58 @@ impl Reach {
 
 /// The poses that plans with keys of at most `most` can pass, and maybe some more: those near start and goals, however large the
 /// lattice is. Plans use informative actions no more often than required. So with a price on each use, their priced keys are at most
-/// `most` and all prices, and no priced walk through a pose is below its least one. `None` if cancelled.
-pub(crate) fn within(problem: &Problem, most: u64, watch: &mut Watch) -> Option<Vec<bool>> {
+/// `most` and all prices, and no priced walk through a pose is below its least one.
+///
+/// # Errors
+/// Cancelled, or its tables and queue need more than `memory` bytes.
+pub(crate) fn within(
+    problem: &Problem,
+    most: u64,
+    memory: u64,
+    watch: &mut Watch,
+) -> Result<Vec<bool>, Limit> {
+    let tables = (problem.lattice().poses() * WITHIN_PER_POSE) as u64;
+    let queued = memory.checked_sub(tables).ok_or(Limit::Memory)?;
     let number = |pose| problem.lattice().number(pose) as u32;
     let uses = problem.required().iter().map(|&count| u64::from(count)).sum::<u64>();
     let price = most / uses.max(1);
     let most = most + price * uses;
     let start = vec![number(problem.start())];
-    let begun = least_keys(problem, start, (price, most), |pose| problem.arcs(pose), watch)?;
+    let begun = least_keys(problem, start, (price, most), queued, |pose| problem.arcs(pose), watch)?;
     let Goal::Poses(goals) = problem.goal() else {
-        return Some(begun.into_iter().map(|key| key <= most).collect());
+        return Ok(begun.into_iter().map(|key| key <= most).collect());
     };
     let goals = goals.iter().map(|&pose| number(pose)).collect();
-    let left = least_keys(problem, goals, (price, most), |pose| problem.arcs_into(pose), watch)?;
-    Some(begun.into_iter().zip(left).map(|(begun, left)| begun.saturating_add(left) <= most).collect())
+    let left = least_keys(problem, goals, (price, most), queued, |pose| problem.arcs_into(pose), watch)?;
+    Ok(begun.into_iter().zip(left).map(|(begun, left)| begun.saturating_add(left) <= most).collect())
 }
 
 /// By pose the least key of a walk along `arcs` from any of `ends`, with a price on each informative move; `u64::MAX` where it is
-/// above `most`. `None` if cancelled.
+/// above `most`.
+///
+/// # Errors
+/// Cancelled, or the queue needs more than `memory` bytes.
 fn least_keys<I: Iterator<Item = Arc>>(
     problem: &Problem,
     ends: Vec<u32>,
     (price, most): (u64, u64),
+    memory: u64,
     arcs: impl Fn(usize) -> I,
     watch: &mut Watch,
-) -> Option<Vec<u64>> {
-    let mut least = filled(problem.lattice().poses(), u64::MAX, watch)?;
+) -> Result<Vec<u64>, Limit> {
+    let mut least = filled(problem.lattice().poses(), u64::MAX, watch).ok_or(Limit::Time)?;
     let mut queue = RadixHeap::<u64, u32>::new();
     for pose in ends {
         least[pose as usize] = 0;
         queue.push(0, pose);
     }
+    let mut popped = 0_u32;
     while let Some((key, pose)) = queue.pop() {
-        watch.keep_going(1).then_some(())?;
+        watch.keep_going(1).then_some(()).ok_or(Limit::Time)?;
+        popped = popped.wrapping_add(1);
+        if popped.is_multiple_of(LOOKS) && queue.bytes() > memory {
+            return Err(Limit::Memory);
+        }
         if least[pose as usize] < key {
             continue;
         }
@@ -211,7 +235,7 @@ fn least_keys<I: Iterator<Item = Arc>>(
             }
         }
     }
-    Some(least)
+    Ok(least)
 }
 
 /// The poses that are reached from the start by any moves.

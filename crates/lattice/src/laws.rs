@@ -1,13 +1,13 @@
 //! Laws of the bounds, and comparison of the engines on maps.
 
-use crate::graph::{Graph, Reach};
+use crate::graph::{Graph, Reach, WITHIN_PER_POSE, within};
 use crate::lagrangian::{self, Depth};
 use crate::layered::Levels;
 use crate::radix_heap::RadixHeap;
 use crate::relaxation::{Bound, Prices, Table};
 use crate::uses::{Left, Packing};
 use crate::watch::Watch;
-use crate::{Limit, Options, Problem, dense, layered, plan, synthetic};
+use crate::{Demand, Limit, Options, Problem, dense, layered, plan, synthetic};
 
 /// Basic moves of cost 1.
 const LEVELS: Levels = Levels { unit: 1, step: 1 };
@@ -346,4 +346,27 @@ fn law_every_phase_polls() {
     let layers = problem.required().iter().sum::<u32>() as usize + 1;
     let bounds = polls(&|watch| drop(Table::new(&graph, &Prices::zero(&graph), None, false, watch)));
     assert!(bounds >= layers * nodes, "{bounds} times for {layers} layers of {nodes} nodes");
+}
+
+/// The memory of the search around start and goals is predicted, and the search stops at the limit that it is given.
+#[test]
+fn law_the_surroundings_fit_in_the_memory_that_they_are_given() {
+    for seed in 0..20 {
+        let problem = map(seed, seed % 2 == 0);
+        let (poses, no_limit) = (problem.lattice().poses(), u64::MAX);
+        let run = |memory: u64| {
+            let mut keep_going = |_| true;
+            within(&problem, no_limit / 4, memory, &mut Watch::new(&problem, 1000, &mut keep_going))
+        };
+        let tables = (poses * WITHIN_PER_POSE) as u64;
+        assert_eq!(run(tables - 1), Err(Limit::Memory), "seed {seed}");
+        let whole = run(no_limit).unwrap();
+        match run(tables) {
+            Ok(all) => assert_eq!(all, whole, "seed {seed}"),
+            Err(limit) => assert_eq!(limit, Limit::Memory, "seed {seed}"),
+        }
+        let demand = Demand::new(problem.lattice(), problem.actions());
+        let graph = graph(&problem).map_or(0, |graph| graph.bytes());
+        assert!(demand.bytes() >= u128::from(tables + graph), "seed {seed}");
+    }
 }

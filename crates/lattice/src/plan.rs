@@ -113,11 +113,13 @@ fn nearest_first(graph: &Graph, options: &Options, watch: &mut Watch) -> Verdict
     let mut most = NEAREST.saturating_mul(dearest);
     let whole = Levels::of(graph).is_some_and(|levels| !levels.are_partial());
     while !whole && (1..u64::MAX / 4).contains(&most) {
-        let Some(live) = within(graph.problem, most, watch) else { break };
+        let Ok(live) = within(graph.problem, most, memory(graph, options), watch) else { break };
         if PART * live.iter().filter(|live| **live).count() > graph.len() {
             break;
         }
-        if let Some(near) = Graph::new(graph.problem, &live, watch) {
+        let near = Graph::new(graph.problem, &live, watch);
+        drop(live);
+        if let Some(near) = near {
             let memory = memory(graph, options).saturating_sub(near.bytes());
             let verdict = all_states(&near, most, memory, watch);
             if verdict.plan.is_some() {
@@ -168,7 +170,10 @@ pub(crate) fn bounds_first(graph: Graph, options: &Options, watch: &mut Watch) -
         Some(_) => {
             let problem = graph.problem;
             drop(graph);
-            within(problem, most, watch).and_then(|live| Graph::new(problem, &live, watch))
+            match within(problem, most, options.memory_bytes, watch) {
+                Ok(live) => Graph::new(problem, &live, watch),
+                Err(limit) => return Verdict::stopped(root.plan, watch.lower, limit),
+            }
         }
     };
     let Some(graph) = graph else { return root };
