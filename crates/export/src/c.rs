@@ -2,6 +2,7 @@
 
 use crate::equation::Syntax;
 use crate::portable::{Parameter, Portable, Range};
+use crate::ship::Language;
 use crate::target::TextFile;
 use crate::template::fill;
 use crate::text::{comment, number, quoted};
@@ -28,7 +29,6 @@ impl Portable {
 
     /// Header and source.
     pub(crate) fn c_model(&self) -> [TextFile; 2] {
-        let gain = |d: usize| SYNTAX.gain(self, d);
         let values = [
             ("base", self.base.clone()),
             ("BASE", self.upper()),
@@ -47,13 +47,27 @@ impl Portable {
             ("parameters", self.c_parameters()),
             ("values", self.c_values()),
             ("ranges", self.c_ranges()),
-            ("unpack", self.c_unpack()),
-            ("surge", gain(0)),
-            ("sway", gain(1)),
-            ("yaw", gain(2)),
+            ("rate_holds", self.rate_holds().trim_end_matches('.').to_owned()),
+            ("functions", self.c_functions()),
         ];
         [("h", include_str!("templates/model.h")), ("c", include_str!("templates/model.c"))]
             .map(|(extension, template)| (format!("{}.{extension}", self.base), fill(template, &values)))
+    }
+
+    /// The step, and what it is made of.
+    fn c_functions(&self) -> String {
+        let unpack = self.c_unpack();
+        let names = [("base", self.base.clone()), ("BASE", self.upper())];
+        if let Some(ship) = &self.ship {
+            let parameter = |i: usize| (SYNTAX.parameter)(self, &self.parameters[i].identifier);
+            let unpack = unpack + "    (void)input;\n";
+            let routines = ship.text(Language::C, &parameter, &self.identifiers(), &unpack);
+            let own = [("steps", ship.steps.to_string()), ("routines", routines)];
+            return fill(include_str!("templates/ship.c"), &[names, own].concat());
+        }
+        let gain = |d: usize| SYNTAX.gain(self, d);
+        let values = [("unpack", unpack), ("surge", gain(0)), ("sway", gain(1)), ("yaw", gain(2))];
+        fill(include_str!("templates/terms.c"), &[&names[..], &values].concat())
     }
 
     pub(crate) fn c_header(&self) -> String {
@@ -111,7 +125,10 @@ impl Portable {
             let from = if place < 3 { format!("state[{place}]") } else { format!("input[{}]", place - 3) };
             format!("    const double {} = {from}; /* [{}] */\n", own.identifier, comment(&own.unit))
         };
-        let given = channels.filter(|(place, _)| *place < 3 || used.contains(place)).map(line);
+        let state = |name: &str| self.ship.as_ref().is_none_or(|own| own.takes_state(name));
+        let given = channels
+            .filter(|(place, own)| if *place < 3 { state(&own.name) } else { used.contains(place) })
+            .map(line);
         let derived = SYNTAX.derived(self).into_iter();
         given.chain(derived.map(|(name, value)| format!("    const double {name} = {value};\n"))).collect()
     }

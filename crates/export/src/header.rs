@@ -13,15 +13,13 @@ impl Portable {
         let mut said = vec![
             format!("Manoeuvring model of {}, written by {}.", self.vessel, origin.producer),
             format!("Made from {}, {}; the values are its {}.", origin.file, origin.digest, origin.values),
+            self.time(),
             format!(
-                "Discrete in time: it holds for steps of {} s ({} Hz) and for no others. In a step the states gain the sums below.",
-                number(1.0 / self.rate_hz),
-                self.rate_hz
+                "States: u, v [m/s] along x (forward) and y (starboard), r [rad/s] about z (down), in body axes. {}",
+                self.current()
             ),
-            "States: u, v [m/s] along x (forward) and y (starboard), r [rad/s] about z (down), in body axes. In a current c, in \
-             body axes too, the next state is c plus the step from (state - c)."
-                .to_owned(),
         ];
+        said.extend(self.late.iter().map(|own| format!("Inputs are as they act: {own}.")));
         said.push(match self.ranges.is_empty() {
             true => "Its range of validity is not known: within_ranges is true everywhere.".to_owned(),
             false => "Its range of validity is what the data covered that it was fitted to.".to_owned(),
@@ -29,10 +27,39 @@ impl Portable {
         said.extend(self.tied.iter().map(|own| {
             format!("{} is {} times {}, and part of the term of that.", own.name, number(own.factor), own.to)
         }));
-        let renamed = self.renamed();
+        if self.ship.is_some() {
+            said.push("A number `key` of `component` is called component_key here.".to_owned());
+        }
+        let renamed = self.unlike();
         said.extend(renamed.iter().map(|(own, name)| format!("{name} is called {own} here.")));
         said.extend(self.notes.iter().map(|note| format!("Note: {note}.")));
         said.iter().flat_map(|line| wrapped(&comment(line), WIDTH)).collect()
+    }
+
+    /// How it goes on in time.
+    fn time(&self) -> String {
+        let (seconds, rate) = (number(1.0 / self.rate_hz), self.rate_hz);
+        match &self.ship {
+            Some(ship) => format!(
+                "Forces in continuous time: a step of {seconds} s ({rate} Hz) is {} of Runge and Kutta's method of order 4.",
+                if ship.steps == 1 { "one".to_owned() } else { ship.steps.to_string() }
+            ),
+            None => format!(
+                "Discrete in time: it holds for steps of {seconds} s ({rate} Hz) and for no others. In a step the states gain the \
+                 sums below."
+            ),
+        }
+    }
+
+    /// How it is stepped in a current.
+    fn current(&self) -> &'static str {
+        match self.ship {
+            Some(_) => {
+                "In a current, step from (state - c), where c is the current in body axes; then add it in the body axes at the end of \
+                 the step: it keeps its course over the earth."
+            }
+            None => "In a current c, in body axes too, the next state is c plus the step from (state - c).",
+        }
     }
 
     /// [`Portable::header`] with `mark` in front of every line.

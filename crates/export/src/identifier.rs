@@ -42,6 +42,11 @@ impl Identifiers {
         Self(RESERVED.split_whitespace().map(str::to_owned).collect())
     }
 
+    /// Reserves further words.
+    pub fn reserve(&mut self, words: &str) {
+        self.0.extend(words.split_whitespace().map(str::to_owned));
+    }
+
     /// The identifier for `name` from now on: the name itself if it is a valid identifier that is not in use.
     pub fn take(&mut self, name: &str) -> String {
         let plain = identifier(name);

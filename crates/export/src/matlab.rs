@@ -2,6 +2,7 @@
 
 use crate::equation::Syntax;
 use crate::portable::{Parameter, Portable, Range};
+use crate::ship::Language;
 use crate::target::TextFile;
 use crate::template::fill;
 use crate::text::{comment, number, single};
@@ -12,7 +13,6 @@ const SYNTAX: Syntax =
 impl Portable {
     /// The function file.
     pub(crate) fn matlab(&self) -> TextFile {
-        let gain = |d: usize| SYNTAX.gain(self, d);
         let list = |channels: &[crate::Channel]| {
             channels.iter().map(|own| single(&own.identifier)).collect::<Vec<_>>().join(", ")
         };
@@ -30,13 +30,26 @@ impl Portable {
                 ("units", self.matlab_units()),
                 ("names", self.matlab_names()),
                 ("ranges", self.matlab_ranges()),
-                ("unpack", self.matlab_unpack()),
-                ("surge", gain(0)),
-                ("sway", gain(1)),
-                ("yaw", gain(2)),
+                ("rate_holds", self.rate_holds().trim_end_matches('.').to_lowercase()),
+                ("functions", self.matlab_functions()),
             ],
         );
         (format!("{}.m", self.base), text)
+    }
+
+    /// The step, and what it is made of.
+    fn matlab_functions(&self) -> String {
+        let unpack = self.matlab_unpack();
+        if let Some(ship) = &self.ship {
+            let parameter = |i: usize| (SYNTAX.parameter)(self, &self.parameters[i].identifier);
+            let routines = ship.text(Language::Matlab, &parameter, &self.identifiers(), &unpack);
+            let values =
+                [("steps", ship.steps.to_string()), ("rate", number(self.rate_hz)), ("routines", routines)];
+            return fill(include_str!("templates/ship.m"), &values);
+        }
+        let gain = |d: usize| SYNTAX.gain(self, d);
+        let values = [("unpack", unpack), ("surge", gain(0)), ("sway", gain(1)), ("yaw", gain(2))];
+        fill(include_str!("templates/terms.m"), &values)
     }
 
     fn matlab_parameters(&self) -> String {

@@ -2,12 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use forces::{Quantity, QuantitySource};
 use model::{
     Constraint, DegreeOfFreedom, DerivedChannel, Factor, Product, Source, Term, Variable, Vessel, Written,
 };
 use refusal::Invalid;
 
 use crate::identifier::{Identifiers, file_name};
+use crate::ship::{self, Ship};
 
 /// A model with its parameters and their properties, under names that are identifiers everywhere.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,12 +29,16 @@ pub struct Portable {
     pub parameters: Vec<Parameter>,
     /// The parameters tied to others.
     pub tied: Vec<Tied>,
-    /// The increments of u, v and r in a step, summand by summand.
+    /// The increments of u, v and r in a step, summand by summand; none of a ship with forces.
     pub equations: [Vec<Summand>; 3],
+    /// Her components, for a ship with forces.
+    pub ship: Option<Ship>,
     /// Ranges within which the model is known to be valid, for the channels that have one.
     pub ranges: Vec<Range>,
     /// Notes for the user.
     pub notes: Vec<String>,
+    /// Inputs of a ship with forces that follow commands late, in words.
+    pub late: Vec<String>,
     /// Its origin.
     pub origin: Origin,
 }
@@ -126,10 +132,14 @@ impl Portable {
     /// `vessel` with the parameters of `source`.
     ///
     /// # Errors
-    /// A parameter without a value.
+    /// A parameter without a value; a dead time of a thruster.
     pub fn new(vessel: &Vessel, source: Source, known: &Knowledge, origin: Origin) -> Result<Self, Invalid> {
         let theta = vessel.parameters(source)?;
+        check_dead_time(vessel, &theta)?;
         let mut names = Identifiers::reserved();
+        if vessel.model.forces.is_some() {
+            names.reserve(ship::RESERVED);
+        }
         let channels: Vec<Channel> = channels(vessel, &mut names);
         let given = channels.len() - vessel.model.derived.len();
         // Derived channels are within their ranges if their sources are.
@@ -138,7 +148,11 @@ impl Portable {
         let ranges = covered
             .filter_map(|(name, [low, high])| Some(Range { channel: place(name)?, low: *low, high: *high }));
         let mut making = Making { vessel, known, names, parameters: Vec::new(), tied: Vec::new() };
-        let equations = DegreeOfFreedom::ALL.map(|d| making.equation(d, &theta));
+        let equations = match vessel.model.forces {
+            Some(_) => [const { Vec::new() }; 3],
+            None => DegreeOfFreedom::ALL.map(|d| making.equation(d, &theta)),
+        };
+        let ship = making.ship(&channels, &theta);
         let Making { parameters, tied, .. } = making;
         Ok(Self {
             vessel: vessel.name.clone(),
@@ -146,11 +160,13 @@ impl Portable {
             rate_hz: vessel.sample_rate_hz,
             ranges: ranges.collect(),
             notes: known.notes.clone(),
+            late: late(vessel),
             derived: vessel.model.derived.clone(),
             channels,
             parameters,
             tied,
             equations,
+            ship,
             origin,
         })
     }
@@ -169,6 +185,19 @@ impl Portable {
             format!("{} Hz, which the parameters hold for", self.rate_hz),
             "step it at its own rate, or estimate a model at the other one",
         ))
+    }
+
+    /// The identifiers of all channels.
+    pub(crate) fn identifiers(&self) -> Vec<String> {
+        self.channels.iter().map(|own| own.identifier.clone()).collect()
+    }
+
+    /// At which rate its step holds, as a comment.
+    pub(crate) fn rate_holds(&self) -> &'static str {
+        match self.ship {
+            Some(_) => "The rate of its steps; inputs are held meanwhile.",
+            None => "The only rate that the parameters hold for.",
+        }
     }
 
     /// The states.
@@ -191,6 +220,7 @@ impl Portable {
         let products = self.equations.iter().flatten().flat_map(|summand| &summand.products);
         let factors = products.flat_map(|(factors, _)| factors).map(|factor| factor.variable);
         let mut used: BTreeSet<usize> = factors.collect();
+        used.extend(self.ship.iter().flat_map(Ship::channels));
         for own in self.derived.iter().rev() {
             if used.contains(&own.variable) {
                 used.extend(&own.sources);
@@ -207,10 +237,16 @@ impl Portable {
         others.map(|(name, identifier)| (identifier.clone(), name.clone())).collect()
     }
 
+    /// Those of [`Self::renamed`] that are not a component and a key, joined by `_` instead of a point.
+    pub(crate) fn unlike(&self) -> BTreeMap<String, String> {
+        let joined = |own: &str, name: &str| name.contains('.') && name.replace('.', "_") == own;
+        self.renamed().into_iter().filter(|(own, name)| !joined(own, name)).collect()
+    }
+
     /// Its size, and the renamed channels, in one line.
     pub fn summary(&self) -> String {
         let (inputs, parameters) = (self.inputs().len(), self.parameters.len());
-        let renamed = self.renamed().into_iter().map(|(own, name)| format!("; {name} is called {own}"));
+        let renamed = self.unlike().into_iter().map(|(own, name)| format!("; {name} is called {own}"));
         format!(
             "{inputs} inputs, {parameters} parameters, {} Hz{}",
             self.rate_hz,
@@ -223,6 +259,33 @@ impl Portable {
         let range = self.ranges.iter().find(|range| range.channel == channel);
         range.map_or(0.0, |range| 0.0_f64.max(range.low).min(range.high))
     }
+}
+
+/// Refuses a thruster that follows its input after a dead time: the generated code keeps no former inputs.
+fn check_dead_time(vessel: &Vessel, theta: &[f64]) -> Result<(), Invalid> {
+    if vessel.model.forces.as_ref().is_some_and(|own| own.forces.has_dead_time(theta)) {
+        let (found, expected) = ("a dead time above 0 s", "none: exported models take inputs as they act");
+        return Err(Invalid::new(
+            "`dead_time_s`",
+            found,
+            expected,
+            "remove it for this stage, and delay the input",
+        ));
+    }
+    Ok(())
+}
+
+/// What is not in the code of a ship with forces: how her actuators follow commands.
+fn late(vessel: &Vessel) -> Vec<String> {
+    let names = vessel.model.input_variables().iter();
+    let late =
+        names.zip(&vessel.actuators).filter(|_| vessel.model.forces.is_some()).filter_map(|(input, own)| {
+            let lag = (own.lag_s > 0.0).then(|| format!("a lag of {} s", own.lag_s));
+            let rate = own.rate_per_s.map(|rate| format!("a rate of {rate} {} per s", input.unit));
+            let both: Vec<String> = lag.into_iter().chain(rate).collect();
+            (!both.is_empty()).then(|| format!("{} follows commands with {}", input.name, both.join(" and ")))
+        });
+    late.collect()
 }
 
 fn channels(vessel: &Vessel, names: &mut Identifiers) -> Vec<Channel> {
@@ -295,6 +358,39 @@ impl Making<'_> {
             }
         }
         summands
+    }
+
+    /// The ship with forces, and her numbers as parameters; those that are free have standard errors.
+    fn ship(&mut self, channels: &[Channel], theta: &[f64]) -> Option<Ship> {
+        let moved = self.vessel.model.forces.as_ref()?;
+        let channels: Vec<String> = channels.iter().map(|own| own.identifier.clone()).collect();
+        let quantities = moved.forces.quantities(theta);
+        let ship = Ship::new(&moved.forces, moved.sample_s, &quantities, &channels, &mut self.names);
+        for i in &ship.quantities {
+            let Quantity { name, unit, value, source, .. } = &quantities[*i];
+            let scale = match source {
+                QuantitySource::Free(i) => moved.forces.parameters()[*i].scale,
+                _ => 1.0,
+            };
+            let term = ship::term(moved.forces.description(), name);
+            let known = if *source == QuantitySource::Known { ", known" } else { "" };
+            let own = self.parameter(
+                name,
+                unit.clone(),
+                *value,
+                format!("{}{known}", term.unwrap_or_else(|| name.clone())),
+            );
+            let error = &mut self.parameters[own].standard_error;
+            *error = error.map(|error| error * scale.abs());
+        }
+        let tied = quantities.iter().filter_map(|own| match &own.source {
+            QuantitySource::Tied { to, factor } => {
+                Some(Tied { name: own.name.clone(), to: to.clone(), factor: *factor })
+            }
+            _ => None,
+        });
+        self.tied.extend(tied);
+        Some(ship)
     }
 
     fn parameter(&mut self, name: &str, unit: String, value: f64, meaning: String) -> usize {

@@ -2,6 +2,7 @@
 
 use crate::equation::Syntax;
 use crate::portable::{Channel, Portable};
+use crate::ship::Language;
 use crate::target::TextFile;
 use crate::template::fill;
 use crate::text::{comment, number, quoted};
@@ -12,7 +13,6 @@ const SYNTAX: Syntax =
 impl Portable {
     /// The module.
     pub(crate) fn python(&self) -> TextFile {
-        let gain = |d: usize| SYNTAX.gain(self, d);
         let text = fill(
             include_str!("templates/model.py"),
             &[
@@ -28,13 +28,43 @@ impl Portable {
                 ("units", self.python_units()),
                 ("names", self.python_names()),
                 ("ranges", self.python_ranges()),
-                ("unpack", self.python_unpack()),
-                ("surge", gain(0)),
-                ("sway", gain(1)),
-                ("yaw", gain(2)),
+                ("rate_holds", self.rate_holds().to_owned()),
+                (
+                    "imports",
+                    if self.ship.is_some() { "atan2, cos, exp, sin, sqrt" } else { "cos, sin" }.to_owned(),
+                ),
+                ("arrays", self.python_arrays().to_owned()),
+                ("functions", self.python_functions()),
             ],
         );
         (format!("{}.py", self.base), text)
+    }
+
+    /// What parameters and states may be.
+    fn python_arrays(&self) -> &'static str {
+        match self.ship {
+            Some(_) => "Other parameters: ship.step(x, row, {**ship.PARAMETERS, \"name\": 1.0}).",
+            None => {
+                "Other parameters: ship.step(x, row, {**ship.PARAMETERS, \"name\": 1.0}). States and inputs may be arrays of numpy, an \
+                 entry a\nship."
+            }
+        }
+    }
+
+    /// The step, and what it is made of.
+    fn python_functions(&self) -> String {
+        let unpack = self.python_unpack();
+        if let Some(ship) = &self.ship {
+            let parameter = |i: usize| (SYNTAX.parameter)(self, &self.parameters[i].identifier);
+            let routines = ship.text(Language::Python, &parameter, &self.identifiers(), &unpack);
+            return fill(
+                include_str!("templates/ship.py"),
+                &[("steps", ship.steps.to_string()), ("routines", routines)],
+            );
+        }
+        let gain = |d: usize| SYNTAX.gain(self, d);
+        let values = [("unpack", unpack), ("surge", gain(0)), ("sway", gain(1)), ("yaw", gain(2))];
+        fill(include_str!("templates/terms.py"), &values)
     }
 
     fn python_parameters(&self) -> String {

@@ -15,7 +15,7 @@ pub struct Channel {
 
 /// A channel as a component uses it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Driven {
+pub struct Driven {
     /// Its place in a row.
     pub channel: usize,
     /// What its unit is in that of the component.

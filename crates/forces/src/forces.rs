@@ -8,7 +8,7 @@ use crate::rudder::Rudder;
 use crate::term::Term;
 use crate::thruster::Thruster;
 use crate::wind::Wind;
-use crate::{Channel, Description, Parameter};
+use crate::{Channel, Description, Driven, Factor, Parameter, Quantity, QuantitySource};
 
 /// Most parts of a kind, such as terms of an equation or thrusters.
 const MOST: f64 = 2000.0;
@@ -87,6 +87,50 @@ impl Forces {
     /// The free parameters, in the order of θ: those of terms of surge, sway and yaw, of the ship, then of components.
     pub fn parameters(&self) -> &[Parameter] {
         &self.numbers.parameters
+    }
+
+    /// All numbers with parameters `theta`, in SI units: those of terms, of the ship and of components, then the density of
+    /// the water, the length and the speed that the prime system is made of.
+    pub fn quantities(&self, theta: &[f64]) -> Vec<Quantity> {
+        let Prime { density, length, speed, .. } = self.prime;
+        let known = |(name, unit, value): (&str, &str, f64)| Quantity {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            value,
+            stated: true,
+            source: QuantitySource::Known,
+        };
+        let prime = [
+            ("density_kg_m3", "kg/m³", density),
+            ("ship.length_m", "m", length),
+            ("ship.speed_m_s", "m/s", speed),
+        ];
+        self.numbers.quantities(theta).into_iter().chain(prime.map(known)).collect()
+    }
+
+    /// The factors of term `i` of degree of freedom `d`, in order.
+    pub fn factors(&self, d: usize, i: usize) -> &[Factor] {
+        self.terms[d][i].factors()
+    }
+
+    /// The channel of propeller `i`, in revolutions per second.
+    pub fn propeller_input(&self, i: usize) -> Driven {
+        self.propellers[i].revolutions
+    }
+
+    /// The channel of rudder `i`, in rad, and the propeller in front of it.
+    pub fn rudder_input(&self, i: usize) -> (Driven, Option<usize>) {
+        (self.rudders[i].angle, self.rudders[i].behind)
+    }
+
+    /// The channel of thruster `i`, in N where that is its force, and that of its angle in rad, if it has one.
+    pub fn thruster_inputs(&self, i: usize) -> (Driven, Option<Driven>) {
+        self.thrusters[i].inputs()
+    }
+
+    /// The channels of wind `i`: speed in m/s, direction in rad.
+    pub fn wind_inputs(&self, i: usize) -> [Driven; 2] {
+        self.winds[i].inputs()
     }
 
     /// θ before any estimate.

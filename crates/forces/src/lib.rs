@@ -22,6 +22,7 @@ mod number;
 mod numbers;
 mod parameter;
 mod propeller;
+mod quantity;
 mod real;
 mod rudder;
 mod spec;
@@ -30,13 +31,15 @@ mod thruster;
 mod wind;
 
 pub use body::Body;
-pub use channels::Channel;
+pub use channels::{Channel, Driven};
 pub use dual::Dual;
 pub use forces::Forces;
 pub use number::{Number, NumberSpec};
 pub use parameter::Parameter;
+pub use quantity::{Quantity, QuantitySource};
 pub use real::Real;
 pub use spec::{
     AddedMass, Area, Coriolis, CrossflowSpec, Curve, Description, Inflow, PropellerSpec, Reversed,
     RudderSpec, ShipSpec, TermSpec, ThrusterSpec, WindSpec,
 };
+pub use term::{Factor, LEAST_SQUARE, MOTION};

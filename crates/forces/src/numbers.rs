@@ -2,6 +2,7 @@
 
 use refusal::{Invalid, check_name, foreign};
 
+use crate::quantity::{Quantity, QuantitySource};
 use crate::{Number, NumberSpec, Parameter, Real};
 
 /// The place of a number among those of a ship.
@@ -63,6 +64,8 @@ struct Entry {
     measured: Measured,
     /// Whether it was written as a plain number, or not at all.
     known: bool,
+    /// Whether it was written.
+    stated: bool,
 }
 
 impl Entry {
@@ -195,7 +198,7 @@ impl Builder {
             Some(Number::Plain(own)) => (NumberSpec { nominal: Some(*own), ..NumberSpec::default() }, true),
             None => (NumberSpec { nominal: Some(default), ..NumberSpec::default() }, true),
         };
-        self.add(format!("{owner}.{key}"), spec, known, measured)
+        self.add(Entry { name: format!("{owner}.{key}"), spec, measured, known, stated: number.is_some() })
     }
 
     /// The parameter of a term.
@@ -204,17 +207,10 @@ impl Builder {
     /// As [`Self::number`].
     pub fn parameter(&mut self, name: &str, spec: &NumberSpec, measured: Measured) -> Result<At, Invalid> {
         check_name("`parameter` of a term", name)?;
-        self.add(name.to_owned(), spec.clone(), false, measured)
+        self.add(Entry { name: name.to_owned(), spec: spec.clone(), measured, known: false, stated: true })
     }
 
-    fn add(
-        &mut self,
-        name: String,
-        spec: NumberSpec,
-        known: bool,
-        measured: Measured,
-    ) -> Result<At, Invalid> {
-        let entry = Entry { name, spec, measured, known };
+    fn add(&mut self, entry: Entry) -> Result<At, Invalid> {
         if self.entries.iter().any(|own| own.name == entry.name) {
             return Err(entry.refused("the same name twice", "one number of a name", "rename one of them"));
         }
@@ -244,6 +240,7 @@ impl Builder {
             };
             numbers.slots.push(slot);
         }
+        numbers.labels = self.entries.into_iter().map(Label::of).collect();
         Ok(numbers)
     }
 
@@ -287,10 +284,26 @@ fn parameter(entry: &Entry) -> Parameter {
     }
 }
 
+/// What a number is called.
+#[derive(Clone, Debug, PartialEq)]
+struct Label {
+    name: String,
+    unit: String,
+    stated: bool,
+}
+
+impl Label {
+    fn of(entry: Entry) -> Self {
+        Self { name: entry.name, unit: entry.measured.unit, stated: entry.stated }
+    }
+}
+
 /// The numbers of a ship.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Numbers {
     slots: Vec<Slot>,
+    /// One for each slot.
+    labels: Vec<Label>,
     /// The free ones, in the order of θ.
     pub parameters: Vec<Parameter>,
 }
@@ -304,5 +317,28 @@ impl Numbers {
             Slot::Free(i, scale) => theta[i].times(scale),
         };
         self.slots.iter().map(number).collect()
+    }
+
+    /// All of them with their names, in SI units, with these free ones.
+    pub fn quantities(&self, theta: &[f64]) -> Vec<Quantity> {
+        let values = self.with(theta);
+        let all = self.slots.iter().zip(&self.labels).zip(values);
+        all.map(|((slot, label), value)| Quantity {
+            name: label.name.clone(),
+            unit: label.unit.clone(),
+            value,
+            stated: label.stated,
+            source: self.source(*slot, &label.name),
+        })
+        .collect()
+    }
+
+    fn source(&self, slot: Slot, name: &str) -> QuantitySource {
+        let Slot::Free(at, scale) = slot else { return QuantitySource::Known };
+        let other = &self.parameters[at];
+        match other.name == name {
+            true => QuantitySource::Free(at),
+            false => QuantitySource::Tied { to: other.name.clone(), factor: scale / other.scale },
+        }
     }
 }

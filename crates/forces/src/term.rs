@@ -9,29 +9,32 @@ use crate::numbers::{At, Builder, Measured};
 use crate::{Real, TermSpec};
 
 /// Names of what a term can have besides channels; the last four follow from the first two.
-const MOTION: [&str; 6] = ["u", "v", "r", "U", "U_s", "du"];
+pub const MOTION: [&str; 6] = ["u", "v", "r", "U", "U_s", "du"];
 
 /// The motion that terms depend on: u, v, r, U, U_s, du.
 pub(crate) type Motion<X> = [X; 6];
 
 /// Added to the square of the speed \[m²/s²\], so that a ship at rest divides by no zero.
-const LEAST: f64 = 1e-18;
+pub const LEAST_SQUARE: f64 = 1e-18;
 
 /// The motion of a state, where `speed` is that of the approach \[m/s\].
 #[inline(always)]
 pub(crate) fn motion<X: Real>([u, v, r]: [X; 3], speed: f64) -> Motion<X> {
-    let whole = (u * u + v * v + X::from(LEAST)).root();
+    let whole = (u * u + v * v + X::from(LEAST_SQUARE)).root();
     let slow = (0.05 * speed) * (0.05 * speed);
     let signed = (whole * u).over((u * u + X::from(slow)).root());
     [u, v, r, whole, signed, u - X::from(speed)]
 }
 
+/// A factor of a term.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Factor {
-    /// Its place among the motion, then the channels.
-    variable: usize,
-    modulus: bool,
-    divides: bool,
+pub struct Factor {
+    /// Its place among the motion u, v, r, U, U_s, du, then the channels.
+    pub variable: usize,
+    /// Whether it is the modulus.
+    pub modulus: bool,
+    /// Whether the term is divided by it.
+    pub divides: bool,
 }
 
 /// A parameter and what it multiplies.
@@ -57,6 +60,11 @@ impl Term {
         let measured = measured(spec, &factors, d, channels, prime)?;
         let parameter = builder.parameter(&spec.parameter, &spec.number(), measured)?;
         Ok(Self { parameter, factors })
+    }
+
+    /// Its factors, in order.
+    pub fn factors(&self) -> &[Factor] {
+        &self.factors
     }
 
     /// Parameter times product.

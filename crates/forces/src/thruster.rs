@@ -91,6 +91,14 @@ impl Thruster {
         self.input.channel
     }
 
+    /// The channels of its input and of its angle.
+    pub fn inputs(&self) -> (Driven, Option<Driven>) {
+        match self.direction {
+            Direction::Azimuth(angle) => (self.input, Some(angle)),
+            Direction::Fixed(_) => (self.input, None),
+        }
+    }
+
     /// The channel of its angle, which goes around, and half a turn in its unit.
     pub fn turning(&self) -> Option<(usize, f64)> {
         match self.direction {

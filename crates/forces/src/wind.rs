@@ -57,6 +57,11 @@ impl Wind {
         Ok(Self { speed, direction, density, areas, harmonics })
     }
 
+    /// The channels of its speed and direction.
+    pub fn inputs(&self) -> [Driven; 2] {
+        [self.speed, self.direction]
+    }
+
     /// The channel of its direction, which goes around, and half a turn in its unit.
     pub fn turning(&self) -> (usize, f64) {
         (self.direction.channel, PI / self.direction.factor)

@@ -127,7 +127,7 @@ impl Vessel {
             "`model`",
             "`forces`, which have no terms per sample",
             format!("terms per sample, with whose products `{what}` computes"),
-            "give it a vessel with terms per sample; `simulate` and `validate merit` take forces",
+            "give it a vessel with terms per sample; `simulate`, `export` and `validate merit` take forces",
         ))
     }
 

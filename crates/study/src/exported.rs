@@ -7,19 +7,19 @@ use export::{Knowledge, Origin, Portable};
 use model::Source;
 
 use crate::documents::ModelDocument;
-use crate::files::{read_model, read_vessel};
+use crate::files::{read_any_vessel, read_model};
 
 /// Reads the model in `path` for other tools and notes its digest: with the values of `source`, or the best
 /// available.
 ///
 /// # Errors
-/// See [`read_vessel`]; a parameter without such a value.
+/// See [`read_any_vessel`]; a parameter without such a value; a dead time.
 pub fn read_portable(
     path: &Path,
     source: Option<Source>,
     provenance: &mut Provenance,
 ) -> Result<Portable, Error> {
-    let vessel = read_vessel(path, provenance)?;
+    let vessel = read_any_vessel(path, provenance)?;
     let model = read_model(path)?;
     let source = source.unwrap_or(vessel.best_known());
     let estimates = model.is_some() && source == Source::Nominal;
@@ -36,9 +36,12 @@ pub fn read_portable(
 
 /// Standard errors, the ranges of the data, and warnings about the model.
 fn knowledge(model: &ModelDocument) -> Knowledge {
-    let parameters = model.degrees.iter().flat_map(|degree| &degree.parameters);
+    let terms = model.degrees.iter().flat_map(|degree| &degree.parameters);
+    let terms = terms.map(|own| (&own.name, own.standard_error));
+    let forces = model.forces.iter().flat_map(|own| &own.parameters);
+    let all = terms.chain(forces.map(|own| (&own.name, own.standard_error)));
     Knowledge {
-        standard_errors: parameters.filter_map(|own| Some((own.name.clone(), own.standard_error?))).collect(),
+        standard_errors: all.filter_map(|(name, error)| Some((name.clone(), error?))).collect(),
         covered: model.covered.iter().map(|own| (own.name.clone(), [own.low, own.high])).collect(),
         notes: model.statements.clone(),
     }

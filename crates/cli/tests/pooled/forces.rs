@@ -43,6 +43,20 @@ fn fits(folder: &TempDir, name: &str) -> [f64; 3] {
     ["fit_u", "fit_v", "fit_r"].map(|fit| errors[fit].as_f64().unwrap())
 }
 
+/// The fitted model in Python has its numbers in SI units, their standard errors and the range of the data.
+fn exported(folder: &TempDir, sway: &Value) {
+    run(folder, "export --model model.json --to python --out python").succeeds();
+    let text = String::from_utf8(bytes(folder, "python/kvlcc2_l7.py")).unwrap();
+    let number = |key: &str| sway[key].as_f64().unwrap();
+    let (value, scale) = (number("si_value"), number("si_value") / number("value"));
+    assert!(text.contains(&format!("    \"Y_v\": {value:?},  # [N per (m/s × m/s)] sway: v U\n")), "{text}");
+    let line = text.split("STANDARD_ERRORS").nth(1).unwrap().lines().find(|own| own.contains("\"Y_v\""));
+    let found: f64 =
+        line.unwrap().trim().trim_end_matches(',').split(' ').next_back().unwrap().parse().unwrap();
+    assert!((found / (scale.abs() * number("standard_error")) - 1.0).abs() < 1e-12, "{line:?}");
+    assert!(text.split("RANGES").nth(1).unwrap().contains("    \"delta\": ("), "{text}");
+}
+
 #[test]
 fn a_fit_of_forces_is_compared_simulated_and_judged_in_place_of_vessel_toml() {
     let folder = trial();
@@ -71,6 +85,7 @@ fn a_fit_of_forces_is_compared_simulated_and_judged_in_place_of_vessel_toml() {
         "validate merit --model model.json --dictionary dictionary.toml --length-m 7 --out merit.json",
     )
     .succeeds();
+    exported(&folder, sway);
     // The same files again, and with one thread, are the same bytes.
     let first = bytes(&folder, "model.json");
     run(&folder, &format!("{POOL} --prior-weight 0.01 --threads 1 --out model.json")).succeeds();

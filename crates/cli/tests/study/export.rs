@@ -206,6 +206,69 @@ fn law_the_unit_steps_as_simulate_does_and_takes_no_other_step() {
     }
 }
 
+/// How many steps a unit of a ship with forces is compared over.
+const STEPS: usize = 100;
+
+#[test]
+fn law_the_unit_of_a_ship_with_forces_steps_as_simulate_does() {
+    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) || !there("cc", &["--version"], "the unit") {
+        return;
+    }
+    // A unit's inputs follow its three states, then come its parameters: the host sets none of them.
+    for (preset, base, inputs) in
+        [("mariner", "mariner", 1), ("kvlcc2-l7", "kvlcc2_l7", 2), ("otter", "otter", 2)]
+    {
+        let folder = tempfile::tempdir().unwrap();
+        put(&folder, "vessel.toml", &format!("preset = \"{preset}\"\nsample_rate_hz = 10.0\n"));
+        run(&folder, "export --vessel vessel.toml --to fmu --out fmu").succeeds();
+        let files = unpacked(&folder.path().join(format!("fmu/{base}.fmu")));
+        let description = String::from_utf8(files[0].1.clone()).unwrap();
+        let guid = description.split("guid=\"").nth(1).unwrap().split('"').next().unwrap();
+        fs::write(folder.path().join("unit.so"), &files[1].1).unwrap();
+        put(&folder, "host.c", include_str!("unit_host.c"));
+        let compile = ["-O1", "host.c", "-o", "host", "-ldl"];
+        assert!(Command::new("cc").args(compile).current_dir(&folder).status().unwrap().success());
+        let vessel = Vessel::from_file(
+            fs::read_to_string(folder.path().join("vessel.toml")).unwrap().parse().unwrap(),
+        );
+        let vessel = vessel.unwrap();
+        let row = |k: usize| (0..inputs).map(move |i| [0.3, 9.0][i] * (0.05 * k as f64 + i as f64).cos());
+        let rows: Vec<f64> = (0..STEPS).flat_map(row).map(f64::abs).collect();
+        let initial = [1.5, 0.05, -0.01];
+        let expected = simulate_one(&vessel.model, &vessel.nominal, initial, &rows);
+        let text: String = rows
+            .chunks(inputs)
+            .map(|row| row.iter().map(f64::to_string).collect::<Vec<_>>().join(",") + "\n")
+            .collect();
+        put(&folder, "rows.csv", &text);
+        let parameters = description.matches("causality=\"parameter\" variability=\"tunable\"").count();
+        let output = Command::new("./host")
+            .args([
+                "./unit.so",
+                guid,
+                &inputs.to_string(),
+                "0.1",
+                "1",
+                "1.5",
+                "0.05",
+                "-0.01",
+                &parameters.to_string(),
+            ])
+            .stdin(fs::File::open(folder.path().join("rows.csv")).unwrap())
+            .current_dir(&folder)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(said.lines().count(), STEPS + 1, "{said}");
+        for (line, expected) in said.lines().zip(expected.chunks(3)) {
+            let found: Vec<f64> = line.split(',').map(|cell| cell.trim().parse().unwrap()).collect();
+            (0..3)
+                .for_each(|d| assert_abs_diff_eq!(found[found.len() - 3 + d], expected[d], epsilon = 1e-12));
+        }
+    }
+}
+
 #[test]
 fn law_fmpy_runs_the_unit_as_simulate_does() {
     let python = std::env::var("SEATRIAL_FMPY").unwrap_or("python3".to_owned());

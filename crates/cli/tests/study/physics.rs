@@ -215,7 +215,6 @@ fn stages_that_need_terms_per_sample_refuse_a_ship_with_forces_by_name() {
         format!("estimate search {runs} --out search.json"),
         format!("validate cross {runs} --out crossval.json"),
         format!("validate selection {runs} --design design.json --out selection.parquet"),
-        "export --vessel vessel.toml --to c --out exported/".to_owned(),
         format!("plan {runs} --config plan.toml --out plan.json"),
         "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design design.json \
          --realizations 10 --out tally.json"

@@ -235,8 +235,8 @@ EXPORTED fmi2Status fmi2DoStep(fmi2Component c, fmi2Real now_s, fmi2Real length_
     }
     if (!(whole >= 1.0 && whole < 1e9 && fabs(samples - whole) <= TOLERANCE)) {
         tell(own, fmi2Error, "logStatusError",
-             "communication step: found %.17g s, expected a whole number of the model's steps of %.17g s; the parameters hold "
-             "for no other step",
+             "communication step: found %.17g s, expected a whole number of the model's steps of %.17g s; for others, export "
+             "the model by --rate",
              length_s, {{BASE}}_STEP_S);
         return fmi2Error;
     }

@@ -19,19 +19,7 @@ const double {{base}}_values[{{BASE}}_PARAMETERS] = {
 const {{base}}_range {{base}}_ranges[{{range_capacity}}] = {
 {{ranges}}};
 
-void {{base}}_step(const double *state, const double *input, const double *parameters, double *next)
-{
-    const double *p = parameters ? parameters : {{base}}_values;
-{{unpack}}    const double du = {{surge}};
-    const double dv = {{sway}};
-    const double dr = {{yaw}};
-    (void)input;
-    next[0] = u + du;
-    next[1] = v + dv;
-    next[2] = r + dr;
-}
-
-void {{base}}_simulate(const double *initial, const double *inputs, size_t samples, const double *parameters,
+{{functions}}void {{base}}_simulate(const double *initial, const double *inputs, size_t samples, const double *parameters,
                        double *states)
 {
     size_t k;

@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/* The only rate that the parameters hold for [Hz]. */
+/* {{rate_holds}} [Hz] */
 #define {{BASE}}_SAMPLE_RATE_HZ {{rate}}
 /* The length of a step [s]. */
 #define {{BASE}}_STEP_S (1.0 / {{BASE}}_SAMPLE_RATE_HZ)

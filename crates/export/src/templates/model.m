@@ -11,7 +11,7 @@ function model = {{base}}()
 {{header}}
 model.vessel = {{vessel}};
 model.made_from = {{made_from}};
-model.sample_rate_hz = {{rate}};  % the only rate that the parameters hold for
+model.sample_rate_hz = {{rate}};  % {{rate_holds}}
 model.step_s = 1 / model.sample_rate_hz;
 model.states = { {{states}} };
 model.inputs = { {{inputs}} };  % in this order in every row of inputs
@@ -31,15 +31,7 @@ model.outside = @(state, input) outside(model, state, input);
 model.within_ranges = @(state, input) isempty(outside(model, state, input));
 end
 
-function next = step(state, input, p)
-% The state one sample after `state`, while the inputs are held.
-{{unpack}}du = {{surge}};
-dv = {{sway}};
-dr = {{yaw}};
-next = [u + du, v + dv, r + dr];
-end
-
-function states = simulate(inputs, initial, p)
+{{functions}}function states = simulate(inputs, initial, p)
 % The states from `initial` on, one more than rows of `inputs`.
 states = zeros(size(inputs, 1) + 1, 3);
 states(1, :) = initial;

@@ -7,16 +7,16 @@
     states = ship.simulate(rows, x)         # as many states as rows, and the first
     ship.within_ranges(x, row)              # whether the model is known to hold there
 
-Other parameters: ship.step(x, row, {**ship.PARAMETERS, "name": 1.0}). States and inputs may be arrays of numpy, an entry a
-ship. On a command line: python3 {{base}}.py U V R < inputs.csv > states.csv
+{{arrays}}
+On a command line: python3 {{base}}.py U V R < inputs.csv > states.csv
 """
 
-from math import cos, sin
+from math import {{imports}}
 
 VESSEL = {{vessel}}
 MADE_FROM = {{made_from}}
 
-# The only rate that the parameters hold for.
+# {{rate_holds}}
 SAMPLE_RATE_HZ = {{rate}}
 STEP_S = 1.0 / SAMPLE_RATE_HZ
 
@@ -41,22 +41,7 @@ RANGES = {
 {{ranges}}}
 
 
-def step(state, inputs, parameters=PARAMETERS):
-    """The state one sample after `state`, while the `inputs` are held."""
-    p = parameters
-{{unpack}}    du = (
-        {{surge}}
-    )
-    dv = (
-        {{sway}}
-    )
-    dr = (
-        {{yaw}}
-    )
-    return (u + du, v + dv, r + dr)
-
-
-def simulate(inputs, initial, parameters=PARAMETERS):
+{{functions}}def simulate(inputs, initial, parameters=PARAMETERS):
     """The states from `initial` on, one more than rows of `inputs`."""
     states = [tuple(initial)]
     for row in inputs:

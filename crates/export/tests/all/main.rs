@@ -2,5 +2,6 @@
 
 mod equations;
 mod identifiers;
+mod ships;
 mod template;
 mod text;
