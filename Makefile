@@ -314,6 +314,7 @@ oracle:
 	$(PYTHON) scripts/oracle.py --study pipelines/paper --fixtures fixtures/oracle
 	$(PYTHON) scripts/paper_reading.py oracle --out fixtures/oracle/reading.json
 	$(PYTHON) scripts/independent/covariances.py --study pipelines/paper --out fixtures/oracle/covariances.json
+	$(PYTHON) scripts/independent/rates.py --study pipelines/paper --out fixtures/oracle/rates.json
 	$(PYTHON) scripts/independent/pooled.py --out fixtures/oracle/pooled.json
 	$(PYTHON) scripts/independent/intervals.py --out fixtures/oracle/intervals.json
 	$(PYTHON) scripts/independent/correlations.py --out fixtures/oracle/correlations.json

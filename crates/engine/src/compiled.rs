@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use model::{Factor, Model, Term};
+use model::{Factor, Model, Pace, Term};
 use numerics::Row;
 
 use crate::moving::{Point, Stepping};
@@ -36,6 +36,17 @@ pub struct Compiled<'m, X: Stepping> {
     moving: Option<Box<X::Moving<'m>>>,
     /// Of the current at the point that was set \[m/s\]; only where forces move the ship.
     current: [X; 2],
+    /// Where a sample is not one step of the terms.
+    paced: Option<Box<Paced<X>>>,
+}
+
+/// A sample that is several steps of the terms, or a part of one.
+#[derive(Clone, Debug)]
+struct Paced<X> {
+    /// Those of the states after one, two, … steps.
+    weights: Vec<f64>,
+    /// The increments from the point that was set.
+    gained: [X; 3],
 }
 
 /// The disturbances of a vessel during a sample; none by default.
@@ -170,6 +181,8 @@ impl<'m, X: Stepping> Compiled<'m, X> {
             places,
             moving,
             current: [X::ZERO; 2],
+            paced: (model.pace != Pace::Own)
+                .then(|| Box::new(Paced { weights: model.pace.weights(), gained: [X::ZERO; 3] })),
         }
     }
 
@@ -190,6 +203,66 @@ impl<'m, X: Stepping> Compiled<'m, X> {
             *place = (*value).into();
         }
         self.evaluate();
+        if self.paced.is_some() {
+            self.pace();
+        }
+    }
+
+    /// Computes the increments of a sample that is not one step, by Σ w_j (x_j − x_0) over the states x_j after j steps.
+    #[inline(never)]
+    fn pace(&mut self) {
+        let Some(mut own) = self.paced.take() else { return };
+        let start = [self.places[1], self.places[2], self.places[3]];
+        let (mut state, mut gained) = (start, [X::ZERO; 3]);
+        for (j, weight) in own.weights.iter().enumerate() {
+            if j > 0 {
+                self.set_state(state);
+            }
+            let step = [self.increment(0), self.increment(1), self.increment(2)];
+            for d in 0..3 {
+                state[d] += step[d];
+                gained[d] += (state[d] - start[d]) * X::from(*weight);
+            }
+        }
+        self.set_state(start);
+        own.gained = gained;
+        self.paced = Some(own);
+    }
+
+    /// Sets the state through the water at the point.
+    fn set_state(&mut self, state: [X; 3]) {
+        self.places[1..4].copy_from_slice(&state);
+        self.evaluate();
+    }
+
+    /// Derivatives of the increments of a sample that is not one step, by the states and, if `all`, by the exogenous variables.
+    fn paced_gradients(&mut self, all: bool, out: &mut [[X; 3]]) {
+        let Some(own) = self.paced.take() else { return };
+        let start = [self.places[1], self.places[2], self.places[3]];
+        let mut state = start;
+        let mut step = vec![[X::ZERO; 3]; out.len()];
+        // Of the state so far, by every variable.
+        let mut so_far = step.clone();
+        (0..3).for_each(|d| so_far[d][d] = X::ONE);
+        out.fill([X::ZERO; 3]);
+        for weight in &own.weights {
+            self.own_gradients(if all { &[true, false] } else { &[true] }, &mut step);
+            let gained = [self.increment(0), self.increment(1), self.increment(2)];
+            for (i, row) in so_far.iter_mut().enumerate() {
+                let before = *row;
+                for d in 0..3 {
+                    let direct = if i < 3 { X::ZERO } else { step[i][d] };
+                    row[d] +=
+                        direct + before[0] * step[0][d] + before[1] * step[1][d] + before[2] * step[2][d];
+                    let less = if i == d { X::ONE } else { X::ZERO };
+                    out[i][d] += (row[d] - less) * X::from(*weight);
+                }
+            }
+            (0..3).for_each(|d| state[d] += gained[d]);
+            self.set_state(state);
+        }
+        self.set_state(start);
+        self.paced = Some(own);
     }
 
     /// Computes the places that follow from the variables.
@@ -232,6 +305,9 @@ impl<'m, X: Stepping> Compiled<'m, X> {
     pub fn increments(&self) -> [X; 3] {
         if let Some(own) = &self.moving {
             return X::increments(own, self.point(self.current));
+        }
+        if let Some(own) = &self.paced {
+            return own.gained;
         }
         [self.increment(0), self.increment(1), self.increment(2)]
     }
@@ -290,6 +366,12 @@ impl<'m, X: Stepping> Compiled<'m, X> {
             return;
         }
         self.evaluate();
+        if self.paced.is_some() {
+            self.pace();
+            let gained = self.increments();
+            (0..3).for_each(|d| state[d] += gained[d]);
+            return;
+        }
         // Each sum is finished before the next begins: three at once need more registers than processors have.
         state[0] += self.increment(0);
         state[1] += self.increment(1);
@@ -302,6 +384,11 @@ impl<'m, X: Stepping> Compiled<'m, X> {
         if let Some(own) = &mut self.moving {
             let mut by_state = [[X::ZERO; 3]; 3];
             X::gradients(own, point(&self.places[1..=self.variables], self.current), 0..3, &mut by_state);
+            return [0, 1, 2].map(|d: usize| by_state.map(|own| own[d]));
+        }
+        if self.paced.is_some() {
+            let mut by_state = [[X::ZERO; 3]; 3];
+            self.paced_gradients(false, &mut by_state);
             return [0, 1, 2].map(|d: usize| by_state.map(|own| own[d]));
         }
         let Self { model, variables, parameters, by_state, places, .. } = self;
@@ -355,6 +442,18 @@ impl<'m, X: Stepping> Compiled<'m, X> {
             let here = point(&self.places[1..=self.variables], self.current);
             return X::gradients(own, here, first..self.variables, out);
         }
+        if self.paced.is_some() {
+            self.paced_gradients(true, out);
+            if !which.contains(&true) {
+                out[..3].fill([X::ZERO; 3]);
+            }
+            return;
+        }
+        self.own_gradients(which, out);
+    }
+
+    /// [`Self::gradients_by`] of one step of the terms.
+    fn own_gradients(&mut self, which: &[bool], out: &mut [[X; 3]]) {
         let Self { model, parameters, by_state, by_exogenous, places, .. } = self;
         out.fill([X::ZERO; 3]);
         for states in which {

@@ -8,6 +8,7 @@ mod command;
 mod commanded;
 mod compiled;
 mod disturbance;
+mod divided;
 mod moving;
 mod noise;
 mod normals;
@@ -27,6 +28,7 @@ pub use compiled::{Ambient, Compiled};
 pub use disturbance::{
     Axes, Current, Disturbances, Disturbing, MOST_CURRENT_M_S, Measurement, Weather, Wind, check_currents,
 };
+pub use divided::Divided;
 pub use moving::{Moving, Point, Stepping};
 pub use noise::{NormalRows, Streams};
 pub use normals::fill_normals;

@@ -12,7 +12,7 @@ use crate::parts::Parts;
 use crate::physics::{self, moved};
 use crate::presets::preset;
 use crate::written::{Kind, VesselFile, missing};
-use crate::{Actuator, Constrained, DegreeOfFreedom, InputSpec, Model, Term, Variable, Written};
+use crate::{Actuator, Constrained, DegreeOfFreedom, InputSpec, Model, Pace, Term, Variable, Written};
 
 /// Which of the two parameter sets is meant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -93,7 +93,8 @@ impl Vessel {
         let derived = derive(&file.derived, &names, first_derived(&file))?;
         let simulated = simulated(&file)?;
         let inputs = file.input.len();
-        let model = Model { variables, inputs, simulated, derived, degrees, constant: file.constant, forces };
+        let (constant, pace) = (file.constant, Pace::Own);
+        let model = Model { variables, inputs, simulated, derived, degrees, constant, forces, pace };
         Ok(Self {
             name,
             sample_rate_hz: rate,

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use forces::Parameter;
 
-use crate::{DerivedChannel, Moved, Product, Term};
+use crate::{DerivedChannel, Moved, Pace, Product, Term};
 
 /// Surge, sway or yaw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,6 +98,8 @@ pub struct Model {
     pub constant: [f64; 3],
     /// Forces in continuous time, in place of terms and constants: then the degrees of freedom have none.
     pub forces: Option<Arc<Moved>>,
+    /// How a sample follows from the steps that the terms hold for.
+    pub pace: Pace,
 }
 
 impl Model {

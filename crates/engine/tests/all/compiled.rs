@@ -24,7 +24,16 @@ fn model() -> Model {
     let variable = |name: &&str| Variable { name: (*name).to_owned(), unit: String::new() };
     let (simulated, derived) = (BTreeMap::new(), Vec::new());
     let variables = NAMES.iter().map(variable).collect();
-    Model { variables, inputs: 2, simulated, derived, degrees, constant: [0.0; 3], forces: None }
+    Model {
+        variables,
+        inputs: 2,
+        simulated,
+        derived,
+        degrees,
+        constant: [0.0; 3],
+        forces: None,
+        pace: model::Pace::Own,
+    }
 }
 
 fn theta() -> Vec<f64> {

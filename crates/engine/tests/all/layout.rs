@@ -21,6 +21,7 @@ fn model() -> Model {
         degrees: [degree(&["u", "u |u|"]), degree(&["v"]), degree(&["r", "u r", "v"])],
         constant: [0.0; 3],
         forces: None,
+        pace: model::Pace::Own,
     }
 }
 

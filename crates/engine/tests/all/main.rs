@@ -6,5 +6,6 @@ mod constraints;
 mod layout;
 mod noise;
 mod normals;
+mod pace;
 mod physics;
 mod steps;

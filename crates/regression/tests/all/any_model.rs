@@ -40,6 +40,7 @@ pub fn model(terms: [&[&str]; 3]) -> Model {
         degrees,
         constant: [0.0; 3],
         forces: None,
+        pace: model::Pace::Own,
     }
 }
 

@@ -1,0 +1,163 @@
+//! How well the parts of a step follow the whole one.
+
+use model::{Model, Pace};
+use refusal::Invalid;
+
+use crate::{Compiled, simulate_one};
+
+/// The most that a whole step's parts may be off, in standard deviations of each state.
+const MOST: f64 = 0.002;
+
+/// Sums over simulated runs of a model whose samples are parts of a step, see [`Pace::Divided`].
+#[derive(Clone, Debug)]
+pub struct Divided {
+    whole: Model,
+    lower: Model,
+    by: usize,
+    /// Samples of the runs, and sums of their states and squares.
+    count: f64,
+    sums: [[f64; 2]; 3],
+    /// Squares of the differences between this order and the one below.
+    orders: [f64; 3],
+    /// Whole steps, and squares of the differences to their parts.
+    steps: f64,
+    parts: [f64; 3],
+    /// The first point at which the step does not go on forward.
+    backward: Option<[f64; 3]>,
+}
+
+impl Divided {
+    /// Without any run; `None` where a sample of `model` is no part of a step.
+    pub fn new(model: &Model) -> Option<Self> {
+        let Pace::Divided { by, order } = model.pace else { return None };
+        let at = |pace: Pace| Model { pace, ..model.clone() };
+        Some(Self {
+            whole: at(Pace::Own),
+            lower: at(Pace::Divided { by, order: order - 1 }),
+            by: by as usize,
+            count: 0.0,
+            sums: [[0.0; 2]; 3],
+            orders: [0.0; 3],
+            steps: 0.0,
+            parts: [0.0; 3],
+            backward: None,
+        })
+    }
+
+    /// Adds a run of `model`, from which this was made: N × exogenous, (N+1) × 3 states.
+    pub fn add(&mut self, model: &Model, parameters: &[f64], exogenous: &[f64], states: &[f64]) {
+        let width = model.exogenous().max(1);
+        let initial = [states[0], states[1], states[2]];
+        let lower = simulate_one(&self.lower, parameters, initial, exogenous);
+        for (own, lower) in states.chunks_exact(3).zip(lower.chunks_exact(3)) {
+            self.count += 1.0;
+            for d in 0..3 {
+                self.sums[d][0] += own[d];
+                self.sums[d][1] += own[d] * own[d];
+                self.orders[d] += (own[d] - lower[d]).powi(2);
+            }
+        }
+        // The same inputs, held for whole steps.
+        let rows: Vec<&[f64]> = exogenous.chunks_exact(width).step_by(self.by).collect();
+        let held: Vec<f64> = rows.concat();
+        let parts: Vec<f64> = rows.iter().flat_map(|row| row.repeat(self.by)).collect();
+        let whole = simulate_one(&self.whole, parameters, initial, &held);
+        let parts = simulate_one(model, parameters, initial, &parts);
+        for (own, parts) in whole.chunks_exact(3).zip(parts.chunks_exact(3).step_by(self.by)) {
+            self.steps += 1.0;
+            (0..3).for_each(|d| self.parts[d] += (own[d] - parts[d]).powi(2));
+        }
+        let mut compiled = Compiled::new(&self.whole, parameters);
+        for (state, row) in whole.chunks_exact(3).zip(&rows) {
+            let state = [state[0], state[1], state[2]];
+            compiled.look(state, row, None);
+            if self.backward.is_none() && !goes_forward(compiled.slopes()) {
+                self.backward = Some(state);
+            }
+        }
+    }
+
+    /// Adds the runs that another has seen.
+    pub fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        self.steps += other.steps;
+        for d in 0..3 {
+            (0..2).for_each(|i| self.sums[d][i] += other.sums[d][i]);
+            self.orders[d] += other.orders[d];
+            self.parts[d] += other.parts[d];
+        }
+        self.backward = self.backward.or(other.backward);
+    }
+
+    /// Root mean squares in standard deviations of u, v and r: what the parts of steps are off from these, and the difference
+    /// between the formula's order and the one below.
+    ///
+    /// # Errors
+    /// A step that does not go on forward; parts that are off by more than 0.2 % of a standard deviation.
+    pub fn found(&self) -> Result<[[f64; 3]; 2], Invalid> {
+        let remedy = "take a rate nearer to the vessel's, or a vessel with `model = \"forces\"`";
+        if let Some([u, v, r]) = self.backward {
+            return Err(Invalid::new(
+                "sampling rate",
+                format!(
+                    "a step with an eigenvalue that is not above 0, at u = {u:.4} m/s, v = {v:.4} m/s, r = {r:.4} rad/s"
+                ),
+                "positive eigenvalues of the step, which alone can be divided",
+                "take the vessel's rate, or a slower one",
+            ));
+        }
+        let deviation = |d: usize| {
+            let [sum, squares] = self.sums[d];
+            let mean = sum / self.count;
+            (squares / self.count - mean * mean).max(0.0).sqrt()
+        };
+        let share = |square: f64, count: f64, d: usize| {
+            let off = (square / count).sqrt();
+            if off <= 1e-12 { 0.0 } else { off / deviation(d) }
+        };
+        let parts = [0, 1, 2].map(|d: usize| share(self.parts[d], self.steps, d));
+        let orders = [0, 1, 2].map(|d: usize| share(self.orders[d], self.count, d));
+        match parts.iter().position(|own| own.is_nan() || *own > MOST) {
+            None => Ok([parts, orders]),
+            Some(d) => {
+                let state = ["u", "v", "r"][d];
+                let found = format!(
+                    "{:.2} % of the standard deviation of {state} between a step and its parts",
+                    100.0 * parts[d]
+                );
+                Err(Invalid::new("sampling rate", found, format!("at most {} %", 100.0 * MOST), remedy))
+            }
+        }
+    }
+
+    /// The statement about it.
+    ///
+    /// # Errors
+    /// As [`Self::found`].
+    pub fn statement(&self) -> Result<String, Invalid> {
+        let [parts, orders] = self.found()?;
+        let percent = |all: [f64; 3]| all.map(|own| format!("{:.3}", 100.0 * own)).join(", ");
+        Ok(format!(
+            "Newton's forward formula of order {}: {} steps differ from one of the vessel's by {} % of the standard deviations of u, v, \
+             r, order {} from order {} by {} %",
+            model::ORDER,
+            self.by,
+            percent(parts),
+            model::ORDER,
+            model::ORDER - 1,
+            percent(orders)
+        ))
+    }
+}
+
+/// Whether all eigenvalues of I + J have positive real parts (Routh and Hurwitz), where `slopes` is J.
+fn goes_forward(slopes: [[f64; 3]; 3]) -> bool {
+    let mut m = slopes;
+    (0..3).for_each(|d| m[d][d] += 1.0);
+    let minor = |i: usize, k: usize| m[i][i] * m[k][k] - m[i][k] * m[k][i];
+    let trace = m[0][0] + m[1][1] + m[2][2];
+    let minors = minor(0, 1) + minor(0, 2) + minor(1, 2);
+    let determinant = m[0][0] * minor(1, 2) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    trace > 0.0 && determinant > 0.0 && trace * minors > determinant
+}
