@@ -66,8 +66,13 @@ impl Portable {
             return fill(include_str!("templates/ship.c"), &[names, own].concat());
         }
         let gain = |d: usize| SYNTAX.gain(self, d);
-        let values = [("unpack", unpack), ("surge", gain(0)), ("sway", gain(1)), ("yaw", gain(2))];
-        fill(include_str!("templates/terms.c"), &[&names[..], &values].concat())
+        let (weights, _) = self.steps();
+        let step = if weights.is_some() { "static void own_step" } else { "void {{base}}_step" };
+        let step = ("step", step.replace("{{base}}", &self.base));
+        let values = [("unpack", unpack), ("surge", gain(0)), ("sway", gain(1)), ("yaw", gain(2)), step];
+        let paced =
+            weights.map(|own| fill(include_str!("templates/paced.c"), &[&names[..], &[own]].concat()));
+        fill(include_str!("templates/terms.c"), &[&names[..], &values].concat()) + &paced.unwrap_or_default()
     }
 
     pub(crate) fn c_header(&self) -> String {

@@ -1,5 +1,7 @@
 //! The comment at the top of the code, in every language.
 
+use model::Pace;
+
 use crate::portable::Portable;
 use crate::text::{comment, number, wrapped};
 
@@ -32,6 +34,7 @@ impl Portable {
         }
         let renamed = self.unlike();
         said.extend(renamed.iter().map(|(own, name)| format!("{name} is called {own} here.")));
+        said.extend(self.parts.iter().map(|own| format!("{own}.")));
         said.extend(self.notes.iter().map(|note| format!("Note: {note}.")));
         said.iter().flat_map(|line| wrapped(&comment(line), WIDTH)).collect()
     }
@@ -39,12 +42,21 @@ impl Portable {
     /// How it goes on in time.
     fn time(&self) -> String {
         let (seconds, rate) = (number(1.0 / self.rate_hz), self.rate_hz);
-        match &self.ship {
-            Some(ship) => format!(
+        let own = number(1.0 / self.own_rate_hz());
+        let sums = "Discrete in time: in a step the states gain the sums below. They hold for steps of";
+        match (&self.ship, self.pace) {
+            (None, Pace::Repeated(count)) => {
+                format!("{sums} {own} s; here, a step of {seconds} s ({rate} Hz) is {count} of them.")
+            }
+            (None, Pace::Divided { by, order }) => format!(
+                "{sums} {own} s; here, a step of {seconds} s ({rate} Hz) is a part of them, by Newton's forward formula of order {order} for \
+                 1/{by} of a step."
+            ),
+            (Some(ship), _) => format!(
                 "Forces in continuous time: a step of {seconds} s ({rate} Hz) is {} of Runge and Kutta's method of order 4.",
                 if ship.steps == 1 { "one".to_owned() } else { ship.steps.to_string() }
             ),
-            None => format!(
+            (None, Pace::Own) => format!(
                 "Discrete in time: it holds for steps of {seconds} s ({rate} Hz) and for no others. In a step the states gain the \
                  sums below."
             ),

@@ -22,7 +22,7 @@ const RESERVED: &str = "\
     catch classdef end elseif function otherwise parfor persistent spmd ans eps inf Inf nan NaN pi i j true false size \
     zeros numel \
     p du dv dr state states input inputs next parameters ranges model step simulate outside within_ranges \
-    initial_u initial_v initial_r time";
+    initial_u initial_v initial_r time own_step";
 
 /// Most characters of an identifier, without its distinguishing suffix: MATLAB allows 63 in total.
 const LONGEST: usize = 57;

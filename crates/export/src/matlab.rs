@@ -48,8 +48,11 @@ impl Portable {
             return fill(include_str!("templates/ship.m"), &values);
         }
         let gain = |d: usize| SYNTAX.gain(self, d);
-        let values = [("unpack", unpack), ("surge", gain(0)), ("sway", gain(1)), ("yaw", gain(2))];
-        fill(include_str!("templates/terms.m"), &values)
+        let (weights, [step, sample]) = self.steps();
+        let values =
+            [("unpack", unpack), ("surge", gain(0)), ("sway", gain(1)), ("yaw", gain(2)), step, sample];
+        let paced = weights.map(|own| fill(include_str!("templates/paced.m"), &[own]));
+        fill(include_str!("templates/terms.m"), &values) + &paced.unwrap_or_default()
     }
 
     fn matlab_parameters(&self) -> String {

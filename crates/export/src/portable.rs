@@ -4,12 +4,14 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use forces::{Quantity, QuantitySource};
 use model::{
-    Constraint, DegreeOfFreedom, DerivedChannel, Factor, Product, Source, Term, Variable, Vessel, Written,
+    Constraint, DegreeOfFreedom, DerivedChannel, Factor, Pace, Product, Source, Term, Variable, Vessel,
+    Written,
 };
 use refusal::Invalid;
 
 use crate::identifier::{Identifiers, file_name};
 use crate::ship::{self, Ship};
+use crate::text::number;
 
 /// A model with its parameters and their properties, under names that are identifiers everywhere.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,17 +33,24 @@ pub struct Portable {
     pub tied: Vec<Tied>,
     /// The increments of u, v and r in a step, summand by summand; none of a ship with forces.
     pub equations: [Vec<Summand>; 3],
+    /// How a step follows from the steps that the parameters of terms hold for.
+    pub pace: Pace,
     /// Her components, for a ship with forces.
     pub ship: Option<Ship>,
     /// Ranges within which the model is known to be valid, for the channels that have one.
     pub ranges: Vec<Range>,
     /// Notes for the user.
     pub notes: Vec<String>,
+    /// How well parts of the model's own step follow it, where a step is such a part.
+    pub parts: Option<String>,
     /// Inputs of a ship with forces that follow commands late, in words.
     pub late: Vec<String>,
     /// Its origin.
     pub origin: Origin,
 }
+
+/// A key of a template with its value.
+type Entry = (&'static str, String);
 
 /// A state, an input or a measured disturbance.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,6 +133,8 @@ pub struct Knowledge {
     pub standard_errors: BTreeMap<String, f64>,
     /// The data's coverage: channel, least and largest value.
     pub covered: Vec<(String, [f64; 2])>,
+    /// How well parts of the model's own step follow it, where a step is such a part.
+    pub parts: Option<String>,
     /// Notes for the user.
     pub notes: Vec<String>,
 }
@@ -160,31 +171,17 @@ impl Portable {
             rate_hz: vessel.sample_rate_hz,
             ranges: ranges.collect(),
             notes: known.notes.clone(),
+            parts: known.parts.clone(),
             late: late(vessel),
             derived: vessel.model.derived.clone(),
             channels,
             parameters,
             tied,
             equations,
+            pace: vessel.model.pace,
             ship,
             origin,
         })
-    }
-
-    /// Refuses to use it at another rate than `rate_hz`.
-    ///
-    /// # Errors
-    /// Another rate: the parameters are those of a step of one length.
-    pub fn check_rate(&self, rate_hz: f64) -> Result<(), Invalid> {
-        if (rate_hz - self.rate_hz).abs() <= 1e-9 * self.rate_hz {
-            return Ok(());
-        }
-        Err(Invalid::new(
-            "sampling rate",
-            format!("{rate_hz} Hz wanted"),
-            format!("{} Hz, which the parameters hold for", self.rate_hz),
-            "step it at its own rate, or estimate a model at the other one",
-        ))
     }
 
     /// The identifiers of all channels.
@@ -194,10 +191,32 @@ impl Portable {
 
     /// At which rate its step holds, as a comment.
     pub(crate) fn rate_holds(&self) -> &'static str {
-        match self.ship {
-            Some(_) => "The rate of its steps; inputs are held meanwhile.",
-            None => "The only rate that the parameters hold for.",
+        match (&self.ship, self.pace) {
+            (None, Pace::Own) => "The only rate that the parameters hold for.",
+            _ => "The rate of its steps; inputs are held meanwhile.",
         }
+    }
+
+    /// The rate that the parameters of terms hold for \[Hz\].
+    pub(crate) fn own_rate_hz(&self) -> f64 {
+        match self.pace {
+            Pace::Own => self.rate_hz,
+            Pace::Repeated(count) => self.rate_hz * f64::from(count),
+            Pace::Divided { by, .. } => self.rate_hz / f64::from(by),
+        }
+    }
+
+    /// For templates: the weights of own steps where a step is not one of these; what the step of the terms is called and what it
+    /// takes.
+    pub(crate) fn steps(&self) -> (Option<Entry>, [Entry; 2]) {
+        let weights = self.weights().map(|own| ("weights", own.join(", ")));
+        let [step, sample] = if weights.is_some() { ["own_step", "own step"] } else { ["step", "sample"] };
+        (weights, [("step", step.to_owned()), ("sample", sample.to_owned())])
+    }
+
+    /// The weights of the states after one, two, … steps of the terms, where a step is not one of these.
+    pub(crate) fn weights(&self) -> Option<Vec<String>> {
+        (self.pace != Pace::Own).then(|| self.pace.weights().into_iter().map(number).collect())
     }
 
     /// The states.
@@ -247,10 +266,11 @@ impl Portable {
     pub fn summary(&self) -> String {
         let (inputs, parameters) = (self.inputs().len(), self.parameters.len());
         let renamed = self.unlike().into_iter().map(|(own, name)| format!("; {name} is called {own}"));
+        let parts = self.parts.iter().map(|own| format!("; {own}"));
         format!(
             "{inputs} inputs, {parameters} parameters, {} Hz{}",
             self.rate_hz,
-            renamed.collect::<String>()
+            renamed.chain(parts).collect::<String>()
         )
     }
 

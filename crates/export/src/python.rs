@@ -63,8 +63,11 @@ impl Portable {
             );
         }
         let gain = |d: usize| SYNTAX.gain(self, d);
-        let values = [("unpack", unpack), ("surge", gain(0)), ("sway", gain(1)), ("yaw", gain(2))];
-        fill(include_str!("templates/terms.py"), &values)
+        let (weights, [step, sample]) = self.steps();
+        let values =
+            [("unpack", unpack), ("surge", gain(0)), ("sway", gain(1)), ("yaw", gain(2)), step, sample];
+        let paced = weights.map(|own| fill(include_str!("templates/paced.py"), &[own]));
+        fill(include_str!("templates/terms.py"), &values) + &paced.unwrap_or_default()
     }
 
     fn python_parameters(&self) -> String {

@@ -9,14 +9,15 @@ use validation::comparison::{Counter, Outside, Validity};
 use crate::files::read_model;
 use crate::trajectories::{Layout, TrajectoryReader};
 
-/// Warnings about the runs in `out` that the model in the file `model` simulated; empty for a vessel.toml.
+/// Warnings about the runs in `out` that the model in the file `model` simulated, at its own rate or at `rate_hz`; empty for a
+/// vessel.toml.
 ///
 /// # Errors
 /// Files that cannot be read.
-pub fn beyond(model: &Path, out: &Path) -> Result<Vec<String>, Error> {
+pub fn beyond(model: &Path, out: &Path, rate_hz: Option<f64>) -> Result<Vec<String>, Error> {
     let Some(model) = read_model(model)? else { return Ok(Vec::new()) };
     let vessel = model.vessel().map_err(|e| crate::invalid(out, &e))?;
-    let (layout, rate_hz) = (Layout::new(&vessel.model), vessel.sample_rate_hz);
+    let (layout, rate_hz) = (Layout::new(&vessel.model), rate_hz.unwrap_or(vessel.sample_rate_hz));
     let reader = TrajectoryReader::open(out, &layout, rate_hz)?;
     let (mut counter, mut validity) = (Counter::new(&model.covered), None);
     let mut magnitudes = model.magnitudes;

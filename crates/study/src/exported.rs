@@ -8,18 +8,20 @@ use model::Source;
 
 use crate::documents::ModelDocument;
 use crate::files::{read_any_vessel, read_model};
+use crate::rate::{at_rate, tried};
 
 /// Reads the model in `path` for other tools and notes its digest: with the values of `source`, or the best
-/// available.
+/// available, at its own rate or at `rate_hz`.
 ///
 /// # Errors
-/// See [`read_any_vessel`]; a parameter without such a value; a dead time.
+/// See [`read_any_vessel`]; a parameter without such a value; a dead time; a rate that the model cannot have.
 pub fn read_portable(
     path: &Path,
     source: Option<Source>,
+    rate_hz: Option<f64>,
     provenance: &mut Provenance,
 ) -> Result<Portable, Error> {
-    let vessel = read_any_vessel(path, provenance)?;
+    let vessel = at_rate(path, read_any_vessel(path, provenance)?, rate_hz, provenance)?;
     let model = read_model(path)?;
     let source = source.unwrap_or(vessel.best_known());
     let estimates = model.is_some() && source == Source::Nominal;
@@ -30,8 +32,13 @@ pub fn read_portable(
         digest: digest.unwrap_or_default(),
         values: if estimates { "estimates".to_owned() } else { format!("{} values", source.name()) },
     };
-    let known = model.as_ref().map_or_else(Knowledge::default, knowledge);
-    Portable::new(&vessel, source, &known, origin).map_err(|e| crate::invalid(path, &e))
+    let mut known = model.as_ref().map_or_else(Knowledge::default, knowledge);
+    let within = model.as_ref().map_or_else(|| vessel.clone(), |model| model.kept_to_data(vessel.clone()));
+    let portable = || {
+        known.parts = tried(&within, &vessel.parameters(source)?)?;
+        Portable::new(&vessel, source, &known, origin)
+    };
+    portable().map_err(|e| crate::invalid(path, &e))
 }
 
 /// Standard errors, the ranges of the data, and warnings about the model.
@@ -43,6 +50,7 @@ fn knowledge(model: &ModelDocument) -> Knowledge {
     Knowledge {
         standard_errors: all.filter_map(|(name, error)| Some((name.clone(), error?))).collect(),
         covered: model.covered.iter().map(|own| (own.name.clone(), [own.low, own.high])).collect(),
+        parts: None,
         notes: model.statements.clone(),
     }
 }

@@ -28,9 +28,9 @@ pub struct Arguments {
     /// Which values of a vessel.toml (default: the true ones where all are known, else the nominal ones)
     #[arg(long, value_parser = choice(&Source::ALL, Source::name, |own| ["The true ones", "The nominal ones"][own as usize]))]
     parameters: Option<Source>,
-    /// The rate of the simulator that it is for, refused unless the model holds for it [Hz]
-    #[arg(long, value_name = "HZ")]
-    rate_hz: Option<f64>,
+    /// The rate of its steps [Hz]: terms per sample take whole multiples of their own rate, or parts of it (default: their own)
+    #[arg(long, visible_alias = "rate-hz", value_name = "HZ")]
+    rate: Option<f64>,
     /// The C compiler that builds the unit's binary; without one the unit has its source alone
     #[arg(long, value_name = "PROGRAM", default_value = "cc")]
     compiler: String,
@@ -38,11 +38,10 @@ pub struct Arguments {
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        check_positive("--rate-hz", self.rate_hz)?;
+        check_positive("--rate", self.rate)?;
         let mut provenance = common.provenance("export");
-        let portable = read_portable(&self.model, self.parameters, &mut provenance)?;
+        let portable = read_portable(&self.model, self.parameters, self.rate, &mut provenance)?;
         let refused = |e| Failure::invalid(&self.model, &e);
-        self.rate_hz.map_or(Ok(()), |rate| portable.check_rate(rate)).map_err(refused)?;
         let (out, names) = (&common.out, portable.file_names(self.to));
         only_folder_of(out, &names)?;
         let unit = self.to == Target::Fmu;

@@ -88,7 +88,7 @@ impl Task for Arguments {
             label(reader.runs(0)?.iter().map(|run| run.design.as_str()), &mut provenance);
         }
         provenance.settings.insert("instruments".into(), json!(self.instruments));
-        let beyond = study::beyond(&self.vessel, &self.trajectories)?;
+        let beyond = study::beyond(&self.vessel, &self.trajectories, None)?;
         let is_own = !self.table && matches!(self.nominal, None | Some(Nominal::Given));
         let sampled = is_own.then(|| sampled_ships(&self.vessel, &vessel, &reader)).transpose()?.flatten();
         let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Common, Sharding, beside, given};
+use crate::cli::{Common, Sharding, beside, check_positive, given};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::plan::MAIN;
@@ -47,6 +47,9 @@ pub struct Dictionary {
     /// The maneuvers
     #[arg(long, required_unless_present = "gather", value_name = "dictionary.toml")]
     dictionary: Option<PathBuf>,
+    /// The sampling rate (default: the vessel's); terms per sample take whole multiples of theirs, or parts [Hz]
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
     /// Allow inputs and motion that the logs of a model from logs do not cover; moments, design and report say so
     #[arg(long)]
     beyond_range: bool,
@@ -87,6 +90,9 @@ pub struct Validation {
     /// The validation maneuvers
     #[arg(long, value_name = "campaign.toml")]
     campaign: PathBuf,
+    /// The sampling rate (default: the vessel's); terms per sample take whole multiples of theirs, or parts [Hz]
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
 }
 
 /// Simulates a planned trial many times, in current, wind and noise
@@ -139,6 +145,8 @@ impl Task for Dictionary {
         let mut provenance = common.provenance("simulate");
         let files = (given(&self.vessel, "vessel")?, given(&self.dictionary, "dictionary")?);
         let vessel = kept_to_data(files.0, read_any_simulated(files.0, &mut provenance)?, self.beyond_range)?;
+        check_positive("--rate", self.rate)?;
+        let vessel = study::at_rate(files.0, vessel, self.rate, &mut provenance)?;
         let generator = read_dictionary(files.1, &vessel, &mut provenance)?;
         let source = vessel.best_known();
         provenance.settings.insert("model".into(), json!(source.name()));
@@ -152,6 +160,8 @@ impl Task for Validation {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("simulate");
         let vessel = read_any_simulated(&self.vessel, &mut provenance)?;
+        check_positive("--rate", self.rate)?;
+        let vessel = study::at_rate(&self.vessel, vessel, self.rate, &mut provenance)?;
         let config = read_campaign(&self.campaign, &mut provenance)?;
         let maneuvers = config.validation_dictionary();
         let generator = generator(&self.campaign, &vessel, &maneuvers, &mut provenance)?;
@@ -174,6 +184,7 @@ fn undisturbed(
     let files = Files { vessel, ..Files::all(dictionary) };
     let maneuvers = maneuvers.map_err(|e| files.refused(e))?;
     check_maneuvers(&maneuvers, &files, out)?;
+    let divided = study::note_divided(&maneuvers, &mut provenance).map_err(|e| files.refused(e))?;
     if let Some(is_allowed) = unreached {
         let reached = maneuvers.reached().map_err(|e| files.refused(e))?;
         study::note_reached(&maneuvers, &reached, is_allowed, &mut provenance)
@@ -187,7 +198,8 @@ fn undisturbed(
         details["left_out"] = left_out.collect::<serde_json::Map<_, _>>().into();
     }
     let said = format!("{tally}{}", shard_of(&provenance));
-    let statements = [maneuvers.tables(), study::beyond(vessel, out)?].concat();
+    let beyond = study::beyond(vessel, out, Some(maneuvers.vessel().sample_rate_hz))?;
+    let statements = [divided.into_iter().collect(), maneuvers.tables(), beyond].concat();
     Ok(with(statements, out, said, details))
 }
 
@@ -277,7 +289,7 @@ fn disturbed(
     let samples = campaign.samples();
     let details = json!({"runs": runs, "samples": samples});
     let said = format!("{runs} runs of {samples} samples{}", shard_of(provenance));
-    let statements = [campaign.statements().to_vec(), study::beyond(files.vessel, out)?].concat();
+    let statements = [campaign.statements().to_vec(), study::beyond(files.vessel, out, None)?].concat();
     Ok(with(statements, out, said, details))
 }
 

@@ -69,7 +69,7 @@ pub fn plan_voyage(
         keep_going: &|| limits.keep_going(),
     };
     let mut planned = trial.plan(&search, wanted.unsafe_too).map_err(refuse)?;
-    planned.document.beyond = study::beyond(files.vessel, files.trajectories)?;
+    planned.document.beyond = study::beyond(files.vessel, files.trajectories, None)?;
     staged.extend(stage(&planned, out, &provenance)?);
     if let Some(path) = wanted.problem {
         let cell_m = planned.prepared.brief.task.cell_m;

@@ -371,9 +371,11 @@ fn what_cannot_be_exported_is_refused() {
     let folder = &ground.folder;
     let line = "export --vessel vessel.toml --to python --out python";
     refused(folder, 2, &line.replace("python", "fortran"), &["fortran", "python, c, matlab, fmu"]);
-    refused(folder, 2, &format!("{line} --rate-hz 0"), &["--rate-hz", "above 0"]);
-    let rate = ["vessel.toml: sampling rate: found 10 Hz wanted, expected 20 Hz", "own rate"];
-    refused(folder, 3, &format!("{line} --rate-hz 10"), &rate);
+    refused(folder, 2, &format!("{line} --rate-hz 0"), &["--rate", "above 0"]);
+    let rate = ["vessel.toml: sampling rate: found 30 Hz wanted, expected a whole multiple or part", "20 Hz"];
+    refused(folder, 3, &format!("{line} --rate 30"), &rate);
+    let range = ["vessel.toml: input `n`: found no `range`", "own rate"];
+    refused(folder, 3, &format!("{line} --rate 40"), &range);
     run(folder, &format!("{line} --rate-hz 20")).succeeds();
     let other =
         ["c: folder: found `notes.txt` in it, expected none but test_ship_2.c, test_ship_2.h", "--out"];

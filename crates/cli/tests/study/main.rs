@@ -29,6 +29,7 @@ mod physics;
 mod pipeline;
 mod promises;
 mod propeller;
+mod rates;
 mod refine;
 mod refusals_files;
 mod refusals_output;

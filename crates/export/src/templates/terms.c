@@ -1,4 +1,4 @@
-void {{base}}_step(const double *state, const double *input, const double *parameters, double *next)
+{{step}}(const double *state, const double *input, const double *parameters, double *next)
 {
     const double *p = parameters ? parameters : {{base}}_values;
 {{unpack}}    const double du = {{surge}};

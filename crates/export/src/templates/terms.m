@@ -1,5 +1,5 @@
-function next = step(state, input, p)
-% The state one sample after `state`, while the inputs are held.
+function next = {{step}}(state, input, p)
+% The state one {{sample}} after `state`, while the inputs are held.
 {{unpack}}du = {{surge}};
 dv = {{sway}};
 dr = {{yaw}};

@@ -1,5 +1,5 @@
-def step(state, inputs, parameters=PARAMETERS):
-    """The state one sample after `state`, while the `inputs` are held."""
+def {{step}}(state, inputs, parameters=PARAMETERS):
+    """The state one {{sample}} after `state`, while the `inputs` are held."""
     p = parameters
 {{unpack}}    du = (
         {{surge}}

@@ -1,4 +1,5 @@
-//! Ships with forces: the generated code steps as the engine does, and has no components that the ship has not.
+//! Ships with forces, and terms at other rates: the generated code steps as the engine does, and has no components that the ship
+//! has not.
 
 use std::fmt::Write;
 use std::fs;
@@ -16,6 +17,26 @@ const SHIPS: [(&str, &str); 4] = [
     ("otter", include_str!("../../../model/presets/otter.toml")),
     ("craft", include_str!("craft.toml")),
 ];
+
+/// A ship of terms, with what its code has to hold apart: a constant, tied and known terms, a measured disturbance.
+const TERMS: &str = "name = \"terms\"\nsample_rate_hz = 8.0\nconstant = [1e-3, 0.0, 0.0]\n\
+    input = [{ name = \"n\", unit = \"1\", range = [-1.0, 1.0] }, { name = \"δ\", unit = \"rad\", range = [-0.5, 0.5] }]\n\
+    measured = [{ name = \"w\", unit = \"m/s\" }]\n\
+    surge = [{ parameter = \"X\", term = \"u |u|\", nominal = -0.02 }, { parameter = \"T\", term = \"n\", nominal = 0.02 }]\n\
+    sway = [{ parameter = \"Y\", term = \"v\", nominal = -0.1 }, { parameter = \"Y_w\", term = \"w |w|\", nominal = 1e-5 },\n\
+    { parameter = \"Y_r\", term = \"u r\", nominal = -0.1, fixed = true }]\n\
+    yaw = [{ parameter = \"N\", term = \"r\", nominal = -0.15 }, { parameter = \"N_d\", term = \"u δ\", nominal = -0.04 },\n\
+    { parameter = \"N_v\", term = \"|u| v\", tied_to = \"N_d\", factor = 0.2 }]\n";
+
+/// Rates of the ship of terms: her own, a part of her step, her step repeated.
+const RATES_HZ: [f64; 3] = [8.0, 80.0, 2.0];
+
+/// All ships with the names of their modules.
+fn vessels() -> Vec<(&'static str, Vessel)> {
+    let forces = SHIPS.into_iter().map(|(name, text)| (name, vessel(text)));
+    let terms = RATES_HZ.into_iter().map(|rate_hz| ("terms", vessel(TERMS).at_rate(rate_hz).unwrap()));
+    forces.chain(terms).collect()
+}
 
 /// Largest difference, in largest values of the same state.
 const TOLERANCE: f64 = 1e-12;
@@ -65,9 +86,9 @@ struct Truth {
 }
 
 fn truth(vessel: &Vessel) -> Truth {
-    let moved = vessel.model.forces.as_ref().unwrap();
-    let ship = &moved.forces.description().ship;
-    let speeds = [1.2 * ship.speed_m_s, 0.5 * ship.speed_m_s, ship.speed_m_s / ship.length_m];
+    let ship = vessel.model.forces.as_ref().map(|own| &own.forces.description().ship);
+    let (speed, length) = ship.map_or((1.0, 2.0), |own| (own.speed_m_s, own.length_m));
+    let speeds = [1.2 * speed, 0.5 * speed, speed / length];
     let simulated = |initial: [f64; 3], rows: &[Vec<f64>]| {
         let all: Vec<f64> = rows.iter().flat_map(|row| completed(vessel, row)).collect();
         let states = simulate_one(&vessel.model, &vessel.nominal, initial, &all);
@@ -81,7 +102,7 @@ fn truth(vessel: &Vessel) -> Truth {
     }
     // Each setting for a quarter of the run.
     let inputs: Vec<Vec<f64>> = (0..100).map(|k| row(vessel, k / 25)).collect();
-    let states = simulated([ship.speed_m_s, 0.0, 0.0], &inputs);
+    let states = simulated([speed, 0.0, 0.0], &inputs);
     Truth { cases, next, inputs, states }
 }
 
@@ -155,12 +176,11 @@ const PYTHON: &str = "import importlib, sys\n\
     print('\\n'.join(' '.join(map(repr, state)) for state in found))\n";
 
 #[test]
-fn law_python_steps_ships_with_forces_as_the_engine_does() {
+fn law_python_steps_as_the_engine_does() {
     if !there("python3", "--version") {
         return;
     }
-    for (name, text) in SHIPS {
-        let vessel = vessel(text);
+    for (name, vessel) in vessels() {
         let (truth, portable) = (truth(&vessel), portable(&vessel));
         let folder = exported(&portable, Target::Python, &truth);
         let speed = format!("{:?}", truth.states[0][0]);
@@ -206,12 +226,11 @@ int main(int count, char **words)
 "#;
 
 #[test]
-fn law_c_steps_ships_with_forces_as_the_engine_does() {
+fn law_c_steps_as_the_engine_does() {
     if !there("cc", "--version") {
         return;
     }
-    for (name, text) in SHIPS {
-        let vessel = vessel(text);
+    for (name, vessel) in vessels() {
         let (truth, portable) = (truth(&vessel), portable(&vessel));
         let folder = exported(&portable, Target::C, &truth);
         let host = C.replace("INPUTS", &portable.inputs().len().to_string()).replace("SHIP", name);
@@ -228,13 +247,12 @@ fn law_c_steps_ships_with_forces_as_the_engine_does() {
 }
 
 #[test]
-fn law_octave_steps_ships_with_forces_as_the_engine_does() {
+fn law_octave_steps_as_the_engine_does() {
     let octave = std::env::var("SEATRIAL_OCTAVE").unwrap_or("octave-cli".to_owned());
     if !there(&octave, "--version") {
         return;
     }
-    for (name, text) in SHIPS {
-        let vessel = vessel(text);
+    for (name, vessel) in vessels() {
         let (truth, portable) = (truth(&vessel), portable(&vessel));
         let folder = exported(&portable, Target::Matlab, &truth);
         let script = format!(
@@ -301,6 +319,24 @@ fn matlab_has_as_many_ends_as_beginnings() {
         assert_eq!(open, 0, "{name}");
         assert!(functions >= 7, "{name}");
     }
+}
+
+#[test]
+fn terms_at_another_rate_say_which_steps_they_hold_for() {
+    // Its comment in one line.
+    let at = |rate_hz: f64| {
+        text(&portable(&vessel(TERMS).at_rate(rate_hz).unwrap()), Target::Python).replace("\n# ", " ")
+    };
+    let fast = at(80.0);
+    for line in [
+        "They hold for steps of 0.125 s;",
+        "a step of 0.0125 s (80 Hz) is a part of them",
+        "SAMPLE_RATE_HZ = 80.0",
+    ] {
+        assert!(fast.contains(line), "{line}: {fast}");
+    }
+    assert!(at(2.0).contains("a step of 0.5 s (2 Hz) is 4 of them."));
+    assert!(at(8.0).contains("and for no others") && !at(8.0).contains("own_step"));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use engine::{Helm, Run, Segment, check_diverged, simulate_command, simulate_one};
+use engine::{Divided, Helm, Run, Segment, check_diverged, simulate_command, simulate_one};
 use maneuver::{Aim, Exceeded, Executed, Generator, Kept, Reacting, Realized};
 use model::{DegreeOfFreedom, Source, Vessel};
 use rayon::prelude::*;
@@ -10,6 +10,9 @@ use super::Refusal;
 use super::own_loop::OwnLoop;
 use super::sea::SimulatedRun;
 use super::tally::{BEYOND_LOGS, Tally};
+
+/// Maneuvers that are judged together.
+const AT_ONCE: usize = 64;
 
 /// The maneuvers of a dictionary or of a validation, each an undisturbed run of its own.
 pub struct Maneuvers<'a> {
@@ -96,6 +99,31 @@ impl<'a> Maneuvers<'a> {
         // All, then the first refusal in order: one that a race chose would differ from run to run.
         let all: Vec<_> = (0..self.generator.written()).into_par_iter().map(one).collect();
         all.into_iter().collect()
+    }
+
+    /// How well the samples follow the steps of the vessel's terms, which are parts of these: over all maneuvers, for the parameters
+    /// that they are simulated with. `None` where samples are no parts of steps.
+    ///
+    /// # Errors
+    /// As [`Maneuvers::simulate`].
+    pub fn divided(&self) -> Result<Option<Divided>, Refusal> {
+        let Some(none) = Divided::new(&self.vessel.model) else { return Ok(None) };
+        let some = |first: usize| {
+            let mut found = none.clone();
+            for index in first..self.count().min(first + AT_ONCE) {
+                if let Some(run) = self.one(index, &mut Tally::default())? {
+                    found.add(&self.vessel.model, &self.parameters, &run.run.exogenous, &run.states);
+                }
+            }
+            Ok(found)
+        };
+        let starts: Vec<usize> = (0..self.count()).step_by(AT_ONCE).collect();
+        let all: Vec<_> = starts.into_par_iter().map(some).collect();
+        let mut sum = none.clone();
+        for found in all {
+            sum.merge(&found?);
+        }
+        Ok(Some(sum))
     }
 
     /// The maneuvers whose commands depend on the ship's motion: names of those that are written by hand, and from which number
