@@ -80,18 +80,10 @@ impl<'m, X: Real> Moving<'m, X> {
     }
 }
 
-/// The step through the water, and what the current adds: it keeps its course over the earth while the ship turns.
+/// The step through the water, and what the current adds.
 #[inline(always)]
 fn increments<X: Real>(body: &Body<X>, point: Point<X>, sample_s: f64) -> [X; 3] {
-    let Point { relative, exogenous, current: [along, across] } = point;
-    let next = body.step_held(relative, exogenous, sample_s);
-    let (sine, cosine) = (relative[2] + next[2]).times(0.5 * sample_s).sine_and_cosine();
-    let turned = [cosine * along + sine * across, cosine * across - sine * along];
-    [
-        next[0] - relative[0] + (turned[0] - along),
-        next[1] - relative[1] + (turned[1] - across),
-        next[2] - relative[2],
-    ]
+    body.changes_in_current(point.relative, point.exogenous, point.current, sample_s)
 }
 
 impl Stepping for f64 {

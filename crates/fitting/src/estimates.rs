@@ -122,7 +122,7 @@ impl Pass<'_> {
 }
 
 /// The inverse of a symmetric matrix, in correlations.
-fn inverse(n: usize, a: &[f64]) -> Option<Vec<f64>> {
+pub(crate) fn inverse(n: usize, a: &[f64]) -> Option<Vec<f64>> {
     let scale: Vec<f64> = (0..n).map(|i| a[i * n + i].sqrt()).collect();
     let mut own: Vec<f64> = (0..n * n).map(|k| a[k] / (scale[k / n] * scale[k % n])).collect();
     let mut out = vec![0.0; n * n];
@@ -132,7 +132,7 @@ fn inverse(n: usize, a: &[f64]) -> Option<Vec<f64>> {
 }
 
 /// The condition index of an information, and by what each standard error grows because of the others.
-fn conditioned(n: usize, information: &[f64]) -> (f64, Option<Vec<f64>>) {
+pub(crate) fn conditioned(n: usize, information: &[f64]) -> (f64, Option<Vec<f64>>) {
     let scale: Vec<f64> = (0..n).map(|i| information[i * n + i].sqrt()).collect();
     let own: Vec<f64> = (0..n * n).map(|k| information[k] / (scale[k / n] * scale[k % n])).collect();
     let Some((values, vectors)) = symmetric(n, &own) else { return (f64::INFINITY, None) };

@@ -6,12 +6,17 @@
 //! counted in standard deviations of the measured states. Derivatives are tangents of the steps, eight windows side by
 //! side; windows are simulated in parallel and added in order, so that the result has the same bits for any number of
 //! threads.
+//!
+//! Before a trial there is a [`SimulatedRun`]: its information about θ, and after it the most probable θ of a
+//! [`MeasuredRun`] whose start and noise are known.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 mod estimates;
 mod fit;
+mod information;
+mod most_probable;
 mod normal;
 mod pass;
 mod problem;
@@ -22,6 +27,8 @@ mod window;
 
 pub use estimates::{Estimates, Parameter};
 pub use fit::Fit;
+pub use information::{PredictedErrors, RunInformation, SimulatedRun, Slopes, WhiteNoise};
+pub use most_probable::MeasuredRun;
 pub use problem::Problem;
 pub use settings::{Prior, Settings, Starts};
 pub use sums::cost_of_rms;

@@ -96,6 +96,27 @@ impl<'f, X: Real> Body<'f, X> {
         self.steps(state, |i| [channels[i].into(); 2], seconds)
     }
 
+    /// By how much u, v \[m/s\] over the ground and r \[rad/s\] change in a sample of `seconds` with channels held, from the
+    /// state `relative` to the water. Each change has the axes of its end. Water that flows with `current`, ahead and to starboard
+    /// \[m/s\], keeps its course over the earth while the ship turns.
+    #[inline(always)]
+    pub fn changes_in_current<E: Copy + Into<X>>(
+        &self,
+        relative: [X; 3],
+        channels: &[E],
+        [along, across]: [X; 2],
+        seconds: f64,
+    ) -> [X; 3] {
+        let next = self.step_held(relative, channels, seconds);
+        let (sine, cosine) = (relative[2] + next[2]).times(0.5 * seconds).sine_and_cosine();
+        let turned = [cosine * along + sine * across, cosine * across - sine * along];
+        [
+            next[0] - relative[0] + (turned[0] - along),
+            next[1] - relative[1] + (turned[1] - across),
+            next[2] - relative[2],
+        ]
+    }
+
     /// The state after `seconds`, where `ends` has a channel at the beginning and at the end.
     #[inline(always)]
     pub fn steps(&self, mut state: [X; 3], ends: impl Fn(usize) -> [X; 2], seconds: f64) -> [X; 3] {
