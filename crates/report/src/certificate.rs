@@ -19,6 +19,7 @@ fn certified(design: &DesignDocument) -> Markup {
     html! {
         p { (design.statement) }
         @if let Some(promise) = &design.promise { p { (promise.statement) } }
+        @if let Some(prior) = &design.prior { p { (prior.statement) } }
         (super::parts::held(design.held_in_words().as_ref()))
         (super::parts::beyond(&design.beyond))
         @if let Some(found) = &design.unreached { p.caution { b { "Missed by inputs." } " " (coded(&found.statement)) } }

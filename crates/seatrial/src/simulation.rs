@@ -113,13 +113,14 @@ impl Study {
         Ok(Moments {
             vessel: self.vessel.name.clone(),
             sample_rate_hz: self.vessel.sample_rate_hz,
-            instruments,
+            instruments: Some(instruments),
             degrees: structure(model),
             maneuvers: pool.finish(model)?,
             held: Vec::new(),
             beyond: Vec::new(),
             disturbances: None,
             output_error: None,
+            prior: None,
             sampled: None,
         })
     }
@@ -149,13 +150,12 @@ impl Study {
     /// The parameters of every run.
     ///
     /// # Errors
-    /// A ship with forces; a nominal model that diverges; a run that is too short.
+    /// An estimator that takes no forces; a nominal model that diverges; a run that is too short.
     pub fn estimate(
         &self,
         runs: &[SimulatedRun],
         estimator: Estimator,
     ) -> Result<Vec<RunEstimate>, StudyError> {
-        self.vessel.check_terms("estimate")?;
         let runs: Vec<Run> = runs.iter().map(|simulated| simulated.run.clone()).collect();
         let estimators = RunEstimators {
             vessel: &self.vessel,

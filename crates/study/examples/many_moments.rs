@@ -48,13 +48,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let head = Moments {
         vessel: "drawn".to_owned(),
         sample_rate_hz: 8.0,
-        instruments: InstrumentKind::Nominal,
+        instruments: Some(InstrumentKind::Nominal),
         degrees,
         maneuvers: Vec::new(),
         held: Vec::new(),
         beyond: Vec::new(),
         disturbances: None,
         output_error: None,
+        prior: None,
         sampled: None,
     };
     commit_with_document(writer.finish()?, &out, &provenance, &MomentsDocument(head))?;

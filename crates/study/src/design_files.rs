@@ -44,6 +44,12 @@ impl Promised {
         let read = read_document::<MomentsDocument>(moments)?;
         provenance.made("moments", moments, read.digest, &read.provenance)?;
         let of = read.data.moments().map_err(|e| invalid(moments, &e))?;
+        if of.prior.is_some() {
+            let expected = "information in proportion to time, by which a promise is updated";
+            let remedy = "compare with the standard errors of the model.json";
+            let refused = Invalid::new("`data.prior`", "priors, which count once", expected, remedy);
+            return Err(invalid(moments, &refused));
+        }
         let relative_to = own.provenance.settings.get("relative_to").and_then(|name| name.as_str());
         let is_value = relative_to == Some(Source::Value.name());
         Ok(Self {

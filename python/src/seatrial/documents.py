@@ -895,6 +895,8 @@ class DesignDocument:
     promise: DesignPromise | None = None
     #: `output-error` where the covariance is that of an output-error estimate.
     estimator: Estimator | None = None
+    #: Of a ship with forces what her priors contribute.
+    prior: DesignPrior | None = None
     #: About few or long maneuvers, where they were asked for.
     restricted: Restricted | None = None
     #: Standard errors of figures of merit, where `--figures` was given.
@@ -942,6 +944,16 @@ class DesignFigures:
     figures: list[DesignFigure]
     #: Which figures are left out or have no weight, and why.
     left_out: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DesignPrior:
+    """What priors contribute to the estimates that a design is for."""
+
+    #: By parameter how much of its estimate is the prior's after the trial: 0 none, 1 all.
+    shares: dict[str, float]
+    #: Which are mostly the prior's, in words.
+    statement: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1466,7 +1478,8 @@ class FreeRunModel:
     simulated_with: Source
     #: These parameters, in units of the state's increment per unit of the term.
     parameters: dict[str, float]
-    #: Rows and columns of the matrices: the parameters of surge, `intercept (surge)`, then sway and yaw.
+    #: Rows and columns of the matrices: the parameters of surge, `intercept (surge)`, then sway and yaw; of a ship with
+    #: forces the free numbers alone.
     rows: list[str]
     #: Mean of SᵀS over the validation maneuvers, row-major, S = ∂x/∂θ̃ summed over the states: the variance of a free
     #: run's error is tr(cov G).
@@ -1698,8 +1711,8 @@ class ManeuverMoments:
     name: str
     #: Number of regression pairs N.
     samples: int
-    #: One matrix per degree of freedom.
-    degrees: list[DegreeMoments]
+    #: One matrix per degree of freedom; none of a ship with forces.
+    degrees: list[DegreeMoments] = field(default_factory=list)
     #: For an output-error estimate.
     output_error: OutputErrorMoments | None = None
 
@@ -2140,9 +2153,10 @@ class MomentsDocument:
     vessel: str
     #: Sampling rate \[Hz\].
     sample_rate_hz: float
-    #: What the instruments are made of.
-    instruments: InstrumentKind
-    #: What each row and column of the matrices stands for.
+    #: What the instruments are made of; a ship with forces has none.
+    instruments: InstrumentKind | None = None
+    #: What each row and column of the matrices stands for. Of a ship with forces one block of its free numbers, without
+    #: intercepts.
     degrees: list[Degree]
     #: One entry per maneuver, in the dictionary's order.
     maneuvers: list[ManeuverMoments]
@@ -2154,6 +2168,8 @@ class MomentsDocument:
     disturbances: Expected | None = None
     #: What the matrices `F` and `P` of an output-error estimate are about, where there are any.
     output_error: FreeRunModel | None = None
+    #: What is known of a ship with forces before the trial.
+    prior: PriorInformation | None = None
     #: What ships with other parameters do, where the true ones are not known and the maneuvers were simulated.
     sampled: SampledShips | None = None
 
@@ -2670,6 +2686,15 @@ class Primitive:
     spread_m: float
     #: Nodes of the lattice at which it fits on the chart.
     fits: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class PriorInformation:
+    """What is known of a ship's numbers before the trial."""
+
+    #: By parameter with a prior 1/σ², σ its standard deviation: it counts once for the whole trial, as `F` times
+    #: samples does.
+    information: dict[str, float]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,17 +15,17 @@ use regression::{InstrumentKind, MeanRemoval, Sums};
 use seatrial::sampled_ships;
 use serde_json::json;
 use study::documents::MomentsDocument;
-use study::files::{generator, read_campaign, read_vessel};
+use study::files::{generator, read_any_vessel, read_campaign};
 use study::moments_table::{self, table_of};
 use study::parts;
 use study::trajectories::{TrajectoryReader, label};
 use trial::moments::{
-    Estimated, Expected, FreeRunModel, HeldParameter, ManeuverMoments, Moments, Pool, Prediction,
-    Unpredictable, check_constants, structure,
+    Estimated, Expected, ForcesPrediction, FreeRunModel, HeldParameter, ManeuverMoments, Moments, Pool,
+    Prediction, Unpredictable, check_constants, numbers, structure,
 };
 
 use crate::choice::choice;
-use crate::cli::{Common, Sharding};
+use crate::cli::{Common, Sharding, given, none_given};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::ordered::ordered;
@@ -75,7 +75,7 @@ pub struct Arguments {
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("moments");
-        let mut vessel = read_vessel(&self.vessel, &mut provenance)?;
+        let mut vessel = read_any_vessel(&self.vessel, &mut provenance)?;
         let reader = inputs::trajectories(&self.trajectories, "trajectories", &vessel, &mut provenance)?;
         if reader.true_states() {
             vessel = vessel.with_disturbances_held();
@@ -86,6 +86,9 @@ impl Task for Arguments {
         }
         if reader.blocks() > 0 {
             label(reader.runs(0)?.iter().map(|run| run.design.as_str()), &mut provenance);
+        }
+        if vessel.model.forces.is_some() {
+            return self.of_forces(common, &vessel, &reader, provenance);
         }
         provenance.settings.insert("instruments".into(), json!(self.instruments));
         let beyond = study::beyond(&self.vessel, &self.trajectories, None)?;
@@ -98,17 +101,18 @@ impl Task for Arguments {
             let (disturbances, output_error) = predicted(self, &vessel, &mut provenance)?;
             let prediction = Prediction::new(&vessel.model, disturbances.as_ref(), output_error.as_ref());
             let (a, quiet) = (self, common.quiet);
-            let reading = Reading { a, vessel: &vessel, prediction, reader: &reader, quiet };
+            let reading = Reading { a, vessel: &vessel, prediction, forces: None, reader: &reader, quiet };
             let head = |maneuvers: Vec<ManeuverMoments>| Moments {
                 vessel: vessel.name.clone(),
                 sample_rate_hz: vessel.sample_rate_hz,
-                instruments: self.instruments,
+                instruments: Some(self.instruments),
                 degrees: structure(&vessel.model),
                 maneuvers,
                 held: held.clone(),
                 beyond: beyond.clone(),
                 disturbances: disturbances.clone(),
                 output_error: output_error.clone(),
+                prior: None,
                 sampled: sampled.clone(),
             };
             if self.table {
@@ -129,17 +133,84 @@ impl Task for Arguments {
                 }
             }
         };
-        commit(vec![stage_document(&out, &provenance, &document)?])?;
-        let count = document.0.maneuvers.len();
-        let part = provenance.shard.map_or(String::new(), |shard| format!(", shard {shard}"));
-        let held = &document.0.held;
-        let said = if held.is_empty() { String::new() } else { format!("; {}", HeldParameter::words(held)) };
-        let details = json!({"maneuvers": count, "held": held});
-        Ok(Summary::of(&out, format!("moments of {count} maneuvers{part}{said}"), details))
+        published(&out, &provenance, &document)
     }
 }
 
+/// Publishes the moments, and summarises them.
+fn published(out: &Path, provenance: &Provenance, document: &MomentsDocument) -> Result<Summary, Failure> {
+    commit(vec![stage_document(out, provenance, document)?])?;
+    let count = document.0.maneuvers.len();
+    let part = provenance.shard.map_or(String::new(), |shard| format!(", shard {shard}"));
+    let held = &document.0.held;
+    let said = if held.is_empty() { String::new() } else { format!("; {}", HeldParameter::words(held)) };
+    let details = json!({"maneuvers": count, "held": held});
+    Ok(Summary::of(out, format!("moments of {count} maneuvers{part}{said}"), details))
+}
+
 impl Arguments {
+    /// The moments of a ship with forces, for an output-error estimate.
+    fn of_forces(
+        &self,
+        common: &Common,
+        vessel: &Vessel,
+        reader: &TrajectoryReader,
+        mut provenance: Provenance,
+    ) -> Result<Summary, Failure> {
+        if self.estimator != Estimator::OutputError {
+            vessel.check_terms("iv").map_err(|e| {
+                let remedy = "add --estimator output-error and --campaign campaign.toml";
+                Failure::invalid(&self.vessel, &Invalid { remedy: remedy.into(), ..e })
+            })?;
+        }
+        let flags = [
+            ("--nominal", self.nominal.is_some()),
+            ("--instruments", self.instruments != InstrumentKind::Nominal),
+            ("--table", self.table),
+            ("--hold-unexcited", self.hold_unexcited),
+        ];
+        none_given(flags, "a vessel with forces, which has no instruments", "one with terms per sample")?;
+        let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);
+        let out = common.main_output("moments.json", inputs.chain(&self.sharding.gather))?;
+        let campaign = given(&self.campaign, "campaign")?;
+        let config = read_campaign(campaign, &mut provenance)?;
+        let noise = config.white_noise("take a campaign with one of these");
+        let noise = noise.map_err(|e| Failure::invalid(campaign, &e))?;
+        let forces = ForcesPrediction::new(vessel, noise);
+        let forces = forces.map_err(|e| Failure::invalid(fault(&e, &self.vessel, campaign), &e))?;
+        let validation = generator(campaign, vessel, &config.validation_dictionary(), &mut provenance)?;
+        let model = forces.free_runs(&validation).map_err(|e| self.unpredictable(campaign, e))?;
+        let expected = Expected::new(vessel, noise).map_err(|e| Failure::invalid(&self.vessel, &e))?;
+        if self.sharding.gathers() {
+            let (gathered, document) = parts::moments(&self.sharding.gather, provenance)?;
+            return published(&out, &gathered, &document);
+        }
+        provenance.shard = self.sharding.shard;
+        let (prediction, quiet) = (Prediction::new(&vessel.model, None, None), common.quiet);
+        let reading = Reading { a: self, vessel, prediction, forces: Some(&forces), reader, quiet };
+        let document = MomentsDocument(Moments {
+            vessel: vessel.name.clone(),
+            sample_rate_hz: vessel.sample_rate_hz,
+            instruments: None,
+            degrees: numbers(vessel),
+            maneuvers: reading.maneuvers()?,
+            held: Vec::new(),
+            beyond: study::beyond(&self.vessel, &self.trajectories)?,
+            disturbances: Some(expected),
+            output_error: Some(model),
+            prior: forces.prior(),
+            sampled: None,
+        });
+        published(&out, &provenance, &document)
+    }
+
+    fn unpredictable(&self, campaign: &Path, error: Unpredictable) -> Failure {
+        match error {
+            Unpredictable::Maneuver(e) => Failure::invalid(campaign, &e),
+            Unpredictable::Vessel(e) => Failure::invalid(&self.vessel, &e),
+        }
+    }
+
     /// The parameter to be held next, if such are held.
     fn unexcited(&self, moments: &Moments) -> Result<Option<HeldParameter>, Failure> {
         if !self.hold_unexcited {
@@ -157,11 +228,18 @@ impl Arguments {
 /// million rows in 1.6 s, with the disturbances' matrices in 1.9, with those of `output-error` in 2.7.
 const ROWS_PER_SECOND: f64 = 5e5;
 
+/// The file at fault: noise is the campaign's.
+fn fault<'a>(invalid: &Invalid, vessel: &'a Path, campaign: &'a Path) -> &'a Path {
+    if invalid.thing.starts_with("`measurement") { campaign } else { vessel }
+}
+
 /// The inputs, and how they are read.
 struct Reading<'a> {
     a: &'a Arguments,
     vessel: &'a Vessel,
     prediction: Prediction<'a>,
+    /// Of a ship with forces, in place of the prediction by terms.
+    forces: Option<&'a ForcesPrediction<'a>>,
     reader: &'a TrajectoryReader,
     quiet: bool,
 }
@@ -213,13 +291,20 @@ impl Reading<'_> {
         &self,
         mut take: impl FnMut(bool, ManeuverMoments) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        let Self { a, vessel, prediction, reader, quiet } = self;
+        let Self { a, vessel, prediction, forces, reader, quiet } = self;
         let instruments = RunInstruments::new(vessel, a.instruments);
         let blocks = a.sharding.shard.map_or(0..reader.blocks(), |shard| shard.range(reader.blocks()));
         let share = blocks.len() as f64 / reader.blocks().max(1) as f64;
         let seconds = share * reader.rows().0 as f64 / ROWS_PER_SECOND;
         let progress = Progress::new("blocks", blocks.len(), *quiet).foretold(seconds);
         let work = |block: usize| {
+            if let Some(forces) = forces {
+                let own = reader.runs(block)?.into_iter().map(|run| Ok((false, forces.moments(&run)?)));
+                progress.advance(1);
+                return own
+                    .collect::<Result<_, Invalid>>()
+                    .map_err(|e| Failure::invalid(&a.trajectories, &e));
+            }
             let runs: Vec<Run> = prediction.runs(&reader.runs(block)?);
             let mut found = Vec::with_capacity(runs.len());
             for batch in instruments.batches(&runs) {
@@ -256,10 +341,7 @@ fn predicted(
         return Ok((Some(expected), None));
     }
     let validation = generator(campaign, vessel, &config.validation_dictionary(), provenance)?;
-    let model = FreeRunModel::new(vessel, &validation).map_err(|e| match e {
-        Unpredictable::Maneuver(e) => Failure::invalid(campaign, &e),
-        Unpredictable::Vessel(e) => Failure::invalid(&a.vessel, &e),
-    })?;
+    let model = FreeRunModel::new(vessel, &validation).map_err(|e| a.unpredictable(campaign, e))?;
     Ok((Some(expected), Some(model)))
 }
 

@@ -10,7 +10,7 @@ use model::Source;
 use regression::MeanRemoval;
 use serde_json::json;
 use study::figure_goals::{FigureWeight, StatedAccuracy};
-use trial::moments::Estimated;
+use trial::moments::{Estimated, Moments};
 
 use crate::choice::choice;
 use crate::cli::{check_positive, name_of};
@@ -212,10 +212,25 @@ impl Arguments {
     }
 
     /// The experiment's length, as far as it is given.
-    pub(super) fn length(&self, dictionary: &Dictionary) -> Length {
+    pub(super) fn length(&self, sample_rate_hz: f64) -> Length {
         let segments = self.segments.zip(self.segment_samples);
         let counted = segments.map(|(n, samples)| n as f64 * samples as f64);
-        Length { samples: self.duration_s.map(|s| s * dictionary.sample_rate_hz).or(counted), segments }
+        Length { samples: self.duration_s.map(|s| s * sample_rate_hz).or(counted), segments }
+    }
+
+    /// `moments` with what the ship's priors add in a trial of the given length.
+    pub(super) fn with_prior(&self, moments: Moments) -> Result<Moments, Failure> {
+        if moments.prior.is_none() || self.estimator != Estimator::OutputError {
+            return Ok(moments);
+        }
+        match self.length(moments.sample_rate_hz).samples {
+            Some(samples) => Ok(moments.with_prior(samples)),
+            None => Err(Failure::Usage(format!(
+                "--duration-s: found no length of the trial, expected one, as the priors of {} count once for the whole trial; add \
+                 --duration-s, or --segments and --segment-samples, in place of --accuracy",
+                moments.vessel
+            ))),
+        }
     }
 
     /// The settings that the result depends on besides the inputs; a criterion only if it is not the default.

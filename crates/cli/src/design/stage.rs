@@ -19,6 +19,7 @@ impl Task for Arguments {
         let out = common.main_output("design.json", inputs)?;
         let loaded = read_document::<MomentsDocument>(&self.moments)?;
         let moments = loaded.data.moments().map_err(|e| Failure::invalid(&self.moments, &e))?;
+        let moments = self.with_prior(moments)?;
         let mut provenance = common.provenance("design");
         provenance.made("moments", &self.moments, loaded.digest, &loaded.provenance)?;
         // The label of simulated logs is copied from the moments to the design.
@@ -89,7 +90,7 @@ fn design(
     let shortest = problem.shortest(&options)?;
     let length = match &shortest {
         Some((_, accuracy)) => Length { samples: Some(accuracy.samples as f64), segments: None },
-        None => a.length(dictionary),
+        None => a.length(dictionary.sample_rate_hz),
     };
     let available = match (&problem.of.stock, &a.available) {
         (Some(stock), Some(path)) => Some(stock.within(dictionary, &length).map_err(|e| scarce(path, e))?),

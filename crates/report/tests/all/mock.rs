@@ -145,6 +145,7 @@ fn design() -> DesignDocument {
         held: Vec::new(),
         beyond: vec!["u leaves the 0.1000 to 0.4500 m/s that the model was fitted on in 5 samples (1.2 %)".to_owned()],
         unreached: None,
+        prior: None,
         promise: None,
         shares: by_name(|m| m.1),
         order: MANEUVERS.iter().map(|m| m.0.to_owned()).collect(),
@@ -192,13 +193,14 @@ fn moments() -> MomentsDocument {
     MomentsDocument(Moments {
         vessel: "Ljungberg model ship".to_owned(),
         sample_rate_hz: 8.0,
-        instruments: InstrumentKind::Nominal,
+        instruments: Some(InstrumentKind::Nominal),
         degrees: degrees.iter().map(structure).collect(),
         maneuvers: MANEUVERS.iter().enumerate().map(maneuver).collect(),
         held: Vec::new(),
         beyond: Vec::new(),
         disturbances: None,
         output_error: None,
+        prior: None,
         sampled: None,
     })
 }

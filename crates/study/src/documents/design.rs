@@ -93,6 +93,9 @@ pub struct DesignDocument {
     /// `output-error` where the covariance is that of an output-error estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimator: Option<Estimator>,
+    /// Of a ship with forces what her priors contribute.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prior: Option<DesignPrior>,
     /// About few or long maneuvers, where they were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restricted: Option<Restricted>,
@@ -129,6 +132,7 @@ impl DesignDocument {
     pub fn summary(&self) -> String {
         let used = self.used();
         let within = self.relative_gap.map_or(String::new(), |gap| format!(", relative gap {gap:.1e}"));
+        let prior = self.prior.as_ref().map(|own| format!("; {}", own.statement));
         let too_short = self.accuracy.as_ref().and_then(|accuracy| {
             let from = accuracy.holds_from_s.filter(|from| accuracy.duration_s < *from)?;
             Some(format!(
@@ -140,9 +144,10 @@ impl DesignDocument {
         let unreached = self.unreached.as_ref().map(|own| format!("; {}", own.statement));
         let held = self.held_in_words().map_or_else(String::new, |words| format!("; {words}"));
         format!(
-            "{used} of {} maneuvers, {}{within}{held}{}{}{}",
+            "{used} of {} maneuvers, {}{within}{held}{}{}{}{}",
             self.shares.len(),
             self.status,
+            prior.unwrap_or_default(),
             too_short.unwrap_or_default(),
             promise.unwrap_or_default(),
             unreached.unwrap_or_default(),
@@ -161,6 +166,16 @@ pub struct DesignPromise {
     /// in one experiment, 31 of 40 in another (docs/design.md).
     pub range: [f64; 2],
     /// Both in words.
+    pub statement: String,
+}
+
+/// What priors contribute to the estimates that a design is for.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DesignPrior {
+    /// By parameter how much of its estimate is the prior's after the trial: 0 none, 1 all.
+    pub shares: BTreeMap<String, f64>,
+    /// Which are mostly the prior's, in words.
     pub statement: String,
 }
 

@@ -1,7 +1,7 @@
 use artifact::{Document, Units};
 use identification::Estimator;
 use identification::pooled::{DegreeTrust, ParameterTrust, Pooled};
-use model::{Degree, Model, Vessel};
+use model::{Model, Vessel};
 use refusal::Invalid;
 use regression::MeanRemoval;
 use schemars::JsonSchema;
@@ -204,9 +204,9 @@ impl EstimateDocument {
 
 /// Which parameters of `model` have bounds.
 pub(crate) fn bounded(model: &Model) -> Vec<bool> {
-    let degree =
-        |degree: &Degree| (0..degree.terms.len()).map(|i| degree.bounds.contains_key(&i)).collect::<Vec<_>>();
-    model.degrees.iter().flat_map(degree).collect()
+    let is_bounded = |own: &[f64; 2]| own.iter().any(|end| end.is_finite());
+    let none = || vec![false; model.parameters()];
+    model.bounds().map_or_else(none, |all| all.iter().map(is_bounded).collect())
 }
 
 impl From<&DegreeTrust> for DegreeSummary {

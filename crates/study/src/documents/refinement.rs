@@ -118,6 +118,7 @@ impl RefinedFiles<'_> {
             held: Vec::new(),
             beyond: Vec::new(),
             unreached: None,
+            prior: None,
             promise: document.promise.clone(),
             shares: BTreeMap::from([(NAME.to_owned(), 1.0)]),
             order: vec![NAME.into()],

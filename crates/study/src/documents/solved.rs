@@ -13,8 +13,8 @@ use trial::arranging::Arranged;
 use trial::moments::{Estimated, Moments, Promise};
 
 use super::design::{
-    Accuracy as AccuracyDocument, Counts, CovarianceCriterion, DesignDocument, DesignPromise, Efficiency,
-    Restricted as RestrictedDocument, Sequence, SequencePart, Start, Unreached,
+    Accuracy as AccuracyDocument, Counts, CovarianceCriterion, DesignDocument, DesignPrior, DesignPromise,
+    Efficiency, Restricted as RestrictedDocument, Sequence, SequencePart, Start, Unreached,
 };
 use super::design_figures::SolvedFigures;
 use super::design_status::DesignStatus;
@@ -111,6 +111,7 @@ impl From<Solved<'_>> for DesignDocument {
             covariance,
             estimator: matches!(solved.estimated, Estimated::OutputError { .. })
                 .then_some(Estimator::OutputError),
+            prior: prior(&solved),
             restricted: solved.restricted.map(|(few, found)| restriction(few, found)),
             figures: solved.figures.as_ref().map(|figures| figures.document(samples(&solved) as u64)),
             accuracy: solved.accuracy.map(|found| accuracy(found, range(&solved, found))),
@@ -148,6 +149,13 @@ fn covariance(solved: &Solved) -> Option<CovarianceCriterion> {
         samples: samples as u64,
         standard_errors: names().zip(standard_errors).collect(),
     })
+}
+
+/// What the priors of a ship with forces contribute, if she has any.
+fn prior(solved: &Solved) -> Option<DesignPrior> {
+    let shares = solved.moments.prior_shares(&solved.design.shares, solved.samples?)?;
+    let statement = statements::prior(&shares);
+    Some(DesignPrior { shares, statement })
 }
 
 /// What an error of the parameters is as a promise, if these are a guess.

@@ -1,5 +1,7 @@
 //! Statements about designs.
 
+use std::collections::BTreeMap;
+
 use design::{Accuracy, Criterion, Design, Method, Restricted, Status, Whole};
 use model::Source;
 use trial::arranging::{Arranged, Kept};
@@ -31,6 +33,16 @@ pub(super) fn certificate(design: &Design, criterion: &Criterion, starts: &[Star
         (Status::Stalled, _) => {
             format!("The search stalled at a relative gap of {gap:.1e}: not optimal; {starts}.")
         }
+    }
+}
+
+/// About the priors' `shares` of the estimates.
+pub(super) fn prior(shares: &BTreeMap<String, f64>) -> String {
+    let mostly = shares.iter().filter(|(_, share)| **share > 0.5);
+    let names: Vec<String> = mostly.map(|(name, _)| format!("`{name}`")).collect();
+    match names.is_empty() {
+        true => "The trial contributes more than the prior to every parameter.".to_owned(),
+        false => format!("More than half the prior's after the trial: {}.", names.join(", ")),
     }
 }
 

@@ -57,7 +57,7 @@ impl Moments {
             degrees: self.degrees.clone(),
             maneuvers: self.maneuvers.iter().map(|m| m.name.clone()).collect(),
             sample_rate_hz: self.sample_rate_hz,
-            intercepts: estimated.has_intercepts(),
+            intercepts: estimated.has_intercepts() && !self.is_of_forces(),
             information,
         })
     }
@@ -170,6 +170,7 @@ impl Moments {
         removal: MeanRemoval,
         entries_of: impl Fn(&DegreeMoments, &str, usize) -> Result<Vec<f64>, String>,
     ) -> Result<Candidates, Invalid> {
+        self.check_terms()?;
         let lifted: Vec<usize> = self.degrees.iter().map(|d| d.regressors.len()).collect();
         let kept = |n: &usize| if removal == MeanRemoval::Complete { *n } else { n - 1 };
         let mut candidates = Candidates::new(lifted.iter().map(kept).collect());
@@ -195,6 +196,19 @@ impl Moments {
         Ok(candidates)
     }
 
+    /// Refuses a ship with forces for instrumental variables.
+    fn check_terms(&self) -> Result<(), Invalid> {
+        if !self.is_of_forces() {
+            return Ok(());
+        }
+        Err(Invalid::new(
+            "`data.degrees`",
+            "a ship with forces, which has no terms per sample",
+            "terms per sample, which instruments of `iv` are made of",
+            "take --for output-error",
+        ))
+    }
+
     /// Refuses degrees of freedom without one parameter per regressor, and duplicate maneuvers.
     fn check_structure(&self) -> Result<(), Invalid> {
         let refuse = |thing: String, found: &str, expected: &str| {
@@ -202,7 +216,8 @@ impl Moments {
         };
         for degree in &self.degrees {
             let (regressors, parameters) = (degree.regressors.len(), degree.parameters.len());
-            if parameters == 0 || regressors != parameters + 1 {
+            let intercepts = usize::from(!self.is_of_forces());
+            if parameters == 0 || regressors != parameters + intercepts {
                 let found = format!("{regressors} regressors and {parameters} parameters");
                 let thing = format!("`data.degrees` {}", degree.name);
                 return refuse(thing, &found, "one regressor more than parameters");

@@ -17,7 +17,8 @@ pub struct FreeRunModel {
     pub simulated_with: Source,
     /// These parameters, in units of the state's increment per unit of the term.
     pub parameters: BTreeMap<String, f64>,
-    /// Rows and columns of the matrices: the parameters of surge, `intercept (surge)`, then sway and yaw.
+    /// Rows and columns of the matrices: the parameters of surge, `intercept (surge)`, then sway and yaw; of a ship with forces
+    /// the free numbers alone.
     pub rows: Vec<String>,
     /// Mean of SᵀS over the validation maneuvers, row-major, S = ∂x/∂θ̃ summed over the states: the variance of a free run's
     /// error is tr(cov G).

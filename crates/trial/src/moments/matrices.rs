@@ -13,7 +13,8 @@ pub struct ManeuverMoments {
     pub name: String,
     /// Number of regression pairs N.
     pub samples: u64,
-    /// One matrix per degree of freedom.
+    /// One matrix per degree of freedom; none of a ship with forces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub degrees: Vec<DegreeMoments>,
     /// For an output-error estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]

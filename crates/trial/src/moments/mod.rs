@@ -5,6 +5,7 @@ mod criteria;
 mod dictionary;
 mod free_runs;
 mod matrices;
+mod physical;
 mod prediction;
 mod rivals;
 mod sampled;
@@ -17,6 +18,7 @@ pub use dictionary::{Estimated, leading, malformed};
 pub use free_runs::{FreeRunModel, Unpredictable};
 pub use matrices::{DegreeMoments, ManeuverMoments, OutputErrorMoments, Pool};
 use model::{DegreeOfFreedom, Model, Source, Vessel};
+pub use physical::{ForcesPrediction, PriorInformation, numbers};
 pub use prediction::Prediction;
 use refusal::Invalid;
 use regression::{InstrumentKind, Noise};
@@ -35,9 +37,11 @@ pub struct Moments {
     pub vessel: String,
     /// Sampling rate \[Hz\].
     pub sample_rate_hz: f64,
-    /// What the instruments are made of.
-    pub instruments: InstrumentKind,
-    /// What each row and column of the matrices stands for.
+    /// What the instruments are made of; a ship with forces has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instruments: Option<InstrumentKind>,
+    /// What each row and column of the matrices stands for. Of a ship with forces one block of its free numbers, without
+    /// intercepts.
     pub degrees: Vec<Degree>,
     /// One entry per maneuver, in the dictionary's order.
     pub maneuvers: Vec<ManeuverMoments>,
@@ -53,6 +57,9 @@ pub struct Moments {
     /// What the matrices `F` and `P` of an output-error estimate are about, where there are any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_error: Option<FreeRunModel>,
+    /// What is known of a ship with forces before the trial.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prior: Option<PriorInformation>,
     /// What ships with other parameters do, where the true ones are not known and the maneuvers were simulated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sampled: Option<SampledShips>,

@@ -10,7 +10,7 @@ use super::free_runs::diverges;
 use super::{DegreeMoments, Expected, FreeRunModel, ManeuverMoments, OutputErrorMoments};
 
 /// Name of the design of a dictionary's runs.
-const DICTIONARY: &str = "dictionary";
+pub(super) const DICTIONARY: &str = "dictionary";
 
 /// The predictions about estimates, besides the moments themselves.
 #[derive(Clone, Debug)]

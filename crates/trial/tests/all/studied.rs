@@ -96,13 +96,14 @@ fn moments(vessel: &Vessel, generator: &Generator, runs: &[Run]) -> Moments {
     Moments {
         vessel: vessel.name.clone(),
         sample_rate_hz: vessel.sample_rate_hz,
-        instruments: InstrumentKind::Nominal,
+        instruments: Some(InstrumentKind::Nominal),
         degrees: structure(&vessel.model),
         maneuvers: pool.finish(&vessel.model).unwrap(),
         held: Vec::new(),
         beyond: Vec::new(),
         disturbances: Some(expected),
         output_error: Some(free),
+        prior: None,
         sampled: None,
     }
 }

@@ -1,0 +1,187 @@
+//! The information of maneuvers about the free numbers of a ship with forces.
+
+use std::collections::BTreeMap;
+
+use design::Degree;
+use engine::Run;
+use fitting::{SimulatedRun, WhiteNoise};
+use maneuver::Generator;
+use model::{Moved, Vessel};
+use refusal::Invalid;
+use regression::Noise;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::free_runs::{Unpredictable, diverges};
+use super::prediction::DICTIONARY;
+use super::{FreeRunModel, ManeuverMoments, Moments, OutputErrorMoments, by_name};
+
+/// What is known of a ship's numbers before the trial.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PriorInformation {
+    /// By parameter with a prior 1/σ², σ its standard deviation: it counts once for the whole trial, as `F` times samples does.
+    pub information: BTreeMap<String, f64>,
+}
+
+/// A ship with forces whose maneuvers are simulated, and what disturbs the measured ones.
+#[derive(Clone, Debug)]
+pub struct ForcesPrediction<'a> {
+    vessel: &'a Vessel,
+    moved: &'a Moved,
+    theta: Vec<f64>,
+    noise: WhiteNoise,
+}
+
+/// Rows and columns of the matrices of `vessel` with forces: its free numbers, which have no degree of freedom of their own.
+pub fn numbers(vessel: &Vessel) -> Vec<Degree> {
+    let names = || vessel.model.parameter_names().map(str::to_owned).collect();
+    vec![Degree { name: FORCES.to_owned(), regressors: names(), parameters: names() }]
+}
+
+/// Name of the block of a ship's free numbers.
+const FORCES: &str = "forces";
+
+impl<'a> ForcesPrediction<'a> {
+    /// `vessel` with her best known numbers, whose sensors and water have `noise`.
+    ///
+    /// # Errors
+    /// A ship with terms per sample, or without a free number; a state without noise.
+    pub fn new(vessel: &'a Vessel, noise: Noise) -> Result<Self, Invalid> {
+        let Some(moved) = &vessel.model.forces else {
+            return Err(Invalid::new("`model`", "terms per sample", "`forces`", "predict it by its terms"));
+        };
+        let theta = vessel.parameters(vessel.best_known())?;
+        if theta.is_empty() {
+            let remedy = "write some as tables with `nominal`";
+            return Err(Invalid::new("the model", "no free number", "at least one to be estimated", remedy));
+        }
+        if let Some(d) = noise.measurement.iter().position(|std| *std <= 0.0) {
+            let thing = format!("`measurement.{}`", ["std_u_m_s", "std_v_m_s", "std_r_rad_s"][d]);
+            let expected = "noise in every state, which an output-error estimate weighs errors by";
+            return Err(Invalid::new(thing, "0", expected, "state what the sensor has, however little"));
+        }
+        let noise = WhiteNoise { measurement: noise.measurement, current: noise.current };
+        Ok(Self { vessel, moved, theta, noise })
+    }
+
+    fn simulated<'r>(&self, initial: [f64; 3], inputs: &'r [f64]) -> SimulatedRun<'r> {
+        let width = self.vessel.model.exogenous();
+        SimulatedRun { initial, inputs, width, sample_s: self.moved.sample_s }
+    }
+
+    /// What a simulated maneuver says of the numbers, per sample.
+    ///
+    /// # Errors
+    /// A measured run; a simulation that diverges.
+    pub fn moments(&self, run: &Run) -> Result<ManeuverMoments, Invalid> {
+        let name = run.segments.first().map_or(String::new(), |own| own.maneuver.clone());
+        if run.design != DICTIONARY {
+            let found = format!("a run of `{}`", run.design);
+            let expected = "maneuvers that `simulate dictionary` simulates, of a ship with forces";
+            let remedy = "simulate them, or fit the runs by `estimate pool`";
+            return Err(Invalid::new(format!("maneuver `{name}`"), found, expected, remedy));
+        }
+        let forces = &self.moved.forces;
+        let found = self
+            .simulated(run.initial, &run.exogenous)
+            .information(forces, &self.theta, &self.noise)
+            .ok_or_else(|| diverges(&format!("maneuver `{name}`")))?;
+        let share = 1.0 / run.samples().max(1) as f64;
+        let mean = |sum: Vec<f64>| sum.into_iter().map(|own| share * own).collect::<Vec<_>>();
+        let output_error = OutputErrorMoments {
+            f: mean(found.measurement),
+            e: None,
+            p: (self.noise.current > 0.0).then(|| mean(found.current)),
+        };
+        let samples = run.samples() as u64;
+        Ok(ManeuverMoments { name, samples, degrees: Vec::new(), output_error: Some(output_error) })
+    }
+
+    /// The model of free simulations, and what their errors over the maneuvers of `validation` depend on.
+    ///
+    /// # Errors
+    /// A maneuver that the ship cannot hold, or that diverges.
+    pub fn free_runs(&self, validation: &Generator) -> Result<FreeRunModel, Unpredictable> {
+        let (model, n) = (&self.vessel.model, self.theta.len());
+        let (mut sum, mut total) = (vec![0.0; n * n], 0.0);
+        for (index, maneuver) in validation.maneuvers().iter().enumerate() {
+            let samples = validation.samples(index).map_err(Unpredictable::Maneuver)?;
+            let run = validation.realize(index, samples).map_err(Unpredictable::Maneuver)?;
+            let inputs = model.undisturbed(&run.inputs);
+            let slopes = self.simulated(run.initial, &inputs).slopes(&self.moved.forces, &self.theta);
+            let slopes = slopes.ok_or_else(|| {
+                Unpredictable::Vessel(diverges(&format!("validation maneuver `{}`", maneuver.name)))
+            })?;
+            sum.iter_mut().zip(slopes.squares(n)).for_each(|(sum, own)| *sum += own);
+            total += samples as f64;
+        }
+        let g = (total > 0.0).then(|| sum.iter().map(|own| own / total).collect());
+        Ok(FreeRunModel {
+            simulated_with: self.vessel.best_known(),
+            parameters: by_name(model, &self.theta),
+            rows: model.parameter_names().map(str::to_owned).collect(),
+            g,
+        })
+    }
+
+    /// What the priors of the numbers know; `None` without any.
+    pub fn prior(&self) -> Option<PriorInformation> {
+        let own = |own: &_| prior(own);
+        let information: BTreeMap<String, f64> =
+            self.moved.forces.parameters().iter().filter_map(own).collect();
+        (!information.is_empty()).then_some(PriorInformation { information })
+    }
+}
+
+/// A number's name and 1/σ² of its prior.
+fn prior(own: &forces::Parameter) -> Option<(String, f64)> {
+    own.prior.map(|deviation| (own.name.clone(), 1.0 / (deviation * deviation)))
+}
+
+impl Moments {
+    /// Whether they are of a ship with forces, whose numbers have no intercepts beside them.
+    pub fn is_of_forces(&self) -> bool {
+        let bare = |own: &Degree| own.regressors.len() == own.parameters.len();
+        !self.degrees.is_empty() && self.degrees.iter().all(bare)
+    }
+
+    /// The same for a trial of `samples`, to each sample of which the priors add their part.
+    #[must_use]
+    pub fn with_prior(mut self, samples: f64) -> Self {
+        let information = self.prior_information();
+        let n = information.len();
+        for own in self.maneuvers.iter_mut().filter_map(|own| own.output_error.as_mut()) {
+            if own.f.len() == n * n {
+                (0..n).for_each(|i| own.f[i * n + i] += information[i] / samples);
+            }
+        }
+        self
+    }
+
+    /// 1/σ² of each parameter's prior, 0 without one, in the order of the matrices.
+    fn prior_information(&self) -> Vec<f64> {
+        let known = |name: &String| self.prior.as_ref()?.information.get(name).copied();
+        self.degrees.iter().flat_map(|own| &own.parameters).map(|name| known(name).unwrap_or(0.0)).collect()
+    }
+
+    /// How much of each estimate is the prior's after `samples` of these `shares` of the maneuvers, from 0 to 1, of moments
+    /// with their prior; `None` where there is none, or the information is singular.
+    pub fn prior_shares(&self, shares: &[f64], samples: f64) -> Option<BTreeMap<String, f64>> {
+        self.prior.as_ref()?;
+        let information = self.prior_information();
+        let n = information.len();
+        let mut sum = vec![0.0; n * n];
+        for (share, own) in shares.iter().zip(&self.maneuvers) {
+            let f = &own.output_error.as_ref()?.f;
+            sum.iter_mut().zip(f).for_each(|(sum, own)| *sum += share * samples * own);
+        }
+        let scale: Vec<f64> = (0..n).map(|i| sum[i * n + i].sqrt()).collect();
+        let mut scaled: Vec<f64> = (0..n * n).map(|k| sum[k] / (scale[k / n] * scale[k % n])).collect();
+        let mut inverse = vec![0.0; n * n];
+        numerics::inverse(n, &mut scaled, &mut inverse)?;
+        let share = |i: usize| (inverse[i * n + i] / sum[i * n + i] * information[i]).clamp(0.0, 1.0);
+        let names = self.degrees.iter().flat_map(|own| &own.parameters).cloned();
+        Some(names.enumerate().map(|(i, name)| (name, share(i))).collect())
+    }
+}
