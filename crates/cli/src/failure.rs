@@ -44,7 +44,7 @@ impl Failure {
 
     /// A run of `file` cannot be estimated.
     pub fn of_run(error: &RunError, vessel_file: &Path, file: &Path) -> Self {
-        let diverged = matches!(error, RunError::Diverged(_));
+        let diverged = matches!(error, RunError::Diverged(_) | RunError::Forces(_));
         Self::invalid(if diverged { vessel_file } else { file }, &error.invalid())
     }
 

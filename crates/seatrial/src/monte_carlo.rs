@@ -73,9 +73,9 @@ impl MonteCarlo<'_> {
     /// Simulates, estimates and scores `runs` of a design on all threads; the first `kept` runs of the design are kept.
     ///
     /// # Errors
-    /// A ship with forces; a simulation that diverges; runs that are too short.
+    /// An estimator that takes no forces; a simulation that diverges; runs that are too short.
     pub fn realize(&self, design: usize, runs: Range<usize>, kept: usize) -> Result<Realized, StudyError> {
-        self.estimators.vessel.check_terms("monte-carlo")?;
+        self.estimators.check_forces()?;
         let together = self.together(runs.len());
         let found = parts_of(runs, together, |runs| self.some(design, runs, kept));
         found.into_iter().try_fold(Realized::default(), |mut all, found| {
@@ -112,7 +112,7 @@ impl MonteCarlo<'_> {
     /// # Errors
     /// See [`Self::realize`].
     pub fn scores(&self, design: usize, runs: Range<usize>) -> Result<Vec<RunScore>, StudyError> {
-        self.estimators.vessel.check_terms("monte-carlo")?;
+        self.estimators.check_forces()?;
         if self.estimators.estimators != [Estimator::Iv] {
             return Ok(self.realize(design, runs, 0)?.scores);
         }

@@ -52,7 +52,12 @@ pub fn read_followed(path: &Path, provenance: &mut Provenance) -> Result<Vessel,
     read_vessel(path, provenance).map(|vessel| followed(path, vessel))
 }
 
-/// As [`read_simulated`], for stages that only simulate: the ship may have forces.
+/// As [`read_followed`], for stages whose estimators take forces.
+pub fn read_any_followed(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
+    read_any_vessel(path, provenance).map(|vessel| followed(path, vessel))
+}
+
+/// As [`read_simulated`], for stages that simulate or estimate by simulations: the ship may have forces.
 ///
 /// # Errors
 /// A file that is refused; a dead time, which simulations do not have.

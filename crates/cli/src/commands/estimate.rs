@@ -16,12 +16,12 @@ use serde_json::json;
 use study::documents::ModelDocument;
 use study::estimates::covariances::{self, Covariances};
 use study::estimates::{self, Row};
-use study::files::{read_campaign, read_followed};
+use study::files::{read_any_followed, read_campaign};
 use study::trajectories::{Layout, TrajectoryReader};
 use study::{Doubtful, LoggedHelm};
 
 use crate::choice::choice;
-use crate::cli::{Common, Sharding, beside, given, member};
+use crate::cli::{Common, Sharding, beside, given, member, none_given};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::ordered::{joined, joined_blocks};
@@ -80,7 +80,7 @@ pub const MAIN: &str = "estimates.parquet";
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
-        let vessel = self.determined(read_followed(&self.vessel, &mut provenance)?)?;
+        let vessel = self.determined(read_any_followed(&self.vessel, &mut provenance)?)?;
         self.mean_removal.check(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let inputs = [&self.vessel].into_iter().chain(&self.trajectories).chain(&self.sharding.gather);
         let out = common.main_output(MAIN, inputs)?;
@@ -137,7 +137,13 @@ impl Arguments {
         let initial = if reader.true_states() { InitialState::Known } else { InitialState::Estimated };
         // Noise that is not stated is found with the parameters.
         let unstated = !reader.true_states() && levels.is_none();
-        let usual = if unstated { Estimator::PredictionError } else { Estimator::Iv };
+        let usual = if vessel.model.forces.is_some() {
+            Estimator::OutputError
+        } else if unstated {
+            Estimator::PredictionError
+        } else {
+            Estimator::Iv
+        };
         let estimator = self.estimator.unwrap_or(usual);
         let estimators = RunEstimators {
             vessel,
@@ -147,6 +153,7 @@ impl Arguments {
             additional: self.additional.unknown(),
             levels,
         };
+        self.check_forces(&estimators, file)?;
         LoggedHelm::of(reader.provenance()).check(file, &estimators.estimators)?;
         self.additional.check(&estimators.estimators)?;
         let asks = estimators.asks(self.criticise);
@@ -189,6 +196,19 @@ impl Arguments {
         Ok((made, model))
     }
 
+    /// Refuses what estimates of a ship with forces do not have.
+    fn check_forces(&self, estimators: &RunEstimators, file: &Path) -> Result<(), Failure> {
+        if estimators.vessel.model.forces.is_none() {
+            return Ok(());
+        }
+        let taken = estimators.estimators.iter().try_for_each(|own| own.check(estimators.vessel));
+        taken.map_err(|e| Failure::invalid(&self.vessel, &e))?;
+        let flags =
+            [("--model-of", self.model_of.is_some()), ("--criticise", self.criticise == Asked::Always)];
+        none_given(flags, "a vessel with forces", "terms per sample, or `estimate pool` for a model")?;
+        estimators.check_forces().map_err(|e| Failure::invalid(file, &e))
+    }
+
     /// The model of the requested run, or of the only one.
     fn model(
         &self,
@@ -199,6 +219,7 @@ impl Arguments {
     ) -> Result<Option<ModelDocument>, Failure> {
         let name = |row: &Row| format!("{}/{}", row.design, row.run);
         let place = match (&self.model_of, rows) {
+            (None, _) if estimators.vessel.model.forces.is_some() => return Ok(None),
             (Some(wanted), _) => place_of(wanted, rows, name).map_err(|e| Failure::invalid(file, &e))?,
             (None, [_]) if self.sharding.shard.is_none() && !self.compare => 0,
             _ => return Ok(None),

@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use study::campaign_file::CampaignFile;
 use study::documents::TallyDocument;
 use study::estimates::{self, distinct};
-use study::files::{generator, read_simulated};
+use study::files::{generator, read_any_simulated};
 use study::kept::{Keep, Kept};
 use study::tallies::MAIN;
 use study::trajectories::Layout;
@@ -83,7 +83,9 @@ impl Arguments {
     fn computed(&self, common: &Common, out: &Path) -> Result<Summary, Failure> {
         self.additional.check(&self.estimator)?;
         let mut provenance = common.provenance("monte-carlo");
-        let of = self.of.read(read_simulated, &mut provenance)?;
+        let of = self.of.read(read_any_simulated, &mut provenance)?;
+        let taken = self.estimator.iter().try_for_each(|own| own.check(&of.vessel));
+        taken.map_err(|e| Failure::invalid(of.files.vessel, &e))?;
         let (files, config) = (of.files, &of.config);
         of.logged_helm().check(files.dictionary, &self.estimator)?;
         let settings = self.settings(config, common, files.campaign)?;
@@ -94,6 +96,7 @@ impl Arguments {
             validation: validation(&of.vessel, config, files.campaign)?,
             truth: of.vessel.value.iter().copied().collect(),
         };
+        study.estimators.check_forces().map_err(|e| Failure::invalid(files.campaign, &e))?;
         note_plays(&study.campaign, &mut provenance);
         self.check_room(&study, files.campaign, out)?;
         let done = Done { study: &study, files: &files, bounds: config.bounds(), quiet: common.quiet };

@@ -9,7 +9,7 @@ use model::Vessel;
 use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::estimates;
-use study::files::{read_campaign, read_simulated};
+use study::files::{read_any_simulated, read_campaign};
 use study::scores::{self, Row};
 use study::trajectories::refuse_shard;
 
@@ -55,7 +55,7 @@ const SIMULATED_PER_SECOND: f64 = 2.5e7;
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
-        let vessel = read_simulated(&self.vessel, &mut provenance)?;
+        let vessel = read_any_simulated(&self.vessel, &mut provenance)?;
         let config = read_campaign(&self.campaign, &mut provenance)?;
         let validation = validation_runs(&self.validation, &vessel, &mut provenance)?;
         let inputs = [&self.vessel, &self.campaign, &self.validation].into_iter();

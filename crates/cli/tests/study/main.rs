@@ -15,6 +15,7 @@ mod explore;
 mod export;
 mod few;
 mod figures;
+mod first_trial;
 mod generated;
 mod golden;
 mod in_memory;

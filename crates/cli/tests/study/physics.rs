@@ -209,21 +209,14 @@ fn stages_that_need_terms_per_sample_refuse_a_ship_with_forces_by_name() {
     let runs = "--vessel vessel.toml --trajectories dictionary.parquet";
     let lines = [
         format!("moments {runs} --out moments.json"),
-        format!("estimate {runs} --out estimates.parquet"),
         format!("estimate {runs} --estimator ls --out estimates.parquet"),
         format!("estimate pool {runs} --estimator iv --out pool/"),
         format!("estimate search {runs} --out search.json"),
         format!("validate cross {runs} --out crossval.json"),
         format!("validate selection {runs} --design design.json --out selection.parquet"),
         format!("plan {runs} --config plan.toml --out plan.json"),
-        "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design design.json \
-         --realizations 10 --out tally.json"
-            .to_owned(),
         "sequential --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --config sequential.toml \
          --out sequential.parquet"
-            .to_owned(),
-        "validate --vessel vessel.toml --campaign campaign.toml --estimates estimates.parquet --validation v.parquet \
-         --out scores.parquet"
             .to_owned(),
         "design refine --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign campaign.toml \
          --out refined/"

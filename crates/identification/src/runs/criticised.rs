@@ -19,8 +19,11 @@ refusal::choices! {
 }
 
 impl RunEstimators<'_> {
-    /// Whether runs are tested. The noise of a sensor is never exactly zero.
+    /// Whether runs are tested; those of a ship with forces are not. The noise of a sensor is never exactly zero.
     pub fn asks(&self, asked: Asked) -> bool {
+        if self.vessel.model.forces.is_some() {
+            return false;
+        }
         let stated = self.levels.is_some_and(|levels| levels.measurement.iter().all(|std| *std > 0.0));
         match asked {
             Asked::Stated => stated,

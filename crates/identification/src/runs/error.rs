@@ -8,6 +8,9 @@ pub enum RunError {
     /// There are no instruments.
     #[error(transparent)]
     Diverged(#[from] NominalDiverged),
+    /// Estimates of a ship with forces that cannot be.
+    #[error("{0}")]
+    Forces(Invalid),
     /// A degree of freedom has no fewer unknowns (parameters and intercepts) than the run has samples.
     #[error("design {design}, run {run} has {samples} samples, no more than unknowns")]
     TooShort {
@@ -25,6 +28,7 @@ impl RunError {
     pub fn invalid(&self) -> Invalid {
         match self {
             Self::Diverged(diverged) => diverged.invalid(),
+            Self::Forces(invalid) => invalid.clone(),
             Self::TooShort { design, run, samples } => Invalid::new(
                 format!("design {design}, run {run}"),
                 format!("{samples} samples"),

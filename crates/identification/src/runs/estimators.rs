@@ -94,6 +94,9 @@ impl RunEstimators<'_> {
         runs: &[Run],
         near: Option<&[Option<Vec<f64>>]>,
     ) -> Result<Vec<RunEstimate>, RunError> {
+        if let Some(moved) = &self.vessel.model.forces {
+            return Ok(self.by_forces(moved, runs)?.into_iter().map(|(row, _)| row).collect());
+        }
         let found = self.found(runs, near)?;
         Ok(self.rows(&found, runs).into_iter().map(|(row, _)| row).collect())
     }
@@ -106,6 +109,9 @@ impl RunEstimators<'_> {
         &self,
         runs: &[Run],
     ) -> Result<Vec<(RunEstimate, EstimateCovariance)>, RunError> {
+        if let Some(moved) = &self.vessel.model.forces {
+            return self.by_forces(moved, runs);
+        }
         let found = self.found(runs, None)?;
         let rows = self.rows(&found, runs).into_iter();
         Ok(rows.map(|(row, covariance)| (row, covariance.map(<[f64]>::to_vec))).collect())
@@ -120,13 +126,15 @@ impl RunEstimators<'_> {
     }
 
     /// The model of the first estimator from `run`, which is called `name`, with that by least squares; `None`
-    /// without an estimate.
+    /// without an estimate, and of a ship with forces, whose model `estimate pool` delivers.
     ///
     /// # Errors
     /// See [`RunEstimators::estimates`].
     pub fn delivered(&self, run: &Run, name: &str) -> Result<Option<(RunEstimate, Delivered)>, RunError> {
         let (runs, model) = (std::slice::from_ref(run), &self.vessel.model);
-        let Some(estimator) = self.estimators.first().copied() else { return Ok(None) };
+        let Some(estimator) = self.estimators.first().copied().filter(|_| model.forces.is_none()) else {
+            return Ok(None);
+        };
         let found = self.found(runs, None)?;
         let (intercepts, ambient) =
             found.first(estimator).map_or((None, None), |own| (own.intercepts, own.ambient));

@@ -5,6 +5,7 @@ mod error;
 mod estimators;
 mod found;
 mod instrumented;
+mod physical;
 mod refined;
 mod searched;
 

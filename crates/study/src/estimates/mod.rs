@@ -10,7 +10,7 @@ use std::path::Path;
 use artifact::{Columns, Error, TableReader};
 pub use identification::RunEstimate as Row;
 use identification::{EstimateStatus, Estimator};
-use model::{DegreeOfFreedom, Vessel};
+use model::Vessel;
 pub use published::publish;
 use refusal::listed;
 pub use summary::{CRITICISED, criticised, distinct, estimators, summarize};
@@ -55,8 +55,7 @@ pub fn columns(vessel: &Vessel) -> Columns<Row> {
                 },
             );
     }
-    for degree in DegreeOfFreedom::ALL {
-        let (name, d) = (degree.name(), degree as usize);
+    for (d, name) in blocks(vessel).iter().copied().enumerate() {
         let finite = move |r: &Row| Some(r.condition[d]).filter(|c| c.is_finite());
         columns = columns
             .optional(format!("condition_{name}"), "1", finite, move |r, condition| {
@@ -71,6 +70,11 @@ pub fn columns(vessel: &Vessel) -> Columns<Row> {
             );
     }
     columns
+}
+
+/// What has a condition number of its own: each degree of freedom; the numbers of a ship with forces together.
+pub(crate) fn blocks(vessel: &Vessel) -> &'static [&'static str] {
+    if vessel.model.forces.is_some() { &["forces"] } else { &["surge", "sway", "yaw"] }
 }
 
 /// Whether the table `file` has all parameters of `vessel`.

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use artifact::{Error, Provenance};
 use identification::{EstimateStatus, Estimator, RepeatedEstimates, TRUSTED, relative_norms};
-use model::{DegreeOfFreedom, Vessel};
+use model::Vessel;
 use numerics::statistics::{quantile, quantile_interval, sorted, wilson};
 use serde::de::DeserializeOwned;
 
-use super::Row;
+use super::{Row, blocks};
 use crate::documents::{
     ConstrainedParameter, DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary,
     bounded,
@@ -105,7 +105,7 @@ fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row], criticised: bool
         se_ratio_min: ratios().reduce(f64::min),
         se_ratio_max: ratios().reduce(f64::max),
         parameters: parameters(vessel, &found, rows),
-        degrees: DegreeOfFreedom::ALL.into_iter().map(|d| degree_summary(d, rows)).collect(),
+        degrees: blocks(vessel).iter().enumerate().map(|(d, name)| degree_summary((d, name), rows)).collect(),
     }
 }
 
@@ -141,15 +141,15 @@ fn parameters(vessel: &Vessel, found: &[RepeatedEstimates], rows: &[&Row]) -> Ve
     names.zip(found).enumerate().map(summary).collect()
 }
 
-fn degree_summary(d: DegreeOfFreedom, rows: &[&Row]) -> DegreeSummary {
-    let conditions = sorted(rows.iter().map(|r| Some(r.condition[d as usize])));
+fn degree_summary((d, name): (usize, &str), rows: &[&Row]) -> DegreeSummary {
+    let conditions = sorted(rows.iter().map(|r| Some(r.condition[d])));
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for row in rows {
-        *counts.entry(row.weakest[d as usize].as_str()).or_default() += 1;
+        *counts.entry(row.weakest[d].as_str()).or_default() += 1;
     }
     let (weakest, count) = counts.into_iter().max_by_key(|(_, count)| *count).unwrap_or(("", 0));
     DegreeSummary {
-        name: d.name().to_owned(),
+        name: name.to_owned(),
         condition_median: quantile(&conditions, 0.5),
         condition_median_interval: Some(quantile_interval(&conditions, 0.5)),
         condition_max: quantile(&conditions, 1.0),

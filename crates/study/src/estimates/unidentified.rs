@@ -43,6 +43,13 @@ pub fn unidentified(
 
 /// The parameter that the run does not excite.
 fn unexcited(vessel: &Vessel, row: &Row) -> String {
+    if vessel.model.forces.is_some() {
+        return format!(
+            "parameter `{}`: found no run and no prior that determines it, expected one; add a maneuver that does, or a `prior`, \
+             or fix it",
+            row.weakest[0]
+        );
+    }
     let degree = (0..3).find(|d| row.condition[*d].is_infinite()).unwrap_or(0);
     let (parameter, own) = (&row.weakest[degree], &vessel.model.degrees[degree]);
     let index = own.parameters.iter().position(|p| p == parameter).unwrap_or(0);

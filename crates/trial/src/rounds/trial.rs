@@ -411,7 +411,7 @@ pub fn ends(vessel: &Vessel, duration_s: f64, rounds: usize) -> Result<Vec<usize
 /// The refusal of runs that cannot be estimated.
 fn refused(error: RunError) -> Refusal {
     match error {
-        RunError::Diverged(_) => Refusal::Vessel(error.invalid()),
+        RunError::Diverged(_) | RunError::Forces(_) => Refusal::Vessel(error.invalid()),
         RunError::TooShort { .. } => Refusal::Campaign(error.invalid()),
     }
 }
