@@ -6,6 +6,9 @@ use study::documents::RunDocument;
 
 use crate::support::*;
 
+const PRESETS: [&str; 8] =
+    ["model-ship", "coaster", "full-scale", "kvlcc2", "esso-osaka", "mariner", "kvlcc2-l7", "otter"];
+
 /// What `run` with `flags` says of the stages that it ran.
 fn stages(folder: &tempfile::TempDir, line: &str) -> Vec<String> {
     let ran = run(folder, &format!("{line} --json --quiet")).succeeds();
@@ -15,7 +18,7 @@ fn stages(folder: &tempfile::TempDir, line: &str) -> Vec<String> {
 
 #[test]
 fn every_preset_comes_to_its_page_by_two_commands() {
-    for preset in ["model-ship", "coaster", "full-scale", "kvlcc2", "esso-osaka"] {
+    for preset in PRESETS {
         let folder = tempfile::tempdir().unwrap();
         run(&folder, &format!("new mine --vessel {preset}")).succeeds();
         let ran = run(&folder, "run mine --quiet --set campaign.realizations=2").succeeds();
@@ -28,7 +31,7 @@ fn every_preset_comes_to_its_page_by_two_commands() {
 
 #[test]
 fn every_hand_written_file_of_a_preset_is_commented() {
-    for preset in ["model-ship", "coaster", "full-scale", "kvlcc2", "esso-osaka"] {
+    for preset in PRESETS {
         let folder = tempfile::tempdir().unwrap();
         run(&folder, &format!("new mine --vessel {preset}")).succeeds();
         for name in ["vessel.toml", "dictionary.toml", "campaign.toml", "study.mk"] {

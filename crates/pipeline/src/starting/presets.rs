@@ -40,7 +40,7 @@ macro_rules! preset {
 }
 
 /// All of them.
-pub const PRESETS: [Preset; 5] = [
+pub const PRESETS: [Preset; 8] = [
     preset!(
         "model-ship",
         "a model ship of 1 m with two azimuth thrusters aft",
@@ -70,6 +70,9 @@ pub const PRESETS: [Preset; 5] = [
         None,
         None
     ),
+    preset!("mariner", "the cargo ship Mariner of 160.93 m, by hydrodynamic derivatives", None, None, None),
+    preset!("kvlcc2-l7", "a 7 m model of the tanker KVLCC2, by the MMG standard method", None, None, None),
+    preset!("otter", "the uncrewed vessel Otter of 2 m with two propellers, by forces", None, None, None),
 ];
 
 impl Preset {
@@ -118,7 +121,7 @@ impl Preset {
     /// `vessel.toml` without true parameters, which no real ship has.
     pub(super) fn without_truth(&self) -> String {
         let lines = self.vessel.lines().filter(|line| !line.starts_with("value = "));
-        lines.map(|line| format!("{line}\n")).collect()
+        lines.map(|line| format!("{}\n", without_value(line))).collect()
     }
 
     /// The channels that logs of it must have: speeds and angles of its thrusters, or else its inputs.
@@ -143,4 +146,12 @@ impl Preset {
     pub(super) fn sample_rate_hz(&self) -> f64 {
         self.vessel.parse::<VesselFile>().ok().and_then(|vessel| vessel.sample_rate_hz).unwrap_or(1.0)
     }
+}
+
+/// A line of tables without the true values in them.
+fn without_value(line: &str) -> String {
+    let mut parts = line.split(", value = ");
+    let first = parts.next().unwrap_or_default();
+    let rest = parts.map(|part| &part[part.find([' ', ',']).unwrap_or(part.len())..]);
+    std::iter::once(first).chain(rest).collect()
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use model::{TermSpec, VesselFile};
+use model::{TermSpec, Vessel, VesselFile};
 use pipeline::starting::{PRESETS, Preset, simulated};
 
 /// Terms and true parameters, or nominal ones where no truth is stated, by the names of the parameters.
@@ -34,5 +34,30 @@ fn law_presets_have_the_parameters_of_the_shipped_studies() {
         assert_eq!(parameters(&vessel_of(name)), expected, "{name}");
         assert!(expected.len() >= 10, "{name}");
     }
-    assert_eq!(PRESETS.len(), 5, "a preset that is not compared");
+    assert_eq!(PRESETS.len(), 5 + FORCES.len(), "a preset that is not compared");
+}
+
+/// Ships with forces, and how many of their numbers a trial is to find.
+const FORCES: [(&str, usize); 3] = [("mariner", 16), ("kvlcc2-l7", 26), ("otter", 5)];
+
+#[test]
+fn law_presets_with_forces_know_what_the_published_ships_are() {
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    for (name, free) in FORCES {
+        let file = repository.join(format!("crates/model/presets/{name}.toml"));
+        let published: VesselFile = std::fs::read_to_string(file).unwrap().parse().unwrap();
+        let own = vessel_of(name);
+        let terms = |file: &VesselFile| -> Vec<(String, String, Option<f64>)> {
+            let all = file.surge.iter().chain(&file.sway).chain(&file.yaw);
+            all.map(|own| (own.parameter.clone(), own.term.clone(), own.prime)).collect()
+        };
+        assert_eq!(terms(&own), terms(&published), "{name}");
+        let vessel = Vessel::from_file(own).unwrap();
+        assert_eq!(vessel.model.parameters(), free, "{name}");
+        let moved = vessel.model.forces.as_ref().unwrap();
+        for (own, truth) in moved.forces.parameters().iter().zip(&vessel.value) {
+            let (prior, truth) = (own.prior.unwrap(), truth.unwrap());
+            assert!((truth - own.nominal).abs() < prior && truth != own.nominal, "{name}: {}", own.name);
+        }
+    }
 }
