@@ -14,9 +14,12 @@ mod channels;
 mod components;
 mod crossflow;
 mod delays;
+mod dimension;
 mod dual;
 mod forces;
 pub mod grammar;
+mod guess;
+mod lateral;
 mod mass;
 mod number;
 mod numbers;
@@ -25,19 +28,25 @@ mod propeller;
 mod quantity;
 mod real;
 mod rudder;
+mod similar;
+mod slots;
 mod spec;
 mod term;
 mod thruster;
+mod usual;
 mod wind;
 
 pub use body::Body;
 pub use channels::{Channel, Driven};
 pub use dual::Dual;
 pub use forces::Forces;
+pub use guess::{Guess, MainDimensions};
+pub use lateral::LateralSum;
 pub use number::{Number, NumberSpec};
 pub use parameter::Parameter;
 pub use quantity::{Quantity, QuantitySource};
 pub use real::Real;
+pub use similar::Similarity;
 pub use spec::{
     AddedMass, Area, Coriolis, CrossflowSpec, Curve, Description, Inflow, PropellerSpec, Reversed,
     RudderSpec, ShipSpec, TermSpec, ThrusterSpec, WindSpec,

@@ -37,10 +37,42 @@ pub struct Factor {
     pub divides: bool,
 }
 
+impl Factor {
+    /// The channel that it is, if it is none of the motion.
+    pub fn channel(self) -> Option<usize> {
+        self.variable.checked_sub(MOTION.len())
+    }
+
+    /// The name of the motion that it is; empty for a channel.
+    pub fn motion(self) -> &'static str {
+        MOTION.get(self.variable).copied().unwrap_or_default()
+    }
+
+    /// Whether it is the yaw rate.
+    pub fn is_yaw_rate(self) -> bool {
+        self.motion() == "r"
+    }
+
+    /// 1, or −1 where it divides.
+    pub fn power(self) -> i32 {
+        if self.divides { -1 } else { 1 }
+    }
+}
+
+/// The factors of a term, each once for every power.
+///
+/// # Errors
+/// A text that is no term, or a division by what can be 0.
+pub(crate) fn factors(spec: &TermSpec, channels: &[Channel]) -> Result<Vec<Factor>, Invalid> {
+    Parser { spec, channels }.factors()
+}
+
 /// A parameter and what it multiplies.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Term {
     parameter: At,
+    /// What one of the prime system is in SI units.
+    prime: f64,
     factors: Vec<Factor>,
 }
 
@@ -56,10 +88,29 @@ impl Term {
         prime: &Prime,
         builder: &mut Builder,
     ) -> Result<Self, Invalid> {
-        let factors = Parser { spec, channels }.factors()?;
+        let factors = factors(spec, channels)?;
         let measured = measured(spec, &factors, d, channels, prime)?;
+        let prime = measured.prime.unwrap_or(1.0);
         let parameter = builder.parameter(&spec.parameter, &spec.number(), measured)?;
-        Ok(Self { parameter, factors })
+        Ok(Self { parameter, prime, factors })
+    }
+
+    /// Its powers of v and r together, and what it adds to a force in the prime system where v is `drift` yaw rates and the
+    /// yaw rate is 1; none for terms with channels, with `du`, or without v and r.
+    pub fn lateral(&self, numbers: &[f64], drift: f64) -> Option<(u32, f64)> {
+        let (mut order, mut product) = (0, self.parameter.of(numbers) / self.prime);
+        for factor in &self.factors {
+            match factor.motion() {
+                "v" => {
+                    order += factor.power();
+                    product *= if factor.modulus { drift.abs() } else { drift };
+                }
+                "r" => order += factor.power(),
+                "u" | "U" | "U_s" => {}
+                _ => return None,
+            }
+        }
+        u32::try_from(order).ok().filter(|order| *order > 0).map(|order| (order, product))
     }
 
     /// Its factors, in order.
