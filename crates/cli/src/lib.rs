@@ -25,6 +25,7 @@ pub mod progress;
 pub mod run;
 pub mod said;
 pub mod sharded;
+pub mod ships;
 pub mod simulate;
 pub mod stage;
 pub mod umbrella;

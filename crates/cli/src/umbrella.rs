@@ -13,7 +13,7 @@ use crate::commands::STAGES;
 use crate::failure::Failure;
 use crate::stage::Stage;
 use crate::stage::{dressed, ended, matches};
-use crate::{new, run};
+use crate::{new, run, ships};
 
 /// The program `seatrial`.
 pub fn main() -> ExitCode {
@@ -46,7 +46,12 @@ pub fn main() -> ExitCode {
 }
 
 /// What begins a study, and what runs all of it.
-const OWN: [Stage; 2] = [Stage::of::<new::Arguments>(), Stage::of::<run::Arguments>()];
+const OWN: [Stage; 4] = [
+    Stage::of::<new::Arguments>(),
+    Stage::of::<ships::Guess>(),
+    Stage::of::<ships::Scale>(),
+    Stage::of::<run::Arguments>(),
+];
 
 /// The program's own subcommands that write files, and the stages.
 fn subcommands() -> impl Iterator<Item = &'static Stage> {

@@ -43,7 +43,7 @@ pub struct MainDimensions {
     pub propeller_diameter_m: Option<f64>,
     /// Area of the rudder \[m²\]; by a classification society's rule without it.
     pub rudder_area_m2: Option<f64>,
-    /// Height of the rudder \[m\]; 0.75 draughts without it.
+    /// Height of the rudder \[m\]; 0.75 draughts, or the propeller's diameter if that is more, without it.
     pub rudder_height_m: Option<f64>,
 }
 
@@ -103,17 +103,12 @@ impl MainDimensions {
         )?;
         let diameter = given(self.propeller_diameter_m, 0.6 * draught);
         within("the propeller's diameter", diameter, (0.2 * draught, draught), "0.2 to 1 draughts")?;
-        let height = given(self.rudder_height_m, 0.75 * draught);
-        within("the rudder's height", height, (0.2 * draught, draught), "0.2 to 1 draughts")?;
         let side = length * draught;
         let area = given(self.rudder_area_m2, 0.02 * side);
         within("the rudder's area", area, (0.004 * side, 0.08 * side), "0.4 to 8 % of length times draught")?;
-        within(
-            "the rudder's height",
-            height,
-            (diameter.min(0.5 * area.sqrt()), f64::MAX),
-            "half the root of its area",
-        )
+        let height = given(self.rudder_height_m, diameter.max(0.75 * draught));
+        let heights = (diameter, draught);
+        within("the rudder's height", height, heights, "the propeller's diameter to the draught")
     }
 }
 
@@ -136,19 +131,25 @@ struct Guesser {
     height: f64,
 }
 
+/// With four digits: none of a guess is surer.
+fn rounded(own: f64) -> f64 {
+    format!("{own:.3e}").parse().unwrap_or(own)
+}
+
 impl Guesser {
     fn new(own: MainDimensions) -> Self {
         let MainDimensions { length_m, beam_m, draught_m, block, density_kg_m3, .. } = own;
         // Ayre's relation of the block coefficient and the Froude number.
         let froude = ((1.06 - block) / 1.68).clamp(0.08, 0.35);
         let beams = beam_m / length_m;
+        let diameter = own.propeller_diameter_m.unwrap_or(rounded(0.6 * draught_m));
         let area = 0.01 * length_m * draught_m * (1.0 + 25.0 * beams * beams);
         Self {
-            speed: own.speed_m_s.unwrap_or(froude * (GRAVITY * length_m).sqrt()),
-            mass: own.mass_kg.unwrap_or(density_kg_m3 * block * length_m * beam_m * draught_m),
-            diameter: own.propeller_diameter_m.unwrap_or(0.6 * draught_m),
-            area: own.rudder_area_m2.unwrap_or(area),
-            height: own.rudder_height_m.unwrap_or(0.75 * draught_m),
+            speed: own.speed_m_s.unwrap_or(rounded(froude * (GRAVITY * length_m).sqrt())),
+            mass: own.mass_kg.unwrap_or(rounded(density_kg_m3 * block * length_m * beam_m * draught_m)),
+            diameter,
+            area: own.rudder_area_m2.unwrap_or(rounded(area)),
+            height: own.rudder_height_m.unwrap_or(diameter.max(rounded(0.75 * draught_m))),
             own,
         }
     }
@@ -176,6 +177,7 @@ impl Guesser {
             -scale * (0.5 + 2.4 * depth),
             -scale * (0.25 + 0.039 * by_draught - 0.56 * by_length),
         ]
+        .map(rounded)
     }
 
     /// The same authors' added masses: sway, yaw, sway by yaw acceleration, yaw by sway acceleration.
@@ -188,6 +190,7 @@ impl Guesser {
             scale * (0.67 * by_length - 0.0033 * by_draught * by_draught),
             scale * (1.1 * by_length - 0.041 * by_draught),
         ]
+        .map(rounded)
     }
 
     /// Refuses dimensions at which a formula leaves its range: damping that drives, added masses below 0.
@@ -216,16 +219,16 @@ impl Guesser {
         let reynolds = self.speed * self.own.length_m / VISCOSITY;
         let line = libm::log10(reynolds) - 2.0;
         let friction = 0.075 / (line * line);
-        RESISTANCE * friction * (1.7 + self.own.block * by_draught)
+        rounded(RESISTANCE * friction * (1.7 + self.own.block * by_draught))
     }
 
     /// Taylor's wake of a single screw.
     fn wake(&self) -> f64 {
-        (0.5 * self.own.block - 0.05).max(0.05)
+        rounded((0.5 * self.own.block - 0.05).max(0.05))
     }
 
     fn deduction(&self) -> f64 {
-        0.6 * self.wake()
+        rounded(0.6 * self.wake())
     }
 
     /// Revolutions at which thrust, less what the hull loses of it, holds the resistance.
@@ -273,10 +276,10 @@ impl Guesser {
             area: None,
             mass_kg: self.mass.into(),
             x_g_m: Some(0.0.into()),
-            gyration_m: Some((0.25 * length_m).into()),
+            gyration_m: Some(rounded(0.25 * length_m).into()),
             inertia_kg_m2: None,
             added_mass: AddedMass {
-                surge: (ADDED_SURGE * self.prime_mass()).into(),
+                surge: rounded(ADDED_SURGE * self.prime_mass()).into(),
                 sway,
                 yaw,
                 sway_yaw: Some(sway_yaw),
@@ -290,7 +293,7 @@ impl Guesser {
         let [y_v, y_r, n_v, n_r] = self.derivatives();
         let resistance = self.resistance();
         let surge = vec![
-            term("X_0", "U^2", -resistance, 0.5 * resistance),
+            term("X_0", "U^2", -resistance, rounded(0.5 * resistance)),
             term("X_vv", "v^2", 0.0, 0.1),
             term("X_vr", "v r", 0.0, 0.1),
             term("X_rr", "r^2", 0.0, 0.05),
@@ -336,7 +339,7 @@ impl Guesser {
             behind: Some("propeller".to_owned()),
             area_m2: self.area.into(),
             height_m: Some(self.height.into()),
-            lift_slope: (6.13 * aspect / (aspect + 2.25)).into(),
+            lift_slope: rounded(6.13 * aspect / (aspect + 2.25)).into(),
             epsilon: Some(free(1.1, 0.4)),
             kappa: Some(free(0.5, 0.3)),
             gamma: Some([free(0.5, 0.4), free(0.5, 0.4)]),
@@ -356,10 +359,11 @@ impl Description {
     /// With propeller and rudder at the stern.
     fn with_places(mut self, length_m: f64) -> Self {
         for own in &mut self.propeller {
-            own.x_m = Some((-0.48 * length_m).into());
+            own.x_m = Some(rounded(-0.48 * length_m).into());
         }
         for own in &mut self.rudder {
-            (own.x_m, own.interaction_x_m) = ((-0.5 * length_m).into(), Some((-0.45 * length_m).into()));
+            (own.x_m, own.interaction_x_m) =
+                (rounded(-0.5 * length_m).into(), Some(rounded(-0.45 * length_m).into()));
         }
         self
     }

@@ -29,6 +29,7 @@ mod physics;
 mod presets;
 mod rate;
 mod rows;
+mod similar;
 mod term;
 pub mod terms;
 mod written;

@@ -116,6 +116,19 @@ impl VesselFile {
     }
 }
 
+/// The forces that `file` describes.
+///
+/// # Errors
+/// A file of terms per sample, or without what all forces need.
+pub(crate) fn described(file: &VesselFile) -> Result<Description, Invalid> {
+    if file.model != Some(Kind::Forces) {
+        let expected = "`model = \"forces\"`: terms per sample hold for one ship at one rate";
+        let remedy = "describe her as forces, or take a preset such as `kvlcc2-l7`";
+        return Err(Invalid::new("`model`", "terms per sample", expected, remedy));
+    }
+    description(file)
+}
+
 fn description(file: &VesselFile) -> Result<Description, Invalid> {
     let [surge, sway, yaw] = [&file.surge, &file.sway, &file.yaw].map(Vec::clone);
     Ok(Description {

@@ -1,7 +1,7 @@
 //! A study from its first files to its page: what it begins with, which stages run with which flags, and which of them are
 //! up to date.
 //!
-//! [`starting`] writes the hand-written files of a new study. A [`Pipeline`] lists the stages of a study as command lines; a
+//! [`starting`] writes the hand-written files of a new study, [`ships`] a ship before her first trial. A [`Pipeline`] lists the stages of a study as command lines; a
 //! [`Record`] knows by digests which of them need not run again. Whoever has the stages runs them.
 
 #![forbid(unsafe_code)]
@@ -10,6 +10,7 @@
 mod pipeline;
 mod record;
 mod settings;
+pub mod ships;
 pub mod starting;
 mod steps;
 

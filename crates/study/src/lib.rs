@@ -32,6 +32,7 @@ pub mod scores;
 mod seed;
 pub mod selection;
 pub mod sequential;
+pub mod ship_file;
 pub mod sweep;
 pub mod tallies;
 mod term_lists;
@@ -39,6 +40,7 @@ pub mod track;
 pub mod trajectories;
 mod tried;
 mod validated;
+pub mod vessel_text;
 
 pub use beyond::beyond;
 pub use doubtful::Doubtful;

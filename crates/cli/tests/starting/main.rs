@@ -5,4 +5,5 @@ mod support;
 
 mod logs;
 mod refusals;
+mod ships;
 mod studies;

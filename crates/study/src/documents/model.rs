@@ -328,6 +328,18 @@ impl ModelDocument {
         })))
     }
 
+    /// The ship of a fit of forces as a file, with the estimates as her nominal values.
+    ///
+    /// # Errors
+    /// A model without forces; a text that is no ship.
+    pub fn forces_file(&self) -> Result<VesselFile, Invalid> {
+        let Some(own) = &self.forces else {
+            let remedy = "estimate a vessel with `model = \"forces\"`";
+            return Err(Invalid::new("data.forces", "none: terms per sample", "a fit of forces", remedy));
+        };
+        Ok(self.channels_of(own.file()?))
+    }
+
     /// `file` with the name, rate and channels of the model.
     fn channels_of(&self, file: VesselFile) -> VesselFile {
         VesselFile {
