@@ -1,15 +1,16 @@
 //! Fits of ships with forces.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, commit, read_document, stage_document};
 use clap::Args;
 use identification::Estimator;
 use model::Vessel;
 use seatrial::fitting::{Settings, Starts, Unfit};
-use seatrial::{Physical, PhysicalError, former};
+use seatrial::{Physical, PhysicalError, check_captive, former};
 use serde_json::json;
 use study::documents::ModelDocument;
+use study::files::read_reference;
 
 use crate::cli::{Common, none_given, not_below, samples};
 use crate::failure::Failure;
@@ -23,7 +24,7 @@ const MAIN: &str = "model.json";
 const FORMER: f64 = 10.0;
 
 /// Flags of fits of ships with forces.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct PhysicalFlags {
     /// Of a ship with forces: the runs are simulated in windows of at most this length [s] [default: 100]
     #[arg(long, value_name = "S")]
@@ -35,6 +36,9 @@ pub struct PhysicalFlags {
     /// Predictions may be better, standard errors are too small
     #[arg(long)]
     measured_starts: bool,
+    /// Of a ship with forces: values of captive tests under `derivatives`, to set beside the estimates
+    #[arg(long, value_name = "reference.toml")]
+    reference: Option<PathBuf>,
 }
 
 impl PhysicalFlags {
@@ -47,6 +51,7 @@ impl PhysicalFlags {
             ("--window-s", self.window_s.is_some()),
             ("--prior-weight", self.prior_weight.is_some()),
             ("--measured-starts", self.measured_starts),
+            ("--reference", self.reference.is_some()),
         ];
         none_given(flags, "a vessel with terms per sample", "one with forces")
     }
@@ -85,14 +90,19 @@ pub fn fit(
         refused.map_err(|e| Failure::invalid(&flags.vessel, &e))?;
     }
     flags.check_forces()?;
-    let out = common.main_output(MAIN, flags.inputs())?;
+    let out = common.main_output(MAIN, flags.inputs().chain(&own.reference))?;
     let settings = own.settings(1.0 / vessel.sample_rate_hz, flags.prior.as_ref())?;
     let former = match &flags.prior {
         Some(Held::Former(path)) => Some(read_former(path, vessel, &mut provenance)?),
         _ => None,
     };
+    let reference =
+        own.reference.as_ref().map(|path| read_reference(path, "reference", &mut provenance)).transpose()?;
+    if let (Some(path), Some(reference)) = (&own.reference, &reference) {
+        check_captive(reference, vessel).map_err(|e| Failure::invalid(path, &e))?;
+    }
     let (runs, _) = flags.of.read(vessel, &mut provenance, inputs::runs)?;
-    let physical = Physical { vessel, settings, former: former.as_deref() };
+    let physical = Physical { vessel, settings, former: former.as_deref(), reference: reference.as_ref() };
     let model = physical.model(&runs).map_err(|e| unfit(e, &flags.vessel, flags.of.file()))?;
     let noted = [
         ("estimator", json!(Estimator::OutputError)),

@@ -20,6 +20,7 @@
 
 mod charted;
 mod comparison;
+mod derivatives;
 mod designing;
 mod former;
 mod measured;
@@ -34,6 +35,7 @@ mod updating;
 
 pub use charted::{ChartedTrial, PlanError, Planned};
 pub use comparison::Comparison;
+pub use derivatives::check_captive;
 pub use designing::{Designing, Wish};
 pub use former::former;
 pub use measured::{Ingested, Logs};
@@ -74,7 +76,7 @@ pub use study::design_files::Promised;
 pub use study::documents::{
     AverageDocument, CompareDocument, DesignDocument, DesignScores, DesignUpdateDocument, Few,
     IngestDocument, MapDocument, MeritDocument, MeritTableRow, ModelDocument, PlanChart, PlanDocument,
-    RecordingSummary, SearchDocument, SolvedFigures,
+    RecordingSummary, Reference, SearchDocument, SolvedFigures,
 };
 pub use study::figure_goals::FigureGoals;
 pub use study::ingest_file::IngestFile;

@@ -7,8 +7,10 @@ use identification::pooled::{Covariance, Delivered, RecordingConstant, Score, co
 use model::Vessel;
 use refusal::Invalid;
 use regression::pooled::{Part, PooledRuns};
-use study::documents::{FittedForces, FittedParameter, ModelDocument};
+use study::documents::{FittedForces, FittedParameter, ModelDocument, Reference, SailedSums};
 use validation::comparison::Magnitudes;
+
+use crate::derivatives::{self, Captive, beside, interval};
 
 /// The standard error of a parameter that grows more than this because others are unknown is none of its own.
 const ENTANGLED: f64 = 10.0;
@@ -21,6 +23,8 @@ pub struct Physical<'a> {
     pub settings: Settings,
     /// What a former fit says of the parameters, in place of the ship's nominal values.
     pub former: Option<&'a [f64]>,
+    /// Values of captive tests to set beside the estimates. They change none.
+    pub reference: Option<&'a Reference>,
 }
 
 /// A recording's name and its parts without gaps.
@@ -42,12 +46,33 @@ impl Physical<'_> {
         let problem = problem.with_priors(self.priors(forces));
         let fit = problem.fit_from(self.former.unwrap_or(&self.vessel.nominal))?;
         let estimates = problem.estimates(&fit)?;
-        let fitted = self.fitted(forces, (&fit, &estimates), problem.windows())?;
+        let mut fitted = self.fitted(forces, (&fit, &estimates), problem.windows())?;
+        fitted.sailed = self.sailed(forces, (&fit, &estimates), &sources);
+        let also = derivatives::statements(fitted.sailed.as_ref(), &fitted.parameters);
         let mut model = ModelDocument::fitted(self.vessel, &self.delivered(&fit, &sources), fitted);
-        model.statements = statements(&estimates);
+        model.statements = statements(&estimates).into_iter().chain(also).collect();
         let Ok(magnitudes) = Magnitudes::of(&self.vessel.model, runs, self.vessel.sample_rate_hz);
         model.magnitudes = magnitudes;
         Ok(model)
+    }
+
+    /// Values of captive tests.
+    fn captive(&self) -> Captive {
+        self.reference.map(|own| own.derivatives.clone()).unwrap_or_default()
+    }
+
+    /// Sums of terms along what was sailed.
+    fn sailed(
+        &self,
+        forces: &Forces,
+        (fit, estimates): (&Fit, &Estimates),
+        sources: &[Recorded],
+    ) -> Option<SailedSums> {
+        let states =
+            sources.iter().flat_map(|(_, parts)| parts).flat_map(|own| own.measured.as_chunks::<3>().0);
+        let drift = derivatives::drift(states, forces.description().ship.length_m)?;
+        let priors = self.priors(forces);
+        Some(derivatives::sailed(forces, (&fit.theta, estimates), &priors, &self.captive(), drift))
     }
 
     /// Priors about the ship's nominal values, or those of a former fit.
@@ -67,10 +92,12 @@ impl Physical<'_> {
     ) -> Result<FittedForces, Invalid> {
         let priors = self.priors(forces);
         let means = self.former.unwrap_or(&self.vessel.nominal);
+        let captive = self.captive();
         let parameter = |i: usize| {
             let (own, found) = (&forces.parameters()[i], &estimates.parameters[i]);
             let si_value = found.value * own.scale;
-            FittedParameter {
+            let si_interval = found.standard_error.map(|error| interval(si_value, error * own.scale));
+            let parameter = FittedParameter {
                 name: own.name.clone(),
                 unit: own.unit.clone(),
                 value: found.value,
@@ -81,10 +108,14 @@ impl Physical<'_> {
                 inflation: found.inflation,
                 entangled: is_entangled(found),
                 si_value,
+                si_interval,
                 si_unit: own.si_unit.clone(),
                 prime_value: own.prime.map(|one| si_value / one),
+                prime_interval: own.prime.zip(si_interval).map(|(one, ends)| ends.map(|end| end / one)),
+                captive: None,
                 truth: self.vessel.value[i],
-            }
+            };
+            FittedParameter { captive: beside(&parameter, &captive), ..parameter }
         };
         let names = estimates.parameters.iter().map(|own| own.name.clone()).collect();
         Ok(FittedForces {
@@ -99,6 +130,8 @@ impl Physical<'_> {
             prior_weight: self.settings.prior_weight,
             cost: fit.cost,
             steps: fit.steps as u64,
+            sailed: None,
+            captive_source: self.reference.map(|own| own.source.clone()),
         })
     }
 

@@ -348,6 +348,16 @@ class Candidate:
 
 
 @dataclass(frozen=True, kw_only=True)
+class CaptiveValue:
+    """A value of captive tests beside an estimate."""
+
+    #: The value, in the prime system where there is one, else in SI units.
+    value: float
+    #: Whether it lies within the estimate's 95 % interval; null where that has none.
+    within: bool | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class CellsDocument:
     """`cells.json`: the cells of a sweep's grid, and what is set in each."""
 
@@ -1324,6 +1334,10 @@ class FittedForces:
     cost: float
     #: Steps of the search.
     steps: int
+    #: What the recordings know of sway and yaw: sums of terms along what was sailed; null where nothing was turned.
+    sailed: SailedSums | None = None
+    #: The publication of captive values, if they were given.
+    captive_source: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1353,8 +1367,14 @@ class FittedParameter:
     si_value: float
     #: Its SI unit.
     si_unit: str
+    #: Its 95 % interval in SI units; null at a bound.
+    si_interval: tuple[float, float] | None = None
     #: The estimate in the prime system; null where it has none.
     prime_value: float | None = None
+    #: Its 95 % interval in the prime system.
+    prime_interval: tuple[float, float] | None = None
+    #: The value of captive tests, where it was given.
+    captive: CaptiveValue | None = None
     #: Its true value, where the logs were simulated.
     truth: float | None = None
 
@@ -2970,6 +2990,38 @@ class RunStage:
     inputs: dict[str, Digest]
     #: Digests of the files that it wrote.
     outputs: dict[str, Digest]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SailedSum:
+    """A sum of the terms of one order along what was sailed."""
+
+    #: `sway` or `yaw`.
+    degree: str
+    #: 1 for linear terms, 3 for cubic ones.
+    order: int
+    #: The free numbers in it.
+    terms: list[str]
+    #: The sum.
+    value: float
+    #: Its standard error, from the covariance of the numbers.
+    standard_error: float
+    #: Its 95 % interval.
+    interval: tuple[float, float]
+    #: Its standard deviation by the priors alone; null where a number has none.
+    prior_deviation: float | None = None
+    #: The sum of captive values, where all of them were given.
+    captive: CaptiveValue | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class SailedSums:
+    """Sums of terms of sway and yaw where v is a multiple of r L, in the prime system, with a yaw rate of 1 there."""
+
+    #: v over r L as sailed, by least squares over all samples.
+    drift: float
+    #: The sums.
+    sums: list[SailedSum]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -263,3 +263,63 @@ fn recordings_left_out_of_the_kvlcc2_are_followed_by_forces() {
     println!("{found:?}");
     assert!(found[0] >= 91.5 && found[1] >= 86.0 && found[2] >= 88.5, "{found:?}");
 }
+
+/// Published values of KVLCC2, which the simulated runs follow.
+const CAPTIVE: &str = "source = \"Yasukawa and Yoshimura 2015\"\n[derivatives]\nY_v = -0.315\nY_r = 0.083\nY_vvv = -1.607\n\
+    Y_vvr = 0.379\nY_vrr = -0.391\nY_rrr = 0.008\nN_v = -0.137\nN_r = -0.049\nN_vvv = -0.03\nN_vvr = -0.294\nN_vrr = 0.055\n\
+    N_rrr = -0.013\n\"rudder.ell\" = -0.71\n";
+
+#[test]
+fn captive_values_stand_beside_estimates_and_sums_are_of_what_was_sailed() {
+    let folder = trial();
+    put(&folder, "vessel.toml", GUESS);
+    put(&folder, "reference.toml", CAPTIVE);
+    let line = format!("{POOL} --prior-weight 0.01 --reference reference.toml --out model.json");
+    let said = run(&folder, &line).succeeds();
+    assert!(
+        said.stdout.contains("sums along v = -0.") && said.stdout.contains("of 13 captive values"),
+        "{said}"
+    );
+    let found = json(&folder, "model.json");
+    let own = &found["data"]["forces"];
+    assert_eq!(own["captive_source"], "Yasukawa and Yoshimura 2015");
+    let interval = |own: &Value| [0, 1].map(|i: usize| own[i].as_f64().unwrap());
+    let all = own["parameters"].as_array().unwrap();
+    let compared: Vec<&Value> = all.iter().filter(|own| own.get("captive").is_some()).collect();
+    assert_eq!(compared.len(), 13);
+    for own in compared {
+        let ([low, high], captive) =
+            (interval(&own["prime_interval"]), own["captive"]["value"].as_f64().unwrap());
+        assert_eq!(own["captive"]["within"], (low..=high).contains(&captive), "{own}");
+        let [value, prime] = ["si_value", "prime_value"].map(|key| own[key].as_f64().unwrap());
+        let [least, _] = interval(&own["si_interval"]);
+        assert!((least / value - low / prime).abs() < 1e-9, "{own}");
+    }
+    let a = own["sailed"]["drift"].as_f64().unwrap();
+    assert!((-0.6..-0.2).contains(&a), "{a}");
+    let expected = [
+        -0.315 * a + 0.083,
+        -1.607 * a.powi(3) + 0.379 * a * a - 0.391 * a + 0.008,
+        -0.137 * a - 0.049,
+        -0.03 * a.powi(3) - 0.294 * a * a + 0.055 * a - 0.013,
+    ];
+    let sums = own["sailed"]["sums"].as_array().unwrap();
+    assert_eq!(sums.len(), 4);
+    for (sum, expected) in sums.iter().zip(expected) {
+        let number = |key: &str| sum[key].as_f64().unwrap();
+        assert!((sum["captive"]["value"].as_f64().unwrap() - expected).abs() < 1e-12, "{sum} {expected}");
+        // The runs follow these values.
+        let off = (number("value") - expected).abs();
+        assert!(
+            off < 4.0 * number("standard_error") + 0.01 && off < number("prior_deviation"),
+            "{sum} {expected}"
+        );
+    }
+    // They change no estimate.
+    run(&folder, &format!("{POOL} --prior-weight 0.01 --out alone.json")).succeeds();
+    let alone = parameters(&folder, "alone.json");
+    assert!(alone.iter().zip(all).all(|(alone, own)| alone["value"] == own["value"]));
+    put(&folder, "wrong.toml", "source = \"S\"\n[derivatives]\nY_vw = 1.0\n");
+    let line = format!("{POOL} --reference wrong.toml --out model.json");
+    refused(&folder, 3, &line, &["wrong.toml: `derivatives.Y_vw`", "did you mean"]);
+}

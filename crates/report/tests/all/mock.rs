@@ -330,6 +330,7 @@ fn reference() -> Reference {
         simulation_error_share: PublishedShare::Value(0.69),
     };
     Reference {
+        derivatives: BTreeMap::new(),
         source: "Ljungberg, Linder, Enqvist, Tervo, simulation study".to_owned(),
         used: None,
         shares: shares.into_iter().map(|(name, share)| (name.to_owned(), share)).collect(),

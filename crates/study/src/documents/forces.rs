@@ -32,6 +32,55 @@ pub struct FittedForces {
     pub cost: f64,
     /// Steps of the search.
     pub steps: u64,
+    /// What the recordings know of sway and yaw: sums of terms along what was sailed; null where nothing was turned.
+    #[serde(default)]
+    pub sailed: Option<SailedSums>,
+    /// The publication of captive values, if they were given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub captive_source: Option<String>,
+}
+
+/// Sums of terms of sway and yaw where v is a multiple of r L, in the prime system, with a yaw rate of 1 there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SailedSums {
+    /// v over r L as sailed, by least squares over all samples.
+    pub drift: f64,
+    /// The sums.
+    pub sums: Vec<SailedSum>,
+}
+
+/// A sum of the terms of one order along what was sailed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SailedSum {
+    /// `sway` or `yaw`.
+    pub degree: String,
+    /// 1 for linear terms, 3 for cubic ones.
+    pub order: u32,
+    /// The free numbers in it.
+    pub terms: Vec<String>,
+    /// The sum.
+    pub value: f64,
+    /// Its standard error, from the covariance of the numbers.
+    pub standard_error: f64,
+    /// Its 95 % interval.
+    pub interval: [f64; 2],
+    /// Its standard deviation by the priors alone; null where a number has none.
+    pub prior_deviation: Option<f64>,
+    /// The sum of captive values, where all of them were given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub captive: Option<CaptiveValue>,
+}
+
+/// A value of captive tests beside an estimate.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CaptiveValue {
+    /// The value, in the prime system where there is one, else in SI units.
+    pub value: f64,
+    /// Whether it lies within the estimate's 95 % interval; null where that has none.
+    pub within: Option<bool>,
 }
 
 /// A free number after the fit.
@@ -61,8 +110,17 @@ pub struct FittedParameter {
     pub si_value: f64,
     /// Its SI unit.
     pub si_unit: String,
+    /// Its 95 % interval in SI units; null at a bound.
+    #[serde(default)]
+    pub si_interval: Option<[f64; 2]>,
     /// The estimate in the prime system; null where it has none.
     pub prime_value: Option<f64>,
+    /// Its 95 % interval in the prime system.
+    #[serde(default)]
+    pub prime_interval: Option<[f64; 2]>,
+    /// The value of captive tests, where it was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub captive: Option<CaptiveValue>,
     /// Its true value, where the logs were simulated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<f64>,

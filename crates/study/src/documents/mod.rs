@@ -77,7 +77,7 @@ pub use design_update::{
 pub(crate) use estimate::bounded;
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
 pub use follow::{FollowDocument, FollowStatus, FollowedStep};
-pub use forces::{FittedForces, FittedParameter};
+pub use forces::{CaptiveValue, FittedForces, FittedParameter, SailedSum, SailedSums};
 pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State,
     WarningKind, WarningSummary,

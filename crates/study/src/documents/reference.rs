@@ -23,6 +23,10 @@ pub struct Reference {
     pub designs: BTreeMap<String, Published>,
     /// A published selection study.
     pub selection: Option<PublishedSelection>,
+    /// Values of captive tests for numbers of a ship with forces, by name: in the prime system where a number has one, else in
+    /// SI units.
+    #[serde(default)]
+    pub derivatives: BTreeMap<String, f64>,
 }
 
 impl Reference {
@@ -53,6 +57,8 @@ impl Reference {
             let shares = [published.parameter_error_share, published.simulation_error_share];
             keys.into_iter().zip(shares.map(PublishedShare::printed))
         });
+        let derivatives = self.derivatives.iter().map(|(name, own)| (format!("derivatives.{name}"), *own));
+        check_numbers(derivatives, "a finite number", f64::is_finite)?;
         let shares = maneuvers.chain(degenerate).chain(designs);
         check_numbers(shares, "a share from 0 to 1", |value| (0.0..=1.0).contains(&value))
     }

@@ -1,0 +1,135 @@
+//! What a fit of forces knows of derivatives: intervals, sums along what was sailed, captive values beside them.
+
+use std::collections::BTreeMap;
+
+use fitting::{Estimates, Prior};
+use forces::{Forces, LateralSum, Parameter};
+use model::Vessel;
+use numerics::{dot, quadratic};
+use refusal::{Invalid, foreign};
+use study::documents::{CaptiveValue, FittedParameter, Reference, SailedSum, SailedSums};
+
+/// Standard errors to either side of an estimate that 95 % of estimates lie within.
+const TWO_SIDED: f64 = 1.96;
+
+/// Values of captive tests, by the names of parameters.
+pub(crate) type Captive = BTreeMap<String, f64>;
+
+/// Refuses captive values of numbers that `vessel`, which has forces, does not leave free.
+///
+/// # Errors
+/// The first of them.
+pub fn check_captive(reference: &Reference, vessel: &Vessel) -> Result<(), Invalid> {
+    let Some(moved) = &vessel.model.forces else { return Ok(()) };
+    check(&reference.derivatives, &moved.forces)
+}
+
+fn check(captive: &Captive, forces: &Forces) -> Result<(), Invalid> {
+    let known = || forces.parameters().iter().map(|own| own.name.as_str());
+    match captive.keys().find(|name| known().all(|own| own != name.as_str())) {
+        None => Ok(()),
+        Some(name) => {
+            let unknown = Invalid::unknown(format!("`derivatives.{}`", foreign(name)), name, known());
+            Err(Invalid { found: "a name that no free number of the vessel has".to_owned(), ..unknown })
+        }
+    }
+}
+
+/// The 95 % interval of an estimate.
+pub(crate) fn interval(value: f64, error: f64) -> [f64; 2] {
+    [value - TWO_SIDED * error, value + TWO_SIDED * error]
+}
+
+/// The captive value of a parameter beside its interval: in the prime system where it has one, else in SI units.
+pub(crate) fn beside(own: &FittedParameter, captive: &Captive) -> Option<CaptiveValue> {
+    let value = *captive.get(&own.name)?;
+    let interval = if own.prime_value.is_some() { own.prime_interval } else { own.si_interval };
+    Some(CaptiveValue { value, within: interval.map(|[low, high]| (low..=high).contains(&value)) })
+}
+
+/// v over r L by least squares; none where the ship never turned. Rows of states: u, v \[m/s\], r \[rad/s\].
+pub(crate) fn drift<'a>(states: impl Iterator<Item = &'a [f64; 3]>, length_m: f64) -> Option<f64> {
+    let (mut product, mut square) = (0.0, 0.0);
+    for [_, v, r] in states {
+        product += v * r * length_m;
+        square += (r * length_m).powi(2);
+    }
+    Some(product / square).filter(|own| own.is_finite())
+}
+
+/// The sums of terms where v is `drift` r L.
+pub(crate) fn sailed(
+    forces: &Forces,
+    (theta, estimates): (&[f64], &Estimates),
+    priors: &[Option<Prior>],
+    captive: &Captive,
+    drift: f64,
+) -> SailedSums {
+    let one = |own: LateralSum| {
+        let (value, used) = (own.of(theta), used(&own));
+        let standard_error = quadratic(&own.weights, &estimates.covariance).max(0.0).sqrt();
+        let variances: Option<Vec<f64>> =
+            used.iter().map(|i| Some((own.weights[*i] * priors[*i]?.deviation).powi(2))).collect();
+        let interval = interval(value, standard_error);
+        SailedSum {
+            degree: ["surge", "sway", "yaw"][own.degree].to_owned(),
+            order: own.order,
+            terms: used.iter().map(|i| forces.parameters()[*i].name.clone()).collect(),
+            value,
+            standard_error,
+            interval,
+            prior_deviation: variances.map(|all| all.iter().sum::<f64>().sqrt()),
+            captive: captive_sum(&own, forces.parameters(), captive, interval),
+        }
+    };
+    SailedSums { drift, sums: forces.lateral_sums(drift).into_iter().map(one).collect() }
+}
+
+/// The parameters that count in a sum.
+fn used(own: &LateralSum) -> Vec<usize> {
+    (0..own.weights.len()).filter(|i| own.weights[*i] != 0.0).collect()
+}
+
+/// The sum of captive values, where all are given.
+fn captive_sum(
+    own: &LateralSum,
+    parameters: &[Parameter],
+    captive: &Captive,
+    [low, high]: [f64; 2],
+) -> Option<CaptiveValue> {
+    let written = |i: usize| {
+        if own.weights[i] == 0.0 {
+            return Some(0.0);
+        }
+        let parameter = &parameters[i];
+        Some(captive.get(&parameter.name)? * parameter.prime.unwrap_or(1.0) / parameter.scale)
+    };
+    let theta: Vec<f64> = (0..parameters.len()).map(written).collect::<Option<_>>()?;
+    let value = own.known + dot(&own.weights, &theta);
+    Some(CaptiveValue { value, within: Some((low..=high).contains(&value)) })
+}
+
+/// What to say of sums and captive values.
+pub(crate) fn statements(sailed: Option<&SailedSums>, parameters: &[FittedParameter]) -> Vec<String> {
+    let sums = sailed.filter(|own| !own.sums.is_empty()).map(|own| {
+        let one = |own: &SailedSum| {
+            let order = ["", "linear", "quadratic", "cubic"][own.order.min(3) as usize];
+            let captive = own.captive.map_or(String::new(), |own| format!(" (captive {:.3})", own.value));
+            format!("{} {order} {:.3} ± {:.3}{captive}", own.degree, own.value, own.standard_error)
+        };
+        let all: Vec<String> = own.sums.iter().map(one).collect();
+        format!("sums along v = {:.2} r L: {}", own.drift, all.join(", "))
+    });
+    let compared: Vec<&FittedParameter> = parameters.iter().filter(|own| own.captive.is_some()).collect();
+    let of = |within: bool| {
+        let all =
+            compared.iter().filter(move |own| own.captive.is_some_and(|own| own.within == Some(within)));
+        all.map(|own| format!("`{}`", own.name)).collect::<Vec<_>>()
+    };
+    let captive = (!compared.is_empty()).then(|| {
+        let (inside, outside) = (of(true), of(false));
+        let not = if outside.is_empty() { String::new() } else { format!(", not {}", outside.join(", ")) };
+        format!("{} of {} captive values lie within the intervals{not}", inside.len(), compared.len())
+    });
+    sums.into_iter().chain(captive).collect()
+}
