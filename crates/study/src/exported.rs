@@ -23,7 +23,9 @@ pub fn read_portable(
 ) -> Result<Portable, Error> {
     let vessel = at_rate(path, read_any_vessel(path, provenance)?, rate_hz, provenance)?;
     let model = read_model(path)?;
-    let source = source.unwrap_or(vessel.best_known());
+    // A fit of simulated runs knows the true values, too; a model is its estimates.
+    let best = if model.is_some() { Source::Nominal } else { vessel.best_known() };
+    let source = source.unwrap_or(best);
     let estimates = model.is_some() && source == Source::Nominal;
     let digest = provenance.inputs.get("vessel").map(ToString::to_string);
     let origin = Origin {
