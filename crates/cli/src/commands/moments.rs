@@ -195,7 +195,7 @@ impl Arguments {
             degrees: numbers(vessel),
             maneuvers: reading.maneuvers()?,
             held: Vec::new(),
-            beyond: study::beyond(&self.vessel, &self.trajectories)?,
+            beyond: study::beyond(&self.vessel, &self.trajectories, None)?,
             disturbances: Some(expected),
             output_error: Some(model),
             prior: forces.prior(),

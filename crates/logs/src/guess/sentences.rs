@@ -31,14 +31,27 @@ pub struct SentenceGuess {
 /// Clocks, the best first.
 const CLOCKS: [&str; 5] = ["RMC", "ZDA", "GGA", "GNS", "GLL"];
 
-/// Fields of motion and wind: sets of channels that are logged together, and the sentences that may have them, the best first. The
-/// last are of use, but not needed.
-const KNOWN: [(&[(&str, &str)], &[&str], bool); 5] = [
-    (&[("latitude", "latitude_deg"), ("longitude", "longitude_deg")], &["GGA", "GNS", "RMC", "GLL"], false),
-    (&[("heading", "psi")], &["HDT", "THS", "HDG", "VHW"], false),
-    (&[("surge", "y_u"), ("sway", "y_v")], &["VBW"], false),
-    (&[("rate", "y_r")], &["ROT"], false),
-    (&[("speed", "wind"), ("angle", "wind_from")], &["MWV-R"], true),
+/// Channels that are logged together.
+struct Together {
+    /// Their fields and names.
+    fields: &'static [(&'static str, &'static str)],
+    /// The sentences that may have them, the best first.
+    kinds: &'static [&'static str],
+    /// Whether they are of use, but not needed.
+    is_optional: bool,
+}
+
+/// Those of motion, then of wind.
+const KNOWN: [Together; 5] = [
+    Together {
+        fields: &[("latitude", "latitude_deg"), ("longitude", "longitude_deg")],
+        kinds: &["GGA", "GNS", "RMC", "GLL"],
+        is_optional: false,
+    },
+    Together { fields: &[("heading", "psi")], kinds: &["HDT", "THS", "HDG", "VHW"], is_optional: false },
+    Together { fields: &[("surge", "y_u"), ("sway", "y_v")], kinds: &["VBW"], is_optional: false },
+    Together { fields: &[("rate", "y_r")], kinds: &["ROT"], is_optional: false },
+    Together { fields: &[("speed", "wind"), ("angle", "wind_from")], kinds: &["MWV-R"], is_optional: true },
 ];
 
 /// Times as many values of a field as there are of the clock from which on they are spread.
@@ -52,7 +65,7 @@ impl SentenceGuess {
         let is_clock = |kind: &&str| spoken.timed.get(*kind).is_some_and(|count| 2 * count >= *most);
         let clock = CLOCKS.into_iter().find(is_clock)?;
         let mut search = Search { fields: &spoken.fields, needed, placed: Vec::new() };
-        KNOWN.iter().for_each(|(fields, kinds, is_optional)| search.known(fields, kinds, *is_optional));
+        KNOWN.iter().for_each(|together| search.known(together));
         search.steered();
         let placed = search.placed;
         let is_missing = |own: &&Needed| placed.iter().all(|known| known.channel != own.channel);
@@ -103,15 +116,16 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Places the `fields` of the first of `kinds` that has values of all of them.
-    fn known(&mut self, fields: &[(&str, &str)], kinds: &[&str], is_optional: bool) {
+    /// Places the fields of `together` of the first kind that has values of all of them.
+    fn known(&mut self, together: &Together) {
+        let Together { fields, kinds, is_optional } = together;
         let column = |kind: &str, field: &str| format!("{kind}.{field}");
         let has_all =
             |kind: &&&str| fields.iter().all(|(field, _)| self.find(&column(kind, field)).is_some());
         let Some(kind) = kinds.iter().find(has_all) else { return };
-        for (field, channel) in fields {
+        for (field, channel) in *fields {
             let is_needed = self.needed.iter().any(|own| own.channel == *channel);
-            self.place(&column(kind, field), channel, (false, is_optional && !is_needed));
+            self.place(&column(kind, field), channel, (false, *is_optional && !is_needed));
         }
     }
 
