@@ -84,6 +84,15 @@ enum What {
     Used,
 }
 
+/// The noise of the vessels that are simulated together.
+#[derive(Clone, Copy, PartialEq)]
+enum Noises {
+    /// The same for all: they are compared, and differ in their parameters and currents alone.
+    Shared,
+    /// One of each.
+    Own,
+}
+
 /// The worst run for a leg.
 #[derive(Clone, Copy)]
 struct Worst {
@@ -117,15 +126,15 @@ impl Checking<'_> {
         }
         let axes = doubt.axes();
         let count = axes.len();
-        found.add(self, &doubt, axes, search)?;
+        found.add(self, &doubt, (axes, Noises::Shared), search)?;
         let extremes = self.targets().map(|target| found.extreme(&doubt, count, target)).collect();
-        found.add(self, &doubt, extremes, search)?;
+        found.add(self, &doubt, (extremes, Noises::Own), search)?;
         for _ in 0..SWEEPS {
             if !self.is_last && found.fails(self) {
                 break;
             }
             let neighbours = found.followed(self).flat_map(|who| doubt.neighbours(who)).collect();
-            if !found.add(self, &doubt, neighbours, search)? {
+            if !found.add(self, &doubt, (neighbours, Noises::Own), search)? {
                 break;
             }
         }
@@ -144,16 +153,16 @@ impl Searched {
         &mut self,
         checking: &Checking,
         doubt: &Doubt,
-        candidates: Vec<Candidate>,
+        (candidates, noises): (Vec<Candidate>, Noises),
         search: &Search,
     ) -> Result<bool, VoyageError> {
         let mut known: BTreeSet<Vec<u64>> = self.runs.iter().map(|(who, _)| key(who)).collect();
         let new: Vec<Candidate> = candidates.into_iter().filter(|who| known.insert(key(who))).collect();
-        let vessel = |(who, noise): (&Candidate, u32)| Vessel {
+        let vessel = |(who, number): (&Candidate, u32)| Vessel {
             parameters: doubt.parameters(who),
             unknown_m_s: doubt.current(who),
             is_drawn: false,
-            noise,
+            noise: if noises == Noises::Shared { 0 } else { number },
             is_searched: true,
         };
         let runs = checking.all(new.iter().zip(self.runs.len() as u32..).map(vessel).collect(), search)?;
