@@ -17,6 +17,9 @@ pub struct SensitivityRow<'a> {
 
 const ROW: f64 = 32.0;
 
+/// What a label beside a dot takes of the width.
+const LABEL: f64 = 40.0;
+
 /// Dots of the sensitivities against the line at `dimension` that a maneuver in use touches. The rows are as high as
 /// those of [`crate::figures::shares`], so that the two figures match side by side.
 pub fn sensitivities(rows: &[SensitivityRow<'_>], dimension: f64) -> String {
@@ -52,6 +55,10 @@ fn draw_row(sheet: &mut Sheet, axis: &Axis, y: f64, row: &SensitivityRow<'_>, di
         sheet.line((x, y), (axis.at(dimension), y), (Paint::ink(0.35), 1.0));
         sheet.disc((x, y), 4.8, (Paint::solid(BLUE), 1.6));
         let label = text::number(row.sensitivity, 0.1);
-        sheet.text(&label, (x - 10.0, y), note(Anchor::End));
+        // Beside the dot, or above the line where there is no room before the names.
+        let is_far_left = x - axis.at(0.0) < LABEL;
+        let (place, anchor) =
+            if is_far_left { ((x + 8.0, y - 8.0), Anchor::Start) } else { ((x - 10.0, y), Anchor::End) };
+        sheet.text(&label, place, note(anchor));
     }
 }
