@@ -39,7 +39,7 @@ impl Portable {
         said.iter().flat_map(|line| wrapped(&comment(line), WIDTH)).collect()
     }
 
-    /// How it goes on in time.
+    /// The length of its steps, in words.
     fn time(&self) -> String {
         let (seconds, rate) = (number(1.0 / self.rate_hz), self.rate_hz);
         let own = number(1.0 / self.own_rate_hz());

@@ -2,6 +2,7 @@
 
 use numerics::{congruence, symmetric};
 
+use crate::bounded::held;
 use crate::pass::Pass;
 use crate::{Fit, Problem, Unfit};
 
@@ -77,7 +78,7 @@ impl Pass<'_> {
         let pulls = self.pulls(&fit.theta);
         gradient.iter_mut().zip(&pulls).for_each(|(sum, [_, own])| *sum += own);
         let pulls: Vec<f64> = pulls.iter().map(|[own, _]| *own).collect();
-        let held = self.held(&fit.theta, &gradient);
+        let held = held(self.forces, &fit.theta, &gradient);
         let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
         let m = free.len();
         let inner =

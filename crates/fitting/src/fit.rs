@@ -2,11 +2,12 @@
 
 use rayon::prelude::*;
 
+use crate::bounded::{distance, held, moved, pulls};
 use crate::normal::{Reduced, reduced};
 use crate::pass::Pass;
 use crate::sums::{Errors, Sums};
 use crate::window::Window;
-use crate::{Prior, Problem, Starts, Unfit};
+use crate::{Problem, Starts, Unfit};
 
 /// A step that lowers the cost by a smaller share, and was to, ends the search.
 const ENOUGH: f64 = 1e-6;
@@ -150,12 +151,7 @@ impl Pass<'_> {
             cost += self.share(own) * own.cost(knee);
             squares.iter_mut().zip(own.squares).for_each(|(sum, own)| *sum += own);
         }
-        let held: f64 = theta
-            .iter()
-            .zip(&self.priors)
-            .map(|(own, prior)| prior.map_or(0.0, |prior| ((own - prior.mean) / prior.deviation).powi(2)))
-            .sum();
-        cost += self.prior_cost() * held;
+        cost += self.prior_cost() * distance(&theta, &self.priors);
         At { theta, starts, cost, rms: squares.map(|own| (own / self.samples as f64).sqrt()) }
     }
 
@@ -170,7 +166,7 @@ impl Pass<'_> {
         let n = at.theta.len();
         let Some(windows) = self.reduced(sums, damping) else { return Ok(None) };
         let (products, gradient) = self.normal(&at.theta, sums, &windows);
-        let held = self.held(&at.theta, &gradient);
+        let held = held(self.forces, &at.theta, &gradient);
         let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
         if let Some(i) = free.iter().find(|i| products[**i * n + **i] <= 0.0) {
             return Err(Unfit::Undetermined(self.forces.parameters()[*i].name.clone()));
@@ -187,11 +183,8 @@ impl Pass<'_> {
         if numerics::solve(m, &mut matrix, &mut step).is_none() {
             return Ok(None);
         }
-        let mut theta = at.theta.clone();
-        for (i, (step, scale)) in free.iter().zip(step.iter().zip(&scale)) {
-            let [low, high] = self.forces.parameters()[*i].bounds;
-            theta[*i] = (theta[*i] + step / scale).clamp(low, high);
-        }
+        let steps = step.iter().zip(&scale).map(|(step, scale)| step / scale);
+        let theta = moved(self.forces, &at.theta, &free, steps);
         let change: Vec<f64> = theta.iter().zip(&at.theta).map(|(new, old)| new - old).collect();
         let starts = at.starts.iter().zip(&windows).map(|(starts, windows)| {
             starts.iter().zip(windows).map(|(own, window)| window.start(*own, &change)).collect()
@@ -240,26 +233,12 @@ impl Pass<'_> {
 
     /// What the prior of each of θ adds to the second and to the first derivative of half the cost.
     pub(crate) fn pulls(&self, theta: &[f64]) -> Vec<[f64; 2]> {
-        let pull = |(own, prior): (&f64, &Option<Prior>)| {
-            let Some(prior) = prior else { return [0.0; 2] };
-            let pull = self.prior_cost() / (prior.deviation * prior.deviation);
-            [pull, pull * (own - prior.mean)]
-        };
-        theta.iter().zip(&self.priors).map(pull).collect()
+        pulls(theta, &self.priors, self.prior_cost())
     }
 
     /// What a window's sums of squares count in the cost.
     pub(crate) fn weight(&self, window: &Errors) -> f64 {
         self.share(window) * window.slope(self.settings.knee) / window.numbers()
-    }
-
-    /// Which of θ lie at a bound that the cost pushes them to.
-    pub(crate) fn held(&self, theta: &[f64], gradient: &[f64]) -> Vec<bool> {
-        let own = |((own, gradient), parameter): ((&f64, &f64), &forces::Parameter)| {
-            let [low, high] = parameter.bounds;
-            (*own <= low && *gradient > 0.0) || (*own >= high && *gradient < 0.0)
-        };
-        theta.iter().zip(gradient).zip(self.forces.parameters()).map(own).collect()
     }
 
     /// The first window whose simulation leaves every bound.

@@ -179,18 +179,6 @@ impl SimulatedRun<'_> {
 /// Derivatives of the next state by the state, row by row, and by the current, column by column.
 type Transition = ([[f64; 3]; 3], [[f64; 3]; 2]);
 
-/// Σ over rows of three states of Sᵀ W S, for `n` parameters.
-fn squares(by_theta: &[f64], n: usize, weights: [f64; 3]) -> Vec<f64> {
-    let mut sum = vec![0.0; n * n];
-    let mut scaled = vec![0.0; n];
-    for (row, own) in by_theta.chunks_exact(n.max(1)).enumerate() {
-        let root = weights[row % 3].sqrt();
-        scaled.iter_mut().zip(own).for_each(|(to, own)| *to = root * own);
-        add_outer(&mut sum, &scaled, &scaled);
-    }
-    sum
-}
-
 impl RunInformation {
     /// The errors of an output-error estimate whose priors know `prior`, 1/σ² of each parameter, of those parameters that are
     /// `free`; `None` where nothing determines one.
@@ -223,6 +211,12 @@ impl Slopes {
 
     /// Σ SᵀWS with the `weights` W of u, v and r.
     pub(crate) fn weighted(&self, parameters: usize, weights: [f64; 3]) -> Vec<f64> {
-        squares(&self.by_theta, parameters, weights)
+        let (n, roots) = (parameters, weights.map(f64::sqrt));
+        let (mut sum, mut scaled) = (vec![0.0; n * n], vec![0.0; n]);
+        for (row, own) in self.by_theta.chunks_exact(n.max(1)).enumerate() {
+            scaled.iter_mut().zip(own).for_each(|(to, own)| *to = roots[row % 3] * own);
+            add_outer(&mut sum, &scaled, &scaled);
+        }
+        sum
     }
 }

@@ -2,6 +2,7 @@
 
 use forces::Forces;
 
+use crate::bounded::{distance, held, moved, pulls};
 use crate::estimates::inverse;
 use crate::{Prior, SimulatedRun, Unfit};
 
@@ -67,7 +68,8 @@ impl Search<'_> {
         }
         for _ in 0..MOST_STEPS {
             let normal = self.normal(&theta).ok_or(Unfit::Unfinished(MOST_STEPS))?;
-            let free = self.free(&theta, &normal.gradient);
+            let held = held(self.forces, &theta, &normal.gradient);
+            let free: Vec<usize> = (0..theta.len()).filter(|i| !held[*i]).collect();
             let newton = self.step(&normal, &free, 0.0)?;
             let promised: f64 = free.iter().zip(&newton).map(|(i, own)| -normal.gradient[*i] * own).sum();
             if promised < ENOUGH {
@@ -75,7 +77,7 @@ impl Search<'_> {
             }
             loop {
                 let step = self.step(&normal, &free, damping)?;
-                let next = self.moved(&theta, &free, &step);
+                let next = moved(self.forces, &theta, &free, step.into_iter());
                 let own = self.cost(&next);
                 if own < cost {
                     (theta, cost, damping) = (next, own, 0.1 * damping);
@@ -99,11 +101,7 @@ impl Search<'_> {
         let square = |(own, measured): (&[f64; 3], &[f64; 3])| -> f64 {
             (0..3).map(|d| ((own[d] - measured[d]) / noise[d]).powi(2)).sum()
         };
-        let held = theta
-            .iter()
-            .zip(self.priors)
-            .filter_map(|(own, prior)| prior.map(|prior| ((own - prior.mean) / prior.deviation).powi(2)));
-        errors.map(square).sum::<f64>() + held.sum::<f64>()
+        errors.map(square).sum::<f64>() + distance(theta, self.priors)
     }
 
     fn normal(&self, theta: &[f64]) -> Option<Normal> {
@@ -116,21 +114,11 @@ impl Search<'_> {
             let error = weights[d] * (slopes.states[k][d] - measured[row]);
             gradient.iter_mut().zip(own).for_each(|(sum, own)| *sum += error * own);
         }
-        for (i, prior) in self.priors.iter().enumerate() {
-            let Some(Prior { mean, deviation }) = prior else { continue };
-            products[i * n + i] += deviation.powi(-2);
-            gradient[i] += (theta[i] - mean) * deviation.powi(-2);
+        for (i, [pull, slope]) in pulls(theta, self.priors, 1.0).into_iter().enumerate() {
+            products[i * n + i] += pull;
+            gradient[i] += slope;
         }
         Some(Normal { products, gradient })
-    }
-
-    /// The parameters that are not held at a bound.
-    fn free(&self, theta: &[f64], gradient: &[f64]) -> Vec<usize> {
-        let held = |i: &usize| {
-            let [low, high] = self.forces.parameters()[*i].bounds;
-            (theta[*i] <= low && gradient[*i] > 0.0) || (theta[*i] >= high && gradient[*i] < 0.0)
-        };
-        (0..theta.len()).filter(|i| !held(i)).collect()
     }
 
     /// The step of the `free` parameters, with this share of the diagonal added to it.
@@ -149,14 +137,5 @@ impl Search<'_> {
 
     fn undetermined(&self, i: usize) -> Unfit {
         Unfit::Undetermined(self.forces.parameters()[i].name.clone())
-    }
-
-    fn moved(&self, theta: &[f64], free: &[usize], step: &[f64]) -> Vec<f64> {
-        let mut next = theta.to_vec();
-        for (i, step) in free.iter().zip(step) {
-            let [low, high] = self.forces.parameters()[*i].bounds;
-            next[*i] = (next[*i] + step).clamp(low, high);
-        }
-        next
     }
 }

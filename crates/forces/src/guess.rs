@@ -243,7 +243,7 @@ impl Guesser {
     }
 
     fn description(&self) -> Description {
-        let MainDimensions { length_m, draught_m, density_kg_m3, .. } = self.own;
+        let MainDimensions { draught_m, density_kg_m3, .. } = self.own;
         let [surge, sway, yaw] = self.terms();
         Description {
             density_kg_m3,
@@ -263,7 +263,6 @@ impl Guesser {
                 strips: None,
             }],
         }
-        .with_places(length_m)
     }
 
     fn ship(&self) -> ShipSpec {
@@ -315,6 +314,11 @@ impl Guesser {
         [surge, sway, yaw]
     }
 
+    /// A place so many lengths ahead of amidships.
+    fn at(&self, lengths: f64) -> Number {
+        rounded(lengths * self.own.length_m).into()
+    }
+
     fn propeller(&self) -> PropellerSpec {
         PropellerSpec {
             name: "propeller".to_owned(),
@@ -325,7 +329,7 @@ impl Guesser {
             wake: Some(free(self.wake(), 0.3)),
             wake_change: Some(2.0.into()),
             wake_ratio: Some([1.3.into(), 1.3.into()]),
-            x_m: None,
+            x_m: Some(self.at(-0.48)),
             y_m: None,
             astern: None,
         }
@@ -346,26 +350,12 @@ impl Guesser {
             ell: Some(free(-0.8, 0.5)),
             deduction: Some(free(0.35, 0.4)),
             interaction: Some(free(0.3, 0.4)),
-            interaction_x_m: None,
-            x_m: 0.0.into(),
+            interaction_x_m: Some(self.at(-0.45)),
+            x_m: self.at(-0.5),
             y_m: None,
             reversed_flow: None,
             inflow: Some(Inflow::Angle),
         }
-    }
-}
-
-impl Description {
-    /// With propeller and rudder at the stern.
-    fn with_places(mut self, length_m: f64) -> Self {
-        for own in &mut self.propeller {
-            own.x_m = Some(rounded(-0.48 * length_m).into());
-        }
-        for own in &mut self.rudder {
-            (own.x_m, own.interaction_x_m) =
-                (rounded(-0.5 * length_m).into(), Some(rounded(-0.45 * length_m).into()));
-        }
-        self
     }
 }
 

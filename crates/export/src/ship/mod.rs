@@ -116,39 +116,36 @@ impl Ship {
         self.routines.iter().chain([&self.accelerations]).for_each(|own| own.visit(seen));
     }
 
+    /// What `of` finds in its values, in the order in which they stand.
+    fn found<T>(&self, of: impl Fn(&Expression) -> Option<T>) -> Vec<T> {
+        let mut found = Vec::new();
+        self.visit(&mut |value| found.extend(of(value)));
+        found
+    }
+
     /// The indices of the variables that it takes.
     pub(crate) fn channels(&self) -> BTreeSet<usize> {
-        let mut found = BTreeSet::new();
-        self.visit(&mut |value| {
-            if let Expression::Channel(i) = value {
-                found.insert(*i);
-            }
-        });
-        found
+        let channel = |value: &Expression| if let Expression::Channel(i) = value { Some(*i) } else { None };
+        self.found(channel).into_iter().collect()
     }
 
     /// The indices of the quantities that it takes.
     fn taken_quantities(&self) -> BTreeSet<usize> {
-        let mut found = BTreeSet::new();
-        self.visit(&mut |value| {
-            if let Expression::Quantity(i) = value {
-                found.insert(*i);
-            }
-        });
-        found
+        let quantity = |value: &Expression| if let Expression::Quantity(i) = value { Some(*i) } else { None };
+        self.found(quantity).into_iter().collect()
     }
 
-    /// The functions that it calls.
+    /// The functions that it calls, each once.
     fn functions(&self) -> Vec<Function> {
-        let mut found = Vec::new();
-        self.visit(&mut |value| {
-            if let Expression::Call(own, _) = value
-                && !found.contains(own)
-            {
-                found.push(*own);
+        let called =
+            |value: &Expression| if let Expression::Call(own, _) = value { Some(*own) } else { None };
+        let mut once = Vec::new();
+        for own in self.found(called) {
+            if !once.contains(&own) {
+                once.push(own);
             }
-        });
-        found
+        }
+        once
     }
 
     /// The names of the states that its accelerations take.

@@ -8,7 +8,7 @@ use super::Written;
 /// Standard deviation of a prior from a fit, at least, over that with which the fit was made: a sister's fit as prior
 /// predicts best with about this weight.
 const FLOOR: f64 = 0.3;
-/// Most by which a similar draught may differ from the one that is asked for.
+/// The largest share by which the similar draught may differ from the stated one.
 const ROUNDING: f64 = 0.005;
 
 /// The size of a similar ship.

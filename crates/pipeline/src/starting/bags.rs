@@ -4,13 +4,13 @@ use std::fmt::Write;
 use std::path::Path;
 
 use artifact::{Error, open};
-use flate2::read::MultiGzDecoder;
 use logs::guess::{BagGuess, Needed, Placed, TopicGuess};
-use logs::{Format, LogError, Topic, bag_census, database_census};
+use logs::{Format, Topic, bag_census, database_census};
 use refusal::foreign;
-use study::{invalid, refuse};
+use study::refuse;
 
-use super::text::{MARK, quoted};
+use super::reading::{reader, wrong};
+use super::text::{MARK, channel, quoted};
 
 /// Endings of bags.
 pub(super) const BAGS: [&str; 7] = [".mcap", ".mcap.gz", ".bag", ".bag.gz", ".db3", ".ulg", ".ulg.gz"];
@@ -40,17 +40,11 @@ pub(super) fn guessed(folder: &Path, files: &[String], needed: &[Needed]) -> Res
 }
 
 fn topics(path: &Path, format: Format) -> Result<Vec<Topic>, Error> {
-    let file = open(path)?;
-    let is_packed = path.extension().is_some_and(|end| end == "gz");
     let topics = match format {
-        Format::Db3 => database_census(file),
-        _ if is_packed => bag_census(MultiGzDecoder::new(file), format),
-        _ => bag_census(std::io::BufReader::new(file), format),
+        Format::Db3 => database_census(open(path)?),
+        _ => bag_census(reader(path)?, format),
     };
-    topics.map_err(|error| match error {
-        LogError::Unreadable(error) => Error::io(path, "read", error),
-        LogError::Invalid(wrong) => invalid(path, &wrong),
-    })
+    topics.map_err(|error| wrong(path, error))
 }
 
 /// The template of a recording's name. A bag of ROS 2 is a folder of its parts. Elsewhere files are parts where the first
@@ -119,11 +113,6 @@ fn channels(placed: &[Placed]) -> String {
             format!("channel = [\n{}]\n", placed.iter().map(line).collect::<String>())
         }
     }
-}
-
-fn channel(own: &Placed) -> String {
-    let [column, channel, unit] = [&own.column, &own.channel, &own.unit].map(|text| quoted(text));
-    format!("{{ column = {column}, channel = {channel}, unit = {unit} }}")
 }
 
 fn mark(own: &Placed) -> String {

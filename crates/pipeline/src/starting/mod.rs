@@ -5,6 +5,7 @@ mod chart;
 mod ingest;
 mod looking;
 mod presets;
+mod reading;
 mod sentences;
 mod table;
 mod text;

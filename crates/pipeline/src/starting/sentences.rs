@@ -1,17 +1,17 @@
 //! Logs of sentences (NMEA 0183) in a folder: what the first of them has, as a group of files of `ingest.toml`.
 
 use std::fmt::Write;
-use std::io::{BufRead, BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 
-use artifact::{Error, open};
-use flate2::read::MultiGzDecoder;
+use artifact::Error;
 use logs::guess::{Needed, Placed, SentenceGuess};
-use logs::{LogError, has_sentences, sentence_census};
+use logs::{has_sentences, sentence_census};
 use refusal::listed;
-use study::{invalid, refuse};
+use study::refuse;
 
-use super::text::{MARK, quoted};
+use super::reading::{reader, wrong};
+use super::text::{MARK, channel, quoted};
 
 /// Endings of logs of sentences.
 pub(super) const SENTENCES: [&str; 2] = [".nmea", ".nmea.gz"];
@@ -35,10 +35,7 @@ pub(super) fn is_of_sentences(path: &Path) -> bool {
 /// # Errors
 /// A file that cannot be read; one without a sentence with a time, or without a field from which the motion follows.
 pub(super) fn guessed(path: &Path, needed: &[Needed]) -> Result<SentenceGuess, Error> {
-    let spoken = sentence_census(reader(path)?).map_err(|error| match error {
-        LogError::Unreadable(error) => Error::io(path, "read", error),
-        LogError::Invalid(wrong) => invalid(path, &wrong),
-    })?;
+    let spoken = sentence_census(reader(path)?).map_err(|error| wrong(path, error))?;
     let remedy = "write ingest.toml yourself (docs/own-logs.md)";
     let Some(guess) = SentenceGuess::of(&spoken, needed) else {
         let expected = "sentences with a time: RMC, ZDA, GGA, GNS or GLL";
@@ -52,15 +49,6 @@ pub(super) fn guessed(path: &Path, needed: &[Needed]) -> Result<SentenceGuess, E
             Err(refuse(path, "field", &found, "one of a motion, such as GGA.latitude or HDT.heading", remedy))
         }
     }
-}
-
-fn reader(path: &Path) -> Result<Box<dyn BufRead>, Error> {
-    let file = open(path)?;
-    let is_packed = path.extension().is_some_and(|end| end == "gz");
-    Ok(match is_packed {
-        true => Box::new(BufReader::new(MultiGzDecoder::new(file))),
-        false => Box::new(BufReader::new(file)),
-    })
 }
 
 /// The group of files of `ingest.toml`.
@@ -84,14 +72,12 @@ pub(super) fn group(guess: &SentenceGuess, patterns: &[String]) -> String {
             listed(&guess.prefer)
         );
     }
-    let channel = |own: &Placed| {
-        let [column, channel, unit] = [&own.column, &own.channel, &own.unit].map(|text| quoted(text));
-        let optional = if own.is_optional { ", optional = true" } else { "" };
+    let line = |own: &Placed| {
         let mark =
             if own.is_channel_guessed { format!("{MARK}: by the kind of sentence") } else { String::new() };
-        format!("    {{ column = {column}, channel = {channel}, unit = {unit}{optional} }},{mark}\n")
+        format!("    {},{mark}\n", channel(own))
     };
-    let _ = writeln!(text, "channel = [\n{}]", guess.placed.iter().map(channel).collect::<String>());
+    let _ = writeln!(text, "channel = [\n{}]", guess.placed.iter().map(line).collect::<String>());
     if !guess.unused.is_empty() {
         let _ = writeln!(text, "\n# Fields that are not used: {}", listed(&guess.unused));
     }

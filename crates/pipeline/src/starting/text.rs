@@ -1,5 +1,6 @@
 //! Texts in hand-written files.
 
+use logs::guess::Placed;
 use toml::Value;
 
 /// What is at the end of a line that was guessed.
@@ -8,4 +9,11 @@ pub(super) const MARK: &str = "  # guessed";
 /// `text` in quotes as TOML has them.
 pub(super) fn quoted(text: &str) -> String {
     Value::from(text).to_string()
+}
+
+/// A channel as an item of a list.
+pub(super) fn channel(own: &Placed) -> String {
+    let [column, channel, unit] = [&own.column, &own.channel, &own.unit].map(|text| quoted(text));
+    let optional = if own.is_optional { ", optional = true" } else { "" };
+    format!("{{ column = {column}, channel = {channel}, unit = {unit}{optional} }}")
 }
