@@ -2,7 +2,8 @@
 
 use engine::{Changes, ChangingCurrent, Pose, Wind, simulate_one};
 use lattice::Step;
-use trial::voyage::{Check, Prepared, Search, SettledLeg, VoyageError};
+use trial::voyage::{Check, Goal, Place, Prepared, Search, SettledLeg, VoyageError};
+use trial::{Deviations, Sensors};
 
 use crate::planned::{ISLAND_DEG, Planned, rich, small, small_brief};
 
@@ -342,6 +343,23 @@ fn law_the_worst_vessels_are_within_the_stated_errors_and_no_better_than_the_nom
         assert_eq!(worst.ends, worst.searched * planned.sailing.legs.len() as u64);
         assert_eq!(check.ends, check.runs * planned.sailing.legs.len() as u64);
     }
+}
+
+#[test]
+fn law_noise_alone_tells_no_vessels_apart_that_a_search_compares() {
+    let mut brief = small_brief();
+    // Too little to change a parameter: every vessel within the errors is the nominal one.
+    brief.task.deviations = Deviations::Box(1e-300);
+    brief.task.safety.unknown_current_m_s = 0.0;
+    brief.task.maneuvers.remove(0);
+    let place = Place { latitude_deg: 60.006, heading_deg: 90.0, ..brief.task.start.clone() };
+    brief.task.goal = Goal::Places { places: vec![place] };
+    let mut prepared = Prepared::new(brief, &Search::unlimited()).unwrap();
+    // With such noise too many legs end off, and after the first search of vessels no plan is left.
+    prepared.brief.task.sensors = Sensors { position_m: 15.0, ..Sensors::default() };
+    let refused = prepared.plan(&Search::unlimited(), false).map(|_| ()).unwrap_err().to_string();
+    // Either bound of ten parameters and of two components of the current, and one corner for all legs.
+    assert!(refused.contains("of 25 vessels searched"), "{refused}");
 }
 
 #[test]
