@@ -12,10 +12,14 @@ const LONGER: f64 = 1.5;
 /// Nodes that are tried for a recovery: the nearest ones, then as many sampled from the others.
 const NEAREST: usize = 40;
 const FARTHER: usize = 20;
+/// Most recoveries that are offered of a maneuver besides the first one, and nodes that are tried for each.
+const FURTHER: usize = 3;
+const TRIED: usize = 6;
 
 impl Repertoire<'_> {
-    /// The legs of piece `index` from a heading level, one per side: a steady approach until all `others` are
-    /// settled, the piece, a recovery onto the first node ahead where all of them settle.
+    /// The legs of piece `index` from a heading level, to either side: a steady approach until all `others` are
+    /// settled, the piece, a recovery onto the first node ahead where all of them settle. Where they end on several lines of
+    /// the lattice, there are further legs that recover onto others of these lines.
     ///
     /// # Errors
     /// A piece that starts at a speed that no mode has; as [`crate::simulate_legs`].
@@ -29,7 +33,8 @@ impl Repertoire<'_> {
         let search = Search { repertoire: self, index, from };
         let mirrored = (self.mirror.is_some() && !search.is_straight()).then_some(Side::Mirrored);
         let sides = [Side::AsDesigned].into_iter().chain(mirrored);
-        sides.map(|side| search.leg(side, others)).collect()
+        let legs = sides.map(|side| search.legs(side, others)).collect::<Result<Vec<_>, _>>()?;
+        Ok(legs.into_iter().flatten().collect())
     }
 
     /// The mode that piece `index` begins in.
@@ -71,9 +76,9 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Appends the recoveries of all vessels.
-    fn with(self, recovered: Settled) -> Settled {
-        let Self { mut leg, mut sailed, mut tracks, .. } = self;
+    /// The leg with the recoveries of all vessels.
+    fn with(&self, recovered: Settled) -> Settled {
+        let (mut leg, mut sailed, mut tracks) = (self.leg.clone(), self.sailed.clone(), self.tracks.clone());
         let Settled { leg: Leg { di, dj, to, phases, .. }, sailed: last, tracks: lasts, farthest } =
             recovered;
         sailed.samples.extend(last.samples);
@@ -94,6 +99,13 @@ struct Node {
     layer: usize,
 }
 
+/// A line of nodes along a heading level: which of the parallel ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Lane {
+    level: usize,
+    across: i32,
+}
+
 impl Search<'_> {
     fn piece(&self) -> &Piece {
         &self.repertoire.pieces[self.index]
@@ -106,26 +118,29 @@ impl Search<'_> {
         rows.flat_map(|row| row.iter().zip(signs)).all(|(u, s)| *s > 0.0 || *u == 0.0)
     }
 
-    fn leg(&self, side: Side, others: &[SampledVessel]) -> Result<Outcome, Invalid> {
+    fn legs(&self, side: Side, others: &[SampledVessel]) -> Result<Vec<Outcome>, Invalid> {
         let (from, purpose) = (self.from, Purpose::Informative { piece: self.index, side });
         let mut all = others.to_vec();
         all.extend(self.farthest(&purpose)?);
+        let unsettled = |when: &str, failed| {
+            Ok(vec![Err(Unsettled::of((from, purpose.clone()), when.to_owned(), failed, &all))])
+        };
         let mut crew = self.repertoire.crew(from, &all)?;
         let run = match self.run_in(&purpose, &mut crew)? {
             Ok(run_in) => self.run(run_in, &mut crew)?,
-            Err(failed) => {
-                let when = "before the maneuver ".to_owned();
-                return Ok(Err(Unsettled::of((from, purpose), when, failed, &all)));
-            }
+            Err(failed) => return unsettled("before the maneuver ", failed),
         };
         let recovered = match run {
             Ok(run) => self.recovered(run)?,
             Err(failed) => Err(failed),
         };
-        Ok(match recovered {
-            Ok(settled) => Ok(Settled { farthest: farthest(&settled, &all), ..settled }),
-            Err(failed) => Err(Unsettled::of((from, purpose), String::new(), failed, &all)),
-        })
+        match recovered {
+            Ok(legs) => Ok(legs
+                .into_iter()
+                .map(|settled| Ok(Settled { farthest: farthest(&settled, &all), ..settled }))
+                .collect()),
+            Err(failed) => unsettled("", failed),
+        }
     }
 
     /// The vessels that end the maneuver farthest off, after its shortest approach.
@@ -202,20 +217,66 @@ impl Search<'_> {
         }))
     }
 
-    /// Adds a recovery to the first node where all of them settle.
-    fn recovered(&self, mut run: Run) -> Result<Result<Settled, Failed>, Invalid> {
-        let mut best = Best::NONE;
+    /// Legs with recoveries on which all of them settle: onto the first such node, and onto the first such node of further
+    /// lanes on which some of them end. From these the search for a plan chooses.
+    fn recovered(&self, mut run: Run) -> Result<Result<Vec<Settled>, Failed>, Invalid> {
         let speed = run.crew.nominal.ship.state[0];
         let nodes = self.nodes(&run.crew, speed);
         let step = nodes.len().saturating_sub(NEAREST).div_ceil(FARTHER).max(1);
-        for node in nodes.iter().take(NEAREST).chain(nodes.iter().skip(NEAREST).step_by(step)) {
+        let some = nodes.iter().take(NEAREST).chain(nodes.iter().skip(NEAREST).step_by(step));
+        let (node, first) = match self.first_settled(&mut run, some, speed)? {
+            Ok(found) => found,
+            Err(best) => return Ok(Err(best.failed(self.repertoire, &run.crew))),
+        };
+        let (mut legs, own) = (vec![first], self.lane(node));
+        for lane in self.lanes(&run.crew).into_iter().filter(|lane| *lane != own).take(FURTHER) {
+            let some = nodes.iter().filter(|node| self.lane(**node) == lane).take(TRIED);
+            legs.extend(self.first_settled(&mut run, some, speed)?.ok().map(|(_, leg)| leg));
+        }
+        Ok(Ok(legs))
+    }
+
+    /// The first of `nodes` where all of them settle, and the leg with that recovery.
+    fn first_settled<'n>(
+        &self,
+        run: &mut Run,
+        nodes: impl Iterator<Item = &'n Node>,
+        speed: f64,
+    ) -> Result<Result<(Node, Settled), Best>, Invalid> {
+        let mut best = Best::NONE;
+        for node in nodes {
             let recovery = self.recovery(&run.leg, *node, speed);
             match self.repertoire.all_settle(&recovery, &mut run.crew)? {
-                Ok(recovered) => return Ok(Ok(run.with(recovered))),
+                Ok(recovered) => return Ok(Ok((*node, run.with(recovered)))),
                 Err(failed) => best = best.or(failed, recovery),
             }
         }
-        Ok(Err(best.failed(self.repertoire, &run.crew)))
+        Ok(Err(best))
+    }
+
+    /// The lane of a node on its heading.
+    fn lane(&self, node: Node) -> Lane {
+        let (level, _) = self.repertoire.grid.level_and_mode(node.layer);
+        let (di, dj) = self.repertoire.grid.step_along(level);
+        Lane { level, across: node.di * dj - node.dj * di }
+    }
+
+    /// The lanes nearest to where the vessels end, those of most of them first.
+    fn lanes(&self, crew: &Crew) -> Vec<Lane> {
+        let grid = self.repertoire.grid;
+        let mut lanes: Vec<(Lane, usize)> = Vec::new();
+        for one in [&crew.nominal].into_iter().chain(&crew.others) {
+            let Pose { x, y, psi } = one.ship.pose;
+            let [di, dj] = [y, x].map(|own| (own / grid.cell_m).round() as i32);
+            let node = Node { cost: 0.0, di, dj, layer: grid.nearest_level(psi) };
+            let lane = self.lane(node);
+            match lanes.iter_mut().find(|own| own.0 == lane) {
+                Some((_, count)) => *count += 1,
+                None => lanes.push((lane, 1)),
+            }
+        }
+        lanes.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        lanes.into_iter().map(|(lane, _)| lane).collect()
     }
 
     /// The recovery of `leg` onto a node, as a leg of its own.

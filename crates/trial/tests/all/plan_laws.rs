@@ -2,7 +2,7 @@
 
 use engine::{Changes, ChangingCurrent, Pose, Wind, simulate_one};
 use lattice::Step;
-use trial::voyage::{Check, Goal, Place, Prepared, Search, SettledLeg, VoyageError};
+use trial::voyage::{Check, Goal, Place, Prepared, Primary, Search, SettledLeg, VoyageError};
 use trial::{Deviations, Sensors};
 
 use crate::planned::{ISLAND_DEG, Planned, rich, small, small_brief};
@@ -343,6 +343,43 @@ fn law_the_worst_vessels_are_within_the_stated_errors_and_no_better_than_the_nom
         assert_eq!(worst.ends, worst.searched * planned.sailing.legs.len() as u64);
         assert_eq!(check.ends, check.runs * planned.sailing.legs.len() as u64);
     }
+}
+
+/// The cost of the plan of a trial, and with the first recovery of each maneuver, heading and side alone.
+fn costs(mut prepared: Prepared) -> [[f64; 2]; 2] {
+    let cost = |prepared: &Prepared| {
+        let found = prepared.solve(&Search::unlimited()).unwrap().solution.cost;
+        [found.primary, found.secondary]
+    };
+    let all = cost(&prepared);
+    let mut known = Vec::new();
+    prepared.legs.retain(|own| {
+        let key = (own.name.clone(), own.leg.purpose.side(), own.leg.from);
+        let is_first = !own.is_informative() || !known.contains(&key);
+        known.push(key);
+        is_first
+    });
+    [all, cost(&prepared)]
+}
+
+#[test]
+fn law_further_recoveries_never_make_a_plan_dearer() {
+    let wide = |error: f64, primary: Primary| {
+        let mut brief = small_brief();
+        brief.task.deviations = Deviations::Box(error);
+        brief.task.cost.primary = primary;
+        Prepared::new(brief, &Search::unlimited()).unwrap()
+    };
+    let trials = [0.1, 0.2, 0.3]
+        .into_iter()
+        .flat_map(|error| [wide(error, Primary::BasicMoves), wide(error, Primary::Seconds)]);
+    let mut gained = 0;
+    for prepared in trials.chain([small(), rich()].map(|planned| planned.prepared.clone())) {
+        let [all, first] = costs(prepared);
+        assert!(all <= first, "{all:?} {first:?}");
+        gained += usize::from(all < first);
+    }
+    assert!(gained > 0);
 }
 
 #[test]

@@ -95,7 +95,7 @@ pub fn mode(name: &str, speed_m_s: f64) -> Mode {
 
 /// The small trial before it is planned.
 pub fn small_brief() -> Brief {
-    let (vessel, generator) = generator("pipelines/helsinki");
+    let (vessel, generator) = generator();
     let modes = vec![mode("half", 1.5)];
     let hull = Hull { length_m: 30.0, beam_m: 8.0, reference_m: 0.0, air_draught_m: None, draught_m: None };
     let tolerance = Tolerance {
