@@ -5,7 +5,8 @@
 Sails the plan with its own model of the ship, its own steering and its own distances from land. First the nominal vessel, whose
 track must be the plan's to a millimetre. Then vessels with one parameter at either bound; the corners of the box that these suggest
 for every leg; and, until there are `--vessels`, changes of the worst so far. `--uniform` draws that many more, evenly. `--dictionary`
-is for plans that were made with it: zig-zags, circles and pull-outs then are by helm. With `[sensors]` the autopilot sees noise, and
+is for plans that were made with it: zig-zags, circles and pull-outs then are by helm, stops end at rest, and motions are held by
+feedback. With `[sensors]` the autopilot sees noise, and
 1 % of all ends of legs may be off. Prints what was found, and exits with 1 where a vessel runs aground, comes nearer than the margin,
 ends a leg off or does not complete a maneuver. Needs numpy, scipy and pyarrow. For charts of land, and of depth areas with land, as
 GeoJSON; and for a cell (S-57), which GDAL reads (pyogrio).

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from .orders import Helmsmen, Program
+from .orders import Helmsmen, program_of
 from .study import STATES, Vessel
+from .tracking import Motion
 from .voyage import ARC, HOLD, LINE, MANEUVER, Phase, Voyage, wrap
 
 # How the autopilot is tuned, in parts of the response time, and limits of what it does within a sample.
@@ -82,7 +83,7 @@ class Fleet:
         the leg on its node, as when it was planned."""
         for number, phase in enumerate(self.voyage.phases):
             if phase.orders is not None:
-                self.voyage.phases[number] = phase.with_program(Program.of(phase, self))
+                self.voyage.phases[number] = phase.with_program(program_of(phase, self))
         for number, phase in enumerate(self.voyage.phases):
             if phase.kind == MANEUVER:
                 before = self.voyage.phases[number - 1 : number] if number else []
@@ -231,8 +232,11 @@ class Sailing:
         orders = np.where(maneuver[:, None], self.table[self.phase, row], 0.0)
         for number in np.unique(self.phase[self.reacts[self.phase] & under_way]):
             lanes = np.flatnonzero((self.phase == number) & under_way)
-            seen = self.seen_pose[2, lanes], self.seen_state[2, lanes], self.seen_state[0, lanes]
-            orders[lanes] = self.helm.command(self.phases[number].program, lanes, *seen)
+            program, state = self.phases[number].program, self.seen_state[:, lanes]
+            if isinstance(program, Motion):
+                orders[lanes] = self.helm.track(program, lanes, state, (self.fleet.low, self.fleet.high))
+            else:
+                orders[lanes] = self.helm.command(program, lanes, self.seen_pose[2, lanes], state)
         steered = np.flatnonzero(~maneuver & under_way)
         orders[steered] = self.steer(steered)
         return self.reached(orders, maneuver)

@@ -70,7 +70,8 @@ class Voyage:
             raise SystemExit(f"{config}: `safety.standard_errors`, expected `parameter_error`: this script reads no covariance")
         maneuvers = tomllib.loads(dictionary.read_text())["maneuver"] if dictionary else []
         # Those that depend on the ship; all others are tables of inputs.
-        self.orders = {own["name"]: own for own in maneuvers if "helm" in own or own["kind"] == "stop" or "executed" in own}
+        reacts = lambda own: "helm" in own or own["kind"] == "stop" or own.get("executed") == "feedback"  # noqa: E731
+        self.orders = {own["name"]: own for own in maneuvers if reacts(own)}
         self.cell = self.lattice["cell_m"]
         # The plane's origin is not in the documents; the track is on the first node at its begin.
         first = self.plan["steps"][0]["from"]
