@@ -1,4 +1,4 @@
-//! A chart to a plan: three maneuvers off Helsinki as one walk, proved to be the cheapest, checked at sea, and as a route.
+//! A chart to a plan: four maneuvers off Helsinki as one walk, proved to be the cheapest, checked at sea, and as a route.
 
 use std::error::Error;
 use std::path::Path;
@@ -13,6 +13,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let config = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../pipelines/helsinki/plan.toml"));
     let mut trial = ChartedTrial::read(config, vessel, dictionary, None)?;
+    // What depends on the ship is sailed by commands.
+    for (index, maneuver) in generator.maneuvers().iter().enumerate() {
+        let commands = generator.program(index, generator.samples(index)?)?;
+        trial.brief.programs.extend(commands.map(|own| (maneuver.name.clone(), own)));
+    }
     // For a quick example: each maneuver once, and a check with few currents.
     trial.brief.task.maneuvers.iter_mut().for_each(|maneuver| maneuver.count = Some(1));
     trial.brief.task.safety.runs = Some(48);

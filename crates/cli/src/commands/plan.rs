@@ -14,7 +14,7 @@ use clap::Parser;
 #[command(
     name = "plan",
     after_help = "Example:\n  plan --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
-    --config pipelines/helsinki/plan.toml --out out/helsinki/plan.json\n  \
+    --dictionary pipelines/helsinki/dictionary.toml --config pipelines/helsinki/plan.toml --out out/helsinki/plan.json\n  \
     plan --problem fixtures/lattice/channel.json --out plan.json\n\n\
     Beside the plan of a trial stand track.parquet, track.geojson, route.rtz, .gpx, .kml, .plan and .gpkg, map.json (what the map \
     shows) and map.svg.\n\n\

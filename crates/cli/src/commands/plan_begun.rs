@@ -54,7 +54,7 @@ impl Rest {
     name = "resume",
     after_help = "Example:\n  plan resume --plan out/helsinki/plan.json --done 4 --from 24.96,60.14,135,half \
     --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
-    --config pipelines/helsinki/plan.toml --out out/rest/plan.json"
+    --dictionary pipelines/helsinki/dictionary.toml --config pipelines/helsinki/plan.toml --out out/rest/plan.json"
 )]
 pub struct Resume {
     /// How many of its steps are done; maneuvers among them are not repeated
@@ -79,7 +79,7 @@ impl Task for Resume {
     name = "follow",
     after_help = "Example:\n  plan follow --plan out/helsinki/plan.json --positions positions.csv \
     --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
-    --config pipelines/helsinki/plan.toml --set plan.safety.runs=64 --out out/rest/plan.json\n\n\
+    --dictionary pipelines/helsinki/dictionary.toml --config pipelines/helsinki/plan.toml --set plan.safety.runs=64 --out out/rest/plan.json\n\n\
     positions.csv has the columns time (seconds since the departure, or 2026-06-01T08:00:00Z), longitude_deg, latitude_deg and, \
     if known, heading_deg and speed_m_s. Beside the plan of the rest stands follow.json: what is done, and how much of the \
     information it has. With nothing left to plan, it stands alone."

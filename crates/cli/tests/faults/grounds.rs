@@ -425,7 +425,9 @@ pub fn grid() -> String {
 }
 
 fn plans() -> Ground {
-    let folder = copied("helsinki", &["vessel.toml", "dictionary.toml", "campaign.toml"]);
+    let folder = copied("helsinki", &["vessel.toml", "campaign.toml"]);
+    let maneuvers = fs::read(repository().join("fixtures/dictionaries/zig-zags.toml")).unwrap();
+    fs::write(folder.path().join("dictionary.toml"), maneuvers).unwrap();
     edit(&folder, "campaign.toml", "realizations = 200", "realizations = 1");
     varied(&folder, "dictionary.toml", "dictionary-2.toml", "duration_s = 270.0", "duration_s = 180.0");
     put(&folder, "plan.toml", &SMALL.replace("runs = 4", "runs = 1"));

@@ -1,4 +1,4 @@
-//! The paper's example over the harbour of Helsinki: a walk on the lattice, a track at sea, on water all the way.
+//! Standard maneuvers over the harbour of Helsinki: a walk on the lattice, a track at sea, on water all the way.
 
 use std::collections::BTreeMap;
 
@@ -25,7 +25,7 @@ fn pose(value: &Value) -> (i64, i64, i64, &str) {
 }
 
 #[test]
-fn the_papers_example_is_proved_optimal_with_8_and_with_4_headings() {
+fn the_trial_is_proved_optimal_with_8_and_with_4_headings() {
     for (planned, headings) in helsinki_planned().into_iter().zip([8, 4]) {
         let (plan, lattice) = (&planned.plan, &planned.voyage()["lattice"]);
         assert_eq!(plan["status"], "optimal");
@@ -35,7 +35,7 @@ fn the_papers_example_is_proved_optimal_with_8_and_with_4_headings() {
         assert_eq!(lattice["headings"], headings);
         assert!(lattice["nx"].as_u64() >= Some(35) && lattice["ny"].as_u64() >= Some(44), "{lattice}");
         let three: BTreeMap<String, u64> =
-            ["zig-zag-steep", "zig-zag-wide", "sway-zig-zag"].map(|name| (name.to_owned(), 3)).into();
+            ["zig-zag-20", "circle", "crash-stop", "sway-zig-zag"].map(|name| (name.to_owned(), 3)).into();
         assert_eq!(serde_json::from_value::<BTreeMap<String, u64>>(plan["counts"].clone()).unwrap(), three);
         PLANNED.iter().for_each(|name| assert!(planned.study.bytes(name).len() > 500, "{name}"));
     }
@@ -126,12 +126,15 @@ fn law_informative_steps_are_primitives_of_the_list() {
         {
             let ((i, j, h, _), (to_i, to_j, to_h, _)) = (pose(&step["from"]), pose(&step["to"]));
             let own = primitives.iter().find(|p| {
-                p["maneuver"] == step["action"] && p["side"] == leg["side"] && p["h"].as_i64() == Some(h)
+                let moved = [&p["h"], &p["di"], &p["dj"], &p["to_h"]].map(|n| n.as_i64().unwrap());
+                p["maneuver"] == step["action"]
+                    && p["side"] == leg["side"]
+                    && moved == [h, to_i - i, to_j - j, to_h]
             });
             let own = own.unwrap_or_else(|| panic!("no primitive for {step}"));
-            let moved = [&own["di"], &own["dj"], &own["to_h"]].map(|n| n.as_i64().unwrap());
-            assert_eq!(moved, [to_i - i, to_j - j, to_h], "{step}");
-            assert!(own["fits"].as_u64() > Some(0) && own["maneuver_s"] == leg["maneuver_s"], "{own}");
+            // Turns and stops last a little longer or shorter from other ends.
+            let lasts_s = [own, leg].map(|of| of["maneuver_s"].as_f64().unwrap());
+            assert!((lasts_s[0] - lasts_s[1]).abs() <= 1.0 && own["fits"].as_u64() > Some(0), "{own} {leg}");
             // At least one of the sampled vessels is in the strongest current, which is not corrected in a maneuver.
             let drift =
                 own["maneuver_s"].as_f64().unwrap() * planned.number("/voyage/check/unknown_current_m_s");
@@ -164,10 +167,8 @@ fn times_of_track_and_plan_agree() {
         assert!(track.t.iter().enumerate().all(|(row, t)| *t == row as f64), "one sample a second");
         let informative = track.informative.iter().filter(|i| **i).count();
         assert_eq!(informative as f64, planned.number("/voyage/informative_s"));
-        let steep = planned.plan["counts"]["zig-zag-steep"].as_f64().unwrap();
-        let wide = planned.plan["counts"]["zig-zag-wide"].as_f64().unwrap_or(0.0);
-        let sway = planned.plan["counts"]["sway-zig-zag"].as_f64().unwrap();
-        assert_eq!(informative as f64, 180.0 * steep + 270.0 * wide + 240.0 * sway, "whole maneuvers");
+        let maneuvers_s: f64 = planned.legs().iter().filter_map(|leg| leg["maneuver_s"].as_f64()).sum();
+        assert_eq!(informative as f64, maneuvers_s, "whole maneuvers");
         let seconds: f64 = planned.legs().iter().map(|leg| leg["duration_s"].as_f64().unwrap()).sum();
         assert_eq!(seconds, planned.number("/voyage/duration_s"));
         for (stretch, leg) in
@@ -186,8 +187,8 @@ fn maneuvers_ahead_begin_after_a_steady_approach_of_half_a_minute() {
         let track = &planned.track;
         for stretch in track.stretches() {
             let speed = match track.maneuver[stretch.start].as_str() {
-                "zig-zag-steep" => 1.5,
-                "zig-zag-wide" => 3.0,
+                "circle" => 1.5,
+                "zig-zag-20" | "crash-stop" => 3.0,
                 _ => continue,
             };
             let first =

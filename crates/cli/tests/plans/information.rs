@@ -61,33 +61,31 @@ fn maneuver(name: &str) -> (f64, Vec<Three>) {
 
 #[test]
 fn oracle_predicted_information_adds_up_pieces_of_the_dictionary() {
-    for planned in all() {
-        let ship = Ship::new(planned.text("vessel.toml"), "nominal");
-        let mut sums = Sums::new();
-        for (name, count) in planned.plan["counts"].as_object().unwrap() {
-            let (speed, inputs) = maneuver(name);
-            let states = ship.simulate([speed, 0.0, 0.0], &inputs);
-            sums.add(&ship, &states, &inputs, count.as_f64().unwrap());
-        }
-        let told = |key: &str| planned.number(&format!("/voyage/information/{key}"));
-        // The segments alone hardly excite surge: the determinant loses digits.
-        assert_relative_eq!(told("predicted_log_det"), sums.log_det(), max_relative = 1e-5);
-        let efficiency = ((told("realised_log_det") - sums.log_det()) / 13.0).exp();
-        assert_relative_eq!(told("efficiency"), efficiency, max_relative = 1e-5);
-        let front = planned.voyage()["front"].as_array().unwrap().last().unwrap();
-        assert_relative_eq!(front["log_det"].as_f64().unwrap(), sums.log_det(), max_relative = 1e-5);
+    let planned = small_planned();
+    let ship = Ship::new(planned.text("vessel.toml"), "nominal");
+    let mut sums = Sums::new();
+    for (name, count) in planned.plan["counts"].as_object().unwrap() {
+        let (speed, inputs) = maneuver(name);
+        let states = ship.simulate([speed, 0.0, 0.0], &inputs);
+        sums.add(&ship, &states, &inputs, count.as_f64().unwrap());
     }
+    let told = |key: &str| planned.number(&format!("/voyage/information/{key}"));
+    // The segments alone hardly excite surge: the determinant loses digits.
+    assert_relative_eq!(told("predicted_log_det"), sums.log_det(), max_relative = 1e-5);
+    let efficiency = ((told("realised_log_det") - sums.log_det()) / 13.0).exp();
+    assert_relative_eq!(told("efficiency"), efficiency, max_relative = 1e-5);
+    let front = planned.voyage()["front"].as_array().unwrap().last().unwrap();
+    assert_relative_eq!(front["log_det"].as_f64().unwrap(), sums.log_det(), max_relative = 1e-5);
 }
 
 #[test]
 fn law_maneuvers_are_run_as_in_the_dictionary_or_to_the_other_side() {
-    for planned in all() {
-        let informative = planned.legs().iter().filter(|leg| leg["informative"] == true);
-        for (stretch, leg) in planned.track.stretches().into_iter().zip(informative) {
-            let sign = if leg["side"] == "mirrored" { -1.0 } else { 1.0 };
-            let (_, inputs) = maneuver(&planned.track.maneuver[stretch.start]);
-            let own = inputs.iter().map(|[a, b, c]| [*a, sign * b, sign * c]);
-            assert!(own.eq(planned.track.inputs[stretch.clone()].iter().copied()), "{leg}");
-        }
+    let planned = small_planned();
+    let informative = planned.legs().iter().filter(|leg| leg["informative"] == true);
+    for (stretch, leg) in planned.track.stretches().into_iter().zip(informative) {
+        let sign = if leg["side"] == "mirrored" { -1.0 } else { 1.0 };
+        let (_, inputs) = maneuver(&planned.track.maneuver[stretch.start]);
+        let own = inputs.iter().map(|[a, b, c]| [*a, sign * b, sign * c]);
+        assert!(own.eq(planned.track.inputs[stretch.clone()].iter().copied()), "{leg}");
     }
 }

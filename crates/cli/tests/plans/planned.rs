@@ -86,6 +86,7 @@ static WRITTEN_SMALL: LazyLock<Study> = LazyLock::new(|| {
     for name in WRITTEN {
         fs::copy(repository().join("pipelines/helsinki").join(name), folder.path().join(name)).unwrap();
     }
+    fs::copy(repository().join(ZIG_ZAGS), folder.path().join("dictionary.toml")).unwrap();
     put(&folder, "plan.toml", SMALL);
     put(&folder, "land.geojson", ISLAND);
     run(&folder, DICTIONARY).succeeds();
@@ -117,7 +118,7 @@ pub fn small_planned() -> &'static Planned {
     &PLANNED
 }
 
-/// The paper's example, with 8 and with 4 headings.
+/// The trial off Helsinki, with 8 and with 4 headings.
 pub fn helsinki_planned() -> [&'static Planned; 2] {
     static PLANNED: [LazyLock<Planned>; 2] =
         [LazyLock::new(|| helsinki("plan.toml")), LazyLock::new(|| helsinki("plan-4-headings.toml"))];
@@ -133,10 +134,17 @@ fn helsinki(config: &str) -> Planned {
     for file in [&format!("pipelines/helsinki/{config}"), HELSINKI_LAND] {
         fs::copy(repository.join(file), folder.path().join(file)).unwrap();
     }
-    let line = PLAN.replace("plan.toml", &format!("pipelines/helsinki/{config}"));
+    fs::copy(repository.join("pipelines/helsinki/dictionary.toml"), folder.path().join("dictionary.toml"))
+        .unwrap();
+    run(&folder, DICTIONARY).succeeds();
+    let line =
+        PLAN.replace("plan.toml", &format!("pipelines/helsinki/{config} --dictionary dictionary.toml"));
     run(&folder, &line).succeeds();
     Planned::of(&folder)
 }
+
+/// Maneuvers by tables of inputs.
+pub const ZIG_ZAGS: &str = "fixtures/dictionaries/zig-zags.toml";
 
 pub const HELSINKI_LAND: &str = "fixtures/charts/helsinki_land_gshhg.geojson";
 

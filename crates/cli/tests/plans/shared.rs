@@ -6,15 +6,17 @@ use std::sync::OnceLock;
 
 use tempfile::TempDir;
 
+use crate::planned::ZIG_ZAGS;
 use crate::support::*;
 
-/// The dictionary of the study off Helsinki, with its vessel.
+/// Zig-zags of the vessel of Helsinki.
 fn dictionary() -> &'static [(String, Vec<u8>)] {
     static MADE: OnceLock<Vec<(String, Vec<u8>)>> = OnceLock::new();
     MADE.get_or_init(|| {
         let folder = tempfile::tempdir().unwrap();
-        for name in ["vessel.toml", "dictionary.toml"] {
-            fs::copy(repository().join("pipelines/helsinki").join(name), folder.path().join(name)).unwrap();
+        for (from, name) in [("pipelines/helsinki/vessel.toml", "vessel.toml"), (ZIG_ZAGS, "dictionary.toml")]
+        {
+            fs::copy(repository().join(from), folder.path().join(name)).unwrap();
         }
         run(&folder, DICTIONARY).succeeds();
         ["vessel.toml", "dictionary.parquet"].map(|name| (name.to_owned(), bytes(&folder, name))).into()
