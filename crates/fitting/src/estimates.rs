@@ -115,7 +115,7 @@ impl Pass<'_> {
         Ok(Estimates { parameters, covariance, condition, pieces })
     }
 
-    fn undetermined(&self, free: &[usize], bread: &[f64]) -> Unfit {
+    pub(crate) fn undetermined(&self, free: &[usize], bread: &[f64]) -> Unfit {
         let m = free.len();
         let weakest = numerics::weakest(m, bread).map_or(0, |own| own.dominant(m));
         Unfit::Undetermined(self.forces.parameters()[free[weakest]].name.clone())

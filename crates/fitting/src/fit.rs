@@ -75,12 +75,23 @@ impl Problem<'_> {
 
 impl Pass<'_> {
     fn fit(&self, theta: &[f64]) -> Result<Fit, Unfit> {
+        match self.search(theta, self.settings.most_steps)? {
+            (fit, true) => Ok(fit),
+            (_, false) => Err(Unfit::Unfinished(self.settings.most_steps)),
+        }
+    }
+
+    /// What at most `most` steps from `theta` lead to, and whether it is a minimum.
+    ///
+    /// # Errors
+    /// A simulation at the start that diverges, a parameter that nothing determines.
+    pub(crate) fn search(&self, theta: &[f64], most: usize) -> Result<(Fit, bool), Unfit> {
         let mut at = self.at(theta.to_vec(), self.measured_starts());
         if !at.cost.is_finite() {
             return Err(self.diverged(&at));
         }
         let mut damping = DAMPING[0];
-        for step in 0..self.settings.most_steps {
+        for step in 0..most {
             let sums = self.all_sums(&at.theta, &at.starts);
             let before = at.cost;
             let expected = loop {
@@ -101,14 +112,20 @@ impl Pass<'_> {
                     _ => damping = 10.0 * damping.max(DAMPING[0]),
                 }
                 if damping > DAMPING[1] {
-                    return Ok(at.ended(self, step));
+                    return Ok((at.ended(self, step), true));
                 }
             };
             if expected.max(before - at.cost) <= ENOUGH * before + LEAST {
-                return Ok(at.ended(self, step + 1));
+                return Ok((at.ended(self, step + 1), true));
             }
         }
-        Err(Unfit::Unfinished(self.settings.most_steps))
+        Ok((at.ended(self, most), false))
+    }
+
+    /// The cost of θ with windows that start at their first measured sample; infinite where one diverges.
+    pub(crate) fn cost_from(&self, theta: &[f64]) -> f64 {
+        let cost = self.at(theta.to_vec(), self.measured_starts()).cost;
+        if cost.is_finite() { cost } else { f64::INFINITY }
     }
 
     fn cost(&self, theta: &[f64]) -> (f64, Vec<f64>) {

@@ -14,6 +14,7 @@
 #![warn(missing_docs)]
 
 mod bounded;
+mod criticism;
 mod estimates;
 mod fit;
 mod information;
@@ -26,6 +27,7 @@ mod sums;
 mod unfit;
 mod window;
 
+pub use criticism::{AbsentTerm, Channels, Criticism, LEVEL, LateInput, Lateness, Turn, TurnedSign};
 pub use estimates::{Estimates, Parameter};
 pub use fit::Fit;
 pub use information::{PredictedErrors, RunInformation, SimulatedRun, Slopes, WhiteNoise};

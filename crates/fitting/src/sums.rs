@@ -7,7 +7,7 @@ use crate::pass::Pass;
 use crate::window::{Group, Window};
 
 /// Unknowns by which derivatives are computed at once.
-const AT_ONCE: usize = 13;
+pub(crate) const AT_ONCE: usize = 13;
 
 /// Huber's function of a window's RMS error: its square up to the knee, and its tangent there beyond.
 pub fn cost_of_rms(rms: f64, knee: f64) -> f64 {
@@ -54,6 +54,14 @@ pub(crate) struct Sums {
     pub pieces: Vec<Vec<f64>>,
 }
 
+/// Errors of a group of windows, and their derivatives by θ and then by the start of each window.
+pub(crate) struct Derivatives {
+    /// A row for each error.
+    pub slopes: Vec<Lane>,
+    /// Three errors for each sample, 0 after the end of a window.
+    pub left: Vec<Lane>,
+}
+
 impl Pass<'_> {
     /// Errors of the windows of `group`, which start at `starts`.
     pub fn errors(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Errors> {
@@ -66,6 +74,11 @@ impl Pass<'_> {
 
     /// The errors and sums of the windows of `group`, which start at `starts`.
     pub fn sums(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Sums> {
+        self.sums_of(group, &self.derivatives(group, theta, starts))
+    }
+
+    /// The errors of the windows of `group`, which start at `starts`, and their derivatives.
+    pub fn derivatives(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Derivatives {
         let unknowns = self.unknowns();
         let rows = 3 * (group.samples + 1);
         let mut slopes = vec![Lane::ZERO; rows * unknowns];
@@ -81,12 +94,18 @@ impl Pass<'_> {
             let out = (&mut left[..], &mut slopes[first..]);
             vectorized!(columns(self, group, &body, begin, (count, unknowns), out));
         }
+        Derivatives { slopes, left }
+    }
+
+    /// The sums of `own`, the derivatives of the windows of `group`.
+    pub fn sums_of(&self, group: &Group, own: &Derivatives) -> Vec<Sums> {
+        let (unknowns, Derivatives { slopes, left }) = (self.unknowns(), own);
         let piece = self.settings.samples(self.settings.piece_s);
         let mut products = vec![Lane::ZERO; unknowns * unknowns];
         let mut gradients = vec![Lane::ZERO; (group.samples / piece + 1) * unknowns];
         let mut squares = [Lane::ZERO; 3];
         let sums = (&mut products[..], &mut gradients[..], &mut squares);
-        vectorized!(accumulate(&slopes, &left, unknowns, 3 * piece, sums));
+        vectorized!(accumulate(slopes, left, unknowns, 3 * piece, sums));
         let errors = window_errors(group, squares).into_iter().enumerate();
         errors
             .map(|(lane, errors)| {
@@ -112,7 +131,7 @@ fn window_errors(group: &Group, squares: [Lane; 3]) -> Vec<Errors> {
 }
 
 /// The starts of the windows of a group, side by side.
-fn start(starts: &[[f64; 3]]) -> [Lane; 3] {
+pub(crate) fn start(starts: &[[f64; 3]]) -> [Lane; 3] {
     [0, 1, 2].map(|d: usize| numerics::lanes::lane(starts.len(), |i| starts[i][d]))
 }
 
@@ -122,19 +141,32 @@ fn follow<X: Real>(
     pass: &Pass,
     group: &Group,
     body: &Body<X>,
-    mut state: [X; 3],
+    state: [X; 3],
     lift: impl Fn(Lane) -> X,
-    mut look: impl FnMut(usize, [X; 3]),
+    look: impl FnMut(usize, [X; 3]),
 ) {
-    let (width, sample_s) = (pass.width, pass.settings.sample_s);
     let acting = pass.late.then(|| {
         let rows: Vec<X> = group.inputs.iter().map(|own| lift(*own)).collect();
-        body.acting(&rows, width, sample_s)
+        body.acting(&rows, pass.width, pass.settings.sample_s)
     });
     let input = |at: usize| match &acting {
         Some(rows) => rows[at],
         None => lift(group.inputs[at]),
     };
+    follow_acting(pass, group, body, state, input, look);
+}
+
+/// Calls `look` with the state in every sample, where `input` is what acts: an entry of the rows of inputs.
+#[inline(always)]
+pub(crate) fn follow_acting<X: Real>(
+    pass: &Pass,
+    group: &Group,
+    body: &Body<X>,
+    mut state: [X; 3],
+    input: impl Fn(usize) -> X,
+    mut look: impl FnMut(usize, [X; 3]),
+) {
+    let (width, sample_s) = (pass.width, pass.settings.sample_s);
     look(0, state);
     for k in 0..group.samples {
         let row = (group.before + k) * width;
@@ -145,13 +177,13 @@ fn follow<X: Real>(
 
 /// 1 in windows that have sample `k`, else 0.
 #[inline(always)]
-fn counted(group: &Group, k: usize) -> [bool; LANES] {
+pub(crate) fn counted(group: &Group, k: usize) -> [bool; LANES] {
     std::array::from_fn(|lane| group.windows.get(lane).is_some_and(|own| k <= own.samples))
 }
 
 /// `own` where it counts, else 0.
 #[inline(always)]
-fn only(own: Lane, counted: [bool; LANES]) -> Lane {
+pub(crate) fn only(own: Lane, counted: [bool; LANES]) -> Lane {
     Lane(std::array::from_fn(|lane| if counted[lane] { own[lane] } else { 0.0 }))
 }
 

@@ -24,6 +24,12 @@ pub enum Unfit {
     /// Neither the recordings nor a prior determine a parameter.
     #[error("nothing in the recordings determines `{0}`, and it has no prior")]
     Undetermined(String),
+    /// A term cannot be tried.
+    #[error("a term to be tried is refused: {0}")]
+    Candidate(String),
+    /// The search did not end, and recordings fit better with something turned over.
+    #[error("no minimum after {0} steps; the recordings fit better with {1}")]
+    WrongSign(usize, String),
     /// The search did not end.
     #[error("no minimum after {0} steps")]
     Unfinished(usize),
@@ -42,6 +48,12 @@ impl Unfit {
                 ("the model", "numbers that the ship can be simulated with", "correct `nominal` or `prime`")
             }
             Self::Undetermined(_) => ("the model", "information about each", "add a `prior`, or fix it"),
+            Self::Candidate(_) => {
+                ("the model", "channels that terms can name", "rename the channel in vessel.toml")
+            }
+            Self::WrongSign(..) => {
+                ("the fit", "signs as the ship has them", "check these columns and places, and correct them")
+            }
             Self::Unfinished(_) => ("the fit", "a minimum", "add priors, or begin from better numbers"),
         };
         Invalid::new(thing, self.to_string(), expected, remedy)

@@ -15,12 +15,18 @@ impl<X: Real> Body<'_, X> {
             let (lag, dead) = (lag.of(&self.numbers), dead.of(&self.numbers));
             let channel = thruster.input();
             let commanded: Vec<X> = inputs.chunks_exact(width).map(|row| row[channel].into()).collect();
-            let late: Vec<X> = (0..commanded.len()).map(|k| before(&commanded, k, dead, sample_s)).collect();
-            let followed = lagging(&late, lag, sample_s);
+            let followed = late(&commanded, dead, lag, sample_s);
             rows.chunks_exact_mut(width).zip(followed).for_each(|(row, own)| row[channel] = own);
         }
         rows
     }
+}
+
+/// What follows `commanded`, linear between samples `sample_s` apart, after `dead` seconds and with a time constant of `lag`
+/// seconds. Before the first sample it was as in that.
+pub fn late<X: Real>(commanded: &[X], dead: X, lag: X, sample_s: f64) -> Vec<X> {
+    let begun: Vec<X> = (0..commanded.len()).map(|k| before(commanded, k, dead, sample_s)).collect();
+    lagging(&begun, lag, sample_s)
 }
 
 /// The input `dead` seconds before sample `k`, linear between samples.

@@ -38,6 +38,7 @@ mod wind;
 
 pub use body::Body;
 pub use channels::{Channel, Driven};
+pub use delays::late;
 pub use dual::Dual;
 pub use forces::Forces;
 pub use guess::{Guess, MainDimensions};

@@ -1,5 +1,6 @@
 //! Laws of fits to simulated recordings.
 
+mod criticism;
 mod information;
 mod laws;
 mod oracle;

@@ -9,6 +9,12 @@ pub const KVLCC2: &str = include_str!("../../../model/presets/kvlcc2-l7.toml");
 
 /// The forces of a `vessel.toml`.
 pub fn forces(text: &str) -> Forces {
+    let (description, channels) = parts(text);
+    Forces::new(&description, &channels).unwrap()
+}
+
+/// The ship of a `vessel.toml`, and her inputs.
+pub fn parts(text: &str) -> (Description, Vec<Channel>) {
     let mut table: toml::Table = text.parse().unwrap();
     let inputs = table.remove("input").unwrap();
     for key in ["name", "model", "sample_rate_hz"] {
@@ -20,8 +26,7 @@ pub fn forces(text: &str) -> Forces {
         Channel { name: text("name"), unit: text("unit"), range }
     };
     let channels: Vec<Channel> = inputs.as_array().unwrap().iter().map(channel).collect();
-    let description: Description = table.try_into().unwrap();
-    Forces::new(&description, &channels).unwrap()
+    (table.try_into().unwrap(), channels)
 }
 
 /// A recording that owns its rows of rudder and revolutions, and of u, v, r.
