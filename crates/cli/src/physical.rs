@@ -39,6 +39,9 @@ pub struct PhysicalFlags {
     /// Of a ship with forces: values of captive tests under `derivatives`, to set beside the estimates
     #[arg(long, value_name = "reference.toml")]
     reference: Option<PathBuf>,
+    /// Of a ship with forces: does not test what is wrong with her, which takes a few times as long as the fit
+    #[arg(long)]
+    no_criticism: bool,
 }
 
 impl PhysicalFlags {
@@ -52,6 +55,7 @@ impl PhysicalFlags {
             ("--prior-weight", self.prior_weight.is_some()),
             ("--measured-starts", self.measured_starts),
             ("--reference", self.reference.is_some()),
+            ("--no-criticism", self.no_criticism),
         ];
         none_given(flags, "a vessel with terms per sample", "one with forces")
     }
@@ -81,7 +85,7 @@ impl PhysicalFlags {
 /// Flags or an estimator that need terms per sample; files that are refused; no fit.
 pub fn fit(
     (flags, own): (&PoolFlags, &PhysicalFlags),
-    estimator: Option<Estimator>,
+    (estimator, most_added): (Option<Estimator>, usize),
     vessel: &Vessel,
     (common, mut provenance): (&Common, Provenance),
 ) -> Result<Summary, Failure> {
@@ -102,7 +106,9 @@ pub fn fit(
         check_captive(reference, vessel).map_err(|e| Failure::invalid(path, &e))?;
     }
     let (runs, _) = flags.of.read(vessel, &mut provenance, inputs::runs)?;
-    let physical = Physical { vessel, settings, former: former.as_deref(), reference: reference.as_ref() };
+    let (former, reference) = (former.as_deref(), reference.as_ref());
+    let criticise = !own.no_criticism;
+    let physical = Physical { vessel, settings, former, reference, criticise, most_added };
     let model = physical.model(&runs).map_err(|e| unfit(e, &flags.vessel, flags.of.file()))?;
     let noted = [
         ("estimator", json!(Estimator::OutputError)),
@@ -112,6 +118,8 @@ pub fn fit(
         ("window_s", json!(settings.window_s)),
         ("prior_weight", json!(settings.prior_weight)),
         ("measured_starts", json!(own.measured_starts)),
+        ("criticised", json!(criticise)),
+        ("add_terms", json!(most_added)),
     ];
     let given = noted.into_iter().filter(|(_, value)| *value != json!([]));
     provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));

@@ -151,11 +151,15 @@ impl PoolFlags {
 
     /// The files that are read.
     pub fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
-        let former = match &self.prior {
+        [&self.vessel].into_iter().chain(self.of.inputs()).chain(self.former())
+    }
+
+    /// The model of a former fit.
+    pub fn former(&self) -> Option<&PathBuf> {
+        match &self.prior {
             Some(Held::Former(path)) => Some(path),
             _ => None,
-        };
-        [&self.vessel].into_iter().chain(self.of.inputs()).chain(former)
+        }
     }
 
     /// Reads the runs with `recorded`, and the model for instruments. Results from simulated logs are labelled so.

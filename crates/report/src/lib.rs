@@ -58,6 +58,7 @@ mod table;
 mod trajectory;
 mod trust;
 mod updated;
+mod wrong;
 
 pub use explore::explore;
 pub use load::load;

@@ -5,13 +5,17 @@ use super::measured::{Measured, free_runs};
 use super::number::{fit, or_dash, percent, probability, three, three_or_dash, unit};
 use super::parts::{Section, coded, missing, statements};
 use super::table::Table;
+use super::wrong::wrong;
 use study::documents::{ConstrainedParameter, DegreeTrust, SourceErrors, TrustDocument};
 
 /// The diagnostics of the pooled estimate.
 pub(super) fn trust(measured: &Measured) -> Section {
-    let body = match &measured.trust {
-        None => missing("Trust is", "trust.json", "estimate pool"),
-        Some(found) => html! {
+    let forces = measured.model.as_ref().and_then(|own| own.forces.as_ref());
+    let criticism = forces.and_then(|own| own.criticism.as_ref());
+    let body = match (&measured.trust, criticism) {
+        (None, Some(found)) => wrong(found),
+        (None, None) => missing("Trust is", "trust.json", "estimate pool"),
+        (Some(found), _) => html! {
             (about(found))
             (statements(&found.statements))
             @if let Some(criticism) = &found.criticism { (lacking(criticism)) }

@@ -20,9 +20,11 @@
 
 mod charted;
 mod comparison;
+mod criticism;
 mod derivatives;
 mod designing;
 mod former;
+mod growing;
 mod measured;
 mod merit;
 mod monte_carlo;

@@ -1,7 +1,7 @@
 //! Ships as physics, fitted to runs.
 
 use engine::{Replayed, check_diverged, replay};
-use fitting::{Estimates, Fit, Prior, Problem, Recording, Settings, Starts, Unfit};
+use fitting::{Channels, Estimates, Fit, Prior, Problem, Recording, Settings, Starts, Unfit};
 use forces::Forces;
 use identification::pooled::{Covariance, Delivered, RecordingConstant, Score, covered};
 use model::Vessel;
@@ -10,7 +10,9 @@ use regression::pooled::{Part, PooledRuns};
 use study::documents::{FittedForces, FittedParameter, ModelDocument, Reference, SailedSums};
 use validation::comparison::Magnitudes;
 
+use crate::criticism::{channels, criticised};
 use crate::derivatives::{self, Captive, beside, interval};
+use crate::growing::{self, Growing, Recorded};
 
 /// The standard error of a parameter that grows more than this because others are unknown is none of its own.
 const ENTANGLED: f64 = 10.0;
@@ -25,10 +27,11 @@ pub struct Physical<'a> {
     pub former: Option<&'a [f64]>,
     /// Values of captive tests to set beside the estimates. They change none.
     pub reference: Option<&'a Reference>,
+    /// Whether the fit is tested for what is wrong with the ship.
+    pub criticise: bool,
+    /// Most forces that are added to the ship, one after the other, where recordings left out confirm them.
+    pub most_added: usize,
 }
-
-/// A recording's name and its parts without gaps.
-type Recorded = (String, Vec<Part>);
 
 impl Physical<'_> {
     /// The model of `runs`.
@@ -36,24 +39,52 @@ impl Physical<'_> {
     /// # Errors
     /// Why there is no fit, or a model without forces.
     pub fn model(&self, runs: &PooledRuns) -> Result<ModelDocument, PhysicalError> {
-        let forces = &self.vessel.model.forces.as_ref().ok_or_else(without_forces)?.forces;
+        self.vessel.model.forces.as_ref().ok_or_else(without_forces)?;
         let sources = runs.windows(None);
+        let growing = Growing { sources: &sources, settings: self.settings, most: self.most_added };
+        let grown = growing.grown(self.vessel)?;
+        let mut model = Physical { vessel: &grown.vessel, ..*self }.fitted_model(runs, &sources)?;
+        model.statements = growing::statements(&grown).into_iter().chain(model.statements).collect();
+        if let Some(forces) = &mut model.forces {
+            forces.tried = grown.tried;
+        }
+        Ok(model)
+    }
+
+    /// The model of `runs`, whose recordings are `sources`, without other forces than those of the ship.
+    fn fitted_model(&self, runs: &PooledRuns, sources: &[Recorded]) -> Result<ModelDocument, PhysicalError> {
+        let forces = &self.vessel.model.forces.as_ref().ok_or_else(without_forces)?.forces;
         let recordings = sources.iter().flat_map(|(name, parts)| {
             parts.iter().map(|part| Recording { name, inputs: &part.exogenous, measured: &part.measured })
         });
         let width = self.vessel.model.exogenous();
         let problem = Problem::new(forces, recordings.collect(), width, self.settings)?;
         let problem = problem.with_priors(self.priors(forces));
-        let fit = problem.fit_from(self.former.unwrap_or(&self.vessel.nominal))?;
+        let fit = self.fit(&problem)?;
         let estimates = problem.estimates(&fit)?;
         let mut fitted = self.fitted(forces, (&fit, &estimates), problem.windows())?;
-        fitted.sailed = self.sailed(forces, (&fit, &estimates), &sources);
+        fitted.sailed = self.sailed(forces, (&fit, &estimates), sources);
         let also = derivatives::statements(fitted.sailed.as_ref(), &fitted.parameters);
-        let mut model = ModelDocument::fitted(self.vessel, &self.delivered(&fit, &sources), fitted);
-        model.statements = statements(&estimates).into_iter().chain(also).collect();
+        let asked = self.criticise.then(|| criticised(self.vessel, &problem, &fit)).transpose()?;
+        let verdict = asked.as_ref().map_or(Vec::new(), |own| own.statements.clone());
+        fitted.criticism = asked;
+        let rejected = fitted.criticism.as_ref().map(|own| own.rejected);
+        let mut model = ModelDocument::fitted(self.vessel, &self.delivered(&fit, sources), fitted);
+        model.rejected = rejected;
+        model.statements = verdict.into_iter().chain(statements(&estimates)).chain(also).collect();
         let Ok(magnitudes) = Magnitudes::of(&self.vessel.model, runs, self.vessel.sample_rate_hz);
         model.magnitudes = magnitudes;
         Ok(model)
+    }
+
+    /// The fit; where there is none, a wrong sign may say why.
+    fn fit(&self, problem: &Problem) -> Result<Fit, Unfit> {
+        let theta = self.former.unwrap_or(&self.vessel.nominal);
+        problem.fit_from(theta).map_err(|error| {
+            let channels = channels(self.vessel);
+            let inputs = self.vessel.model.inputs;
+            problem.explained(error, theta, Channels { all: &channels, inputs })
+        })
     }
 
     /// Values of captive tests.
@@ -131,6 +162,8 @@ impl Physical<'_> {
             cost: fit.cost,
             steps: fit.steps as u64,
             sailed: None,
+            criticism: None,
+            tried: Vec::new(),
             captive_source: self.reference.map(|own| own.source.clone()),
         })
     }

@@ -19,12 +19,22 @@ pub struct StructureSearch {
 }
 
 impl StructureSearch {
+    /// Refuses a ship with forces.
+    ///
+    /// # Errors
+    /// Names what finds forces that she lacks.
+    pub fn check(vessel: &Vessel) -> Result<(), Invalid> {
+        let remedy = "find missing forces by `estimate pool`, which tests about 240 products, and adds those that recordings left \
+            out confirm with `--add-terms K`; or give it a vessel with terms per sample";
+        vessel.check_terms("search").map_err(|own| Invalid { remedy: remedy.into(), ..own })
+    }
+
     /// A search over the library of terms for the channels of `vessel` in these roles.
     ///
     /// # Errors
     /// Roles of channels that do not exist.
     pub fn by_roles(vessel: Vessel, roles: &NamedRoles) -> Result<Self, Invalid> {
-        vessel.check_terms("search")?;
+        Self::check(&vessel)?;
         let roles = Roles::new(&vessel.model, roles)?;
         let (model, roles) = with_channels(&vessel.model, &roles)?;
         let library = library(&model, &roles);
@@ -36,7 +46,7 @@ impl StructureSearch {
     /// # Errors
     /// A term with channels that do not exist.
     pub fn by_terms(vessel: Vessel, TermLists { surge, sway, yaw }: &TermLists) -> Result<Self, Invalid> {
-        vessel.check_terms("search")?;
+        Self::check(&vessel)?;
         let library = listed(&vessel.model, [surge, sway, yaw])?;
         Ok(Self { vessel, library })
     }

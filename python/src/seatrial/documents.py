@@ -129,6 +129,30 @@ class Absent:
 
 
 @dataclass(frozen=True, kw_only=True)
+class AbsentForce:
+    """A force that the ship may lack: a number times a product."""
+
+    #: `surge`, `sway` or `yaw`.
+    degree: str
+    #: The product, as a term is written.
+    term: str
+    #: The number if it were added, in SI units.
+    value: float
+    #: The standard error of that.
+    standard_error: float
+    #: Its SI unit.
+    unit: str
+    #: The number in the prime system; null with channels that it does not scale.
+    prime_value: float | None = None
+    #: By which share the cost would fall.
+    share: float
+    #: How probable it is in a right model that anything tested seems as likely.
+    p_value: float
+    #: Whether it may be what is missing: nothing else lowers the cost by much more.
+    candidate: bool
+
+
+@dataclass(frozen=True, kw_only=True)
 class Accuracy:
     """The shortest experiment of a wanted accuracy."""
 
@@ -1338,6 +1362,10 @@ class FittedForces:
     sailed: SailedSums | None = None
     #: The publication of captive values, if they were given.
     captive_source: str | None = None
+    #: What is wrong with the ship by these recordings; null where that was not asked.
+    criticism: ForceCriticism | None = None
+    #: Forces that were tried as additions, one after the other; the description has those that were added.
+    tried: list[TriedForce] = field(default_factory=list)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1424,6 +1452,35 @@ class FollowedStep:
     deviation_m: float | None = None
     #: Within which it counts as done \[m\].
     within_m: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForceCriticism:
+    """What is wrong with a fitted ship, by the recordings that she was fitted to."""
+
+    #: Whether something is wrong beyond chance.
+    rejected: bool
+    #: How probable it is in a right model that anything tested seems as likely to be missing; null where a sign is
+    #: wrong.
+    p_value: float | None = None
+    #: Parts of the recordings that count as independent.
+    units: int
+    #: Whether these are whole windows; else pieces of them.
+    whole_windows: bool
+    #: Signs of geometry that were turned, the one with the lowest cost first.
+    signs: list[TriedSign]
+    #: Inputs, the one that lowers the cost most first. None where a sign is wrong.
+    late: list[LateActuator]
+    #: Forces that may be missing, the likeliest first. None where a sign is wrong.
+    absent: list[AbsentForce]
+    #: Number of forces that were tested.
+    tested: int
+    #: Forces that cannot be told from the ship's own.
+    hidden: list[str]
+    #: Why lags and forces were not tested; null where they were.
+    not_tested: str | None = None
+    #: The verdict and what follows, in words.
+    statements: list[str]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1673,6 +1730,30 @@ class InstrumentResidual:
     strongest: float
     #: Probability of a larger one, of all lags and instruments tried, under independence.
     p_value: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class LateActuator:
+    """An input that may act later than the model has it."""
+
+    #: The input.
+    input: str
+    #: By how much it acts later \[s\]; below 0 earlier.
+    late_s: float
+    #: The standard error of that \[s\].
+    standard_error: float
+    #: By which share the cost would fall.
+    share: float
+    #: How probable it is in a right model that anything tested seems as likely.
+    p_value: float
+    #: What fits best where that is certain: `dead time` or `lag`.
+    kind: str | None = None
+    #: Its time \[s\].
+    time_s: float | None = None
+    #: By which share the cost falls with it.
+    share_fitted: float | None = None
+    #: The same with the other kind.
+    share_of_other: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -3646,6 +3727,45 @@ class Tide:
     stream_m_s: tuple[float, float]
     #: Farthest that the stream is from its middle \[m/s\]: it joins the unknown current.
     spread_m_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class TriedForce:
+    """A force that was tried as an addition to the ship, on recordings that were left out."""
+
+    #: `surge`, `sway` or `yaw`.
+    degree: str
+    #: The product, as a term is written.
+    term: str
+    #: Name of its number.
+    parameter: str
+    #: By which share the cost of recordings that were left out of both fits falls with it; below 0 where it rises. Null
+    #: where a fold has no fit, or a simulation diverges.
+    share_left_out: float | None = None
+    #: The standard error of that, over the folds.
+    standard_error: float | None = None
+    #: Number of folds that whole recordings were dealt into.
+    folds: int
+    #: Whether it was added: the share is above its standard error.
+    added: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class TriedSign:
+    """A sign of the ship's geometry that was turned, after which she was fitted again."""
+
+    #: What was turned, in words.
+    turned: str
+    #: By which share the cost falls; below 0 where it rises, null where no simulation is finite.
+    share: float | None = None
+    #: Windows that are followed better.
+    windows_better: int
+    #: All windows.
+    windows: int
+    #: How probable it is by chance that any of the signs seems as wrong.
+    p_value: float
+    #: Whether the recordings speak for the turned sign.
+    wrong: bool
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -52,7 +52,8 @@ pub struct Arguments {
     /// Resamples of the bootstrap over sub-experiments
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     bootstrap: Option<u32>,
-    /// Terms that are added at most, one after the other, where the model is found to lack them
+    /// Terms that are added at most, one after the other, where the model is found to lack them; forces, where recordings
+    /// left out confirm them
     #[arg(long, value_name = "K", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=50))]
     add_terms: u16,
     #[command(flatten)]
@@ -68,7 +69,8 @@ impl Task for Arguments {
         if vessel.model.forces.is_some() {
             self.check_forces()?;
             let flags = (&self.flags, &self.physical);
-            return physical::fit(flags, self.estimator, &vessel, (common, provenance));
+            let asked = (self.estimator, usize::from(self.add_terms));
+            return physical::fit(flags, asked, &vessel, (common, provenance));
         }
         self.physical.check_absent()?;
         let main = if self.sharding.shard.is_some() { resamples::MAIN } else { MAIN };
@@ -117,7 +119,7 @@ impl Arguments {
     fn check_forces(&self) -> Result<(), Failure> {
         let flags = [
             ("--bootstrap", self.bootstrap.is_some()),
-            ("--add-terms", self.add_terms > 0),
+            ("--add-terms beside a former fit", self.add_terms > 0 && self.flags.former().is_some()),
             ("unknown water or wind", self.additional.unknown() != AdditionalUnknowns::default()),
         ];
         none_given(flags, "a ship with forces", "terms per sample")

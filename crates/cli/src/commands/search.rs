@@ -10,7 +10,7 @@ use seatrial::{FoundStructure, StructureSearch};
 use serde_json::json;
 use study::TermLists;
 use study::documents::SearchDocument;
-use study::files::read_vessel;
+use study::files::read_any_vessel;
 
 use crate::cli::{Common, member, samples};
 use crate::failure::Failure;
@@ -108,7 +108,8 @@ const MAIN: &str = "search.json";
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
-        let given = read_vessel(&self.vessel, &mut provenance)?;
+        let given = read_any_vessel(&self.vessel, &mut provenance)?;
+        StructureSearch::check(&given).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let read = || [&self.vessel].into_iter().chain(&self.terms).chain(self.of.inputs());
         let out = common.main_output(MAIN, read())?;
         let [single, several] = ["model.json", "average.json"].map(|name| member(&out, MAIN, name, read()));

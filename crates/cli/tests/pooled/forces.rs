@@ -11,11 +11,24 @@ const LOGGED: &str = "estimate pool --vessel vessel.toml --trajectories trajecto
 /// The runs follow another guess of the ship.
 const POOL: &str = "estimate pool --vessel vessel.toml --trajectories d.parquet --allow-mixed";
 
-/// The tanker KVLCC2 at 2 Hz, her zig-zags, and another guess of her numbers.
+/// The tanker KVLCC2 at 2 Hz, and her zig-zags.
 fn trial() -> TempDir {
+    of_zigzags(&[(0.175, 10.5), (0.35, 10.5), (0.26, 9.0), (0.6, 12.0)])
+}
+
+/// A longer one, which leaves more than it has numbers.
+fn long_trial() -> TempDir {
+    let angles = [0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.13];
+    let all: Vec<(f64, f64)> =
+        angles.iter().enumerate().map(|(i, angle)| (*angle, [10.5, 9.0, 12.0][i % 3])).collect();
+    of_zigzags(&all)
+}
+
+/// KVLCC2 at 2 Hz, and zig-zags with these angles and revolutions.
+fn of_zigzags(all: &[(f64, f64)]) -> TempDir {
     let folder = TempDir::new().unwrap();
     put(&folder, "vessel.toml", "preset = \"kvlcc2-l7\"\nsample_rate_hz = 2.0\n");
-    let zigzag = |(angle, n): (f64, f64)| {
+    let zigzag = |(angle, n): &(f64, f64)| {
         format!(
             "[[maneuver]]\nname = \"z{:.0}\"\nkind = \"zig-zag-test\"\nspeed_m_s = 1.1\nhelm = {{ delta = {angle} }}\n\
              heading_rad = {:.4}\nto = \"starboard\"\nduration_s = 200.0\napproach = {{ n = {n} }}\n",
@@ -23,7 +36,7 @@ fn trial() -> TempDir {
             angle
         )
     };
-    let all: String = [(0.175, 10.5), (0.35, 10.5), (0.26, 9.0), (0.6, 12.0)].map(zigzag).concat();
+    let all: String = all.iter().map(zigzag).collect();
     put(&folder, "dictionary.toml", &all);
     run(&folder, DICTIONARY).succeeds();
     folder
@@ -129,7 +142,7 @@ fn fits_of_forces_that_cannot_be_are_refused_in_one_line() {
     for (flags, words) in [
         ("--nominal least-squares", ["--nominal", "which has no instruments"]),
         ("--bootstrap 10", ["--bootstrap", "terms per sample"]),
-        ("--add-terms 2", ["--add-terms", "terms per sample"]),
+        ("--add-terms 2 --prior former.json", ["--add-terms beside a former fit", "terms per sample"]),
         ("--window-s 0.1", ["--window-s", "at least a sample"]),
         ("--prior-weight=-1", ["--prior-weight", "a number from 0"]),
         ("--prior 2 --prior-weight 1", ["--prior-weight", "beside a number as --prior"]),
@@ -262,6 +275,94 @@ fn recordings_left_out_of_the_kvlcc2_are_followed_by_forces() {
     let found = fits(&folder, "compare.json");
     println!("{found:?}");
     assert!(found[0] >= 91.5 && found[1] >= 86.0 && found[2] >= 88.5, "{found:?}");
+}
+
+/// Otter's dictionary: turns by one propeller against the other, to either side.
+const TURNS: &str = "inputs_from = \"nominal\"\n[[maneuver]]\nname = \"a\"\nkind = \"zig-zag-test\"\nspeed_m_s = 1.5\n\
+    duration_s = 60.0\nhelm = { n1 = 10.0, n2 = -10.0 }\nheading_rad = 0.35\nto = \"starboard\"\n[[maneuver]]\nname = \"b\"\n\
+    kind = \"zig-zag-test\"\nspeed_m_s = 1.2\nduration_s = 60.0\nhelm = { n1 = 20.0, n2 = -20.0 }\nheading_rad = 0.7\n\
+    to = \"port\"\n[[maneuver]]\nname = \"c\"\nkind = \"turning-circle\"\nspeed_m_s = 1.5\nduration_s = 60.0\n\
+    helm = { n1 = 20.0, n2 = -20.0 }\nto = \"starboard\"\n";
+
+/// Otter with priors, sampled at 5 Hz.
+fn otter() -> String {
+    let text =
+        file("crates/model/presets/otter.toml").replace("sample_rate_hz = 20.0", "sample_rate_hz = 5.0");
+    let lines = text.lines().map(|line| match line.split_once(", value = -") {
+        Some((begin, _)) => format!("{begin}, prior = 20.0 }},"),
+        None => line.to_owned(),
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn exchanged_thrusters_are_named_and_a_late_rudder_is_told_with_its_time() {
+    let folder = TempDir::new().unwrap();
+    put(&folder, "vessel.toml", &otter());
+    put(&folder, "dictionary.toml", TURNS);
+    run(&folder, DICTIONARY).succeeds();
+    let line = format!("{POOL} --window-s 15 --out model.json");
+    let swapped = otter().replace("\"n1\"\nx_m", "\"n\"\nx_m").replace("\"n2\"\nx_m", "\"n1\"\nx_m");
+    put(&folder, "vessel.toml", &swapped.replace("\"n\"\nx_m", "\"n2\"\nx_m"));
+    let said = run(&folder, &line).succeeds();
+    assert!(said.stdout.contains("a sign is wrong") && said.stdout.contains("not tested"), "{said}");
+    let found = json(&folder, "model.json");
+    let own = &found["data"]["forces"]["criticism"];
+    assert_eq!((&found["data"]["rejected"], &own["p_value"]), (&true.into(), &Value::Null));
+    let first = &own["signs"][0];
+    assert_eq!((&first["wrong"], own["absent"].as_array().unwrap().len()), (&true.into(), 0));
+    assert!(
+        first["turned"].as_str().unwrap().contains("exchanged, the inputs of `port` and `starboard`"),
+        "{own}"
+    );
+    run(&folder, &format!("{line} --no-criticism")).succeeds();
+    assert!(json(&folder, "model.json")["data"]["forces"].get("criticism").is_none());
+    // Simulations hold inputs during samples, fits have them linear between: they act half a sample late.
+    let folder = long_trial();
+    put(&folder, "vessel.toml", GUESS);
+    let said = run(&folder, &format!("{POOL} --prior-weight 0.01 --out model.json")).succeeds();
+    let found = json(&folder, "model.json");
+    let late = &found["data"]["forces"]["criticism"]["late"][0];
+    let off = late["late_s"].as_f64().unwrap() - 0.25;
+    assert!(
+        late["input"] == "delta" && off.abs() < 0.05 && late["p_value"].as_f64().unwrap() < 0.05,
+        "{late}"
+    );
+    assert!(said.stdout.contains("`delta` acts 0.2"), "{said}");
+    run(&folder, "validate compare --model model.json --trajectories d.parquet --allow-mixed --window-s 50 --out compare.json")
+        .succeeds();
+    run(&folder, "report --study . --results . --allow-mixed --out report.html").succeeds();
+    let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
+    assert!(page.contains("What is wrong with the model") && page.contains("Fits best as"), "{}", page.len());
+}
+
+#[test]
+fn a_force_that_recordings_left_out_confirm_is_added_and_a_search_names_the_way() {
+    let folder = long_trial();
+    let text =
+        file("crates/model/presets/kvlcc2-l7.toml").replace("sample_rate_hz = 10.0", "sample_rate_hz = 2.0");
+    let more = "yaw = [\n  { parameter = \"N_more\", term = \"u v delta\", prime = 0.3, fixed = true },";
+    put(&folder, "vessel.toml", &text.replace("yaw = [", more));
+    run(&folder, DICTIONARY).succeeds();
+    put(&folder, "vessel.toml", &text);
+    let said = run(&folder, &format!("{POOL} --window-s 40 --add-terms 1 --out model.json")).succeeds();
+    let found = json(&folder, "model.json");
+    let tried = &found["data"]["forces"]["tried"][0];
+    assert!(tried["degree"] == "yaw" && tried["added"] == true, "{tried}\n{said}");
+    let own = parameters(&folder, "model.json");
+    let parameter = own.iter().find(|own| own["name"] == tried["parameter"]).unwrap();
+    assert!(parameter["prior_deviation"].as_f64().unwrap() > 0.0 && parameter["value"] != 0.0, "{parameter}");
+    assert!(said.stdout.contains("cost of recordings left out −"), "{said}");
+    // The ship with it stands for vessel.toml.
+    run(&folder, "simulate dictionary --vessel model.json --dictionary dictionary.toml --out again.parquet")
+        .succeeds();
+    let line = "estimate search --vessel vessel.toml --trajectories d.parquet --out search.json";
+    refused(
+        &folder,
+        3,
+        line,
+        &["vessel.toml", "`forces`, which have no terms", "`estimate pool`", "--add-terms K"],
+    );
 }
 
 /// Published values of KVLCC2, which the simulated runs follow.

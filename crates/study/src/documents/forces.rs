@@ -5,6 +5,8 @@ use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::force_criticism::{ForceCriticism, TriedForce};
+
 /// Forces that were fitted to recordings: the ship as written before the fit, and her free numbers after it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -38,6 +40,12 @@ pub struct FittedForces {
     /// The publication of captive values, if they were given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub captive_source: Option<String>,
+    /// What is wrong with the ship by these recordings; null where that was not asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub criticism: Option<ForceCriticism>,
+    /// Forces that were tried as additions, one after the other; the description has those that were added.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tried: Vec<TriedForce>,
 }
 
 /// Sums of terms of sway and yaw where v is a multiple of r L, in the prime system, with a yaw rate of 1 there.

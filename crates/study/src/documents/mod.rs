@@ -11,6 +11,7 @@ mod design_status;
 mod design_update;
 mod estimate;
 mod follow;
+mod force_criticism;
 mod forces;
 mod found;
 mod ingest;
@@ -77,6 +78,7 @@ pub use design_update::{
 pub(crate) use estimate::bounded;
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
 pub use follow::{FollowDocument, FollowStatus, FollowedStep};
+pub use force_criticism::{AbsentForce, ForceCriticism, LateActuator, TriedForce, TriedSign};
 pub use forces::{CaptiveValue, FittedForces, FittedParameter, SailedSum, SailedSums};
 pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State,
