@@ -1,6 +1,6 @@
 //! How well the parts of a step follow the whole one.
 
-use model::{Model, Pace};
+use model::{Model, Pace, Vessel};
 use refusal::Invalid;
 
 use crate::{Compiled, simulate_one};
@@ -22,9 +22,13 @@ pub struct Divided {
     /// Whole steps, and squares of the differences to their parts.
     steps: f64,
     parts: [f64; 3],
-    /// The first point at which the step does not go on forward.
-    backward: Option<[f64; 3]>,
+    /// The first point at which the step does not go on forward, in words.
+    backward: Option<String>,
 }
+
+/// Most points of the range of validity at which the step is tried, and settings of each channel: the ends and evenly between.
+const MOST_POINTS: usize = 20_000;
+const MOST_SETTINGS: usize = 9;
 
 impl Divided {
     /// Without any run; `None` where a sample of `model` is no part of a step.
@@ -72,7 +76,46 @@ impl Divided {
             let state = [state[0], state[1], state[2]];
             compiled.look(state, row, None);
             if self.backward.is_none() && !goes_forward(compiled.slopes()) {
-                self.backward = Some(state);
+                self.backward = Some(point(state, &[]));
+            }
+        }
+    }
+
+    /// Tries the step over the range of validity of `vessel`, from which this was made: over the ranges of u, v, r and of the
+    /// inputs, on a grid of at most 20,000 points with their ends. Where it states none, or an input has none, nothing is
+    /// tried.
+    pub fn add_range(&mut self, vessel: &Vessel, parameters: &[f64]) {
+        let inputs: Option<Vec<[f64; 2]>> = vessel.actuators.iter().map(|own| own.range).collect();
+        let (Some(motion), Some(inputs)) = (vessel.motion, inputs) else { return };
+        // An input that follows another one has no range of its own.
+        let free: Vec<usize> = (0..inputs.len()).filter(|i| vessel.couplings[*i].is_none()).collect();
+        let ranges: Vec<[f64; 2]> = motion.into_iter().chain(free.iter().map(|i| inputs[*i])).collect();
+        let count = settings(ranges.len());
+        let names: Vec<&str> = vessel.model.input_variables().iter().map(|own| own.name.as_str()).collect();
+        let mut compiled = Compiled::new(&self.whole, parameters);
+        for number in 0..count.saturating_pow(ranges.len() as u32).min(MOST_POINTS) {
+            let mut rest = number;
+            let at: Vec<f64> = ranges
+                .iter()
+                .map(|[low, high]| {
+                    let place = rest % count;
+                    rest /= count;
+                    low + (high - low) * place as f64 / (count - 1) as f64
+                })
+                .collect();
+            let mut row = vec![0.0; inputs.len()];
+            free.iter().zip(&at[3..]).for_each(|(i, value)| row[*i] = *value);
+            for i in 0..row.len() {
+                if let Some((leader, factor)) = vessel.couplings[i] {
+                    row[i] = factor * row[leader];
+                }
+            }
+            let state = [at[0], at[1], at[2]];
+            compiled.look(state, &self.whole.undisturbed(&row), None);
+            if !goes_forward(compiled.slopes()) {
+                let named: Vec<(&str, f64)> = names.iter().copied().zip(row).collect();
+                self.backward.get_or_insert(point(state, &named));
+                return;
             }
         }
     }
@@ -86,7 +129,7 @@ impl Divided {
             self.orders[d] += other.orders[d];
             self.parts[d] += other.parts[d];
         }
-        self.backward = self.backward.or(other.backward);
+        self.backward = self.backward.take().or_else(|| other.backward.clone());
     }
 
     /// Root mean squares in standard deviations of u, v and r: what the parts of steps are off from these, and the difference
@@ -96,12 +139,10 @@ impl Divided {
     /// A step that does not go on forward; parts that are off by more than 0.2 % of a standard deviation.
     pub fn found(&self) -> Result<[[f64; 3]; 2], Invalid> {
         let remedy = "take a rate nearer to the vessel's, or a vessel with `model = \"forces\"`";
-        if let Some([u, v, r]) = self.backward {
+        if let Some(point) = &self.backward {
             return Err(Invalid::new(
                 "sampling rate",
-                format!(
-                    "a step with an eigenvalue that is not above 0, at u = {u:.4} m/s, v = {v:.4} m/s, r = {r:.4} rad/s"
-                ),
+                format!("a step with an eigenvalue that is not above 0, at {point}"),
                 "positive eigenvalues of the step, which alone can be divided",
                 "take the vessel's rate, or a slower one",
             ));
@@ -148,6 +189,18 @@ impl Divided {
             percent(orders)
         ))
     }
+}
+
+/// A state and inputs in words.
+fn point([u, v, r]: [f64; 3], inputs: &[(&str, f64)]) -> String {
+    let inputs: String = inputs.iter().map(|(name, value)| format!(", {name} = {value:.4}")).collect();
+    format!("u = {u:.4} m/s, v = {v:.4} m/s, r = {r:.4} rad/s{inputs}")
+}
+
+/// How many settings each of so many channels has on a grid; two at least.
+fn settings(channels: usize) -> usize {
+    let fits = |count: &usize| count.saturating_pow(channels as u32) <= MOST_POINTS;
+    (2..=MOST_SETTINGS).rev().find(fits).unwrap_or(2)
 }
 
 /// Whether all eigenvalues of I + J have positive real parts (Routh and Hurwitz), where `slopes` is J.

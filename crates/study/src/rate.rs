@@ -75,5 +75,6 @@ pub(crate) fn tried(vessel: &Vessel, parameters: &[f64]) -> Result<Option<String
         return Err(at.invalid("model in the run that a faster step is tried in".to_owned()));
     }
     divided.add(&vessel.model, parameters, &exogenous, &states);
+    divided.add_range(vessel, parameters);
     divided.statement().map(Some)
 }

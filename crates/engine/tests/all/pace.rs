@@ -166,6 +166,29 @@ fn rates_that_terms_cannot_have_are_refused() {
 }
 
 #[test]
+fn steps_that_do_not_go_on_forward_anywhere_in_the_range_of_validity_are_refused() {
+    let ranged = SHIP
+        .replace("unit = \"1\" }, {", "unit = \"1\", range = [0.0, 1.0] }, {")
+        .replace("unit = \"rad\" }]", "unit = \"rad\", range = [-0.6, 0.6] }]");
+    let (vessel, parameters) = ship(&ranged);
+    let vessel = vessel.at_rate(80.0).unwrap();
+    let rows: Vec<f64> = (0..2000).flat_map(|k| row(k / 10)).collect();
+    let states = simulate_one(&vessel.model, &parameters, STATE, &rows);
+    let found = |u: f64| {
+        let vessel = Vessel { motion: Some([[0.0, u], [-0.3, 0.3], [-0.2, 0.2]]), ..vessel.clone() };
+        let mut divided = Divided::new(&vessel.model).unwrap();
+        divided.add(&vessel.model, &parameters, &rows, &states);
+        divided.add_range(&vessel, &parameters);
+        divided.found()
+    };
+    // The step turns surge around from 25 m/s on, which no run has.
+    assert!(found(24.0).is_ok());
+    let refused = found(36.0).unwrap_err().to_string();
+    let point = "at u = 30.0000 m/s, v = -0.3000 m/s, r = -0.2000 rad/s, n = 0.0000, d = -0.6000";
+    assert!(refused.contains(point), "{refused}");
+}
+
+#[test]
 fn oracle_the_papers_ship_at_other_rates() {
     let all: serde_json::Value =
         serde_json::from_str(include_str!("../../../../fixtures/oracle/rates.json")).unwrap();

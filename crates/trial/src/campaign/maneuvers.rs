@@ -102,7 +102,8 @@ impl<'a> Maneuvers<'a> {
     }
 
     /// How well the samples follow the steps of the vessel's terms, which are parts of these: over all maneuvers, for the parameters
-    /// that they are simulated with. `None` where samples are no parts of steps.
+    /// that they are simulated with, and whether they go on forward in the range that the vessel is valid in. `None` where samples are
+    /// no parts of steps.
     ///
     /// # Errors
     /// As [`Maneuvers::simulate`].
@@ -123,6 +124,7 @@ impl<'a> Maneuvers<'a> {
         for found in all {
             sum.merge(&found?);
         }
+        sum.add_range(self.vessel, &self.parameters);
         Ok(Some(sum))
     }
 
