@@ -3,10 +3,11 @@ use refusal::Invalid;
 use crate::written::{Kind, VesselFile};
 
 /// The built-in vessels: name and `vessel.toml`.
-const PRESETS: [(&str, &str); 4] = [
+const PRESETS: [(&str, &str); 5] = [
     ("ljungberg-model-ship", include_str!("../presets/ljungberg-model-ship.toml")),
     ("mariner", include_str!("../presets/mariner.toml")),
     ("kvlcc2-l7", include_str!("../presets/kvlcc2-l7.toml")),
+    ("esso-osaka-3m", include_str!("../presets/esso-osaka-3m.toml")),
     ("otter", include_str!("../presets/otter.toml")),
 ];
 

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::ships::{KVLCC2, MARINER, OTTER, forces};
+use crate::ships::{ESSO_OSAKA, KVLCC2, MARINER, OTTER, forces};
 
 #[test]
 fn oracle_accelerations_of_published_ships_are_those_of_their_sources() {
@@ -30,5 +30,19 @@ fn oracle_accelerations_of_published_ships_are_those_of_their_sources() {
                 assert!(off <= 1e-12, "{name}: {found:?} {expected:?} off by {off:e} at {row:?}");
             }
         }
+    }
+}
+
+/// In the prime system of ½ρLd, of the same 3 m model: Y. Miyauchi and others, J. Marine Science and Technology 27, 2022, as their
+/// group's public simulator of a ship with one propeller and one rudder has them.
+const LINEAR: [(&str, f64); 4] = [("Y_v", -0.3728), ("Y_r", 0.116), ("N_v", -0.1458), ("N_r", -0.04849)];
+
+#[test]
+fn published_linear_derivatives_of_the_esso_osaka_lie_within_the_priors_of_her_preset() {
+    let forces = forces(ESSO_OSAKA).unwrap();
+    for (name, published) in LINEAR {
+        let own = forces.parameters().iter().find(|own| own.name == name).unwrap();
+        let off = (own.nominal - published) / own.prior.unwrap();
+        assert!(off.abs() < 1.0, "{name}: {off} prior deviations");
     }
 }

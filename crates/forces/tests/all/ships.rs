@@ -4,6 +4,7 @@ use forces::{Channel, Description, Forces};
 use refusal::Invalid;
 
 pub const MARINER: &str = include_str!("../../../model/presets/mariner.toml");
+pub const ESSO_OSAKA: &str = include_str!("../../../model/presets/esso-osaka-3m.toml");
 pub const KVLCC2: &str = include_str!("../../../model/presets/kvlcc2-l7.toml");
 pub const OTTER: &str = include_str!("../../../model/presets/otter.toml");
 

@@ -59,7 +59,7 @@ fn law_a_parameter_that_is_held_is_one_that_is_fixed() {
 
 #[test]
 fn a_ship_with_forces_takes_any_rate_and_numbers_by_name() {
-    for name in ["mariner", "kvlcc2-l7", "otter"] {
+    for name in ["mariner", "kvlcc2-l7", "esso-osaka-3m", "otter"] {
         let own = vessel(&format!("preset = \"{name}\"\nsample_rate_hz = 3.0")).unwrap();
         assert_eq!(own.sample_rate_hz, 3.0);
         assert_eq!(own.best_known(), Source::Value);
