@@ -7,6 +7,7 @@
 use forces::{Body, Dual, Forces};
 use numerics::{add_outer, congruence};
 
+use crate::Inputs;
 use crate::estimates::{conditioned, inverse};
 
 /// Parameters by which derivatives are computed at once.
@@ -81,26 +82,45 @@ impl SimulatedRun<'_> {
 
     /// The states of `forces` with parameters `theta`, and their derivatives; `None` where they are not finite.
     pub fn slopes(&self, forces: &Forces, theta: &[f64]) -> Option<Slopes> {
+        self.slopes_by(forces, theta, Inputs::Held)
+    }
+
+    /// As [`Self::slopes`], where inputs do this between samples; linear ones are held after the last row.
+    pub fn slopes_by(&self, forces: &Forces, theta: &[f64], inputs: Inputs) -> Option<Slopes> {
         let (n, rows) = (theta.len(), 3 * (self.samples() + 1));
         let mut by_theta = vec![0.0; rows * n];
         let mut states = Vec::new();
         for first in (0..n.max(1)).step_by(AT_ONCE) {
-            states = self.columns(forces, theta, first, &mut by_theta);
+            states = self.columns(forces, theta, (first, inputs), &mut by_theta);
         }
         let finite = states.iter().flatten().chain(&by_theta).all(|own| own.is_finite());
         finite.then_some(Slopes { states, by_theta })
     }
 
     /// Fills the columns of the parameters from `first` on.
-    fn columns(&self, forces: &Forces, theta: &[f64], first: usize, out: &mut [f64]) -> Vec<[f64; 3]> {
-        let n = theta.len();
+    fn columns(
+        &self,
+        forces: &Forces,
+        theta: &[f64],
+        (first, inputs): (usize, Inputs),
+        out: &mut [f64],
+    ) -> Vec<[f64; 3]> {
+        let (n, width) = (theta.len(), self.width);
         let own = |(i, value): (usize, &f64)| Dual::<f64, AT_ONCE>::unknown(*value, i.wrapping_sub(first));
         let parameters: Vec<_> = theta.iter().enumerate().map(own).collect();
         let body = forces.body(&parameters);
         let mut state = self.initial.map(Dual::constant);
         let mut states = vec![self.initial];
+        let acting = (inputs == Inputs::Linear).then(|| body.acting(self.inputs, width, self.sample_s));
         for k in 0..self.samples() {
-            state = body.step_held(state, self.row(k), self.sample_s);
+            state = match &acting {
+                None => body.step_held(state, self.row(k), self.sample_s),
+                Some(rows) => {
+                    let row = &rows[k * width..][..width];
+                    let end = rows[(k + 1) * width..].get(..width).unwrap_or(row);
+                    body.step(state, row, end, self.sample_s)
+                }
+            };
             for (d, own) in state.iter().enumerate() {
                 let to = &mut out[(3 * (k + 1) + d) * n + first..(3 * (k + 1) + d + 1) * n];
                 to.iter_mut().zip(own.tangents).for_each(|(to, tangent)| *to = tangent);

@@ -33,7 +33,7 @@ pub use fit::Fit;
 pub use information::{PredictedErrors, RunInformation, SimulatedRun, Slopes, WhiteNoise};
 pub use most_probable::MeasuredRun;
 pub use problem::Problem;
-pub use settings::{Prior, Settings, Starts};
+pub use settings::{Inputs, Prior, Settings, Starts};
 pub use sums::cost_of_rms;
 pub use unfit::Unfit;
 pub use window::Recording;

@@ -2,7 +2,7 @@ use forces::Forces;
 use numerics::statistics;
 
 use crate::window::{Group, windows};
-use crate::{Prior, Recording, Settings, Unfit};
+use crate::{Inputs, Prior, Recording, Settings, Unfit};
 
 /// How long inputs before a window may act in it, where thrusters follow theirs late \[s\].
 const HISTORY_S: f64 = 20.0;
@@ -41,7 +41,8 @@ impl<'a> Problem<'a> {
         }
         let deviations = deviations(&recordings)?;
         let thrusters = &forces.description().thruster;
-        let late = thrusters.iter().any(|own| own.lag_s.is_some() || own.dead_time_s.is_some());
+        let late = settings.inputs == Inputs::Linear
+            && thrusters.iter().any(|own| own.lag_s.is_some() || own.dead_time_s.is_some());
         let before = if late { settings.samples(HISTORY_S) } else { 0 };
         let windows = windows(&recordings, &settings);
         let groups = Group::all(&windows, &recordings, width, before);
@@ -61,6 +62,11 @@ impl<'a> Problem<'a> {
     /// Standard deviations of measured u, v \[m/s\] and r \[rad/s\], which errors are counted in.
     pub fn deviations(&self) -> [f64; 3] {
         self.deviations
+    }
+
+    /// Whether each row of inputs acts during its whole sample.
+    pub fn are_inputs_held(&self) -> bool {
+        self.settings.inputs == Inputs::Held
     }
 
     /// Number of windows.

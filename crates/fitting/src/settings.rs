@@ -17,6 +17,16 @@ pub enum Starts {
     Measured,
 }
 
+/// What inputs do between samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Inputs {
+    /// Those of logs: they are linear between samples, and thrusters follow them late.
+    #[default]
+    Linear,
+    /// Those of simulated runs: each row acts during its whole sample, as it is.
+    Held,
+}
+
 /// How force models are fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -30,6 +40,8 @@ pub struct Settings {
     pub prior_weight: f64,
     /// Where windows start.
     pub starts: Starts,
+    /// What inputs do between samples.
+    pub inputs: Inputs,
     /// Length of the pieces that count as independent where standard errors are computed \[s\].
     pub piece_s: f64,
     /// Most steps of the search.
@@ -45,6 +57,7 @@ impl Settings {
             knee: 0.2,
             prior_weight: 1.0,
             starts: Starts::Unknown,
+            inputs: Inputs::Linear,
             piece_s: 25.0,
             most_steps: 60,
         }

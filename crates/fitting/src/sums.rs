@@ -3,6 +3,7 @@
 use forces::{Body, Dual, Real};
 use numerics::{LANES, Lane, vectorized};
 
+use crate::Inputs;
 use crate::pass::Pass;
 use crate::window::{Group, Window};
 
@@ -167,10 +168,12 @@ pub(crate) fn follow_acting<X: Real>(
     mut look: impl FnMut(usize, [X; 3]),
 ) {
     let (width, sample_s) = (pass.width, pass.settings.sample_s);
+    let next = if pass.settings.inputs == Inputs::Held { 0 } else { width };
     look(0, state);
     for k in 0..group.samples {
         let row = (group.before + k) * width;
-        state = body.steps(state, |i| [input(row + i), input(row + width + i)], sample_s);
+        let end = row + next;
+        state = body.steps(state, |i| [input(row + i), input(end + i)], sample_s);
         look(k + 1, state);
     }
 }

@@ -1,6 +1,6 @@
 //! Laws of fits to simulated recordings.
 
-use fitting::{Prior, Problem, Settings, Starts};
+use fitting::{Inputs, Prior, Problem, Settings, SimulatedRun, Starts};
 use forces::Forces;
 use rayon::ThreadPoolBuilder;
 
@@ -124,4 +124,41 @@ fn law_a_prior_weighs_as_much_at_any_rate() {
     for (slow, fast) in shares[0].iter().zip(&shares[1]) {
         assert!((slow - fast).abs() < 0.1, "{slow} {fast}");
     }
+}
+
+/// The recordings of a trial, where every row of inputs acted during its whole sample, as in simulated runs.
+fn held(forces: &Forces, sample_s: f64, noise: [f64; 3], seed: u64) -> Vec<Recorded> {
+    let (truth, mut normals) = (forces.nominal(), Normals::new(seed));
+    let mut recorded = trial(forces, &truth, sample_s, [0.0; 3], seed);
+    for own in &mut recorded {
+        let initial = [0, 1, 2].map(|d| own.measured[d]);
+        let states = SimulatedRun { initial, inputs: &own.inputs, width: 2, sample_s }.states(forces, &truth);
+        let noisy = states.iter().flat_map(|own| [0, 1, 2].map(|d| own[d] + noise[d] * normals.next()));
+        own.measured = noisy.collect();
+    }
+    recorded
+}
+
+#[test]
+fn law_fits_of_simulated_runs_are_unbiased() {
+    let forces = forces(KVLCC2);
+    let truth = forces.nominal();
+    const TRIALS: usize = 4;
+    // Mean squares over the numbers of the mean error, in its standard errors: 1 without bias.
+    let square = [Inputs::Held, Inputs::Linear].map(|inputs| {
+        let mut means = vec![0.0; truth.len()];
+        for seed in 1..=TRIALS as u64 {
+            let recorded = held(&forces, 1.0, NOISE, seed);
+            let settings = Settings { prior_weight: 0.01, inputs, ..Settings::new(1.0) };
+            let problem = problem(&forces, &recorded, settings);
+            let fit = problem.fit().unwrap();
+            let estimates = problem.estimates(&fit).unwrap();
+            for ((mean, own), truth) in means.iter_mut().zip(&estimates.parameters).zip(&truth) {
+                *mean += (own.value - truth) / own.standard_error.unwrap() / TRIALS as f64;
+            }
+        }
+        means.iter().map(|mean| mean * mean * TRIALS as f64).sum::<f64>() / means.len() as f64
+    });
+    println!("held {:.2}, linear {:.2}", square[0], square[1]);
+    assert!(square[0] < 1.6 && square[1] > 2.0 * square[0], "{square:?}");
 }

@@ -16,6 +16,7 @@ pub struct PooledRuns<R = Vec<Run>> {
     designs: Vec<String>,
     sources: Vec<String>,
     runs: Vec<Known>,
+    are_inputs_held: bool,
 }
 
 /// A run without its samples.
@@ -128,7 +129,20 @@ impl<R: Recorded> PooledRuns<R> {
                 None => run.number.to_string(),
             });
         }
-        Ok(Self { recorded, designs: designs.names, sources: sources.names, runs })
+        let (designs, sources) = (designs.names, sources.names);
+        Ok(Self { recorded, designs, sources, runs, are_inputs_held: false })
+    }
+
+    /// The same, of simulated runs: each row of inputs acts during its whole sample, as it is. Of logs it does not: they
+    /// are samples of inputs that go on between them, and that thrusters follow late.
+    #[must_use]
+    pub fn with_inputs_held(self, are_inputs_held: bool) -> Self {
+        Self { are_inputs_held, ..self }
+    }
+
+    /// Whether each row of inputs acts during its whole sample.
+    pub fn are_inputs_held(&self) -> bool {
+        self.are_inputs_held
     }
 
     /// Keeps the runs or recordings named in `only` (all if empty), except those in `without`.
