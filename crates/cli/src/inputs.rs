@@ -84,6 +84,14 @@ pub fn runs(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result
     all(path, &trajectories(path, "trajectories", vessel, provenance)?, vessel)
 }
 
+/// Whether trajectories were simulated: they have true states, and their inputs are held during samples.
+///
+/// # Errors
+/// A file that is refused.
+pub fn are_simulated(path: &Path, vessel: &Vessel) -> Result<bool, Failure> {
+    Ok(TrajectoryReader::open(path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?.true_states())
+}
+
 /// All runs of `reader`, which reads `path`.
 ///
 /// # Errors

@@ -9,6 +9,7 @@ pub mod choice;
 pub mod cli;
 pub mod commands;
 pub mod compiler;
+mod crossed;
 pub mod design;
 pub mod failure;
 pub mod inputs;

@@ -7,15 +7,17 @@ use clap::Args;
 use identification::Estimator;
 use model::Vessel;
 use seatrial::fitting::{Settings, Starts, Unfit};
+use seatrial::validation::crossval::Folds;
 use seatrial::{Physical, PhysicalError, check_captive, former};
-use serde_json::json;
-use study::documents::ModelDocument;
+use serde_json::{Value, json};
+use study::documents::{CrossvalDocument, ModelDocument};
 use study::files::read_reference;
 
 use crate::cli::{Common, none_given, not_below, samples};
+use crate::crossed::written;
 use crate::failure::Failure;
-use crate::inputs;
 use crate::pool::{Held, PoolFlags};
+use crate::progress::Progress;
 use crate::stage::Summary;
 
 /// The usual name of the document.
@@ -29,6 +31,29 @@ pub struct PhysicalFlags {
     /// Of a ship with forces: the runs are simulated in windows of at most this length [s] [default: 100]
     #[arg(long, value_name = "S")]
     window_s: Option<f64>,
+    /// Of a ship with forces: values of captive tests under `derivatives`, to set beside the estimates
+    #[arg(long, value_name = "reference.toml")]
+    reference: Option<PathBuf>,
+    /// Of a ship with forces: does not test what is wrong with her, which takes a few times as long as the fit
+    #[arg(long)]
+    no_criticism: bool,
+    #[command(flatten)]
+    weights: WeightFlags,
+}
+
+/// Flags of fits of ships with forces that are left out of in turns.
+#[derive(Args, Clone, Debug)]
+pub struct FittingFlags {
+    /// Of a ship with forces: the runs are fitted in windows of at most this length [s] [default: 100]
+    #[arg(long, value_name = "S")]
+    fitted_window_s: Option<f64>,
+    #[command(flatten)]
+    weights: WeightFlags,
+}
+
+/// What weighs how much in fits of ships with forces.
+#[derive(Args, Clone, Debug)]
+pub struct WeightFlags {
     /// Of a ship with forces: weight of the priors [default: 1, or 10 with --prior model.json]
     #[arg(long, value_name = "WEIGHT")]
     prior_weight: Option<f64>,
@@ -36,12 +61,11 @@ pub struct PhysicalFlags {
     /// Predictions may be better, standard errors are too small
     #[arg(long)]
     measured_starts: bool,
-    /// Of a ship with forces: values of captive tests under `derivatives`, to set beside the estimates
-    #[arg(long, value_name = "reference.toml")]
-    reference: Option<PathBuf>,
-    /// Of a ship with forces: does not test what is wrong with her, which takes a few times as long as the fit
-    #[arg(long)]
-    no_criticism: bool,
+}
+
+/// Refuses these flags for terms per sample.
+fn absent<const N: usize>(flags: [(&str, bool); N]) -> Result<(), Failure> {
+    none_given(flags, "a vessel with terms per sample", "one with forces")
 }
 
 impl PhysicalFlags {
@@ -50,20 +74,41 @@ impl PhysicalFlags {
     /// # Errors
     /// A usage error that names the first of them.
     pub fn check_absent(&self) -> Result<(), Failure> {
-        let flags = [
+        absent([
             ("--window-s", self.window_s.is_some()),
-            ("--prior-weight", self.prior_weight.is_some()),
-            ("--measured-starts", self.measured_starts),
             ("--reference", self.reference.is_some()),
             ("--no-criticism", self.no_criticism),
-        ];
-        none_given(flags, "a vessel with terms per sample", "one with forces")
+        ])?;
+        self.weights.check_absent()
+    }
+}
+
+impl FittingFlags {
+    /// Refuses these flags for terms per sample.
+    ///
+    /// # Errors
+    /// A usage error that names the first of them.
+    pub fn check_absent(&self) -> Result<(), Failure> {
+        absent([("--fitted-window-s", self.fitted_window_s.is_some())])?;
+        self.weights.check_absent()
+    }
+}
+
+impl WeightFlags {
+    fn check_absent(&self) -> Result<(), Failure> {
+        absent([("--prior-weight", self.prior_weight.is_some()), ("--measured-starts", self.measured_starts)])
     }
 
-    fn settings(&self, sample_s: f64, held: Option<&Held>) -> Result<Settings, Failure> {
+    /// With the length of windows, by its flag.
+    fn settings(
+        &self,
+        sample_s: f64,
+        (flag, window_s): (&'static str, Option<f64>),
+        held: Option<&Held>,
+    ) -> Result<Settings, Failure> {
         let usual = Settings::new(sample_s);
-        let window_s = self.window_s.unwrap_or(usual.window_s);
-        samples("--window-s", window_s, 1.0 / sample_s)?;
+        let window_s = window_s.unwrap_or(usual.window_s);
+        samples(flag, window_s, 1.0 / sample_s)?;
         let weight = match (self.prior_weight, held) {
             (Some(weight), Some(Held::Strength(_))) => {
                 let found = format!("--prior-weight: found {weight} beside a number as --prior");
@@ -89,23 +134,17 @@ pub fn fit(
     vessel: &Vessel,
     (common, mut provenance): (&Common, Provenance),
 ) -> Result<Summary, Failure> {
-    if let Some(other) = estimator.filter(|own| *own != Estimator::OutputError) {
-        let refused = vessel.check_terms(other.name());
-        refused.map_err(|e| Failure::invalid(&flags.vessel, &e))?;
-    }
-    flags.check_forces()?;
+    check(flags, estimator.as_slice(), vessel)?;
     let out = common.main_output(MAIN, flags.inputs().chain(&own.reference))?;
-    let settings = own.settings(1.0 / vessel.sample_rate_hz, flags.prior.as_ref())?;
-    let former = match &flags.prior {
-        Some(Held::Former(path)) => Some(read_former(path, vessel, &mut provenance)?),
-        _ => None,
-    };
+    let window = ("--window-s", own.window_s);
+    let settings = own.weights.settings(1.0 / vessel.sample_rate_hz, window, flags.prior.as_ref())?;
+    let former = read_former(flags, vessel, &mut provenance)?;
     let reference =
         own.reference.as_ref().map(|path| read_reference(path, "reference", &mut provenance)).transpose()?;
     if let (Some(path), Some(reference)) = (&own.reference, &reference) {
         check_captive(reference, vessel).map_err(|e| Failure::invalid(path, &e))?;
     }
-    let (runs, _) = flags.of.read(vessel, &mut provenance, inputs::runs)?;
+    let runs = flags.of.read_of_forces(vessel, &mut provenance)?;
     let (former, reference) = (former.as_deref(), reference.as_ref());
     let criticise = !own.no_criticism;
     let physical = Physical { vessel, settings, former, reference, criticise, most_added };
@@ -117,12 +156,11 @@ pub fn fit(
         ("leave_out", json!(flags.of.leave_out)),
         ("window_s", json!(settings.window_s)),
         ("prior_weight", json!(settings.prior_weight)),
-        ("measured_starts", json!(own.measured_starts)),
+        ("measured_starts", json!(own.weights.measured_starts)),
         ("criticised", json!(criticise)),
         ("add_terms", json!(most_added)),
     ];
-    let given = noted.into_iter().filter(|(_, value)| *value != json!([]));
-    provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
+    note(noted, &mut provenance);
     commit(vec![stage_document(&out, &provenance, &model)?])?;
     let (windows, free, steps) =
         model.forces.as_ref().map_or((0, 0, 0), |own| (own.windows, own.parameters.len(), own.steps));
@@ -133,11 +171,80 @@ pub fn fit(
     Ok(Summary::of(&out, all.join("; "), details))
 }
 
-/// The estimates of a former fit, in the order of the vessel's parameters.
-fn read_former(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Vec<f64>, Failure> {
+/// How a cross-validation scores and leaves out.
+pub struct Scored<'a> {
+    /// Length of the windows in samples.
+    pub window: Option<usize>,
+    /// What is left out.
+    pub folds: &'a Folds,
+    /// The number of folds of so many sources.
+    pub number: &'a dyn Fn(usize) -> usize,
+    /// Settings to note.
+    pub settings: [(&'static str, Value); 2],
+    /// The document.
+    pub out: PathBuf,
+}
+
+/// Leaves runs of `flags` out of fits of `vessel`, which has forces, and writes crossval.json.
+///
+/// # Errors
+/// Flags or an estimator that need terms per sample; files that are refused; nothing to leave out.
+pub fn cross(
+    (flags, own, estimators): (&PoolFlags, &FittingFlags, &[Estimator]),
+    vessel: &Vessel,
+    scored: Scored,
+    (common, mut provenance): (&Common, Provenance),
+) -> Result<Summary, Failure> {
+    check(flags, estimators, vessel)?;
+    let (rate_hz, window) = (vessel.sample_rate_hz, ("--fitted-window-s", own.fitted_window_s));
+    let settings = own.weights.settings(1.0 / rate_hz, window, flags.prior.as_ref())?;
+    let former = read_former(flags, vessel, &mut provenance)?;
+    let runs = flags.of.read_of_forces(vessel, &mut provenance)?;
+    let progress = Progress::new("folds", (scored.number)(runs.sources()), common.quiet);
+    let (former, reference) = (former.as_deref(), None);
+    let physical = Physical { vessel, settings, former, reference, criticise: false, most_added: 0 };
+    let found = physical.cross(&runs, (scored.window, scored.folds), &|count| progress.advance(count));
+    let found = found.map_err(|e| Failure::invalid(flags.of.file(), &e.invalid()))?;
+    let noted = [
+        ("estimators", json!([Estimator::OutputError])),
+        ("runs", json!(flags.of.runs)),
+        ("leave_out", json!(flags.of.leave_out)),
+        ("window_samples", json!(scored.window)),
+        ("fitted_window_s", json!(settings.window_s)),
+        ("prior_weight", json!(settings.prior_weight)),
+        ("measured_starts", json!(own.weights.measured_starts)),
+    ];
+    note(noted.into_iter().chain(scored.settings), &mut provenance);
+    let window_s = scored.window.map(|samples| samples as f64 / rate_hz);
+    let document = CrossvalDocument::of_forces(settings.prior_weight, window_s, &found);
+    written(&scored.out, &provenance, &document)
+}
+
+/// Refuses flags and estimators that need terms per sample.
+fn check(flags: &PoolFlags, estimators: &[Estimator], vessel: &Vessel) -> Result<(), Failure> {
+    if let Some(other) = estimators.iter().find(|own| **own != Estimator::OutputError) {
+        let refused = vessel.check_terms(other.name());
+        refused.map_err(|e| Failure::invalid(&flags.vessel, &e))?;
+    }
+    flags.check_forces()
+}
+
+/// Notes settings that are not empty.
+fn note(settings: impl IntoIterator<Item = (&'static str, Value)>, provenance: &mut Provenance) {
+    let given = settings.into_iter().filter(|(_, value)| *value != json!([]) && !value.is_null());
+    provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
+}
+
+/// The estimates of a former fit, in the order of the vessel's parameters, if one is named.
+fn read_former(
+    flags: &PoolFlags,
+    vessel: &Vessel,
+    provenance: &mut Provenance,
+) -> Result<Option<Vec<f64>>, Failure> {
+    let Some(Held::Former(path)) = &flags.prior else { return Ok(None) };
     let read = read_document::<ModelDocument>(path)?;
     provenance.inputs.insert("prior".to_owned(), read.digest);
-    former(vessel, &read.data).map_err(|e| Failure::invalid(path, &e))
+    former(vessel, &read.data).map(Some).map_err(|e| Failure::invalid(path, &e))
 }
 
 fn unfit(error: PhysicalError, vessel: &Path, runs: &Path) -> Failure {

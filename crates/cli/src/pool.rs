@@ -98,6 +98,19 @@ impl RunFlags {
         Ok((runs, recordings.as_ref().map(IngestDocument::constant_channels).unwrap_or_default()))
     }
 
+    /// As [`Self::read`], for forces: inputs of simulated runs are held during samples.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_of_forces(
+        &self,
+        vessel: &Vessel,
+        provenance: &mut Provenance,
+    ) -> Result<PooledRuns, Failure> {
+        let (runs, _) = self.read(vessel, provenance, inputs::runs)?;
+        Ok(runs.with_inputs_held(inputs::are_simulated(self.file(), vessel)?))
+    }
+
     /// The files that are read.
     pub fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
         self.trajectories.iter().chain(&self.recordings)

@@ -26,9 +26,13 @@ fn about(found: &CrossvalDocument) -> Markup {
     html! {
         p {
             "Each of " (found.folds) " folds leaves recordings out, estimates from the others and simulates over those left \
-             out: " (found.windows) " " (windows) ", " (found.samples) " samples. Mean of the instruments removed: "
-            (found.mean_removal) "; nominal model: " (found.nominal)
-            @if found.prior > 0.0 { "; prior of strength " (three(found.prior)) }
+             out: " (found.windows) " " (windows) ", " (found.samples) " samples. "
+            @if found.forces {
+                "Forces were fitted, with priors of weight " (three(found.prior))
+            } @else {
+                "Mean of the instruments removed: " (found.mean_removal) "; nominal model: " (found.nominal)
+                @if found.prior > 0.0 { "; prior of strength " (three(found.prior)) }
+            }
             ". Standard deviations of the states: " (three(found.std_u)) " m/s, " (three(found.std_v)) " m/s, "
             (three(found.std_r)) " rad/s."
         }

@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 
     let model = Tried::of(model)?;
-    let (compared, _) = Comparison { model: &model, other: None, window: None }.over(&left_out)?;
+    let (compared, _) = Comparison::of(&model).over(&left_out)?;
     compared.statements.iter().for_each(|statement| println!("compare: {statement}"));
     Ok(())
 }

@@ -36,7 +36,7 @@ mod structure;
 mod updating;
 
 pub use charted::{ChartedTrial, PlanError, Planned};
-pub use comparison::Comparison;
+pub use comparison::{Comparison, ComparisonError, channels_within, widest};
 pub use derivatives::check_captive;
 pub use designing::{Designing, Wish};
 pub use former::former;
@@ -90,4 +90,4 @@ pub use trial::campaign::{Campaign, Designed, Refusal, SimulatedRun};
 pub use trial::moments::{Estimated, Moments, NoCriterion, SampledShips};
 pub use trial::voyage::{Brief, Check, Prepared, Sailing, Search, Shares, Solved, VoyageError};
 pub use validation::comparison::Traced;
-pub use validation::crossval::CrossError;
+pub use validation::crossval::{CrossError, CrossValidation, Folds};

@@ -1,7 +1,7 @@
 //! Ships as physics, fitted to runs.
 
-use engine::{Replayed, check_diverged, replay};
-use fitting::{Channels, Estimates, Fit, Prior, Problem, Recording, Settings, Starts, Unfit};
+use engine::{Replayed, check_diverged, replay, simulate_one};
+use fitting::{Channels, Estimates, Fit, Inputs, Prior, Problem, Recording, Settings, Starts, Unfit};
 use forces::Forces;
 use identification::pooled::{Covariance, Delivered, RecordingConstant, Score, covered};
 use model::Vessel;
@@ -9,6 +9,7 @@ use refusal::Invalid;
 use regression::pooled::{Part, PooledRuns};
 use study::documents::{FittedForces, FittedParameter, ModelDocument, Reference, SailedSums};
 use validation::comparison::Magnitudes;
+use validation::crossval::{CrossError, CrossValidation, Folds, cross_validate_forces};
 
 use crate::criticism::{channels, criticised};
 use crate::derivatives::{self, Captive, beside, interval};
@@ -39,11 +40,11 @@ impl Physical<'_> {
     /// # Errors
     /// Why there is no fit, or a model without forces.
     pub fn model(&self, runs: &PooledRuns) -> Result<ModelDocument, PhysicalError> {
-        self.vessel.model.forces.as_ref().ok_or_else(without_forces)?;
-        let sources = runs.windows(None);
-        let growing = Growing { sources: &sources, settings: self.settings, most: self.most_added };
-        let grown = growing.grown(self.vessel)?;
-        let mut model = Physical { vessel: &grown.vessel, ..*self }.fitted_model(runs, &sources)?;
+        self.forces()?;
+        let (sources, held) = (runs.windows(None), runs.are_inputs_held());
+        let settings = self.settings_for(held);
+        let grown = Growing { sources: &sources, settings, most: self.most_added }.grown(self.vessel)?;
+        let mut model = Physical { vessel: &grown.vessel, ..*self }.fitted_model(runs, (&sources, held))?;
         model.statements = growing::statements(&grown).into_iter().chain(model.statements).collect();
         if let Some(forces) = &mut model.forces {
             forces.tried = grown.tried;
@@ -52,24 +53,23 @@ impl Physical<'_> {
     }
 
     /// The model of `runs`, whose recordings are `sources`, without other forces than those of the ship.
-    fn fitted_model(&self, runs: &PooledRuns, sources: &[Recorded]) -> Result<ModelDocument, PhysicalError> {
-        let forces = &self.vessel.model.forces.as_ref().ok_or_else(without_forces)?.forces;
-        let recordings = sources.iter().flat_map(|(name, parts)| {
-            parts.iter().map(|part| Recording { name, inputs: &part.exogenous, measured: &part.measured })
-        });
-        let width = self.vessel.model.exogenous();
-        let problem = Problem::new(forces, recordings.collect(), width, self.settings)?;
-        let problem = problem.with_priors(self.priors(forces));
+    fn fitted_model(
+        &self,
+        runs: &PooledRuns,
+        (sources, held): (&[Recorded], bool),
+    ) -> Result<ModelDocument, PhysicalError> {
+        let forces = self.forces()?;
+        let problem = self.problem(forces, sources, held)?;
         let fit = self.fit(&problem)?;
         let estimates = problem.estimates(&fit)?;
-        let mut fitted = self.fitted(forces, (&fit, &estimates), problem.windows())?;
+        let mut fitted = self.fitted(forces, (&fit, &estimates), &problem)?;
         fitted.sailed = self.sailed(forces, (&fit, &estimates), sources);
         let also = derivatives::statements(fitted.sailed.as_ref(), &fitted.parameters);
         let asked = self.criticise.then(|| criticised(self.vessel, &problem, &fit)).transpose()?;
         let verdict = asked.as_ref().map_or(Vec::new(), |own| own.statements.clone());
         fitted.criticism = asked;
         let rejected = fitted.criticism.as_ref().map(|own| own.rejected);
-        let mut model = ModelDocument::fitted(self.vessel, &self.delivered(&fit, sources), fitted);
+        let mut model = ModelDocument::fitted(self.vessel, &self.delivered(&fit, sources, held), fitted);
         model.rejected = rejected;
         model.statements = verdict.into_iter().chain(statements(&estimates)).chain(also).collect();
         let Ok(magnitudes) = Magnitudes::of(&self.vessel.model, runs, self.vessel.sample_rate_hz);
@@ -85,6 +85,59 @@ impl Physical<'_> {
             let inputs = self.vessel.model.inputs;
             problem.explained(error, theta, Channels { all: &channels, inputs })
         })
+    }
+
+    /// The free numbers that fit `runs` best.
+    ///
+    /// # Errors
+    /// As [`Self::model`].
+    pub fn theta(&self, runs: &PooledRuns) -> Result<Vec<f64>, PhysicalError> {
+        let sources = runs.windows(None);
+        let problem = self.problem(self.forces()?, &sources, runs.are_inputs_held())?;
+        Ok(problem.fit_from(self.former.unwrap_or(&self.vessel.nominal))?.theta)
+    }
+
+    /// Leaves runs or recordings out, fits the others, and simulates those left out over windows of so many samples, or whole.
+    /// `done` is called with the number of fits that are done.
+    ///
+    /// # Errors
+    /// Nothing can be left out; no window.
+    pub fn cross(
+        &self,
+        runs: &PooledRuns,
+        scored: (Option<usize>, &Folds),
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Result<CrossValidation, CrossError> {
+        let fit = |left_out: &[String]| {
+            let mut others = runs.clone();
+            others.select(&[], left_out).map_err(|e| e.to_string())?;
+            self.theta(&others).map_err(|e| e.to_string())
+        };
+        cross_validate_forces(&self.vessel.model, runs, scored, &fit, done)
+    }
+
+    fn forces(&self) -> Result<&Forces, Invalid> {
+        Ok(&self.vessel.model.forces.as_ref().ok_or_else(without_forces)?.forces)
+    }
+
+    fn problem<'p>(
+        &self,
+        forces: &'p Forces,
+        sources: &'p [Recorded],
+        are_inputs_held: bool,
+    ) -> Result<Problem<'p>, Unfit> {
+        let recordings = sources.iter().flat_map(|(name, parts)| {
+            parts.iter().map(|part| Recording { name, inputs: &part.exogenous, measured: &part.measured })
+        });
+        let settings = self.settings_for(are_inputs_held);
+        let problem = Problem::new(forces, recordings.collect(), self.vessel.model.exogenous(), settings)?;
+        Ok(problem.with_priors(self.priors(forces)))
+    }
+
+    /// The settings, where inputs do this between samples.
+    fn settings_for(&self, are_inputs_held: bool) -> Settings {
+        let inputs = if are_inputs_held { Inputs::Held } else { Inputs::Linear };
+        Settings { inputs, ..self.settings }
     }
 
     /// Values of captive tests.
@@ -119,7 +172,7 @@ impl Physical<'_> {
         &self,
         forces: &Forces,
         (fit, estimates): (&Fit, &Estimates),
-        windows: usize,
+        problem: &Problem,
     ) -> Result<FittedForces, Invalid> {
         let priors = self.priors(forces);
         let means = self.former.unwrap_or(&self.vessel.nominal);
@@ -155,9 +208,10 @@ impl Physical<'_> {
             covariance: Covariance { joint: true, names, entries: estimates.covariance.clone() },
             condition: Some(estimates.condition).filter(|own| own.is_finite()),
             window_s: self.settings.window_s,
-            windows: windows as u64,
+            windows: problem.windows() as u64,
             pieces: estimates.pieces as u64,
             unknown_starts: self.settings.starts == Starts::Unknown,
+            held_inputs: problem.are_inputs_held(),
             prior_weight: self.settings.prior_weight,
             cost: fit.cost,
             steps: fit.steps as u64,
@@ -169,16 +223,17 @@ impl Physical<'_> {
     }
 
     /// How the fit follows the recordings, whole and from sample to sample.
-    fn delivered(&self, fit: &Fit, sources: &[Recorded]) -> Delivered {
+    fn delivered(&self, fit: &Fit, sources: &[Recorded], held: bool) -> Delivered {
         let model = &self.vessel.model;
         let mut score = Score::default();
         let (mut squares, mut samples, mut recordings) = ([0.0; 3], 0.0, Vec::new());
         for (source, parts) in sources {
             let (mut left, mut own) = ([0.0; 3], 0);
             for part in parts {
-                let states = replay(model, &fit.theta, part.view().initial, &part.exogenous);
+                let follow = if held { simulate_one } else { replay };
+                let states = follow(model, &fit.theta, part.view().initial, &part.exogenous);
                 add(&mut score, part, &states);
-                for error in self.steps(fit, part) {
+                for error in self.steps(fit, part, held) {
                     own += 1;
                     (0..3).for_each(|d| {
                         left[d] += error[d];
@@ -206,10 +261,10 @@ impl Physical<'_> {
     }
 
     /// What a step from each measured state leaves of the next one.
-    fn steps(&self, fit: &Fit, part: &Part) -> Vec<[f64; 3]> {
+    fn steps(&self, fit: &Fit, part: &Part, held: bool) -> Vec<[f64; 3]> {
         let Some(moved) = &self.vessel.model.forces else { return Vec::new() };
         let width = self.vessel.model.exogenous().max(1);
-        let replayed = Replayed::new(moved, &fit.theta, (&part.exogenous, width));
+        let replayed = Replayed::new(moved, &fit.theta, (&part.exogenous, width), held);
         let states = part.measured.as_chunks::<3>().0;
         let step = |k: usize| {
             let next = replayed.step(k, states[k]);

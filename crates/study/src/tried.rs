@@ -6,7 +6,7 @@ use artifact::{Document, Error, Provenance, inspect, read_document};
 use identification::pooled::Covered;
 use model::Vessel;
 use refusal::Invalid;
-use validation::comparison::{Known, Magnitudes, Ship, Standing};
+use validation::comparison::{Known, Magnitudes, Standing};
 
 use crate::documents::{AverageDocument, ModelDocument};
 
@@ -68,8 +68,8 @@ impl Tried {
     }
 
     /// Its models, with the values that were found.
-    pub fn ships(&self) -> Vec<Ship<'_>> {
-        self.vessels.iter().map(|vessel| Ship { model: &vessel.model, theta: &vessel.nominal }).collect()
+    pub fn vessels(&self) -> &[Vessel] {
+        &self.vessels
     }
 
     /// The vessel, by the first of its models.
@@ -87,10 +87,10 @@ impl Tried {
         let rmse = self.output_rmse?;
         match self.models.as_slice() {
             // Errors on left-out recordings include all sources, so that no covariance of the parameters is needed.
-            [model] => match (&model.covariance, model.left_out_rmse) {
+            [model] => match (model.errors_of_parameters(), model.left_out_rmse) {
                 (None, None) => None,
                 (None, Some(rmse)) => Some(Known { covariance: None, rmse }),
-                (covariance, _) => Some(Known { covariance: covariance.as_ref(), rmse }),
+                (covariance, _) => Some(Known { covariance, rmse }),
             },
             _ => Some(Known { covariance: None, rmse }),
         }

@@ -75,7 +75,7 @@ Side = Literal["as designed", "mirrored"]
 #: Which of the two parameter sets is meant.
 Source = Literal["value", "nominal"]
 #: Who takes part in a comparison.
-Standing = Literal["model", "average of models", "other model", "least squares", "mean of the data"]
+Standing = Literal["model", "average of models", "model of the average", "other model", "least squares", "mean of the data"]
 #: A velocity.
 State = Literal["u", "v", "r"]
 #: What became of a step.
@@ -335,7 +335,8 @@ class AverageTerm:
 class Bands:
     """Shares of the measured samples inside the 95 % bands of a model: from its parameters' covariance, or how far the
     models of an average are apart, and the errors that its simulations had on what it was fitted to. Of a searched
-    model: from its errors on what was left out of the search.
+    model: from its errors on what was left out of the search. Of an average of models that have bands of their own:
+    the mean of these, which is wide enough however the models' errors correlate.
     """
 
     #: Of u.
@@ -568,6 +569,8 @@ class ComparedModel:
 
     #: Which.
     name: Standing
+    #: Its place among the models that are averaged, from 1, if it is one of them.
+    place: int | None = None
     #: Over all windows.
     errors: ComparedErrors
     #: One entry per run or recording.
@@ -749,8 +752,10 @@ class CrossvalDocument:
     mean_removal: MeanRemoval
     #: Where the instruments' nominal model comes from.
     nominal: NominalSource
-    #: Strength of the pull towards it.
+    #: Strength of the pull towards it; of forces the weight of their priors.
     prior: float
+    #: Whether forces were fitted, which have no instruments.
+    forces: bool = False
     #: Whether the estimated intercepts were simulated too.
     intercepts: bool
     #: Length of the windows \[s\]; null: whole runs.
@@ -1112,6 +1117,8 @@ class Difference:
 
     #: The other.
     name: Standing
+    #: Its place among the models that are averaged, from 1, if it is one of them.
+    place: int | None = None
     #: Pairs that were compared.
     pairs: int
     #: The median difference; null where it is infinite.
@@ -1352,6 +1359,9 @@ class FittedForces:
     pieces: int
     #: Whether every window has a start of its own, or starts at its first measured sample.
     unknown_starts: bool
+    #: Whether each row of inputs acted during its whole sample, as in simulated runs; those of logs are linear between
+    #: samples.
+    held_inputs: bool = False
     #: Weight of the priors.
     prior_weight: float
     #: The mean of Huber's function of the windows' RMS errors in standard deviations, with what the priors add.

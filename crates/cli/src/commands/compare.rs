@@ -1,23 +1,23 @@
 //! `validate compare`: a model on recordings that it was not fitted to.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, TableWriter, commit, encode_block, stage_set_document};
 use clap::Parser;
 use model::Vessel;
-use seatrial::Comparison;
+use seatrial::validation::comparison::Standing;
+use seatrial::{Comparison, channels_within, widest};
 use serde_json::json;
 use study::Tried;
 use study::documents::traces;
-use study::files::read_vessel;
+use study::files::read_any_vessel;
 
 use crate::cli::{Common, member, samples};
 use crate::failure::Failure;
-use crate::inputs;
 use crate::pool::RunFlags;
 use crate::stage::{Summary, Task};
 
-/// Tries a model on recordings, beside least squares, the mean of the data and another model; writes compare.json and
+/// Tries a model on recordings, beside least squares, the mean of the data and other models; writes compare.json and
 /// compare.parquet
 #[derive(Parser)]
 #[command(
@@ -31,7 +31,11 @@ pub struct Arguments {
     model: PathBuf,
     #[command(flatten)]
     of: RunFlags,
-    /// Another model to compare with, of the same channels
+    /// Averages the trajectories of these models with those of --model, say of forces with that of a search, and compares
+    /// each alone, too
+    #[arg(long, value_name = "model.json,…", value_delimiter = ',')]
+    average: Vec<PathBuf>,
+    /// Another model to compare with, of the same logs
     #[arg(long, value_name = "model.json|vessel.toml")]
     against: Option<PathBuf>,
     /// Simulates over windows of this length, side by side [s]; whole runs without it
@@ -48,14 +52,19 @@ impl Task for Arguments {
         let model = Tried::read(&self.model, &mut provenance)?;
         // The files that the model was fitted to are not inputs of the comparison, but the ship is the same.
         provenance.forget(&["dictionary", "campaign", "moments", "design", "validation", "estimates"]);
-        let vessel = model.vessel();
-        let other = self.against(vessel, &mut provenance)?;
+        let averaged = self.averaged(&model, &mut provenance)?;
+        let other = self.against(&mut provenance)?;
+        let mut comparison =
+            Comparison { model: &model, averaged: &averaged, other: other.as_ref(), window: None };
+        let vessel = self.widest(&comparison)?;
         let window = self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
-        let read = || [&self.model].into_iter().chain(&self.against).chain(self.of.inputs());
+        comparison.window = window;
+        let read =
+            || [&self.model].into_iter().chain(&self.average).chain(&self.against).chain(self.of.inputs());
         let out = common.main_output(MAIN, read())?;
         let table = member(&out, MAIN, "compare.parquet", read())?;
-        let (runs, _) = self.of.read(vessel, &mut provenance, inputs::runs)?;
-        let found = Comparison { model: &model, other: other.as_ref(), window }.over(&runs);
+        let runs = self.of.read_of_forces(vessel, &mut provenance)?;
+        let found = comparison.over(&runs);
         let (document, trace) = found.map_err(|e| Failure::invalid(self.of.file(), &e.invalid()))?;
         let settings = [("window_samples", json!(window)), ("runs", json!(self.of.runs))];
         let given = settings.into_iter().chain([("leave_out", json!(self.of.leave_out))]);
@@ -73,21 +82,50 @@ impl Task for Arguments {
 }
 
 impl Arguments {
-    /// The model to compare with, which must have the channels of `vessel`.
-    fn against(&self, vessel: &Vessel, provenance: &mut Provenance) -> Result<Option<Vessel>, Failure> {
+    /// The models that are averaged with `model`, which then is a single one, too.
+    fn averaged(&self, model: &Tried, provenance: &mut Provenance) -> Result<Vec<Tried>, Failure> {
+        let single = |path: &Path, own: &Tried| match own.standing() {
+            Standing::Average => {
+                let expected = "model/1, a single model, where models are averaged";
+                let remedy = "take the `model.json` of the same search";
+                Err(Failure::refuse(path, "schema", "average/1", expected, remedy))
+            }
+            _ => Ok(()),
+        };
+        if !self.average.is_empty() {
+            single(&self.model, model)?;
+        }
+        let read = |(i, path): (usize, &PathBuf)| {
+            let mut own = Provenance { changes: provenance.changes.clone(), ..Provenance::default() };
+            let tried = Tried::read(path, &mut own)?;
+            single(path, &tried)?;
+            provenance.inputs.extend(own.inputs.remove("model").map(|it| (format!("average:{}", i + 1), it)));
+            provenance.read.extend(own.read);
+            Ok(tried)
+        };
+        self.average.iter().enumerate().map(read).collect()
+    }
+
+    /// The model to compare with.
+    fn against(&self, provenance: &mut Provenance) -> Result<Option<Vessel>, Failure> {
         let Some(path) = &self.against else { return Ok(None) };
         let mut own = Provenance { changes: provenance.changes.clone(), ..Provenance::default() };
-        let other = read_vessel(path, &mut own)?;
+        let other = read_any_vessel(path, &mut own)?;
         provenance.inputs.extend(own.inputs.into_values().map(|digest| ("against".to_owned(), digest)));
         provenance.read.extend(own.read);
         provenance.settings.extend(own.settings);
-        // A search may have added channels that are computed from the same others.
-        let alike = other.model.with_channels_of(&vessel.model);
-        let (found, expected) = ("other channels or another rate", "those of --model");
-        let remedy = "compare models of the same logs";
-        match alike.filter(|_| other.sample_rate_hz == vessel.sample_rate_hz) {
-            Some(model) => Ok(Some(Vessel { model, ..other })),
-            None => Err(Failure::refuse(path, "model", found, expected, remedy)),
+        Ok(Some(other))
+    }
+
+    /// The vessel whose channels the runs are read with; all others have some of them.
+    fn widest<'a>(&self, comparison: &Comparison<'a>) -> Result<&'a Vessel, Failure> {
+        let vessels = comparison.vessels();
+        let widest = widest(&vessels).unwrap_or(comparison.model.vessel());
+        let of_model = comparison.model.vessels().iter().map(|_| &self.model);
+        let files = of_model.chain(&self.average).chain(&self.against);
+        for (path, vessel) in files.zip(vessels) {
+            channels_within(vessel, widest).map_err(|e| Failure::invalid(path, &e))?;
         }
+        Ok(widest)
     }
 }

@@ -97,7 +97,7 @@ impl Task for Arguments {
 impl Arguments {
     /// What the model's file says of its parameters.
     fn covariance(&self) -> Result<Covariance, Failure> {
-        read_model(&self.vessel)?.and_then(|model| model.covariance).ok_or_else(|| {
+        read_model(&self.vessel)?.and_then(|model| model.errors_of_parameters().cloned()).ok_or_else(|| {
             let expected = "a model with one, as `estimate pool` writes it";
             Failure::refuse(&self.vessel, "`covariance`", "none", expected, "leave out --draws")
         })

@@ -98,6 +98,17 @@ fn a_fit_of_forces_is_compared_simulated_and_judged_in_place_of_vessel_toml() {
         "validate merit --model model.json --dictionary dictionary.toml --length-m 7 --out merit.json",
     )
     .succeeds();
+    run(
+        &folder,
+        "validate merit --model model.json --dictionary dictionary.toml --length-m 7 --draws 8 --out drawn.json",
+    )
+    .succeeds();
+    let drawn = json(&folder, "drawn.json");
+    let figure = &drawn["data"]["maneuvers"][0]["figures"][0];
+    assert!(figure["low"].as_f64().unwrap() < figure["high"].as_f64().unwrap(), "{figure}");
+    // Simulated runs have held inputs, and their errors are known.
+    assert_eq!(json(&folder, "model.json")["data"]["forces"]["held_inputs"], true);
+    assert!(json(&folder, "compare.json")["data"]["bands"]["inside_r"].as_f64().is_some());
     exported(&folder, sway);
     // The same files again, and with one thread, are the same bytes.
     let first = bytes(&folder, "model.json");
@@ -423,4 +434,80 @@ fn captive_values_stand_beside_estimates_and_sums_are_of_what_was_sailed() {
     put(&folder, "wrong.toml", "source = \"S\"\n[derivatives]\nY_vw = 1.0\n");
     let line = format!("{POOL} --reference wrong.toml --out model.json");
     refused(&folder, 3, &line, &["wrong.toml: `derivatives.Y_vw`", "did you mean"]);
+}
+
+/// The tanker by terms per sample, with a channel that the forces do not have.
+const TERMS: &str = "name = \"terms\"\nsample_rate_hz = 2.0\n\
+    input = [{ name = \"delta\", unit = \"rad\" }, { name = \"n\", unit = \"1/s\" }]\n\
+    derived = [{ name = \"n_ahead\", formula = \"positive(n)\", unit = \"1/s\" }]\n\
+    surge = [{ parameter = \"a\", term = \"u |u|\", nominal = 0 }, { parameter = \"b\", term = \"n_ahead |n|\", nominal = 0 }, \
+    { parameter = \"c\", term = \"v r\", nominal = 0 }]\n\
+    sway = [{ parameter = \"d\", term = \"v\", nominal = 0 }, { parameter = \"e\", term = \"u r\", nominal = 0 }, \
+    { parameter = \"f\", term = \"u |u| delta\", nominal = 0 }]\n\
+    yaw = [{ parameter = \"g\", term = \"r\", nominal = 0 }, { parameter = \"h\", term = \"u v\", nominal = 0 }, \
+    { parameter = \"i\", term = \"u |u| delta\", nominal = 0 }]\n";
+
+#[test]
+fn forces_and_terms_are_averaged_and_each_is_scored_beside() {
+    let folder = trial();
+    put(&folder, "vessel.toml", GUESS);
+    run(&folder, &format!("{POOL} --out model.json")).succeeds();
+    put(&folder, "terms.toml", TERMS);
+    std::fs::create_dir(folder.path().join("terms")).unwrap();
+    let terms = "estimate pool --vessel terms.toml --trajectories d.parquet --allow-mixed --estimator ls";
+    run(&folder, &format!("{terms} --out terms/")).succeeds();
+    let line = "validate compare --trajectories d.parquet --allow-mixed --window-s 50 --model";
+    run(&folder, &format!("{line} model.json --average terms/model.json --out average.json")).succeeds();
+    let both = json(&folder, "average.json")["data"].clone();
+    let names: Vec<&str> =
+        both["models"].as_array().unwrap().iter().map(|own| own["name"].as_str().unwrap()).collect();
+    let alone = "model of the average";
+    assert_eq!(names, ["average of models", alone, alone, "mean of the data"]);
+    assert_eq!((&both["models"][2]["place"], &both["spread"]["models"]), (&2.into(), &2.into()));
+    assert!(both["bands"]["inside_u"].as_f64().unwrap() > 0.5, "{}", both["bands"]);
+    let rmse = |of: &Value, i: usize| of["models"][i]["errors"]["rmse_v"].as_f64().unwrap();
+    // The average errs at most as much as both together, and each as it does alone.
+    assert!(rmse(&both, 0) <= 0.5 * (rmse(&both, 1) + rmse(&both, 2)) + 1e-12);
+    for (model, place) in [("model.json", 1), ("terms/model.json", 2)] {
+        run(&folder, &format!("{line} {model} --out alone.json")).succeeds();
+        assert_eq!(rmse(&json(&folder, "alone.json")["data"], 0), rmse(&both, place));
+    }
+    run(&folder, &format!("{line} terms/model.json --against model.json --out against.json")).succeeds();
+    assert_eq!(rmse(&json(&folder, "against.json")["data"], 1), rmse(&both, 1));
+    // Another ship's channels.
+    put(&folder, "other.toml", GUESS.replace("kvlcc2-l7", "otter").split("[nominal]").next().unwrap());
+    let words = ["other.toml: channel `", "a channel of this model alone"];
+    refused(&folder, 3, &format!("{line} model.json --against other.toml --out c.json"), &words);
+}
+
+#[test]
+fn recordings_are_left_out_of_fits_of_forces() {
+    let folder = trial();
+    put(&folder, "vessel.toml", GUESS);
+    let line = "validate cross --vessel vessel.toml --trajectories d.parquet --allow-mixed --window-s 50";
+    run(&folder, &format!("{line} --prior-weight 0.01 --folds 2 --out crossval.json")).succeeds();
+    let found = json(&folder, "crossval.json")["data"].clone();
+    assert_eq!((&found["forces"], &found["prior"], &found["folds"]), (&true.into(), &0.01.into(), &2.into()));
+    let own = &found["estimators"][0];
+    assert_eq!((&own["name"], &own["status"]), (&"output-error".into(), &"scored".into()));
+    assert_eq!(own["sources"].as_array().unwrap().len(), 4);
+    assert!(own["errors"]["fit_r"].as_f64().unwrap() > 90.0, "{own}");
+    // A fold is the fit without its runs.
+    let fold = "--runs 1,3 --out compare.json";
+    run(&folder, &format!("{POOL} --prior-weight 0.01 --leave-out 1,3 --out model.json")).succeeds();
+    let compare = "validate compare --model model.json --trajectories d.parquet --allow-mixed --window-s 50";
+    run(&folder, &format!("{compare} {fold}")).succeeds();
+    let alone = json(&folder, "compare.json")["data"]["models"][0]["recordings"].clone();
+    for own in own["sources"].as_array().unwrap() {
+        let same = alone.as_array().unwrap().iter().find(|other| other["source"] == own["source"]);
+        if let Some(same) = same {
+            let [same, left] = [same, own].map(|own| own["errors"]["rmse_v"].as_f64().unwrap());
+            assert!((same / left - 1.0).abs() < 1e-12, "{own}");
+        }
+    }
+    let computes = ["vessel.toml", "`ls` computes"];
+    refused(&folder, 3, &format!("{line} --estimators ls --out c.json"), &computes);
+    refused(&folder, 2, &format!("{line} --nominal least-squares --out c.json"), &["--nominal"]);
+    put(&folder, "vessel.toml", TERMS);
+    refused(&folder, 2, &format!("{line} --fitted-window-s 50 --out c.json"), &["--fitted-window-s"]);
 }

@@ -171,7 +171,7 @@ fn models_and_logs_that_do_not_go_together_are_refused() {
         &folder,
         3,
         &format!("{COMPARE} --against other.toml"),
-        &["other.toml", "other channels", "--model"],
+        &["other.toml: sampling rate: found 1 Hz, expected 8 Hz", "models of the same logs"],
     );
     let text = std::fs::read_to_string(folder.path().join("model.json")).unwrap();
     let seal = json(&folder, "model.json")["seal"].to_string();

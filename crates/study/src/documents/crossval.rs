@@ -16,8 +16,11 @@ pub struct CrossvalDocument {
     pub mean_removal: MeanRemoval,
     /// Where the instruments' nominal model comes from.
     pub nominal: NominalSource,
-    /// Strength of the pull towards it.
+    /// Strength of the pull towards it; of forces the weight of their priors.
     pub prior: f64,
+    /// Whether forces were fitted, which have no instruments.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub forces: bool,
     /// Whether the estimated intercepts were simulated too.
     pub intercepts: bool,
     /// Length of the windows \[s\]; null: whole runs.
@@ -50,11 +53,22 @@ pub struct CrossvalDocument {
 impl CrossvalDocument {
     /// The result with instruments from `nominal` over windows of `window_s` seconds.
     pub fn new(pool: &Pool, nominal: NominalSource, window_s: Option<f64>, found: &CrossValidation) -> Self {
+        let Pool { removal, strength, .. } = *pool;
+        Self { mean_removal: removal, nominal, prior: strength, ..Self::of(window_s, found) }
+    }
+
+    /// The result of a ship with forces, fitted with priors of `prior_weight`.
+    pub fn of_forces(prior_weight: f64, window_s: Option<f64>, found: &CrossValidation) -> Self {
+        Self { forces: true, intercepts: false, prior: prior_weight, ..Self::of(window_s, found) }
+    }
+
+    fn of(window_s: Option<f64>, found: &CrossValidation) -> Self {
         let [std_u, std_v, std_r] = found.std;
         Self {
-            mean_removal: pool.removal,
-            nominal,
-            prior: pool.strength,
+            mean_removal: MeanRemoval::None,
+            nominal: NominalSource::Given,
+            prior: 0.0,
+            forces: false,
             intercepts: true,
             window_s,
             windows: found.windows,

@@ -28,6 +28,9 @@ pub struct FittedForces {
     pub pieces: u64,
     /// Whether every window has a start of its own, or starts at its first measured sample.
     pub unknown_starts: bool,
+    /// Whether each row of inputs acted during its whole sample, as in simulated runs; those of logs are linear between samples.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub held_inputs: bool,
     /// Weight of the priors.
     pub prior_weight: f64,
     /// The mean of Huber's function of the windows' RMS errors in standard deviations, with what the priors add.

@@ -286,6 +286,11 @@ impl ModelDocument {
         all.and_then(|all| all.try_into().ok())
     }
 
+    /// Covariance of its parameters: of the terms, or of all numbers of forces; `None` where no such errors hold.
+    pub fn errors_of_parameters(&self) -> Option<&Covariance> {
+        self.forces.as_ref().map(|own| &own.covariance).or(self.covariance.as_ref())
+    }
+
     fn incomplete(&self) -> Invalid {
         let found = format!("{} degrees of freedom", self.degrees.len());
         Invalid::new("data.degrees", found, "surge, sway and yaw", "estimate the model again")

@@ -1,16 +1,20 @@
+use fitting::{Inputs, SimulatedRun};
 use identification::pooled::Covariance;
 use identification::predictor::{Recordings, Sensitivities};
-use model::Model;
+use model::{Model, Moved};
 use numerics::statistics::Z;
 use numerics::times;
 use regression::pooled::Part;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::simulated::Ship;
+
 /// The estimated errors of the model.
 #[derive(Clone, Copy, Debug)]
 pub struct Known<'a> {
-    /// Of its parameters; `None` for an average, whose spread is used instead, and if no covariance is valid.
+    /// Of its parameters; `None` for an average, whose spread is used instead, and if no covariance is valid. That of
+    /// forces has all of them.
     pub covariance: Option<&'a Covariance>,
     /// RMSE of u, v, r on the recordings that it was fitted to, or, without a covariance, on those that were left
     /// out.
@@ -19,7 +23,8 @@ pub struct Known<'a> {
 
 /// Shares of the measured samples inside the 95 % bands of a model: from its parameters' covariance, or how far the models of an
 /// average are apart, and the errors that its simulations had on what it was fitted to. Of a searched model: from its errors
-/// on what was left out of the search.
+/// on what was left out of the search. Of an average of models that have bands of their own: the mean of these, which is wide
+/// enough however the models' errors correlate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bands {
@@ -69,57 +74,81 @@ impl Inside {
 
 /// The bands of one model.
 pub(super) struct Banded<'a> {
-    model: Model,
-    unknowns: Vec<f64>,
-    free: Vec<usize>,
-    covariance: Option<&'a Covariance>,
-    rmse: [f64; 3],
-    inside: Inside,
+    ship: Ship<'a>,
+    known: Known<'a>,
+    structure: Structure<'a>,
+}
+
+/// How a model's states follow from its parameters.
+enum Structure<'a> {
+    /// By terms per sample, with intercepts beside the parameters; `free` are those that the covariance has.
+    Terms { model: Box<Model>, unknowns: Vec<f64>, free: Vec<usize> },
+    /// By forces.
+    Forces(&'a Moved),
 }
 
 impl<'a> Banded<'a> {
-    /// The bands of `model` with parameters `theta`.
-    pub fn new(model: &Model, theta: &[f64], Known { covariance, rmse }: Known<'a>) -> Self {
-        let lifted = model.with_intercepts();
-        let layout = lifted.layout();
-        // The model contains the constant; its error is that of an intercept of zero.
-        let unknowns = [layout.woven(theta, [0.0; 3]), vec![0.0; 3]].concat();
-        let joint = covariance.is_some_and(|own| own.names.len() == layout.parameters());
-        let counts = layout.are_intercepts().map(|intercept| joint || !intercept);
-        let free = counts.enumerate().filter_map(|(i, counts)| counts.then_some(i)).collect();
-        Self { model: lifted, unknowns, free, covariance, rmse, inside: Inside::default() }
+    /// The bands of `ship`.
+    pub fn new(ship: Ship<'a>, known: Known<'a>) -> Self {
+        let structure = match &ship.model.forces {
+            Some(moved) => Structure::Forces(moved),
+            None => Structure::terms(&ship, &known),
+        };
+        Self { ship, known, structure }
     }
 
-    /// Half-widths of the bands over `window` with its simulated `states`, (N+1) × 3; counts the samples inside.
-    pub fn add(&mut self, window: &Part, states: &[f64]) -> Vec<[f64; 3]> {
-        let Some(covariance) = self.covariance else {
-            let bands = vec![self.rmse.map(|rmse| Z * rmse); window.samples() + 1];
-            self.inside.add(window, states, &bands);
-            return bands;
+    /// Half-widths of the bands over `window`; `None` where its derivatives by the parameters are not finite.
+    pub fn halves(&self, window: &Part, are_inputs_held: bool) -> Option<Vec<[f64; 3]>> {
+        let Some(covariance) = self.known.covariance else {
+            return Some(vec![self.known.rmse.map(|rmse| Z * rmse); window.samples() + 1]);
         };
-        let recordings = Recordings {
-            measured: &window.measured,
-            ..Recordings::simulated(&self.model, window.view().initial, &window.exogenous)
-        };
-        let found = Sensitivities::of(&recordings, &self.unknowns, &self.free, true);
-        let half = |k: usize| self.half(covariance, &found, k);
-        let bands: Vec<[f64; 3]> = (0..=window.samples()).map(half).collect();
-        self.inside.add(window, states, &bands);
-        bands
+        let exogenous = self.ship.exogenous(window);
+        let initial = window.view().initial;
+        let rows = 0..=window.samples();
+        match &self.structure {
+            Structure::Terms { model, unknowns, free } => {
+                let recordings = Recordings {
+                    measured: &window.measured,
+                    ..Recordings::simulated(model, initial, &exogenous)
+                };
+                let found = Sensitivities::of(&recordings, unknowns, free, true);
+                let of = |k: usize| {
+                    let all: Vec<[f64; 3]> = (0..free.len()).map(|i| found.by(k, i)).collect();
+                    [0, 1, 2].map(|d| all.iter().map(|by| by[d]).collect::<Vec<f64>>())
+                };
+                Some(rows.map(|k| self.half(covariance, &of(k))).collect())
+            }
+            Structure::Forces(moved) => {
+                let (width, sample_s) = (self.ship.model.exogenous(), moved.sample_s);
+                let run = SimulatedRun { initial, inputs: &exogenous, width, sample_s };
+                let inputs = if are_inputs_held { Inputs::Held } else { Inputs::Linear };
+                let found = run.slopes_by(&moved.forces, self.ship.theta, inputs)?;
+                let n = self.ship.theta.len();
+                let of = |k: usize| [0, 1, 2].map(|d: usize| found.by_theta[(3 * k + d) * n..][..n].to_vec());
+                Some(rows.map(|k| self.half(covariance, &of(k))).collect())
+            }
+        }
     }
 
-    fn half(&self, covariance: &Covariance, found: &Sensitivities<f64>, k: usize) -> [f64; 3] {
-        let all: Vec<[f64; 3]> = (0..self.free.len()).map(|i| found.by(k, i)).collect();
-        [0, 1, 2].map(|d| {
-            let by: Vec<f64> = all.iter().map(|by| by[d]).collect();
-            let moved = times(&covariance.entries, &by);
-            let variance: f64 = by.iter().zip(moved).map(|(a, b)| a * b).sum();
-            Z * (variance.max(0.0) + self.rmse[d].powi(2)).sqrt()
+    /// From the derivatives of u, v and r by the parameters of `covariance`.
+    fn half(&self, covariance: &Covariance, by: &[Vec<f64>; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|d: usize| {
+            let moved = times(&covariance.entries, &by[d]);
+            let variance: f64 = by[d].iter().zip(moved).map(|(a, b)| a * b).sum();
+            Z * (variance.max(0.0) + self.known.rmse[d].powi(2)).sqrt()
         })
     }
+}
 
-    /// The shares inside; `None` without samples.
-    pub fn shares(&self) -> Option<Bands> {
-        self.inside.shares().map(Bands::of)
+impl Structure<'_> {
+    fn terms(ship: &Ship, known: &Known) -> Self {
+        let model = ship.model.with_intercepts();
+        let layout = model.layout();
+        // The model contains the constant; its error is that of an intercept of zero.
+        let unknowns = [layout.woven(ship.theta, [0.0; 3]), vec![0.0; 3]].concat();
+        let joint = known.covariance.is_some_and(|own| own.names.len() == layout.parameters());
+        let counts = layout.are_intercepts().map(|intercept| joint || !intercept);
+        let free = counts.enumerate().filter_map(|(i, counts)| counts.then_some(i)).collect();
+        Self::Terms { model: Box::new(model), unknowns, free }
     }
 }

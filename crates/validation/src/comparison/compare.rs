@@ -1,4 +1,6 @@
-use super::bands::{Banded, Bands, Known};
+use std::borrow::Cow;
+
+use super::bands::{Banded, Bands, Inside, Known};
 use super::correlations::{ErrorCorrelations, error_correlations};
 use super::covered::{Counter, Outside};
 use super::simulated::{Contestant, Ship, Simulated, Trajectory};
@@ -7,6 +9,7 @@ use super::standing::{ComparedModel, Difference};
 use super::validity::{Magnitudes, Validity};
 use super::verdict::{differences, verdict};
 use crate::crossval::CrossError;
+use engine::RunView;
 use identification::pooled::{Covered, deviations};
 use regression::pooled::{Part, PooledRuns};
 
@@ -15,11 +18,11 @@ use regression::pooled::{Part, PooledRuns};
 pub struct CompareOptions<'a> {
     /// Length of the windows in samples; `None`: whole runs.
     pub window: Option<usize>,
-    /// The estimated errors of the first model.
-    pub known: Option<Known<'a>>,
-    /// The ranges that the first model was fitted on.
+    /// The estimated errors of the first model: none, its own, or one for each of the models that are averaged.
+    pub known: &'a [Known<'a>],
+    /// The ranges that the first model was fitted on; of several, the first one with the most channels.
     pub covered: &'a [Covered],
-    /// The magnitudes of the motions that the first model was fitted to, if known.
+    /// The magnitudes of the motions that it was fitted to, if known.
     pub magnitudes: Option<&'a Magnitudes>,
     /// The sampling rate \[Hz\].
     pub rate_hz: f64,
@@ -88,9 +91,11 @@ pub fn compare(
         return Err(CrossError::NoWindow);
     };
     let std = deviations(windows().map(|w| w.measured.as_slice()));
-    let mut models: Vec<Simulated> = contestants.iter().map(|one| Simulated::of(one, &sources)).collect();
+    let held = runs.are_inputs_held();
+    let mut models: Vec<Simulated> =
+        contestants.iter().map(|one| Simulated::of(one, &sources, held)).collect();
     models.push(Simulated::mean(&sources));
-    let mut looked = Looked::new(first, options);
+    let mut looked = Looked::new(first, options, held);
     looked.at(&sources, &models[0]);
     let compared: Vec<ComparedModel> = models.iter().map(|one| one.compared(&sources, std)).collect();
     let differences = differences(&compared, &models, std);
@@ -98,8 +103,9 @@ pub fn compare(
     let spread = looked.spreads.as_ref().and_then(Spreads::spread);
     let whole = runs.windows(None);
     let validity = options.magnitudes.and_then(|known| {
-        let runs = whole.iter().flat_map(|(_, parts)| parts).map(Part::view);
-        Validity::of(known, runs, options.rate_hz)
+        let parts = || whole.iter().flat_map(|(_, parts)| parts);
+        let rows: Vec<_> = parts().map(|part| first.widest().map(|ship| ship.exogenous(part))).collect();
+        Validity::of(known, parts().zip(&rows).map(viewed), options.rate_hz)
     });
     Ok(Compared {
         windows: windows().count() as u64,
@@ -115,48 +121,82 @@ pub fn compare(
         differences,
         bands,
         spread,
-        correlations: error_correlations(first, &sources, &models[0]),
+        correlations: error_correlations(first, &sources, &models[0], held),
         outside,
         validity,
         trace: looked.trace,
     })
 }
 
+/// A part with these rows of inputs and measured disturbances, where there are any.
+fn viewed<'a>((part, rows): (&'a Part, &'a Option<Cow<'a, [f64]>>)) -> RunView<'a> {
+    match rows {
+        Some(exogenous) => RunView { exogenous, ..part.view() },
+        None => part.view(),
+    }
+}
+
 /// The first model sample by sample.
 struct Looked<'a> {
-    banded: Option<Banded<'a>>,
+    /// Of the model, or of each of those that are averaged.
+    banded: Vec<Banded<'a>>,
+    inside: Inside,
     spreads: Option<Spreads>,
+    widest: Option<Ship<'a>>,
     counter: Counter<'a>,
     rate_hz: f64,
+    are_inputs_held: bool,
     trace: Vec<Traced>,
 }
 
 impl<'a> Looked<'a> {
-    fn new(first: &Contestant, options: &CompareOptions<'a>) -> Self {
-        let rmse = options.known.map(|known| known.rmse);
-        let (banded, spreads) = match first.ships.as_slice() {
-            [Ship { model, theta }] => (options.known.map(|known| Banded::new(model, theta, known)), None),
-            several => (None, Some(Spreads::new(several.len(), rmse))),
-        };
-        let counter = Counter::new(options.covered);
-        Self { banded, spreads, counter, rate_hz: options.rate_hz, trace: Vec::new() }
+    fn new(first: &Contestant<'a>, options: &CompareOptions<'a>, are_inputs_held: bool) -> Self {
+        let (ships, known) = (&first.ships, options.known);
+        let of_each = ships.len() == known.len();
+        let banded = ships.iter().zip(known).map(|(ship, known)| Banded::new(*ship, *known));
+        let rmse = known.first().filter(|_| !of_each).map(|known| known.rmse);
+        Self {
+            banded: banded.filter(|_| of_each).collect(),
+            inside: Inside::default(),
+            spreads: (ships.len() > 1).then(|| Spreads::new(ships.len(), rmse)),
+            widest: first.widest().copied(),
+            counter: Counter::new(options.covered),
+            rate_hz: options.rate_hz,
+            are_inputs_held,
+            trace: Vec::new(),
+        }
     }
 
     /// Shares of the samples inside the bands.
     fn bands(&self) -> Option<Bands> {
-        self.banded.as_ref().and_then(Banded::shares).or_else(|| self.spreads.as_ref()?.bands())
+        self.inside.shares().map(Bands::of).or_else(|| self.spreads.as_ref()?.bands())
+    }
+
+    /// Half-widths of the bands over `window`, where its simulation is `found`; `None` if they are not known.
+    fn halves(&mut self, window: &Part, Trajectory { states, spread }: &Trajectory) -> Option<Vec<[f64; 3]>> {
+        let of_spread = self.spreads.as_mut().and_then(|own| own.add(window, states, spread));
+        let each: Option<Vec<_>> =
+            self.banded.iter().map(|own| own.halves(window, self.are_inputs_held)).collect();
+        let each = each.filter(|each| !each.is_empty());
+        let mean = each.map(|each| {
+            let of = |k: usize, d: usize| each.iter().map(|own| own[k][d]).sum::<f64>() / each.len() as f64;
+            (0..=window.samples()).map(|k| [0, 1, 2].map(|d| of(k, d))).collect::<Vec<[f64; 3]>>()
+        });
+        if let Some(halves) = &mean {
+            self.inside.add(window, states, halves);
+        }
+        mean.or(of_spread)
     }
 
     fn at(&mut self, sources: &[(String, Vec<Part>)], found: &Simulated) {
         for ((source, windows), found) in sources.iter().zip(&found.windows) {
             for (i, (window, found)) in windows.iter().zip(found).enumerate() {
-                let Some(Trajectory { states, spread }) = found else { continue };
-                self.counter.add(&window.exogenous, states);
-                let bands = match (&mut self.banded, &mut self.spreads) {
-                    (Some(banded), _) => Some(banded.add(window, states)),
-                    (None, Some(spreads)) => spreads.add(window, states, spread),
-                    (None, None) => None,
-                };
+                let Some(found) = found else { continue };
+                let bands = self.halves(window, found);
+                let states = &found.states;
+                if let Some(ship) = &self.widest {
+                    self.counter.add(&ship.exogenous(window), states);
+                }
                 let pairs = window.measured.as_chunks::<3>().0.iter().zip(states.as_chunks::<3>().0);
                 self.trace.extend(pairs.enumerate().map(|(k, (measured, simulated))| Traced {
                     source: source.clone(),

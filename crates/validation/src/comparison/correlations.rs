@@ -1,3 +1,4 @@
+use engine::Replayed;
 use model::DegreeOfFreedom;
 use numerics::statistics::{MeanTrajectory, Z};
 use regression::pooled::{Part, Regression};
@@ -56,13 +57,15 @@ pub(super) fn error_correlations(
     first: &Contestant,
     sources: &[(String, Vec<Part>)],
     found: &Simulated,
+    are_inputs_held: bool,
 ) -> Vec<ErrorCorrelations> {
     let all = || sources.iter().flat_map(|(_, windows)| windows);
     let simulated = all().zip(found.windows.iter().flatten());
     let (followed, errors): (Vec<&Part>, Vec<[Vec<f64>; 3]>) = simulated
         .filter_map(|(window, found)| Some((window, free_run(window, &found.as_ref()?.states))))
         .unzip();
-    let residuals: Vec<[Vec<f64>; 3]> = all().map(|window| one_step(first, window)).collect();
+    let residuals: Vec<[Vec<f64>; 3]> =
+        all().map(|window| one_step(first, window, are_inputs_held)).collect();
     let windows: Vec<&Part> = all().collect();
     let one_step = of_states(first, ErrorKind::OneStep, &windows, &residuals);
     one_step.into_iter().chain(of_states(first, ErrorKind::FreeRun, &followed, &errors)).collect()
@@ -76,18 +79,27 @@ fn free_run(window: &Part, states: &[f64]) -> [Vec<f64>; 3] {
 }
 
 /// Errors of the mean prediction.
-fn one_step(first: &Contestant, window: &Part) -> [Vec<f64>; 3] {
+fn one_step(first: &Contestant, window: &Part, are_inputs_held: bool) -> [Vec<f64>; 3] {
     let mut mean = [(); 3].map(|()| MeanTrajectory::default());
     for ship in &first.ships {
-        let own = residuals(ship, window);
+        let own = residuals(ship, window, are_inputs_held);
         mean.iter_mut().zip(&own).for_each(|(mean, own)| mean.add(own));
     }
     mean.map(|mean| mean.mean().to_vec())
 }
 
-/// Δy − φᵀθ of surge, sway and yaw.
-fn residuals(ship: &Ship, window: &Part) -> [Vec<f64>; 3] {
-    let (regression, layout) = (Regression::of(ship.model, &window.whole()), ship.model.layout());
+/// Δy − φᵀθ of surge, sway and yaw; of forces what their step leaves of the next measured state.
+fn residuals(ship: &Ship, window: &Part, are_inputs_held: bool) -> [Vec<f64>; 3] {
+    let exogenous = ship.exogenous(window);
+    if let Some(moved) = &ship.model.forces {
+        let course = (&*exogenous, ship.model.exogenous().max(1));
+        let replayed = Replayed::new(moved, ship.theta, course, are_inputs_held);
+        let states = window.measured.as_chunks::<3>().0;
+        let left = |k: usize, d: usize| states[k + 1][d] - replayed.step(k, states[k])[d];
+        return [0, 1, 2].map(|d| (0..window.samples()).map(|k| left(k, d)).collect());
+    }
+    let own = Part { exogenous: exogenous.into_owned(), ..window.clone() };
+    let (regression, layout) = (Regression::of(ship.model, &own.whole()), ship.model.layout());
     [0, 1, 2].map(|d: usize| regression.degrees[d].residuals(&ship.theta[layout.terms(d)]).collect())
 }
 
@@ -97,11 +109,14 @@ fn of_states(
     windows: &[&Part],
     errors: &[[Vec<f64>; 3]],
 ) -> Vec<ErrorCorrelations> {
-    let Some(Ship { model, .. }) = first.ships.first() else { return Vec::new() };
-    let (variables, width) = (&model.variables[3..], model.exogenous());
+    let Some(ship) = first.widest() else { return Vec::new() };
     let channel = |i: usize| -> Vec<Vec<f64>> {
-        windows.iter().map(|w| w.exogenous.iter().skip(i).step_by(width).copied().collect()).collect()
+        let width = |w: &Part| w.exogenous.len() / w.samples().max(1);
+        let place = ship.columns.map_or(i, |columns| columns[i]);
+        let of = |w: &&Part| w.exogenous.iter().skip(place).step_by(width(w).max(1)).copied().collect();
+        windows.iter().map(of).collect()
     };
+    let variables = &ship.model.variables[3..];
     let inputs: Vec<(&str, Vec<Vec<f64>>)> =
         variables.iter().enumerate().map(|(i, variable)| (variable.name.as_str(), channel(i))).collect();
     let state = |d: DegreeOfFreedom| {

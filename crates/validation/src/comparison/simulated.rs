@@ -1,4 +1,6 @@
-use engine::{check_diverged, replay};
+use std::borrow::Cow;
+
+use engine::{check_diverged, replay, simulate_one};
 use identification::pooled::deviations;
 use model::Model;
 use numerics::statistics::MeanTrajectory;
@@ -12,8 +14,17 @@ use super::standing::{ComparedModel, Standing};
 pub struct Contestant<'a> {
     /// Its standing.
     pub standing: Standing,
+    /// Its place among the models that are averaged, from 1, if it is one of them.
+    pub place: Option<u64>,
     /// The model; several of the same channels are averaged.
     pub ships: Vec<Ship<'a>>,
+}
+
+impl<'a> Contestant<'a> {
+    /// The first of its models that has the most channels: ranges of the data that it was fitted to are those of this one.
+    pub(super) fn widest(&self) -> Option<&Ship<'a>> {
+        self.ships.iter().rev().max_by_key(|ship| ship.model.exogenous())
+    }
 }
 
 /// A model.
@@ -23,6 +34,24 @@ pub struct Ship<'a> {
     pub model: &'a Model,
     /// Its parameters: surge, sway, yaw.
     pub theta: &'a [f64],
+    /// Where its inputs and measured disturbances stand in the rows of the windows; `None`: they are these rows.
+    pub columns: Option<&'a [usize]>,
+}
+
+impl Ship<'_> {
+    /// Its rows of inputs and measured disturbances, of those of `window`, which have so many.
+    pub(super) fn exogenous<'w>(&self, window: &'w Part) -> Cow<'w, [f64]> {
+        let Some(columns) = self.columns else { return Cow::Borrowed(&window.exogenous) };
+        let width = window.exogenous.len() / window.samples().max(1);
+        let rows = window.exogenous.chunks_exact(width.max(1));
+        Cow::Owned(rows.flat_map(|row| columns.iter().map(|column| row[*column])).collect())
+    }
+
+    /// Its simulation of `window` from the first measured state: u, v, r row by row.
+    fn simulate(&self, window: &Part, are_inputs_held: bool) -> Vec<f64> {
+        let simulate = if are_inputs_held { simulate_one } else { replay };
+        simulate(self.model, self.theta, window.view().initial, &self.exogenous(window))
+    }
 }
 
 /// The simulation over a window.
@@ -36,6 +65,7 @@ pub(super) struct Trajectory {
 /// Every window of every source, simulated by one contestant.
 pub(super) struct Simulated {
     standing: Standing,
+    place: Option<u64>,
     pub windows: Vec<Vec<Option<Trajectory>>>,
     /// Sums by source and window.
     pub sums: Vec<Vec<Sums>>,
@@ -43,7 +73,7 @@ pub(super) struct Simulated {
 
 impl Simulated {
     fn new(
-        standing: Standing,
+        (standing, place): (Standing, Option<u64>),
         sources: &[(String, Vec<Part>)],
         simulate: impl Fn(&[Part], &Part) -> Option<Trajectory>,
     ) -> Self {
@@ -58,14 +88,14 @@ impl Simulated {
             sums.push(own.iter().zip(&found).map(sum).collect());
             windows.push(found);
         }
-        Self { standing, windows, sums }
+        Self { standing, place, windows, sums }
     }
 
-    pub fn of(one: &Contestant, sources: &[(String, Vec<Part>)]) -> Self {
-        Self::new(one.standing, sources, |_, window| {
+    pub fn of(one: &Contestant, sources: &[(String, Vec<Part>)], are_inputs_held: bool) -> Self {
+        Self::new((one.standing, one.place), sources, |_, window| {
             let mut mean = MeanTrajectory::default();
-            for Ship { model, theta } in &one.ships {
-                let states = replay(model, theta, window.view().initial, &window.exogenous);
+            for ship in &one.ships {
+                let states = ship.simulate(window, are_inputs_held);
                 if check_diverged(states.iter().copied()).is_some() {
                     return None;
                 }
@@ -78,7 +108,7 @@ impl Simulated {
 
     /// The baseline: the mean of each source's windows.
     pub fn mean(sources: &[(String, Vec<Part>)]) -> Self {
-        Self::new(Standing::Mean, sources, |all, window| {
+        Self::new((Standing::Mean, None), sources, |all, window| {
             let rows = || all.iter().flat_map(|w| w.measured.as_chunks::<3>().0.iter().skip(1));
             let n = rows().count().max(1) as f64;
             let mean = [0, 1, 2].map(|d: usize| rows().map(|row| row[d]).sum::<f64>() / n);
@@ -96,6 +126,7 @@ impl Simulated {
             ComparedRecording { source: source.clone(), errors: own.errors(varies, std) }
         };
         let recordings = sources.iter().zip(&self.sums).map(recording).collect();
-        ComparedModel { name: self.standing, errors: whole.errors(std, std), recordings }
+        let (name, place) = (self.standing, self.place);
+        ComparedModel { name, place, errors: whole.errors(std, std), recordings }
     }
 }

@@ -10,6 +10,8 @@ refusal::choices! {
         Model = "model",
         /// Several models, whose trajectories are averaged.
         Average = "average of models",
+        /// One of the models that are averaged, alone.
+        Averaged = "model of the average",
         /// Another model.
         Other = "other model",
         /// The same structure by least squares of the same data.
@@ -25,6 +27,9 @@ refusal::choices! {
 pub struct ComparedModel {
     /// Which.
     pub name: Standing,
+    /// Its place among the models that are averaged, from 1, if it is one of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<u64>,
     /// Over all windows.
     pub errors: ComparedErrors,
     /// One entry per run or recording.
@@ -37,6 +42,9 @@ pub struct ComparedModel {
 pub struct Difference {
     /// The other.
     pub name: Standing,
+    /// Its place among the models that are averaged, from 1, if it is one of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<u64>,
     /// Pairs that were compared.
     pub pairs: u64,
     /// The median difference; null where it is infinite.

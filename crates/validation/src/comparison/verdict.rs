@@ -31,8 +31,8 @@ pub(super) fn differences(
         let pairs = first.iter().zip(norms(i)).map(|(own, other)| [*own, other]);
         let [low, median, high] = paired_median(pairs)?;
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
-        let (name, pairs) = (compared[i].name, first.len() as u64);
-        Some(Difference { name, pairs, median: finite(median), interval: [low, high].map(finite) })
+        let (name, place, pairs) = (compared[i].name, compared[i].place, first.len() as u64);
+        Some(Difference { name, place, pairs, median: finite(median), interval: [low, high].map(finite) })
     };
     (1..compared.len()).filter_map(difference).collect()
 }
@@ -84,16 +84,17 @@ fn fit((d, fit): (DegreeOfFreedom, Option<f64>)) -> String {
 }
 
 fn against(difference: &Difference) -> String {
-    let Difference { name, pairs, median, interval } = difference;
+    let Difference { name, place, pairs, median, interval } = difference;
     let verdict = match interval {
         [Some(low), _] if *low > 0.0 => "better than",
         [_, Some(high)] if *high < 0.0 => "worse than",
         _ => "not told apart from",
     };
     let than = match name {
-        Standing::LeastSquares => "least squares",
-        Standing::Other => "the other model",
-        Standing::Mean | Standing::Model | Standing::Average => "the mean of the data",
+        Standing::LeastSquares => "least squares".to_owned(),
+        Standing::Other => "the other model".to_owned(),
+        Standing::Averaged => format!("model {} of the average alone", place.unwrap_or_default()),
+        Standing::Mean | Standing::Model | Standing::Average => "the mean of the data".to_owned(),
     };
     let lies = lies_above(*median, *interval, *pairs, "pairs");
     format!("{verdict} {than}: {lies}")

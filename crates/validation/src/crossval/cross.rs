@@ -77,21 +77,27 @@ pub struct SourceScore {
     pub error_norm: Option<f64>,
 }
 
-/// The data, cut for fitting and for simulating.
-struct Cut<'a> {
-    pool: &'a Pool<'a>,
-    parts: Vec<Part>,
+/// The data, cut for simulating.
+pub(super) struct Cut {
     /// Per source.
-    windows: Vec<(String, Vec<Part>)>,
+    pub windows: Vec<(String, Vec<Part>)>,
     std: [f64; 3],
 }
 
 /// One estimator in one fold.
-struct Tried {
+#[derive(Default)]
+pub(super) struct Tried {
     /// Per source that was left out.
-    scores: Vec<(usize, Score)>,
-    by_instruments: [bool; 3],
-    failed: Option<(ScoreStatus, String)>,
+    pub scores: Vec<(usize, Score)>,
+    pub by_instruments: [bool; 3],
+    pub failed: Option<(ScoreStatus, String)>,
+}
+
+/// The parts that estimates from terms are made of.
+struct Parted<'a> {
+    pool: &'a Pool<'a>,
+    parts: Vec<Part>,
+    cut: &'a Cut,
 }
 
 /// Leaves runs or recordings out, estimates from the others, simulates over those left out. `done` is called with the number
@@ -105,12 +111,12 @@ pub fn cross_validate(
     options: &CrossOptions,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<CrossValidation, CrossError> {
-    let cut = Cut::new(pool, runs, options)?;
-    let sources: Vec<&str> = cut.windows.iter().map(|(source, _)| source.as_str()).collect();
-    let folds = options.folds.left_out(&sources)?;
+    let cut = Cut::new(runs, options.window)?;
+    let folds = cut.folds(&options.folds)?;
+    let parted = Parted { pool, parts: runs.parts(pool.part_samples), cut: &cut };
     let score = |estimator: &Estimator| {
         let fold = |left_out: &Vec<usize>| {
-            let tried = cut.fold(left_out, *estimator);
+            let tried = parted.fold(left_out, *estimator);
             done(1);
             tried
         };
@@ -118,18 +124,7 @@ pub fn cross_validate(
         cut.score(*estimator, &tried)
     };
     let scores: Vec<EstimatorScore> = options.estimators.par_iter().map(score).collect();
-    let contenders: Vec<Contender> = scores.iter().map(EstimatorScore::contender).collect();
-    let recommendation = Recommendation::new(&contenders);
-    let windows = || cut.windows.iter().flat_map(|(_, windows)| windows);
-    Ok(CrossValidation {
-        windows: windows().count() as u64,
-        samples: windows().map(|w| w.samples() as u64).sum(),
-        folds: folds.len(),
-        std: cut.std,
-        statements: statements(recommendation.as_ref(), &scores),
-        recommendation,
-        scores,
-    })
+    Ok(cut.validation(folds.len(), scores))
 }
 
 impl EstimatorScore {
@@ -144,9 +139,13 @@ impl EstimatorScore {
     }
 }
 
-impl<'a> Cut<'a> {
-    fn new(pool: &'a Pool, runs: &PooledRuns, options: &CrossOptions) -> Result<Self, CrossError> {
-        let windows = runs.windows(options.window);
+impl Cut {
+    /// Windows of so many samples, or whole runs.
+    ///
+    /// # Errors
+    /// Nothing can be left out; no window.
+    pub fn new(runs: &PooledRuns, window: Option<usize>) -> Result<Self, CrossError> {
+        let windows = runs.windows(window);
         if windows.len() < 2 {
             return Err(CrossError::OneSource);
         }
@@ -155,44 +154,36 @@ impl<'a> Cut<'a> {
         }
         let all = windows.iter().flat_map(|(_, own)| own);
         let std = deviations(all.map(|w| w.measured.as_slice()));
-        Ok(Self { pool, parts: runs.parts(pool.part_samples), windows, std })
+        Ok(Self { windows, std })
     }
 
-    fn fold(&self, fold: &[usize], estimator: Estimator) -> Tried {
-        let left_out = |place: &usize| fold.iter().any(|i| self.windows[*i].0 == self.parts[*place].source);
-        let places: Vec<usize> = (0..self.parts.len()).filter(|place| !left_out(place)).collect();
-        let without: Vec<&str> = fold.iter().map(|i| self.windows[*i].0.as_str()).collect();
-        let without = without.join(", ");
-        let mut tried = Tried { scores: Vec::new(), by_instruments: [false; 3], failed: None };
-        match self.pool.estimate(&Drawn { parts: &self.parts, places: &places }, estimator) {
-            Ok(found) => self.simulate(fold, &found, &without, &mut tried),
-            Err(NoEstimate::Lost(lost)) => {
-                tried.failed = Some((ScoreStatus::Diverged, format!("without {without}: {lost}")))
-            }
+    /// The places of the sources that each fold leaves out.
+    ///
+    /// # Errors
+    /// See [`Folds::left_out`].
+    pub fn folds(&self, folds: &Folds) -> Result<Vec<Vec<usize>>, CrossError> {
+        let sources: Vec<&str> = self.windows.iter().map(|(source, _)| source.as_str()).collect();
+        folds.left_out(&sources)
+    }
+
+    /// All `scores` over so many folds.
+    pub fn validation(&self, folds: usize, scores: Vec<EstimatorScore>) -> CrossValidation {
+        let contenders: Vec<Contender> = scores.iter().map(EstimatorScore::contender).collect();
+        let recommendation = Recommendation::new(&contenders);
+        let windows = || self.windows.iter().flat_map(|(_, windows)| windows);
+        CrossValidation {
+            windows: windows().count() as u64,
+            samples: windows().map(|w| w.samples() as u64).sum(),
+            folds,
+            std: self.std,
+            statements: statements(recommendation.as_ref(), &scores),
+            recommendation,
+            scores,
         }
-        tried
     }
 
-    fn simulate(&self, fold: &[usize], found: &Estimated, without: &str, tried: &mut Tried) {
-        tried.by_instruments =
-            [0, 1, 2].map(|d: usize| found.used[d].by_instruments() && found.degrees[d].solution.is_some());
-        if let Some(unfound) = &found.unfound {
-            tried.failed = Some((ScoreStatus::NotConverged, format!("without {without}: {unfound}")));
-            return;
-        }
-        let Some(model) = found.parameters(&self.pool.model) else {
-            let why = self.pool.unidentified(&found.degrees).join("; ");
-            tried.failed = Some((ScoreStatus::NotIdentifiable, format!("without {without}: {why}")));
-            return;
-        };
-        let score = |source: &usize| {
-            let windows = self.windows[*source].1.iter().map(Part::view);
-            (*source, Score::of(&self.pool.model, &model, windows))
-        };
-        tried.scores = fold.iter().map(score).collect();
-    }
-
-    fn score(&self, estimator: Estimator, tried: &[Tried]) -> EstimatorScore {
+    /// What became of `estimator` in all folds.
+    pub fn score(&self, estimator: Estimator, tried: &[Tried]) -> EstimatorScore {
         let mut scores: Vec<&(usize, Score)> = tried.iter().flat_map(|t| &t.scores).collect();
         let mut whole = Score::default();
         scores.iter().for_each(|(_, score)| whole.merge(score));
@@ -230,6 +221,43 @@ impl<'a> Cut<'a> {
             errors: score.errors(deviations(windows.iter().map(|w| w.measured.as_slice()))),
             error_norm: score.norm(self.std),
         }
+    }
+}
+
+impl Parted<'_> {
+    fn fold(&self, fold: &[usize], estimator: Estimator) -> Tried {
+        let left_out =
+            |place: &usize| fold.iter().any(|i| self.cut.windows[*i].0 == self.parts[*place].source);
+        let places: Vec<usize> = (0..self.parts.len()).filter(|place| !left_out(place)).collect();
+        let without: Vec<&str> = fold.iter().map(|i| self.cut.windows[*i].0.as_str()).collect();
+        let without = without.join(", ");
+        let mut tried = Tried::default();
+        match self.pool.estimate(&Drawn { parts: &self.parts, places: &places }, estimator) {
+            Ok(found) => self.simulate(fold, &found, &without, &mut tried),
+            Err(NoEstimate::Lost(lost)) => {
+                tried.failed = Some((ScoreStatus::Diverged, format!("without {without}: {lost}")))
+            }
+        }
+        tried
+    }
+
+    fn simulate(&self, fold: &[usize], found: &Estimated, without: &str, tried: &mut Tried) {
+        tried.by_instruments =
+            [0, 1, 2].map(|d: usize| found.used[d].by_instruments() && found.degrees[d].solution.is_some());
+        if let Some(unfound) = &found.unfound {
+            tried.failed = Some((ScoreStatus::NotConverged, format!("without {without}: {unfound}")));
+            return;
+        }
+        let Some(model) = found.parameters(&self.pool.model) else {
+            let why = self.pool.unidentified(&found.degrees).join("; ");
+            tried.failed = Some((ScoreStatus::NotIdentifiable, format!("without {without}: {why}")));
+            return;
+        };
+        let score = |source: &usize| {
+            let windows = self.cut.windows[*source].1.iter().map(Part::view);
+            (*source, Score::of(&self.pool.model, &model, windows))
+        };
+        tried.scores = fold.iter().map(score).collect();
     }
 }
 

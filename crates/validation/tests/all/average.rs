@@ -60,11 +60,12 @@ fn runs(oracle: &Value) -> PooledRuns {
 }
 
 fn compared(vessels: &[Vessel], oracle: &Value, rmse: Option<[f64; 3]>) -> Compared {
-    let ships = vessels.iter().map(|v| Ship { model: &v.model, theta: &v.nominal }).collect();
+    let ships = vessels.iter().map(|v| Ship { model: &v.model, theta: &v.nominal, columns: None }).collect();
     let standing = if vessels.len() > 1 { Standing::Average } else { Standing::Model };
-    let known = rmse.map(|rmse| Known { covariance: None, rmse });
-    let options = CompareOptions { window: None, known, covered: &[], magnitudes: None, rate_hz: 1.0 };
-    compare(&[Contestant { standing, ships }], &runs(oracle), &options).unwrap()
+    let known: Vec<Known> = rmse.into_iter().map(|rmse| Known { covariance: None, rmse }).collect();
+    let options =
+        CompareOptions { window: None, known: &known, covered: &[], magnitudes: None, rate_hz: 1.0 };
+    compare(&[Contestant { standing, place: None, ships }], &runs(oracle), &options).unwrap()
 }
 
 #[track_caller]

@@ -4,6 +4,7 @@ mod average;
 mod correlations;
 mod exact_sums;
 mod folds;
+mod forces;
 mod selection;
 mod slopes;
 mod validity;

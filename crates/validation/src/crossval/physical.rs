@@ -1,0 +1,65 @@
+use engine::{check_diverged, replay, simulate_one};
+use identification::pooled::Score;
+use identification::{Estimator, ScoreStatus};
+use model::Model;
+use rayon::prelude::*;
+use regression::pooled::{Part, PooledRuns};
+
+use super::cross::{CrossValidation, Cut, Tried};
+use super::error::CrossError;
+use super::folds::Folds;
+
+/// The free numbers of a ship that was fitted without the runs of these names, or why there are none.
+pub type Fitting<'a> = &'a dyn Fn(&[String]) -> Result<Vec<f64>, String>;
+
+/// As [`super::cross_validate`], of a ship with forces `model`: `fit` is called with the names of what is left out. Each fit has all threads.
+///
+/// # Errors
+/// Nothing can be left out; no window.
+pub fn cross_validate_forces(
+    model: &Model,
+    runs: &PooledRuns,
+    (window, folds): (Option<usize>, &Folds),
+    fit: Fitting,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<CrossValidation, CrossError> {
+    let cut = Cut::new(runs, window)?;
+    let folds = cut.folds(folds)?;
+    let held = runs.are_inputs_held();
+    let tried = |left_out: &Vec<usize>| {
+        let names: Vec<String> = left_out.iter().map(|place| cut.windows[*place].0.clone()).collect();
+        let tried = match fit(&names) {
+            Ok(theta) => {
+                let score = |place: &usize| (*place, score(model, &theta, &cut.windows[*place].1, held));
+                Tried { scores: left_out.par_iter().map(score).collect(), ..Tried::default() }
+            }
+            Err(why) => {
+                let why = format!("without {}: {why}", names.join(", "));
+                Tried { failed: Some((ScoreStatus::NotConverged, why)), ..Tried::default() }
+            }
+        };
+        done(1);
+        tried
+    };
+    let tried: Vec<Tried> = folds.iter().map(tried).collect();
+    let own = cut.score(Estimator::OutputError, &tried);
+    Ok(cut.validation(folds.len(), vec![own]))
+}
+
+/// Free simulations of `windows` from their first measured states.
+fn score(model: &Model, theta: &[f64], windows: &[Part], are_inputs_held: bool) -> Score {
+    let simulate = if are_inputs_held { simulate_one } else { replay };
+    let mut score = Score::default();
+    for window in windows {
+        let states = simulate(model, theta, window.view().initial, &window.exogenous);
+        if check_diverged(states.iter().copied()).is_some() {
+            score.diverged += 1;
+            continue;
+        }
+        score.samples += window.samples() as u64;
+        for (i, (own, measured)) in states.iter().zip(&window.measured).enumerate().skip(3) {
+            score.squares[i % 3] += (own - measured).powi(2);
+        }
+    }
+    score
+}
