@@ -6,10 +6,10 @@ Sails the plan with its own model of the ship, its own steering and its own dist
 track must be the plan's to a millimetre. Then vessels with one parameter at either bound; the corners of the box that these suggest
 for every leg; and, until there are `--vessels`, changes of the worst so far. `--uniform` draws that many more, evenly. `--dictionary`
 is for plans that were made with it: zig-zags, circles and pull-outs then are by helm, stops end at rest, and motions are held by
-feedback. With `[sensors]` the autopilot sees noise, and
-1 % of all ends of legs may be off. Prints what was found, and exits with 1 where a vessel runs aground, comes nearer than the margin,
-ends a leg off or does not complete a maneuver. Needs numpy, scipy and pyarrow. For charts of land, and of depth areas with land, as
-GeoJSON; and for a cell (S-57), which GDAL reads (pyogrio).
+feedback. With `[sensors]` the autopilot sees noise, and 1 % of all ends of legs may be off. A ship with forces has her right-hand
+side in independent/force_ship.py; `standard_errors` of her plan are standard deviations of her priors, jointly. Prints what was found,
+and exits with 1 where a vessel runs aground, comes nearer than the margin, ends a leg off or does not complete a maneuver. Needs numpy,
+scipy and pyarrow. For charts of land, and of depth areas with land, as GeoJSON; and for a cell (S-57), which GDAL reads (pyogrio).
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,8 @@ sys.dont_write_bytecode = True
 import numpy as np  # noqa: E402  (no cache before)
 
 from independent.cell import Cell, Reader  # noqa: E402
+from independent.force_fleet import ForceFleet, Spread  # noqa: E402
+from independent.force_ship import ForceShip  # noqa: E402
 from independent.steering import Fleet, Noise  # noqa: E402
 from independent.study import read_vessel  # noqa: E402
 from independent.voyage import Voyage, wrap  # noqa: E402
@@ -42,9 +45,13 @@ class Trial:
     """A plan, and vessels that are tried on it: points from −1 to 1 per parameter, and a current in the unit disc."""
 
     def __init__(self, arguments: argparse.Namespace) -> None:
-        self.vessel = read_vessel(arguments.vessel)
         self.voyage = Voyage(arguments.plan, arguments.config, arguments.dictionary)
-        self.fleet = Fleet(self.vessel, self.voyage)
+        file = tomllib.loads((arguments.vessel / "vessel.toml").read_text())
+        is_of_forces = file.get("model") == "forces"
+        if "standard_errors" in self.voyage.config["safety"] and not is_of_forces:
+            raise SystemExit(f"{arguments.config}: `safety.standard_errors`, expected `parameter_error`: this script reads no covariance")
+        self.vessel: Any = ForceShip(arguments.vessel) if is_of_forces else read_vessel(arguments.vessel)
+        self.fleet = (ForceFleet if is_of_forces else Fleet)(self.vessel, self.voyage)
         config, folder = self.voyage.config, arguments.config.parent
         self.sensors, self.random = config.get("sensors"), np.random.default_rng(arguments.seed + 1)
         safety, charts = config["safety"], [(folder / chart["file"], chart) for chart in config["chart"]]
@@ -62,8 +69,8 @@ class Trial:
             self.waters = [Land(self.voyage, [file for file, _ in charts])]
         self.rounding = ROUNDING_M + 1.5 * getattr(self.waters[0], "RASTER_M", 0.0)
         self.margin = safety["margin_m"]
-        self.error, self.current = safety.get("parameter_error", 0.0), safety.get("unknown_current_m_s", 0.0)
-        self.nominal = np.array([p for row in self.vessel.nominal for p in row])
+        self.spread, self.current = Spread.of(self.vessel, safety), safety.get("unknown_current_m_s", 0.0)
+        self.nominal = self.spread.nominal
         hull = config["hull"]
         bow, side = hull["length_m"] / 2 - hull.get("reference_m", 0.0), hull["beam_m"] / 2
         stern, shoulder = bow - hull["length_m"], bow - 0.2 * hull["length_m"]
@@ -91,7 +98,7 @@ class Trial:
                     slack[number, lanes] = own - np.minimum(before, own)
 
         count = len(self.nominal)
-        parameters = self.nominal * (1.0 + self.error * points[:, :count])
+        parameters = self.spread.numbers(points[:, :count])
         ends = self.fleet.sail(parameters, self.current * points[:, count:], watch, self.noise())
         return least, self.used(ends.at), ends.unfinished
 
@@ -160,13 +167,13 @@ class Search:
 
     def corner(self, badness: np.ndarray) -> np.ndarray:
         slopes = badness[: self.count] - badness[self.count : 2 * self.count]
-        point = np.where(slopes < 0.0, -1.0, 1.0)
+        point = np.append(self.trial.spread.corner(slopes[:-2]), [0.0, 0.0])
         length = np.hypot(*slopes[-2:])
         point[-2:] = slopes[-2:] / length if length > 0.0 else 0.0
         return point
 
     def kept(self, point: np.ndarray) -> np.ndarray:
-        point = np.clip(point, -1.0, 1.0)
+        point[:-2], point[-2:] = self.trial.spread.kept(point[:-2]), np.clip(point[-2:], -1.0, 1.0)
         point[-2:] /= max(1.0, float(np.hypot(*point[-2:])))
         return point
 
@@ -192,7 +199,7 @@ class Search:
         return self.kept(point)
 
     def uniform(self, vessels: int) -> None:
-        points = self.random.uniform(-1.0, 1.0, (vessels, self.count))
+        points = np.hstack([self.trial.spread.drawn(self.random, vessels), np.zeros((vessels, 2))])
         angle, speed = self.random.uniform(0.0, 2.0 * math.pi, vessels), self.random.uniform(0.0, 1.0, vessels)
         points[:, -2], points[:, -1] = speed * np.cos(angle), speed * np.sin(angle)
         self.try_all(points, DRAWN_BATCH)
@@ -217,7 +224,12 @@ class Search:
     def words(self, index: int) -> str:
         names = [name for row in self.trial.vessel.names for name in row]
         point = self.points[index]
-        off = ", ".join(f"{name} {100 * self.trial.error * own:+.0f} %" for name, own in zip(names, point) if own)
+        numbers, nominal = self.trial.spread.numbers(point[None, :-2])[0], self.trial.nominal
+        off = ", ".join(
+            f"{name} {100 * (own / best - 1.0):+.0f} %" if best else f"{name} = {own:g}"
+            for name, own, best in zip(names, numbers, nominal)
+            if own != best
+        )
         north, east = self.trial.current * point[-2:]
         return f"{off or 'nominal'}, current {north:+.2f} {east:+.2f} m/s"
 

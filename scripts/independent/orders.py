@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .force_ship import ForceShip
 from .tracking import Motion
 
 if TYPE_CHECKING:
@@ -90,6 +91,8 @@ def check(maneuver: dict[str, Any]) -> None:
 
 def mirror(vessel: Vessel) -> np.ndarray:
     """Signs of inputs by which surge is the same to the other side, and sway and yaw are opposite."""
+    if isinstance(vessel, ForceShip):
+        return vessel.mirror()
     for signs in itertools.product((1.0, -1.0), repeat=len(vessel.inputs)):
         sign = {"u": 1.0, "v": -1.0, "r": -1.0} | dict(zip(vessel.inputs, signs))
         of = lambda term: math.prod(1.0 if modulus else sign[name] for name, modulus in term.factors)  # noqa: E731

@@ -42,8 +42,10 @@ class Fleet:
     def values(self, state: np.ndarray, inputs: np.ndarray) -> dict[str, np.ndarray]:
         return dict(zip(STATES, state)) | dict(zip(self.vessel.inputs, inputs.T))
 
-    def increments(self, parameters: list[np.ndarray], state: np.ndarray, inputs: np.ndarray) -> np.ndarray:
-        """Changes of u, v, r in a sample."""
+    def increments(
+        self, parameters: list[np.ndarray], state: np.ndarray, inputs: np.ndarray, water: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Changes of u, v, r in a sample; of terms per sample they do not depend on the `water`'s own motion."""
         values = self.values(state, inputs)
         rows = [[p * t.value(values) for p, t in zip(row.T, terms)] for row, terms in zip(parameters, self.vessel.terms)]
         return np.array([np.broadcast_to(sum(row), state.shape[1]) for row in rows])
@@ -77,6 +79,10 @@ class Fleet:
         """Inputs by which the nominal vessel holds a speed on a straight course."""
         state = np.array([[speed], [0.0], [0.0]])
         return self.inputs_for(np.zeros((3, 1)), state, np.zeros((1, len(self.vessel.inputs))))[0]
+
+    def begun(self, _: float) -> np.ndarray:
+        """Inputs from which the autopilot's first ones are found, at a speed."""
+        return np.zeros(len(self.vessel.inputs))
 
     def settle_maneuvers(self) -> None:
         """Gives maneuvers their programs, and recoveries the speed that the nominal vessel has after the maneuver: it begins
@@ -177,7 +183,7 @@ class Sailing:
         # As the autopilot sees them.
         self.seen_pose, self.seen_state = self.pose.copy(), self.state.copy()
         self.measure(self.pose, self.state)
-        self.unexplained, self.commanded = np.zeros((3, lanes)), np.zeros((lanes, inputs))
+        self.unexplained, self.commanded = np.zeros((3, lanes)), np.tile(fleet.begun(speed), (lanes, 1))
         self.setting = np.full((lanes, inputs), np.nan)
         self.phase, self.number = np.zeros(lanes, dtype=int), np.arange(lanes)
         self.start, self.elapsed = self.seen_pose.copy(), np.zeros(lanes)
@@ -352,7 +358,7 @@ class Sailing:
         north, east = self.current
         water = np.array([north * cos + east * sin, east * cos - north * sin, np.zeros_like(north)])
         seen_pose, seen_state = self.seen_pose, self.seen_state
-        after = self.state + self.fleet.increments(self.parameters, self.state - water, inputs)
+        after = self.state + self.fleet.increments(self.parameters, self.state - water, inputs, water)
         self.pose = np.where(under_way, moved(self.pose, self.state, self.dt), self.pose)
         self.state = np.where(under_way, after, self.state)
         expected = seen_state + self.fleet.increments(self.fleet.nominal, seen_state, inputs) + self.unexplained

@@ -66,8 +66,6 @@ class Voyage:
         for key in UNKNOWN:
             if self.config.get(key):
                 raise SystemExit(f"{config}: `{key}`, which this script does not simulate")
-        if "standard_errors" in self.config["safety"]:
-            raise SystemExit(f"{config}: `safety.standard_errors`, expected `parameter_error`: this script reads no covariance")
         maneuvers = tomllib.loads(dictionary.read_text())["maneuver"] if dictionary else []
         # Those that depend on the ship; all others are tables of inputs.
         reacts = lambda own: "helm" in own or own["kind"] == "stop" or own.get("executed") == "feedback"  # noqa: E731
