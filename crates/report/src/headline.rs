@@ -122,7 +122,7 @@ fn planned(plan: &PlanDocument) -> String {
 /// The bound on the errors of the parameters.
 fn errors(check: &Check) -> String {
     match check.standard_errors {
-        Some(errors) => format!("{} standard errors of the model", exact(errors)),
+        Some(errors) => format!("{} {}", exact(errors), check.errors_of()),
         None => percent(check.parameter_error),
     }
 }

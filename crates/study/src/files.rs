@@ -63,6 +63,18 @@ pub fn read_any_followed(path: &Path, provenance: &mut Provenance) -> Result<Ves
 /// A file that is refused; a dead time, which simulations do not have.
 pub fn read_any_simulated(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
     let vessel = followed(path, read_any_vessel(path, provenance)?).with_disturbances_held();
+    without_dead_time(path, vessel)
+}
+
+/// As [`read_any_vessel`], for plans and designs whose vessel is simulated with its nominal numbers: the ship may have forces.
+///
+/// # Errors
+/// As [`read_any_simulated`].
+pub fn read_planned(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
+    without_dead_time(path, read_any_vessel(path, provenance)?.with_disturbances_held())
+}
+
+fn without_dead_time(path: &Path, vessel: Vessel) -> Result<Vessel, Error> {
     if vessel.model.forces.as_ref().is_some_and(|own| own.forces.has_dead_time(&vessel.nominal)) {
         let found = "a dead time above 0 s";
         let expected = "none: simulations give inputs as they act";

@@ -9,6 +9,13 @@ pub enum Deviations {
     Box(f64),
     /// Jointly within so many standard errors of a covariance: the rows of its lower factor, times that number.
     Ellipsoid(Vec<Vec<f64>>),
+    /// As another says, but no number beyond its bounds.
+    Within {
+        /// Bounds of every number, infinite at an open end.
+        bounds: Vec<[f64; 2]>,
+        /// How far they may be off otherwise.
+        of: std::boxed::Box<Self>,
+    },
 }
 
 impl Deviations {
@@ -48,11 +55,28 @@ impl Deviations {
         Ok(Self::Ellipsoid(factor))
     }
 
+    /// The ellipsoid of `errors` standard deviations of independent numbers.
+    pub fn independent(deviations: &[f64], errors: f64) -> Self {
+        let entry = |i: usize, j: usize| if i == j { errors * deviations[i] } else { 0.0 };
+        let places = 0..deviations.len();
+        Self::Ellipsoid(places.clone().map(|i| places.clone().map(|j| entry(i, j)).collect()).collect())
+    }
+
+    /// The same, but no number beyond its `bounds`; as it is without any.
+    #[must_use]
+    pub fn within(self, bounds: Option<Vec<[f64; 2]>>) -> Self {
+        match bounds {
+            None => self,
+            Some(bounds) => Self::Within { bounds, of: std::boxed::Box::new(self) },
+        }
+    }
+
     /// Whether only the nominal vessel is among them.
     pub fn is_none(&self) -> bool {
         match self {
             Self::Box(error) => *error == 0.0,
             Self::Ellipsoid(factor) => factor.iter().flatten().all(|entry| *entry == 0.0),
+            Self::Within { of, .. } => of.is_none(),
         }
     }
 
@@ -64,6 +88,10 @@ impl Deviations {
                 let off = |row: &Vec<f64>| row.iter().zip(at).map(|(entry, at)| entry * at).sum::<f64>();
                 nominal.iter().zip(factor).map(|(p, row)| p + off(row)).collect()
             }
+            Self::Within { bounds, of } => {
+                let all = of.parameters(nominal, at).into_iter().zip(bounds);
+                all.map(|(p, [low, high])| p.clamp(*low, *high)).collect()
+            }
         }
     }
 
@@ -72,6 +100,7 @@ impl Deviations {
         match self {
             Self::Box(_) => slopes.iter().map(|slope| if *slope < 0.0 { -1.0 } else { 1.0 }).collect(),
             Self::Ellipsoid(_) => within_ball(slopes, 1.0),
+            Self::Within { of, .. } => of.extreme(slopes),
         }
     }
 
@@ -81,6 +110,7 @@ impl Deviations {
             Self::Box(_) => at.into_iter().map(|own| own.clamp(-1.0, 1.0)).collect(),
             Self::Ellipsoid(_) if length(&at) > 1.0 => within_ball(&at, 1.0),
             Self::Ellipsoid(_) => at,
+            Self::Within { of, .. } => of.kept(at),
         }
     }
 
@@ -92,6 +122,7 @@ impl Deviations {
                 let part = uniform.first().map_or(0.0, |own| (own + 1.0) / 2.0);
                 within_ball(normal, libm::pow(part, 1.0 / normal.len().max(1) as f64))
             }
+            Self::Within { of, .. } => of.drawn(uniform, normal),
         }
     }
 }

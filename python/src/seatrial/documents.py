@@ -26,6 +26,8 @@ DesignStatus = Literal["optimal", "stationary", "stalled", "restricted", "least 
 Digest = str
 #: What a model's errors are errors of.
 ErrorKind = Literal["one-step residual", "free-run error"]
+#: What states the errors of a vessel's parameters.
+ErrorsFrom = Literal["covariance", "priors"]
 #: What became of the estimate of a run, or of a degree of freedom.
 EstimateStatus = Literal["identified", "identified, model rejected", "estimated, simulation diverges", "identified, errors approximate", "identified, instruments by output error", "kept", "not identifiable", "not converged"]
 #: How parameters are estimated.
@@ -455,6 +457,8 @@ class Check:
     #: Bound on the errors of all parameters jointly, in standard errors of the model; absent where each is bounded
     #: alone.
     standard_errors: float | None = None
+    #: What states those standard errors; absent with them.
+    errors_from: ErrorsFrom | None = None
     #: Of the currents and parameters.
     seed: int
     #: Simulations of the whole plan, each with a constant current and a vessel of its own, whose parameters are even
@@ -1591,7 +1595,8 @@ class FrontPoint:
 class Gathered:
     """The planned information of the maneuvers that are done, of that of all in the plan, by the D-criterion."""
 
-    #: Σ of the shares of what is done: 1 where all is. Absent where the whole plan leaves a direction unexcited.
+    #: Σ of the shares of what is done: 1 where all is, whatever priors know. Absent where the whole plan leaves a
+    #: direction unexcited.
     share: float | None = None
     #: exp((log|det| of what is done − that of the plan)/p): 0 until every direction is excited, 1 where all is done.
     efficiency: float | None = None
@@ -1612,7 +1617,7 @@ class GatheredManeuver:
     #: Those that are done.
     done: int
     #: tr(M⁻¹ M_q)/p of all its uses in the plan, with the information M of all maneuvers: what the D-criterion grows
-    #: by, to first order. Absent as above.
+    #: by, to first order. With priors, which M then has, p is tr(M⁻¹ M_q) summed over the maneuvers. Absent as above.
     share: float | None = None
 
 
@@ -1684,7 +1689,8 @@ class Information:
     predicted_log_det: float | None = None
     #: Of the informative parts of the trajectory actually sailed.
     realised_log_det: float | None = None
-    #: The same, with everything between them.
+    #: The same, with everything between them. None of a ship with forces: simulated without her autopilot for minutes,
+    #: an unstable one would seem to tell of her numbers without bound.
     whole_log_det: float | None = None
     #: exp((realised − predicted)/p).
     efficiency: float | None = None
@@ -4062,6 +4068,8 @@ class WorstVessel:
     informative: bool
     #: Difference of every parameter from the nominal one, relative to that \[%\].
     parameters_percent: dict[str, float]
+    #: The numbers of a ship with forces, in the system that they are written in.
+    numbers: dict[str, float] = field(default_factory=dict)
     #: Speed of the unknown current \[m/s\].
     current_m_s: float
     #: Compass direction that it sets towards \[deg\].

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use artifact::Provenance;
 use seatrial::PlanError;
 use study::documents::DesignDocument;
-use study::files::{kept_to_data, read_model, read_plan, read_vessel};
+use study::files::{kept_to_data, read_model, read_plan, read_planned};
 use study::plan::{Begun, FollowedPlan, PlanFile, in_tide, read_begun, uncertain};
 use trial::voyage::{Brief, Shares};
 
@@ -74,7 +74,7 @@ impl<'a> VoyageFiles<'a> {
         seed: u64,
     ) -> Result<(Brief, PlanFile, Option<FollowedPlan>), Failure> {
         check_names(out)?;
-        let vessel = read_vessel(self.vessel, provenance)?.with_disturbances_held();
+        let vessel = read_planned(self.vessel, provenance)?;
         let vessel = kept_to_data(self.vessel, vessel, self.beyond_range)?;
         // What was made before the trial is of the vessel before it was identified.
         let of_model = self.begun.is_some() && read_model(self.vessel)?.is_some();

@@ -18,6 +18,7 @@ mod exchange_sets;
 mod file_refusals;
 mod fleet;
 mod follow;
+mod forces;
 mod geometry;
 mod globe;
 mod grid_files;

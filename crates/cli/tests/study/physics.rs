@@ -214,7 +214,6 @@ fn stages_that_need_terms_per_sample_refuse_a_ship_with_forces_by_name() {
         format!("estimate search {runs} --out search.json"),
         format!("validate cross {runs} --estimators iv --out crossval.json"),
         format!("validate selection {runs} --design design.json --out selection.parquet"),
-        format!("plan {runs} --config plan.toml --out plan.json"),
         "sequential --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --config sequential.toml \
          --out sequential.parquet"
             .to_owned(),

@@ -72,7 +72,13 @@ pub const PRESETS: [Preset; 8] = [
     ),
     preset!("mariner", "the cargo ship Mariner of 160.93 m, by hydrodynamic derivatives", None, None, None),
     preset!("kvlcc2-l7", "a 7 m model of the tanker KVLCC2, by the MMG standard method", None, None, None),
-    preset!("otter", "the uncrewed vessel Otter of 2 m with two propellers, by forces", None, None, None),
+    preset!(
+        "otter",
+        "the uncrewed vessel Otter of 2 m with two propellers, by forces",
+        None,
+        None,
+        Some((include_str!("../../presets/otter/plan.toml.in"), 500.0))
+    ),
 ];
 
 impl Preset {

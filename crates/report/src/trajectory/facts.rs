@@ -117,7 +117,7 @@ fn currents(check: &Check) -> Markup {
 /// How the parameters of the runs are off.
 fn errors(check: &Check) -> String {
     match check.standard_errors {
-        Some(errors) => format!("jointly within {} standard errors of the model", exact(errors)),
+        Some(errors) => format!("jointly within {} {}", exact(errors), check.errors_of()),
         None => format!("evenly within {} of the nominal ones", percent(check.parameter_error)),
     }
 }

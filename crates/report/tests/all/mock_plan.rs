@@ -150,6 +150,7 @@ fn voyage() -> Voyage {
             unknown_current_m_s: 0.15,
             parameter_error: 0.35,
             standard_errors: None,
+            errors_from: None,
             seed: 1,
             runs: 64,
             aground: 2,
@@ -272,6 +273,7 @@ fn worst_vessel(step: u64, leg: &str) -> WorstVessel {
         leg: leg.to_owned(),
         informative: true,
         parameters_percent: BTreeMap::from([("X_tau".to_owned(), 35.0), ("X_u".to_owned(), -35.0)]),
+        numbers: BTreeMap::new(),
         current_m_s: 0.15,
         towards_deg: 90.0,
     }

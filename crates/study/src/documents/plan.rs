@@ -380,6 +380,6 @@ impl Document for PlanDocument {
             "proved_s sailed_s sailed_quantiles_s start_s duration_s informative_s maneuver_start_s maneuver_s leg_s \
              response_s lag_s",
         ),
-        ("as declared in vessel.toml", "largest_inputs"),
+        ("as declared in vessel.toml", "largest_inputs numbers"),
     ];
 }

@@ -52,6 +52,7 @@ impl PlanFile {
             check(format!("`{key}`"), value, range, unit)?;
         }
         self.changes().check()?;
+        self.check_measurement()?;
         self.name.iter().try_for_each(|name| check_name("`name` of the trial", name))?;
         self.check_choices()?;
         for (name, piece_s) in self.maneuver.iter().filter_map(|m| Some((&m.name, m.piece_s?))) {
@@ -76,6 +77,18 @@ impl PlanFile {
             check(format!("`hull.{key}`"), draught_m, above_0_to(200.0), "m")?;
         }
         (0..self.speed_mode.len()).try_for_each(|index| self.check_mode(index))
+    }
+
+    fn check_measurement(&self) -> Result<(), Invalid> {
+        let Some(own) = self.measurement else { return Ok(()) };
+        let all = [
+            ("std_u_m_s", own.std_u_m_s, "m/s"),
+            ("std_v_m_s", own.std_v_m_s, "m/s"),
+            ("std_r_rad_s", own.std_r_rad_s, "rad/s"),
+        ];
+        all.into_iter().try_for_each(|(key, value, unit)| {
+            check(format!("`measurement.{key}`"), value, above_0_to(100.0), unit)
+        })
     }
 
     fn numbers(&self) -> [Number; 24] {

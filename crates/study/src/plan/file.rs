@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use engine::{Changes, ChangingCurrent, Wind};
+use engine::{Changes, ChangingCurrent, Measurement, Wind};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use trial::voyage::{CostRule, Goal, Hull, ManeuverUse, Place, Safety, SpeedLimit};
@@ -43,6 +43,8 @@ pub struct PlanFile {
     /// The accuracy of the ship's sensors.
     #[serde(default)]
     pub sensors: SensorSpec,
+    /// The noise of what is logged, as in campaign.toml: of a ship with forces, whose information is weighed by it.
+    pub measurement: Option<Measurement>,
     /// How the current changes while the ship sails.
     pub changing_current: Option<ChangingCurrent>,
     /// Gusts.

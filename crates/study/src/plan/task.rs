@@ -45,8 +45,10 @@ impl PlanFile {
             uncharted: self.uncharted,
             hull: self.hull,
             safety: self.safety,
-            deviations: Deviations::Box(self.safety.parameter_error),
+            deviations: kept(vessel, Deviations::Box(self.safety.parameter_error)),
             sensors: self.sensors.into(),
+            measurement: self.measurement,
+            errors_from: None,
             changes: self.changes(),
             known_current_m_s: self
                 .known_current
@@ -66,6 +68,12 @@ impl PlanFile {
             on_node: false,
         })
     }
+}
+
+/// `deviations` of `vessel`: numbers of a ship with forces stay within their bounds.
+pub(super) fn kept(vessel: &Vessel, deviations: Deviations) -> Deviations {
+    let bounds = vessel.model.forces.is_some().then(|| vessel.model.bounds()).flatten();
+    deviations.within(bounds)
 }
 
 /// A time of day with its offset, the value of `key`, as seconds since 1970 in UTC.

@@ -1,4 +1,4 @@
-//! The vessels that a plan has to hold for, where the covariance of a model states them.
+//! The vessels that a plan has to hold for, where the covariance of a model or the priors of its numbers state them.
 
 use std::path::Path;
 
@@ -6,16 +6,19 @@ use artifact::Error;
 use model::Vessel;
 use refusal::Invalid;
 use trial::Deviations;
-use trial::voyage::Task;
+use trial::voyage::{ErrorsFrom, Task};
 
 use super::file::PlanFile;
+use super::task::kept;
+use crate::documents::ModelDocument;
 use crate::files::read_model;
 
 /// `task` with the vessels within `safety.standard_errors` of the model at `model`, which `vessel` is of; as it is
-/// without that key. `config` is at `file`.
+/// without that key. Of a `vessel.toml` with forces the priors of its numbers count. `config` is at `file`.
 ///
 /// # Errors
-/// A `vessel.toml`, which has no covariance; a model without one, or with one that is not positive.
+/// A `vessel.toml` of terms per sample, or whose numbers have no priors; a model without a covariance, or with one that is
+/// not positive.
 pub fn uncertain(
     [file, model]: [&Path; 2],
     config: &PlanFile,
@@ -23,16 +26,32 @@ pub fn uncertain(
     task: Task,
 ) -> Result<Task, Error> {
     let Some(errors) = config.safety.standard_errors else { return Ok(task) };
-    let lacking = |found: &str| {
-        let found = format!("{errors} and {}, {found}", model.display());
-        let remedy = "give a model.json of `estimate pool`, or state `parameter_error`";
-        Error::invalid(
-            file,
-            Invalid::new("`safety.standard_errors`", found, "a model with a covariance", remedy),
-        )
+    let (deviations, from) = match (read_model(model)?, vessel.model.forces.is_some()) {
+        (Some(document), _) => {
+            let lacking = || lacking([file, model], errors, "which has none");
+            (covariant(model, vessel, &document, errors)?.ok_or_else(lacking)?, ErrorsFrom::Covariance)
+        }
+        (None, true) => (by_priors(model, vessel, errors)?, ErrorsFrom::Priors),
+        (None, false) => return Err(lacking([file, model], errors, "which is no model.json")),
     };
-    let document = read_model(model)?.ok_or_else(|| lacking("which is no model.json"))?;
-    let covariance = document.covariance.as_ref().ok_or_else(|| lacking("which has none"))?;
+    Ok(Task { deviations: kept(vessel, deviations), errors_from: Some(from), ..task })
+}
+
+fn lacking([file, model]: [&Path; 2], errors: f64, found: &str) -> Error {
+    let found = format!("{errors} and {}, {found}", model.display());
+    let remedy = "give a model.json of `estimate pool`, or state `parameter_error`";
+    Error::invalid(file, Invalid::new("`safety.standard_errors`", found, "a model with a covariance", remedy))
+}
+
+/// Within so many standard errors of the covariance of a model; `None` without one.
+fn covariant(
+    model: &Path,
+    vessel: &Vessel,
+    document: &ModelDocument,
+    errors: f64,
+) -> Result<Option<Deviations>, Error> {
+    let of_forces = document.forces.as_ref().map(|own| &own.covariance);
+    let Some(covariance) = of_forces.or(document.covariance.as_ref()) else { return Ok(None) };
     let place = |name: &str| covariance.names.iter().position(|own| own == name);
     let places: Vec<Option<usize>> = vessel.model.parameter_names().map(place).collect();
     let entry = |a: &Option<usize>, b: &Option<usize>| match (a, b) {
@@ -47,5 +66,18 @@ pub fn uncertain(
         let remedy = "estimate the model again from more recordings, or state `parameter_error`";
         Error::invalid(model, Invalid::new("`data.covariance`", found, "a positive definite matrix", remedy))
     })?;
-    Ok(Task { deviations, ..task })
+    Ok(Some(deviations))
+}
+
+/// Within so many standard deviations of the priors of a ship with forces.
+fn by_priors(path: &Path, vessel: &Vessel, errors: f64) -> Result<Deviations, Error> {
+    let parameters = vessel.model.forces.as_ref().map_or(&[][..], |own| own.forces.parameters());
+    let deviations = parameters.iter().map(|own| {
+        own.prior.ok_or_else(|| {
+            let expected = "a `prior`, which `safety.standard_errors` of plan.toml counts in";
+            let remedy = "state one, fix the number, or take `safety.parameter_error`";
+            Error::refuse(path, format!("parameter `{}`", own.name), "no prior", expected, remedy)
+        })
+    });
+    Ok(Deviations::independent(&deviations.collect::<Result<Vec<f64>, _>>()?, errors))
 }

@@ -48,10 +48,25 @@ impl<'a> ForcesPrediction<'a> {
     /// # Errors
     /// A ship with terms per sample, or without a free number; a state without noise.
     pub fn new(vessel: &'a Vessel, noise: Noise) -> Result<Self, Invalid> {
+        Self::with(vessel, vessel.parameters(vessel.best_known())?, noise)
+    }
+
+    /// `vessel` with her nominal numbers.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(crate) fn of_nominal(vessel: &'a Vessel, noise: Noise) -> Result<Self, Invalid> {
+        Self::with(vessel, vessel.nominal.clone(), noise)
+    }
+
+    /// `vessel` with the numbers `theta`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(crate) fn with(vessel: &'a Vessel, theta: Vec<f64>, noise: Noise) -> Result<Self, Invalid> {
         let Some(moved) = &vessel.model.forces else {
             return Err(Invalid::new("`model`", "terms per sample", "`forces`", "predict it by its terms"));
         };
-        let theta = vessel.parameters(vessel.best_known())?;
         if theta.is_empty() {
             let remedy = "write some as tables with `nominal`";
             return Err(Invalid::new("the model", "no free number", "at least one to be estimated", remedy));
@@ -63,6 +78,19 @@ impl<'a> ForcesPrediction<'a> {
         }
         let noise = WhiteNoise { measurement: noise.measurement, current: noise.current };
         Ok(Self { vessel, moved, theta, noise })
+    }
+
+    /// F of a run from `initial` under `exogenous`, summed over its samples; `None` where it diverges.
+    pub(crate) fn information(&self, initial: [f64; 3], exogenous: &[f64]) -> Option<Vec<f64>> {
+        let still = WhiteNoise { current: 0.0, ..self.noise };
+        let found = self.simulated(initial, exogenous).information(&self.moved.forces, &self.theta, &still);
+        found.map(|own| own.measurement)
+    }
+
+    /// 1/σ² of every number's prior, in their order; 0 without one.
+    pub(crate) fn prior_information(&self) -> Vec<f64> {
+        let own = |own: &forces::Parameter| prior(own).map_or(0.0, |(_, known)| known);
+        self.moved.forces.parameters().iter().map(own).collect()
     }
 
     fn simulated<'r>(&self, initial: [f64; 3], inputs: &'r [f64]) -> SimulatedRun<'r> {
@@ -82,20 +110,23 @@ impl<'a> ForcesPrediction<'a> {
             let remedy = "simulate them, or fit the runs by `estimate pool`";
             return Err(Invalid::new(format!("maneuver `{name}`"), found, expected, remedy));
         }
-        let forces = &self.moved.forces;
-        let found = self
-            .simulated(run.initial, &run.exogenous)
-            .information(forces, &self.theta, &self.noise)
-            .ok_or_else(|| diverges(&format!("maneuver `{name}`")))?;
+        let output_error = self.of_experiment(run.initial, &run.exogenous);
+        let output_error = output_error.ok_or_else(|| diverges(&format!("maneuver `{name}`")))?;
+        let samples = run.samples() as u64;
+        Ok(ManeuverMoments { name, samples, degrees: Vec::new(), output_error: Some(output_error) })
+    }
+
+    /// F and P per sample of an experiment from `initial` under `exogenous`, without priors; `None` where it diverges.
+    pub(crate) fn of_experiment(&self, initial: [f64; 3], exogenous: &[f64]) -> Option<OutputErrorMoments> {
+        let run = self.simulated(initial, exogenous);
+        let found = run.information(&self.moved.forces, &self.theta, &self.noise)?;
         let share = 1.0 / run.samples().max(1) as f64;
         let mean = |sum: Vec<f64>| sum.into_iter().map(|own| share * own).collect::<Vec<_>>();
-        let output_error = OutputErrorMoments {
+        Some(OutputErrorMoments {
             f: mean(found.measurement),
             e: None,
             p: (self.noise.current > 0.0).then(|| mean(found.current)),
-        };
-        let samples = run.samples() as u64;
-        Ok(ManeuverMoments { name, samples, degrees: Vec::new(), output_error: Some(output_error) })
+        })
     }
 
     /// The model of free simulations, and what their errors over the maneuvers of `validation` depend on.

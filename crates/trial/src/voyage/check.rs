@@ -9,6 +9,7 @@ use super::check_run::{Checking, Drawn, Vessel};
 use super::error::VoyageError;
 use super::prepared::Prepared;
 use super::search::Search;
+use super::task::{ErrorsFrom, key_of};
 use super::worst::{Searched, WorstVessels};
 use crate::{Fix, SampledVessel, Used};
 
@@ -46,6 +47,9 @@ pub struct Check {
     /// Bound on the errors of all parameters jointly, in standard errors of the model; absent where each is bounded alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub standard_errors: Option<f64>,
+    /// What states those standard errors; absent with them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub errors_from: Option<ErrorsFrom>,
     /// Of the currents and parameters.
     pub seed: u64,
     /// Simulations of the whole plan, each with a constant current and a vessel of its own, whose parameters are even within
@@ -191,6 +195,7 @@ impl Checking<'_> {
             unknown_current_m_s: safety.unknown_current_m_s,
             parameter_error: safety.parameter_error,
             standard_errors: safety.standard_errors,
+            errors_from: prepared.brief.task.errors_from,
             seed: prepared.brief.seed,
             runs,
             aground,
@@ -215,6 +220,14 @@ impl Checking<'_> {
 }
 
 impl Check {
+    /// What [`Self::standard_errors`] counts, in words.
+    pub fn errors_of(&self) -> &'static str {
+        match self.errors_from {
+            Some(ErrorsFrom::Priors) => "standard deviations of the priors",
+            _ => "standard errors of the model",
+        }
+    }
+
     /// Adds its faults in words; a share of the ends of legs may be astray, and `used` is most of all tolerances.
     fn with_faults(mut self, astray: f64, used: Used) -> Self {
         let percent = |share: f64| format!("{:.1}", 100.0 * share);
@@ -239,7 +252,7 @@ impl Check {
             let (astray, ends) = (self.ends_astray, self.ends);
             faults.push(format!("{astray} of {ends} ends of legs beyond their tolerance"));
         }
-        faults.extend(self.worst.iter().flat_map(|worst| worst.faults(astray)));
+        faults.extend(self.worst.iter().flat_map(|worst| worst.faults(astray, key_of(self.standard_errors))));
         let is_astray = |worst: &WorstVessels| are_astray(worst.ends_astray, worst.ends);
         if drawn_astray || self.worst.as_ref().is_some_and(is_astray) {
             faults.push(format!("at the ends of legs {used}"));

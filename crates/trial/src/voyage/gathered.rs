@@ -13,7 +13,7 @@ use super::task::Brief;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Gathered {
-    /// Σ of the shares of what is done: 1 where all is. Absent where the whole plan leaves a direction unexcited.
+    /// Σ of the shares of what is done: 1 where all is, whatever priors know. Absent where the whole plan leaves a direction unexcited.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub share: Option<f64>,
     /// exp((log|det| of what is done − that of the plan)/p): 0 until every direction is excited, 1 where all is done.
@@ -36,7 +36,7 @@ pub struct GatheredManeuver {
     /// Those that are done.
     pub done: u64,
     /// tr(M⁻¹ M_q)/p of all its uses in the plan, with the information M of all maneuvers: what the D-criterion grows by, to
-    /// first order. Absent as above.
+    /// first order. With priors, which M then has, p is tr(M⁻¹ M_q) summed over the maneuvers. Absent as above.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub share: Option<f64>,
 }
@@ -52,7 +52,7 @@ impl Brief {
         planned: &BTreeMap<String, u64>,
         done: &BTreeMap<String, u64>,
     ) -> Result<Gathered, VoyageError> {
-        let wanted = self.wanted()?;
+        let (wanted, summing) = (self.wanted()?, self.summing()?);
         let mut own: Vec<(MomentSums, GatheredManeuver)> = Vec::new();
         for (name, count) in planned {
             let Some(piece) = wanted.iter().map(|own| &own.piece).find(|piece| piece.maneuver == *name)
@@ -62,7 +62,7 @@ impl Brief {
             };
             let done = done.get(name).copied().unwrap_or(0);
             let maneuver = GatheredManeuver { name: name.clone(), planned: *count, done, share: None };
-            own.push((MomentSums::of_piece(&self.vessel, piece), maneuver));
+            own.push((summing.of_piece(piece), maneuver));
         }
         Ok(of_pieces(own))
     }

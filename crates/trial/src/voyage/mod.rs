@@ -69,8 +69,8 @@ pub use search::{Search, Watch};
 pub use settled_legs::{Dropped, SettledLeg};
 pub use solve::Solved;
 pub use task::{
-    Area, Brief, CostRule, Goal, Hull, ManeuverUse, Place, Primary, Safety, Secondary, Shares, Slot,
-    SpeedLimit, Task,
+    Area, Brief, CostRule, ErrorsFrom, Goal, Hull, ManeuverUse, Place, Primary, Safety, Secondary, Shares,
+    Slot, SpeedLimit, Task,
 };
 pub use tide::{Tide, TideRow, current_m_s};
 pub use waters::Waters;

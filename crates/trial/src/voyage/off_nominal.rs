@@ -13,6 +13,12 @@ pub(super) fn percent_off(vessel: &Vessel, parameters: &[f64]) -> BTreeMap<Strin
     names.zip(parameters.iter().zip(&vessel.nominal).map(off)).collect()
 }
 
+/// The numbers of a ship with forces; none of terms per sample.
+pub(super) fn numbers(vessel: &Vessel, parameters: &[f64]) -> BTreeMap<String, f64> {
+    let own = parameters.iter().filter(|_| vessel.model.forces.is_some());
+    vessel.model.parameter_names().map(str::to_owned).zip(own.copied()).collect()
+}
+
 /// The parameters of a vessel that are off the nominal ones, in words.
 pub(super) fn parameters_in_words(vessel: &Vessel, parameters: &[f64]) -> String {
     in_words(&percent_off(vessel, parameters))

@@ -55,7 +55,8 @@ impl Prepared {
         let pieces: Vec<Piece> = wanted.iter().map(|w| w.piece.clone()).collect();
         let (chart, grid) = task.ground(vessel, &layers, brief.drift_m(&wanted), search.keep_going)?;
         drop(layers);
-        let information = pieces.iter().map(|piece| MomentSums::of_piece(vessel, piece)).collect();
+        let summing = brief.summing()?;
+        let information = pieces.iter().map(|piece| summing.of_piece(piece)).collect();
         let others = brief.sampled_vessels();
         let mirror =
             mirror(vessel).filter(|signs| pieces.iter().all(|own| own.is_mirrored_within(vessel, signs)));
@@ -121,7 +122,7 @@ impl Prepared {
         Err(VoyageError::NoAnswer(Invalid::new(
             format!("maneuver `{name}`"),
             format!("no leg on which all sampled vessels settle{why}{}", others.collect::<String>()),
-            "one for all within `parameter_error`",
+            format!("one for all within `{}`", self.brief.task.safety.key()),
             "know the parameters better, raise the tolerances of `approach`, or shorten it",
         )))
     }

@@ -84,7 +84,8 @@ impl Prepared {
         let mut round = self.round(&clearance, (1, solved), search)?;
         while !round.counter_examples.is_empty() && round.number < ROUNDS {
             let next = round.number + 1;
-            let fault = round.sailing.check.worst.as_ref().and_then(|worst| worst.faults(0.0).pop());
+            let key = self.brief.task.safety.key();
+            let fault = round.sailing.check.worst.as_ref().and_then(|worst| worst.faults(0.0, key).pop());
             let (counter_examples, last) = round.ended();
             // It stays in memory only if it may be returned.
             let last = keep_unsafe.then_some(last);
@@ -160,7 +161,7 @@ impl Prepared {
         let checking = Checking { script: &script, clearance, legs: &legs, nominal: &sailed, round, is_last };
         let (Checked { check, tracks, counter_examples }, front) = checking
             .check(search, || self.front(&solved.problem, Some(&solved.solution), &solved.moves, &left))?;
-        let information = self.information_of_plan(&legs, &sailed);
+        let information = self.information_of_plan(&legs, &sailed)?;
         solved.front = front.unwrap_or_default();
         Ok((Sailing { legs, sailed, runs: tracks, check, information }, counter_examples))
     }

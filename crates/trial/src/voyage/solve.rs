@@ -104,8 +104,9 @@ impl Prepared {
         let words = parameters_in_words(&self.brief.vessel, &own.parameters);
         Some(format!(
             "`{name}` has room for vessels that end it {:.0} m from the nominal one ({words}): lower \
-             `safety.parameter_error`, or run it in shorter pieces (`piece_s`)",
-            own.distance_m
+             `{}`, or run it in shorter pieces (`piece_s`)",
+            own.distance_m,
+            self.brief.task.safety.key()
         ))
     }
 

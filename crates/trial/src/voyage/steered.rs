@@ -55,7 +55,7 @@ impl Prepared {
         let words = parameters_in_words(&self.brief.vessel, &doubt.parameters(who));
         let (mode, s) = (&self.grid.modes[mode].name, RESPONSES * self.brief.task.handling.response_s);
         Invalid::new(
-            "`safety.parameter_error`",
+            format!("`{}`", self.brief.task.safety.key()),
             format!("a vessel with {words} that cannot be steered: in mode `{mode}` after {s:.0} s {used}"),
             "errors within which every vessel holds its course and speed",
             "lower it, or leave the mode out",

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use chart::Layer;
-use engine::{Changes, Helm, Run};
+use engine::{Changes, Helm, Measurement, Run};
 use model::Vessel;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -62,6 +62,10 @@ pub struct Task {
     pub deviations: Deviations,
     /// The noise of the ship's sensors.
     pub sensors: Sensors,
+    /// The noise of the logs, of a ship with forces.
+    pub measurement: Option<Measurement>,
+    /// What states the errors of [`Safety::standard_errors`].
+    pub errors_from: Option<ErrorsFrom>,
     /// How current and wind change while the ship sails.
     pub changes: Changes,
     /// North and east components of the known current \[m/s\].
@@ -211,7 +215,8 @@ pub struct Safety {
     /// Relative error of the nominal parameters: maneuvers have room for vessels with such errors.
     #[serde(default)]
     pub parameter_error: f64,
-    /// Instead of that: so many standard errors of the covariance of a `model.json`, jointly.
+    /// Instead of that: so many standard errors of the covariance of a `model.json`, jointly; for the `vessel.toml` of a
+    /// ship with forces so many standard deviations of the priors of her numbers, jointly.
     pub standard_errors: Option<f64>,
     /// Simulations of the finished plan with such currents and vessels; by default as many as
     /// `aground_probability` needs.
@@ -220,6 +225,28 @@ pub struct Safety {
     pub vessels: Option<u32>,
     /// The probability of running aground that the check must exclude, with 95 % confidence.
     pub aground_probability: Option<f64>,
+}
+
+impl Safety {
+    /// The key that bounds the parameters.
+    pub(super) fn key(&self) -> &'static str {
+        key_of(self.standard_errors)
+    }
+}
+
+/// The key that bounds the parameters, by the value of `safety.standard_errors`.
+pub(super) fn key_of(standard_errors: Option<f64>) -> &'static str {
+    if standard_errors.is_some() { "safety.standard_errors" } else { "safety.parameter_error" }
+}
+
+refusal::choices! {
+    /// What states the errors of a vessel's parameters.
+    pub enum ErrorsFrom {
+        /// The covariance of a `model.json`.
+        Covariance = "covariance",
+        /// The priors of the free numbers of a ship with forces, each independent of the others.
+        Priors = "priors",
+    }
 }
 
 /// A maneuver to place.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::check_run::{Checking, Run, Vessel};
 use super::error::VoyageError;
-use super::off_nominal::{in_words, percent_off};
+use super::off_nominal::{in_words, numbers, percent_off};
 use super::places::compass_deg;
 use super::search::Search;
 use crate::deviations::{Candidate, Doubt};
@@ -58,6 +58,9 @@ pub struct WorstVessel {
     pub informative: bool,
     /// Difference of every parameter from the nominal one, relative to that \[%\].
     pub parameters_percent: BTreeMap<String, f64>,
+    /// The numbers of a ship with forces, in the system that they are written in.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub numbers: BTreeMap<String, f64>,
     /// Speed of the unknown current \[m/s\].
     pub current_m_s: f64,
     /// Compass direction that it sets towards \[deg\].
@@ -271,6 +274,7 @@ impl Searched {
             leg: own.name.clone(),
             informative: own.is_informative(),
             parameters_percent: percent_off(&prepared.brief.vessel, parameters),
+            numbers: numbers(&prepared.brief.vessel, parameters),
             current_m_s: libm::hypot(*north, *east),
             towards_deg: compass_deg(libm::atan2(*east, *north)),
         }
@@ -294,20 +298,17 @@ impl WorstVessel {
     }
 
     /// The leg, in words, and the keys that matter for it.
-    fn place(&self) -> String {
+    fn place(&self, key: &str) -> String {
         let Self { step, leg, informative, .. } = self;
-        let remedy = if *informative {
-            "lower `safety.parameter_error`, or its `piece_s`"
-        } else {
-            "lower `safety.parameter_error` or `safety.unknown_current_m_s`"
-        };
+        let other = if *informative { ", or its `piece_s`" } else { " or `safety.unknown_current_m_s`" };
+        let remedy = format!("lower `{key}`{other}");
         format!("step {step} `{leg}`: {remedy}")
     }
 }
 
 impl WorstVessels {
-    /// What is broken, in words; a share of the ends of legs may be astray.
-    pub(super) fn faults(&self, astray: f64) -> Vec<String> {
+    /// What is broken, in words; a share of the ends of legs may be astray. `key` bounds the parameters.
+    pub(super) fn faults(&self, astray: f64, key: &str) -> Vec<String> {
         let Self {
             searched, aground, below_margin, ends, ends_astray, clearance_m, nearest, farthest, ..
         } = self;
@@ -316,13 +317,13 @@ impl WorstVessels {
             faults.push(format!(
                 "of {searched} vessels searched one ({}) runs aground on {}",
                 nearest.words(),
-                nearest.place()
+                nearest.place(key)
             ));
         } else if *below_margin > 0 {
             faults.push(format!(
                 "of {searched} vessels searched one ({}) comes as near as {clearance_m:.0} m on {}",
                 nearest.words(),
-                nearest.place()
+                nearest.place(key)
             ));
         }
         if *ends_astray as f64 > astray * *ends as f64 {
@@ -330,7 +331,7 @@ impl WorstVessels {
                 "of {searched} vessels searched one ({}) ends {:.1} times its tolerance off on {}",
                 farthest.words(),
                 self.tolerance_used,
-                farthest.place()
+                farthest.place(key)
             ));
         }
         faults

@@ -32,6 +32,25 @@ fn oracle_the_ellipsoid_has_so_many_standard_errors_in_every_direction() {
 }
 
 #[test]
+fn law_independent_numbers_are_an_ellipsoid_along_their_axes() {
+    let own = Deviations::independent(&[2.0, 0.5], 1.5);
+    assert_eq!(own, Deviations::ellipsoid(&[vec![4.0, 0.0], vec![0.0, 0.25]], 1.5).unwrap());
+}
+
+#[test]
+fn law_numbers_stay_within_their_bounds_and_move_freely_in_them() {
+    let nominal = [1.0, -2.0, 5.0];
+    let bounds = vec![[0.5, 1.1], [f64::NEG_INFINITY, f64::INFINITY], [5.0, 5.0]];
+    let deviations = Deviations::Box(0.5).within(Some(bounds));
+    let doubt = Doubt { nominal: &nominal, deviations: &deviations, current_m_s: 0.0 };
+    let at = |ends: [f64; 3]| doubt.parameters(&Candidate { at: ends.to_vec(), current: [0.0; 2] });
+    assert_eq!(at([1.0, 1.0, 1.0]), [1.1, -3.0, 5.0]);
+    assert_eq!(at([-1.0, -1.0, -1.0]), [0.5, -1.0, 5.0]);
+    assert_eq!(at([0.1, 0.0, 0.0]), [1.05, -2.0, 5.0]);
+    assert_eq!(Deviations::Box(0.5).within(None), Deviations::Box(0.5));
+}
+
+#[test]
 fn law_a_covariance_that_is_not_positive_is_refused_where_that_shows() {
     let refused = |entries| Deviations::ellipsoid(&rows(entries), 1.0).unwrap_err().parameter;
     assert_eq!(refused([[4.0, 3.0, 0.0], [3.0, 2.0, 0.0], [0.0, 0.0, 1.0]]), 1);

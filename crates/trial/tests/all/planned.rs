@@ -130,6 +130,8 @@ pub fn small_brief() -> Brief {
             aground_probability: None,
         },
         deviations: Deviations::Box(0.0),
+        measurement: None,
+        errors_from: None,
         sensors: Sensors::default(),
         changes: Changes::default(),
         known_current_m_s: [0.0; 2],
