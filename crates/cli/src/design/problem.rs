@@ -7,7 +7,7 @@ use seatrial::{Designing, Wish};
 use study::design_files::read_stock;
 use study::documents::{Few, SolvedFigures};
 use study::figure_goals::FigureGoals;
-use study::files::{read_dictionary, read_vessel};
+use study::files::{read_dictionary, read_planned};
 use trial::arranging::{Arranged, Arranging};
 use trial::moments::{Moments, NoCriterion};
 
@@ -119,7 +119,7 @@ impl<'a> Problem<'a> {
             );
         }
         let (vessel, dictionary) = (given(&a.vessel, "vessel")?, given(&a.dictionary, "dictionary")?);
-        let vessel = read_vessel(vessel, provenance)?.with_disturbances_held();
+        let vessel = read_planned(vessel, provenance)?;
         let generator = read_dictionary(dictionary, &vessel, provenance)?;
         let arranging = Arranging {
             vessel: &vessel,

@@ -131,6 +131,23 @@ fn law_the_promised_information_is_that_of_moments() {
 }
 
 #[test]
+fn law_one_arranged_maneuver_is_worth_what_its_moments_say() {
+    let folder = otter();
+    let text = String::from_utf8(bytes(&folder, "mine/dictionary.toml")).unwrap();
+    let first = text.match_indices("[[maneuver]]").nth(1).unwrap().0;
+    put(&folder, "mine/dictionary.toml", &text[..first]);
+    run(&folder, DICTIONARY).succeeds();
+    run(&folder, MOMENTS).succeeds();
+    let line = "design --moments moments.json --for output-error --criterion d --duration-s 40 --arrange --vessel mine/vessel.toml \
+                --dictionary mine/dictionary.toml --out design.json";
+    run(&folder, line).succeeds();
+    let design = &json(&folder, "design.json")["data"];
+    let (covariance, found) = (design["covariance"]["value"].as_f64().unwrap(), &design["sequence"]["value"]);
+    // The one is of the whole trial of 400 samples, the other of a sample: 5 numbers.
+    assert_relative_eq!(found.as_f64().unwrap(), -(covariance + 5.0 * 400_f64.ln()), max_relative = 1e-9);
+}
+
+#[test]
 fn law_the_rest_of_a_plan_has_the_rest_of_its_information() {
     let (folder, plan) = planned();
     let track = TableReader::open(&folder.path().join("track.parquet"), "track", 1).unwrap();

@@ -10,7 +10,7 @@ use numerics::lanes::interleave;
 use regression::{Batch, MeanRemoval, Noise, middle, moments};
 
 use super::{Arranging, generated_limits};
-use crate::moments::{Estimated, Expected, leading};
+use crate::moments::{Estimated, Expected, ForcesPrediction, OutputErrorMoments, leading};
 
 /// Penalty in the criterion's value for exceeding a limit by 100 %.
 const PENALTY: f64 = 20.0;
@@ -49,8 +49,24 @@ impl Arranging<'_> {
         let noise = self.noise()?;
         let theta = self.ordered(&self.moments.output_error.as_ref()?.parameters)?;
         let noise = if current { noise } else { Noise { current: 0.0, ..noise } };
+        if self.vessel.model.forces.is_some() {
+            return self.physical(theta, initial, exogenous, noise);
+        }
         let found = output_information(&self.vessel.model, &theta, initial, exogenous, &noise)?;
         self.judge(vec![found.information.len().isqrt()], &found.information, Some(&found.middle()))
+    }
+
+    /// Of a ship with forces, whose priors count once for the experiment.
+    fn physical(&self, theta: Vec<f64>, initial: [f64; 3], exogenous: &[f64], noise: Noise) -> Option<f64> {
+        let own = ForcesPrediction::with(self.vessel, theta, noise).ok()?;
+        let samples = exogenous.len() / self.vessel.model.exogenous().max(1);
+        let OutputErrorMoments { f: mut information, p, .. } = own.of_experiment(initial, exogenous)?;
+        let known = own.prior_information();
+        let n = known.len();
+        (0..n).for_each(|i| information[i * n + i] += known[i] / samples.max(1) as f64);
+        let current = p.unwrap_or_else(|| vec![0.0; n * n]);
+        let middle: Vec<f64> = information.iter().zip(&current).map(|(own, more)| own + more).collect();
+        self.judge(vec![n], &information, Some(&middle))
     }
 
     fn instrumental(
