@@ -7,6 +7,7 @@ use artifact::TableReader;
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::planned::small;
 use crate::support::*;
 
 const PLAN: &str = "plan --vessel mine/vessel.toml --trajectories dictionary.parquet --dictionary mine/dictionary.toml --config \
@@ -150,7 +151,7 @@ fn law_one_arranged_maneuver_is_worth_what_its_moments_say() {
 #[test]
 fn law_the_rest_of_a_plan_has_the_rest_of_its_information() {
     let (folder, plan) = planned();
-    let track = TableReader::open(&folder.path().join("track.parquet"), "track", 1).unwrap();
+    let track = TableReader::open(folder.path().join("track.parquet"), "track", 1).unwrap();
     let table = track.read_block(0, &["t", "longitude", "latitude"]).unwrap();
     let value = |column: usize, row: usize| table.columns[column].value_at(row).unwrap();
     let row = |row: usize| format!("{},{},{}", value(0, row), value(1, row), value(2, row));
@@ -230,4 +231,20 @@ fn what_does_not_fit_a_ship_with_forces_is_refused_by_name() {
     let folder = changed("mine/vessel.toml", ", prior = 48.8", "");
     run(&folder, DICTIONARY).succeeds();
     refused(&folder, 3, PLAN, &["vessel.toml", "parameter `Y_v`", "no prior", "parameter_error"]);
+    let folder = small();
+    let text = String::from_utf8(bytes(&folder, "plan.toml")).unwrap();
+    put(&folder, "plan.toml", &format!("{text}\n[measurement]{table}"));
+    let words = ["plan.toml", "[measurement]", "a vessel with terms per sample", "leave it out"];
+    refused(&folder, 3, crate::planned::PLAN, &words);
+}
+
+#[test]
+fn a_ship_with_a_rudder_alone_is_refused_by_what_she_lacks() {
+    let folder = otter();
+    std::fs::remove_dir_all(folder.path().join("mine")).unwrap();
+    let text = bytes(&otter(), "mine/plan.toml");
+    run(&folder, "new mine --vessel mariner").succeeds();
+    std::fs::write(folder.path().join("mine/plan.toml"), text).unwrap();
+    run(&folder, DICTIONARY).succeeds();
+    refused(&folder, 3, PLAN, &["plan.toml", "inputs", "1 independent", "2 for surge and yaw"]);
 }
