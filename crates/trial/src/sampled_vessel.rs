@@ -86,7 +86,7 @@ impl<'a> Crew<'a> {
 }
 
 impl Underway<'_> {
-    /// Holds the vessel on its heading and at its speed for a while.
+    /// Holds the vessel on its heading and at its speed for a while, or until its simulation diverges.
     pub fn hold(&mut self, heading_rad: f64, speed_m_s: f64, seconds: f64) -> Result<(), Invalid> {
         let Self { ship, autopilot } = self;
         let far = 10.0 * speed_m_s * seconds;
@@ -102,6 +102,9 @@ impl Underway<'_> {
         for _ in 0..samples {
             let wanted = autopilot.steer(&phase, [0.0; 2], start, &seen)?;
             let inputs = ship.reach(wanted).to_vec();
+            if !ship.state.iter().all(|own| own.abs() <= engine::DIVERGED) {
+                break;
+            }
             seen = autopilot.observe(seen, &inputs, Fixed::from(&*ship));
         }
         Ok(())
