@@ -4066,7 +4066,8 @@ class WorstVessel:
     leg: str
     #: Whether that is an informative maneuver.
     informative: bool
-    #: Difference of every parameter from the nominal one, relative to that \[%\].
+    #: Difference of every parameter from the nominal one, relative to that \[%\]; of a ship with forces without those
+    #: whose nominal value is 0.
     parameters_percent: dict[str, float]
     #: The numbers of a ship with forces, in the system that they are written in.
     numbers: dict[str, float] = field(default_factory=dict)

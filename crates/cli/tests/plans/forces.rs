@@ -239,6 +239,19 @@ fn what_does_not_fit_a_ship_with_forces_is_refused_by_name() {
 }
 
 #[test]
+fn a_number_off_a_nominal_0_is_named_by_its_value() {
+    let folder = otter();
+    edit(
+        &folder,
+        "mine/vessel.toml",
+        "sway = [",
+        "sway = [\n  { parameter = \"Y_0\", term = \"U^2\", nominal = 0.0, prior = 900.0 },",
+    );
+    run(&folder, DICTIONARY).succeeds();
+    refused(&folder, 3, PLAN, &["plan.toml", "`safety.standard_errors`", "Y_0 = ", "cannot be steered"]);
+}
+
+#[test]
 fn a_ship_with_a_rudder_alone_is_refused_by_what_she_lacks() {
     let folder = otter();
     std::fs::remove_dir_all(folder.path().join("mine")).unwrap();

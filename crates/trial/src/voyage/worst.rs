@@ -56,7 +56,8 @@ pub struct WorstVessel {
     pub leg: String,
     /// Whether that is an informative maneuver.
     pub informative: bool,
-    /// Difference of every parameter from the nominal one, relative to that \[%\].
+    /// Difference of every parameter from the nominal one, relative to that \[%\]; of a ship with forces without those whose
+    /// nominal value is 0.
     pub parameters_percent: BTreeMap<String, f64>,
     /// The numbers of a ship with forces, in the system that they are written in.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -289,8 +290,8 @@ fn key(who: &Candidate) -> Vec<u64> {
 impl WorstVessel {
     /// The vessel and its current, in words.
     pub fn words(&self) -> String {
-        let Self { parameters_percent, current_m_s, towards_deg, .. } = self;
-        let who = in_words(parameters_percent);
+        let Self { parameters_percent, numbers, current_m_s, towards_deg, .. } = self;
+        let who = in_words(parameters_percent, numbers);
         match *current_m_s > 0.0 {
             true => format!("{who} in {current_m_s:.2} m/s towards {towards_deg:.0}°"),
             false => who,
