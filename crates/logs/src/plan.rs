@@ -431,7 +431,7 @@ fn check_derived(setup: &Setup, vessel: &Vessel, called: &str, provided: &[Provi
 
 fn add_channel(name: &str, provided: &[Provided]) -> String {
     let others = names(provided).into_iter().filter(|other| motion_unit(other).is_none());
-    match nearest(name, others) {
+    match nearest(name, others).filter(|near| near.starts_with(|letter| name.starts_with(letter))) {
         Some(near) => format!("did you mean `{name}` by `{near}`?"),
         None => format!("add a [[file.channel]] for `{name}`"),
     }

@@ -123,7 +123,6 @@ fn design(
         name: problem.of.wish.name,
         criterion,
         estimated: problem.of.wish.estimated,
-        removal: a.mean_removal,
         design,
         available: available.as_ref(),
         segments: segments.transpose().map_err(refuse)?,

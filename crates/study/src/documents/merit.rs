@@ -77,9 +77,11 @@ impl MeritDocument {
         let without = self.maneuvers.iter().filter(|own| own.without > 0);
         let without = without.map(|own| format!("{}: {} runs without figures", own.name, own.without));
         let (figures, maneuvers) = (all().count(), self.maneuvers.len());
-        let head = format!(
-            "{figures} figures of {maneuvers} maneuvers; {met} of {judged} criteria of IMO MSC.137(76) pass"
-        );
+        let judged = match judged {
+            0 => "no criterion of IMO MSC.137(76) applies".to_owned(),
+            _ => format!("{met} of {judged} criteria of IMO MSC.137(76) pass"),
+        };
+        let head = format!("{figures} figures of {maneuvers} maneuvers; {judged}");
         std::iter::once(head).chain(missed).chain(without).collect::<Vec<_>>().join("; ")
     }
 

@@ -8,7 +8,6 @@ use design::{
 };
 use identification::Estimator;
 use model::Source;
-use regression::MeanRemoval;
 use trial::arranging::Arranged;
 use trial::moments::{Estimated, Moments, Promise};
 
@@ -30,8 +29,6 @@ pub struct Solved<'a> {
     pub criterion: &'a Criterion,
     /// The estimator.
     pub estimated: Estimated,
-    /// Mean removal.
-    pub removal: MeanRemoval,
     /// The best shares.
     pub design: &'a Design,
     /// The available amounts, if limited.
@@ -82,7 +79,10 @@ impl From<Solved<'_>> for DesignDocument {
         };
         Self {
             criterion: solved.name,
-            mean_removal: Some(solved.removal),
+            mean_removal: match solved.estimated {
+                Estimated::Iv(removal) => Some(removal),
+                Estimated::OutputError { .. } => None,
+            },
             status: match &solved.restricted {
                 Some(_) => DesignStatus::Restricted,
                 None if least_largest => DesignStatus::LeastLargest,
