@@ -33,6 +33,14 @@ pub struct Fit {
     pub(crate) first: Option<[f64; 3]>,
 }
 
+impl Fit {
+    /// What share of the cost `gain` is. Less cost than no step need lower counts as that, as of a ship that follows simulated
+    /// runs exactly.
+    pub(crate) fn share(&self, gain: f64) -> f64 {
+        gain / self.cost.max(LEAST)
+    }
+}
+
 /// Where a search is.
 struct At {
     theta: Vec<f64>,

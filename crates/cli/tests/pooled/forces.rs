@@ -328,9 +328,18 @@ fn exchanged_thrusters_are_named_and_a_late_rudder_is_told_with_its_time() {
     );
     run(&folder, &format!("{line} --no-criticism")).succeeds();
     assert!(json(&folder, "model.json")["data"]["forces"].get("criticism").is_none());
-    // Simulations hold inputs during samples, fits have them linear between: they act half a sample late.
+    // Simulations hold inputs during samples, so in simulated runs none acts late. In a table without true states, which is a log,
+    // inputs are linear between samples: held ones act half a sample late.
     let folder = long_trial();
     put(&folder, "vessel.toml", GUESS);
+    run(&folder, &format!("{POOL} --prior-weight 0.01 --out model.json")).succeeds();
+    let late = json(&folder, "model.json")["data"]["forces"]["criticism"]["late"][0].clone();
+    assert!(
+        late["late_s"].as_f64().unwrap().abs() < 0.01 && late["p_value"].as_f64().unwrap() > 0.05,
+        "{late}"
+    );
+    let table = folder.path().join("d.parquet");
+    craft::read(&table, "trajectories").without(&["u", "v", "r"]).write(&table);
     let said = run(&folder, &format!("{POOL} --prior-weight 0.01 --out model.json")).succeeds();
     let found = json(&folder, "model.json");
     let late = &found["data"]["forces"]["criticism"]["late"][0];

@@ -196,7 +196,7 @@ fn inputs(forces: &Forces, count: usize) -> Vec<usize> {
 
 fn late_input(name: &str, (score, p_value): (&Score, f64), fit: &Fit) -> LateInput {
     let (late_s, standard_error) = score.value();
-    let share = score.gain() / fit.cost;
+    let share = fit.share(score.gain());
     LateInput { input: name.to_owned(), late_s, standard_error, share, p_value, best: None, other: None }
 }
 
@@ -214,7 +214,7 @@ fn absent(
         standard_error,
         unit,
         prime,
-        share: score.gain() / fit.cost,
+        share: fit.share(score.gain()),
         p_value,
         candidate: false,
     }

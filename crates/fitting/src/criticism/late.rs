@@ -54,7 +54,7 @@ impl Problem<'_> {
         let tried = TIMES.iter().filter_map(|times| {
             let seconds = times * late_s;
             let cost = self.late_cost(fit, channel, |own| kind.of(own, seconds, self.settings.sample_s))?;
-            Some((seconds, (fit.cost - cost) / fit.cost))
+            Some((seconds, fit.share(fit.cost - cost)))
         });
         tried.max_by(|one, other| one.1.total_cmp(&other.1))
     }

@@ -45,7 +45,7 @@ impl Problem<'_> {
         };
         let Some((other, windows)) = self.fitted_as(fit, own) else { return none };
         let gains: Vec<f64> = as_written.iter().zip(&windows).map(|(old, new)| old - new).collect();
-        let share = (fit.cost - other.cost) / fit.cost;
+        let share = fit.share(fit.cost - other.cost);
         let p_value = if share > 0.0 { (count as f64 * chance(&gains)).min(1.0) } else { 1.0 };
         TurnedSign {
             share: Some(share),
