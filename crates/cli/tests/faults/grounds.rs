@@ -426,7 +426,7 @@ pub fn grid() -> String {
 
 fn plans() -> Ground {
     let folder = copied("helsinki", &["vessel.toml", "campaign.toml"]);
-    let maneuvers = fs::read(repository().join("fixtures/dictionaries/zig-zags.toml")).unwrap();
+    let maneuvers = fs::read(repository().join("fixtures/dictionaries/dictionary-zig-zags.toml")).unwrap();
     fs::write(folder.path().join("dictionary.toml"), maneuvers).unwrap();
     edit(&folder, "campaign.toml", "realizations = 200", "realizations = 1");
     varied(&folder, "dictionary.toml", "dictionary-2.toml", "duration_s = 270.0", "duration_s = 180.0");

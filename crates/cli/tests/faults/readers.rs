@@ -233,7 +233,11 @@ fn plan_toml(chart: &str) -> String {
 fn charts(folder: &TempDir) {
     let (top, fixtures) = (folder.path(), repository().join("fixtures/charts"));
     fs::copy(repository().join("pipelines/helsinki/vessel.toml"), top.join("vessel.toml")).unwrap();
-    fs::copy(repository().join("fixtures/dictionaries/zig-zags.toml"), top.join("dictionary.toml")).unwrap();
+    fs::copy(
+        repository().join("fixtures/dictionaries/dictionary-zig-zags.toml"),
+        top.join("dictionary.toml"),
+    )
+    .unwrap();
     run(folder, DICTIONARY).succeeds();
     for (name, file, fixture, keys) in [
         ("projected", "a.tif", "grids/depth_utm.tif", "kind = \"depth\""),

@@ -144,7 +144,7 @@ fn helsinki(config: &str) -> Planned {
 }
 
 /// Maneuvers by tables of inputs.
-pub const ZIG_ZAGS: &str = "fixtures/dictionaries/zig-zags.toml";
+pub const ZIG_ZAGS: &str = "fixtures/dictionaries/dictionary-zig-zags.toml";
 
 pub const HELSINKI_LAND: &str = "fixtures/charts/helsinki_land_gshhg.geojson";
 

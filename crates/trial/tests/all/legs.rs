@@ -42,7 +42,7 @@ pub(crate) fn generator() -> (Vessel, Generator) {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let text = |name: &str| std::fs::read_to_string(repository.join(name)).unwrap();
     let vessel = Vessel::from_file(text("pipelines/helsinki/vessel.toml").parse().unwrap()).unwrap();
-    let dictionary: DictionaryFile = text("fixtures/dictionaries/zig-zags.toml").parse().unwrap();
+    let dictionary: DictionaryFile = text("fixtures/dictionaries/dictionary-zig-zags.toml").parse().unwrap();
     let generator = Generator::without_tables(&vessel, &dictionary).unwrap();
     (vessel, generator)
 }
