@@ -14,6 +14,9 @@ pub(crate) struct Reduced {
     pub own: [f64; 3],
 }
 
+/// Share that is added to the diagonal of a start that is singular to all digits.
+const SINGULAR: f64 = 1e-9;
+
 /// The sums of `window` over θ of length `n` alone; `damping` is a share that is added to the diagonal of its start.
 /// `None` where the start is not determined.
 pub(crate) fn reduced(window: &Sums, n: usize, damping: f64) -> Option<Reduced> {
@@ -24,15 +27,19 @@ pub(crate) fn reduced(window: &Sums, n: usize, damping: f64) -> Option<Reduced> 
     if all == n {
         return Some(Reduced { products, gradient, follows: vec![0.0; 3 * n], own: [0.0; 3] });
     }
-    let mut square: Vec<f64> = (0..9).map(|k| at(n + k / 3, n + k % 3)).collect();
-    (0..3).for_each(|d| square[4 * d] *= 1.0 + damping);
-    // Columns: θ, then the gradient.
-    let mut follows: Vec<f64> = Vec::with_capacity(3 * (n + 1));
-    for d in 0..3 {
-        follows.extend((0..n).map(|i| at(n + d, i)));
-        follows.push(gradient[n + d]);
-    }
-    numerics::solve(3, &mut square, &mut follows)?;
+    let solved = |damping: f64| {
+        let mut square: Vec<f64> = (0..9).map(|k| at(n + k / 3, n + k % 3)).collect();
+        (0..3).for_each(|d| square[4 * d] *= 1.0 + damping);
+        // Columns: θ, then the gradient.
+        let mut follows: Vec<f64> = Vec::with_capacity(3 * (n + 1));
+        for d in 0..3 {
+            follows.extend((0..n).map(|i| at(n + d, i)));
+            follows.push(gradient[n + d]);
+        }
+        numerics::solve(3, &mut square, &mut follows).map(|()| follows)
+    };
+    // A window that is unstable, such as one astern, tells one sum of its start alone to all digits.
+    let follows = solved(damping).or_else(|| solved(damping.max(SINGULAR)))?;
     let row = |d: usize| &follows[d * (n + 1)..][..n + 1];
     let mut left: Vec<f64> = gradient[..n].to_vec();
     for i in 0..n {

@@ -60,6 +60,13 @@ pub struct Vessel {
     pub motion: Option<[[f64; 2]; 3]>,
 }
 
+impl VesselFile {
+    /// Whether forces describe the ship, here or in her preset; not where it is refused.
+    pub fn is_of_forces(&self) -> bool {
+        Vessel::from_file(self.clone()).is_ok_and(|vessel| vessel.model.forces.is_some())
+    }
+}
+
 impl Vessel {
     /// Checks a file's content.
     ///

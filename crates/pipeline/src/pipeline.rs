@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use artifact::{Digest, Error, Provenance};
+use artifact::{Digest, Error, Provenance, read_to_string};
+use model::VesselFile;
 use refusal::{Invalid, foreign};
 
 use study::files::read_ingest;
@@ -48,6 +49,7 @@ impl Pipeline {
             plans: plans(study)?,
             has_reference: has("reference.toml"),
             next_is_charted: has("next/plan.toml"),
+            is_of_forces: is_of_forces(study),
         };
         let from_instruments = has("logs.toml");
         let steps = if from_instruments {
@@ -235,6 +237,12 @@ fn lacking(path: &Path) -> Error {
         None => ("the file that its stage reads", format!("write {}", foreign(&name))),
     };
     refuse(path, "file", "no such file", expected, &remedy)
+}
+
+/// Whether forces describe the ship in the folder `study`; a file that cannot be read is refused by the stage that needs it.
+fn is_of_forces(study: &Path) -> bool {
+    let vessel = read_to_string(&study.join("vessel.toml"));
+    vessel.is_ok_and(|text| text.parse::<VesselFile>().is_ok_and(|vessel| vessel.is_of_forces()))
 }
 
 /// Names of the files `plan.toml` and `plan-<name>.toml` in `study`, without `.toml`, sorted.

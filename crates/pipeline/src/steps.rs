@@ -40,6 +40,8 @@ pub struct Shape {
     pub has_reference: bool,
     /// Whether its next trial is planned on a chart.
     pub next_is_charted: bool,
+    /// Whether its ship is described by forces, which are fitted by output error, with priors.
+    pub is_of_forces: bool,
 }
 
 /// The stages of a study that is simulated.
@@ -177,31 +179,23 @@ const RECORDED: &str = "--recordings {out}/measured/ingest.json";
 
 /// The stages of a study with logs.
 pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Vec<Step> {
-    let pool = settings.or("POOL_FLAGS", "--nominal least-squares");
-    let estimator = settings.or("ESTIMATOR", "auto");
-    let mut steps = vec![
-        Step::new(
-            "ingest",
-            "ingest --config {study}/ingest.toml --vessel {study}/vessel.toml --logs {logs}",
-            "",
-            &["{out}/measured/trajectories.parquet", "{out}/measured/ingest.json"],
-        ),
-        Step::new(
-            "pool",
-            &format!("estimate pool {LOGGED} {RECORDED} --estimator {estimator}"),
-            &format!("{pool} --bootstrap {}", settings.or("BOOTSTRAP", "1000")),
-            &["{out}/measured/estimates.parquet", "{out}/measured/model.json"],
-        ),
-        Step::new(
-            "cross",
-            &format!("validate cross {LOGGED} {RECORDED} {pool}"),
-            settings.get("CROSS_FLAGS"),
-            &["{out}/measured/crossval.json"],
-        ),
-    ];
+    let mut steps = vec![Step::new(
+        "ingest",
+        "ingest --config {study}/ingest.toml --vessel {study}/vessel.toml --logs {logs}",
+        "",
+        &["{out}/measured/trajectories.parquet", "{out}/measured/ingest.json"],
+    )];
+    let fit = Fit::of(settings, shape);
+    steps.push(fit.step("pool", "", &fit.bootstrap));
+    steps.push(Step::new(
+        "cross",
+        &format!("validate cross {LOGGED} {RECORDED} {}", fit.in_turns),
+        settings.get("CROSS_FLAGS"),
+        &["{out}/measured/crossval.json"],
+    ));
     let test = settings.get("TEST");
     if !test.is_empty() {
-        steps.extend(tested(settings, test, estimator, pool));
+        steps.extend(tested(settings, test, &fit));
     }
     if !settings.get("SELECTED").is_empty() {
         steps.extend(selected(settings, shape, usual_selection));
@@ -214,15 +208,52 @@ pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Ve
     steps
 }
 
+/// How recordings are fitted.
+struct Fit<'s> {
+    estimator: &'s str,
+    flags: &'s str,
+    /// Those of `flags` that fits without a recording take, too.
+    in_turns: &'s str,
+    bootstrap: String,
+    /// Whether the model alone is written, without a table of estimates.
+    is_model_alone: bool,
+}
+
+impl<'s> Fit<'s> {
+    fn of(settings: &'s Settings, shape: &Shape) -> Self {
+        if shape.is_of_forces {
+            return Self {
+                estimator: settings.or("ESTIMATOR", "output-error"),
+                flags: settings.get("POOL_FLAGS"),
+                in_turns: "",
+                bootstrap: String::new(),
+                is_model_alone: true,
+            };
+        }
+        let flags = settings.or("POOL_FLAGS", "--nominal least-squares");
+        Self {
+            estimator: settings.or("ESTIMATOR", "auto"),
+            flags,
+            in_turns: flags,
+            bootstrap: format!("--bootstrap {}", settings.or("BOOTSTRAP", "1000")),
+            is_model_alone: false,
+        }
+    }
+
+    /// The fit with `more` flags, whose results are below the folder `below` of the measured ones.
+    fn step(&self, name: &str, below: &str, more: &str) -> Step {
+        let [table, model] =
+            ["estimates.parquet", "model.json"].map(|own| format!("{{out}}/measured/{below}{own}"));
+        let outputs: &[&str] = if self.is_model_alone { &[&model] } else { &[&table, &model] };
+        let line = format!("estimate pool {LOGGED} {RECORDED} --estimator {} {}", self.estimator, self.flags);
+        Step::new(name, &line, more, outputs)
+    }
+}
+
 /// A model of the recordings that are not in `test`, tried on those that are.
-fn tested(settings: &Settings, test: &str, estimator: &str, pool: &str) -> [Step; 2] {
+fn tested(settings: &Settings, test: &str, fit: &Fit) -> [Step; 2] {
     [
-        Step::new(
-            "test-pool",
-            &format!("estimate pool {LOGGED} {RECORDED} --leave-out {test} --estimator {estimator}"),
-            pool,
-            &["{out}/measured/test/estimates.parquet", "{out}/measured/test/model.json"],
-        ),
+        fit.step("test-pool", "test/", &format!("--leave-out {test}")),
         Step::new(
             "compare",
             &format!(

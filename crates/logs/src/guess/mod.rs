@@ -78,7 +78,7 @@ impl Guess {
 
 /// The free column whose name fits `channel` best and whose unit, if its name says one, measures the same as `unit`.
 fn best(names: &[Named], free: &[bool], channel: &str, unit: &str) -> Option<usize> {
-    let fits = |at: &usize| free[*at] && names[*at].measures(unit);
+    let fits = |at: &usize| free[*at] && names[*at].measures(channel, unit);
     let rated = (0..names.len()).filter(fits).filter_map(|at| Some((names[at].likeness(channel)?, at)));
     // Of two that fit alike the first.
     rated.min_by_key(|(rank, at)| (*rank, *at)).map(|(_, at)| at)

@@ -105,9 +105,10 @@ impl Named {
             && self.words.iter().all(|word| is_named(word) || others.contains(&word.as_str()))
     }
 
-    /// Whether its numbers can be in `wanted`, as far as its name says.
-    pub fn measures(&self, wanted: &str) -> bool {
-        let is_of_shaft = wanted == "1/s";
+    /// Whether its numbers can be those of `channel` in `wanted`, as far as its name says: shafts turn in either unit.
+    pub fn measures(&self, channel: &str, wanted: &str) -> bool {
+        let is_motion = || ROLES.iter().any(|role| role.channel == channel);
+        let is_of_shaft = wanted == "1/s" || wanted == "rad/s" && !is_motion();
         self.unit.is_none_or(|own| {
             if is_of_shaft { crate::shaft_factor(own, wanted) } else { crate::factor(own, wanted) }.is_some()
         })

@@ -117,7 +117,9 @@ impl Search<'_> {
         for topic in self.topics.iter().filter(|topic| !is_known(topic)) {
             for field in topic.fields.iter().filter(|field| !is_clock(field)) {
                 let name = called(topic, field);
-                let Some(likeness) = name.likeness(channel).filter(|_| name.measures(unit)) else { continue };
+                let Some(likeness) = name.likeness(channel).filter(|_| name.measures(channel, unit)) else {
+                    continue;
+                };
                 let setpoint = if is_setpoint(topic, field) { SETPOINT } else { 0 };
                 // Of two that fit alike the one that says its unit.
                 let rank = 2 * likeness + usize::from(name.unit.is_none()) + setpoint;

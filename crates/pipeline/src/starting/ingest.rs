@@ -43,6 +43,9 @@ const WINDOW: f64 = 100.0;
 /// Part of a usual recording that a window may be at most: its ends are lost where channels are resampled.
 const PART: f64 = 0.9;
 
+/// The longest window that a ship with forces is fitted and tried on \[s\].
+const FORCES_WINDOW_S: f64 = 100.0;
+
 /// The length of a window \[s\], in whole samples of `rate_hz`.
 fn window_s(looked: &Looked, rate_hz: f64) -> f64 {
     (PART * looked.usual_s * rate_hz).floor().clamp(2.0, WINDOW) / rate_hz
@@ -51,18 +54,16 @@ fn window_s(looked: &Looked, rate_hz: f64) -> f64 {
 /// `study.mk` of a study with logs as `looked` found them, of a ship like `preset`.
 pub(super) fn flags(looked: &Looked, preset: &Preset) -> String {
     let folder = looked.folder.canonicalize().unwrap_or_else(|_| looked.folder.clone());
-    let window_s = window_s(looked, preset.sample_rate_hz());
-    let test = looked.kept_apart();
     let mut text = format!(
         "# Flags of the stages. `seatrial run` reads this file, and make does where the repository is at hand.\n\
-         # The folder of the logs.\nLOGS ?= {}\n\
-         # Bootstrap samples [1] that standard errors rest on: more take longer.\nBOOTSTRAP ?= 100\n\
-         # Instruments restart with every part of a recording; their nominal model is the least-squares fit of the same data. Parts\n\
-         # are at most as long as this [s].\nPOOL_FLAGS ?= --nominal least-squares --part-s {window_s}\n\
-         # Models predict windows of this length [s] on recordings that they were not fitted to.\n\
-         CROSS_FLAGS = --window-s {window_s}\nTEST_FLAGS ?= --window-s {window_s}\n",
+         # The folder of the logs.\nLOGS ?= {}\n",
         folder.display()
     );
+    text += &match preset.is_of_forces() {
+        true => flags_of_forces(rounded(looked.usual_s.min(FORCES_WINDOW_S))),
+        false => flags_of_terms(window_s(looked, preset.sample_rate_hz())),
+    };
+    let test = looked.kept_apart();
     if !test.is_empty() {
         let _ = write!(
             text,
@@ -72,6 +73,25 @@ pub(super) fn flags(looked: &Looked, preset: &Preset) -> String {
         );
     }
     text
+}
+
+fn flags_of_forces(window_s: f64) -> String {
+    format!(
+        "# The fit simulates windows of at most this length [s], each from a start that it finds.\n\
+         POOL_FLAGS ?= --window-s {window_s}\n\
+         # Models predict windows of this length [s] on recordings that they were not fitted to.\n\
+         CROSS_FLAGS ?= --fitted-window-s {window_s} --window-s {window_s}\nTEST_FLAGS ?= --window-s {window_s}\n"
+    )
+}
+
+fn flags_of_terms(window_s: f64) -> String {
+    format!(
+        "# Bootstrap samples [1] that standard errors rest on: more take longer.\nBOOTSTRAP ?= 100\n\
+         # Instruments restart with every part of a recording; their nominal model is the least-squares fit of the same data. Parts\n\
+         # are at most as long as this [s].\nPOOL_FLAGS ?= --nominal least-squares --part-s {window_s}\n\
+         # Models predict windows of this length [s] on recordings that they were not fitted to.\n\
+         CROSS_FLAGS = --window-s {window_s}\nTEST_FLAGS ?= --window-s {window_s}\n"
+    )
 }
 
 /// The keys of the whole file, for bags.

@@ -148,6 +148,11 @@ impl Preset {
         })
     }
 
+    /// Whether forces describe it, in continuous time.
+    pub(super) fn is_of_forces(&self) -> bool {
+        self.vessel.parse::<VesselFile>().is_ok_and(|vessel| vessel.is_of_forces())
+    }
+
     /// The rate of its model \[Hz\].
     pub(super) fn sample_rate_hz(&self) -> f64 {
         self.vessel.parse::<VesselFile>().ok().and_then(|vessel| vessel.sample_rate_hz).unwrap_or(1.0)
