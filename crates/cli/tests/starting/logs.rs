@@ -1,10 +1,12 @@
 //! Studies of logs: what is guessed, what is corrected, and what comes of them.
 
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 use std::fs;
 
 use tempfile::TempDir;
 
-use crate::support::*;
+use crate::support::{craft, *};
 
 /// A folder with `logs` of the model ship's simulated trial as if they were measured, with `from` in their headers replaced by
 /// `to`.
@@ -152,4 +154,49 @@ fn published_logs_come_to_their_page_by_two_commands() {
         (document["data"]["runs"].as_u64(), document["data"]["samples"].as_u64()),
         (Some(13), Some(2120))
     );
+}
+
+/// The runs of `table.parquet` as logs in CSV, one file each, their propellers in rad/s and in revolutions per second.
+fn otter_logs(folder: &TempDir) {
+    let table = craft::read(&folder.path().join("table.parquet"), "trajectories");
+    let place = |name: &str| table.schema.columns.iter().position(|own| own.name == name).unwrap();
+    let logged =
+        [("t_s", "t"), ("x_m", "x"), ("y_m", "y"), ("psi_rad", "psi"), ("u_mps", "u"), ("v_mps", "v")];
+    let logged = logged.into_iter().chain([("r_radps", "r"), ("n1_radps", "n1"), ("n2_rps", "n2")]);
+    let (names, places): (Vec<&str>, Vec<usize>) = logged.map(|(own, name)| (own, place(name))).unzip();
+    fs::create_dir(folder.path().join("logs")).unwrap();
+    for block in &table.blocks {
+        let (maneuver, mut files) = (&block.columns[place("maneuver")], BTreeMap::<&str, String>::new());
+        for row in 0..maneuver.len() {
+            // The last state of a run has no inputs.
+            let cells = places.iter().map(|&place| block.columns[place].value_at(row));
+            let Some(cells) = cells.collect::<Option<Vec<f64>>>() else { continue };
+            let cells = cells.into_iter().zip(&names).map(|(value, name)| match name.ends_with("_rps") {
+                true => (value / TAU).to_string(),
+                false => value.to_string(),
+            });
+            let line = cells.collect::<Vec<_>>().join(",");
+            let text = files.entry(maneuver.text_at(row).unwrap());
+            *text.or_insert_with(|| format!("{}\n", names.join(","))) += &format!("{line}\n");
+        }
+        // Astern she is unstable, and what starts of such windows do is in no number.
+        for (name, text) in files.into_iter().filter(|(name, _)| *name != "stop") {
+            fs::write(folder.path().join(format!("logs/{name}.csv")), text).unwrap();
+        }
+    }
+}
+
+#[test]
+fn logs_of_a_ship_with_forces_come_to_their_page_by_two_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    run(&folder, "new otter --vessel otter").succeeds();
+    let simulate = "simulate dictionary --vessel otter/vessel.toml --dictionary otter/dictionary.toml";
+    run(&folder, &format!("{simulate} --out table.parquet")).succeeds();
+    otter_logs(&folder);
+    let ran = run(&folder, "new mine --vessel otter --logs logs").succeeds();
+    assert!(ran.stdout.contains("7 logs") && ran.stdout.contains("0 channels missing"), "{ran}");
+    run(&folder, "run mine --out out --quiet").succeeds();
+    let model = json(&folder, "out/measured/model.json");
+    assert_eq!(model["data"]["estimator"], "output-error");
+    assert!(String::from_utf8(bytes(&folder, "out/measured/report.html")).unwrap().contains("<svg"));
 }
