@@ -241,7 +241,7 @@ fn lacking(path: &Path) -> Error {
 
 /// Whether forces describe the ship in the folder `study`; a file that cannot be read is refused by the stage that needs it.
 fn is_of_forces(study: &Path) -> bool {
-    let vessel = read_to_string(&study.join("vessel.toml"));
+    let vessel = read_to_string(study.join("vessel.toml"));
     vessel.is_ok_and(|text| text.parse::<VesselFile>().is_ok_and(|vessel| vessel.is_of_forces()))
 }
 
