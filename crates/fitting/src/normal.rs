@@ -27,19 +27,13 @@ pub(crate) fn reduced(window: &Sums, n: usize, damping: f64) -> Option<Reduced> 
     if all == n {
         return Some(Reduced { products, gradient, follows: vec![0.0; 3 * n], own: [0.0; 3] });
     }
-    let solved = |damping: f64| {
-        let mut square: Vec<f64> = (0..9).map(|k| at(n + k / 3, n + k % 3)).collect();
-        (0..3).for_each(|d| square[4 * d] *= 1.0 + damping);
-        // Columns: θ, then the gradient.
-        let mut follows: Vec<f64> = Vec::with_capacity(3 * (n + 1));
-        for d in 0..3 {
-            follows.extend((0..n).map(|i| at(n + d, i)));
-            follows.push(gradient[n + d]);
-        }
-        numerics::solve(3, &mut square, &mut follows).map(|()| follows)
-    };
-    // A window that is unstable, such as one astern, tells one sum of its start alone to all digits.
-    let follows = solved(damping).or_else(|| solved(damping.max(SINGULAR)))?;
+    // Columns: θ, then the gradient.
+    let mut sides: Vec<f64> = Vec::with_capacity(3 * (n + 1));
+    for d in 0..3 {
+        sides.extend((0..n).map(|i| at(n + d, i)));
+        sides.push(gradient[n + d]);
+    }
+    let follows = window.solved_by_start(n, damping, &sides)?;
     let row = |d: usize| &follows[d * (n + 1)..][..n + 1];
     let mut left: Vec<f64> = gradient[..n].to_vec();
     for i in 0..n {
@@ -58,6 +52,22 @@ impl Sums {
     /// Unknowns of its start, besides `n` of θ.
     pub fn starts(&self, n: usize) -> usize {
         self.pieces.first().map_or(0, |own| own.len() - n)
+    }
+
+    /// What solves the products of the start for the right-hand `sides`, a row for each of its unknowns; `damping` is a share
+    /// that is added to the diagonal. `None` where the start is not determined.
+    pub fn solved_by_start(&self, n: usize, damping: f64, sides: &[f64]) -> Option<Vec<f64>> {
+        let starts = self.starts(n);
+        let all = n + starts;
+        let solved = |damping: f64| {
+            let at = |k: usize| self.products[(n + k / starts) * all + n + k % starts];
+            let mut square: Vec<f64> = (0..starts * starts).map(at).collect();
+            (0..starts).for_each(|d| square[(starts + 1) * d] *= 1.0 + damping);
+            let mut own = sides.to_vec();
+            numerics::solve(starts, &mut square, &mut own).map(|()| own)
+        };
+        // A window that is unstable, such as one astern, has a start of which one sum alone is told, to all digits.
+        solved(damping).or_else(|| solved(damping.max(SINGULAR)))
     }
 
     /// Jᵀe of each piece, of θ alone: what the start makes of it is followed by `reduced`.

@@ -216,31 +216,26 @@ impl Products {
     /// The columns of the window in `lane`, whose sums of `n` of θ and its start are `window`; `None` where the start is not
     /// determined.
     fn columns(&self, lane: usize, n: usize, window: &Sums) -> Option<Vec<Column>> {
-        let starts = self.unknowns - n;
+        let (starts, count) = (self.unknowns - n, self.squares.len());
         let known = |i: usize, j: usize| window.products[i * self.unknowns + j];
+        let across = |i: usize, j: usize| self.across[i * self.unknowns + j][lane];
+        // How the start would follow each candidate.
+        let sides: Vec<f64> = (0..starts * count).map(|k| across(k % count, n + k / count)).collect();
+        let follows = if starts > 0 { window.solved_by_start(n, 0.0, &sides)? } else { sides };
         let one = |i: usize| {
-            let across = &self.across[i * self.unknowns..][..self.unknowns];
-            let mut across: Vec<f64> = across.iter().map(|own| own[lane]).collect();
-            // How the start would follow the candidate.
-            let mut square: Vec<f64> =
-                (0..starts * starts).map(|k| known(n + k / starts, n + k % starts)).collect();
-            let mut follows = across[n..].to_vec();
-            if starts > 0 {
-                numerics::solve(starts, &mut square, &mut follows)?;
-            }
-            let own = self.squares[i][lane] - numerics::dot(&follows, &across[n..]);
+            let follows: Vec<f64> = (0..starts).map(|d| follows[d * count + i]).collect();
+            let begins: Vec<f64> = (0..starts).map(|d| across(i, n + d)).collect();
+            let own = self.squares[i][lane] - numerics::dot(&follows, &begins);
             let score = |piece: &Vec<f64>, gradient: &Vec<Lane>| {
                 gradient[i][lane] - numerics::dot(&follows, &piece[n..])
             };
             let scores =
                 window.pieces.iter().zip(&self.gradients).map(|(piece, own)| score(piece, own)).collect();
-            for (j, own) in across.iter_mut().enumerate().take(n) {
-                *own -= (0..starts).map(|d| follows[d] * known(j, n + d)).sum::<f64>();
-            }
-            across.truncate(n);
-            Some(Column { across, square: own.max(0.0), scores })
+            let left =
+                |j: usize| across(i, j) - (0..starts).map(|d| follows[d] * known(j, n + d)).sum::<f64>();
+            Column { across: (0..n).map(left).collect(), square: own.max(0.0), scores }
         };
-        (0..self.squares.len()).map(one).collect()
+        Some((0..count).map(one).collect())
     }
 }
 
