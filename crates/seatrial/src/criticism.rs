@@ -2,7 +2,7 @@
 
 use fitting::{AbsentTerm, Channels, Criticism, Fit, LEVEL, LateInput, Lateness, Problem, TurnedSign, Unfit};
 use forces::Channel;
-use model::Vessel;
+use model::{DegreeOfFreedom, Vessel};
 use refusal::listed;
 use study::documents::{AbsentForce, ForceCriticism, LateActuator, TriedSign};
 
@@ -95,8 +95,9 @@ fn absent(own: &AbsentTerm) -> AbsentForce {
     }
 }
 
-fn degree(own: &AbsentTerm) -> &'static str {
-    ["surge", "sway", "yaw"][own.degree]
+/// The equation that a force is missing in.
+pub(crate) fn degree(own: &AbsentTerm) -> &'static str {
+    DegreeOfFreedom::ALL[own.degree].name()
 }
 
 /// The verdict: signs, then lags, then missing forces.

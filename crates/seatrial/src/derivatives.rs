@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use fitting::{Estimates, Prior};
 use forces::{Forces, LateralSum, Parameter};
-use model::Vessel;
+use model::{DegreeOfFreedom, Vessel};
 use numerics::{dot, quadratic};
 use refusal::{Invalid, foreign};
 use study::documents::{CaptiveValue, FittedParameter, Reference, SailedSum, SailedSums};
@@ -72,7 +72,7 @@ pub(crate) fn sailed(
             used.iter().map(|i| Some((own.weights[*i] * priors[*i]?.deviation).powi(2))).collect();
         let interval = interval(value, standard_error);
         SailedSum {
-            degree: ["surge", "sway", "yaw"][own.degree].to_owned(),
+            degree: DegreeOfFreedom::ALL[own.degree].name().to_owned(),
             order: own.order,
             terms: used.iter().map(|i| forces.parameters()[*i].name.clone()).collect(),
             value,

@@ -9,7 +9,7 @@ use refusal::Invalid;
 use regression::pooled::Part;
 use study::documents::TriedForce;
 
-use crate::criticism::channels;
+use crate::criticism::{channels, degree};
 
 /// Most folds that recordings are dealt into.
 const FOLDS: usize = 6;
@@ -20,6 +20,13 @@ const FEWEST: usize = 3;
 
 /// Recordings by name, in parts without gaps.
 pub(crate) type Recorded = (String, Vec<Part>);
+
+/// All parts of `sources`, as fits take them.
+pub(crate) fn recordings<'r>(sources: impl IntoIterator<Item = &'r Recorded>) -> Vec<Recording<'r>> {
+    let part =
+        |name: &'r str, own: &'r Part| Recording { name, inputs: &own.exogenous, measured: &own.measured };
+    sources.into_iter().flat_map(|(name, parts)| parts.iter().map(move |own| part(name, own))).collect()
+}
 
 /// A ship that forces are added to, and the recordings that say which.
 pub(crate) struct Growing<'a> {
@@ -85,15 +92,8 @@ impl Growing<'_> {
         vessel: &Vessel,
         places: &[usize],
     ) -> Result<Problem<'b>, Unfit> {
-        let recordings = places.iter().flat_map(|i| {
-            let (name, parts) = &self.sources[*i];
-            parts.iter().map(move |part| Recording {
-                name,
-                inputs: &part.exogenous,
-                measured: &part.measured,
-            })
-        });
-        Problem::new(forces, recordings.collect(), vessel.model.exogenous(), self.settings)
+        let recordings = recordings(places.iter().map(|i| &self.sources[*i]));
+        Problem::new(forces, recordings, vessel.model.exogenous(), self.settings)
     }
 
     /// How `richer`, which has `absent`, follows recordings that were left out of its fit and of that of `vessel`.
@@ -101,7 +101,7 @@ impl Growing<'_> {
         let folds = FOLDS.min(self.sources.len());
         let gain = self.gain([vessel, richer], folds, fit);
         TriedForce {
-            degree: ["surge", "sway", "yaw"][absent.degree].to_owned(),
+            degree: degree(absent).to_owned(),
             term: absent.term.clone(),
             parameter: name(absent),
             share_left_out: gain.map(|(share, _)| share),

@@ -1,7 +1,7 @@
 //! Ships as physics, fitted to runs.
 
 use engine::{Replayed, check_diverged, replay, simulate_one};
-use fitting::{Channels, Estimates, Fit, Inputs, Prior, Problem, Recording, Settings, Starts, Unfit};
+use fitting::{Channels, Estimates, Fit, Inputs, Prior, Problem, Settings, Starts, Unfit};
 use forces::Forces;
 use identification::pooled::{Covariance, Delivered, RecordingConstant, Score, covered};
 use model::Vessel;
@@ -126,11 +126,9 @@ impl Physical<'_> {
         sources: &'p [Recorded],
         are_inputs_held: bool,
     ) -> Result<Problem<'p>, Unfit> {
-        let recordings = sources.iter().flat_map(|(name, parts)| {
-            parts.iter().map(|part| Recording { name, inputs: &part.exogenous, measured: &part.measured })
-        });
         let settings = self.settings_for(are_inputs_held);
-        let problem = Problem::new(forces, recordings.collect(), self.vessel.model.exogenous(), settings)?;
+        let width = self.vessel.model.exogenous();
+        let problem = Problem::new(forces, growing::recordings(sources), width, settings)?;
         Ok(problem.with_priors(self.priors(forces)))
     }
 
