@@ -344,8 +344,13 @@ impl Disturbances {
 }
 
 impl Measurement {
+    /// The standard deviations of u, v \[m/s\] and r \[rad/s\].
+    pub fn std(&self) -> [f64; 3] {
+        [self.std_u_m_s, self.std_v_m_s, self.std_r_rad_s]
+    }
+
     fn noise(&self, channels: &mut Channels) -> Noise<3> {
-        Noise::new(channels, [self.std_u_m_s, self.std_v_m_s, self.std_r_rad_s])
+        Noise::new(channels, self.std())
     }
 }
 

@@ -112,7 +112,6 @@ impl CampaignFile {
 
     /// The disturbances at `rate_hz`, as estimators take them.
     pub fn levels(&self, rate_hz: f64) -> Levels {
-        let m = self.measurement;
         let turning = |axes: Axes| if axes == Axes::Earth { 1.0 / rate_hz } else { 0.0 };
         let current = match self.current {
             Current::None => Flow::Still,
@@ -124,23 +123,17 @@ impl CampaignFile {
         };
         let gusts =
             |wind: Wind| Gusts { std: wind.std_per_sample(rate_hz), factor: [wind.factor(rate_hz); 3] };
-        Levels {
-            measurement: [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s],
-            current,
-            force: self.wind.map(gusts),
-            drift: None,
-        }
+        Levels { measurement: self.measurement.std(), current, force: self.wind.map(gusts), drift: None }
     }
 
     /// The noise of every sample; `None` if the current is correlated. Without the wind.
     pub fn noise(&self) -> Option<Noise> {
-        let m = self.measurement;
         let current = match self.current {
             Current::None => 0.0,
             Current::White { std_m_s } => std_m_s,
             Current::Constant { .. } | Current::GaussMarkov { .. } => return None,
         };
-        Some(Noise { measurement: [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s], current })
+        Some(Noise { measurement: self.measurement.std(), current })
     }
 
     /// The noise of every sample, for predictions of the errors of output-error estimates.

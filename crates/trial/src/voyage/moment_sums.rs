@@ -1,7 +1,7 @@
 //! The information of a segment of a trajectory about the parameters: sums of lifted moments per degree of
 //! freedom, of a ship with forces that of her free numbers.
 
-use engine::{Measurement, simulate_one};
+use engine::simulate_one;
 use model::Vessel;
 use numerics::{LANES, Lane};
 use refusal::Invalid;
@@ -37,7 +37,10 @@ impl Brief {
         let vessel = &self.vessel;
         let forces = match (&vessel.model.forces, self.task.measurement) {
             (None, None) => None,
-            (Some(_), Some(noise)) => Some(ForcesPrediction::of_nominal(vessel, white(noise))?),
+            (Some(_), Some(own)) => {
+                let noise = Noise { measurement: own.std(), current: 0.0 };
+                Some(ForcesPrediction::of_nominal(vessel, noise)?)
+            }
             (Some(_), None) => {
                 let expected = "the noise of the logged u, v and r, by which a ship with forces is estimated";
                 let remedy = "add `std_u_m_s`, `std_v_m_s` and `std_r_rad_s`, as campaign.toml has them";
@@ -51,10 +54,6 @@ impl Brief {
         };
         Ok(Summing { vessel, forces })
     }
-}
-
-fn white(noise: Measurement) -> Noise {
-    Noise { measurement: [noise.std_u_m_s, noise.std_v_m_s, noise.std_r_rad_s], current: 0.0 }
 }
 
 impl Summing<'_> {
