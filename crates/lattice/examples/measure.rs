@@ -1,4 +1,5 @@
-//! Times the planner on made-up archipelagos: `measure [nx ny headings informative count seed engine limit_s costs]`.
+//! Times the planner on made-up archipelagos: `measure [nx ny headings informative count seed engine limit_s costs]`, or on a lattice
+//! problem from a file: `measure problem.json [seconds]`, with seconds as its secondary cost.
 
 use std::time::Instant;
 
@@ -17,12 +18,21 @@ fn main() {
     };
     let size = |k: usize, usual: u64| number(k, usual) as usize;
     let (nx, ny, headings) = (size(0, 35), size(1, 44), size(2, 4));
-    let mut file = synthetic::archipelago(nx, ny, headings, size(3, 3), number(4, 3) as u32, number(5, 1));
+    let mut file = match given.first().filter(|first| first.ends_with(".json")) {
+        Some(path) => {
+            let text = std::fs::read_to_string(path).expect("a file");
+            serde_json::from_str(&text).expect("a lattice problem")
+        }
+        None => synthetic::archipelago(nx, ny, headings, size(3, 3), number(4, 3) as u32, number(5, 1)),
+    };
     if given.get(8).is_some_and(|costs| costs == "seconds") {
         (file.basic[0].cost, file.basic[1].cost, file.basic[2].cost) = (12.5, 31.7, 31.7);
     }
     let started = Instant::now();
-    let problem = file.into_problem().expect("a valid problem");
+    let mut problem = file.into_problem().expect("a valid problem");
+    if given.get(1).is_some_and(|then| then == "seconds") {
+        problem = with_seconds(&problem);
+    }
     let table = started.elapsed();
     let limit = std::time::Duration::from_secs(number(7, 60));
     let options = Options { engine, memory_bytes: 8 << 30, ..Options::default() };
@@ -37,4 +47,21 @@ fn main() {
         }
         other => println!("{other:?}"),
     }
+}
+
+/// The same with seconds for every move as the secondary cost.
+fn with_seconds(problem: &lattice::Problem) -> lattice::Problem {
+    let mut actions = problem.actions().to_vec();
+    for (action, own) in actions.iter_mut().enumerate() {
+        for (index, step) in own.moves.iter_mut().enumerate() {
+            let cells = f64::from(step.di * step.di + step.dj * step.dj).sqrt();
+            step.cost.secondary = (40.0 * cells).round() + ((7 * action + 5 * index) % 23) as f64;
+        }
+    }
+    let allowed = |id: lattice::MoveId, i, j| {
+        let layer = problem.actions()[id.action].moves[id.index].from;
+        problem.is_allowed(lattice::Pose { i, j, layer }, id)
+    };
+    let (start, goal) = (problem.start(), problem.goal().clone());
+    lattice::Problem::new(problem.lattice(), actions, start, goal, allowed).expect("a valid problem")
 }

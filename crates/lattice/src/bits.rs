@@ -30,12 +30,6 @@ pub(crate) fn both<const W: usize>(bits: &Bits<W>, others: &Bits<W>) -> Bits<W> 
     std::array::from_fn(|w| bits[w] & others[w])
 }
 
-/// How many bits below `bit` are set.
-pub(crate) fn below<const W: usize>(bits: &Bits<W>, bit: usize) -> usize {
-    let whole: u32 = bits[..bit / 64].iter().map(|word| word.count_ones()).sum();
-    (whole + (bits[bit / 64] & ((1 << (bit % 64)) - 1)).count_ones()) as usize
-}
-
 /// How many bits are set.
 pub(crate) fn count<const W: usize>(bits: &Bits<W>) -> usize {
     bits.iter().map(|word| word.count_ones() as usize).sum()
@@ -44,7 +38,14 @@ pub(crate) fn count<const W: usize>(bits: &Bits<W>) -> usize {
 /// Bits that are set, in order.
 pub(crate) fn ones<const W: usize>(bits: &Bits<W>) -> impl Iterator<Item = usize> + use<W> {
     let bits = *bits;
-    (0..64 * W).filter(move |&bit| has(&bits, bit))
+    (0..W).flat_map(move |number| {
+        let mut left = bits[number];
+        std::iter::from_fn(move || {
+            let bit = (left != 0).then(|| 64 * number + left.trailing_zeros() as usize);
+            left &= left.wrapping_sub(1);
+            bit
+        })
+    })
 }
 
 /// One use of a slot that is kept in the bits: where it may be used, shifted.

@@ -1,18 +1,18 @@
 use crate::graph::{Graph, Reach, within};
 use crate::layered::Levels;
 use crate::watch::{self, Watch};
-use crate::{Cost, Options, Problem, Progress, Solution, dense, layered};
+use crate::{Options, Problem, Progress, Solution, dense, layered};
 
 /// The least cost of a count vector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrontPoint {
     /// Uses of every informative action, in the order of the problem's actions.
     pub counts: Vec<u32>,
-    /// Least cost of a walk to a goal with exactly these uses; `None` if there is none.
-    pub cost: Option<Cost>,
+    /// Least primary cost of a walk to a goal with exactly these uses; `None` if there is none.
+    pub primary: Option<f64>,
 }
 
-/// Least cost of reaching the goal with exactly g uses, for every count vector g up to the required one, from
+/// Least primary cost of reaching the goal with exactly g uses, for every count vector g up to the required one, from
 /// one exhaustive search: information against cost. One point per count vector, the first informative
 /// action's count fastest; `None` if the search is cancelled or does not fit in the memory.
 ///
@@ -44,14 +44,17 @@ pub fn front(
     };
     drop(live);
     let levels = Levels::of(&graph);
-    // Distances are kept in 64 bits here.
-    let bytes = crate::plan::exhaustive_bytes(&graph).saturating_mul(if levels.is_none() { 2 } else { 1 });
+    let bytes = match levels {
+        Some(_) => layered::front_bytes(&graph),
+        // Distances are kept in 64 bits here.
+        None => crate::plan::exhaustive_bytes(&graph).saturating_mul(2),
+    };
     if bytes.saturating_add(own_bytes) + u128::from(graph.bytes()) > u128::from(options.memory_bytes) {
         return None;
     }
     let memory = options.memory_bytes.saturating_sub(graph.bytes());
     let keys = match levels {
-        Some(levels) => layered::front(&graph, levels, most, memory, &mut watch),
+        Some(levels) => layered::front(&graph, levels, most, &mut watch),
         None => dense::front(&graph, most, memory, &mut watch),
     };
     keys.map(|keys| points(problem, &keys))
@@ -61,8 +64,8 @@ fn points(problem: &Problem, keys: &[Option<u64>]) -> Vec<FrontPoint> {
     let required = problem.required();
     let point = |(number, key): (usize, &Option<u64>)| {
         let counts = watch::counts(number as u64, &required);
-        let cost = key.map(|key| problem.cost(key, &counts));
-        FrontPoint { counts, cost }
+        let primary = key.map(|key| problem.cost(key, &counts).primary);
+        FrontPoint { counts, primary }
     };
     keys.iter().enumerate().map(point).collect()
 }

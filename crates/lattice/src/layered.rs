@@ -69,8 +69,7 @@ impl Levels {
 /// Bytes that the search usually needs.
 pub(crate) fn bytes(graph: &Graph, levels: Levels) -> u128 {
     let layout = Layout::new(&graph.problem.required());
-    let plane = layout.blocks.saturating_mul((graph.len() * layout.words * 8) as u128);
-    let bits = plane.saturating_mul(2 + USUAL_PLANES) + u128::from(other_bytes(graph, layout.words));
+    let bits = bits_bytes(graph, &layout, 2 + USUAL_PLANES);
     if !levels.are_partial() {
         return bits;
     }
@@ -78,6 +77,17 @@ pub(crate) fn bytes(graph: &Graph, levels: Levels) -> u128 {
     let places = layout.blocks.saturating_mul((graph.len() * 8 * (1 + layout.words)) as u128);
     let keys = graph.states().saturating_mul(8) / USUALLY_OPTIMAL;
     bits + places + keys + u128::from(graph.arc_bytes(false))
+}
+
+/// Bytes of [`front`].
+pub(crate) fn front_bytes(graph: &Graph) -> u128 {
+    bits_bytes(graph, &Layout::new(&graph.problem.required()), 2)
+}
+
+/// Bytes of so many bits for each state, and of what the search holds besides.
+fn bits_bytes(graph: &Graph, layout: &Layout, planes: u128) -> u128 {
+    let plane = layout.blocks.saturating_mul((graph.len() * layout.words * 8) as u128);
+    plane.saturating_mul(planes) + u128::from(other_bytes(graph, layout.words))
 }
 
 /// Bytes besides the states of all blocks: arcs, the states of one block, queues.
@@ -92,27 +102,22 @@ pub(crate) fn search(graph: &Graph, levels: Levels, most: u64, memory: u64, watc
     let found = match layout.words {
         1 => Layered::<1>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
         2 => Layered::<2>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
+        3 => Layered::<3>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
         4 => Layered::<4>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
         _ => Layered::<8>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
     };
     found.unwrap_or_else(|| Verdict::stopped(None, watch.lower, Limit::Time))
 }
 
-/// The least key of every count vector at any goal, by mixed-radix number, of keys up to `most`; `None` if cancelled, or if it does not
-/// fit in the memory.
-pub(crate) fn front(
-    graph: &Graph,
-    levels: Levels,
-    most: u64,
-    memory: u64,
-    watch: &mut Watch,
-) -> Option<Vec<Option<u64>>> {
+/// The least level of every count vector at any goal, as its key and by mixed-radix number, of keys up to `most`; `None` if cancelled.
+pub(crate) fn front(graph: &Graph, levels: Levels, most: u64, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
     let layout = Layout::new(&graph.problem.required());
     match layout.words {
-        1 => Layered::<1>::new(graph, layout, levels, memory, watch)?.front(most, watch),
-        2 => Layered::<2>::new(graph, layout, levels, memory, watch)?.front(most, watch),
-        4 => Layered::<4>::new(graph, layout, levels, memory, watch)?.front(most, watch),
-        _ => Layered::<8>::new(graph, layout, levels, memory, watch)?.front(most, watch),
+        1 => Layered::<1>::new(graph, layout, levels, 0, watch)?.front(most, watch),
+        2 => Layered::<2>::new(graph, layout, levels, 0, watch)?.front(most, watch),
+        3 => Layered::<3>::new(graph, layout, levels, 0, watch)?.front(most, watch),
+        4 => Layered::<4>::new(graph, layout, levels, 0, watch)?.front(most, watch),
+        _ => Layered::<8>::new(graph, layout, levels, 0, watch)?.front(most, watch),
     }
 }
 
@@ -141,13 +146,6 @@ struct Layered<'a, const W: usize> {
     touched: Vec<u32>,
     /// Planes that fit in the memory; `None` once a level did not fit.
     planes_left: Option<u64>,
-}
-
-/// A state at a goal.
-struct End {
-    block: usize,
-    node: u32,
-    bit: usize,
 }
 
 /// The state of a block after a level.
@@ -198,7 +196,7 @@ impl<'a, const W: usize> Layered<'a, W> {
         let mut level = 0;
         while self.is_open() && self.levels.key(level) <= most {
             watch.raise(self.levels.key(level));
-            match self.level(level, Some(goal_bit), watch, &mut |_, _, _| ()) {
+            match self.level(level, Some(goal_bit), watch, &mut |_, _| ()) {
                 Level::Goal(_) if self.levels.are_partial() => {
                     return self.least(level, goal_bit, most, watch);
                 }
@@ -211,41 +209,25 @@ impl<'a, const W: usize> Layered<'a, W> {
     }
 
     fn front(mut self, most: u64, watch: &mut Watch) -> Option<Vec<Option<u64>>> {
-        let required = self.graph.problem.required();
-        let (strides, vectors) = watch::strides(&required);
+        let (strides, vectors) = watch::strides(&self.graph.problem.required());
         let mut least = vec![None; vectors as usize];
         let (layout, levels) = (self.layout.clone(), self.levels);
-        if !levels.are_partial() {
-            self.planes_left = None;
-        }
-        let mut ends = Vec::new();
+        self.planes_left = None;
         self.begin();
         let mut level = 0;
         while self.is_open() && levels.key(level) <= most {
-            let mut here = Vec::new();
-            let mut note = |block: usize, node: u32, bits: &Bits<W>| {
+            let mut note = |block: usize, bits: &Bits<W>| {
                 for bit in bits::ones(bits) {
                     let number = watch::number(&layout.counts(block, bit), &strides);
-                    let first = *least[number as usize].get_or_insert(levels.key(level));
-                    if levels.are_partial() && first == levels.key(level) {
-                        here.push(End { block, node, bit });
-                    }
+                    least[number as usize].get_or_insert(levels.key(level));
                 }
             };
             match self.level(level, None, watch, &mut note) {
                 Level::Stopped => return None,
                 _ => level += 1,
             }
-            if levels.are_partial() {
-                ends.push(here);
-            }
         }
-        if !levels.are_partial() {
-            return Some(least);
-        }
-        let keys = self.cheapest(ends, None, watch).ok()?;
-        let key = |number| keys.at_goal(&watch::counts(number as u64, &required)).map(|(key, _)| key);
-        Some((0..least.len()).map(|number| key(number).filter(|key| *key <= most)).collect())
+        Some(least)
     }
 
     fn begin(&mut self) {
@@ -265,7 +247,7 @@ impl<'a, const W: usize> Layered<'a, W> {
         level: u64,
         goal_bit: Option<usize>,
         watch: &mut Watch,
-        at_goal: &mut dyn FnMut(usize, u32, &Bits<W>),
+        at_goal: &mut dyn FnMut(usize, &Bits<W>),
     ) -> Level {
         for block in 0..self.blocks {
             self.open(block);
@@ -279,7 +261,7 @@ impl<'a, const W: usize> Layered<'a, W> {
                 if block + 1 == self.blocks && goal_bit.is_some_and(|bit| bits::has(new, bit)) {
                     return Level::Goal(node);
                 }
-                at_goal(block, node, new);
+                at_goal(block, new);
             }
             if !watch.keep_going(self.touched.len() as u64) {
                 return Level::Stopped;

@@ -12,7 +12,7 @@ pub(crate) enum Digit {
 /// Count vectors as blocks of `64 * words` bits.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Layout {
-    /// 1, 2, 4 or 8.
+    /// 1, 2, 3, 4 or 8.
     pub words: usize,
     pub digits: Vec<Digit>,
     pub blocks: u128,
@@ -21,7 +21,7 @@ pub(crate) struct Layout {
 impl Layout {
     /// The most efficient layout; wider blocks are preferred.
     pub fn new(required: &[u32]) -> Self {
-        let (words, chosen) = [(1, 0.8), (2, 0.9), (4, 1.0), (8, 1.0)]
+        let (words, chosen) = [(1, 0.8), (2, 0.9), (3, 0.95), (4, 1.0), (8, 1.0)]
             .map(|(words, efficiency)| (words, efficiency, fullest(required, 64 * words)))
             .into_iter()
             .filter(|(words, _, (used, _))| *words == 1 || used * 2 > 64 * words)
@@ -115,6 +115,12 @@ mod tests {
     fn eleven_times_two_wastes_a_twentieth() {
         let layout = Layout::new(&[2; 11]);
         assert_eq!((layout.words, layout.blocks), (4, 729));
+    }
+
+    #[test]
+    fn three_times_twelve_are_three_words() {
+        let layout = Layout::new(&[12, 12, 12]);
+        assert_eq!((layout.words, layout.blocks), (3, 13));
     }
 
     #[test]

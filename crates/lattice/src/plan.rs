@@ -91,7 +91,8 @@ pub(crate) fn exhaustive_bytes(graph: &Graph) -> u128 {
 fn engine(graph: &Graph, options: &Options) -> Chosen {
     let (states, bytes) = (graph.states(), exhaustive_bytes(graph));
     let fits = bytes <= u128::from(memory(graph, options));
-    let (weight, large) = match Levels::of(graph) {
+    let levels = Levels::of(graph);
+    let (weight, large) = match levels {
         Some(levels) if levels.are_partial() => (PARTIAL_WEIGHT, LARGE_BITS / PARTIAL_WEIGHT),
         Some(_) => (1, LARGE_BITS),
         None => (DENSE_WEIGHT, LARGE_DENSE),
@@ -101,7 +102,10 @@ fn engine(graph: &Graph, options: &Options) -> Chosen {
         Engine::Exhaustive => Chosen::TooLarge(bytes),
         Engine::Lagrangian => Chosen::Lagrangian,
         Engine::Auto if !fits || states > large => Chosen::Lagrangian,
-        Engine::Auto if states * weight <= SMALL => Chosen::Exhaustive,
+        // Bounds seldom prove a secondary cost.
+        Engine::Auto if states * weight <= SMALL || levels.is_some_and(Levels::are_partial) => {
+            Chosen::Exhaustive
+        }
         Engine::Auto => Chosen::BoundsFirst,
     }
 }

@@ -1,7 +1,7 @@
 //! The least whole keys where levels are primary costs alone: first all states on ways to goals that are optimal in levels, backwards
 //! and as bits; then one distance for each of them.
 
-use super::{End, Layered};
+use super::Layered;
 use crate::Limit;
 use crate::bits::{self, Bits, Shift};
 use crate::graph::Graph;
@@ -10,30 +10,28 @@ use crate::radix_heap::RadixHeap;
 use crate::recover;
 use crate::watch::{Verdict, Watch};
 
-/// States between two checks of the queue's memory.
-const LOOKS: u32 = 1 << 12;
-
-/// The least keys of optimal states.
-pub(super) struct Keys<'a, const W: usize> {
+/// The least keys of optimal states. Those of a *group* have the same counts, which are a block and a bit.
+struct Keys<'a> {
     graph: &'a Graph<'a>,
     layout: Layout,
-    /// By `block * nodes + node`: the states, and the number of those before.
-    optimal: Vec<Bits<W>>,
-    before: Vec<usize>,
-    /// By number of the state; `u64::MAX` before it is reached.
-    keys: Vec<u64>,
+    /// Words of a group: a bit for each node.
+    words: usize,
+    /// By `(block * bits + bit) * words + word`: the nodes, and the number of states before.
+    nodes: Vec<u64>,
+    before: Vec<u32>,
+    /// By number of the state within its block; `u64::MAX` before it is reached.
+    keys: Vec<Vec<u64>>,
+    /// Basic moves below this key stay in their level; whether there are any.
+    unit: u64,
+    has_free: bool,
 }
 
 impl<'a, const W: usize> Layered<'a, W> {
     /// The cheapest plan among those with fewest levels, where the last one was just reached.
     pub(super) fn least(self, level: u64, goal_bit: usize, most: u64, watch: &mut Watch) -> Verdict {
-        let block = self.blocks - 1;
-        let goals = self.graph.goals.iter().filter(|node| bits::has(&self.now[**node as usize], goal_bit));
-        let mut ends: Vec<Vec<End>> = (0..=level).map(|_| Vec::new()).collect();
-        ends[level as usize] = goals.map(|&node| End { block, node, bit: goal_bit }).collect();
         let (graph, lower) = (self.graph, self.levels.key(level));
         let required = graph.problem.required();
-        let keys = match self.cheapest(ends, Some((block, goal_bit)), watch) {
+        let keys = match self.cheapest(level, goal_bit, watch) {
             Ok(keys) => keys,
             Err(limit) => return Verdict::stopped(None, lower, limit),
         };
@@ -46,39 +44,28 @@ impl<'a, const W: usize> Layered<'a, W> {
         }
     }
 
-    /// The least keys of all states on ways to `ends`, by level, that are optimal in levels; with a block and bit of goals, only as far
-    /// as the first of them.
-    pub(super) fn cheapest(
-        mut self,
-        ends: Vec<Vec<End>>,
-        until: Option<(usize, usize)>,
-        watch: &mut Watch,
-    ) -> Result<Keys<'a, W>, Limit> {
+    /// The least keys of all states on ways to the goals of the last block that are optimal in levels.
+    fn cheapest(mut self, last: u64, goal_bit: usize, watch: &mut Watch) -> Result<Keys<'a>, Limit> {
         if self.planes_left.is_none() {
             return Err(Limit::Memory);
         }
+        let goals = self.graph.goals.iter().filter(|node| bits::has(&self.now[**node as usize], goal_bit));
+        let goals: Vec<u32> = goals.copied().collect();
         // What was not followed has no level.
         for (reached, fresh) in self.reached.iter_mut().zip(&self.fresh) {
             *reached = bits::beyond(reached, fresh);
         }
         self.fresh.fill([0; W]);
-        let optimal = Backwards::new(&mut self).all(ends, watch).ok_or(Limit::Time)?;
-        let Self { graph, layout, memory, reached, fresh, planes, fans, .. } = self;
-        drop((reached, fresh, planes, fans));
-        let mut count = 0;
-        let mut before = Vec::with_capacity(optimal.len());
-        for own in &optimal {
-            before.push(count);
-            count += bits::count(own);
-        }
-        let bits = size_of_val(&optimal[..]) + size_of_val(&before[..]);
-        let held = graph.arc_bytes(false) + (bits + 8 * count) as u64;
-        if held > memory {
+        self.reached = Backwards::new(&mut self).all((last, goal_bit), &goals, watch).ok_or(Limit::Time)?;
+        self.fresh = Vec::new();
+        let states: usize = self.reached.iter().map(bits::count).sum();
+        let held = (2 + self.planes.len()) * size_of_val(&self.reached[..]) + 8 * states;
+        if held as u64 + self.graph.arc_bytes(false) > self.memory {
             return Err(Limit::Memory);
         }
-        graph.lay_out(false, watch).ok_or(Limit::Time)?;
-        let mut keys = Keys { graph, layout, optimal, before, keys: vec![u64::MAX; count] };
-        keys.run(until, memory - held, watch)?;
+        self.graph.lay_out(false, watch).ok_or(Limit::Time)?;
+        let mut keys = Keys::new(&self);
+        keys.run(&self, last, watch).ok_or(Limit::Time)?;
         Ok(keys)
     }
 
@@ -118,21 +105,21 @@ impl<'l, 'a, const W: usize> Backwards<'l, 'a, W> {
         Self { searched, shifts, optimal, here, below }
     }
 
-    /// The states on ways to `ends`, by level. `None` if cancelled.
-    fn all(mut self, ends: Vec<Vec<End>>, watch: &mut Watch) -> Option<Vec<Bits<W>>> {
-        for (level, ends) in ends.into_iter().enumerate().rev() {
-            std::mem::swap(&mut self.here, &mut self.below);
-            for End { block, node, bit } in ends {
-                let mut state = [0; W];
-                state[bit / 64] = 1 << (bit % 64);
-                if self.arrive(level as u64, block, node, &state) {
-                    self.here[block].push(node);
-                }
+    /// The states on ways to `goals` of the last block and a bit, which are reached at level `last`. `None` if cancelled.
+    fn all(mut self, (last, bit): (u64, usize), goals: &[u32], watch: &mut Watch) -> Option<Vec<Bits<W>>> {
+        let (mut goal, block) = ([0; W], self.searched.blocks - 1);
+        goal[bit / 64] = 1 << (bit % 64);
+        for &node in goals {
+            if self.arrive(last, block, node, &goal) {
+                self.below[block].push(node);
             }
+        }
+        for level in (0..=last).rev() {
+            std::mem::swap(&mut self.here, &mut self.below);
             for block in (0..self.searched.blocks).rev() {
                 while let Some(node) = self.here[block].pop() {
                     watch.keep_going(1).then_some(())?;
-                    self.follow(level as u64, block, node);
+                    self.follow(level, block, node);
                 }
             }
         }
@@ -185,71 +172,135 @@ impl<'l, 'a, const W: usize> Backwards<'l, 'a, W> {
     }
 }
 
-impl<const W: usize> Keys<'_, W> {
-    /// Visits the states in order of their keys.
-    fn run(&mut self, until: Option<(usize, usize)>, memory: u64, watch: &mut Watch) -> Result<(), Limit> {
-        let nodes = self.graph.len();
-        let mut queue = RadixHeap::<u64, (u32, u32)>::new();
-        let start = self.graph.start as usize;
-        let Some(number) = self.number(start, 0) else { return Ok(()) };
-        self.keys[number] = 0;
-        queue.push(0, (start as u32, 0));
-        let mut popped = 0_u32;
-        while let Some((key, (at, bit))) = queue.pop() {
-            let (at, bit) = (at as usize, bit as usize);
-            popped = popped.wrapping_add(1);
-            if popped.is_multiple_of(LOOKS) && queue.bytes() > memory {
-                return Err(Limit::Memory);
+impl<'a> Keys<'a> {
+    /// Of the states that `optimal` has reached.
+    fn new<const W: usize>(optimal: &Layered<'a, W>) -> Self {
+        let (graph, bits) = (optimal.graph, 64 * W);
+        let words = optimal.nodes.div_ceil(64);
+        let mut nodes = vec![0_u64; optimal.blocks * bits * words];
+        for (at, own) in optimal.reached.iter().enumerate() {
+            let (block, node) = (at / optimal.nodes, at % optimal.nodes);
+            for bit in bits::ones(own) {
+                nodes[(block * bits + bit) * words + node / 64] |= 1 << (node % 64);
             }
-            if self.key(at, bit) != Some(key) {
-                continue;
+        }
+        let (mut before, mut keys) = (Vec::with_capacity(nodes.len()), Vec::with_capacity(optimal.blocks));
+        for block in nodes.chunks(bits * words) {
+            let mut count = 0;
+            for word in block {
+                before.push(count);
+                count += word.count_ones();
             }
-            let (block, node) = (at / nodes, at % nodes);
-            if until == Some((block, bit)) && self.graph.is_goal[node] {
-                return Ok(());
-            }
-            if !watch.keep_going(1) {
-                return Err(Limit::Time);
-            }
-            for arc in self.graph.arcs(node as u32) {
-                let (step, slot) = self.graph.price(arc.step);
-                let Some((block, bit)) = after(&self.layout, slot, block, bit) else { continue };
-                let at = block * nodes + arc.node as usize;
-                let Some(number) = self.number(at, bit) else { continue };
-                if key + step < self.keys[number] {
-                    self.keys[number] = key + step;
-                    queue.push(key + step, (at as u32, bit as u32));
+            keys.push(vec![u64::MAX; count as usize]);
+        }
+        let mut moves = 0..graph.problem.moves.len() as u32;
+        let unit = optimal.levels.unit;
+        let has_free = moves.any(|step| matches!(graph.price(step), (key, None) if key < unit));
+        Self { graph, layout: optimal.layout.clone(), words, nodes, before, keys, unit, has_free }
+    }
+
+    /// Visits the states level after level, and in each from the lowest block and bit. `None` if cancelled.
+    fn run<const W: usize>(&mut self, optimal: &Layered<'a, W>, last: u64, watch: &mut Watch) -> Option<()> {
+        let Some(start) = self.number(self.group(0, 0), self.graph.start) else { return Some(()) };
+        self.keys[0][start] = 0;
+        let mut groups: Vec<Vec<u32>> = vec![Vec::new(); 64 * W];
+        let mut queue = RadixHeap::new();
+        for level in 0..=last {
+            for block in 0..optimal.blocks {
+                for node in 0..optimal.nodes {
+                    for bit in bits::ones(&optimal.at_level(level, block * optimal.nodes + node)) {
+                        groups[bit].push(node as u32);
+                    }
+                }
+                for (bit, nodes) in groups.iter_mut().enumerate().filter(|(_, nodes)| !nodes.is_empty()) {
+                    watch.keep_going(nodes.len() as u64).then_some(())?;
+                    self.leave((block, bit), nodes, &mut queue);
+                    nodes.clear();
                 }
             }
         }
-        Ok(())
+        Some(())
     }
 
-    /// The number of an optimal state.
-    fn number(&self, at: usize, bit: usize) -> Option<usize> {
-        let own = &self.optimal[at];
-        bits::has(own, bit).then(|| self.before[at] + bits::below(own, bit))
+    /// Follows the moves from some nodes of a group, whose keys are known but for free moves between them.
+    fn leave(&mut self, (block, bit): (usize, usize), nodes: &[u32], queue: &mut RadixHeap<u64, u32>) {
+        let group = self.group(block, bit);
+        let slots = 0..self.layout.digits.len() as u32;
+        let after: Vec<_> = slots.map(|slot| after(&self.layout, slot, block, bit)).collect();
+        if !self.has_free {
+            nodes.iter().for_each(|&node| self.follow((block, group), node, &after, None));
+            return;
+        }
+        queue.clear();
+        let mut known: Vec<(u64, u32)> =
+            nodes.iter().filter_map(|&node| Some((self.key(block, group, node)?, node))).collect();
+        known.sort_unstable();
+        known.into_iter().for_each(|(key, node)| queue.push(key, node));
+        while let Some((key, node)) = queue.pop() {
+            if self.key(block, group, node) == Some(key) {
+                self.follow((block, group), node, &after, Some(queue));
+            }
+        }
     }
 
-    fn key(&self, at: usize, bit: usize) -> Option<u64> {
-        self.number(at, bit).map(|number| self.keys[number]).filter(|key| *key < u64::MAX)
+    /// Follows the moves from a state; `after` has the counts after a use of each slot.
+    fn follow(
+        &mut self,
+        (block, group): (usize, usize),
+        node: u32,
+        after: &[Option<(usize, usize)>],
+        mut queue: Option<&mut RadixHeap<u64, u32>>,
+    ) {
+        let Some(key) = self.key(block, group, node) else { return };
+        let graph = self.graph;
+        for arc in graph.arcs(node) {
+            let (step, slot) = graph.price(arc.step);
+            let end = match slot {
+                None => Some((block, group)),
+                Some(slot) => after[slot as usize].map(|(block, bit)| (block, self.group(block, bit))),
+            };
+            let Some((end_block, end_group)) = end else { continue };
+            let Some(number) = self.number(end_group, arc.node) else { continue };
+            let known = &mut self.keys[end_block][number];
+            if key + step < *known {
+                *known = key + step;
+                match queue.as_deref_mut() {
+                    Some(queue) if slot.is_none() && step < self.unit => queue.push(key + step, arc.node),
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    fn group(&self, block: usize, bit: usize) -> usize {
+        block * 64 * self.layout.words + bit
+    }
+
+    /// The number of an optimal state within its block.
+    fn number(&self, group: usize, node: u32) -> Option<usize> {
+        let word = group * self.words + node as usize / 64;
+        let (nodes, own) = (self.nodes[word], 1 << (node % 64));
+        (nodes & own != 0).then(|| (self.before[word] + (nodes & (own - 1)).count_ones()) as usize)
+    }
+
+    fn key(&self, block: usize, group: usize, node: u32) -> Option<u64> {
+        self.number(group, node).map(|number| self.keys[block][number]).filter(|key| *key < u64::MAX)
     }
 
     /// Of a node with counts.
-    pub(super) fn of(&self, node: u32, counts: &[u32]) -> Option<u64> {
+    fn of(&self, node: u32, counts: &[u32]) -> Option<u64> {
         let (block, bit) = self.layout.place(counts);
-        self.key(block * self.graph.len() + node as usize, bit)
+        self.key(block, self.group(block, bit), node)
     }
 
     /// The least key with `counts` at a goal, and the first such goal.
-    pub(super) fn at_goal(&self, counts: &[u32]) -> Option<(u64, u32)> {
+    fn at_goal(&self, counts: &[u32]) -> Option<(u64, u32)> {
         self.graph.goals.iter().filter_map(|&node| Some((self.of(node, counts)?, node))).min()
     }
 }
 
-/// Block and bit after a move of a slot, or a basic move, if the count allows it.
-fn after(layout: &Layout, slot: Option<u32>, block: usize, bit: usize) -> Option<(usize, usize)> {
-    let Some(slot) = slot else { return Some((block, bit)) };
+/// Block and bit after a use of a slot, if the count allows it.
+fn after(layout: &Layout, slot: u32, block: usize, bit: usize) -> Option<(usize, usize)> {
     match layout.digits[slot as usize] {
         Digit::Bit { stride, radix } => {
             (bit as u32 / stride % radix + 1 < radix).then(|| (block, bit + stride as usize))

@@ -47,7 +47,7 @@ fn check(file: &Path) {
     let points = front(&problem, None, &Options::default(), &mut |_| true).expect("a small front");
     let row = |point: &lattice::FrontPoint| {
         let counts = point.counts.iter().map(|&count| Some(f64::from(count)));
-        counts.chain([point.cost.map(|cost| cost.primary)]).collect::<Vec<_>>()
+        counts.chain([point.primary]).collect::<Vec<_>>()
     };
     let rows: Vec<Vec<Option<f64>>> = points.iter().map(row).collect();
     let mut expected: Vec<Vec<Option<f64>>> =

@@ -40,11 +40,11 @@ impl Search<'_> {
         plan(problem, &self.options, &mut *(self.watch)())
     }
 
-    /// The least cost of every feasible count vector, up to that of a known plan; empty if the exhaustive search does not fit in
+    /// The least primary cost of every feasible count vector, up to that of a known plan; empty if the exhaustive search does not fit in
     /// the memory.
     pub(super) fn affordable(&self, problem: &Problem, plan: Option<&Solution>) -> Vec<(Vec<u32>, f64)> {
         let points = front(problem, plan, &self.options, &mut *(self.watch)()).unwrap_or_default();
-        points.into_iter().filter_map(|p| Some((p.counts, p.cost?.primary))).collect()
+        points.into_iter().filter_map(|p| Some((p.counts, p.primary?))).collect()
     }
 }
 
