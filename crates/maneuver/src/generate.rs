@@ -222,6 +222,11 @@ impl Generator {
         by_kind || self.helms.contains_key(&index)
     }
 
+    /// Whether the ship stops in maneuver `index`, so that a longer run of it says little more.
+    pub fn stops(&self, index: usize) -> bool {
+        matches!(self.maneuvers[index].kind.standard(), Some(Standard::Stop(_)))
+    }
+
     /// The inputs of maneuver `index` in `samples` samples. Swings keep their period, sweeps are stretched to
     /// the length. Tables are played from their first row.
     ///

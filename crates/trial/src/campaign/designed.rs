@@ -132,6 +132,22 @@ impl Designed {
     }
 }
 
+impl Designed {
+    /// Stops whose share is one piece longer than the maneuver itself, one line each: the ship is at rest for the remainder.
+    pub(super) fn at_rest(&self, generator: &Generator, plan: &Plan, rate_hz: f64) -> Vec<String> {
+        let one = |(q, samples): &(usize, usize)| {
+            let own = generator.samples(*q).ok().filter(|own| own < samples && generator.stops(*q))?;
+            let [piece_s, own_s] = [*samples, own].map(|samples| samples as f64 / rate_hz);
+            let name = &generator.maneuvers()[*q].name;
+            Some(format!(
+                "{name} has its share in one piece of {piece_s:.0} s, though it takes {own_s:.0} s at most: \
+                 `seatrial design --arrange` cuts it into several"
+            ))
+        };
+        plan.iter().filter(|_| self.order.is_none()).filter_map(one).collect()
+    }
+}
+
 /// Refuses shares that are invalid or do not sum to one.
 ///
 /// # Errors

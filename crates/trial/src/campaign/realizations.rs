@@ -150,6 +150,7 @@ impl<'a> Campaign<'a> {
         let tables = generator.tables();
         let optimized = design.plan(&names, tables, samples)?;
         let mut statements = design.said(&names, tables, &optimized);
+        statements.extend(design.at_rest(generator, &optimized, sea.vessel().sample_rate_hz));
         let mut designs = vec![Design::new("optimized", settings.seed, Rule::Fixed(optimized))];
         if let Some(segments) = settings.random_segments {
             if segments as usize > samples {

@@ -131,6 +131,24 @@ fn law_a_heading_trigger_runs_in_campaigns() {
 }
 
 #[test]
+fn a_stop_whose_share_is_one_long_piece_is_named() {
+    let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
+    let text = "[[maneuver]]\nname = \"stop\"\nkind = \"stop\"\nspeed_m_s = 0.6\ninputs = { tau1 = -30.0 }\n\
+                duration_s = 20.0\n";
+    let generator = Generator::without_tables(&vessel, &text.parse().unwrap()).unwrap();
+    let said = |duration_s: f64, order: Option<Vec<(String, usize)>>| {
+        let settings = Settings { duration_s, realizations: 1, random_segments: None, seed: 3 };
+        let design = Designed { shares: BTreeMap::from([("stop".to_owned(), 1.0)]), order };
+        Campaign::new(sea(&vessel), &generator, &design, &settings).unwrap().statements().to_vec()
+    };
+    let expected = "stop has its share in one piece of 60 s, though it takes 20 s at most: `seatrial design --arrange` cuts \
+                    it into several";
+    assert_eq!(said(60.0, None), [expected]);
+    assert!(said(20.0, None).is_empty());
+    assert!(said(60.0, Some(vec![("stop".to_owned(), 480)])).is_empty());
+}
+
+#[test]
 fn law_lanes_and_single_runs_follow_the_same_actuators_to_the_bit() {
     let mut vessel = Vessel::preset("ljungberg-model-ship").unwrap();
     vessel.actuators[2] =
