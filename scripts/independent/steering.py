@@ -16,8 +16,8 @@ from .voyage import ARC, HOLD, LINE, MANEUVER, Phase, Voyage, wrap
 COURSE, SPEED, YAW_RATE, MEMORY, AT_ONCE, BELIEVED = 4.0, 4.0, 8.0, 8.0, 0.5, 0.3
 # Over what part of the response time noisy measurements are smoothed.
 SMOOTHED = 0.25
-# Newton's steps per sample, and increments that count as none.
-STEPS, SMALL = 5, 1e-9
+# Newton's steps per sample, and increments and slopes that count as none.
+STEPS, SMALL, NO_EFFECT = 5, 1e-9, 1e-15
 
 
 class Fleet:
@@ -119,16 +119,22 @@ class Fleet:
 
 
 def solved(slopes: np.ndarray, missing: np.ndarray) -> np.ndarray:
-    """Changes of inputs, vessels × inputs. An input without any effect is not changed, nor is the motion that it leaves free."""
-    slopes, missing = slopes.copy(), missing.copy()
-    idle = np.abs(slopes).max(axis=1) <= 1e-15
-    for index in np.flatnonzero(idle.any(axis=0)):
-        lanes = np.flatnonzero(idle[:, index])
-        row = np.abs(slopes[lanes]).max(axis=2).argmin(axis=1)
-        slopes[lanes, row, :] = 0.0
-        slopes[lanes, row, index] = 1.0
-        missing[lanes, row] = 0.0
-    return np.linalg.solve(slopes, missing[:, :, None])[:, :, 0]
+    """Changes of inputs, vessels × inputs: each input in turn makes up for the motion that it changes most. One that changes no
+    motion besides those that others make up for is left where it is, such as a rudder at rest, which has drag alone."""
+    rows, lanes, count = np.concatenate([slopes, missing[:, :, None]], axis=2), np.arange(len(slopes)), slopes.shape[2]
+    is_free, made_up = np.ones(slopes.shape[:2], dtype=bool), np.zeros((len(slopes), count), dtype=int)
+    acts = np.zeros((len(slopes), count), dtype=bool)
+    for index in range(count):
+        effects = np.where(is_free, np.abs(rows[:, :, index]), 0.0)
+        best = effects.argmax(axis=1)
+        acts[:, index], made_up[:, index] = effects[lanes, best] > NO_EFFECT, best
+        own, row = lanes[acts[:, index]], best[acts[:, index]]
+        is_free[own, row] = False
+        parts = rows[own, :, index] / rows[own, row, index][:, None]
+        parts[np.arange(len(own)), row] = 0.0
+        rows[own] -= parts[:, :, None] * rows[own, row][:, None, :]
+    slopes = np.where(acts, rows[lanes[:, None], made_up, np.arange(count)], 1.0)
+    return np.where(acts, rows[lanes[:, None], made_up, count] / slopes, 0.0)
 
 
 @dataclass
