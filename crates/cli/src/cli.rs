@@ -10,6 +10,7 @@ use crate::failure::Failure;
 
 pub use artifact::{budget, set_budget};
 pub use study::beside;
+use study::check_kind;
 
 /// Flags of every stage.
 #[derive(Clone, Debug, Args)]
@@ -89,7 +90,7 @@ impl Common {
     /// must exist, so that a missing folder is reported before the work.
     ///
     /// # Errors
-    /// A usage error that names the input that would be overwritten; no such folder.
+    /// A usage error: an input that would be overwritten, the name of another kind of file; no such folder.
     pub fn main_output<I: AsRef<Path>>(
         &self,
         name: &str,
@@ -107,7 +108,7 @@ impl Common {
     /// [`Common::main_output`] for stages that create the folder.
     ///
     /// # Errors
-    /// A usage error that names the input that would be overwritten.
+    /// A usage error: an input that would be overwritten, the name of another kind of file.
     pub fn output_in_any_folder<I: AsRef<Path>>(
         &self,
         name: &str,
@@ -115,10 +116,10 @@ impl Common {
     ) -> Result<PathBuf, Failure> {
         let folder = self.out.is_dir() || self.out.as_os_str().to_string_lossy().ends_with('/');
         let out = if folder { self.out.join(name) } else { self.out.clone() };
-        let Ok(existing) = out.canonicalize() else { return Ok(out) };
-        let same = |input: &I| input.as_ref().canonicalize().is_ok_and(|path| path == existing);
+        let existing = out.canonicalize().ok();
+        let same = |input: &I| existing.is_some() && input.as_ref().canonicalize().ok() == existing;
         match inputs.into_iter().find(same) {
-            None => Ok(out),
+            None => check_kind(&out, name).map(|()| out).map_err(|e| Failure::Usage(e.to_string())),
             Some(input) => Err(Failure::Usage(format!(
                 "--out: found {}, which is also an input, expected another file; name another output",
                 input.as_ref().display()

@@ -226,3 +226,23 @@ pub fn beside(main: &Path, usual: &str, name: &str) -> PathBuf {
     };
     main.with_file_name(name)
 }
+
+/// Endings of the main files of stages, one for each kind.
+const KINDS: [&str; 6] = ["json", "parquet", "toml", "html", "md", "svg"];
+
+/// Refuses to write what is usually called `usual` to `out`, if that is named as another kind of file: readers would take it for
+/// such a one.
+///
+/// # Errors
+/// Names `out` and the ending that it needs.
+pub fn check_kind(out: &Path, usual: &str) -> Result<(), Invalid> {
+    let end = |path: &Path| path.extension().map(|own| own.to_string_lossy().to_ascii_lowercase());
+    match (end(out), end(Path::new(usual))) {
+        (Some(found), Some(own)) if found != own && KINDS.contains(&found.as_str()) => {
+            let expected = format!("a name that ends in .{own}, as {usual} does");
+            let remedy = format!("write --out {}", out.with_extension(own).display());
+            Err(Invalid::new("--out", out.display().to_string(), expected, remedy))
+        }
+        _ => Ok(()),
+    }
+}

@@ -44,7 +44,7 @@ pub mod vessel_text;
 
 pub use beyond::beyond;
 pub use doubtful::Doubtful;
-pub use files::{beside, role_of};
+pub use files::{beside, check_kind, role_of};
 pub use logged_helm::LoggedHelm;
 pub use rate::{at_rate, note_divided};
 pub use reached::note_reached;

@@ -193,7 +193,7 @@ fn estimates_that_do_not_fit_into_memory_are_refused_before_the_work() {
         (selection, "48 runs of 48000 samples in all"),
     ] {
         let said = [&format!("campaign.parquet: rows: found {amount}"), "fits the 12 MiB of --memory-mib"];
-        refused(&folder, 3, &format!("{line} {tiny} --out out.parquet"), &said);
+        refused(&folder, 3, &format!("{line} {tiny} --out out"), &said);
     }
 }
 

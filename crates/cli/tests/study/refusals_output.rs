@@ -54,6 +54,24 @@ fn an_output_that_is_also_an_input_is_refused() {
     }
 }
 
+#[test]
+fn an_output_that_is_named_as_another_kind_of_file_is_refused() {
+    let folder = with(&READ);
+    for stage in STAGES {
+        let (line, out) = stage.rsplit_once(" --out ").unwrap();
+        let (name, own) = out.rsplit_once('.').unwrap();
+        for other in ["json", "parquet", "html", "toml", "PARQUET"] {
+            if !other.eq_ignore_ascii_case(own) {
+                let (found, better) = (format!("{name}2.{other}"), format!("write --out {name}2.{own}"));
+                refused(&folder, 2, &format!("{line} --out {found}"), &["--out", &found, &better]);
+            }
+        }
+    }
+    let guess = "guess --length 320 --beam 58 --draught 20.8 --block 0.81";
+    refused(&folder, 2, &format!("{guess} --out ship.json"), &["ends in .toml", "write --out ship.toml"]);
+    run(&folder, &format!("{guess} --out ship.v1")).succeeds();
+}
+
 #[cfg(unix)]
 #[test]
 fn names_that_are_no_text_are_read_and_written() {
