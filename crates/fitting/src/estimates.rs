@@ -52,7 +52,7 @@ impl Pass<'_> {
     fn estimates(&self, fit: &Fit) -> Result<Estimates, Unfit> {
         let n = fit.theta.len();
         let sums = self.all_sums(&fit.theta, &fit.starts);
-        let windows = self.reduced(&sums, 0.0).ok_or(Unfit::NoSample)?;
+        let windows = self.determined(&sums)?;
         let (data, gradient) = self.information(n, &sums, &windows);
         let (mut meat, mut pieces) = (vec![0.0; n * n], 0);
         for (own, window) in sums.iter().flatten().zip(windows.iter().flatten()) {

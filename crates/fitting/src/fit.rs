@@ -223,8 +223,19 @@ impl Pass<'_> {
         Ok(next.cost.is_finite().then_some((next, expected.max(f64::MIN_POSITIVE))))
     }
 
+    /// Every window reduced to θ at a minimum.
+    ///
+    /// # Errors
+    /// A window whose start is not determined.
+    pub(crate) fn determined(&self, sums: &[Vec<Sums>]) -> Result<Vec<Vec<Reduced>>, Unfit> {
+        let n = self.forces.parameters().len();
+        let own = |(window, own)| reduced(own, n, 0.0).ok_or_else(|| self.without_start(window));
+        let all = self.groups.iter().zip(sums);
+        all.map(|(group, sums)| group.windows.iter().zip(sums).map(own).collect()).collect()
+    }
+
     /// Every window reduced to θ.
-    pub(crate) fn reduced(&self, sums: &[Vec<Sums>], damping: f64) -> Option<Vec<Vec<Reduced>>> {
+    fn reduced(&self, sums: &[Vec<Sums>], damping: f64) -> Option<Vec<Vec<Reduced>>> {
         let n = self.forces.parameters().len();
         sums.iter().map(|group| group.iter().map(|own| reduced(own, n, damping)).collect()).collect()
     }
@@ -276,7 +287,13 @@ impl Pass<'_> {
                 return Unfit::Diverged { recording, first_s: own.first as f64 * self.settings.sample_s };
             }
         }
-        Unfit::NoSample
+        Unfit::Boundless
+    }
+
+    /// Why `window` has no start of its own.
+    pub(crate) fn without_start(&self, window: &Window) -> Unfit {
+        let recording = self.recordings[window.recording].name.to_owned();
+        Unfit::Start { recording, first_s: window.first as f64 * self.settings.sample_s }
     }
 }
 

@@ -21,6 +21,19 @@ pub enum Unfit {
         /// Where the window begins in it \[s\].
         first_s: f64,
     },
+    /// The cost of the numbers that a search begins with is not finite, though every window's is.
+    #[error("the cost of the numbers that the search begins with is not finite")]
+    Boundless,
+    /// The state that a window starts from cannot be found: how motion depends on it grows beyond every number.
+    #[error(
+        "in `{recording}`, the state at {first_s} s cannot be found: the motion of its window depends on it beyond all numbers"
+    )]
+    Start {
+        /// The recording.
+        recording: String,
+        /// Where the window begins in it \[s\].
+        first_s: f64,
+    },
     /// Neither the recordings nor a prior determine a parameter.
     #[error("nothing in the recordings determines `{0}`, and it has no prior")]
     Undetermined(String),
@@ -46,6 +59,15 @@ impl Unfit {
             Self::Constant(_) => ("the recordings", "u, v and r that vary", "give runs with maneuvers"),
             Self::Diverged { .. } => {
                 ("the model", "numbers that the ship can be simulated with", "correct `nominal` or `prime`")
+            }
+            Self::Boundless => ("the model", "a finite one", "begin from numbers nearer to their priors"),
+            Self::Start { .. } => {
+                let expected = "windows over which motion stays finite";
+                (
+                    "the recordings",
+                    expected,
+                    "take shorter windows (`--window-s`), or correct the model's numbers",
+                )
             }
             Self::Undetermined(_) => ("the model", "information about each", "add a `prior`, or fix it"),
             Self::Candidate(_) => {

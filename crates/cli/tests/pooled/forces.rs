@@ -208,6 +208,67 @@ fn fits_of_forces_that_cannot_be_are_refused_in_one_line() {
     );
 }
 
+/// A ship whose yaw is steady with `n_r` below 0, and unstable above it but for large rates.
+fn of_yaw(n_r: f64) -> String {
+    format!(
+        r#"name = "ship"
+model = "forces"
+sample_rate_hz = 1.0
+density_kg_m3 = 1000.0
+surge = [
+  {{ parameter = "X_0", term = "u U", prime = -0.022, prior = 0.02 }},
+  {{ parameter = "X_n", term = "n |n|", nominal = 0.4, fixed = true }},
+]
+sway = [{{ parameter = "Y_v", term = "v U", prime = -0.3, fixed = true }}]
+yaw = [
+  {{ parameter = "N_r", term = "r U", prime = {n_r}, fixed = true }},
+  {{ parameter = "N_rr", term = "r |r|", prime = -0.5, fixed = true }},
+  {{ parameter = "N_d", term = "delta", nominal = 100.0, fixed = true }},
+  {{ parameter = "Y_d", term = "n", nominal = 0.0, fixed = true }},
+]
+input = [
+  {{ name = "n", unit = "1/s", range = [0.0, 20.0] }},
+  {{ name = "delta", unit = "rad", range = [-0.61, 0.61] }},
+]
+
+[ship]
+length_m = 7.0
+draught_m = 0.46
+speed_m_s = 1.2
+mass_kg = 3270.0
+x_g_m = 0.0
+gyration_m = 1.75
+added_mass = {{ surge = 0.022, sway = 0.223, yaw = 0.011 }}
+"#
+    )
+}
+
+#[test]
+fn a_window_that_depends_on_its_start_beyond_all_numbers_is_named_with_its_recording_and_time() {
+    let folder = TempDir::new().unwrap();
+    put(&folder, "vessel.toml", &of_yaw(-0.05));
+    let kept = "speed_m_s = 1.1\nto = \"starboard\"\n";
+    let swings = "kind = \"zig-zag-test\"\nhelm = { delta = 0.3 }\nheading_rad = 0.35\nduration_s = 200.0\n";
+    let straight = "kind = \"stop\"\nspeed_m_s = 1.1\nduration_s = 600.0\ninputs = { n = 8.0 }\n";
+    let approach = "approach = { n = 10.5, delta = 0.0 }\n";
+    let all = [("swings", format!("{kept}{swings}")), ("straight", straight.to_owned())];
+    let all = all.map(|(name, own)| format!("[[maneuver]]\nname = \"{name}\"\n{own}{approach}"));
+    put(&folder, "dictionary.toml", &all.concat());
+    run(&folder, &format!("{DICTIONARY} --allow-unreached")).succeeds();
+    // Straight ahead she stays where she is, to all digits, and a start off it grows to more than any number.
+    put(&folder, "vessel.toml", &of_yaw(0.3));
+    for flags in ["", "--no-criticism "] {
+        let line = format!("{POOL} {flags}--window-s 600 --out model.json");
+        refused(
+            &folder,
+            4,
+            &line,
+            &["d.parquet", "in `1`, the state at 0 s", "take shorter windows", "--window-s"],
+        );
+    }
+    run(&folder, &format!("{POOL} --no-criticism --window-s 100 --out model.json")).succeeds();
+}
+
 /// A line of the preset with its numbers known.
 fn known(line: &str) -> String {
     let mut line = line.to_owned();

@@ -91,12 +91,15 @@ impl Block {
 
 impl Pass<'_> {
     /// For each window of `group` the columns of all candidates, in order, with the sums of θ.
+    ///
+    /// # Errors
+    /// A window whose start is not determined.
     pub(crate) fn columns(
         &self,
         group: &Group,
         (theta, starts): (&[f64], &[[f64; 3]]),
         blocks: &[Block],
-    ) -> Option<(Vec<Sums>, Vec<Vec<Column>>)> {
+    ) -> Result<(Vec<Sums>, Vec<Vec<Column>>), Unfit> {
         let known = self.derivatives(group, theta, starts);
         let sums = self.sums_of(group, &known);
         let mut found: Vec<Vec<Column>> = sums.iter().map(|_| Vec::new()).collect();
@@ -104,10 +107,11 @@ impl Pass<'_> {
             let slopes = self.by_candidates(group, (theta, starts), block);
             let all = self.products(&known, &slopes, block.count());
             for (lane, (window, own)) in found.iter_mut().zip(&sums).enumerate() {
-                window.extend(all.columns(lane, theta.len(), own)?);
+                let columns = all.columns(lane, theta.len(), own);
+                window.extend(columns.ok_or_else(|| self.without_start(&group.windows[lane]))?);
             }
         }
-        Some((sums, found))
+        Ok((sums, found))
     }
 
     /// Derivatives of the errors by the candidates of `block`: [`AT_ONCE`] for each error.

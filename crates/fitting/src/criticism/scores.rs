@@ -85,13 +85,12 @@ impl Pass<'_> {
     /// A start of a window or a number that nothing determines.
     pub(crate) fn scores(&self, fit: &Fit, blocks: &[Block]) -> Result<Scores, Unfit> {
         let groups: Vec<_> = self.groups.iter().zip(&fit.starts).collect();
-        let found: Option<Vec<_>> = groups
+        let found: Result<Vec<_>, Unfit> = groups
             .par_iter()
             .map(|(group, starts)| self.columns(group, (&fit.theta, starts), blocks))
             .collect();
-        let (sums, columns): (Vec<Vec<Sums>>, Vec<Vec<Vec<Column>>>) =
-            found.ok_or(Unfit::NoSample)?.into_iter().unzip();
-        let reduced = self.reduced(&sums, 0.0).ok_or(Unfit::NoSample)?;
+        let (sums, columns): (Vec<Vec<Sums>>, Vec<Vec<Vec<Column>>>) = found?.into_iter().unzip();
+        let reduced = self.determined(&sums)?;
         let fitted = self.fitted(fit, &sums, &reduced)?;
         let windows: Vec<(&Sums, &Reduced, &Vec<Column>)> = sums
             .iter()
