@@ -222,10 +222,8 @@ pub fn cross(
 
 /// Refuses flags and estimators that need terms per sample.
 fn check(flags: &PoolFlags, estimators: &[Estimator], vessel: &Vessel) -> Result<(), Failure> {
-    if let Some(other) = estimators.iter().find(|own| **own != Estimator::OutputError) {
-        let refused = vessel.check_terms(other.name());
-        refused.map_err(|e| Failure::invalid(&flags.vessel, &e))?;
-    }
+    let refused = |e| Failure::invalid(&flags.vessel, &e);
+    estimators.iter().try_for_each(|own| own.check(vessel)).map_err(refused)?;
     flags.check_forces()
 }
 

@@ -123,7 +123,8 @@ impl Vessel {
         Self::from_file(VesselFile { preset: Some(name.to_owned()), ..VesselFile::default() })
     }
 
-    /// Refuses a ship with forces: `what` computes with products of terms per sample.
+    /// Refuses a ship with forces: `what` computes with products of terms per sample. A caller that knows what takes her
+    /// instead puts that into the remedy.
     ///
     /// # Errors
     /// Names `what`.
@@ -135,7 +136,7 @@ impl Vessel {
             "`model`",
             "`forces`, which have no terms per sample",
             format!("terms per sample, with whose products `{what}` computes"),
-            "give it a vessel with terms per sample; `simulate`, `export` and `validate merit` take forces",
+            "give it a vessel with terms per sample",
         ))
     }
 

@@ -21,12 +21,56 @@ pub use model::{Variable, Vessel};
 /// A reader of vessels: which kinds of models a stage takes.
 pub type VesselReader = fn(&Path, &mut Provenance) -> Result<Vessel, Error>;
 
-/// As [`read_any_vessel`], for stages that compute from terms per sample: a ship with forces is refused.
+/// As [`read_any_vessel`], where terms per sample are needed: a ship with forces is refused.
 pub fn read_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
     let vessel = read_any_vessel(path, provenance)?;
     let stage = provenance.producer.split(' ').next().unwrap_or_default();
     vessel.check_terms(stage).map_err(|e| crate::invalid(path, &e))?;
     Ok(vessel)
+}
+
+/// A stage that computes with terms per sample alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StageOfTerms {
+    /// `sequential`.
+    Sequential,
+    /// `design refine`.
+    Refine,
+    /// `validate selection`.
+    Selection,
+}
+
+impl StageOfTerms {
+    /// Its name, and what serves a ship with forces instead.
+    fn named(self) -> [&'static str; 2] {
+        match self {
+            Self::Sequential => {
+                ["sequential", "try trials that are designed once by `monte-carlo --estimator output-error`"]
+            }
+            Self::Refine => ["design refine", "take the shares of `design --for output-error`"],
+            Self::Selection => ["validate selection", "leave recordings out by `validate cross`"],
+        }
+    }
+
+    /// As [`read_any_vessel`] for this stage.
+    ///
+    /// # Errors
+    /// A file that is refused; a ship with forces, with what serves her.
+    pub fn read(self, path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
+        let vessel = read_any_vessel(path, provenance)?;
+        let [name, instead] = self.named();
+        let remedy = format!("{instead}, or give it a vessel with terms per sample");
+        vessel.check_terms(name).map_err(|e| crate::invalid(path, &Invalid { remedy, ..e }))?;
+        Ok(vessel)
+    }
+
+    /// As [`Self::read`], with the disturbances held of trials that are simulated: a model's runs follow the model.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_simulated(self, path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
+        self.read(path, provenance).map(|vessel| followed(path, vessel).with_disturbances_held())
+    }
 }
 
 /// Reads `vessel.toml`, or a `model.json` in its place, and notes its digest. A model starts a new study: its own
@@ -41,23 +85,13 @@ pub fn read_any_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vesse
     Vessel::from_file(file).map_err(|e| crate::invalid(path, &e))
 }
 
-/// As [`read_followed`], for stages that simulate trials or score simulated ones, which have no information about
-/// disturbances that they hold constant.
-pub fn read_simulated(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
-    read_followed(path, provenance).map(Vessel::with_disturbances_held)
-}
-
-/// As [`read_vessel`], for stages whose runs may be simulated: those of a model follow the model.
-pub fn read_followed(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
-    read_vessel(path, provenance).map(|vessel| followed(path, vessel))
-}
-
-/// As [`read_followed`], for stages whose estimators take forces.
+/// As [`read_any_vessel`], for stages whose runs may be simulated: those of a model follow the model.
 pub fn read_any_followed(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
     read_any_vessel(path, provenance).map(|vessel| followed(path, vessel))
 }
 
-/// As [`read_simulated`], for stages that simulate or estimate by simulations: the ship may have forces.
+/// As [`read_any_followed`], for stages that simulate trials or score simulated ones, which have no information about
+/// disturbances that they hold constant.
 ///
 /// # Errors
 /// A file that is refused; a dead time, which simulations do not have.

@@ -3619,7 +3619,7 @@ class SweepDesign:
 
     #: Name of its folder.
     name: str
-    #: `--set` for the stages that read the vessel alone.
+    #: `--set` for `moments`: of the vessel, and of the campaign where the ship has forces.
     vessel: list[str]
     #: `--set` for those that read the vessel and the maneuvers.
     dictionary: list[str]

@@ -7,7 +7,7 @@ use clap::Parser;
 use identification::Estimator;
 use serde_json::json;
 use study::documents::SelectionDocument;
-use study::files::{read_reference, read_vessel};
+use study::files::{StageOfTerms, read_reference};
 use study::selection::{Row, columns, document, rows};
 use validation::selection::{PublishedLimits, Selection, SelectionOptions, Selector, available};
 
@@ -60,7 +60,7 @@ const MAIN: &str = "selection.parquet";
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
-        let vessel = read_vessel(&self.flags.vessel, &mut provenance)?;
+        let vessel = StageOfTerms::Selection.read(&self.flags.vessel, &mut provenance)?;
         if !ESTIMATORS.contains(&self.estimator) {
             let found = format!("--estimator: found {}, expected ls, iv or auto", self.estimator);
             return Err(Failure::Usage(format!(

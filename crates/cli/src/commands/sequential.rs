@@ -11,7 +11,7 @@ use numerics::LANES;
 use refusal::Invalid;
 use regression::MeanRemoval;
 use serde_json::json;
-use study::files::{read_campaign, read_dictionary, read_sequential, read_simulated};
+use study::files::{StageOfTerms, read_campaign, read_dictionary, read_sequential};
 use study::sequential::{SequentialFile, columns, document, rows};
 use trial::rounds::{self, Arm, Row, Trial};
 
@@ -55,7 +55,7 @@ impl Task for Arguments {
         let mut provenance = common.provenance("sequential");
         let inputs = [&self.vessel, &self.dictionary, &self.campaign, &self.config].into_iter();
         let out = common.main_output(MAIN, inputs.chain(&self.sharding.gather))?;
-        let vessel = read_simulated(&self.vessel, &mut provenance)?;
+        let vessel = StageOfTerms::Sequential.read_simulated(&self.vessel, &mut provenance)?;
         let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
         let campaign = read_campaign(&self.campaign, &mut provenance)?;
         let config = read_sequential(&self.config, &mut provenance)?;

@@ -12,7 +12,7 @@ use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::design_files::read_limits;
 use study::documents::{DesignDocument, RefinedFiles};
-use study::files::{is_guess, read_campaign, read_dictionary, read_vessel};
+use study::files::{StageOfTerms, is_guess, read_campaign, read_dictionary};
 use trial::campaign::Plan;
 use trial::moments::check_constants;
 use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
@@ -66,7 +66,7 @@ impl Task for Refine {
         for path in &others {
             Common { out: path.clone(), ..common.clone() }.main_output("", inputs())?;
         }
-        let vessel = read_vessel(&self.vessel, &mut provenance)?.with_disturbances_held();
+        let vessel = StageOfTerms::Refine.read(&self.vessel, &mut provenance)?.with_disturbances_held();
         check_constants(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let found = search(self, &vessel, &mut provenance, common.quiet)?;
         settings(self, &found, &mut provenance);

@@ -1,6 +1,7 @@
 //! The chain before the first trial of a ship with forces: information, design, campaign, estimates, scores.
 
 use serde_json::Value;
+use study::documents::CellsDocument;
 use tempfile::TempDir;
 
 use crate::support::*;
@@ -172,14 +173,14 @@ fn what_forces_do_not_have_is_refused_by_name() {
     run(&folder, &format!("{DESIGN} --duration-s 120")).succeeds();
     run(&folder, CAMPAIGN).succeeds();
     for estimator in ["ls", "iv", "refined-iv", "prediction-error"] {
-        let words = ["vessel.toml", &format!("`{estimator}` computes"), "take --estimator output-error"];
+        let words = ["vessel.toml", &format!("`{estimator}` computes"), "take the estimator `output-error`"];
         refused(&folder, 3, &format!("{ESTIMATE} --estimator {estimator}"), &words);
     }
     let tally = format!(
         "{} --out tally.json",
         CAMPAIGN.replace("simulate campaign", "monte-carlo").replace(" --out campaign.parquet", "")
     );
-    refused(&folder, 3, &tally, &["vessel.toml", "`iv` computes", "take --estimator output-error"]);
+    refused(&folder, 3, &tally, &["vessel.toml", "`iv` computes", "take the estimator `output-error`"]);
     refused(&folder, 2, &format!("{ESTIMATE} --model-of optimized/0"), &["--model-of", "`estimate pool`"]);
     refused(&folder, 2, &format!("{ESTIMATE} --criticise always"), &["--criticise"]);
     let unstated = ESTIMATE.replace("--campaign campaign.toml", "");
@@ -192,4 +193,99 @@ fn what_forces_do_not_have_is_refused_by_name() {
     );
     let measured = MOMENTS.replace("d.parquet", "campaign.parquet");
     refused(&folder, 3, &measured, &["campaign.parquet", "`simulate dictionary`"]);
+}
+
+/// The stages of a sweep as the pipeline calls them, up to the cells' tallies.
+fn made(folder: &TempDir, grid: &CellsDocument) {
+    let campaign = "--campaign campaign.toml";
+    let (moments, design, monte_carlo) =
+        (grid.moments.join(" "), grid.design.join(" "), grid.monte_carlo.join(" "));
+    for own in &grid.designs {
+        let name = &own.name;
+        std::fs::create_dir_all(folder.path().join(name)).unwrap();
+        let of = |flags: &[String]| flags.join(" ");
+        for line in [
+            format!(
+                "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml {} --out {name}/d.parquet",
+                of(&own.dictionary)
+            ),
+            format!(
+                "moments --vessel vessel.toml {campaign} --trajectories {name}/d.parquet {} {moments} --out {name}/moments.json",
+                of(&own.vessel)
+            ),
+            format!("design --moments {name}/moments.json {design} --out {name}/design.json"),
+        ] {
+            run(folder, &line).succeeds();
+        }
+    }
+    for cell in &grid.cells {
+        let out = format!("cells/{}", cell.name);
+        std::fs::create_dir_all(folder.path().join(&out)).unwrap();
+        let line = format!("monte-carlo --vessel vessel.toml --dictionary dictionary.toml {campaign}");
+        let (set, from) = (cell.set.join(" "), &cell.design);
+        run(
+            folder,
+            &format!("{line} --design {from}/design.json {monte_carlo} {set} --out {out}/tally.json"),
+        )
+        .succeeds();
+    }
+}
+
+#[test]
+fn a_ship_with_forces_is_swept_and_each_noise_has_its_own_design() {
+    let folder = otter(4);
+    priors(&folder);
+    let grid = "study = \".\"\nrealizations = 4\ndesign_flags = [\"--duration-s\", \"120\"]\n[grid]\n\
+        campaign.measurement.std_u_m_s = [0.03, 0.3]\n";
+    put(&folder, "sweep.toml", grid);
+    let cells = "sweep cells --config sweep.toml --out cells.json";
+    refused(&folder, 3, cells, &["vessel.toml", "`iv` computes", "take the estimator `output-error`"]);
+    put(&folder, "sweep.toml", &format!("estimators = [\"output-error\"]\n{grid}"));
+    run(&folder, cells).succeeds();
+    let grid = document::<CellsDocument>(&folder, "cells.json").data;
+    assert_eq!((grid.cells.len(), grid.designs.len()), (2, 2));
+    assert_eq!(grid.moments, ["--estimator", "output-error"]);
+    assert_eq!(grid.design, ["--duration-s", "120", "--for", "output-error"]);
+    made(&folder, &grid);
+    run(&folder, "sweep collect --cells cells.json --tallies cells --out sweep.json").succeeds();
+    let found = json(&folder, "sweep.json");
+    assert_eq!(found["data"]["refused"].as_array().unwrap().len(), 0, "{found:#}");
+    run(&folder, "report --sweep sweep.json --out sweep.html").succeeds();
+}
+
+/// Stages that compute with terms alone, and what their remedies name.
+const OF_TERMS: [(&str, &str, &str); 3] = [
+    (
+        "sequential --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --config sequential.toml --out s.parquet",
+        "`sequential` computes",
+        "`monte-carlo --estimator output-error`",
+    ),
+    (
+        "design refine --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign campaign.toml --out refined/",
+        "`design refine` computes",
+        "`design --for output-error`",
+    ),
+    (
+        "validate selection --vessel vessel.toml --trajectories d.parquet --design design.json --out s.parquet",
+        "`validate selection` computes",
+        "`validate cross`",
+    ),
+];
+
+#[test]
+fn what_serves_a_ship_with_forces_instead_of_stages_of_terms_is_true() {
+    let folder = otter(2);
+    std::fs::create_dir(folder.path().join("refined")).unwrap();
+    for (line, computes, instead) in OF_TERMS {
+        refused(&folder, 3, line, &["vessel.toml", computes, instead, "or give it a vessel with terms"]);
+    }
+    for line in [SIMULATE, MOMENTS, &format!("{DESIGN} --duration-s 120")] {
+        run(&folder, line).succeeds();
+    }
+    let tally =
+        CAMPAIGN.replace("simulate campaign", "monte-carlo").replace("campaign.parquet", "tally.json");
+    run(&folder, &format!("{tally} --estimator output-error")).succeeds();
+    priors(&folder);
+    let cross = "validate cross --vessel vessel.toml --trajectories d.parquet --allow-mixed --window-s 10 --out crossval.json";
+    run(&folder, cross).succeeds();
 }

@@ -21,7 +21,7 @@ impl Estimator {
         if self == Self::OutputError {
             return Ok(());
         }
-        let remedy = "take --estimator output-error".to_owned();
+        let remedy = "take the estimator `output-error`, which fits forces".to_owned();
         vessel.check_terms(self.name()).map_err(|e| Invalid { remedy, ..e })
     }
 }

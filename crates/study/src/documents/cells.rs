@@ -58,7 +58,7 @@ pub struct SweepLine {
 pub struct SweepDesign {
     /// Name of its folder.
     pub name: String,
-    /// `--set` for the stages that read the vessel alone.
+    /// `--set` for `moments`: of the vessel, and of the campaign where the ship has forces.
     pub vessel: Vec<String>,
     /// `--set` for those that read the vessel and the maneuvers.
     pub dictionary: Vec<String>,

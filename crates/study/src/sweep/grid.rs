@@ -1,13 +1,15 @@
 use std::path::{Path, PathBuf};
 
 use artifact::{Change, Changes, Error, Provenance};
+use identification::Estimator;
+use model::Vessel;
 use refusal::Invalid;
 use serde_json::json;
 use toml::Value;
 
 use super::SweepFile;
 use crate::documents::{CellsDocument, SweepAxis, SweepCell, SweepDesign};
-use crate::files::{read_campaign, read_dictionary, read_simulated};
+use crate::files::{read_any_simulated, read_campaign, read_dictionary};
 
 /// The files that a grid may vary, in the order in which they are read.
 const FILES: [&str; 3] = ["vessel", "dictionary", "campaign"];
@@ -29,7 +31,10 @@ pub fn cells(path: &Path, file: &SweepFile, provenance: &mut Provenance) -> Resu
     };
     let files = file.files(path);
     // Read unchanged first: errors in them are not due to a cell.
-    read(&files, provenance)?;
+    let vessel = read(&files, provenance)?;
+    let refused = |e| crate::invalid(&files[0], &e);
+    file.estimators.iter().try_for_each(|own| own.check(&vessel)).map_err(refused)?;
+    let forces = vessel.model.forces.is_some();
     let mut designs = Vec::new();
     let mut cells: Vec<SweepCell> = Vec::with_capacity(count);
     let mut first = None;
@@ -42,7 +47,7 @@ pub fn cells(path: &Path, file: &SweepFile, provenance: &mut Provenance) -> Resu
             name: format!("cell-{number:05}"),
             at,
             set: flags(&changes, &FILES),
-            design: design(&mut designs, &changes),
+            design: design(&mut designs, &changes, forces),
             inputs: own.inputs,
             refused: refused.as_ref().map(ToString::to_string),
         });
@@ -56,8 +61,8 @@ pub fn cells(path: &Path, file: &SweepFile, provenance: &mut Provenance) -> Resu
             axes: axes.into_iter().map(axis).collect(),
             shards: file.shards,
             baseline: file.baseline.clone(),
-            moments: file.moments_flags.clone(),
-            design: file.design_flags.clone(),
+            moments: with(&file.moments_flags, "--estimator", forces),
+            design: with(&file.design_flags, "--for", forces),
             monte_carlo: file.monte_carlo(),
             designs,
             cells,
@@ -70,11 +75,18 @@ fn axis((key, values): (String, Vec<Value>)) -> SweepAxis {
 }
 
 /// Reads the study's files as the stages do.
-fn read([vessel, dictionary, campaign]: &[PathBuf; 3], provenance: &mut Provenance) -> Result<(), Error> {
-    let vessel = read_simulated(vessel, provenance)?;
+fn read([vessel, dictionary, campaign]: &[PathBuf; 3], provenance: &mut Provenance) -> Result<Vessel, Error> {
+    let vessel = read_any_simulated(vessel, provenance)?;
     read_dictionary(dictionary, &vessel, provenance)?;
     read_campaign(campaign, provenance)?;
-    Ok(())
+    Ok(vessel)
+}
+
+/// `flags`, which take output error by `flag` for a ship with forces.
+fn with(flags: &[String], flag: &str, forces: bool) -> Vec<String> {
+    let own = [flag, Estimator::OutputError.name()].map(str::to_owned);
+    let more = if forces && !flags.iter().any(|given| given == flag) { &own[..] } else { &[] };
+    [flags, more].concat()
 }
 
 /// The index on each axis of cell `number`.
@@ -106,10 +118,13 @@ fn flags(changes: &Changes, files: &[&str]) -> Vec<String> {
     own.flat_map(|change| ["--set".to_owned(), change.to_string()]).collect()
 }
 
-/// The name of the design for these changes, which is new if no previous one had the same vessel and maneuvers.
-fn design(designs: &mut Vec<SweepDesign>, changes: &Changes) -> String {
-    let [vessel, dictionary] = [&FILES[..1], &FILES[..2]].map(|files| flags(changes, files));
-    if let Some(known) = designs.iter().find(|known| known.dictionary == dictionary) {
+/// The name of the design for these changes, which is new if no previous one had the same vessel and maneuvers; for a ship with
+/// `forces` the same campaign, too, whose noise weighs the information.
+fn design(designs: &mut Vec<SweepDesign>, changes: &Changes, forces: bool) -> String {
+    let of_moments: &[&str] = if forces { &["vessel", "campaign"] } else { &["vessel"] };
+    let [vessel, dictionary] = [of_moments, &FILES[..2]].map(|files| flags(changes, files));
+    let same = |known: &&SweepDesign| known.dictionary == dictionary && known.vessel == vessel;
+    if let Some(known) = designs.iter().find(same) {
         return known.name.clone();
     }
     let name = format!("design-{:05}", designs.len());
