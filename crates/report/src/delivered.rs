@@ -1,5 +1,6 @@
 use maud::{Markup, html};
 
+use super::derivatives::derivatives;
 use super::measured::Measured;
 use super::number::{or_dash, three, three_or_dash, unit};
 use super::parts::{Section, missing};
@@ -17,8 +18,13 @@ pub(super) fn delivered(measured: &Measured) -> Section {
         None => missing("The model is", "model.json", "estimate pool"),
         Some(model) => html! {
             (chosen(model.estimator, measured.crossval.as_ref()))
-            (parameters(model))
-            (note(model))
+            @match &model.forces {
+                Some(forces) => (derivatives(forces)),
+                None => {
+                    (parameters(model))
+                    (note(model))
+                }
+            }
             (surroundings(model))
         },
     };

@@ -16,6 +16,7 @@ mod compared;
 mod comparison;
 mod crossval;
 mod delivered;
+mod derivatives;
 mod designed_figures;
 mod dictionary;
 mod drawing;

@@ -480,6 +480,13 @@ fn captive_values_stand_beside_estimates_and_sums_are_of_what_was_sailed() {
     }
     let a = own["sailed"]["drift"].as_f64().unwrap();
     assert!((-0.6..-0.2).contains(&a), "{a}");
+    run(&folder, "validate compare --model model.json --trajectories d.parquet --allow-mixed --window-s 50 --out compare.json")
+        .succeeds();
+    run(&folder, "report --study . --results . --allow-mixed --out report.html").succeeds();
+    let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
+    for words in ["Yasukawa and Yoshimura 2015", "Captive tests", "within", "outside", "sway, cubic"] {
+        assert!(page.contains(words), "{words}");
+    }
     let expected = [
         -0.315 * a + 0.083,
         -1.607 * a.powi(3) + 0.379 * a * a - 0.391 * a + 0.008,
