@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 mod design;
+mod forces;
 mod monte_carlo;
 mod output_error;
 mod paper;
@@ -33,6 +34,9 @@ struct Arguments {
     /// Measures the loop of the stage monte-carlo alone
     #[arg(long)]
     stage: bool,
+    /// Measures fits of a ship with forces alone: of these trajectories of the Esso Osaka, else of simulated ones
+    #[arg(long, value_name = "trajectories.parquet")]
+    forces: Option<Option<PathBuf>>,
     /// Measures tables alone
     #[arg(long)]
     tables: bool,
@@ -42,13 +46,17 @@ struct Arguments {
 }
 
 fn main() -> anyhow::Result<()> {
-    let Arguments { json: _, realizations, stage, tables, table } = Arguments::parse();
+    let Arguments { json: _, realizations, stage, forces, tables, table } = Arguments::parse();
     let paper = paper::Paper::new()?;
     if let Some(file) = realizations {
         return output_error::write(&paper, &file);
     }
     if let Some(file) = table {
         return table::write(&paper, &file);
+    }
+    if let Some(file) = forces {
+        println!("{}", json!({ "forces": forces::measure(file.as_deref())? }));
+        return Ok(());
     }
     if stage {
         println!("{}", stage::measure(&paper)?);
@@ -64,6 +72,7 @@ fn main() -> anyhow::Result<()> {
     let small = design::measure(&paper.candidates()?, 1e-10, 50)?;
     let large = design::measure(&design::generated(&paper, 10_000)?, 1e-6, 3)?;
     let table = table::measure(&paper)?;
+    let forces = forces::measure(None)?;
     let planner = planner::measure()?;
     let object = json!({
         "monte_carlo": monte_carlo,
@@ -72,6 +81,7 @@ fn main() -> anyhow::Result<()> {
         "design_q11": small,
         "design_q10000": large,
         "table": table,
+        "forces": forces,
         "planner": planner,
     });
     println!("{object}");

@@ -1,5 +1,6 @@
 //! The search for the minimum, by Levenberg's and Marquardt's method.
 
+use numerics::Lane;
 use rayon::prelude::*;
 
 use crate::bounded::{distance, held, moved, pulls};
@@ -75,9 +76,22 @@ impl Problem<'_> {
         }
     }
 
+    /// The cost of θ with windows that start at their first measured sample; infinite where one diverges.
+    pub fn cost(&self, theta: &[f64]) -> f64 {
+        Pass::new(self, None).cost_from(theta)
+    }
+
     /// The cost of θ with windows that start at their first measured sample, and its derivatives by θ.
-    pub fn cost(&self, theta: &[f64]) -> (f64, Vec<f64>) {
+    pub fn cost_and_slopes(&self, theta: &[f64]) -> (f64, Vec<f64>) {
         Pass::new(self, None).cost(theta)
+    }
+
+    /// Derivatives by θ of the errors of windows that start at their first measured sample. Each entry has a group of windows
+    /// side by side: a row for each error, 0 after the end of a window.
+    pub fn jacobian(&self, theta: &[f64]) -> Vec<Vec<Lane>> {
+        let pass = Pass::new(self, None);
+        let groups: Vec<_> = self.groups.iter().zip(pass.measured_starts()).collect();
+        groups.par_iter().map(|(group, starts)| pass.derivatives(group, theta, starts).slopes).collect()
     }
 }
 

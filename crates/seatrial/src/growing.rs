@@ -142,7 +142,7 @@ impl Growing<'_> {
         let begun = carried(own, old, &fit.theta);
         let found = self.problem(own, ship, &kept)?.fit_from(&begun)?;
         let none = vec![None; own.parameters().len()];
-        Ok(self.problem(own, ship, &out)?.with_priors(none).cost(&found.theta).0)
+        Ok(self.problem(own, ship, &out)?.with_priors(none).cost(&found.theta))
     }
 }
 

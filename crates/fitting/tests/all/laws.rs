@@ -30,13 +30,13 @@ fn law_derivatives_of_the_cost_are_central_differences() {
     let mut normals = Normals::new(2);
     let problem = problem(&forces, &recorded, settings).with_priors(drawn(&forces, &mut normals));
     let theta: Vec<f64> = truth.iter().map(|own| own * (1.0 + 0.05 * normals.next())).collect();
-    let (_, slopes) = problem.cost(&theta);
+    let (_, slopes) = problem.cost_and_slopes(&theta);
     for (i, slope) in slopes.iter().enumerate() {
         let step = 1e-6 * theta[i].abs().max(1e-3);
         let at = |sign: f64| {
             let mut theta = theta.clone();
             theta[i] += sign * step;
-            problem.cost(&theta).0
+            problem.cost(&theta)
         };
         let difference = (at(1.0) - at(-1.0)) / (2.0 * step);
         let name = &forces.parameters()[i].name;
