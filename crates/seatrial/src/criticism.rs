@@ -28,7 +28,8 @@ pub(crate) fn channels(vessel: &Vessel) -> Vec<Channel> {
 /// A start of a window or a number that nothing determines.
 pub(crate) fn criticised(vessel: &Vessel, problem: &Problem, fit: &Fit) -> Result<ForceCriticism, Unfit> {
     let channels = channels(vessel);
-    let own = problem.criticise(fit, Channels { all: &channels, inputs: vessel.model.inputs })?;
+    let own =
+        problem.criticise(fit, Channels { all: &channels, inputs: vessel.model.inputs, listed: None })?;
     let not_tested = own.has_wrong_sign().then(|| NOT_TESTED.to_owned());
     Ok(ForceCriticism {
         rejected: own.rejects(),

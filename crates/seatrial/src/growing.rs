@@ -16,7 +16,7 @@ const FOLDS: usize = 6;
 /// A force is added where the cost of recordings left out falls by at least this share, and by more than its standard error.
 const LEAST: f64 = 0.005;
 /// Fewest recordings that can verify anything.
-const FEWEST: usize = 3;
+pub(crate) const FEWEST: usize = 3;
 
 /// Recordings by name, in parts without gaps.
 pub(crate) type Recorded = (String, Vec<Part>);
@@ -33,6 +33,8 @@ pub(crate) struct Growing<'a> {
     pub(crate) sources: &'a [Recorded],
     pub(crate) settings: Settings,
     pub(crate) most: usize,
+    /// Terms of surge, sway and yaw to try in place of the usual products.
+    pub(crate) listed: Option<&'a [Vec<String>; 3]>,
 }
 
 /// The ship with what was added, what was tried, and why no more was.
@@ -61,8 +63,8 @@ impl Growing<'_> {
             let problem = self.problem(&forces.forces, &own.vessel, &all)?;
             let fit = problem.fit_from(&own.vessel.nominal)?;
             let channels = channels(&own.vessel);
-            let found =
-                problem.criticise(&fit, Channels { all: &channels, inputs: own.vessel.model.inputs })?;
+            let inputs = own.vessel.model.inputs;
+            let found = problem.criticise(&fit, Channels { all: &channels, inputs, listed: self.listed })?;
             let absent = match most_likely(&found) {
                 Ok(absent) => absent,
                 Err(ended) => {
@@ -70,8 +72,15 @@ impl Growing<'_> {
                     break;
                 }
             };
-            let Ok(richer) = with(&own.vessel, absent, &channels) else { break };
-            let tried = self.tried(&own.vessel, &richer, absent, &fit);
+            let parameter = name(absent, &own.vessel);
+            let richer = match with(&own.vessel, (absent, &parameter), &channels) {
+                Ok(richer) => richer,
+                Err(invalid) => {
+                    own.ended = Some(format!("no further force is added: {invalid}"));
+                    break;
+                }
+            };
+            let tried = self.tried([&own.vessel, &richer], (absent, parameter), &fit);
             let added = tried.added;
             own.tried.push(tried);
             if !added {
@@ -96,14 +105,19 @@ impl Growing<'_> {
         Problem::new(forces, recordings, vessel.model.exogenous(), self.settings)
     }
 
-    /// How `richer`, which has `absent`, follows recordings that were left out of its fit and of that of `vessel`.
-    fn tried(&self, vessel: &Vessel, richer: &Vessel, absent: &AbsentTerm, fit: &Fit) -> TriedForce {
+    /// How the second of `ships`, which has `absent`, follows recordings that were left out of its fit and of that of the first.
+    fn tried(
+        &self,
+        ships: [&Vessel; 2],
+        (absent, parameter): (&AbsentTerm, String),
+        fit: &Fit,
+    ) -> TriedForce {
         let folds = FOLDS.min(self.sources.len());
-        let gain = self.gain([vessel, richer], folds, fit);
+        let gain = self.gain(ships, folds, fit);
         TriedForce {
             degree: degree(absent).to_owned(),
             term: absent.term.clone(),
-            parameter: name(absent),
+            parameter,
             share_left_out: gain.map(|(share, _)| share),
             standard_error: gain.map(|(_, error)| error),
             folds: folds as u64,
@@ -111,22 +125,24 @@ impl Growing<'_> {
         }
     }
 
-    /// By which share the cost of recordings left out falls from the one ship to the other, and the standard error of that;
-    /// `None` where a fold has no fit or its simulations diverge.
+    /// By which share the cost of recordings left out falls from the one ship to the other, and the standard error of that, over
+    /// the folds in which the one has a fit that follows them; `None` where the other has none in some fold, or the one has none
+    /// in all but one.
     fn gain(&self, [vessel, richer]: [&Vessel; 2], folds: usize, fit: &Fit) -> Option<(f64, f64)> {
         let (mut costs, mut gains) = (0.0, Vec::new());
         for fold in 0..folds {
             let of =
                 |ship| self.left_out(ship, (fold, folds), fit, vessel).ok().filter(|own| own.is_finite());
-            let (old, new) = (of(vessel)?, of(richer)?);
+            let new = of(richer)?;
+            let Some(old) = of(vessel) else { continue };
             costs += old;
             gains.push(old - new);
         }
-        let count = folds as f64;
+        let count = gains.len() as f64;
         let mean = gains.iter().sum::<f64>() / count;
         let square: f64 = gains.iter().map(|own| (own - mean).powi(2)).sum();
         let (one, error) = (costs / count, (square / (count * (count - 1.0))).sqrt());
-        (one > 0.0).then_some((mean / one, error / one))
+        (gains.len() > 1 && one > 0.0).then_some((mean / one, error / one))
     }
 
     /// The cost of the recordings of a fold, by a fit of `ship` to the others that begins at `fit`, a fit of `of`.
@@ -180,9 +196,9 @@ fn carried(new: &Forces, old: &Forces, theta: &[f64]) -> Vec<f64> {
 ///
 /// # Errors
 /// A product that is no term.
-fn with(vessel: &Vessel, absent: &AbsentTerm, channels: &[Channel]) -> Result<Vessel, Invalid> {
+fn with(vessel: &Vessel, named: (&AbsentTerm, &str), channels: &[Channel]) -> Result<Vessel, Invalid> {
     let Some(moved) = &vessel.model.forces else { return Ok(vessel.clone()) };
-    let description = richer(moved.forces.description(), absent, channels)?;
+    let description = richer(moved.forces.description(), named, channels)?;
     let forces = Forces::new(&description, channels)?;
     let old = moved.forces.parameters();
     let nominal = carried(&forces, &moved.forces, &vessel.nominal);
@@ -196,12 +212,15 @@ fn with(vessel: &Vessel, absent: &AbsentTerm, channels: &[Channel]) -> Result<Ve
 }
 
 /// The ship with a term whose prior is the usual one of such terms, or as wide as the number that its score promises.
-fn richer(own: &Description, absent: &AbsentTerm, channels: &[Channel]) -> Result<Description, Invalid> {
+fn richer(
+    own: &Description,
+    (absent, parameter): (&AbsentTerm, &str),
+    channels: &[Channel],
+) -> Result<Description, Invalid> {
     let zero = Some(0.0);
     let (nominal, prime) = if absent.prime.is_some() { (None, zero) } else { (zero, None) };
-    let parameter = name(absent);
     let spec = TermSpec {
-        parameter: parameter.clone(),
+        parameter: parameter.to_owned(),
         term: absent.term.clone(),
         nominal,
         prime,
@@ -212,8 +231,8 @@ fn richer(own: &Description, absent: &AbsentTerm, channels: &[Channel]) -> Resul
     let promised = (absent.value / absent.prime.unwrap_or(1.0)).abs();
     // What is usual holds for motion alone.
     let driven = absent.term.split(' ').any(|part| channels.iter().any(|own| own.name == plain(part)));
-    let usual = (!driven).then(|| usual(&all, &parameter, channels)).flatten();
-    all.with_priors(&[(parameter, usual.unwrap_or(promised))], channels)
+    let usual = (!driven).then(|| usual(&all, parameter, channels)).flatten();
+    all.with_priors(&[(parameter.to_owned(), usual.unwrap_or(promised))], channels)
 }
 
 /// The name in a factor, without modulus and power.
@@ -229,14 +248,25 @@ fn usual(all: &Description, parameter: &str, channels: &[Channel]) -> Option<f64
     terms.into_iter().find(|own| own.parameter == parameter)?.prior
 }
 
-/// `N_u_v` of `u v` in yaw, `Y_v_absr` of `v |r|` in sway.
-fn name(absent: &AbsentTerm) -> String {
+/// `N_u_v` of `u v` in yaw, `Y_v_absr` of `v |r|` in sway; with `_more` where the ship has such a name.
+fn name(absent: &AbsentTerm, ship: &Vessel) -> String {
     let part = |own: &str| match own.strip_prefix('|').and_then(|own| own.split_once('|')) {
         Some((name, power)) => format!("abs{name}{power}"),
-        None => own.to_owned(),
+        None => own.replace('/', "per"),
     };
-    let parts: Vec<String> = absent.term.split(' ').map(|own| part(own).replace('^', "")).collect();
-    format!("{}_{}", ["X", "Y", "N"][absent.degree], parts.join("_"))
+    let parts: Vec<String> =
+        absent.term.split_whitespace().map(|own| part(own).replace(['^', '*'], "")).collect();
+    let mut name = format!("{}_{}", ["X", "Y", "N"][absent.degree], parts.join("_"));
+    while names(ship).any(|own| own == name) {
+        name.push_str("_more");
+    }
+    name
+}
+
+/// Names of the numbers of all terms of `ship`.
+fn names(ship: &Vessel) -> impl Iterator<Item = &str> {
+    let own = ship.model.forces.iter().map(|own| own.forces.description());
+    own.flat_map(|own| [&own.surge, &own.sway, &own.yaw]).flatten().map(|own| own.parameter.as_str())
 }
 
 /// What was tried, in words.
@@ -248,7 +278,7 @@ pub(crate) fn statements(own: &GrownShip) -> Vec<String> {
                 let change = format!("{:+.1}", -100.0 * share).replace('-', "−");
                 format!("cost of recordings left out {change} ± {:.1} %", 100.0 * error)
             }
-            None => "without it or with it recordings left out have no fit or diverge".to_owned(),
+            None => "with it, or mostly without it, recordings left out have no fit or diverge".to_owned(),
         };
         format!(
             "{verb}: `{}` in {} (`{}`), {gain} in {} folds",

@@ -13,7 +13,7 @@ use validation::crossval::{CrossError, CrossValidation, Folds, cross_validate_fo
 
 use crate::criticism::{channels, criticised};
 use crate::derivatives::{self, Captive, beside, interval};
-use crate::growing::{self, Growing, Recorded};
+use crate::growing::{self, Growing, GrownShip, Recorded};
 
 /// The standard error of a parameter that grows more than this because others are unknown is none of its own.
 const ENTANGLED: f64 = 10.0;
@@ -42,8 +42,7 @@ impl Physical<'_> {
     pub fn model(&self, runs: &PooledRuns) -> Result<ModelDocument, PhysicalError> {
         self.forces()?;
         let (sources, held) = (runs.windows(None), runs.are_inputs_held());
-        let settings = self.settings_for(held);
-        let grown = Growing { sources: &sources, settings, most: self.most_added }.grown(self.vessel)?;
+        let grown = self.grown((&sources, held), None)?;
         let mut model = Physical { vessel: &grown.vessel, ..*self }.fitted_model(runs, (&sources, held))?;
         model.statements = growing::statements(&grown).into_iter().chain(model.statements).collect();
         if let Some(forces) = &mut model.forces {
@@ -52,8 +51,24 @@ impl Physical<'_> {
         Ok(model)
     }
 
+    /// The ship with the forces that `sources` confirm, of the usual ones or of those `listed` for surge, sway and yaw.
+    ///
+    /// # Errors
+    /// No fit; a listed text that is no term.
+    pub(crate) fn grown(
+        &self,
+        (sources, held): (&[Recorded], bool),
+        listed: Option<&[Vec<String>; 3]>,
+    ) -> Result<GrownShip, Unfit> {
+        let (settings, most) = (self.settings_for(held), self.most_added);
+        Growing { sources, settings, most, listed }.grown(self.vessel)
+    }
+
     /// The model of `runs`, whose recordings are `sources`, without other forces than those of the ship.
-    fn fitted_model(
+    ///
+    /// # Errors
+    /// As [`Self::model`].
+    pub(crate) fn fitted_model(
         &self,
         runs: &PooledRuns,
         (sources, held): (&[Recorded], bool),
@@ -83,7 +98,7 @@ impl Physical<'_> {
         problem.fit_from(theta).map_err(|error| {
             let channels = channels(self.vessel);
             let inputs = self.vessel.model.inputs;
-            problem.explained(error, theta, Channels { all: &channels, inputs })
+            problem.explained(error, theta, Channels { all: &channels, inputs, listed: None })
         })
     }
 
@@ -92,8 +107,15 @@ impl Physical<'_> {
     /// # Errors
     /// As [`Self::model`].
     pub fn theta(&self, runs: &PooledRuns) -> Result<Vec<f64>, PhysicalError> {
-        let sources = runs.windows(None);
-        let problem = self.problem(self.forces()?, &sources, runs.are_inputs_held())?;
+        self.theta_of(&runs.windows(None), runs.are_inputs_held())
+    }
+
+    /// The same of recordings.
+    ///
+    /// # Errors
+    /// As [`Self::model`].
+    pub(crate) fn theta_of(&self, sources: &[Recorded], held: bool) -> Result<Vec<f64>, PhysicalError> {
+        let problem = self.problem(self.forces()?, sources, held)?;
         Ok(problem.fit_from(self.former.unwrap_or(&self.vessel.nominal))?.theta)
     }
 
@@ -116,7 +138,11 @@ impl Physical<'_> {
         cross_validate_forces(&self.vessel.model, runs, scored, &fit, done)
     }
 
-    fn forces(&self) -> Result<&Forces, Invalid> {
+    /// The forces of the ship.
+    ///
+    /// # Errors
+    /// A ship without.
+    pub(crate) fn forces(&self) -> Result<&Forces, Invalid> {
         Ok(&self.vessel.model.forces.as_ref().ok_or_else(without_forces)?.forces)
     }
 

@@ -3,7 +3,7 @@ use forces::{Channel, Forces};
 use super::chance::probabilities;
 use super::columns::{Block, Measure};
 use super::late::{LateInput, Lateness};
-use super::products::{Product, products};
+use super::products::{Product, listed, products};
 use super::scores::{Score, Scores};
 use super::turn::Alternative;
 use super::turned::TurnedSign;
@@ -25,6 +25,26 @@ pub struct Channels<'a> {
     pub all: &'a [Channel],
     /// Number of inputs.
     pub inputs: usize,
+    /// Terms of surge, sway and yaw to test in place of the usual products.
+    pub listed: Option<&'a [Vec<String>; 3]>,
+}
+
+impl Channels<'_> {
+    /// The products to test.
+    fn products(&self, forces: &Forces) -> Result<Vec<Product>, Unfit> {
+        match self.listed {
+            Some(lists) => listed(forces, self.all, lists),
+            None => Ok(products(forces, self.all, self.inputs)),
+        }
+    }
+
+    /// The number of products that `forces` lacks.
+    ///
+    /// # Errors
+    /// A listed text that is no term.
+    pub fn lacking(&self, forces: &Forces) -> Result<usize, Unfit> {
+        self.products(forces).map(|own| own.len())
+    }
 }
 
 /// A product that an equation lacks.
@@ -126,7 +146,7 @@ impl Problem<'_> {
     /// Adds scores of late inputs and of products.
     fn scored(&self, fit: &Fit, channels: Channels, found: &mut Criticism) -> Result<(), Unfit> {
         let inputs = inputs(self.forces, channels.inputs);
-        let terms = products(self.forces, channels.all, channels.inputs);
+        let terms = channels.products(self.forces)?;
         let (blocks, measures) = self.blocks(&inputs, &terms, channels.all)?;
         let Scores { all, units, whole } = Pass::new(self, fit.first).scores(fit, &blocks)?;
         let testable: Vec<&Score> = all.iter().flatten().collect();

@@ -1,6 +1,9 @@
 //! Products of motion and inputs that an equation may lack.
 
-use forces::{Channel, Factor, Forces, MOTION};
+use forces::{Channel, Factor, Forces, MOTION, TermSpec};
+use refusal::Invalid;
+
+use crate::Unfit;
 
 /// A factor: its place among the motion and the channels, and whether it is the modulus.
 type Plain = (usize, bool);
@@ -31,20 +34,76 @@ pub(crate) fn products(forces: &Forces, channels: &[Channel], inputs: usize) -> 
         let product = |factors: &Vec<Plain>| Product {
             degree,
             text: text(factors, channels),
-            scaled: factors.iter().all(|(variable, _)| {
-                let channel = variable.checked_sub(MOTION.len()).map(|own| channels[own].unit.as_str());
-                channel.is_none_or(|unit| ["rad", "1", ""].contains(&unit))
-            }),
+            scaled: factors.iter().all(|(variable, _)| is_scaled(*variable, channels)),
         };
         absent.map(product).collect::<Vec<_>>()
     };
     (0..3).flat_map(lacking).collect()
 }
 
+/// Whether the prime system scales a number that multiplies this variable.
+fn is_scaled(variable: usize, channels: &[Channel]) -> bool {
+    let channel = variable.checked_sub(MOTION.len()).map(|own| channels[own].unit.as_str());
+    channel.is_none_or(|unit| ["rad", "1", ""].contains(&unit))
+}
+
+/// The products of `lists` for surge, sway and yaw that `forces` lacks, each once.
+///
+/// # Errors
+/// A text that is no term of these channels.
+pub(crate) fn listed(
+    forces: &Forces,
+    channels: &[Channel],
+    lists: &[Vec<String>; 3],
+) -> Result<Vec<Product>, Unfit> {
+    let mut all = Vec::new();
+    for (degree, list) in lists.iter().enumerate() {
+        let count = own_terms(forces, degree);
+        let mut known: Vec<Vec<Factor>> =
+            (0..count).map(|i| in_order(forces.factors(degree, i).to_vec())).collect();
+        for text in list {
+            let factors = parsed(forces, channels, (degree, text)).map_err(|e| Unfit::Listed(Box::new(e)))?;
+            if known.contains(&factors) {
+                continue;
+            }
+            let scaled = factors.iter().all(|own| is_scaled(own.variable, channels));
+            all.push(Product { degree, text: text.trim().to_owned(), scaled });
+            known.push(factors);
+        }
+    }
+    Ok(all)
+}
+
+/// The factors of a term in this equation, in order.
+fn parsed(
+    forces: &Forces,
+    channels: &[Channel],
+    (degree, text): (usize, &str),
+) -> Result<Vec<Factor>, Invalid> {
+    let mut description = forces.description().clone();
+    let name = ["surge", "sway", "yaw"][degree];
+    let parameter = "candidate to be tried".to_owned();
+    let spec = TermSpec { parameter, term: text.to_owned(), nominal: Some(0.0), ..TermSpec::default() };
+    [&mut description.surge, &mut description.sway, &mut description.yaw][degree].push(spec);
+    let with = Forces::new(&description, channels)
+        .map_err(|e| Invalid { thing: format!("`{name}`: term `{text}`"), ..e })?;
+    Ok(in_order(with.factors(degree, own_terms(forces, degree)).to_vec()))
+}
+
+/// Number of terms of an equation.
+fn own_terms(forces: &Forces, degree: usize) -> usize {
+    let own = forces.description();
+    [&own.surge, &own.sway, &own.yaw][degree].len()
+}
+
+fn in_order(mut factors: Vec<Factor>) -> Vec<Factor> {
+    factors.sort_unstable_by_key(|own| (own.variable, own.modulus, own.divides));
+    factors
+}
+
 /// The factors of the terms of an equation, in order; those with a division count as none.
 fn terms(forces: &Forces, degree: usize) -> Vec<Vec<Plain>> {
-    let description = forces.description();
-    let count = [&description.surge, &description.sway, &description.yaw][degree].len();
+    let count = own_terms(forces, degree);
     let plain = |factors: &[Factor]| {
         let whole = factors.iter().all(|own| !own.divides);
         whole.then(|| sorted(factors.iter().map(|own| (own.variable, own.modulus)).collect()))

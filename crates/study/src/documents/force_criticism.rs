@@ -105,8 +105,9 @@ pub struct TriedForce {
     pub term: String,
     /// Name of its number.
     pub parameter: String,
-    /// By which share the cost of recordings that were left out of both fits falls with it; below 0 where it rises. Null
-    /// where a fold has no fit, or a simulation diverges.
+    /// By which share the cost of recordings that were left out of both fits falls with it; below 0 where it rises. Folds count
+    /// in which the ship without it has a fit and follows them. Null where these are fewer than two, or where with it a fold has
+    /// no fit or a simulation diverges.
     pub share_left_out: Option<f64>,
     /// The standard error of that, over the folds.
     pub standard_error: Option<f64>,
