@@ -60,11 +60,11 @@ pub struct WeightFlags {
     /// Of a ship with forces: windows start at their first measured sample, not at a state that is found with the parameters.
     /// Predictions may be better, standard errors are too small
     #[arg(long)]
-    measured_starts: bool,
+    pub measured_starts: bool,
 }
 
 /// Refuses these flags for terms per sample.
-fn absent<const N: usize>(flags: [(&str, bool); N]) -> Result<(), Failure> {
+pub fn absent<const N: usize>(flags: [(&str, bool); N]) -> Result<(), Failure> {
     none_given(flags, "a vessel with terms per sample", "one with forces")
 }
 
@@ -95,12 +95,19 @@ impl FittingFlags {
 }
 
 impl WeightFlags {
-    fn check_absent(&self) -> Result<(), Failure> {
+    /// Refuses these flags for terms per sample.
+    ///
+    /// # Errors
+    /// A usage error that names the first of them.
+    pub fn check_absent(&self) -> Result<(), Failure> {
         absent([("--prior-weight", self.prior_weight.is_some()), ("--measured-starts", self.measured_starts)])
     }
 
     /// With the length of windows, by its flag.
-    fn settings(
+    ///
+    /// # Errors
+    /// A number out of range; two weights.
+    pub fn settings(
         &self,
         sample_s: f64,
         (flag, window_s): (&'static str, Option<f64>),
@@ -228,7 +235,7 @@ fn check(flags: &PoolFlags, estimators: &[Estimator], vessel: &Vessel) -> Result
 }
 
 /// Notes settings that are not empty.
-fn note(settings: impl IntoIterator<Item = (&'static str, Value)>, provenance: &mut Provenance) {
+pub fn note(settings: impl IntoIterator<Item = (&'static str, Value)>, provenance: &mut Provenance) {
     let given = settings.into_iter().filter(|(_, value)| *value != json!([]) && !value.is_null());
     provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
 }
@@ -245,7 +252,8 @@ fn read_former(
     former(vessel, &read.data).map(Some).map_err(|e| Failure::invalid(path, &e))
 }
 
-fn unfit(error: PhysicalError, vessel: &Path, runs: &Path) -> Failure {
+/// Why there is no fit of the ship of `vessel` to `runs`.
+pub fn unfit(error: PhysicalError, vessel: &Path, runs: &Path) -> Failure {
     match error {
         PhysicalError::Invalid(invalid) => Failure::invalid(vessel, &invalid),
         PhysicalError::Unfit(Unfit::NoParameter) => Failure::invalid(vessel, &Unfit::NoParameter.invalid()),

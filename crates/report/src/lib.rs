@@ -50,6 +50,7 @@ pub mod results;
 mod sailed;
 mod sample;
 mod searched;
+mod searched_forces;
 mod selection;
 mod sequential;
 mod shown;

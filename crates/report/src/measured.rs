@@ -95,10 +95,15 @@ impl Measured {
                 fit(errors.fit_r)
             ));
         }
-        if let Some(errors) = self.searched.as_ref().and_then(|found| found.nested.search) {
+        if let Some((found, errors)) =
+            self.searched.as_ref().and_then(|own| Some((own, own.delivered_errors()?)))
+        {
+            let what = match &found.forces {
+                Some(own) if !own.delivered => "The ship as she was, without forces that a search found,",
+                _ => "A structure found by a search",
+            };
             sentences.push(format!(
-                "A structure found by a search follows recordings that were left out of the whole search with a fit of {}, {} \
-                 and {}.",
+                "{what} follows recordings that were left out of the whole search with a fit of {}, {} and {}.",
                 fit(errors.fit_u),
                 fit(errors.fit_v),
                 fit(errors.fit_r)

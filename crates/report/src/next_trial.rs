@@ -145,7 +145,7 @@ fn free_runs(next: &NextTrial) -> Markup {
     let Some(tally) = &next.tally else {
         return missing("What the trial's estimates are worth is", "next/tally.json", "monte-carlo");
     };
-    let measured = next.searched.as_ref().and_then(|found| found.nested.search);
+    let measured = next.searched.as_ref().and_then(SearchDocument::delivered_errors);
     let model =
         Followed { what: "this model, on recordings left out of the search", measured, simulated: None };
     let scores = tally.scores.iter().flat_map(|own| &own.designs);

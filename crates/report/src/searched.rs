@@ -4,10 +4,12 @@ use super::averaged::averaged;
 use super::measured::free_runs;
 use super::number::{exact, or_dash, three, three_or_dash, three_within};
 use super::parts::{Figures, Section, statements};
+use super::searched_forces;
 use super::table::Table;
 use crate::figures::{ScoredDot, scored};
 use study::documents::{
-    Candidate, FreeRunErrors, NestedAverage, NestedRecording, SearchDocument, SearchTerm, SizeScore,
+    Candidate, FreeRunErrors, NestedAverage, NestedRecording, SearchDocument, SearchTerm, SearchedForces,
+    SizeScore,
 };
 
 /// Terms beyond this many are not listed: those of the base structure first, then those that were chosen most often.
@@ -16,6 +18,14 @@ const MOST_TERMS: usize = 40;
 /// The search for the structure: candidates, the score on recordings that the search has not seen, terms.
 pub(super) fn searched(found: Option<&SearchDocument>, figures: &mut Figures) -> Option<Section> {
     let found = found?;
+    if let Some(forces) = &found.forces {
+        return Some(Section::new(
+            "search",
+            "Search for forces",
+            "The search for forces",
+            of_forces(found, forces),
+        ));
+    }
     let body = html! {
         (about(found))
         (statements(&found.statements))
@@ -27,6 +37,17 @@ pub(super) fn searched(found: Option<&SearchDocument>, figures: &mut Figures) ->
         (recordings(found))
     };
     Some(Section::new("search", "Search for a structure", "The search for a structure", body))
+}
+
+fn of_forces(found: &SearchDocument, forces: &SearchedForces) -> Markup {
+    html! {
+        (searched_forces::about(found, forces))
+        (statements(&found.statements))
+        (nested(found))
+        (searched_forces::found(forces))
+        (searched_forces::without(forces))
+        (recordings(found))
+    }
 }
 
 fn about(found: &SearchDocument) -> Markup {
@@ -93,7 +114,7 @@ fn nested(found: &SearchDocument) -> Markup {
 }
 
 fn ridges(found: &SearchDocument, figures: &mut Figures) -> Markup {
-    let chosen = |c: &Candidate| c.ridge == found.ridge;
+    let chosen = |c: &Candidate| Some(c.ridge) == found.ridge;
     let dot = |c: &Candidate| {
         let (at, standard_error) = (c.ridge, c.standard_error);
         Some(ScoredDot { at, score: c.score?, standard_error, chosen: chosen(c) })

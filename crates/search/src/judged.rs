@@ -8,7 +8,7 @@ use identification::pooled::FreeRunErrors;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NestedScore {
-    /// The ridge that was chosen without each fold; none where no candidate was left.
+    /// The ridge that was chosen without each fold; none where no candidate was left. Empty for a ship with forces.
     pub ridges: Vec<Option<f64>>,
     /// Over all recordings; none where a fold has no model, or a window diverged.
     pub search: Option<FreeRunErrors>,
@@ -92,6 +92,11 @@ fn is_zero(count: &u64) -> bool {
 }
 
 impl Margin {
+    /// Whether the second norm is larger beyond chance: the interval lies above 0.
+    pub fn is_above(&self) -> bool {
+        self.interval[0].is_some_and(|low| low > 0.0)
+    }
+
     /// From pairs of norms: the own one and the other.
     pub(crate) fn of(pairs: &[[Option<f64>; 2]]) -> Option<Self> {
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());

@@ -15,57 +15,22 @@ pub(crate) struct Judged {
 }
 
 /// A recording when it was left out.
-struct LeftOut<'a> {
-    recording: &'a Recording,
-    fold: usize,
-    search: Option<Score>,
-    base: Option<Score>,
-    average: Option<Score>,
+pub(crate) struct LeftOut<'a> {
+    pub recording: &'a Recording,
+    pub fold: usize,
+    pub search: Option<Score>,
+    pub base: Option<Score>,
+    pub average: Option<Score>,
 }
 
 impl Study<'_> {
     /// Scores the models that were found without each fold on that fold; likewise the means of several models, if
     /// there are `averages`.
     pub fn judged(&self, by_folds: &[Judged], averages: Option<&[Option<Vec<Fitted>>]>) -> NestedScore {
-        let all = self.left_out(by_folds, averages, Laid::SideBySide);
-        let norm = |score: Option<Score>| score?.norm(self.std);
-        let nested = |LeftOut { recording, fold, search, base, average }: &LeftOut| NestedRecording {
-            source: recording.name.clone(),
-            fold: *fold as u64,
-            search: own(*search, recording),
-            base: own(*base, recording),
-            search_norm: norm(*search),
-            base_norm: norm(*base),
-            search_diverged: search.map_or(0, |score| score.diverged),
-            average: own(*average, recording),
-            average_norm: norm(*average),
-        };
-        let simulated: Vec<&LeftOut> =
-            all.iter().filter(|one| one.recording.scored(Laid::SideBySide).next().is_some()).collect();
-        let paired = |own: fn(&LeftOut) -> Option<Score>, other: fn(&LeftOut) -> Option<Score>| {
-            Margin::of(&simulated.iter().map(|one| [norm(own(one)), norm(other(one))]).collect::<Vec<_>>())
-        };
-        let overlapping = self.left_out(by_folds, averages, Laid::Overlapping);
-        let diverged = |of: fn(&LeftOut) -> Option<Score>| {
-            all.iter().filter_map(of).map(|score| score.diverged).sum::<u64>()
-        };
-        NestedScore {
-            ridges: by_folds.iter().map(|own| own.ridge).collect(),
-            search: whole(all.iter().map(|one| one.search), self.std),
-            base: whole(all.iter().map(|one| one.base), self.std),
-            search_overlapping: whole(overlapping.iter().map(|one| one.search), self.overlapping_std),
-            base_overlapping: whole(overlapping.iter().map(|one| one.base), self.overlapping_std),
-            diverged: diverged(|one| one.search),
-            margin: paired(|one| one.search, |one| one.base),
-            average: averages.map(|_| NestedAverage {
-                errors: whole(all.iter().map(|one| one.average), self.std),
-                overlapping: whole(overlapping.iter().map(|one| one.average), self.overlapping_std),
-                diverged: diverged(|one| one.average),
-                over_search: paired(|one| one.average, |one| one.search),
-                over_base: paired(|one| one.average, |one| one.base),
-            }),
-            recordings: all.iter().map(nested).collect(),
-        }
+        let laid = |laid| self.left_out(by_folds, averages, laid);
+        let all = [laid(Laid::SideBySide), laid(Laid::Overlapping)];
+        let ridges = by_folds.iter().map(|own| own.ridge).collect();
+        nested_score(&all, [self.std, self.overlapping_std], averages.is_some(), ridges)
     }
 
     /// Every recording when it was left out, in the order of the recordings.
@@ -91,6 +56,53 @@ impl Study<'_> {
         }
         all.sort_by_key(|one| self.recordings.iter().position(|own| own.name == one.recording.name));
         all
+    }
+}
+
+/// All scores: of every recording when it was left out, over windows side by side and over those that overlap, whose states
+/// have these standard deviations.
+pub(crate) fn nested_score(
+    [all, overlapping]: &[Vec<LeftOut>; 2],
+    [std, overlapping_std]: [[f64; 3]; 2],
+    has_averages: bool,
+    ridges: Vec<Option<f64>>,
+) -> NestedScore {
+    let norm = |score: Option<Score>| score?.norm(std);
+    let nested = |LeftOut { recording, fold, search, base, average }: &LeftOut| NestedRecording {
+        source: recording.name.clone(),
+        fold: *fold as u64,
+        search: own(*search, recording),
+        base: own(*base, recording),
+        search_norm: norm(*search),
+        base_norm: norm(*base),
+        search_diverged: search.map_or(0, |score| score.diverged),
+        average: own(*average, recording),
+        average_norm: norm(*average),
+    };
+    let simulated: Vec<&LeftOut> =
+        all.iter().filter(|one| one.recording.scored(Laid::SideBySide).next().is_some()).collect();
+    let paired = |own: fn(&LeftOut) -> Option<Score>, other: fn(&LeftOut) -> Option<Score>| {
+        Margin::of(&simulated.iter().map(|one| [norm(own(one)), norm(other(one))]).collect::<Vec<_>>())
+    };
+    let diverged = |of: fn(&LeftOut) -> Option<Score>| {
+        all.iter().filter_map(of).map(|score| score.diverged).sum::<u64>()
+    };
+    NestedScore {
+        ridges,
+        search: whole(all.iter().map(|one| one.search), std),
+        base: whole(all.iter().map(|one| one.base), std),
+        search_overlapping: whole(overlapping.iter().map(|one| one.search), overlapping_std),
+        base_overlapping: whole(overlapping.iter().map(|one| one.base), overlapping_std),
+        diverged: diverged(|one| one.search),
+        margin: paired(|one| one.search, |one| one.base),
+        average: has_averages.then(|| NestedAverage {
+            errors: whole(all.iter().map(|one| one.average), std),
+            overlapping: whole(overlapping.iter().map(|one| one.average), overlapping_std),
+            diverged: diverged(|one| one.average),
+            over_search: paired(|one| one.average, |one| one.search),
+            over_base: paired(|one| one.average, |one| one.base),
+        }),
+        recordings: all.iter().map(nested).collect(),
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! In addition to the base structure, a library of terms is fitted by the errors of free simulations over overlapping
 //! windows, with a ridge penalty Λβ² on each scaled parameter β. Λ is chosen by cross-validation over whole
-//! recordings, each fold on its own path. The whole algorithm is then scored on recordings that it has not seen.
+//! recordings, each fold on its own path. The whole algorithm is then scored on recordings that it has not seen. A search that
+//! adds forces to a ship is scored in the same way ([`judged_ships`]).
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -20,6 +21,7 @@ mod made;
 mod minimum;
 mod nested;
 mod pairs;
+mod physical;
 mod problem;
 mod recording;
 mod roles;
@@ -35,6 +37,8 @@ pub use folds::folds;
 pub use judged::{Margin, NestedAverage, NestedRecording, NestedScore};
 pub use library::{library, with_channels};
 pub use nested::Candidate;
+pub use physical::{FittedShip, JudgedShips, ShipsWithoutFold, judged_ships};
 pub use recording::{Cut, Recording};
 pub use roles::{NamedRoles, Roles};
 pub use searched::{SearchError, SearchOptions, Searched, search};
+pub use words::left_out;

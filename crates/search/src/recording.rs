@@ -72,6 +72,11 @@ impl Recording {
         })
     }
 
+    /// Number of its windows that models are scored on, side by side.
+    pub fn windows(&self) -> usize {
+        self.scored(Laid::SideBySide).count()
+    }
+
     /// Number of its samples.
     pub fn samples(&self) -> usize {
         self.whole.iter().map(Part::samples).sum()

@@ -51,20 +51,37 @@ pub(crate) fn statements(
         ));
     }
     out.extend(at_bounds(found));
-    out.push(match (&nested.search, &nested.base) {
+    out.extend(left_out(nested));
+    let rejected: u64 = candidates.iter().map(|c| c.rejected).sum();
+    if rejected > 0 {
+        let ridges = candidates.iter().filter(|c| c.rejected > 0).count();
+        out.push(format!("rejected: {ridges} ridges, of which fits or models diverge in {rejected} folds"));
+    }
+    if chosen + 1 == candidates.len() {
+        out.push("the smallest ridge that was tried is the best: smaller ones may be better".to_owned());
+    }
+    out
+}
+
+/// How the whole search and the base structure follow recordings that were left out, in words.
+pub fn left_out(nested: &NestedScore) -> Vec<String> {
+    let mut out = vec![match (&nested.search, &nested.base) {
         (Some(own), Some(base)) => format!(
             "the whole search with recordings left out: fit {}; the base structure: fit {}",
             fits(own),
             fits(base)
         ),
         (Some(own), None) => {
-            format!("the whole search with recordings left out: fit {}; the base structure diverges", fits(own))
+            format!(
+                "the whole search with recordings left out: fit {}; the base structure diverges",
+                fits(own)
+            )
         }
         (None, _) => format!(
             "not validated: without some fold there is no model, or it diverges ({} windows) on what was left out",
             nested.diverged
         ),
-    });
+    }];
     if let (Some(own), Some(base)) = (&nested.search_overlapping, &nested.base_overlapping) {
         out.push(format!(
             "the same over windows that begin at every quarter of one: fit {}; the base structure: fit {}",
@@ -75,14 +92,6 @@ pub(crate) fn statements(
     out.extend(nested.margin.as_ref().map(|margin| against(margin, "the base structure")));
     out.extend(nested.average.iter().flat_map(averaged));
     out.extend(contradicting(nested));
-    let rejected: u64 = candidates.iter().map(|c| c.rejected).sum();
-    if rejected > 0 {
-        let ridges = candidates.iter().filter(|c| c.rejected > 0).count();
-        out.push(format!("rejected: {ridges} ridges, of which fits or models diverge in {rejected} folds"));
-    }
-    if chosen + 1 == candidates.len() {
-        out.push("the smallest ridge that was tried is the best: smaller ones may be better".to_owned());
-    }
     out
 }
 

@@ -4,7 +4,7 @@
 //!   of them, disturbed realizations of it, their estimates and scores. [`MonteCarlo`] repeats the last three.
 //! - [`Logs`] become runs, [`Pooling`] makes one model of them, [`StructureSearch`] finds its structure, and [`Comparison`]
 //!   validates it on other recordings.
-//! - [`Physical`] fits a ship as physics to runs.
+//! - [`Physical`] fits a ship as physics to runs, and [`ForceSearch`] finds forces that she lacks.
 //! - [`ChartedTrial`] is planned as one walk over a chart, proved to be the cheapest and checked in simulation.
 //! - [`Designing`] finds the shares of a trial by any criterion, and the shortest trial of an accuracy.
 //! - [`Updating`] states the promise of a design anew from an estimate of its trial.
@@ -23,6 +23,7 @@ mod comparison;
 mod criticism;
 mod derivatives;
 mod designing;
+mod force_search;
 mod former;
 mod growing;
 mod measured;
@@ -39,6 +40,7 @@ pub use charted::{ChartedTrial, PlanError, Planned};
 pub use comparison::{Comparison, ComparisonError, channels_within, widest};
 pub use derivatives::check_captive;
 pub use designing::{Designing, Wish};
+pub use force_search::{ForceSearch, ForceSearchError};
 pub use former::former;
 pub use measured::{Ingested, Logs};
 pub use merit::Merits;

@@ -24,8 +24,8 @@ impl StructureSearch {
     /// # Errors
     /// Names what finds forces that she lacks.
     pub fn check(vessel: &Vessel) -> Result<(), Invalid> {
-        let remedy = "find missing forces by `estimate pool`, which tests about 240 products, and adds those that recordings left \
-            out confirm with `--add-terms K`; or give it a vessel with terms per sample";
+        let remedy =
+            "search for forces that she lacks by `ForceSearch`, or give it a vessel with terms per sample";
         vessel.check_terms("search").map_err(|own| Invalid { remedy: remedy.into(), ..own })
     }
 

@@ -1498,6 +1498,20 @@ class ForceCriticism:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ForcesWithoutFold:
+    """The search without the recordings of a fold."""
+
+    #: The fold.
+    fold: int
+    #: What was tried, one after the other.
+    tried: list[TriedForce]
+    #: Why no more was tried; null where as many were added as are allowed.
+    ended: str | None = None
+    #: Why there is no fit; null where there is one.
+    failed: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class FoundDrift:
     """A force or an error of a sensor that drifts, as a Gauss–Markov process."""
 
@@ -1511,6 +1525,26 @@ class FoundDrift:
     unit: str
     #: Over which time it drifts, 100,000 where it stays.
     time_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class FoundForce:
+    """A force that a search found."""
+
+    #: `surge`, `sway` or `yaw`.
+    degree: str
+    #: The product, as a term is written.
+    term: str
+    #: Name of its number.
+    parameter: str
+    #: The number's unit; `1` in the prime system.
+    unit: str
+    #: The number, with all that were found fitted to all recordings.
+    value: float
+    #: Its standard error; null at a bound.
+    standard_error: float | None = None
+    #: Searches without a fold that found it too.
+    found_by_folds: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -2368,7 +2402,7 @@ class NestedRecording:
 class NestedScore:
     """The whole algorithm judged by recordings that it has not seen, beside the base structure."""
 
-    #: The ridge that was chosen without each fold; none where no candidate was left.
+    #: The ridge that was chosen without each fold; none where no candidate was left. Empty for a ship with forces.
     ridges: list[float | None]
     #: Over all recordings; none where a fold has no model, or a window diverged.
     search: FreeRunErrors | None = None
@@ -3141,7 +3175,7 @@ class SearchDocument:
     vessel: str
     #: Length of the windows that were fitted \[s\].
     fitted_window_s: float
-    #: From the start of one to that of the next \[s\].
+    #: From the start of one to that of the next \[s\]; of forces they stand side by side.
     every_s: float
     #: Length of the windows that models were scored on \[s\]; null: whole runs.
     window_s: float | None = None
@@ -3157,8 +3191,8 @@ class SearchDocument:
     std_v: float
     #: Of yaw rate.
     std_r: float
-    #: The ridge Λ that was chosen.
-    ridge: float
+    #: The ridge Λ that was chosen; null for forces, which have none.
+    ridge: float | None = None
     #: Ridges in the order that they were tried in.
     candidates: list[Candidate]
     #: Numbers of terms in the order of additions, where few terms were asked for.
@@ -3167,10 +3201,12 @@ class SearchDocument:
     nested: NestedScore
     #: How often recordings were drawn again and searched anew, where few terms were asked for.
     resamples: Resamples | None = None
-    #: The terms that were found.
+    #: The terms that were found; of a ship with forces, those of the delivered ship whose numbers are free.
     terms: list[SearchTerm]
     #: What the models of `average.json` are made of, where an average was asked for.
     average: AverageSummary | None = None
+    #: The forces that were found, where the vessel has forces.
+    forces: SearchedForces | None = None
     #: What was found, in words.
     statements: list[str]
 
@@ -3198,6 +3234,34 @@ class SearchTerm:
     chosen_by_resamples: int | None = None
     #: In how many of the searches without a fold it was chosen too; null where all terms are kept.
     chosen_by_folds: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class SearchedForces:
+    """A search for forces that a ship lacks."""
+
+    #: Whether `model.json` has the forces that were found. Else it is the ship as she was: the interval of
+    #: `nested.margin` holds 0, lies below it, or there is none; or none was found.
+    delivered: bool
+    #: Forces that the search on all recordings found, in the order in which they were added.
+    found: list[FoundForce]
+    #: What that search tried, one after the other.
+    tried: list[TriedForce]
+    #: Why it tried no more; null where as many were added as are allowed.
+    ended: str | None = None
+    #: The searches without each fold.
+    without: list[ForcesWithoutFold]
+    #: Most forces that a search adds.
+    most_added: int
+    #: Weight of the priors.
+    prior_weight: float
+    #: Whether every window has a start of its own, or starts at its first measured sample.
+    unknown_starts: bool
+    #: Cost of the ship as she was, fitted to all recordings: the mean of Huber's function of the windows' RMS errors in
+    #: standard deviations, with what the priors add.
+    base_cost: float
+    #: That with the forces that were found.
+    found_cost: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -3755,8 +3819,9 @@ class TriedForce:
     term: str
     #: Name of its number.
     parameter: str
-    #: By which share the cost of recordings that were left out of both fits falls with it; below 0 where it rises. Null
-    #: where a fold has no fit, or a simulation diverges.
+    #: By which share the cost of recordings that were left out of both fits falls with it; below 0 where it rises.
+    #: Folds count in which the ship without it has a fit and follows them. Null where these are fewer than two, or
+    #: where with it a fold has no fit or a simulation diverges.
     share_left_out: float | None = None
     #: The standard error of that, over the folds.
     standard_error: float | None = None

@@ -6,21 +6,23 @@ use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::{Args, Parser};
 use model::Vessel;
 use search::{AverageOptions, BootstrapOptions, Cut, NamedRoles, SearchError, SearchOptions};
-use seatrial::{FoundStructure, StructureSearch};
+use seatrial::{ForceSearch, ForceSearchError, FoundStructure, StructureSearch};
 use serde_json::json;
 use study::TermLists;
 use study::documents::SearchDocument;
 use study::files::read_any_vessel;
 
-use crate::cli::{Common, member, samples};
+use crate::cli::{Common, member, none_given, samples};
 use crate::failure::Failure;
 use crate::inputs;
+use crate::physical::{WeightFlags, absent, note, unfit};
 use crate::pool::RunFlags;
 use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 
 /// Finds which terms a ship's model needs, from recordings of her; writes search.json and model.json. A ridge, chosen by
-/// recordings that are left out, holds back the terms of a library
+/// recordings that are left out, holds back the terms of a library. To a ship with forces it adds those that she lacks, if
+/// recordings left out of all of it are followed better
 #[derive(Parser)]
 #[command(
     name = "search",
@@ -35,12 +37,13 @@ pub struct Arguments {
     of: RunFlags,
     #[command(flatten)]
     roles: RoleFlags,
-    /// Terms to search through instead of the library: lists `surge`, `sway` and `yaw`
+    /// Terms to search through instead of the library, or of the products that a ship with forces may lack: lists `surge`, `sway`
+    /// and `yaw`
     #[arg(long, value_name = "terms.toml")]
     terms: Option<PathBuf>,
-    /// Length of the windows that are fitted [s]
-    #[arg(long, value_name = "S", default_value_t = 60.0)]
-    fitted_window_s: f64,
+    /// Length of the windows that are fitted [s] [default: 60; of a ship with forces 100, at most]
+    #[arg(long, value_name = "S")]
+    fitted_window_s: Option<f64>,
     /// From the start of one window to that of the next [s] (default: a quarter of a window)
     #[arg(long, value_name = "S")]
     every_s: Option<f64>,
@@ -54,13 +57,18 @@ pub struct Arguments {
     #[arg(long)]
     compact: bool,
     /// With --compact: draws recordings again and repeats the search so often, for an interval of every parameter; 0 does not.
-    /// Each takes a few times as long as one fold of the search
-    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(0..=100_000))]
-    bootstrap: u32,
+    /// Each takes a few times as long as one fold of the search [default: 50]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    bootstrap: Option<u32>,
     /// Finds K models of few terms besides, to be averaged: each structure on 70 % of the recordings, each model fitted to all;
     /// writes average.json. Takes about K times as long as --compact, since all are found again without each fold
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(2..=99))]
     average: Option<u32>,
+    /// Of a ship with forces: forces that are added at most, one after the other [default: 3]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=50))]
+    add_terms: Option<u16>,
+    #[command(flatten)]
+    weights: WeightFlags,
 }
 
 /// What channels are to the library; those that are not named are found by unit and name.
@@ -104,18 +112,28 @@ struct RoleFlags {
 
 /// The usual name of the document.
 const MAIN: &str = "search.json";
+/// Forces that are added at most, where nothing else is asked for.
+const MOST_ADDED: u16 = 3;
+/// Resamples, where nothing else is asked for.
+const RESAMPLES: u32 = 50;
+/// Length of the windows of terms per sample \[s\], where nothing else is asked for.
+const WINDOW_S: f64 = 60.0;
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
         let given = read_any_vessel(&self.vessel, &mut provenance)?;
-        StructureSearch::check(&given).map_err(|e| Failure::invalid(&self.vessel, &e))?;
+        if given.model.forces.is_some() {
+            return self.forces(&given, (common, provenance));
+        }
+        absent([("--add-terms", self.add_terms.is_some())])?;
+        self.weights.check_absent()?;
         let read = || [&self.vessel].into_iter().chain(&self.terms).chain(self.of.inputs());
         let out = common.main_output(MAIN, read())?;
         let [single, several] = ["model.json", "average.json"].map(|name| member(&out, MAIN, name, read()));
         let (single, several) = (single?, several?);
         let in_samples = |flag: &str, s: f64| samples(flag, s, given.sample_rate_hz);
-        let window = in_samples("--fitted-window-s", self.fitted_window_s)?;
+        let window = in_samples("--fitted-window-s", self.fitted_window_s.unwrap_or(WINDOW_S))?;
         let every = self.every_s.map(|s| in_samples("--every-s", s)).transpose()?;
         let cut = Cut {
             window,
@@ -162,19 +180,99 @@ impl Task for Arguments {
             // The average of an earlier search does not belong to this one.
             let _ = std::fs::remove_file(several);
         }
-        Ok(Summary::of(
-            &out,
-            format!("{} terms; {}", search.terms.len(), search.statements.join("; ")),
-            json!({"terms": search.terms.len(), "ridge": search.ridge, "statements": search.statements}),
-        ))
+        Ok(summary(&out, &search))
     }
 }
 
+fn summary(out: &Path, search: &SearchDocument) -> Summary {
+    Summary::of(
+        out,
+        format!("{} terms; {}", search.terms.len(), search.statements.join("; ")),
+        json!({"terms": search.terms.len(), "ridge": search.ridge, "statements": search.statements}),
+    )
+}
+
 impl Arguments {
+    /// Searches for forces that `vessel` lacks.
+    fn forces(
+        &self,
+        vessel: &Vessel,
+        (common, mut provenance): (&Common, Provenance),
+    ) -> Result<Summary, Failure> {
+        self.check_forces()?;
+        let read = || [&self.vessel].into_iter().chain(&self.terms).chain(self.of.inputs());
+        let out = common.main_output(MAIN, read())?;
+        let single = member(&out, MAIN, "model.json", read())?;
+        let terms: Option<TermLists> =
+            self.terms.as_ref().map(|path| inputs::toml(path, "terms", &mut provenance)).transpose()?;
+        let listed = terms.map(|own| [own.surge, own.sway, own.yaw]);
+        let rate_hz = vessel.sample_rate_hz;
+        let window = ("--fitted-window-s", self.fitted_window_s);
+        let search = ForceSearch {
+            vessel,
+            settings: self.weights.settings(1.0 / rate_hz, window, None)?,
+            scored: self.window_s.map(|s| samples("--window-s", s, rate_hz)).transpose()?,
+            folds: usize::from(self.folds),
+            most_added: usize::from(self.add_terms.unwrap_or(MOST_ADDED)),
+            listed: listed.as_ref(),
+        };
+        let of = self.terms.as_ref().unwrap_or(&self.vessel);
+        search.check().map_err(|e| Failure::invalid(of, &e))?;
+        let runs = self.of.read_of_forces(vessel, &mut provenance)?;
+        let progress = Progress::new("searches", search.searches(), common.quiet);
+        let found = search.find(&runs, &|count| progress.advance(count));
+        let FoundStructure { search: document, model, .. } = found.map_err(|e| self.unfound(e))?;
+        let noted = [
+            ("fitted_window_s", json!(search.settings.window_s)),
+            ("window_samples", json!(search.scored)),
+            ("folds", json!(self.folds)),
+            ("add_terms", json!(search.most_added)),
+            ("prior_weight", json!(search.settings.prior_weight)),
+            ("measured_starts", json!(self.weights.measured_starts)),
+            ("runs", json!(self.of.runs)),
+            ("leave_out", json!(self.of.leave_out)),
+        ];
+        note(noted, &mut provenance);
+        let member = stage_document(single, &provenance, &model)?;
+        let main = stage_set_document(&out, &provenance, &document, std::slice::from_ref(&member))?;
+        commit(vec![main, member])?;
+        Ok(summary(&out, &document))
+    }
+
+    /// Refuses flags that need terms per sample.
+    fn check_forces(&self) -> Result<(), Failure> {
+        let flags = [
+            ("--every-s", self.every_s.is_some()),
+            ("--compact", self.compact),
+            ("--bootstrap", self.bootstrap.is_some()),
+            ("--average", self.average.is_some()),
+        ];
+        let found = "a ship with forces, which is searched for missing products one by one";
+        none_given(flags.into_iter().chain(self.roles.given()), found, "terms per sample")
+    }
+
+    /// Why nothing was found.
+    fn unfound(&self, error: ForceSearchError) -> Failure {
+        match error {
+            ForceSearchError::Search(error) => refused(self.of.file(), &error),
+            ForceSearchError::Physical(error) => unfit(error, &self.vessel, self.of.file()),
+            ForceSearchError::FewLeft { left, least, folds } => Failure::refuse(
+                self.of.file(),
+                "recordings",
+                &format!("{left} without the largest of {folds} folds"),
+                &format!("at least {least}, which verify what is added"),
+                "name ingest.json with --recordings, add recordings, or ask for more --folds",
+            ),
+        }
+    }
+
     /// The bootstrap over recordings, only for a search for few terms.
     fn bootstrap(&self, common: &Common) -> Option<BootstrapOptions> {
-        let wanted = BootstrapOptions { resamples: self.bootstrap, seed: common.seed.unwrap_or(1) };
-        (self.compact && self.bootstrap > 0).then_some(wanted)
+        let wanted = BootstrapOptions {
+            resamples: self.bootstrap.unwrap_or(RESAMPLES),
+            seed: common.seed.unwrap_or(1),
+        };
+        (self.compact && wanted.resamples > 0).then_some(wanted)
     }
 
     /// The start of the search, and its candidate terms.
@@ -189,6 +287,23 @@ impl Arguments {
 }
 
 impl RoleFlags {
+    /// Each flag, and whether it is given.
+    fn given(&self) -> [(&'static str, bool); 11] {
+        [
+            ("--rudder", !self.rudder.is_empty()),
+            ("--propeller", !self.propeller.is_empty()),
+            ("--ahead", !self.ahead.is_empty()),
+            ("--astern", !self.astern.is_empty()),
+            ("--thrust", !self.thrust.is_empty()),
+            ("--port", !self.port.is_empty()),
+            ("--starboard", !self.starboard.is_empty()),
+            ("--wind", self.wind.is_some()),
+            ("--wind-from", self.wind_from.is_some()),
+            ("--even", !self.even.is_empty()),
+            ("--odd", !self.odd.is_empty()),
+        ]
+    }
+
     fn named(&self) -> NamedRoles {
         let Self { rudder, propeller, ahead, astern, thrust, port, starboard, wind, wind_from, even, odd } =
             self.clone();

@@ -419,7 +419,7 @@ fn exchanged_thrusters_are_named_and_a_late_rudder_is_told_with_its_time() {
 }
 
 #[test]
-fn a_force_that_recordings_left_out_confirm_is_added_and_a_search_names_the_way() {
+fn a_force_that_recordings_left_out_confirm_is_added() {
     let folder = long_trial();
     let text =
         file("crates/model/presets/kvlcc2-l7.toml").replace("sample_rate_hz = 10.0", "sample_rate_hz = 2.0");
@@ -438,13 +438,6 @@ fn a_force_that_recordings_left_out_confirm_is_added_and_a_search_names_the_way(
     // The ship with it stands for vessel.toml.
     run(&folder, "simulate dictionary --vessel model.json --dictionary dictionary.toml --out again.parquet")
         .succeeds();
-    let line = "estimate search --vessel vessel.toml --trajectories d.parquet --out search.json";
-    refused(
-        &folder,
-        3,
-        line,
-        &["vessel.toml", "`forces`, which have no terms", "`estimate pool`", "--add-terms K"],
-    );
 }
 
 /// Published values of KVLCC2, which the simulated runs follow.

@@ -6,6 +6,7 @@ mod support;
 mod constraints;
 mod cross;
 mod estimate;
+mod force_search;
 mod forces;
 mod golden;
 mod model;

@@ -12,8 +12,10 @@ mod design_update;
 mod estimate;
 mod follow;
 mod force_criticism;
+mod force_search;
 mod forces;
 mod found;
+mod found_forces;
 mod ingest;
 mod map;
 mod merit;
@@ -79,7 +81,9 @@ pub(crate) use estimate::bounded;
 pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
 pub use follow::{FollowDocument, FollowStatus, FollowedStep};
 pub use force_criticism::{AbsentForce, ForceCriticism, LateActuator, TriedForce, TriedSign};
+pub use force_search::{ForcesWithoutFold, FoundForce, SearchedForces};
 pub use forces::{CaptiveValue, FittedForces, FittedParameter, SailedSum, SailedSums};
+pub use found_forces::ForceScores;
 pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State,
     WarningKind, WarningSummary,

@@ -1,10 +1,12 @@
 use artifact::{Document, Units};
+use identification::pooled::FreeRunErrors;
 use model::{DegreeOfFreedom, Vessel};
 use schemars::JsonSchema;
 use search::{Candidate, NestedScore, SearchOptions, Searched, SizeScore};
 use serde::{Deserialize, Serialize};
 
 use super::average::AverageSummary;
+use super::force_search::SearchedForces;
 use super::found::{parameters, resampled};
 
 /// `search.json`: how a model's structure was searched for in recordings, and how far the search can be trusted.
@@ -15,7 +17,7 @@ pub struct SearchDocument {
     pub vessel: String,
     /// Length of the windows that were fitted \[s\].
     pub fitted_window_s: f64,
-    /// From the start of one to that of the next \[s\].
+    /// From the start of one to that of the next \[s\]; of forces they stand side by side.
     pub every_s: f64,
     /// Length of the windows that models were scored on \[s\]; null: whole runs.
     pub window_s: Option<f64>,
@@ -31,8 +33,9 @@ pub struct SearchDocument {
     pub std_v: f64,
     /// Of yaw rate.
     pub std_r: f64,
-    /// The ridge Λ that was chosen.
-    pub ridge: f64,
+    /// The ridge Λ that was chosen; null for forces, which have none.
+    #[serde(default)]
+    pub ridge: Option<f64>,
     /// Ridges in the order that they were tried in.
     pub candidates: Vec<Candidate>,
     /// Numbers of terms in the order of additions, where few terms were asked for.
@@ -42,11 +45,14 @@ pub struct SearchDocument {
     /// How often recordings were drawn again and searched anew, where few terms were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resamples: Option<Resamples>,
-    /// The terms that were found.
+    /// The terms that were found; of a ship with forces, those of the delivered ship whose numbers are free.
     pub terms: Vec<SearchTerm>,
     /// What the models of `average.json` are made of, where an average was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub average: Option<AverageSummary>,
+    /// The forces that were found, where the vessel has forces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forces: Option<SearchedForces>,
     /// What was found, in words.
     pub statements: Vec<String>,
 }
@@ -107,7 +113,7 @@ impl SearchDocument {
             std_u,
             std_v,
             std_r,
-            ridge: found.candidates[found.chosen].ridge,
+            ridge: Some(found.candidates[found.chosen].ridge),
             candidates: found.candidates.clone(),
             sizes: found.sizes.clone(),
             nested: found.nested.clone(),
@@ -122,8 +128,15 @@ impl SearchDocument {
                 .as_ref()
                 .zip(seed)
                 .map(|(own, seed)| AverageSummary::new(vessel, seed, own)),
+            forces: None,
             statements: found.statements.clone(),
         }
+    }
+
+    /// Errors of the delivered model's kind on recordings that were left out of finding and fitting it.
+    pub fn delivered_errors(&self) -> Option<FreeRunErrors> {
+        let as_she_was = self.forces.as_ref().is_some_and(|own| !own.delivered);
+        if as_she_was { self.nested.base } else { self.nested.search }
     }
 }
 
@@ -156,7 +169,8 @@ impl Document for SearchDocument {
         (
             "1",
             "terms windows samples folds chosen_by_folds loss excess ridge ridges rejected diverged fold margin search_norm base_norm \
-             average_norm over_search over_base models chosen recordings_each seed chosen_by_resamples searches failed search_diverged",
+             average_norm over_search over_base models chosen recordings_each seed chosen_by_resamples searches failed search_diverged \
+             most_added prior_weight base_cost found_cost share_left_out found_by_folds",
         ),
         ("%", "score fit_u fit_v fit_r"),
         ("m/s", "std_u std_v rmse_u rmse_v"),

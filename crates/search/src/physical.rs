@@ -1,0 +1,84 @@
+//! Ships with forces, scored on recordings that were left out of the search for forces that they lack.
+
+use engine::{RunView, check_diverged, replay, simulate_one};
+use identification::pooled::Score;
+use model::Model;
+use rayon::prelude::*;
+
+use crate::judged::NestedScore;
+use crate::left_out::{LeftOut, nested_score};
+use crate::recording::{Laid, Recording};
+use crate::scores::varying;
+
+/// A ship with forces as she was fitted.
+#[derive(Clone, Debug)]
+pub struct FittedShip {
+    /// Her model.
+    pub model: Model,
+    /// Her free numbers.
+    pub theta: Vec<f64>,
+}
+
+/// What was fitted without the recordings of a fold; none where there is no fit.
+#[derive(Clone, Debug)]
+pub struct ShipsWithoutFold {
+    /// The ship with the forces that a search added.
+    pub search: Option<FittedShip>,
+    /// The ship that it began with.
+    pub base: Option<FittedShip>,
+}
+
+/// Ships on recordings that were left out.
+#[derive(Clone, Debug)]
+pub struct JudgedShips {
+    /// Their scores.
+    pub nested: NestedScore,
+    /// Windows that they were scored on.
+    pub windows: u64,
+    /// Standard deviations of u, v, r over these.
+    pub std: [f64; 3],
+}
+
+/// Scores the ships of `by_folds` on the recordings of the fold that each was fitted without; `folds` has the fold of each of
+/// `recordings`. Each row of inputs acts during its whole sample where `are_inputs_held`, else inputs are linear between samples.
+pub fn judged_ships(
+    recordings: &[Recording],
+    folds: &[usize],
+    by_folds: &[ShipsWithoutFold],
+    are_inputs_held: bool,
+) -> JudgedShips {
+    let all = [Laid::SideBySide, Laid::Overlapping].map(|laid| {
+        let places = (0..recordings.len()).into_par_iter();
+        let left_out: Vec<LeftOut> = places
+            .map(|i| {
+                let (recording, fold) = (&recordings[i], folds[i]);
+                let ShipsWithoutFold { search, base } = &by_folds[fold];
+                let of = |ship: &FittedShip| score(ship, recording.scored(laid), are_inputs_held);
+                let [search, base] = [search, base].map(|ship| ship.as_ref().map(of));
+                LeftOut { recording, fold, search, base, average: None }
+            })
+            .collect();
+        left_out
+    });
+    let std = [Laid::SideBySide, Laid::Overlapping].map(|laid| varying(recordings.iter(), laid));
+    let windows = recordings.iter().map(|own| own.windows() as u64).sum();
+    JudgedShips { nested: nested_score(&all, std, false, Vec::new()), windows, std: std[0] }
+}
+
+/// Free simulations of `windows` from their first measured states.
+fn score<'r>(ship: &FittedShip, windows: impl Iterator<Item = RunView<'r>>, are_inputs_held: bool) -> Score {
+    let simulate = if are_inputs_held { simulate_one } else { replay };
+    let mut score = Score::default();
+    for window in windows {
+        let states = simulate(&ship.model, &ship.theta, window.initial, window.exogenous);
+        if check_diverged(states.iter().copied()).is_some() {
+            score.diverged += 1;
+            continue;
+        }
+        score.samples += window.samples() as u64;
+        for (i, (own, measured)) in states.iter().zip(window.measured).enumerate().skip(3) {
+            score.squares[i % 3] += (own - measured).powi(2);
+        }
+    }
+    score
+}

@@ -1,0 +1,295 @@
+//! The search for forces that a ship lacks, judged by recordings that are left out of all of it.
+
+use fitting::{Channels, Settings, Starts};
+use model::Vessel;
+use rayon::prelude::*;
+use refusal::{Invalid, listed};
+use regression::pooled::PooledRuns;
+use search::{Cut, FittedShip, JudgedShips, Recording, SearchError, ShipsWithoutFold, folds, judged_ships};
+use study::documents::{
+    FittedParameter, ForceScores, ForcesWithoutFold, FoundForce, ModelDocument, SearchDocument,
+    SearchedForces, TriedForce,
+};
+
+use crate::criticism::channels;
+use crate::growing::{self, FEWEST, GrownShip, Recorded};
+use crate::physical::{Physical, PhysicalError};
+use crate::structure::FoundStructure;
+
+/// A search for forces that a ship lacks.
+#[derive(Clone, Copy)]
+pub struct ForceSearch<'a> {
+    /// The ship, whose model is made of forces.
+    pub vessel: &'a Vessel,
+    /// Windows, weights and starts of fits.
+    pub settings: Settings,
+    /// Samples of a window that ships are scored on; none: whole runs.
+    pub scored: Option<usize>,
+    /// Folds that recordings are dealt into.
+    pub folds: usize,
+    /// Most forces that are added, one after the other.
+    pub most_added: usize,
+    /// Terms of surge, sway and yaw to try in place of the usual products.
+    pub listed: Option<&'a [Vec<String>; 3]>,
+}
+
+/// Why nothing was searched for.
+#[derive(Debug, thiserror::Error)]
+pub enum ForceSearchError {
+    /// Too few recordings, or too short ones.
+    #[error("{0}")]
+    Search(#[from] SearchError),
+    /// Without a fold there are too few recordings to verify an addition.
+    #[error("{left} recordings without some of {folds} folds")]
+    FewLeft {
+        /// Recordings without the largest fold.
+        left: usize,
+        /// Fewest that verify an addition.
+        least: usize,
+        /// Number of folds.
+        folds: usize,
+    },
+    /// The ship cannot be fitted to all recordings.
+    #[error("{0}")]
+    Physical(#[from] PhysicalError),
+}
+
+/// The search without a fold.
+struct WithoutFold {
+    ships: ShipsWithoutFold,
+    said: ForcesWithoutFold,
+}
+
+impl ForceSearch<'_> {
+    /// The number of products that are tried; refuses lists that have none.
+    ///
+    /// # Errors
+    /// A listed text that is no term of this ship, or lists without any that she lacks.
+    pub fn check(&self) -> Result<usize, Invalid> {
+        let own = self.physical(self.vessel, false);
+        let forces = own.forces()?;
+        let (all, inputs) = (channels(self.vessel), self.vessel.model.inputs);
+        let found = Channels { all: &all, inputs, listed: self.listed }.lacking(forces);
+        match found.map_err(|e| e.invalid())? {
+            0 => Err(Invalid::new("the lists", "no term that the ship lacks", "one at least", "list others")),
+            found => Ok(found),
+        }
+    }
+
+    /// Number of searches.
+    pub fn searches(&self) -> usize {
+        self.folds + 1
+    }
+
+    /// Searches without each fold, scores the ships that are found on what was left out, and searches all `runs`. The ship with
+    /// the forces that are found is delivered if it is better there beyond chance, else the ship as she was. `done` is called
+    /// with the number of searches that are done.
+    ///
+    /// # Errors
+    /// Too few recordings; no fit to all of them.
+    pub fn find(
+        &self,
+        runs: &PooledRuns,
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Result<FoundStructure, ForceSearchError> {
+        let recordings = Recording::all(runs, self.cut());
+        let dealt = self.dealt(&recordings)?;
+        if recordings.iter().all(|own| own.windows() == 0) {
+            return Err(SearchError::NoWindow.into());
+        }
+        let held = runs.are_inputs_held();
+        let sources: Vec<Recorded> =
+            recordings.iter().map(|own| (own.name.clone(), own.whole.clone())).collect();
+        // Fails at once where the ship cannot be fitted.
+        let base = self.physical(self.vessel, false).fitted_model(runs, (&sources, held))?;
+        let without: Vec<WithoutFold> = (0..self.folds)
+            .into_par_iter()
+            .map(|fold| {
+                let own = self.without(fold, &dealt, &sources, held);
+                done(1);
+                own
+            })
+            .collect();
+        let (ships, said): (Vec<_>, Vec<_>) = without.into_iter().map(|own| (own.ships, own.said)).unzip();
+        let judged = judged_ships(&recordings, &dealt, &ships, held);
+        let grown = self
+            .physical(self.vessel, false)
+            .grown((&sources, held), self.listed)
+            .map_err(PhysicalError::from)?;
+        done(1);
+        self.delivered(runs, (&sources, held), Outcome { base, grown, said, judged })
+    }
+
+    fn cut(&self) -> Cut {
+        let window = (self.settings.window_s / self.settings.sample_s).round().max(1.0) as usize;
+        Cut { window, every: window, scored: self.scored }
+    }
+
+    fn physical<'p>(&self, vessel: &'p Vessel, criticise: bool) -> Physical<'p> {
+        let (settings, most_added) = (self.settings, self.most_added);
+        Physical { vessel, settings, former: None, reference: None, criticise, most_added }
+    }
+
+    /// The fold of each recording.
+    fn dealt(&self, recordings: &[Recording]) -> Result<Vec<usize>, ForceSearchError> {
+        let (count, all) = (self.folds, recordings.len());
+        if all < count {
+            return Err(SearchError::FewRecordings { recordings: all, folds: count }.into());
+        }
+        let dealt = folds(&recordings.iter().collect::<Vec<_>>(), count);
+        let kept = |fold: usize| dealt.iter().filter(|own| **own != fold).count();
+        match (0..count).map(kept).min() {
+            Some(left) if left < FEWEST => {
+                Err(ForceSearchError::FewLeft { left, least: FEWEST, folds: count })
+            }
+            _ => Ok(dealt),
+        }
+    }
+
+    /// The whole search without the recordings of `fold`.
+    fn without(&self, fold: usize, dealt: &[usize], sources: &[Recorded], held: bool) -> WithoutFold {
+        let kept = sources.iter().zip(dealt).filter(|(_, own)| **own != fold);
+        let kept: Vec<Recorded> = kept.map(|(own, _)| own.clone()).collect();
+        let fitted = |vessel: &Vessel| {
+            let theta = self.physical(vessel, false).theta_of(&kept, held);
+            theta.map(|theta| FittedShip { model: vessel.model.clone(), theta })
+        };
+        let base = fitted(self.vessel);
+        let grown = self.physical(self.vessel, false).grown((&kept, held), self.listed);
+        let (tried, ended) =
+            grown.as_ref().map_or((Vec::new(), None), |own| (own.tried.clone(), own.ended.clone()));
+        let search = match (&base, grown) {
+            (Ok(base), Ok(own)) if added(&own.tried).next().is_none() => Ok(base.clone()),
+            (_, Ok(own)) => fitted(&own.vessel),
+            (_, Err(error)) => Err(error.into()),
+        };
+        let failed = [&base, &search].into_iter().find_map(|own| own.as_ref().err()).map(ToString::to_string);
+        let ships = ShipsWithoutFold { search: search.ok(), base: base.ok() };
+        WithoutFold { ships, said: ForcesWithoutFold { fold: fold as u64, tried, ended, failed } }
+    }
+
+    /// The documents, and the ship that recordings left out speak for.
+    fn delivered(
+        &self,
+        runs: &PooledRuns,
+        recorded: (&[Recorded], bool),
+        Outcome { base, grown, said, judged }: Outcome,
+    ) -> Result<FoundStructure, ForceSearchError> {
+        let confirmed = judged.nested.margin.as_ref().is_some_and(search::Margin::is_above);
+        let any = added(&grown.tried).next().is_some();
+        let delivered = any && confirmed && judged.nested.search.is_some();
+        let with = self.physical(&grown.vessel, delivered);
+        let with = any.then(|| with.fitted_model(runs, recorded)).transpose()?;
+        let forces = self.forces(delivered, &base, with.as_ref(), &grown, said);
+        let statements = statements(&forces, &judged, &grown);
+        let (ship, mut model) = match with {
+            Some(with) if delivered => (&grown.vessel, with),
+            _ => (self.vessel, self.physical(self.vessel, true).fitted_model(runs, recorded)?),
+        };
+        model.statements = statements.iter().cloned().chain(model.statements).collect();
+        if let Some(fitted) = model.forces.as_mut().filter(|_| delivered) {
+            fitted.tried = grown.tried;
+        }
+        let numbers = numbers(&model).to_vec();
+        let search = SearchDocument::of_forces(
+            self.vessel,
+            self.scores(recorded.0, judged),
+            forces,
+            (ship, &numbers),
+            statements,
+        );
+        Ok(FoundStructure { search, model, average: None })
+    }
+
+    fn scores(&self, sources: &[Recorded], judged: JudgedShips) -> ForceScores {
+        let samples = sources.iter().flat_map(|(_, parts)| parts).map(|own| own.samples() as u64).sum();
+        ForceScores {
+            fitted_window_s: self.settings.window_s,
+            window_s: self.scored.map(|own| own as f64 * self.settings.sample_s),
+            windows: judged.windows,
+            samples,
+            folds: self.folds as u64,
+            std: judged.std,
+            nested: judged.nested,
+        }
+    }
+
+    fn forces(
+        &self,
+        delivered: bool,
+        base: &ModelDocument,
+        with: Option<&ModelDocument>,
+        grown: &GrownShip,
+        without: Vec<ForcesWithoutFold>,
+    ) -> SearchedForces {
+        let cost = |model: &ModelDocument| model.forces.as_ref().map_or(f64::NAN, |own| own.cost);
+        let found = added(&grown.tried).filter_map(|own| found(own, numbers(with?), &without)).collect();
+        SearchedForces {
+            delivered,
+            found,
+            tried: grown.tried.clone(),
+            ended: grown.ended.clone(),
+            most_added: self.most_added as u64,
+            prior_weight: self.settings.prior_weight,
+            unknown_starts: self.settings.starts == Starts::Unknown,
+            base_cost: cost(base),
+            found_cost: cost(with.unwrap_or(base)),
+            without,
+        }
+    }
+}
+
+/// What became of all searches.
+struct Outcome {
+    /// The ship as she was, fitted to all recordings.
+    base: ModelDocument,
+    /// The search on all recordings.
+    grown: GrownShip,
+    said: Vec<ForcesWithoutFold>,
+    judged: JudgedShips,
+}
+
+fn added(tried: &[TriedForce]) -> impl Iterator<Item = &TriedForce> {
+    tried.iter().filter(|own| own.added)
+}
+
+fn numbers(model: &ModelDocument) -> &[FittedParameter] {
+    model.forces.as_ref().map_or(&[], |own| &own.parameters)
+}
+
+fn found(own: &TriedForce, numbers: &[FittedParameter], without: &[ForcesWithoutFold]) -> Option<FoundForce> {
+    let number = numbers.iter().find(|number| number.name == own.parameter)?;
+    let too = |fold: &&ForcesWithoutFold| added(&fold.tried).any(|other| other.parameter == own.parameter);
+    Some(FoundForce {
+        degree: own.degree.clone(),
+        term: own.term.clone(),
+        parameter: own.parameter.clone(),
+        unit: number.unit.clone(),
+        value: number.value,
+        standard_error: number.standard_error,
+        found_by_folds: without.iter().filter(too).count() as u64,
+    })
+}
+
+/// What was found, whether recordings left out confirm it, and what is delivered.
+fn statements(forces: &SearchedForces, judged: &JudgedShips, grown: &GrownShip) -> Vec<String> {
+    let folds = forces.without.len();
+    let each = |own: &FoundForce| {
+        format!("`{}` in {} (in {} of {folds} folds too)", own.term, own.degree, own.found_by_folds)
+    };
+    let named: Vec<String> = forces.found.iter().map(each).collect();
+    let (what, verdict) = match (named.is_empty(), forces.delivered) {
+        (true, _) => ("no force that the ship lacks was found".to_owned(), "delivered: the ship as she was"),
+        (false, true) => (format!("found: {}", listed(&named)), "delivered: the ship with what was found"),
+        (false, false) => (
+            format!("found: {}", listed(&named)),
+            "delivered: the ship as she was, for recordings left out of the whole search do not tell that what was found predicts \
+             better",
+        ),
+    };
+    let failed = forces.without.iter().filter_map(|own| {
+        own.failed.as_ref().map(|why| format!("without fold {} there is no fit: {why}", own.fold + 1))
+    });
+    let begin = [what, verdict.to_owned()].into_iter();
+    begin.chain(search::left_out(&judged.nested)).chain(failed).chain(growing::statements(grown)).collect()
+}
