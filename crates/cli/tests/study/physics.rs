@@ -211,7 +211,6 @@ fn stages_that_need_terms_per_sample_refuse_a_ship_with_forces_by_name() {
         format!("moments {runs} --out moments.json"),
         format!("estimate {runs} --estimator ls --out estimates.parquet"),
         format!("estimate pool {runs} --estimator iv --out pool/"),
-        format!("estimate search {runs} --out search.json"),
         format!("validate cross {runs} --estimators iv --out crossval.json"),
         format!("validate selection {runs} --design design.json --out selection.parquet"),
         "sequential --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --config sequential.toml \
