@@ -3,11 +3,20 @@ use model::{Model, Moved};
 
 use crate::simulate_one;
 
-/// Simulates one logged run in still water. As [`simulate_one`], but forces act by inputs that are linear between samples, as
-/// logged ones are; the last row is held.
-pub fn replay(model: &Model, parameters: &[f64], initial: [f64; 3], exogenous: &[f64]) -> Vec<f64> {
+/// Simulates one run in still water along its inputs. Where they are held during each sample, as those of simulated runs are, this
+/// is [`simulate_one`]. Else forces act by inputs that are linear between samples, as logged ones are; the last row is held.
+pub fn replay(
+    model: &Model,
+    parameters: &[f64],
+    initial: [f64; 3],
+    exogenous: &[f64],
+    are_inputs_held: bool,
+) -> Vec<f64> {
     let width = model.exogenous().max(1);
-    let Some(moved) = &model.forces else { return simulate_one(model, parameters, initial, exogenous) };
+    let moved = match &model.forces {
+        Some(moved) if !are_inputs_held => moved,
+        _ => return simulate_one(model, parameters, initial, exogenous),
+    };
     let replayed = Replayed::new(moved, parameters, (exogenous, width), false);
     let (mut state, mut states) = (initial, initial.to_vec());
     for k in 0..exogenous.len() / width {

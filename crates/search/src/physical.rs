@@ -1,6 +1,5 @@
 //! Ships with forces, scored on recordings that were left out of the search for forces that they lack.
 
-use engine::{RunView, check_diverged, replay, simulate_one};
 use identification::pooled::Score;
 use model::Model;
 use rayon::prelude::*;
@@ -53,7 +52,9 @@ pub fn judged_ships(
             .map(|i| {
                 let (recording, fold) = (&recordings[i], folds[i]);
                 let ShipsWithoutFold { search, base } = &by_folds[fold];
-                let of = |ship: &FittedShip| score(ship, recording.scored(laid), are_inputs_held);
+                let of = |ship: &FittedShip| {
+                    Score::replayed(&ship.model, &ship.theta, recording.scored(laid), are_inputs_held)
+                };
                 let [search, base] = [search, base].map(|ship| ship.as_ref().map(of));
                 LeftOut { recording, fold, search, base, average: None }
             })
@@ -63,22 +64,4 @@ pub fn judged_ships(
     let std = [Laid::SideBySide, Laid::Overlapping].map(|laid| varying(recordings.iter(), laid));
     let windows = recordings.iter().map(|own| own.windows() as u64).sum();
     JudgedShips { nested: nested_score(&all, std, false, Vec::new()), windows, std: std[0] }
-}
-
-/// Free simulations of `windows` from their first measured states.
-fn score<'r>(ship: &FittedShip, windows: impl Iterator<Item = RunView<'r>>, are_inputs_held: bool) -> Score {
-    let simulate = if are_inputs_held { simulate_one } else { replay };
-    let mut score = Score::default();
-    for window in windows {
-        let states = simulate(&ship.model, &ship.theta, window.initial, window.exogenous);
-        if check_diverged(states.iter().copied()).is_some() {
-            score.diverged += 1;
-            continue;
-        }
-        score.samples += window.samples() as u64;
-        for (i, (own, measured)) in states.iter().zip(window.measured).enumerate().skip(3) {
-            score.squares[i % 3] += (own - measured).powi(2);
-        }
-    }
-    score
 }

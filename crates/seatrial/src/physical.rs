@@ -1,6 +1,6 @@
 //! Ships as physics, fitted to runs.
 
-use engine::{Replayed, check_diverged, replay, simulate_one};
+use engine::{Replayed, replay};
 use fitting::{Channels, Estimates, Fit, Inputs, Prior, Problem, Settings, Starts, Unfit};
 use forces::Forces;
 use identification::pooled::{Covariance, Delivered, RecordingConstant, Score, covered};
@@ -254,9 +254,8 @@ impl Physical<'_> {
         for (source, parts) in sources {
             let (mut left, mut own) = ([0.0; 3], 0);
             for part in parts {
-                let follow = if held { simulate_one } else { replay };
-                let states = follow(model, &fit.theta, part.view().initial, &part.exogenous);
-                add(&mut score, part, &states);
+                let states = replay(model, &fit.theta, part.view().initial, &part.exogenous, held);
+                score.add_states(&states, part.view());
                 for error in self.steps(fit, part, held) {
                     own += 1;
                     (0..3).for_each(|d| {
@@ -295,18 +294,6 @@ impl Physical<'_> {
             [0, 1, 2].map(|d| states[k + 1][d] - next[d])
         };
         (0..part.samples()).map(step).collect()
-    }
-}
-
-/// Adds a simulation of a part to `score`.
-fn add(score: &mut Score, part: &Part, states: &[f64]) {
-    if check_diverged(states.iter().copied()).is_some() {
-        score.diverged += 1;
-        return;
-    }
-    score.samples += part.samples() as u64;
-    for (found, measured) in states.as_chunks::<3>().0.iter().zip(part.measured.as_chunks::<3>().0).skip(1) {
-        (0..3).for_each(|d| score.squares[d] += (found[d] - measured[d]).powi(2));
     }
 }
 

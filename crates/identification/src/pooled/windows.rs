@@ -1,4 +1,4 @@
-use engine::RunView;
+use engine::{RunView, check_diverged, replay};
 use model::Model;
 use numerics::Lane;
 use schemars::JsonSchema;
@@ -38,6 +38,33 @@ impl Score {
                 self.samples += samples as u64;
             }
             FreeRun::Diverged(_) => self.diverged += 1,
+        }
+    }
+
+    /// Simulates `model` over all `windows`, one after the other, as [`replay`] does.
+    pub fn replayed<'a>(
+        model: &Model,
+        parameters: &[f64],
+        windows: impl Iterator<Item = RunView<'a>>,
+        are_inputs_held: bool,
+    ) -> Self {
+        let mut score = Self::default();
+        for window in windows {
+            let states = replay(model, parameters, window.initial, window.exogenous, are_inputs_held);
+            score.add_states(&states, window);
+        }
+        score
+    }
+
+    /// Adds a simulation of `window` from its first measured state: u, v, r row by row.
+    pub fn add_states(&mut self, states: &[f64], window: RunView) {
+        if check_diverged(states.iter().copied()).is_some() {
+            self.diverged += 1;
+            return;
+        }
+        self.samples += window.samples() as u64;
+        for (i, (own, measured)) in states.iter().zip(window.measured).enumerate().skip(3) {
+            self.squares[i % 3] += (own - measured).powi(2);
         }
     }
 

@@ -1,6 +1,6 @@
 use std::borrow::Cow;
 
-use engine::{check_diverged, replay, simulate_one};
+use engine::{check_diverged, replay};
 use identification::pooled::deviations;
 use model::Model;
 use numerics::statistics::MeanTrajectory;
@@ -49,8 +49,7 @@ impl Ship<'_> {
 
     /// Its simulation of `window` from the first measured state: u, v, r row by row.
     fn simulate(&self, window: &Part, are_inputs_held: bool) -> Vec<f64> {
-        let simulate = if are_inputs_held { simulate_one } else { replay };
-        simulate(self.model, self.theta, window.view().initial, &self.exogenous(window))
+        replay(self.model, self.theta, window.view().initial, &self.exogenous(window), are_inputs_held)
     }
 }
 

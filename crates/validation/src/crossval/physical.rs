@@ -1,4 +1,3 @@
-use engine::{check_diverged, replay, simulate_one};
 use identification::pooled::Score;
 use identification::{Estimator, ScoreStatus};
 use model::Model;
@@ -30,7 +29,10 @@ pub fn cross_validate_forces(
         let names: Vec<String> = left_out.iter().map(|place| cut.windows[*place].0.clone()).collect();
         let tried = match fit(&names) {
             Ok(theta) => {
-                let score = |place: &usize| (*place, score(model, &theta, &cut.windows[*place].1, held));
+                let score = |place: &usize| {
+                    let windows = cut.windows[*place].1.iter().map(Part::view);
+                    (*place, Score::replayed(model, &theta, windows, held))
+                };
                 Tried { scores: left_out.par_iter().map(score).collect(), ..Tried::default() }
             }
             Err(why) => {
@@ -44,22 +46,4 @@ pub fn cross_validate_forces(
     let tried: Vec<Tried> = folds.iter().map(tried).collect();
     let own = cut.score(Estimator::OutputError, &tried);
     Ok(cut.validation(folds.len(), vec![own]))
-}
-
-/// Free simulations of `windows` from their first measured states.
-fn score(model: &Model, theta: &[f64], windows: &[Part], are_inputs_held: bool) -> Score {
-    let simulate = if are_inputs_held { simulate_one } else { replay };
-    let mut score = Score::default();
-    for window in windows {
-        let states = simulate(model, theta, window.view().initial, &window.exogenous);
-        if check_diverged(states.iter().copied()).is_some() {
-            score.diverged += 1;
-            continue;
-        }
-        score.samples += window.samples() as u64;
-        for (i, (own, measured)) in states.iter().zip(&window.measured).enumerate().skip(3) {
-            score.squares[i % 3] += (own - measured).powi(2);
-        }
-    }
-    score
 }
