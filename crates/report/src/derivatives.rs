@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use study::documents::{CaptiveValue, FittedForces, FittedParameter, SailedSum, SailedSums};
 
-use super::number::{percent, three, three_or_dash, unit};
+use super::number::{interval, percent, three, three_or_dash, unit};
 use super::table::Table;
 
 /// The ship's free numbers, then what the recordings know of sway and yaw.
@@ -100,8 +100,4 @@ fn captive<'a, R>(table: Table<&'a R>, of: impl Fn(&'a R) -> Option<CaptiveValue
 
 fn outside(own: Option<CaptiveValue>) -> bool {
     own.is_some_and(|own| own.within == Some(false))
-}
-
-fn interval(ends: Option<[f64; 2]>) -> String {
-    ends.map_or("–".to_owned(), |[low, high]| format!("{} to {}", three(low), three(high)))
 }

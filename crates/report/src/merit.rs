@@ -1,6 +1,6 @@
 use maud::{Markup, html};
 
-use super::number::{or_dash, three};
+use super::number::{interval, or_dash, three};
 use super::parts::{Figures, Section};
 use super::study::Study;
 use super::table::{Table, grouped};
@@ -24,7 +24,7 @@ fn table(found: &MeritDocument) -> Markup {
         .name("Maneuver", |(first, maneuver, _)| if first { maneuver.name.as_str() } else { "" })
         .text("Figure", |(.., figure)| &figure.what)
         .number("Value", |(.., figure)| value(figure))
-        .number("95 % interval", |(.., figure)| interval(figure))
+        .number("95 % interval", |(.., figure)| interval(ends(figure)))
         .number("IMO allows", |(.., figure)| or_dash(figure.most.map(three)))
         .text("Verdict", |(.., figure)| verdict(figure));
     let of = match found.intervals.as_str() {
@@ -45,11 +45,8 @@ fn value(figure: &FigureMerit) -> String {
     format!("{} {}", three(figure.value), unit.replace("deg", "°")).trim_end().to_owned()
 }
 
-fn interval(figure: &FigureMerit) -> String {
-    match (figure.low, figure.high) {
-        (Some(low), Some(high)) => format!("{} to {}", three(low), three(high)),
-        _ => "–".to_owned(),
-    }
+fn ends(figure: &FigureMerit) -> Option<[f64; 2]> {
+    figure.low.zip(figure.high).map(|(low, high)| [low, high])
 }
 
 fn verdict(figure: &FigureMerit) -> &'static str {

@@ -10,7 +10,7 @@ use study::documents::{
 };
 
 use super::loader::{Loader, existing};
-use super::number::{exact, fit, median, or_dash, percent, q90, three, three_or_dash, unit};
+use super::number::{exact, fit, interval, median, or_dash, percent, q90, three, three_or_dash, unit};
 use super::parts::{Section, coded, missing};
 use super::planned_trial::{PlannedTrial, map};
 use super::table::Table;
@@ -199,7 +199,7 @@ fn parameters(next: &NextTrial) -> Markup {
         .text("Of", |(degree, _)| &degree.name)
         .text("Unit", |(_, p)| unit(&p.unit))
         .number("Value", |(_, p)| three(p.value))
-        .number("Interval, logs", |(_, p)| interval(p))
+        .number("Interval, logs", |(_, p)| by_logs(p))
         .number("Predicted, this trial", |(_, p)| after(p));
     let duration = duration_s(next).map(|s| format!(" of {} s", exact(s)));
     html! {
@@ -215,10 +215,9 @@ fn parameters(next: &NextTrial) -> Markup {
 }
 
 /// The interval of a parameter from the logs.
-fn interval(p: &ModelParameter) -> String {
+fn by_logs(p: &ModelParameter) -> String {
     let by_errors = || p.standard_error.map(|error| [p.value - 1.96 * error, p.value + 1.96 * error]);
-    let ends = p.low.zip(p.high).map(|(low, high)| [low, high]).or_else(by_errors);
-    ends.map_or("–".to_owned(), |[low, high]| format!("{} to {}", three(low), three(high)))
+    interval(p.low.zip(p.high).map(|(low, high)| [low, high]).or_else(by_errors))
 }
 
 fn or_nothing(text: Option<impl Display>) -> String {

@@ -24,6 +24,11 @@ pub(super) fn three_or_dash(value: Option<f64>) -> String {
     three(value.unwrap_or(f64::NAN))
 }
 
+/// The ends of an interval, or a dash for none.
+pub(super) fn interval(ends: Option<[f64; 2]>) -> String {
+    or_dash(ends.map(|[low, high]| format!("{} to {}", three(low), three(high))))
+}
+
 /// The value, or a dash.
 pub(super) fn or_dash(value: Option<impl Display>) -> String {
     value.map_or(MISSING.to_owned(), |value| value.to_string())

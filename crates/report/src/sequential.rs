@@ -1,7 +1,7 @@
 use maud::{Markup, html};
 use study::documents::{Arm, ArmSummary, RoundGain, SequentialDocument, Source};
 
-use super::number::{exact, or_dash, percent_within, three, three_or_dash, three_within};
+use super::number::{exact, interval, percent_within, three, three_or_dash, three_within};
 use super::parts::{Figures, Section};
 use super::table::{Table, grouped};
 use crate::figures::{AccuracyCurve, accuracy};
@@ -80,9 +80,7 @@ fn gains(gains: &[RoundGain]) -> Markup {
         .compact()
         .name("Time [s]", |gain| three(gain.time_s))
         .number("Error in rounds / one-shot", |gain| three_or_dash(gain.ratio))
-        .number("95 % interval", |gain| {
-            or_dash(gain.low.zip(gain.high).map(|(low, high)| format!("{} to {}", three(low), three(high))))
-        })
+        .number("95 % interval", |gain| interval(gain.low.zip(gain.high).map(|(low, high)| [low, high])))
         .number("Realizations", |gain| gain.pairs);
     html! {
         (table)
