@@ -45,7 +45,7 @@ impl Forces {
         let mut builder = Builder::default();
         let own = &mut builder;
         let mut terms = [Vec::new(), Vec::new(), Vec::new()];
-        for (d, specs) in [&description.surge, &description.sway, &description.yaw].into_iter().enumerate() {
+        for (d, specs) in description.terms().into_iter().enumerate() {
             for spec in specs {
                 terms[d].push(Term::new(spec, d, channels, &prime, own)?);
             }

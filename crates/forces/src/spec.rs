@@ -43,6 +43,18 @@ pub struct Description {
     pub crossflow: Vec<CrossflowSpec>,
 }
 
+impl Description {
+    /// The terms of surge, sway and yaw.
+    pub fn terms(&self) -> [&Vec<TermSpec>; 3] {
+        [&self.surge, &self.sway, &self.yaw]
+    }
+
+    /// The same, to change them.
+    pub fn terms_mut(&mut self) -> [&mut Vec<TermSpec>; 3] {
+        [&mut self.surge, &mut self.sway, &mut self.yaw]
+    }
+}
+
 choices! {
     /// Which area forces in the prime system are divided by.
     pub enum Area {

@@ -227,7 +227,7 @@ fn richer(
         ..TermSpec::default()
     };
     let mut all = own.clone();
-    [&mut all.surge, &mut all.sway, &mut all.yaw][absent.degree].push(spec);
+    all.terms_mut()[absent.degree].push(spec);
     let promised = (absent.value / absent.prime.unwrap_or(1.0)).abs();
     // What is usual holds for motion alone.
     let driven = absent.term.split(' ').any(|part| channels.iter().any(|own| own.name == plain(part)));
@@ -266,7 +266,7 @@ fn name(absent: &AbsentTerm, ship: &Vessel) -> String {
 /// Names of the numbers of all terms of `ship`.
 fn names(ship: &Vessel) -> impl Iterator<Item = &str> {
     let own = ship.model.forces.iter().map(|own| own.forces.description());
-    own.flat_map(|own| [&own.surge, &own.sway, &own.yaw]).flatten().map(|own| own.parameter.as_str())
+    own.flat_map(|own| own.terms()).flatten().map(|own| own.parameter.as_str())
 }
 
 /// What was tried, in words.

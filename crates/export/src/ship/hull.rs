@@ -9,7 +9,6 @@ use super::routine::{Lines, Routine};
 /// The terms of surge, sway and yaw.
 pub(crate) fn hull(forces: &Forces, numbers: &Numbers, name: &str) -> Routine {
     let description = forces.description();
-    let degrees = [&description.surge, &description.sway, &description.yaw];
     let mut arguments = motion();
     let channels = numbers.channels.iter().enumerate().skip(3);
     arguments.extend(channels.map(|(i, own)| (own.clone(), Expression::Channel(i))));
@@ -19,7 +18,7 @@ pub(crate) fn hull(forces: &Forces, numbers: &Numbers, name: &str) -> Routine {
     };
     let mut lines = Lines::default();
     let mut results = Vec::new();
-    for (d, (terms, (name, comment))) in degrees.into_iter().zip(SUMS).enumerate() {
+    for (d, (terms, (name, comment))) in description.terms().into_iter().zip(SUMS).enumerate() {
         let term = |(i, own): (usize, &forces::TermSpec)| {
             forces.factors(d, i).iter().fold(numbers.get(&own.parameter), |product, factor| {
                 let own = variable(factor.variable);

@@ -59,10 +59,7 @@ impl Block {
                 nominal: Some(0.0),
                 ..TermSpec::default()
             };
-            let to = [&mut description.surge, &mut description.sway, &mut description.yaw];
-            if let Some(to) = to.into_iter().nth(own.degree) {
-                to.push(spec);
-            }
+            description.terms_mut()[own.degree].push(spec);
         }
         let more = Forces::new(&description, channels).map_err(|e| Unfit::Candidate(e.to_string()))?;
         let names: Vec<String> = (0..products.len()).map(name).collect();

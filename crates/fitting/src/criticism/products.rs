@@ -84,7 +84,7 @@ fn parsed(
     let name = ["surge", "sway", "yaw"][degree];
     let parameter = "candidate to be tried".to_owned();
     let spec = TermSpec { parameter, term: text.to_owned(), nominal: Some(0.0), ..TermSpec::default() };
-    [&mut description.surge, &mut description.sway, &mut description.yaw][degree].push(spec);
+    description.terms_mut()[degree].push(spec);
     let with = Forces::new(&description, channels)
         .map_err(|e| Invalid { thing: format!("`{name}`: term `{text}`"), ..e })?;
     Ok(in_order(with.factors(degree, own_terms(forces, degree)).to_vec()))
@@ -92,8 +92,7 @@ fn parsed(
 
 /// Number of terms of an equation.
 fn own_terms(forces: &Forces, degree: usize) -> usize {
-    let own = forces.description();
-    [&own.surge, &own.sway, &own.yaw][degree].len()
+    forces.description().terms()[degree].len()
 }
 
 fn in_order(mut factors: Vec<Factor>) -> Vec<Factor> {

@@ -63,8 +63,7 @@ impl SearchDocument {
 /// The terms of `ship` whose numbers are free.
 fn terms(ship: &Vessel, numbers: &[FittedParameter], found: &[FoundForce]) -> Vec<SearchTerm> {
     let Some(moved) = &ship.model.forces else { return Vec::new() };
-    let own = moved.forces.description();
-    let all = DegreeOfFreedom::ALL.into_iter().zip([&own.surge, &own.sway, &own.yaw]);
+    let all = DegreeOfFreedom::ALL.into_iter().zip(moved.forces.description().terms());
     let term = |degree: DegreeOfFreedom, own: &forces::TermSpec| {
         let number = numbers.iter().find(|number| number.name == own.parameter)?;
         let found = found.iter().find(|found| found.parameter == own.parameter);
