@@ -3,6 +3,8 @@
 
 use std::time::Instant;
 
+#[path = "../tests/all/seconds.rs"]
+mod seconds;
 #[path = "../tests/all/synthetic.rs"]
 mod synthetic;
 
@@ -31,7 +33,7 @@ fn main() {
     let started = Instant::now();
     let mut problem = file.into_problem().expect("a valid problem");
     if given.get(1).is_some_and(|then| then == "seconds") {
-        problem = with_seconds(&problem);
+        problem = seconds::with_seconds(&problem);
     }
     let table = started.elapsed();
     let limit = std::time::Duration::from_secs(number(7, 60));
@@ -47,21 +49,4 @@ fn main() {
         }
         other => println!("{other:?}"),
     }
-}
-
-/// The same with seconds for every move as the secondary cost.
-fn with_seconds(problem: &lattice::Problem) -> lattice::Problem {
-    let mut actions = problem.actions().to_vec();
-    for (action, own) in actions.iter_mut().enumerate() {
-        for (index, step) in own.moves.iter_mut().enumerate() {
-            let cells = f64::from(step.di * step.di + step.dj * step.dj).sqrt();
-            step.cost.secondary = (40.0 * cells).round() + ((7 * action + 5 * index) % 23) as f64;
-        }
-    }
-    let allowed = |id: lattice::MoveId, i, j| {
-        let layer = problem.actions()[id.action].moves[id.index].from;
-        problem.is_allowed(lattice::Pose { i, j, layer }, id)
-    };
-    let (start, goal) = (problem.start(), problem.goal().clone());
-    lattice::Problem::new(problem.lattice(), actions, start, goal, allowed).expect("a valid problem")
 }

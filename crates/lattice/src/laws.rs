@@ -5,6 +5,7 @@ use crate::lagrangian::{self, Depth};
 use crate::layered::Levels;
 use crate::radix_heap::RadixHeap;
 use crate::relaxation::{Bound, Prices, Table};
+use crate::seconds::with_seconds;
 use crate::uses::{Left, Packing};
 use crate::watch::Watch;
 use crate::{Demand, Limit, Options, Problem, dense, layered, plan, synthetic};
@@ -213,21 +214,6 @@ fn law_many_blocks_agree_with_single_states() {
         );
     }
     assert!(solved >= 6, "{solved} plans");
-}
-
-/// The same with other seconds for every move as the secondary cost.
-fn with_seconds(problem: &Problem) -> Problem {
-    let mut actions = problem.actions().to_vec();
-    for (action, own) in actions.iter_mut().enumerate() {
-        for (index, step) in own.moves.iter_mut().enumerate() {
-            step.cost.secondary = (10 + (7 * action + 5 * index) % 23) as f64;
-        }
-    }
-    let allowed = |id: crate::MoveId, i, j| {
-        let layer = problem.actions()[id.action].moves[id.index].from;
-        problem.is_allowed(crate::Pose { i, j, layer }, id)
-    };
-    Problem::new(problem.lattice(), actions, problem.start(), problem.goal().clone(), allowed).unwrap()
 }
 
 #[test]

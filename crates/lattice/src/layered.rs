@@ -69,14 +69,12 @@ impl Levels {
 /// Bytes that the search usually needs.
 pub(crate) fn bytes(graph: &Graph, levels: Levels) -> u128 {
     let layout = Layout::new(&graph.problem.required());
-    let bits = bits_bytes(graph, &layout, 2 + USUAL_PLANES);
     if !levels.are_partial() {
-        return bits;
+        return bits_bytes(graph, &layout, 2 + USUAL_PLANES);
     }
-    // Optimal states as bits, how many there are before each node, and a key for each.
-    let places = layout.blocks.saturating_mul((graph.len() * 8 * (1 + layout.words)) as u128);
+    // Optimal states as bits, by groups, and how many there are before each; and a key for each.
     let keys = graph.states().saturating_mul(8) / USUALLY_OPTIMAL;
-    bits + places + keys + u128::from(graph.arc_bytes(false))
+    bits_bytes(graph, &layout, 3 + USUAL_PLANES) + keys + u128::from(graph.arc_bytes(false))
 }
 
 /// Bytes of [`front`].

@@ -49,6 +49,9 @@ mod reason;
 mod recover;
 mod relaxation;
 #[cfg(test)]
+#[path = "../tests/all/seconds.rs"]
+mod seconds;
+#[cfg(test)]
 #[path = "../tests/all/synthetic.rs"]
 mod synthetic;
 mod units;

@@ -7,19 +7,17 @@ use crate::{
     reason,
 };
 
-/// States up to which `Auto` searches exhaustively without computing bounds first.
-const SMALL: u128 = 2_000_000_000;
-/// States up to which `Auto` searches exhaustively at all.
+/// States up to which `Auto` searches exhaustively: all as bits, as bits and the optimal ones as distances, all as distances.
 const LARGE_BITS: u128 = 20_000_000_000;
+const LARGE_PARTIAL: u128 = LARGE_BITS / 3;
 const LARGE_DENSE: u128 = 200_000_000;
+/// States as bits up to which it does so without computing bounds first. Of others there are no more, and bounds seldom prove a
+/// secondary cost.
+const SMALL_BITS: u128 = 2_000_000_000;
 /// Keys of plans around start and goals that are searched first, in keys of the dearest move.
 const NEAREST: u64 = 8;
 /// The surroundings are searched first while the lattice is so many times as large.
 const PART: usize = 3;
-/// A state kept as a distance takes about as long as this many kept as bits; one that is kept as bits, and as a distance where it is
-/// optimal in its primary cost, as long as so many.
-const DENSE_WEIGHT: u128 = 10;
-const PARTIAL_WEIGHT: u128 = 3;
 
 /// Finds the cheapest plan. `keep_going` is polled and cancels the search by returning false; the best plan
 /// by then is returned with a lower bound. If there is none yet, one narrow beam may still be searched after
@@ -91,21 +89,17 @@ pub(crate) fn exhaustive_bytes(graph: &Graph) -> u128 {
 fn engine(graph: &Graph, options: &Options) -> Chosen {
     let (states, bytes) = (graph.states(), exhaustive_bytes(graph));
     let fits = bytes <= u128::from(memory(graph, options));
-    let levels = Levels::of(graph);
-    let (weight, large) = match levels {
-        Some(levels) if levels.are_partial() => (PARTIAL_WEIGHT, LARGE_BITS / PARTIAL_WEIGHT),
-        Some(_) => (1, LARGE_BITS),
-        None => (DENSE_WEIGHT, LARGE_DENSE),
+    let (small, large) = match Levels::of(graph) {
+        Some(levels) if levels.are_partial() => (LARGE_PARTIAL, LARGE_PARTIAL),
+        Some(_) => (SMALL_BITS, LARGE_BITS),
+        None => (LARGE_DENSE, LARGE_DENSE),
     };
     match options.engine {
         Engine::Exhaustive if fits => Chosen::Exhaustive,
         Engine::Exhaustive => Chosen::TooLarge(bytes),
         Engine::Lagrangian => Chosen::Lagrangian,
         Engine::Auto if !fits || states > large => Chosen::Lagrangian,
-        // Bounds seldom prove a secondary cost.
-        Engine::Auto if states * weight <= SMALL || levels.is_some_and(Levels::are_partial) => {
-            Chosen::Exhaustive
-        }
+        Engine::Auto if states <= small => Chosen::Exhaustive,
         Engine::Auto => Chosen::BoundsFirst,
     }
 }

@@ -59,7 +59,8 @@ impl<'a, const W: usize> Layered<'a, W> {
         self.reached = Backwards::new(&mut self).all((last, goal_bit), &goals, watch).ok_or(Limit::Time)?;
         self.fresh = Vec::new();
         let states: usize = self.reached.iter().map(bits::count).sum();
-        let held = (2 + self.planes.len()) * size_of_val(&self.reached[..]) + 8 * states;
+        // The states as they are, by groups, and the number before each.
+        let held = (3 + self.planes.len()) * size_of_val(&self.reached[..]) + 8 * states;
         if held as u64 + self.graph.arc_bytes(false) > self.memory {
             return Err(Limit::Memory);
         }
@@ -232,10 +233,11 @@ impl<'a> Keys<'a> {
             return;
         }
         queue.clear();
-        let mut known: Vec<(u64, u32)> =
-            nodes.iter().filter_map(|&node| Some((self.key(block, group, node)?, node))).collect();
-        known.sort_unstable();
-        known.into_iter().for_each(|(key, node)| queue.push(key, node));
+        for &node in nodes {
+            if let Some(key) = self.key(block, group, node) {
+                queue.push(key, node);
+            }
+        }
         while let Some((key, node)) = queue.pop() {
             if self.key(block, group, node) == Some(key) {
                 self.follow((block, group), node, &after, Some(queue));
