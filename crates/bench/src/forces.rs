@@ -102,5 +102,6 @@ fn simulated(forces: &Forces, vessel: &Vessel, i: usize) -> Rows {
     let states = run.states(forces, &vessel.nominal);
     let error = |k: usize, d: usize| 0.004 * (1.7 * k as f64 + d as f64 + i as f64).sin();
     let measured = states.iter().enumerate().flat_map(|(k, own)| [0, 1, 2].map(|d| own[d] + error(k, d)));
-    (inputs.clone(), measured.collect())
+    let measured = measured.collect();
+    (inputs, measured)
 }

@@ -101,7 +101,7 @@ impl ForceSearch<'_> {
         let sources: Vec<Recorded> =
             recordings.iter().map(|own| (own.name.clone(), own.whole.clone())).collect();
         // Fails at once where the ship cannot be fitted.
-        let base = self.physical(self.vessel, false).fitted_model(runs, (&sources, held))?;
+        let base = self.physical(self.vessel, true).fitted_model(runs, (&sources, held))?;
         let without: Vec<WithoutFold> = (0..self.folds)
             .into_par_iter()
             .map(|fold| {
@@ -184,7 +184,7 @@ impl ForceSearch<'_> {
         let statements = statements(&forces, &judged, &grown);
         let (ship, mut model) = match with {
             Some(with) if delivered => (&grown.vessel, with),
-            _ => (self.vessel, self.physical(self.vessel, true).fitted_model(runs, recorded)?),
+            _ => (self.vessel, base),
         };
         model.statements = statements.iter().cloned().chain(model.statements).collect();
         if let Some(fitted) = model.forces.as_mut().filter(|_| delivered) {

@@ -112,11 +112,11 @@ struct RoleFlags {
 
 /// The usual name of the document.
 const MAIN: &str = "search.json";
-/// Forces that are added at most, where nothing else is asked for.
+/// Most forces that are added, by default.
 const MOST_ADDED: u16 = 3;
-/// Resamples, where nothing else is asked for.
+/// Resamples, by default.
 const RESAMPLES: u32 = 50;
-/// Length of the windows of terms per sample \[s\], where nothing else is asked for.
+/// Length of the windows of terms per sample \[s\], by default.
 const WINDOW_S: f64 = 60.0;
 
 impl Task for Arguments {

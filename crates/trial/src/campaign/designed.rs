@@ -130,9 +130,7 @@ impl Designed {
     pub(super) fn said(&self, names: &[String], tables: &Tables, plan: &Plan) -> Vec<String> {
         if self.order.is_some() { Vec::new() } else { said(&self.of(names), tables, plan) }
     }
-}
 
-impl Designed {
     /// Stops whose share is one piece longer than the maneuver itself, one line each: the ship is at rest for the remainder.
     pub(super) fn at_rest(&self, generator: &Generator, plan: &Plan, rate_hz: f64) -> Vec<String> {
         let one = |(q, samples): &(usize, usize)| {
@@ -144,7 +142,7 @@ impl Designed {
                  `seatrial design --arrange` cuts it into several"
             ))
         };
-        plan.iter().filter(|_| self.order.is_none()).filter_map(one).collect()
+        if self.order.is_some() { Vec::new() } else { plan.iter().filter_map(one).collect() }
     }
 }
 
