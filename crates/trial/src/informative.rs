@@ -13,13 +13,13 @@ const LONGER: f64 = 1.5;
 const NEAREST: usize = 40;
 const FARTHER: usize = 20;
 /// Most recoveries that are offered of a maneuver besides the first one, and nodes that are tried for each.
-const FURTHER: usize = 3;
+const FURTHER: usize = 12;
 const TRIED: usize = 6;
 
 impl Repertoire<'_> {
     /// The legs of piece `index` from a heading level, to either side: a steady approach until all `others` are
-    /// settled, the piece, a recovery onto the first node ahead where all of them settle. Where they end on several lines of
-    /// the lattice, there are further legs that recover onto others of these lines.
+    /// settled, the piece, a recovery onto the first node ahead where all of them settle. Further legs recover onto
+    /// other lines of the lattice near the end of the piece.
     ///
     /// # Errors
     /// A piece that starts at a speed that no mode has; as [`crate::simulate_legs`].
@@ -92,8 +92,9 @@ impl Run<'_> {
 /// A node to recover to.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    /// Distance from the nominal vessel, with the component across counted twice.
-    cost: f64,
+    /// Distance from the nominal vessel \[mm\], with the component across counted twice. Then what decides between equal ones,
+    /// as seen by the vessel and thus in any quarter: how far ahead and across \[mm\], and which heading.
+    order: [i64; 4],
     di: i32,
     dj: i32,
     layer: usize,
@@ -217,8 +218,8 @@ impl Search<'_> {
         }))
     }
 
-    /// Legs with recoveries on which all of them settle: onto the first such node, and onto the first such node of further
-    /// lanes on which some of them end. From these the search for a plan chooses.
+    /// Legs with recoveries on which all of them settle: onto the first such node, and onto the first such node of the
+    /// nearest other lanes. From these the search for a plan chooses.
     fn recovered(&self, mut run: Run) -> Result<Result<Vec<Settled>, Failed>, Invalid> {
         let speed = run.crew.nominal.ship.state[0];
         let nodes = self.nodes(&run.crew, speed);
@@ -229,7 +230,7 @@ impl Search<'_> {
             Err(best) => return Ok(Err(best.failed(self.repertoire, &run.crew))),
         };
         let (mut legs, own) = (vec![first], self.lane(node));
-        for lane in self.lanes(&run.crew).into_iter().filter(|lane| *lane != own).take(FURTHER) {
+        for lane in self.lanes(&nodes).into_iter().filter(|lane| *lane != own).take(FURTHER) {
             let some = nodes.iter().filter(|node| self.lane(**node) == lane).take(TRIED);
             legs.extend(self.first_settled(&mut run, some, speed)?.ok().map(|(_, leg)| leg));
         }
@@ -261,22 +262,15 @@ impl Search<'_> {
         Lane { level, across: node.di * dj - node.dj * di }
     }
 
-    /// The lanes nearest to where the vessels end, those of most of them first.
-    fn lanes(&self, crew: &Crew) -> Vec<Lane> {
-        let grid = self.repertoire.grid;
-        let mut lanes: Vec<(Lane, usize)> = Vec::new();
-        for one in [&crew.nominal].into_iter().chain(&crew.others) {
-            let Pose { x, y, psi } = one.ship.pose;
-            let [di, dj] = [y, x].map(|own| (own / grid.cell_m).round() as i32);
-            let node = Node { cost: 0.0, di, dj, layer: grid.nearest_level(psi) };
-            let lane = self.lane(node);
-            match lanes.iter_mut().find(|own| own.0 == lane) {
-                Some((_, count)) => *count += 1,
-                None => lanes.push((lane, 1)),
+    /// The lanes of these nodes, in their order.
+    fn lanes(&self, nodes: &[Node]) -> Vec<Lane> {
+        let mut lanes = Vec::new();
+        for lane in nodes.iter().map(|node| self.lane(*node)) {
+            if !lanes.contains(&lane) {
+                lanes.push(lane);
             }
         }
-        lanes.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
-        lanes.into_iter().map(|(lane, _)| lane).collect()
+        lanes
     }
 
     /// The recovery of `leg` onto a node, as a leg of its own.
@@ -310,7 +304,7 @@ impl Search<'_> {
         let [i, j] = [(end.y / cell).round() as i32, (end.x / cell).round() as i32];
         let all = || [&crew.nominal].into_iter().chain(&crew.others);
         let mut found = Vec::new();
-        for level in levels {
+        for (turn, level) in levels.into_iter().enumerate() {
             let heading = grid.heading_rad(level);
             let swing = wrap(heading - end.psi).abs() * handling.lookahead_m;
             for (di, dj) in around(i, j, far) {
@@ -322,11 +316,13 @@ impl Search<'_> {
                     ahead > 0.5 * across.abs()
                 };
                 if at_rest || (across.abs() <= 1.5 * cell && all().all(reached)) {
-                    found.push(Node { cost, di, dj, layer: grid.layer(level, mode) });
+                    let [cost, ahead, across] = [cost, ahead, across].map(|m| (1e3 * m).round() as i64);
+                    let order = [cost, ahead, across, turn as i64];
+                    found.push(Node { order, di, dj, layer: grid.layer(level, mode) });
                 }
             }
         }
-        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        found.sort_by_key(|node| node.order);
         found
     }
 }

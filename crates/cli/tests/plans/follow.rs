@@ -335,7 +335,7 @@ fn positions_on_land_are_refused_with_what_they_are_on() {
 fn positions_that_are_no_positions_are_refused() {
     let (folder, _) = planned(&[]);
     let head = "time,longitude_deg,latitude_deg\n";
-    let row = "0,24.985,60.0\n";
+    let row = "0,24.98537,60.00023\n";
     let cases: [(String, &[&str]); 16] = [
         (String::new(), &["line 1, column `time`", "none"]),
         (head.to_owned(), &["positions: found none", "at least one row"]),
