@@ -95,7 +95,7 @@ pub struct Validation {
     rate: Option<f64>,
 }
 
-/// Simulates a planned trial many times, in current, wind and noise
+/// Simulates a planned trial many times, in current, wind and noise: the inputs of its track, without an autopilot
 #[derive(Parser)]
 #[command(
     name = "plan",

@@ -277,8 +277,10 @@ fn law_each_track_is_in_the_corridor_of_some_leg() {
             lines.iter().any(|(from, [east, north], length, [port, starboard])| {
                 let off = [place[0] - from[0], place[1] - from[1]];
                 let (along, across) = (off[0] * east + off[1] * north, off[0] * north - off[1] * east);
-                // At the ends she may also turn on the spot, or sway up to 40 m aside while she stays there.
-                (-40.0..=length + 40.0).contains(&along)
+                // At its ends she turns or sways: the nominal vessel by her length, which is a bend beyond it, others by
+                // as much more as they stray across.
+                let beyond = planned.prepared.brief.task.hull.length_m + port.max(*starboard);
+                (-beyond..=length + beyond).contains(&along)
                     && -port - 0.01 <= across
                     && across <= starboard + 0.01
             })
