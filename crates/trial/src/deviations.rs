@@ -1,5 +1,7 @@
 //! The vessels and currents that a plan has to hold for, and the steps of a search among them.
 
+use std::f64::consts::TAU;
+
 use crate::SampledVessel;
 
 /// How far the parameters of a vessel may be from the nominal ones.
@@ -185,6 +187,27 @@ const TURNS: [f64; 3] = [0.25, -0.25, 1.0];
 /// Fractions of the whole deviation that it tries, since dangers may lie between extremes.
 const PARTS: [f64; 3] = [0.75, 0.5, 0.25];
 
+/// Directions in which a vessel may be farthest off.
+const DIRECTIONS: u32 = 8;
+
+/// Weights of the `N` quantities by which a vessel is off: each says what is to be greatest. The first two are a position, which
+/// is to be greatest in one of eight directions; each other one may be greatest or least.
+pub fn goals<const N: usize>() -> Vec<[f64; N]> {
+    let position = (0..DIRECTIONS).map(|direction| {
+        let (sin, cos) = libm::sincos(TAU * f64::from(direction) / f64::from(DIRECTIONS));
+        std::array::from_fn(|k| [cos, sin].get(k).copied().unwrap_or(0.0))
+    });
+    let others = (2..N).flat_map(|own| [1.0, -1.0].map(|sign| (own, sign)));
+    position
+        .chain(others.map(|(own, sign)| std::array::from_fn(|k| if k == own { sign } else { 0.0 })))
+        .collect()
+}
+
+/// What is to be greatest by a goal.
+pub fn goal_value<const N: usize>(goal: &[f64; N], off: &[f64; N]) -> f64 {
+    goal.iter().zip(off).map(|(weight, own)| weight * own).sum()
+}
+
 impl Doubt<'_> {
     /// Whether there is only the nominal vessel in the known current.
     pub fn is_none(&self) -> bool {
@@ -231,6 +254,13 @@ impl Doubt<'_> {
         let (parameters, current) = slopes.split_at(self.nominal.len());
         let current = within_ball(current, 1.0);
         Candidate { at: self.deviations.extreme(parameters), current: [current[0], current[1]] }
+    }
+
+    /// What such a function would be at a candidate.
+    pub fn predicted(&self, values: &[f64], who: &Candidate) -> f64 {
+        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+        let along = values.chunks_exact(2).zip(who.at.iter().chain(&who.current));
+        mean + along.map(|(ends, at)| 0.5 * (ends[0] - ends[1]) * at).sum::<f64>()
     }
 
     /// The candidates that a search tries next to `who`: one coordinate mirrored, all of them reduced, or its

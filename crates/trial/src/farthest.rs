@@ -1,15 +1,11 @@
-use std::f64::consts::TAU;
-
 use engine::Pose;
 use refusal::Invalid;
 
-use crate::deviations::{Candidate, Doubt};
+use crate::deviations::{Candidate, Doubt, goal_value, goals};
 use crate::grid::wrap;
 use crate::leg::turned_back;
 use crate::{Leg, Repertoire, SampledVessel};
 
-/// Directions in which a vessel may be farthest off after a maneuver.
-const DIRECTIONS: u32 = 8;
 /// What a vessel has at the end of a maneuver: along and across \[m\], turned \[rad\], u, r.
 const FEATURES: usize = 5;
 
@@ -34,7 +30,7 @@ impl Repertoire<'_> {
         let axes = doubt.axes().iter().map(|who| search.ended(who)).collect::<Result<Vec<_>, _>>()?;
         let mut found: Vec<Candidate> = Vec::new();
         for goal in goals() {
-            let values: Vec<f64> = axes.iter().map(|ended| value(&goal, ended)).collect();
+            let values: Vec<f64> = axes.iter().map(|ended| goal_value(&goal, ended)).collect();
             let who = search.climbed(doubt.extreme(&values), &goal)?;
             if !found.contains(&who) {
                 found.push(who);
@@ -52,27 +48,6 @@ impl Repertoire<'_> {
     }
 }
 
-/// Weights of an end's features: each says what is to be greatest.
-fn goals() -> Vec<Ended> {
-    let mut goals: Vec<Ended> = Vec::new();
-    for direction in 0..DIRECTIONS {
-        let (sin, cos) = libm::sincos(TAU * f64::from(direction) / f64::from(DIRECTIONS));
-        goals.push([cos, sin, 0.0, 0.0, 0.0]);
-    }
-    for feature in 2..FEATURES {
-        for sign in [1.0, -1.0] {
-            let mut goal = [0.0; FEATURES];
-            goal[feature] = sign;
-            goals.push(goal);
-        }
-    }
-    goals
-}
-
-fn value(goal: &Ended, ended: &Ended) -> f64 {
-    goal.iter().zip(ended).map(|(weight, feature)| weight * feature).sum()
-}
-
 struct Search<'a> {
     repertoire: &'a Repertoire<'a>,
     approached: &'a Leg,
@@ -82,9 +57,9 @@ struct Search<'a> {
 impl Search<'_> {
     /// The better one of a candidate and its neighbours.
     fn climbed(&self, first: Candidate, goal: &Ended) -> Result<Candidate, Invalid> {
-        let mut best = (value(goal, &self.ended(&first)?), first.clone());
+        let mut best = (goal_value(goal, &self.ended(&first)?), first.clone());
         for who in self.doubt.neighbours(&first) {
-            let own = value(goal, &self.ended(&who)?);
+            let own = goal_value(goal, &self.ended(&who)?);
             if own > best.0 {
                 best = (own, who);
             }

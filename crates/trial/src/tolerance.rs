@@ -144,4 +144,14 @@ impl Tolerance {
         let heading = wrap(vessel.pose.psi - heading_rad).abs() / self.heading_rad;
         Used::Parts([position, heading, 0.0, 0.0, 0.0]).or_more(self.used_in_motion(vessel.state, speed_m_s))
     }
+
+    /// The same with signs, and the position as north and east, for searches that compare vessels: north, east, heading, surge,
+    /// sway, yaw rate.
+    pub(crate) fn off(&self, vessel: &Astray, heading_rad: f64, speed_m_s: f64) -> [f64; 6] {
+        let (Pose { x, y, psi }, [u, v, r]) = (vessel.pose, vessel.state);
+        let [north, east] = [x, y].map(|own| own / self.distance_m);
+        let heading = wrap(psi - heading_rad) / self.heading_rad;
+        let surge = (u - speed_m_s) / self.surge_m_s;
+        [north, east, heading, surge, v / self.sway_m_s, r / self.yaw_rate_rad_s]
+    }
 }

@@ -1,8 +1,8 @@
 //! Occupancy, margins and clearance against independent geometry.
 
 use chart::{
-    Bounds, Causes, Chart, Crs, Filter, Footprint, Grid, GridDeclaration, GridKind, Layer, LayerKind,
-    Obstacles, Plane, PolygonLayer, Raster, Reading, Uncharted,
+    Bounds, Causes, Chart, Crs, Distances, Filter, Footprint, Grid, GridDeclaration, GridKind, Layer,
+    LayerKind, Obstacles, Plane, PolygonLayer, Raster, Reading, Uncharted,
 };
 use proptest::prelude::*;
 
@@ -278,6 +278,32 @@ proptest! {
             let found = obstacles.distance_m(x + 25.0, y + 25.0);
             let expected = if is_obstacle { 0.0 } else { truth.min(edge * 50.0) };
             prop_assert!((found - expected).abs() < 1e-3 && found <= expected, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn law_distances_between_cells_join_those_at_their_centres(
+        rings in islands(),
+        place in [-620.0..620.0_f64, -620.0..620.0_f64],
+        course in 0.0..6.3_f64,
+    ) {
+        let chart = land_chart(&as_geojson(&rings), 25.0, 60.0, 1300.0);
+        let raster = Raster::covering(&square(600.0), 50.0).unwrap();
+        let distances = Distances::new(&chart, raster, [0.0, 400.0], &|| true).unwrap().unwrap();
+        let [x, y] = place;
+        let (own, between) = (distances.distance_m(x, y), distances.between_cells_m(x, y));
+        let Some((col, row)) = raster.cell_at(place) else {
+            prop_assert_eq!(between, 0.0);
+            return Ok(());
+        };
+        let [west, south] = raster.node(col, row);
+        prop_assert!((distances.between_cells_m(west + 25.0, south + 25.0) - own).abs() < 1e-9);
+        prop_assert!((between - own).abs() <= 50.0 * 2.0_f64.sqrt() + 1e-3, "{between} {own}");
+        // No faster than the distance itself may change along both axes.
+        let next = [x + 0.5 * course.cos(), y + 0.5 * course.sin()];
+        if raster.cell_at(next).is_some() {
+            let change = distances.between_cells_m(next[0], next[1]) - between;
+            prop_assert!(change.abs() <= 0.5 * 2.0_f64.sqrt() + 1e-3, "{change}");
         }
     }
 

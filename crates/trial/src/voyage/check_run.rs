@@ -51,6 +51,8 @@ pub(super) struct Run {
     pub passage: Cleared,
     /// Clearance of every leg; exact only below the margin and the least one so far, unless it was searched \[m\].
     pub clearances_m: Vec<f64>,
+    /// The same of a searched run, interpolated between cells \[m\].
+    pub between_cells_m: Vec<f64>,
     /// Whether it goes aground without corrections.
     pub is_aground_open_loop: bool,
     /// Ends of legs.
@@ -104,7 +106,8 @@ impl Checking<'_> {
     /// A vessel that cannot be commanded; a simulation that diverges.
     pub(super) fn run(&self, vessel: Vessel) -> Result<Run, Invalid> {
         let (clearance, brief) = (self.clearance, &self.prepared().brief);
-        let mut passages = vec![clearance.open(); self.legs.len()];
+        let open = if vessel.is_searched { clearance.open_to_compare() } else { clearance.open() };
+        let mut passages = vec![open; self.legs.len()];
         let (mut samples, mut leg) = (0_u64, 0);
         let margin_m = brief.task.safety.margin_m;
         // Some vessels take longer than the nominal one.
@@ -128,6 +131,7 @@ impl Checking<'_> {
         Ok(Run {
             passage: passages.iter().fold(clearance.open(), |a, b| a.and(b)),
             clearances_m: passages.iter().map(|own| own.clearance_m).collect(),
+            between_cells_m: passages.iter().filter_map(|own| own.between_cells_m).collect(),
             is_aground_open_loop: !vessel.is_searched && self.is_aground_open_loop(&vessel),
             used: self.used(&ends),
             ends,
@@ -152,6 +156,16 @@ impl Checking<'_> {
             open_loop.clearance_m > 0.0
         });
         open_loop.clearance_m <= 0.0
+    }
+
+    /// How far off a step ends, with signs, in tolerances: north, east, heading, surge, sway, yaw rate.
+    pub(super) fn off(&self, step: usize, (pose, state): End) -> [f64; 6] {
+        let (grid, (node, leg)) = (&self.prepared().grid, self.script.legs[step]);
+        let [north, east] = grid.displacement(leg.di, leg.dj);
+        let (level, mode) = grid.level_and_mode(leg.to);
+        let astray = Astray::of(pose, state, [node[0] + north, node[1] + east]);
+        let tolerance = self.prepared().repertoire().approach.tolerance;
+        tolerance.off(&astray, grid.heading_rad(level), grid.modes[mode].speed_m_s)
     }
 
     /// The used fractions of the tolerance at the end of every step.

@@ -38,6 +38,8 @@ pub struct Clearance {
 pub struct Cleared {
     /// Least distance from obstacles; 0 where the chart was not read \[m\].
     pub clearance_m: f64,
+    /// The same, interpolated between cells; only where runs are compared \[m\].
+    pub between_cells_m: Option<f64>,
     /// Whether the hull left the lattice's area.
     pub left_area: bool,
     /// Distance that the vessel can advance before its clearance can decrease \[m\].
@@ -89,7 +91,18 @@ impl Clearance {
 
     /// A passage without samples.
     pub fn open(&self) -> Cleared {
-        Cleared { clearance_m: self.sight_m, left_area: false, unseen_m: 0.0, last: ([0.0; 2], false) }
+        Cleared {
+            clearance_m: self.sight_m,
+            between_cells_m: None,
+            left_area: false,
+            unseen_m: 0.0,
+            last: ([0.0; 2], false),
+        }
+    }
+
+    /// The same of a run that is compared with others.
+    pub fn open_to_compare(&self) -> Cleared {
+        Cleared { between_cells_m: Some(self.sight_m), ..self.open() }
     }
 
     /// Distance of a place from where the hull can reach out of the area, or out of `seen` once it has left
@@ -117,16 +130,23 @@ impl Clearance {
         passage.unseen_m = 0.0;
         let obstacles = self.trial.as_ref().filter(|_| informative).unwrap_or(&self.transit);
         // If the reference point is farther away than the hull reaches, no corner matters.
-        let far = obstacles.distance_m(pose.y, pose.x) - self.radius_m - 2.0 * obstacles.raster().cell_m;
+        let cell_m = obstacles.raster().cell_m;
+        let far = obstacles.distance_m(pose.y, pose.x) - self.radius_m - 2.0 * cell_m;
+        // Interpolated distances may be a cell less.
+        let nearest =
+            passage.between_cells_m.map_or(passage.clearance_m, |own| own.max(passage.clearance_m) + cell_m);
         let inside_m = self.inside_m(place, passage.left_area.then(|| obstacles.raster().bounds()));
-        if far > passage.clearance_m && inside_m >= 0.0 {
-            passage.unseen_m = (far - passage.clearance_m).min(inside_m);
+        if far > nearest && inside_m >= 0.0 {
+            passage.unseen_m = (far - nearest).min(inside_m);
             return;
         }
         let (sin, cos) = libm::sincos(pose.psi);
         for [x, y] in &self.outline {
             let place = [pose.y + x * sin + y * cos, pose.x + x * cos - y * sin];
             passage.clearance_m = passage.clearance_m.min(obstacles.distance_m(place[0], place[1]));
+            if let Some(own) = &mut passage.between_cells_m {
+                *own = own.min(obstacles.between_cells_m(place[0], place[1]));
+            }
             let is_outside = || inside_m < 0.0 && self.inside_polygon_m(place) < 0.0;
             passage.left_area |= !self.area.contains(place) || is_outside();
         }

@@ -2,8 +2,9 @@
 //!
 //! Of every leg of a plan two things are made as bad as possible: how near the hull comes to a danger, and how far
 //! off the leg ends. Runs with one coordinate at either end say which corner of the errors is the worst for each, if
-//! the dependence were linear. From the worst of these the search goes on to their neighbours. A run simulates the
-//! whole plan, so it counts for all legs.
+//! the dependence were linear. It is nearly so of distances that are interpolated between cells, and of the signed
+//! quantities by which a leg ends off, of which the worst is taken. From the worst of these runs the search goes on to their
+//! neighbours. A run simulates the whole plan, so it counts for all legs.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,12 +16,14 @@ use super::error::VoyageError;
 use super::off_nominal::{in_words, numbers, percent_off};
 use super::places::compass_deg;
 use super::search::Search;
-use crate::deviations::{Candidate, Doubt};
+use crate::deviations::{Candidate, Doubt, goal_value, goals};
 use crate::{SampledVessel, Used};
 
 /// How many of the worst vessels by either quantity have their neighbours tried, and how often.
 const FOLLOWED: usize = 6;
 const SWEEPS: usize = 3;
+/// Corners of quantities by which legs end off that are tried: so many of all, and the worst one of each leg.
+const CORNERS: usize = 96;
 
 /// The worst vessels and currents within the stated errors that were found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -115,6 +118,14 @@ impl Target {
             What::Used => run.used[step].part(),
         })
     }
+
+    /// The same where the search compares runs: distances are interpolated between cells.
+    fn compared(self, run: &Run) -> Option<f64> {
+        match self.what {
+            What::Nearness => run.began_well(self.step).then(|| -run.between_cells_m[self.step]),
+            What::Used => self.badness(run),
+        }
+    }
 }
 
 impl Checking<'_> {
@@ -131,7 +142,7 @@ impl Checking<'_> {
         let axes = doubt.axes();
         let count = axes.len();
         found.add(self, &doubt, (axes, Noises::Shared), search)?;
-        let extremes = self.targets().map(|target| found.extreme(&doubt, count, target)).collect();
+        let extremes = [found.nearest(self, &doubt, count), found.farthest(self, &doubt, count)].concat();
         found.add(self, &doubt, (extremes, Noises::Own), search)?;
         for _ in 0..SWEEPS {
             if !self.is_last && found.fails(self) {
@@ -175,17 +186,40 @@ impl Searched {
         Ok(any)
     }
 
-    /// The corner where a target is the worst, by its values at the first `axes` candidates.
-    fn extreme(&self, doubt: &Doubt, axes: usize, target: Target) -> Candidate {
-        let values: Vec<f64> =
-            self.runs[..axes].iter().map(|(_, run)| target.badness(run).unwrap_or(0.0)).collect();
-        doubt.extreme(&values)
+    /// The corners where legs come nearest to a danger, by the first `axes` runs.
+    fn nearest(&self, checking: &Checking, doubt: &Doubt, axes: usize) -> Vec<Candidate> {
+        let value = |target: Target, run: &Run| target.compared(run).unwrap_or(0.0);
+        let corner = |target: Target| {
+            let values: Vec<f64> = self.runs[..axes].iter().map(|(_, run)| value(target, run)).collect();
+            doubt.extreme(&values)
+        };
+        checking.targets().filter(|target| target.what == What::Nearness).map(corner).collect()
+    }
+
+    /// The corners where legs end farthest off by one of their quantities: the worst one of each leg, and the worst of all.
+    fn farthest(&self, checking: &Checking, doubt: &Doubt, axes: usize) -> Vec<Candidate> {
+        let corner = |off: &[[f64; 6]], goal: &[f64; 6]| {
+            let values: Vec<f64> = off.iter().map(|own| goal_value(goal, own)).collect();
+            let who = doubt.extreme(&values);
+            (doubt.predicted(&values, &who), who)
+        };
+        let mut corners = Vec::new();
+        for step in 0..checking.legs.len() {
+            let off = |run: &Run| run.began_well(step).then(|| checking.off(step, run.ends[step]));
+            let off: Vec<_> = self.runs[..axes].iter().map(|(_, run)| off(run).unwrap_or_default()).collect();
+            corners.extend(goals().iter().map(|goal| (step, corner(&off, goal))));
+        }
+        corners.sort_by(|(_, a), (_, b)| b.0.total_cmp(&a.0));
+        let mut steps = BTreeSet::new();
+        let mut is_kept = |rank: usize, step: usize| steps.insert(step) || rank < CORNERS;
+        let ranked = corners.into_iter().enumerate();
+        ranked.filter_map(|(rank, (step, (_, who)))| is_kept(rank, step).then_some(who)).collect()
     }
 
     /// The worst candidate of a target.
-    fn worst(&self, target: Target) -> Option<Worst> {
+    fn worst(&self, target: Target, badness: fn(Target, &Run) -> Option<f64>) -> Option<Worst> {
         let own = |(index, (_, run)): (usize, &(Candidate, Run))| {
-            target.badness(run).map(|badness| Worst { badness, index, step: target.step })
+            badness(target, run).map(|badness| Worst { badness, index, step: target.step })
         };
         // The first of equals.
         self.runs
@@ -200,7 +234,8 @@ impl Searched {
         let mut indices = Vec::new();
         for what in [What::Nearness, What::Used] {
             let own = checking.targets().filter(|target| target.what == what);
-            let mut worst: Vec<Worst> = own.filter_map(|target| self.worst(target)).collect();
+            let mut worst: Vec<Worst> =
+                own.filter_map(|target| self.worst(target, Target::compared)).collect();
             worst.sort_by(|a, b| b.badness.total_cmp(&a.badness));
             let mut some: Vec<usize> = Vec::new();
             for Worst { index, .. } in worst {
@@ -229,7 +264,7 @@ impl Searched {
         let if_astray = self.ends_astray(checking);
         let targets = checking.targets().filter(|target| if_astray || target.what == What::Nearness);
         let failing = targets.filter_map(|target| {
-            let Worst { badness, index, .. } = self.worst(target)?;
+            let Worst { badness, index, .. } = self.worst(target, Target::badness)?;
             let bound = if target.what == What::Nearness { -margin_m } else { 1.0 };
             (badness > bound).then(|| (target.step, self.runs[index].1.sampled_vessel(checking, target.step)))
         });
@@ -262,7 +297,7 @@ impl Searched {
     /// The worst of all legs.
     fn worst_of(&self, checking: &Checking, what: What) -> Option<Worst> {
         let own = checking.targets().filter(|target| target.what == what);
-        let all = own.filter_map(|target| self.worst(target));
+        let all = own.filter_map(|target| self.worst(target, Target::badness));
         all.reduce(|best, own| if own.badness > best.badness { own } else { best })
     }
 

@@ -29,18 +29,23 @@ fn law_what_is_passed_over_would_have_changed_nothing() {
         let [x, y, psi, turns @ ..] = drawn;
         let mut pose = Pose { x: 200.0 * x, y: 200.0 * y, psi: 3.0 * psi };
         let (mut passage, mut least, mut left) = (clearance.open(), clearance.sight_m, false);
+        let (mut compared, mut between) = (clearance.open_to_compare(), clearance.sight_m);
         for turn in turns.into_iter().take(2 * track as usize) {
             pose.psi += 0.05 * turn;
             let (sin, cos) = libm::sincos(pose.psi);
             (pose.x, pose.y) = (pose.x + 2.0 * cos, pose.y + 2.0 * sin);
             clearance.add(&mut passage, pose, false);
+            clearance.add(&mut compared, pose, false);
             for [x, y] in &clearance.outline {
                 let place = [pose.y + x * sin + y * cos, pose.x + x * cos - y * sin];
                 least = clearance.transit.distance_m(place[0], place[1]).min(least);
+                between = clearance.transit.between_cells_m(place[0], place[1]).min(between);
                 left |= !clearance.area.contains(place);
             }
         }
         assert_eq!((passage.clearance_m, passage.left_area), (least, left), "{track}");
+        assert_eq!((compared.clearance_m, compared.left_area), (least, left), "{track}");
+        assert_eq!((passage.between_cells_m, compared.between_cells_m), (None, Some(between)), "{track}");
         let beyond = !clearance.transit.raster().bounds().contains([pose.y, pose.x]);
         assert!(!beyond || least == 0.0, "{track}: {least}");
         [!left, left, beyond, least == 0.0].iter().zip(&mut counts).for_each(|(is, n)| *n += u32::from(*is));

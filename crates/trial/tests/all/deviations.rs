@@ -32,6 +32,23 @@ fn oracle_the_ellipsoid_has_so_many_standard_errors_in_every_direction() {
 }
 
 #[test]
+fn law_a_linear_function_is_predicted_exactly_anywhere() {
+    let (nominal, deviations) = ([1.0, -2.0], Deviations::Box(0.2));
+    let doubt = Doubt { nominal: &nominal, deviations: &deviations, current_m_s: 0.5 };
+    let linear = |who: &Candidate| {
+        let ([a, b], [north, east]) = (doubt.parameters(who).try_into().unwrap(), doubt.current(who));
+        7.0 + 3.0 * a - b + 4.0 * north - 2.0 * east
+    };
+    let values: Vec<f64> = doubt.axes().iter().map(linear).collect();
+    let most = doubt.extreme(&values);
+    // 12 for the nominal vessel, and 3·0.2·1, 0.2·2, √(4² + 2²)·0.5 of its parameters and of the current.
+    assert!((linear(&most) - (12.0 + 0.6 + 0.4 + 5.0_f64.sqrt())).abs() < 1e-12);
+    for who in doubt.neighbours(&most).iter().chain([&most]) {
+        assert!((doubt.predicted(&values, who) - linear(who)).abs() < 1e-12, "{who:?}");
+    }
+}
+
+#[test]
 fn law_independent_numbers_are_an_ellipsoid_along_their_axes() {
     let own = Deviations::independent(&[2.0, 0.5], 1.5);
     assert_eq!(own, Deviations::ellipsoid(&[vec![4.0, 0.0], vec![0.0, 0.25]], 1.5).unwrap());

@@ -329,7 +329,7 @@ fn law_a_passage_takes_the_time_and_the_way_of_the_track() {
 }
 
 #[test]
-fn law_the_worst_vessels_are_within_the_stated_errors_and_no_better_than_the_nominal_one() {
+fn law_the_worst_vessels_are_within_the_stated_errors_and_no_better_than_drawn_ones() {
     for (planned, error, bound) in [(small(), 0.0, 0.05), (rich(), 5.0, 0.07)] {
         let check = &planned.sailing.check;
         let worst = check.worst.as_ref().unwrap();
