@@ -67,10 +67,7 @@ by_parts!(Sub, sub);
 impl<X: Real, const N: usize> AddAssign for Dual<X, N> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
-        self.value += other.value;
-        for (own, other) in self.tangents.iter_mut().zip(other.tangents) {
-            *own += other;
-        }
+        *self = *self + other;
     }
 }
 
@@ -122,20 +119,17 @@ impl<X: Real, const N: usize> Real for Dual<X, N> {
         self.chain(root, root.if_positive(X::from(0.5).over(safe), X::ZERO))
     }
 
-    #[inline(always)]
     fn exponential(self) -> Self {
         let value = self.value.exponential();
         self.chain(value, value)
     }
 
-    #[inline(always)]
     fn sine_and_cosine(self) -> (Self, Self) {
         let (sine, cosine) = self.value.sine_and_cosine();
         (self.chain(sine, cosine), self.chain(cosine, sine.negated()))
     }
 
     /// Its slopes where both components are 0 count as 0.
-    #[inline(always)]
     fn angle(self, ahead: Self) -> Self {
         let square = self.value.squared() + ahead.value.squared();
         let inverse = square.if_positive(X::ONE.over(square.if_positive(square, X::ONE)), X::ZERO);
