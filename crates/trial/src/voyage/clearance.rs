@@ -143,8 +143,12 @@ impl Clearance {
         let (sin, cos) = libm::sincos(pose.psi);
         for [x, y] in &self.outline {
             let place = [pose.y + x * sin + y * cos, pose.x + x * cos - y * sin];
-            passage.clearance_m = passage.clearance_m.min(obstacles.distance_m(place[0], place[1]));
-            if let Some(own) = &mut passage.between_cells_m {
+            let distance_m = obstacles.distance_m(place[0], place[1]);
+            passage.clearance_m = passage.clearance_m.min(distance_m);
+            // Interpolated, it is at most a cell's diagonal less.
+            if let Some(own) =
+                passage.between_cells_m.as_mut().filter(|own| distance_m < **own + 1.5 * cell_m)
+            {
                 *own = own.min(obstacles.between_cells_m(place[0], place[1]));
             }
             let is_outside = || inside_m < 0.0 && self.inside_polygon_m(place) < 0.0;
