@@ -221,16 +221,15 @@ impl Repertoire<'_> {
     }
 
     /// The part of a tolerance that a vessel uses at a node in `layer`.
-    pub(crate) fn used_at(
-        &self,
-        tolerance: &Tolerance,
-        layer: usize,
-        node: [f64; 2],
-        (pose, state): End,
-    ) -> Used {
+    pub(crate) fn used_at(&self, tolerance: &Tolerance, layer: usize, node: [f64; 2], end: End) -> Used {
+        let (vessel, heading_rad, speed_m_s) = self.at_node(layer, node, end);
+        tolerance.used(&vessel, heading_rad, speed_m_s)
+    }
+
+    /// A vessel relative to a node in `layer`, with the heading and the speed there.
+    pub(crate) fn at_node(&self, layer: usize, node: [f64; 2], (pose, state): End) -> (Astray, f64, f64) {
         let (level, mode) = self.grid.level_and_mode(layer);
-        let (heading, speed) = (self.grid.heading_rad(level), self.grid.modes[mode].speed_m_s);
-        tolerance.used(&Astray::of(pose, state, node), heading, speed)
+        (Astray::of(pose, state, node), self.grid.heading_rad(level), self.grid.modes[mode].speed_m_s)
     }
 
     /// Whether all directions are equivalent.

@@ -133,16 +133,14 @@ impl Tolerance {
     }
 
     /// The used fractions of a vessel under way at `speed_m_s`, wherever it is.
-    pub fn used_in_motion(&self, [u, v, r]: [f64; 3], speed_m_s: f64) -> Used {
-        let speed = (u - speed_m_s).abs() / self.surge_m_s;
-        Used::Parts([0.0, 0.0, speed, v.abs() / self.sway_m_s, r.abs() / self.yaw_rate_rad_s])
+    pub fn used_in_motion(&self, state: [f64; 3], speed_m_s: f64) -> Used {
+        self.used(&Astray { pose: Pose::default(), state }, 0.0, speed_m_s)
     }
 
     /// The used fractions of a vessel at a node of `heading_rad` and `speed_m_s`.
     pub fn used(&self, vessel: &Astray, heading_rad: f64, speed_m_s: f64) -> Used {
-        let position = vessel.distance_m() / self.distance_m;
-        let heading = wrap(vessel.pose.psi - heading_rad).abs() / self.heading_rad;
-        Used::Parts([position, heading, 0.0, 0.0, 0.0]).or_more(self.used_in_motion(vessel.state, speed_m_s))
+        let [_, _, heading, surge, sway, yaw_rate] = self.off(vessel, heading_rad, speed_m_s).map(f64::abs);
+        Used::Parts([vessel.distance_m() / self.distance_m, heading, surge, sway, yaw_rate])
     }
 
     /// The same with signs, and the position as north and east, for searches that compare vessels: north, east, heading, surge,

@@ -159,25 +159,28 @@ impl Checking<'_> {
     }
 
     /// How far off a step ends, with signs, in tolerances: north, east, heading, surge, sway, yaw rate.
-    pub(super) fn off(&self, step: usize, (pose, state): End) -> [f64; 6] {
-        let (grid, (node, leg)) = (&self.prepared().grid, self.script.legs[step]);
-        let [north, east] = grid.displacement(leg.di, leg.dj);
-        let (level, mode) = grid.level_and_mode(leg.to);
-        let astray = Astray::of(pose, state, [node[0] + north, node[1] + east]);
-        let tolerance = self.prepared().repertoire().approach.tolerance;
-        tolerance.off(&astray, grid.heading_rad(level), grid.modes[mode].speed_m_s)
+    pub(super) fn off(&self, step: usize, end: End) -> [f64; 6] {
+        let (repertoire, (layer, node)) = (self.prepared().repertoire(), self.end_of(step));
+        let (vessel, heading_rad, speed_m_s) = repertoire.at_node(layer, node, end);
+        repertoire.approach.tolerance.off(&vessel, heading_rad, speed_m_s)
+    }
+
+    /// The layer and the node (north, east) that a step ends at.
+    fn end_of(&self, step: usize) -> (usize, [f64; 2]) {
+        let (node, leg) = self.script.legs[step];
+        let [north, east] = self.prepared().grid.displacement(leg.di, leg.dj);
+        (leg.to, [node[0] + north, node[1] + east])
     }
 
     /// The used fractions of the tolerance at the end of every step.
     pub(super) fn used(&self, ends: &[End]) -> Vec<Used> {
         let repertoire = self.prepared().repertoire();
-        let own = self.script.legs.iter().zip(ends);
         let tolerance = repertoire.approach.tolerance;
-        own.map(|((node, leg), end)| {
-            let [north, east] = self.prepared().grid.displacement(leg.di, leg.dj);
-            repertoire.used_at(&tolerance, leg.to, [node[0] + north, node[1] + east], *end)
-        })
-        .collect()
+        let used = |(step, end): (usize, &End)| {
+            let (layer, node) = self.end_of(step);
+            repertoire.used_at(&tolerance, layer, node, *end)
+        };
+        ends.iter().enumerate().map(used).collect()
     }
 }
 

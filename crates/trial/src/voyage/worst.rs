@@ -2,9 +2,9 @@
 //!
 //! Of every leg of a plan two things are made as bad as possible: how near the hull comes to a danger, and how far
 //! off the leg ends. Runs with one coordinate at either end say which corner of the errors is the worst for each, if
-//! the dependence were linear. It is nearly so of distances that are interpolated between cells, and of the signed
-//! quantities by which a leg ends off, of which the worst is taken. From the worst of these runs the search goes on to their
-//! neighbours. A run simulates the whole plan, so it counts for all legs.
+//! the dependence were linear. For that, distances are interpolated between cells, and how far off a leg ends is split
+//! into quantities with signs. From the worst of these runs the search goes on to their neighbours. A run simulates the
+//! whole plan, so it counts for all legs.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -203,11 +203,11 @@ impl Searched {
             let who = doubt.extreme(&values);
             (doubt.predicted(&values, &who), who)
         };
-        let mut corners = Vec::new();
+        let (goals, mut corners) = (goals(), Vec::new());
         for step in 0..checking.legs.len() {
             let off = |run: &Run| run.began_well(step).then(|| checking.off(step, run.ends[step]));
             let off: Vec<_> = self.runs[..axes].iter().map(|(_, run)| off(run).unwrap_or_default()).collect();
-            corners.extend(goals().iter().map(|goal| (step, corner(&off, goal))));
+            corners.extend(goals.iter().map(|goal| (step, corner(&off, goal))));
         }
         corners.sort_by(|(_, a), (_, b)| b.0.total_cmp(&a.0));
         let mut steps = BTreeSet::new();
