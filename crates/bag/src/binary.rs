@@ -2,8 +2,9 @@
 //! Interoperability Wire Protocol): consecutive values, each aligned to its size, after four bytes that state the
 //! byte order. Or packed as ROS 1 and ULog have them: without either, least significant byte first.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
+use crate::effort::Effort;
 use crate::fields::{Primitive, Shape, Step, Wrong};
 
 /// Bytes of a message, and the read position.
@@ -13,14 +14,15 @@ pub(crate) struct Cursor<'a> {
     at: usize,
     is_little: bool,
     is_aligned: bool,
+    effort: &'a Effort,
 }
 
 impl<'a> Cursor<'a> {
     /// At the first value of a message in CDR.
-    pub(crate) fn cdr(message: &'a [u8]) -> Result<Self, Wrong> {
+    pub(crate) fn cdr(message: &'a [u8], effort: &'a Effort) -> Result<Self, Wrong> {
         match message.split_at_checked(4) {
             Some(([0, order @ (0 | 1), ..], data)) => {
-                Ok(Self { data, at: 0, is_little: *order == 1, is_aligned: true })
+                Ok(Self { data, at: 0, is_little: *order == 1, is_aligned: true, effort })
             }
             Some((head, _)) => {
                 let found = format!("the representation {:#06x}", u16::from_be_bytes([head[0], head[1]]));
@@ -31,8 +33,8 @@ impl<'a> Cursor<'a> {
     }
 
     /// At the first value of a packed message.
-    pub(crate) fn packed(data: &'a [u8]) -> Self {
-        Self { data, at: 0, is_little: true, is_aligned: false }
+    pub(crate) fn packed(data: &'a [u8], effort: &'a Effort) -> Self {
+        Self { data, at: 0, is_little: true, is_aligned: false, effort }
     }
 
     /// The next `N` bytes, in CDR aligned to `N`, least significant first.
@@ -112,58 +114,63 @@ impl Node {
                 wanted.first().map_or(Ok(Kind::Padding(*bytes)), |(slot, _)| Err(*slot))?
             }
             Shape::Fields(fields) => {
-                let is_field = |step: &Step| fields.iter().any(|(name, _)| *step == Step::Name(name.clone()));
-                if let Some((slot, _)) = wanted.iter().find(|(_, path)| !is_field(&path[0])) {
-                    return Err(*slot);
+                let known: BTreeSet<&str> = fields.iter().map(|(name, _)| name.as_str()).collect();
+                let mut below: BTreeMap<&str, Vec<(usize, &[Step])>> = BTreeMap::new();
+                for (slot, path) in wanted {
+                    match &path[0] {
+                        Step::Name(name) if known.contains(name.as_str()) => {
+                            below.entry(name).or_default().push((*slot, &path[1..]));
+                        }
+                        _ => return Err(*slot),
+                    }
                 }
-                let node = |(name, shape): &(String, Shape)| {
-                    Self::new(shape, &below(wanted, |step| *step == Step::Name(name.clone())))
-                };
+                let of = |name: &str| below.get(name).map_or(&[][..], Vec::as_slice);
+                let node = |(name, shape): &(String, Shape)| Self::new(shape, of(name));
                 Kind::Fields(fields.iter().map(node).collect::<Result<_, _>>()?)
             }
             Shape::List(of, len) => {
-                let mut elements = BTreeMap::new();
+                let mut below: BTreeMap<usize, Vec<(usize, &[Step])>> = BTreeMap::new();
                 for (slot, path) in wanted {
-                    let Step::Index(i) = path[0] else { return Err(*slot) };
-                    if len.is_some_and(|len| i >= len) {
-                        return Err(*slot);
+                    match path[0] {
+                        Step::Index(i) if len.is_none_or(|len| i < len) => {
+                            below.entry(i).or_default().push((*slot, &path[1..]));
+                        }
+                        _ => return Err(*slot),
                     }
-                    elements.insert(i, Self::new(of, &below(wanted, |step| *step == Step::Index(i)))?);
                 }
+                let node = |(i, wanted): (usize, Vec<_>)| Self::new(of, &wanted).map(|node| (i, node));
+                let elements = below.into_iter().map(node).collect::<Result<_, _>>()?;
                 Kind::List { of: Box::new(Self::new(of, &[])?), len: *len, wanted: elements }
             }
         };
         Ok(Self { kind, slots: ends })
     }
 
-    /// Reads the next value and puts the wanted numbers into `row`; `None` where the message ends early.
+    /// Reads the next value and puts the wanted numbers into `row`; `None` where the message ends early, or where it has
+    /// more elements without bytes than are paid for.
     pub(crate) fn read(&self, cursor: &mut Cursor, row: &mut [f64]) -> Option<()> {
+        let start = cursor.at;
         match &self.kind {
             Kind::Number(kind) => {
                 let value = cursor.number(*kind)?;
                 self.slots.iter().for_each(|slot| row[*slot] = value);
-                Some(())
             }
             Kind::Text => {
                 let length = cursor.length()?;
-                cursor.skip(length)
+                cursor.skip(length)?;
             }
-            Kind::Padding(bytes) => cursor.skip((*bytes).min(cursor.data.len().saturating_sub(cursor.at))),
+            Kind::Padding(bytes) => cursor.skip((*bytes).min(cursor.data.len().saturating_sub(cursor.at)))?,
             // In CDR a message without fields still has one byte.
-            Kind::Fields(fields) if fields.is_empty() => cursor.skip(usize::from(cursor.is_aligned)),
-            Kind::Fields(fields) => fields.iter().try_for_each(|field| field.read(cursor, row)),
+            Kind::Fields(fields) if fields.is_empty() => cursor.skip(usize::from(cursor.is_aligned))?,
+            Kind::Fields(fields) => fields.iter().try_for_each(|field| field.read(cursor, row))?,
             Kind::List { of, len, wanted } => {
                 let len = len.map_or_else(|| cursor.length(), Some)?;
-                (0..len).try_for_each(|i| wanted.get(&i).unwrap_or(of).read(cursor, row))
+                (0..len).try_for_each(|i| wanted.get(&i).unwrap_or(of).read(cursor, row))?;
             }
         }
+        // What takes bytes ends with the message.
+        if cursor.at == start { cursor.effort.step() } else { Some(()) }
     }
-}
-
-/// The paths that begin with a matching step, without it.
-fn below<'a>(wanted: &[(usize, &'a [Step])], is: impl Fn(&Step) -> bool) -> Vec<(usize, &'a [Step])> {
-    let own = wanted.iter().filter(|(_, path)| path.first().is_some_and(&is));
-    own.map(|(slot, path)| (*slot, &path[1..])).collect()
 }
 
 #[cfg(test)]
@@ -195,19 +202,25 @@ mod tests {
 
     #[test]
     fn values_are_aligned_to_their_size_in_either_order_of_bytes() {
-        let shape =
-            definition("a/A", "uint8 a\nstring s\nfloat64[] w\nint16 b\nfloat32 c\n", Dialect::Ros2).unwrap();
+        let shape = definition(
+            "a/A",
+            "uint8 a\nstring s\nfloat64[] w\nint16 b\nfloat32 c\n",
+            Dialect::Ros2,
+            &Effort::new(0.0),
+        )
+        .unwrap();
         let paths = ["a", "w[1]", "b", "c", "w[5]"].map(|path| steps(path).unwrap());
         let wanted: Vec<(usize, &[Step])> = paths.iter().map(Vec::as_slice).enumerate().collect();
         let node = Node::new(&shape, &wanted).unwrap();
+        let effort = Effort::new(0.0);
         for is_little in [true, false] {
             let data = message(is_little);
             let mut row = [f64::NAN; 5];
-            node.read(&mut Cursor::cdr(&data).unwrap(), &mut row).unwrap();
+            node.read(&mut Cursor::cdr(&data, &effort).unwrap(), &mut row).unwrap();
             assert_eq!(row[..4], [7.0, -2.0, -3.0, 0.25]);
             assert!(row[4].is_nan(), "there are two weights");
             let short = &data[..data.len() - 1];
-            assert_eq!(node.read(&mut Cursor::cdr(short).unwrap(), &mut row), None);
+            assert_eq!(node.read(&mut Cursor::cdr(short, &effort).unwrap(), &mut row), None);
         }
         for path in ["s", "d", "w", "a.x", "a[0]"] {
             let path = steps(path).unwrap();

@@ -1,10 +1,14 @@
 //! The topics of a bag with the first of their messages, to find out what is in it.
 
 use std::collections::BTreeMap;
-use std::io::{Read, Seek};
+use std::io::Read;
+
+use refusal::Invalid;
 
 use crate::channels::Schemas;
+use crate::database::DatabaseFile;
 use crate::decoder::{Decoder, shape};
+use crate::effort::Effort;
 use crate::fields::leaves;
 use crate::parts::Part;
 use crate::stream::each_part;
@@ -41,13 +45,14 @@ pub struct Topic {
     pub messages: usize,
 }
 
-/// The topics of a bag and the first of their messages.
+/// The topics of a bag and the first of their messages, by means of `memory` bytes.
 ///
 /// # Errors
 /// Bytes that cannot be read or are not a bag.
-pub fn census(bytes: &mut dyn Read, format: Format) -> Result<Vec<Topic>, BagError> {
-    let mut census = Census::default();
-    each_part(bytes, format, &mut |part| census.take(part))?;
+pub fn census(bytes: &mut dyn Read, format: Format, memory: f64) -> Result<Vec<Topic>, BagError> {
+    let effort = Effort::new(memory);
+    let mut census = Census::new(&effort);
+    each_part(bytes, format, &effort, &mut |part| census.take(part))?;
     Ok(census.topics())
 }
 
@@ -55,30 +60,37 @@ pub fn census(bytes: &mut dyn Read, format: Format) -> Result<Vec<Topic>, BagErr
 ///
 /// # Errors
 /// As [`census`].
-pub fn census_of_database(file: &mut (impl Read + Seek)) -> Result<Vec<Topic>, BagError> {
-    let mut census = Census::default();
-    database::each_part(file, None, &mut |part| census.take(part))?;
+pub fn census_of_database(database: &DatabaseFile, memory: f64) -> Result<Vec<Topic>, BagError> {
+    let effort = Effort::new(memory);
+    let mut census = Census::new(&effort);
+    database::each_part(database, None, &effort, &mut |part| census.take(part))?;
     Ok(census.topics())
 }
 
 /// What was found so far.
-#[derive(Default)]
-struct Census {
+struct Census<'a> {
     schemas: Schemas,
     /// Topics in the order of their names, with the decoder of each.
     topics: BTreeMap<String, (Topic, Option<Decoder>)>,
     /// The topic of each channel.
     channels: BTreeMap<u32, String>,
+    effort: &'a Effort,
 }
 
-impl Census {
+impl<'a> Census<'a> {
+    fn new(effort: &'a Effort) -> Self {
+        Self { schemas: Schemas::default(), topics: BTreeMap::new(), channels: BTreeMap::new(), effort }
+    }
+
     /// Takes the next part of a bag.
     fn take(&mut self, part: Part) -> Result<(), BagError> {
         match part {
-            Part::Schema { id, name, encoding, data } => self.schemas.add(id, name, encoding, data)?,
+            Part::Schema { id, name, encoding, data } => {
+                self.schemas.add(id, [name, encoding], data, self.effort)?;
+            }
             Part::Channel { id, number, schema, topic, encoding, .. } => {
                 if self.topics.len() < MOST_TOPICS {
-                    self.channel([id, number, schema], topic, encoding);
+                    self.channel([id, number, schema], topic, encoding)?;
                 }
             }
             Part::Message { channel, log_time, data, .. } => self.message(channel, log_time, data),
@@ -87,19 +99,29 @@ impl Census {
         Ok(())
     }
 
-    fn channel(&mut self, [id, number, schema]: [u32; 3], topic: &str, encoding: &str) {
-        if self.channels.insert(id, topic.to_owned()).is_some() {
-            return;
+    fn channel(
+        &mut self,
+        [id, number, schema]: [u32; 3],
+        topic: &str,
+        encoding: &str,
+    ) -> Result<(), Invalid> {
+        if self.channels.contains_key(&id) {
+            return Ok(());
         }
-        let parts = self.schemas.get(schema).map(|schema| schema.parts());
-        let (own, _) = self.topics.entry(topic.to_owned()).or_insert_with(|| {
-            let shape = parts.and_then(|parts| shape(topic, encoding, parts).ok());
-            let fields = shape.map(|shape| leaves(&shape, FEW)).unwrap_or_default();
-            let decoder = Decoder::new(topic, encoding, parts, &fields).ok();
+        let effort = self.effort;
+        effort.keep(2 * topic.len())?;
+        self.channels.insert(id, topic.to_owned());
+        if !self.topics.contains_key(topic) {
+            let parts = self.schemas.get(schema).map(|schema| schema.parts());
+            let shape = parts.and_then(|parts| shape(topic, encoding, parts, effort).ok());
+            let fields = shape.map_or(Ok(Vec::new()), |shape| leaves(&shape, FEW, effort))?;
+            let decoder = Decoder::new(topic, encoding, parts, &fields, effort).ok();
             let kind = parts.map(|(name, ..)| name.to_owned()).unwrap_or_default();
-            (Topic { name: topic.to_owned(), kind, fields, ..Topic::default() }, decoder)
-        });
-        own.publishers.push(number);
+            let own = Topic { name: topic.to_owned(), kind, fields, ..Topic::default() };
+            self.topics.insert(topic.to_owned(), (own, decoder));
+        }
+        self.topics.entry(topic.to_owned()).and_modify(|(own, _)| own.publishers.push(number));
+        Ok(())
     }
 
     fn message(&mut self, channel: u32, log_time: u64, data: &[u8]) {
@@ -115,7 +137,9 @@ impl Census {
         let Some(decoder) = decoder.as_mut().filter(|_| topic.rows.len() < rows) else { return };
         let mut row = vec![f64::NAN; topic.fields.len()];
         // Damage is reported when the bag is ingested.
-        if decoder.decode(data, &mut row).is_ok() {
+        if decoder.decode(data, &mut row, self.effort).is_ok()
+            && self.effort.may_keep(size_of_val(row.as_slice()))
+        {
             topic.rows.push(row);
         }
     }

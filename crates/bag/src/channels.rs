@@ -6,16 +6,14 @@ use refusal::{Invalid, foreign};
 
 use crate::decoder::Decoder;
 use crate::definition::LONGEST;
+use crate::effort::Effort;
 
-/// Total bytes of the definitions that are kept.
-const MOST_BYTES: usize = 1 << 26;
+/// Bytes of a definition or a channel besides its texts.
+const ENTRY: usize = 256;
 
 /// Definitions by their ids.
 #[derive(Default)]
-pub(crate) struct Schemas {
-    known: BTreeMap<u32, Schema>,
-    bytes: usize,
-}
+pub(crate) struct Schemas(BTreeMap<u32, Schema>);
 
 /// Name, encoding and text of a definition.
 #[derive(Clone, PartialEq)]
@@ -34,24 +32,25 @@ impl Schema {
 
 impl Schemas {
     /// Keeps a definition; of one that is too long, only enough to show that.
-    pub(crate) fn add(&mut self, id: u32, name: &str, encoding: &str, text: &[u8]) -> Result<(), Invalid> {
-        if self.known.contains_key(&id) {
+    pub(crate) fn add(
+        &mut self,
+        id: u32,
+        [name, encoding]: [&str; 2],
+        text: &[u8],
+        effort: &Effort,
+    ) -> Result<(), Invalid> {
+        if self.0.contains_key(&id) {
             return Ok(());
         }
         let text = &text[..text.len().min(LONGEST + 1)];
-        self.bytes += name.len() + encoding.len() + text.len();
-        if self.bytes > MOST_BYTES {
-            let expected = format!("at most {MOST_BYTES} bytes");
-            let remedy = "record fewer topics: the bag may be damaged";
-            return Err(Invalid::new("definitions", format!("{} bytes", self.bytes), expected, remedy));
-        }
+        effort.keep(ENTRY + name.len() + encoding.len() + text.len())?;
         let own = Schema { name: name.to_owned(), encoding: encoding.to_owned(), text: text.to_vec() };
-        self.known.insert(id, own);
+        self.0.insert(id, own);
         Ok(())
     }
 
     pub(crate) fn get(&self, id: u32) -> Option<&Schema> {
-        self.known.get(&id)
+        self.0.get(&id)
     }
 }
 
@@ -61,6 +60,8 @@ struct Channel {
     encoding: String,
     metadata: Vec<(String, String)>,
     decoder: Decoder,
+    /// Whether a message of it came.
+    is_heard: bool,
 }
 
 impl Channel {
@@ -77,14 +78,15 @@ pub(crate) struct Channels<'a> {
     known: BTreeMap<u32, Channel>,
     /// Names of all publishers of the topic, also of those that are not wanted.
     called: BTreeMap<u32, String>,
-    /// Those whose messages came, in order.
-    heard: Vec<u32>,
+    /// The one whose message came last.
+    last: Option<u32>,
+    effort: &'a Effort,
 }
 
 impl<'a> Channels<'a> {
     /// No channels yet; all of the topic count, or those of one publisher.
-    pub(crate) fn new(publisher: Option<&'a str>) -> Self {
-        Self { publisher, known: BTreeMap::new(), called: BTreeMap::new(), heard: Vec::new() }
+    pub(crate) fn new(publisher: Option<&'a str>, effort: &'a Effort) -> Self {
+        Self { publisher, known: BTreeMap::new(), called: BTreeMap::new(), last: None, effort }
     }
 
     /// Adds a channel of the topic, whose messages are to yield the fields at `paths`; `number` names its publisher.
@@ -107,18 +109,19 @@ impl<'a> Channels<'a> {
         let names: Vec<String> = names.map(|(key, value)| format!("{key} {value}")).collect();
         let called =
             if names.is_empty() { String::new() } else { format!(" ({})", foreign(&names.join(", "))) };
+        let text = |schema: &Schema| schema.text.len();
+        self.effort.keep(ENTRY + 2 * called.len() + schema.map_or(0, text))?;
         self.called.insert(id, format!("`{number}`{called}"));
         let is_meant = self.publisher.is_none_or(|publisher| {
             publisher == number.to_string() || metadata.iter().any(|(_, value)| *value == publisher)
         });
         if is_meant {
             let parts = schema.map(Schema::parts);
-            let decoder = Decoder::new(topic, encoding, parts, paths)?;
+            let decoder = Decoder::new(topic, encoding, parts, paths, self.effort)?;
             let owned = |(key, value): (&str, &str)| (key.to_owned(), value.to_owned());
             let metadata = metadata.into_iter().map(owned).collect();
-            let channel =
-                Channel { schema: schema.cloned(), encoding: encoding.to_owned(), metadata, decoder };
-            self.known.insert(id, channel);
+            let (schema, encoding) = (schema.cloned(), encoding.to_owned());
+            self.known.insert(id, Channel { schema, encoding, metadata, decoder, is_heard: false });
         }
         Ok(())
     }
@@ -128,18 +131,18 @@ impl<'a> Channels<'a> {
     /// # Errors
     /// Messages of several channels of which none continues another.
     pub(crate) fn heard(&mut self, id: u32, topic: &str) -> Result<Option<&mut Decoder>, Invalid> {
-        let is_known = self.known.contains_key(&id);
-        if let (true, Some(last)) = (is_known && self.heard.last() != Some(&id), self.heard.last()) {
-            let is_next = !self.heard.contains(&id)
-                && self.known.get(last).zip(self.known.get(&id)).is_some_and(|(a, b)| a.is_same(b));
-            if !is_next {
+        if self.last != Some(id) {
+            let Some(next) = self.known.get(&id) else { return Ok(None) };
+            let continues = |last: &u32| !next.is_heard && self.known[last].is_same(next);
+            if !self.last.as_ref().is_none_or(continues) {
                 return Err(self.several(topic));
             }
+            self.last = Some(id);
         }
-        if is_known && self.heard.last() != Some(&id) {
-            self.heard.push(id);
-        }
-        Ok(self.known.get_mut(&id).map(|channel| &mut channel.decoder))
+        Ok(self.known.get_mut(&id).map(|channel| {
+            channel.is_heard = true;
+            &mut channel.decoder
+        }))
     }
 
     fn several(&self, topic: &str) -> Invalid {
@@ -178,7 +181,7 @@ impl<'a> Channels<'a> {
 
     /// Refuses a field that none of the messages had.
     pub(crate) fn check_found(&self, paths: &[String], messages: usize) -> Result<(), Invalid> {
-        let heard = self.known.iter().filter(|(id, _)| self.heard.contains(id));
-        heard.map(|(_, channel)| channel).try_for_each(|channel| channel.decoder.check_found(paths, messages))
+        let mut heard = self.known.values().filter(|channel| channel.is_heard);
+        heard.try_for_each(|channel| channel.decoder.check_found(paths, messages))
     }
 }

@@ -4,10 +4,14 @@ use refusal::{Invalid, foreign, nearest, some_of};
 
 use crate::binary::{Cursor, Node};
 use crate::definition::{Dialect, definition};
+use crate::effort::Effort;
 use crate::fields::{Shape, Step, Wrong, leaves, steps};
 use crate::formats::format;
 use crate::json;
 use crate::known::known;
+
+/// Bytes of a field of a message while its shape is known.
+const FIELD_BYTES: usize = 128;
 
 /// Decodes the messages of a channel.
 pub(crate) enum Decoder {
@@ -29,6 +33,7 @@ impl Decoder {
         encoding: &str,
         schema: Option<(&str, &str, &[u8])>,
         paths: &[String],
+        effort: &Effort,
     ) -> Result<Self, Invalid> {
         let steps = paths.iter().map(|path| steps(path).ok_or_else(|| no_path(path)));
         let steps = steps.collect::<Result<Vec<_>, _>>()?;
@@ -36,10 +41,10 @@ impl Decoder {
             return Ok(Self::Json(steps.into_iter().map(|steps| (steps, false)).collect()));
         }
         let schema = schema.unwrap_or(("", "", &[]));
-        let shape = shape(topic, encoding, schema)?;
+        let shape = shape(topic, encoding, schema, effort)?;
         let wanted: Vec<(usize, &[Step])> = steps.iter().map(Vec::as_slice).enumerate().collect();
         let node = Node::new(&shape, &wanted).map_err(|slot| {
-            let known = leaves(&shape, 1);
+            let known = leaves(&shape, 1, effort).unwrap_or_default();
             let path = &paths[slot];
             let near = nearest(path, known.iter().map(String::as_str));
             let remedy =
@@ -52,14 +57,19 @@ impl Decoder {
     }
 
     /// Puts the fields of the message `data` into `row`; absent ones leave it unchanged.
-    pub(crate) fn decode(&mut self, data: &[u8], row: &mut [f64]) -> Result<(), Wrong> {
+    pub(crate) fn decode(&mut self, data: &[u8], row: &mut [f64], effort: &Effort) -> Result<(), Wrong> {
+        effort.earn(data.len());
         let (node, mut cursor) = match self {
-            Self::Cdr(node) => (node, Cursor::cdr(data)?),
-            Self::Packed(node) => (node, Cursor::packed(data)),
-            Self::Json(paths) => return json::decode(data, paths, row),
+            Self::Cdr(node) => (node, Cursor::cdr(data, effort)?),
+            Self::Packed(node) => (node, Cursor::packed(data, effort)),
+            Self::Json(paths) => return json::decode(data, paths, row, effort),
         };
-        node.read(&mut cursor, row).ok_or_else(|| {
-            (format!("{} bytes", data.len()), "a message as long as its definition says".to_owned())
+        node.read(&mut cursor, row).ok_or_else(|| match effort.is_spent() {
+            true => (
+                format!("elements without end in {} bytes", data.len()),
+                "elements that take bytes".to_owned(),
+            ),
+            false => (format!("{} bytes", data.len()), "a message as long as its definition says".to_owned()),
         })
     }
 
@@ -84,24 +94,28 @@ pub(crate) fn shape(
     topic: &str,
     encoding: &str,
     (name, kind, text): (&str, &str, &[u8]),
+    effort: &Effort,
 ) -> Result<Shape, Invalid> {
+    effort.text(text.len())?;
     let text = String::from_utf8_lossy(text);
     let made = match (encoding, kind) {
-        ("cdr", "ros2msg") => definition(name, &text, Dialect::Ros2),
+        ("cdr", "ros2msg") => definition(name, &text, Dialect::Ros2, effort),
         ("cdr", "" | "ros2idl") if !name.is_empty() => {
             let known = known(name).ok_or_else(|| undefined(topic, name, kind))?;
-            definition(name, &known, Dialect::Ros2)
+            definition(name, &known, Dialect::Ros2, effort)
         }
-        ("ros1", "ros1msg") => definition(name, &text, Dialect::Ros1),
-        ("ulog", "ulog") => format(name, &text),
+        ("ros1", "ros1msg") => definition(name, &text, Dialect::Ros1, effort),
+        ("ulog", "ulog") => format(name, &text, effort),
         _ => return Err(unknown(topic, encoding, kind)),
     };
-    made.map_err(|found| {
+    let shape = made.map_err(|found| {
         let expected = "a definition of each type in it, as the bag's recorder writes them";
         let remedy = "record the bag with its message definitions";
         let thing = format!("schema `{}` of topic `{}`", foreign(name), foreign(topic));
         Invalid::new(thing, found, expected, remedy)
-    })
+    })?;
+    effort.keep(shape.fields() * FIELD_BYTES)?;
+    Ok(shape)
 }
 
 fn undefined(topic: &str, name: &str, kind: &str) -> Invalid {

@@ -3,9 +3,11 @@
 //! <https://docs.ros.org/en/rolling/Concepts/Basic/About-Interfaces.html>
 
 use std::cell::Cell;
+use std::collections::BTreeMap;
 
 use refusal::foreign;
 
+use crate::effort::Effort;
 use crate::fields::{Primitive, Shape};
 
 /// Depth of nested types beyond which a definition is taken to be recursive.
@@ -52,8 +54,9 @@ pub(crate) enum Dialect {
 /// The types of a definition.
 struct Types<'a> {
     dialect: Dialect,
-    /// `package/Type`, and its lines.
-    lines: Vec<(String, Vec<&'a str>)>,
+    effort: &'a Effort,
+    /// The lines of each `package/Type`.
+    lines: BTreeMap<String, Vec<&'a str>>,
     /// How many more fields are allowed.
     left: Cell<usize>,
 }
@@ -62,22 +65,24 @@ struct Types<'a> {
 ///
 /// # Errors
 /// Why it cannot be read.
-pub(crate) fn definition(name: &str, text: &str, dialect: Dialect) -> Result<Shape, String> {
+pub(crate) fn definition(name: &str, text: &str, dialect: Dialect, effort: &Effort) -> Result<Shape, String> {
     if text.len() > LONGEST {
         return Err(format!("{} bytes, which are more than {LONGEST}", text.len()));
     }
-    let lines = vec![(short(name), Vec::new())];
-    let mut types = Types { dialect, lines, left: Cell::new(MOST_FIELDS) };
+    let mut all = vec![(short(name), Vec::new())];
     for line in text.lines().map(str::trim) {
         if let Some(next) = line.strip_prefix("MSG:") {
-            types.lines.push((short(next.trim()), Vec::new()));
-        } else if let Some((_, lines)) = types.lines.last_mut().filter(|_| !line.starts_with("==")) {
+            all.push((short(next.trim()), Vec::new()));
+        } else if let Some((_, lines)) = all.last_mut().filter(|_| !line.starts_with("==")) {
             lines.push(line);
         }
     }
-    if types.lines.len() > MOST_TYPES {
-        return Err(format!("{} types, which are more than {MOST_TYPES}", types.lines.len()));
+    if all.len() > MOST_TYPES {
+        return Err(format!("{} types, which are more than {MOST_TYPES}", all.len()));
     }
+    // The first of several with one name counts.
+    let lines = all.into_iter().rev().collect();
+    let types = Types { dialect, effort, lines, left: Cell::new(MOST_FIELDS) };
     types.shape(&short(name), DEEPEST)
 }
 
@@ -93,8 +98,8 @@ fn short(name: &str) -> String {
 
 impl Types<'_> {
     fn shape(&self, name: &str, deep: usize) -> Result<Shape, String> {
-        let known = self.lines.iter().find(|(known, _)| known == name);
-        let (_, lines) = known.ok_or_else(|| format!("no definition of `{}`", foreign(name)))?;
+        let lines = self.lines.get(name);
+        let lines = lines.ok_or_else(|| format!("no definition of `{}`", foreign(name)))?;
         if deep == 0 {
             return Err(format!("`{}` within itself, or types more than {DEEPEST} deep", foreign(name)));
         }
@@ -105,6 +110,7 @@ impl Types<'_> {
 
     /// The field on a line: `None` for blank lines, comments, and constants, which messages do not contain.
     fn field(&self, line: &str, package: &str, deep: usize) -> Result<Option<(String, Shape)>, String> {
+        self.effort.text(line.len()).map_err(|_| "lines without end, types within types".to_owned())?;
         let line = line.split('#').next().unwrap_or_default();
         let mut words = line.split_whitespace();
         let (Some(kind), Some(name)) = (words.next(), words.next()) else {
@@ -153,6 +159,10 @@ impl Types<'_> {
 mod tests {
     use super::*;
 
+    fn definition(name: &str, text: &str, dialect: Dialect) -> Result<Shape, String> {
+        super::definition(name, text, dialect, &Effort::new(0.0))
+    }
+
     #[test]
     fn comments_constants_defaults_and_types_of_other_packages_are_read() {
         let text = "# A pose\nstd_msgs/Header header\nuint8 OK=0\nint32 NONE = -1\nPoint[2] corners # two\nstring<=5 name \"x\"\n\
@@ -161,7 +171,7 @@ mod tests {
         let shape = definition("geometry_msgs/msg/Thing", text, Dialect::Ros2).unwrap();
         let paths =
             ["header.stamp.sec", "header.stamp.nanosec", "corners[0].x", "corners[0].y", "weights[0]"];
-        assert_eq!(crate::fields::leaves(&shape, 1), paths);
+        assert_eq!(crate::fields::leaves(&shape, 1, &Effort::new(0.0)).unwrap(), paths);
         let circle = definition("a/A", "A next\n", Dialect::Ros2).unwrap_err();
         assert!(circle.contains("within itself"), "{circle}");
         assert!(definition("a/A", "B next\n", Dialect::Ros2).unwrap_err().contains("no definition of `a/B`"));
@@ -183,6 +193,7 @@ mod tests {
             ("uint8[0] x\n".to_owned(), "one length"),
             ("====\nMSG: a/B\n".repeat(3000), "3001 types"),
             ("#".repeat(LONGEST + 1), "more than 1048576"),
+            ("B x\n".repeat(19_000) + "=\nMSG: a/B\n" + &"int8 A=1\n".repeat(50_000), "lines without end"),
         ] {
             let refused = definition("a/A", &text, Dialect::Ros2).unwrap_err();
             assert!(refused.contains(said) && refused.len() < 200, "{refused}");

@@ -1,5 +1,9 @@
 //! Paths to the fields of a message, and the shape of its values.
 
+use refusal::Invalid;
+
+use crate::effort::Effort;
+
 /// What is wrong with a message: found, expected.
 pub(crate) type Wrong = (String, String);
 
@@ -60,27 +64,50 @@ pub(crate) enum Primitive {
 /// Most names to search for the one that was meant.
 const MOST_NAMES: usize = 1000;
 
-/// The paths to the numbers of `shape`; of a list all elements if they are `few` at most, else the first.
-pub(crate) fn leaves(shape: &Shape, few: usize) -> Vec<String> {
-    let mut found = Vec::new();
-    collect(shape, "", few, &mut found);
-    found
+impl Shape {
+    /// How many fields and lists it has.
+    pub(crate) fn fields(&self) -> usize {
+        1 + match self {
+            Self::Fields(fields) => fields.iter().map(|(_, shape)| shape.fields()).sum(),
+            Self::List(of, _) => of.fields(),
+            Self::Number(_) | Self::Text | Self::Padding(_) => 0,
+        }
+    }
 }
 
-fn collect(shape: &Shape, path: &str, few: usize, found: &mut Vec<String>) {
+/// The paths to the numbers of `shape`; of a list all elements if they are `few` at most, else the first.
+///
+/// # Errors
+/// More paths, to anything or to nothing, than `effort` allows.
+pub(crate) fn leaves(shape: &Shape, few: usize, effort: &Effort) -> Result<Vec<String>, Invalid> {
+    let mut found = Vec::new();
+    collect(shape, "", few, effort, &mut found)?;
+    Ok(found)
+}
+
+fn collect(
+    shape: &Shape,
+    path: &str,
+    few: usize,
+    effort: &Effort,
+    found: &mut Vec<String>,
+) -> Result<(), Invalid> {
+    effort.text(path.len())?;
     match shape {
-        _ if found.len() >= MOST_NAMES => {}
-        Shape::Number(_) => found.push(path.to_owned()),
-        Shape::Text | Shape::Padding(_) => {}
-        Shape::Fields(fields) => {
-            for (name, shape) in fields {
-                let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
-                collect(shape, &path, few, found);
-            }
+        _ if found.len() >= MOST_NAMES => Ok(()),
+        Shape::Number(_) => {
+            effort.keep(path.len())?;
+            found.push(path.to_owned());
+            Ok(())
         }
+        Shape::Text | Shape::Padding(_) => Ok(()),
+        Shape::Fields(fields) => fields.iter().try_for_each(|(name, shape)| {
+            let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+            collect(shape, &path, few, effort, found)
+        }),
         Shape::List(of, len) => {
             let listed = len.filter(|len| *len <= few).unwrap_or(1);
-            (0..listed).for_each(|i| collect(of, &format!("{path}[{i}]"), few, found));
+            (0..listed).try_for_each(|i| collect(of, &format!("{path}[{i}]"), few, effort, found))
         }
     }
 }

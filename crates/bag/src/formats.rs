@@ -1,9 +1,11 @@
 //! Definitions of ULog: a line per message, `name:type field;type[3] field`.
 
 use std::cell::Cell;
+use std::collections::BTreeMap;
 
 use refusal::foreign;
 
+use crate::effort::Effort;
 use crate::fields::{Primitive, Shape};
 
 /// Depth of nested types beyond which a definition is taken to be recursive.
@@ -32,26 +34,28 @@ const NUMBERS: [(&str, Primitive); 12] = [
 ///
 /// # Errors
 /// Why it cannot be read.
-pub(crate) fn format(name: &str, text: &str) -> Result<Shape, String> {
-    Formats { text, left: Cell::new(MOST_FIELDS) }.shape(name, DEEPEST)
+pub(crate) fn format(name: &str, text: &str, effort: &Effort) -> Result<Shape, String> {
+    // The first of several with one name counts.
+    let known = text.lines().rev().filter_map(|line| line.split_once(':')).collect();
+    Formats { known, effort, left: Cell::new(MOST_FIELDS) }.shape(name, DEEPEST)
 }
 
 struct Formats<'a> {
-    text: &'a str,
+    /// The fields of each message.
+    known: BTreeMap<&'a str, &'a str>,
+    effort: &'a Effort,
     /// How many more fields are allowed.
     left: Cell<usize>,
 }
 
 impl Formats<'_> {
     fn shape(&self, name: &str, deep: usize) -> Result<Shape, String> {
-        let known = self.text.lines().filter_map(|line| line.split_once(':'));
-        let (_, fields) = known
-            .into_iter()
-            .find(|(own, _)| *own == name)
-            .ok_or_else(|| format!("no definition of `{}`", foreign(name)))?;
+        let fields = self.known.get(name);
+        let fields = fields.ok_or_else(|| format!("no definition of `{}`", foreign(name)))?;
         if deep == 0 {
             return Err(format!("`{}` within itself, or types more than {DEEPEST} deep", foreign(name)));
         }
+        self.effort.text(fields.len()).map_err(|_| "fields without end, types within types".to_owned())?;
         let fields = fields.split(';').filter(|field| !field.trim().is_empty());
         Ok(Shape::Fields(fields.map(|field| self.field(field, deep)).collect::<Result<_, _>>()?))
     }
@@ -86,10 +90,17 @@ mod tests {
     use super::*;
     use crate::fields::leaves;
 
+    fn format(name: &str, text: &str) -> Result<Shape, String> {
+        super::format(name, text, &Effort::new(0.0))
+    }
+
     #[test]
     fn types_within_types_are_read_and_those_that_never_end_are_refused() {
         let text = "esc:float rpm;uint8_t[3] _padding0;\ntwo:uint64_t timestamp;esc[2] esc;bool ok\na:b x;\nb:a x;\n";
-        assert_eq!(leaves(&format("two", text).unwrap(), 8), ["timestamp", "esc[0].rpm", "esc[1].rpm", "ok"]);
+        assert_eq!(
+            leaves(&format("two", text).unwrap(), 8, &Effort::new(0.0)).unwrap(),
+            ["timestamp", "esc[0].rpm", "esc[1].rpm", "ok"]
+        );
         for (name, said) in [("a", "within itself"), ("c", "no definition of `c`")] {
             let refused = format(name, text).unwrap_err();
             assert!(refused.contains(said), "{refused}");

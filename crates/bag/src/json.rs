@@ -3,15 +3,22 @@
 use refusal::foreign;
 use serde_json::Value;
 
+use crate::effort::Effort;
 use crate::fields::{Step, Wrong};
 
-/// Most bytes of a message: as values they take many times as many.
-const LONGEST: usize = 1 << 23;
+/// How many times as many bytes a message takes as values.
+const VALUES: usize = 16;
 
 /// Puts the numbers at `paths` of the message `data` into `row`, and notes which paths were found.
-pub(crate) fn decode(data: &[u8], paths: &mut [(Vec<Step>, bool)], row: &mut [f64]) -> Result<(), Wrong> {
-    if data.len() > LONGEST {
-        return Err((format!("{} bytes", data.len()), format!("at most {LONGEST} in JSON")));
+pub(crate) fn decode(
+    data: &[u8],
+    paths: &mut [(Vec<Step>, bool)],
+    row: &mut [f64],
+    effort: &Effort,
+) -> Result<(), Wrong> {
+    let most = effort.largest / VALUES;
+    if data.len() > most {
+        return Err((format!("{} bytes", data.len()), format!("at most {most} in JSON")));
     }
     let message: Value = serde_json::from_slice(data)
         .map_err(|error| (foreign(&error.to_string()), "a message in JSON".to_owned()))?;

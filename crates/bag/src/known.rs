@@ -78,12 +78,13 @@ pub(crate) fn known(name: &str) -> Option<String> {
 mod tests {
     use super::*;
     use crate::definition::{Dialect, definition};
+    use crate::effort::Effort;
 
     #[test]
     fn all_that_are_known_have_a_shape() {
         for (name, _) in KNOWN {
             let text = known(name).unwrap();
-            assert!(definition(name, &text, Dialect::Ros2).is_ok(), "{name}");
+            assert!(definition(name, &text, Dialect::Ros2, &Effort::new(0.0)).is_ok(), "{name}");
         }
         assert!(known("nav_msgs/msg/Odometry").is_some() && known("nav_msgs/msg/Other").is_none());
     }

@@ -2,8 +2,8 @@
 //! the numbers at the wanted paths, [`census`] says what is in a file. Each kind of file has a reader that passes
 //! parts on: MCAP, bags of ROS 1, those of ROS 2 in SQLite, ULog.
 //!
-//! The crate `mcap` finds the records of MCAP; all others are parsed and chunks decompressed here, where their lengths
-//! are not trusted. Messages are decoded by the definition in the bag, or they are JSON.
+//! The crate `mcap` finds the records of MCAP, SQLite the rows of a `.db3`; all others are parsed and chunks decompressed
+//! here, where their lengths are not trusted. What a bag may cost is counted in one place, [`effort`]. Messages are decoded by the definition in the bag, or they are JSON.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -16,6 +16,7 @@ mod chunks;
 mod database;
 mod decoder;
 mod definition;
+mod effort;
 mod fields;
 mod formats;
 mod json;
@@ -25,12 +26,11 @@ mod reading;
 mod records;
 mod rest;
 mod rosbag;
-mod sqlite;
 mod stream;
 mod ulog;
-mod varint;
 
 pub use bag_error::BagError;
 pub use census::{Topic, census, census_of_database};
+pub use database::DatabaseFile;
 pub use reading::{Message, Wanted, each_message, each_message_of_database};
 pub use stream::Format;

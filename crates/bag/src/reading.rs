@@ -1,11 +1,13 @@
 //! The messages of one topic.
 
 use std::collections::BTreeSet;
-use std::io::{Read, Seek};
+use std::io::Read;
 
 use refusal::{Invalid, foreign, nearest, some_of};
 
 use crate::channels::{Channels, Schemas};
+use crate::database::DatabaseFile;
+use crate::effort::Effort;
 use crate::parts::Part;
 use crate::stream::each_part;
 use crate::{BagError, Format, database};
@@ -19,6 +21,8 @@ pub struct Wanted<'a> {
     pub publisher: Option<&'a str>,
     /// Paths to numbers in its messages.
     pub paths: &'a [String],
+    /// Bytes of memory that reading may take.
+    pub memory: f64,
 }
 
 /// A message of the topic.
@@ -43,22 +47,24 @@ pub fn each_message(
     wanted: &Wanted,
     each: &mut dyn FnMut(Message) -> Result<(), Invalid>,
 ) -> Result<(), BagError> {
-    let mut reading = Reading::new(wanted, each);
-    each_part(bytes, format, &mut |part| reading.take(part))?;
+    let effort = Effort::new(wanted.memory);
+    let mut reading = Reading::new(wanted, &effort, each);
+    each_part(bytes, format, &effort, &mut |part| reading.take(part))?;
     reading.finish()
 }
 
-/// As [`each_message`], of a bag in SQLite, whose pages stand in any order.
+/// As [`each_message`], of a bag in SQLite.
 ///
 /// # Errors
 /// As [`each_message`].
 pub fn each_message_of_database(
-    file: &mut (impl Read + Seek),
+    database: &DatabaseFile,
     wanted: &Wanted,
     each: &mut dyn FnMut(Message) -> Result<(), Invalid>,
 ) -> Result<(), BagError> {
-    let mut reading = Reading::new(wanted, each);
-    database::each_part(file, Some(wanted.topic), &mut |part| reading.take(part))?;
+    let effort = Effort::new(wanted.memory);
+    let mut reading = Reading::new(wanted, &effort, each);
+    database::each_part(database, Some(wanted.topic), &effort, &mut |part| reading.take(part))?;
     reading.finish()
 }
 
@@ -71,33 +77,42 @@ struct Reading<'a, 'b> {
     schemas: Schemas,
     channels: Channels<'a>,
     topics: BTreeSet<String>,
+    effort: &'a Effort,
 }
 
 /// Most topics of a bag whose names are kept; also the most channels.
 const MOST_TOPICS: usize = 1 << 16;
 
 impl<'a, 'b> Reading<'a, 'b> {
-    fn new(wanted: &'a Wanted<'a>, each: &'b mut dyn FnMut(Message) -> Result<(), Invalid>) -> Self {
+    fn new(
+        wanted: &'a Wanted<'a>,
+        effort: &'a Effort,
+        each: &'b mut dyn FnMut(Message) -> Result<(), Invalid>,
+    ) -> Self {
         Self {
             wanted,
             each,
             row: vec![f64::NAN; wanted.paths.len()],
             messages: 0,
             schemas: Schemas::default(),
-            channels: Channels::new(wanted.publisher),
+            channels: Channels::new(wanted.publisher, effort),
             topics: BTreeSet::new(),
+            effort,
         }
     }
 
     fn take(&mut self, part: Part) -> Result<(), BagError> {
         match part {
-            Part::Schema { id, name, encoding, data } => self.schemas.add(id, name, encoding, data)?,
+            Part::Schema { id, name, encoding, data } => {
+                self.schemas.add(id, [name, encoding], data, self.effort)?;
+            }
             Part::Channel { id, number, schema, topic, encoding, metadata } => {
                 if topic == self.wanted.topic {
                     let (schema, paths) = (self.schemas.get(schema), self.wanted.paths);
                     self.channels.add([id, number], schema, encoding, metadata, (topic, paths))?;
                 }
                 if self.topics.len() < MOST_TOPICS && !self.topics.contains(topic) {
+                    self.effort.keep(topic.len())?;
                     self.topics.insert(topic.to_owned());
                 }
             }
@@ -118,7 +133,7 @@ impl<'a, 'b> Reading<'a, 'b> {
         let Some(decoder) = self.channels.heard(channel, self.wanted.topic)? else { return Ok(()) };
         self.messages += 1;
         self.row.fill(f64::NAN);
-        if let Err((found, expected)) = decoder.decode(data, &mut self.row) {
+        if let Err((found, expected)) = decoder.decode(data, &mut self.row, self.effort) {
             let thing = format!("message {} of topic `{}`", self.messages, foreign(self.wanted.topic));
             let remedy = "the bag is damaged, or its definitions are of another version: record again";
             return Err(Invalid::new(thing, found, expected, remedy));

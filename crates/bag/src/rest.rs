@@ -1,5 +1,8 @@
 //! Unread bytes of a record, least significant first. Lengths in them are not trusted.
 
+/// Most pairs in a record.
+const MOST_PAIRS: usize = 1 << 12;
+
 /// Unread bytes.
 pub(crate) struct Rest<'a>(pub(crate) &'a [u8]);
 
@@ -38,14 +41,14 @@ impl<'a> Rest<'a> {
         std::str::from_utf8(self.bytes(u64::from(length))?).ok()
     }
 
-    /// Pairs of texts after the length of all.
+    /// Pairs of texts after the length of all; `None` where there are more than channels have.
     pub(crate) fn pairs(&mut self) -> Option<Vec<(&'a str, &'a str)>> {
         let length = self.u32()?;
         let mut own = Rest(self.bytes(u64::from(length))?);
         let mut pairs = Vec::new();
-        while !own.0.is_empty() {
+        while !own.0.is_empty() && pairs.len() <= MOST_PAIRS {
             pairs.push((own.text()?, own.text()?));
         }
-        Some(pairs)
+        own.0.is_empty().then_some(pairs)
     }
 }

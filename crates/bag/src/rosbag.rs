@@ -7,7 +7,8 @@ use std::io::Read;
 use refusal::{Invalid, foreign};
 
 use crate::BagError;
-use crate::chunks::{Chunk, LARGEST, Unpacking};
+use crate::chunks::{Chunk, Unpacking};
+use crate::effort::Effort;
 use crate::parts::Part;
 use crate::rest::Rest;
 
@@ -29,6 +30,7 @@ const LONGEST_HEADER: u32 = 1 << 20;
 /// Bytes that cannot be read, are not a bag, or end early; refusals of `each`.
 pub(crate) fn each_part(
     bytes: &mut dyn Read,
+    effort: &Effort,
     each: &mut dyn FnMut(Part) -> Result<(), BagError>,
 ) -> Result<(), BagError> {
     let mut magic = Vec::new();
@@ -38,7 +40,7 @@ pub(crate) fn each_part(
         let remedy = "convert an older one with `rosbag fix`, or copy the file again";
         return Err(Invalid::new("file", format!("`{}`", foreign(&found)), "`#ROSBAG V2.0`", remedy).into());
     }
-    let unpacking = Unpacking::new(WHOLE, COPY);
+    let unpacking = Unpacking { effort, whole: WHOLE, mend: COPY };
     let mut walk = Walk { each, unpacking, known: BTreeSet::new(), at: MAGIC.len() as u64, index_at: None };
     walk.through(bytes, false)?;
     walk.check_closed()
@@ -47,7 +49,7 @@ pub(crate) fn each_part(
 /// The state of a pass over records.
 struct Walk<'a> {
     each: &'a mut dyn FnMut(Part) -> Result<(), BagError>,
-    unpacking: Unpacking,
+    unpacking: Unpacking<'a>,
     /// Connections so far.
     known: BTreeSet<u32>,
     /// Bytes of the file so far.
@@ -59,7 +61,7 @@ struct Walk<'a> {
 impl Walk<'_> {
     /// Goes through a file, or through the records `within` a chunk.
     fn through(&mut self, bytes: &mut dyn Read, within: bool) -> Result<(), BagError> {
-        while let Some((header, data)) = record(bytes)? {
+        while let Some((header, data)) = record(bytes, self.unpacking.effort.largest)? {
             if !within {
                 self.at += 8 + header.len() as u64 + data.len() as u64;
             }
@@ -127,8 +129,8 @@ impl Walk<'_> {
 /// Header and data of a record.
 type Record = (Vec<u8>, Vec<u8>);
 
-/// The next record; `None` at the end.
-fn record(bytes: &mut dyn Read) -> Result<Option<Record>, BagError> {
+/// The next record, of at most `largest` bytes; `None` at the end.
+fn record(bytes: &mut dyn Read, largest: usize) -> Result<Option<Record>, BagError> {
     let Some(length) = length(bytes)? else { return Ok(None) };
     if length > LONGEST_HEADER {
         let found = format!("a header of {length} bytes");
@@ -136,10 +138,10 @@ fn record(bytes: &mut dyn Read) -> Result<Option<Record>, BagError> {
     }
     let header = exactly(bytes, length)?;
     let length = length_or_cut(bytes)?;
-    if length as usize > LARGEST {
+    if length as usize > largest {
         let found = format!("{length} bytes");
-        let remedy = "record in smaller chunks, or copy the file again";
-        return Err(Invalid::new("record", found, format!("at most {LARGEST}"), remedy).into());
+        let remedy = "record in smaller chunks, raise --memory-mib, or copy the file again";
+        return Err(Invalid::new("record", found, format!("at most {largest}"), remedy).into());
     }
     Ok(Some((header, exactly(bytes, length)?)))
 }
@@ -170,23 +172,32 @@ fn cut() -> Invalid {
 }
 
 /// The fields of a header: `name=value`, each after its length.
-struct Fields<'a>(Vec<(&'a [u8], &'a [u8])>);
+struct Fields<'a>(&'a [u8]);
 
 impl<'a> Fields<'a> {
+    /// Checks that all of `header` is fields.
     fn new(header: &'a [u8]) -> Option<Self> {
-        let mut rest = Rest(header);
-        let mut fields = Vec::new();
-        while !rest.0.is_empty() {
-            let length = rest.u32()?;
-            let field = rest.bytes(u64::from(length))?;
-            let equals = field.iter().position(|byte| *byte == b'=')?;
-            fields.push((&field[..equals], &field[equals + 1..]));
-        }
-        Some(Self(fields))
+        let own = Self(header);
+        own.all().all(|field| field.is_some()).then_some(own)
+    }
+
+    /// Name and value of each field; `None` where there is none.
+    fn all(&self) -> impl Iterator<Item = Option<(&'a [u8], &'a [u8])>> + use<'a> {
+        let mut rest = Rest(self.0);
+        std::iter::from_fn(move || {
+            if rest.0.is_empty() {
+                return None;
+            }
+            let field = rest.u32().and_then(|length| rest.bytes(u64::from(length)));
+            Some(field.and_then(|field| {
+                let equals = field.iter().position(|byte| *byte == b'=')?;
+                Some((&field[..equals], &field[equals + 1..]))
+            }))
+        })
     }
 
     fn get(&self, name: &str) -> Option<&'a [u8]> {
-        self.0.iter().find(|(own, _)| *own == name.as_bytes()).map(|(_, value)| *value)
+        self.all().flatten().find(|(own, _)| *own == name.as_bytes()).map(|(_, value)| value)
     }
 
     fn text(&self, name: &str) -> Option<&'a str> {

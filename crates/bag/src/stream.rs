@@ -2,6 +2,7 @@
 
 use std::io::Read;
 
+use crate::effort::Effort;
 use crate::parts::Part;
 use crate::{BagError, records, rosbag, ulog};
 
@@ -23,11 +24,12 @@ pub enum Format {
 pub(crate) fn each_part(
     bytes: &mut dyn Read,
     format: Format,
+    effort: &Effort,
     each: &mut dyn FnMut(Part) -> Result<(), BagError>,
 ) -> Result<(), BagError> {
     match format {
-        Format::Mcap => records::each_part(bytes, each),
-        Format::Ros1 => rosbag::each_part(bytes, each),
+        Format::Mcap => records::each_part(bytes, effort, each),
+        Format::Ros1 => rosbag::each_part(bytes, effort, each),
         Format::ULog => ulog::each_part(bytes, each),
     }
 }

@@ -24,6 +24,9 @@ const OTHERS: &[u8] = b"IMPQRLCSO";
 /// Most bytes of all definitions.
 const MOST_BYTES: usize = 1 << 20;
 
+/// Most sections that are appended.
+const MOST_APPENDED: usize = 3;
+
 /// Passes every subscription and message of `bytes` to `each`.
 ///
 /// # Errors
@@ -136,7 +139,7 @@ impl Log {
         while let (1, Some(start)) = (incompatible, rest.u64()) {
             self.appended.push(start);
         }
-        Some(())
+        (self.appended.len() <= MOST_APPENDED).then_some(())
     }
 
     fn subscribe(&self, id: u16, each: &mut dyn FnMut(Part) -> Result<(), BagError>) -> Result<(), BagError> {

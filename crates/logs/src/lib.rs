@@ -74,7 +74,7 @@ mod unit;
 pub use allocation::{Allocation, Unreachable};
 pub use angle::Unwrapping;
 pub use assemble::{Assembled, assemble};
-pub use bag::Topic;
+pub use bag::{DatabaseFile, Topic};
 pub use clock::{Backwards, NonMonotonic, Order, Repeated, TimeUnit, order};
 pub use columns::{Apart, Cells, ClockNotes, Columns, Content, Wanted, places};
 pub use csv::read_csv;

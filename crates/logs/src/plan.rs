@@ -32,6 +32,8 @@ pub struct Plan {
     provided: Vec<Provided>,
     /// Most rows of a file and of a recording.
     pub most_rows: usize,
+    /// Bytes of memory for a recording.
+    pub memory: f64,
 }
 
 /// An input or a measured disturbance.
@@ -96,7 +98,18 @@ impl Plan {
         let further = further(&provided, &exogenous);
         let derived = vessel.map_or(Vec::new(), |(vessel, _)| vessel.model.derived.clone());
         let limits = limits(&setup, &units, vessel, &exogenous);
-        Ok(Self { setup, exogenous, derived, further, units, limits, stamps, provided, most_rows: MOST_ROWS })
+        Ok(Self {
+            setup,
+            exogenous,
+            derived,
+            further,
+            units,
+            limits,
+            stamps,
+            provided,
+            most_rows: MOST_ROWS,
+            memory: f64::INFINITY,
+        })
     }
 
     /// The columns of a file of group `group`: time, its nanoseconds if they stand on their own, the channels, the parts of
@@ -126,7 +139,8 @@ impl Plan {
     /// Limits recordings to `memory` bytes each, or where blocks of long ones can be stored, to `disk` bytes.
     #[must_use]
     pub fn within(mut self, memory: f64, disk: f64) -> Self {
-        let fits = memory >= self.memory(usize::MAX);
+        self.memory = memory;
+        let fits = memory >= self.memory_of(usize::MAX);
         let bytes = if fits { disk.min(MOST_ASIDE * memory) } else { memory };
         let rows = bytes / self.row_bytes();
         self.most_rows = self.most_rows.min(rows as usize);
@@ -135,7 +149,7 @@ impl Plan {
 
     /// Bytes of memory that a recording of `rows` rows takes at most: for a long one a few blocks of every
     /// channel, those being read, changed and written (97 MB were measured for 30 channels).
-    pub fn memory(&self, rows: usize) -> f64 {
+    pub fn memory_of(&self, rows: usize) -> f64 {
         const BLOCKS: f64 = 2.5;
         self.row_bytes() * (rows as f64).min(BLOCKS * BLOCK as f64)
     }

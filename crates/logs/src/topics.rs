@@ -1,9 +1,9 @@
 //! Bags: a topic is a table, whose rows are its messages and whose columns are their fields (`twist.twist.linear.x`).
 
-use std::io::{Read, Seek};
+use std::io::Read;
 use std::sync::Arc;
 
-use bag::{BagError, Message, Topic, Wanted};
+use bag::{BagError, DatabaseFile, Message, Topic, Wanted};
 use refusal::Invalid;
 
 use crate::{Cells, Columns, Content, FileSpec, Format, LogError, Plan, Store};
@@ -28,17 +28,17 @@ pub fn read_bag(
     read(plan, group, store, |wanted, each| bag::each_message(&mut bytes, kind(format), wanted, each))
 }
 
-/// As [`read_bag`], of a bag in SQLite, whose pages stand in any order.
+/// As [`read_bag`], of a bag in SQLite.
 ///
 /// # Errors
 /// As [`read_bag`].
 pub fn read_database(
-    mut file: impl Read + Seek,
+    file: &DatabaseFile,
     plan: &Plan,
     group: usize,
     store: Option<&Arc<dyn Store>>,
 ) -> Result<Columns, LogError> {
-    read(plan, group, store, |wanted, each| bag::each_message_of_database(&mut file, wanted, each))
+    read(plan, group, store, |wanted, each| bag::each_message_of_database(file, wanted, each))
 }
 
 /// Reads the wanted fields of a topic, whose messages `pass` passes on.
@@ -52,25 +52,25 @@ fn read(
     let mut reading = Reading::new(plan, clock, store, group);
     let spec = &plan.setup.files[group];
     let topic = spec.topic.as_deref().unwrap_or_default();
-    let wanted = Wanted { topic, publisher: spec.publisher.as_deref(), paths: &paths };
+    let wanted = Wanted { topic, publisher: spec.publisher.as_deref(), paths: &paths, memory: plan.memory };
     pass(&wanted, &mut |message| reading.take(&message))?;
     Ok(reading.made)
 }
 
-/// The topics of a bag and the first of their messages; `format` as in [`read_bag`].
+/// The topics of a bag and the first of their messages, by means of `memory` bytes; `format` as in [`read_bag`].
 ///
 /// # Errors
 /// Bytes that cannot be read or are not a bag.
-pub fn bag_census(mut bytes: impl Read, format: Format) -> Result<Vec<Topic>, LogError> {
-    Ok(bag::census(&mut bytes, kind(format))?)
+pub fn bag_census(mut bytes: impl Read, format: Format, memory: f64) -> Result<Vec<Topic>, LogError> {
+    Ok(bag::census(&mut bytes, kind(format), memory)?)
 }
 
 /// As [`bag_census`], of a bag in SQLite.
 ///
 /// # Errors
 /// As [`bag_census`].
-pub fn database_census(mut file: impl Read + Seek) -> Result<Vec<Topic>, LogError> {
-    Ok(bag::census_of_database(&mut file)?)
+pub fn database_census(file: &DatabaseFile, memory: f64) -> Result<Vec<Topic>, LogError> {
+    Ok(bag::census_of_database(file, memory)?)
 }
 
 fn kind(format: Format) -> bag::Format {

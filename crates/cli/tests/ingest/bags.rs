@@ -139,6 +139,66 @@ fn definitions_that_never_end_are_refused() {
     refused_soon(defined(&many), &["column of topic `/s`", "`u`", "more"]);
 }
 
+/// The known motion in messages of ROS 1 by `definition`, each after the bytes `first`.
+fn of_ros_1(definition: &str, first: &[u8]) -> Vec<u8> {
+    let body = [&[1, 0][..], &text("a/A"), &text("ros1msg"), &text(definition)].concat();
+    let all = [record(3, &body), channel(1, 1, "/s", "ros1", &[])];
+    let data = |k: usize| [first, &rows(k)[k].map(f64::to_le_bytes).concat()].concat();
+    bag(&[all.to_vec(), (0..61).map(|k| message(1, k, &data(k))).collect()].concat())
+}
+
+/// A ULog of messages by `formats`.
+fn ulog(formats: &[&str]) -> Vec<u8> {
+    let part = |kind: u8, body: &[u8]| [&(body.len() as u16).to_le_bytes()[..], &[kind], body].concat();
+    let data = |k: u64| [&[0; 2][..], &(250_000 * k).to_le_bytes(), &[0; 48]].concat();
+    let defined: Vec<u8> = formats.iter().flat_map(|format| part(b'F', format.as_bytes())).collect();
+    let all: Vec<u8> = (0..40).flat_map(|k| part(b'D', &data(k))).collect();
+    [&b"ULog\x01\x12\x35\x01"[..], &[0; 8], &defined, &part(b'A', b"\0\0\0T"), &all].concat()
+}
+
+/// What `new` says of a bag that it refuses within some seconds.
+pub fn new_refuses(name: &str, bag: &[u8]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join(name), bag).unwrap();
+    let (since, study) = (Instant::now(), folder.path().join("mine"));
+    let mut new = std::process::Command::new(env!("CARGO_BIN_EXE_seatrial"));
+    let words =
+        ["new", study.to_str().unwrap(), "--vessel", "coaster", "--logs", folder.path().to_str().unwrap()];
+    let ran = new.args(words).output().unwrap();
+    assert!(since.elapsed() < Duration::from_secs(20), "{:?}", since.elapsed());
+    assert!(ran.status.code() == Some(3) && !study.exists(), "{ran:?}");
+    String::from_utf8(ran.stderr).unwrap()
+}
+
+#[test]
+fn elements_that_take_no_bytes_are_counted() {
+    let numbers = COLUMNS.map(|name| format!("float64 {name}\n")).concat();
+    let nothing = "===\nMSG: a/E\n# nothing\n";
+    let within = format!("a/F[134217727] y\n{numbers}===\nMSG: a/F\na/E[134217727] z\n{nothing}");
+    let pieces = ["a.mcap: message 1 of topic `/s`", "elements without end", "elements that take bytes"];
+    refused_soon(of_ros_1(&within, &[]), &pieces);
+    let as_many = format!("a/E[] y\n{numbers}{nothing}");
+    refused_soon(of_ros_1(&as_many, &[0xFF; 4]), &pieces);
+    // A few of them are no fault.
+    healthy(&read(bags("", &[("a.mcap", of_ros_1(&as_many, &[3, 0, 0, 0]))]).path()), 61);
+    for last in ["C:", "C:uint8_t[1] _padding0;"] {
+        let numbers = COLUMNS.map(|name| format!("double {name};")).concat();
+        let first = format!("T:uint64_t timestamp;{numbers}A[20000] a;");
+        let bag = ulog(&[&first, "A:B[20000] b;", "B:C[20000] c;", last]);
+        let folder = bags("", &[("a.ulg", bag)]);
+        let text = fs::read_to_string(folder.path().join("ingest.toml")).unwrap();
+        let text = text.replace("*.mcap", "*.ulg").replace("\"/s\"", "\"T\"");
+        let text = text.replace("column = \"log_time\"", "column = \"timestamp\", unit = \"us\"");
+        fs::write(folder.path().join("ingest.toml"), text).unwrap();
+        refused_in(folder.path(), &[], &["a.ulg: message 1 of topic `T`", pieces[1], pieces[2]]);
+    }
+    // As many paths that lead to nothing.
+    let eights = (0..28).map(|k| format!("===\nMSG: a/T{k}\na/T{}[8] p\n", k + 1)).collect::<String>();
+    let eights = format!("a/T0[2] q\n{numbers}{eights}===\nMSG: a/T28\n# nothing\n");
+    let said = new_refuses("a.mcap", &of_ros_1(&eights, &[]));
+    assert!(said.contains("a.mcap: definitions: found definitions of more elements"), "{said}");
+}
+
 #[test]
 fn lengths_that_lie_and_chunks_that_never_end_are_refused() {
     let mut lying = schema(1, "a/A", "int8 u\n");

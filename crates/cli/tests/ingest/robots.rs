@@ -363,7 +363,7 @@ fn databases_that_are_cut_open_or_no_bags_are_refused() {
     let whole = fs::read(repository("fixtures/field/ros2/mission_1.db3")).unwrap();
     refused(
         &write("mission_1.db3", half(whole.clone())),
-        &["mission_1.db3: file", "15 of 30 pages", "'.recover'"],
+        &["mission_1.db3: file", "database disk image is malformed", "'.recover'"],
     );
     refused(
         &write("mission_1.db3-wal", b"unwritten".to_vec()),
@@ -384,6 +384,75 @@ fn databases_that_are_cut_open_or_no_bags_are_refused() {
     refused(&other, &pieces);
     let text = |_: Vec<u8>| b"t,u\n0,1\n".to_vec();
     refused(&write("mission_1.db3", text(vec![])), &["mission_1.db3: format", "a bag of ROS 2 in SQLite"]);
+}
+
+/// A bag with messages in JSON after `more` statements, in a folder with its `ingest.toml`.
+fn made_by(more: &str) -> TempDir {
+    let folder = crate::bags::bags("", &[]);
+    let text = fs::read_to_string(folder.path().join("ingest.toml")).unwrap();
+    fs::write(folder.path().join("ingest.toml"), text.replace("*.mcap", "*.db3")).unwrap();
+    let path = folder.path().join("a.db3");
+    database(&path, 512, crate::bags::motion_in_json);
+    rusqlite::Connection::open(path).unwrap().execute_batch(more).unwrap();
+    folder
+}
+
+/// Names in a folder.
+fn names(folder: &Path) -> Vec<String> {
+    let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
+    let mut all: Vec<String> = fs::read_dir(folder).unwrap().map(name).collect();
+    all.sort();
+    all
+}
+
+#[test]
+fn nothing_that_a_database_holds_is_run_and_nothing_is_written_beside_it() {
+    let closed =
+        made_by("PRAGMA journal_mode = WAL; CREATE INDEX by_time ON messages (topic_id, timestamp DESC)");
+    assert_eq!(fs::read(closed.path().join("a.db3")).unwrap()[18], 2, "no journal of this kind");
+    crate::known::healthy(&crate::known::read(closed.path()), 61);
+    assert_eq!(names(closed.path()), ["a.db3", "ingest.toml"]);
+    let no_table = ["a.db3: database", "no table `messages`", "sqlite3 -header -csv"];
+    let endless =
+        "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT i, 3, i, 'x' FROM n";
+    let view =
+        format!("DROP TABLE messages; CREATE VIEW messages(id, topic_id, timestamp, data) AS {endless}");
+    refused_in(made_by(&view).path(), &[], &no_table);
+    // A view that the schema calls a table.
+    let called = "; PRAGMA writable_schema = ON; UPDATE sqlite_schema SET type = 'table', rootpage = 2, sql = \
+                  replace(sql, 'CREATE VIEW', 'CREATE TABLE x(a); CREATE VIEW') WHERE name = 'messages'";
+    let ran = run(made_by(&(view + called)).path(), &["--config", "ingest.toml", "--out", "t.parquet"]);
+    assert!(ran.code == Some(3) && ran.stderr.lines().count() == 1, "{}", ran.stderr);
+    let module = "DROP TABLE messages; CREATE VIRTUAL TABLE messages USING fts5(topic_id, timestamp, data)";
+    refused_in(made_by(module).path(), &[], &no_table);
+    let generated = "ALTER TABLE messages DROP COLUMN data; \
+                     ALTER TABLE messages ADD COLUMN data BLOB AS (zeroblob(1000000000)) VIRTUAL";
+    refused_in(made_by(generated).path(), &[], &["a.db3: database", "no `data` in the table `messages`"]);
+}
+
+/// A row of a few bytes that says it has a million, whose last page follows on itself.
+#[test]
+fn rows_that_are_larger_than_their_file_are_not_fetched() {
+    const USABLE: usize = 512 - 4;
+    let folder = made_by("UPDATE messages SET data = zeroblob(30000) WHERE id = 61");
+    let path = folder.path().join("a.db3");
+    let mut bytes = fs::read(&path).unwrap();
+    let varint =
+        |number: usize| [0x80 | (number >> 14) as u8, 0x80 | (number >> 7 & 0x7F) as u8, number as u8 & 0x7F];
+    // The header of the row: of 13 bytes, no number of its own, topic, time, a blob.
+    let kinds = |blob: usize| [&[7, 0, 1, 6][..], &varint(2 * blob + 12)].concat();
+    let size = |blob: usize| varint(7 + 1 + 8 + blob);
+    let at = bytes.windows(7).position(|part| part == kinds(30_000)).unwrap();
+    let more = 30_000 + 1900 * USABLE;
+    bytes[at..at + 7].copy_from_slice(&kinds(more));
+    assert_eq!(bytes[at - 4..at - 1], size(30_000));
+    bytes[at - 4..at - 1].copy_from_slice(&size(more));
+    fs::write(&path, &bytes).unwrap();
+    refused_in(
+        folder.path(),
+        &["--memory-mib", "64"],
+        &["a.db3: file", "bytes in the table `messages` of a file of", "copy it again"],
+    );
 }
 
 /// A bag of ROS 2 on pages of `page` bytes with a message a second, of any length, that is made by `message`.

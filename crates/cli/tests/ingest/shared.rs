@@ -11,7 +11,11 @@ use crate::runner::*;
 
 /// A copy of a case with `from` in its configuration replaced by `to`.
 fn changed(case: &str, from: &str, to: &str) -> Option<TempDir> {
-    let own: PathBuf = repository("../shared/cases").join(case);
+    copied("../shared/cases", case, from, to)
+}
+
+fn copied(cases: &str, case: &str, from: &str, to: &str) -> Option<TempDir> {
+    let own: PathBuf = repository(cases).join(case);
     if !own.is_dir() {
         eprintln!("skipped: there is no {}", own.display());
         return None;
@@ -214,4 +218,17 @@ fn typed_times_split_bags_and_any_compression_are_read() {
     let Some(folder) = case("34") else { return };
     let made = made(&folder);
     assert_eq!((the_motion(&made), made.rows), (vec![0], 61), "{}", made.line);
+}
+
+#[test]
+fn bags_of_elements_without_bytes_end() {
+    for case in ["b-dynamic", "b-nothing", "u-nothing", "u-padding"] {
+        let Some(folder) = copied("../shared/cases-2/faults", case, "sample", "sample") else { return };
+        let pieces = [": message 1 of topic `", "elements without end", "elements that take bytes"];
+        refused_in(folder.path(), &["--memory-mib", "256"], &pieces);
+    }
+    let Some(folder) = copied("../shared/cases-2/faults", "c-census", "sample", "sample") else { return };
+    let bag = fs::read(folder.path().join("a.bag")).unwrap();
+    let said = crate::bags::new_refuses("a.bag", &bag);
+    assert!(said.contains("a.bag: definitions: found definitions of more elements"), "{said}");
 }

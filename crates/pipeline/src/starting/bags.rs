@@ -3,10 +3,11 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use artifact::{Error, open};
+use artifact::{Error, budget};
 use logs::guess::{BagGuess, Needed, Placed, TopicGuess};
 use logs::{Format, Topic, bag_census, database_census};
 use refusal::foreign;
+use study::ingest_file::read::database;
 use study::refuse;
 
 use super::reading::{reader, wrong};
@@ -41,8 +42,8 @@ pub(super) fn guessed(folder: &Path, files: &[String], needed: &[Needed]) -> Res
 
 fn topics(path: &Path, format: Format) -> Result<Vec<Topic>, Error> {
     let topics = match format {
-        Format::Db3 => database_census(open(path)?),
-        _ => bag_census(reader(path)?, format),
+        Format::Db3 => database_census(&database(path)?, budget().bytes()),
+        _ => bag_census(reader(path)?, format, budget().bytes()),
     };
     topics.map_err(|error| wrong(path, error))
 }

@@ -7,8 +7,7 @@ use crate::pages::top;
 use crate::source::{self, crates, words};
 
 /// What is the programs' own.
-const PROGRAMS_OWN: [&str; 7] =
-    ["clap", "clap_complete", "mimalloc", "rusqlite", "libsqlite3-sys", "indicatif", "signal-hook"];
+const PROGRAMS_OWN: [&str; 5] = ["clap", "clap_complete", "mimalloc", "indicatif", "signal-hook"];
 
 /// Most lines of an example.
 const LINES: usize = 40;

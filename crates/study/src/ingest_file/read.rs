@@ -3,18 +3,17 @@
 //! [`logs`] decodes text and bags from bytes; Parquet is decoded here, since the scientific crates do not depend on
 //! tables.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, ErrorKind, Read};
+use std::io::{self, BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 use std::sync::Arc;
 
 use artifact::{Digest, Digesting, Error, Scratch, open};
 use flate2::read::MultiGzDecoder;
 use logs::{
-    Columns, FileSpec, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source, Store, TimeUnit,
-    begins_anew, foreign_format, read_bag, read_csv, read_database, read_nmea, record,
+    Columns, DatabaseFile, FileSpec, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source,
+    Store, TimeUnit, begins_anew, foreign_format, read_bag, read_csv, read_database, read_nmea, record,
 };
-use refusal::Invalid;
+use refusal::{Invalid, foreign};
 
 use super::tables::parquet;
 
@@ -153,7 +152,7 @@ fn columns(
         return Ok((parquet(path, plan, group, store)?, Digest::of_file(path)?));
     }
     if format == Format::Db3 {
-        let columns = read_database(database(path, name)?, plan, group, Some(store));
+        let columns = read_database(&database(path)?, plan, group, Some(store));
         return Ok((columns.map_err(|error| refused(path, error))?, Digest::of_file(path)?));
     }
     let unreadable = |e| Error::io(path, "read", e);
@@ -170,7 +169,9 @@ fn columns(
         Format::Mcap | Format::Bag | Format::Ulg => read_bag(&mut bytes, format, plan, group, Some(store)),
         Format::Csv | Format::Parquet | Format::Db3 => read_csv(&mut bytes, length, plan, group, Some(store)),
     };
-    let columns = columns.map_err(|error| refused(path, error))?;
+    // What is packed has a checksum at its end, behind the last row.
+    let columns = columns.and_then(|columns| Ok((columns, io::copy(&mut bytes, &mut io::sink())?)));
+    let (columns, _) = columns.map_err(|error| refused(path, error))?;
     drop(bytes);
     Ok((columns, source.digest().map_err(unreadable)?))
 }
@@ -183,26 +184,40 @@ fn refused(path: &Path, error: LogError) -> Error {
     }
 }
 
-/// Opens the SQLite file at `path`, called `name`; refuses one that has changes in a file of its own beside it, and one that
-/// is compressed.
-fn database(path: &Path, name: &str) -> Result<File, Error> {
+/// The SQLite file at `path`; refuses one that has changes in a file of its own beside it, and one that is compressed.
+///
+/// # Errors
+/// These; a file that cannot be opened.
+pub fn database(path: &Path) -> Result<DatabaseFile, Error> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
     if name.ends_with(".gz") {
         let expected = "a bag of ROS 2 in SQLite that is not compressed";
         let invalid = Invalid::new("format", "a bag in a file called .gz", expected, "unpack it: `gunzip`");
         return Err(crate::invalid(path, &invalid));
     }
+    let unreadable = |e| Error::io(path, "read", e);
+    let bytes = open(path)?.metadata().map_err(unreadable)?.len();
+    // Changes stand beside the file, not beside a link to it.
+    let real = path.canonicalize().map_err(unreadable)?;
     for end in ["-wal", "-journal"] {
-        let beside = format!("{name}{end}");
-        let changes = std::fs::metadata(path.with_file_name(&beside));
-        if changes.is_ok_and(|changes| changes.len() > 0) {
-            let found = format!("changes in `{beside}` that are not in the file");
+        let mut beside = real.clone().into_os_string();
+        beside.push(end);
+        let beside = Path::new(&beside);
+        if beside.metadata().is_ok_and(|changes| changes.len() > 0) {
+            let beside = beside.file_name().unwrap_or_default().to_string_lossy();
+            let found = format!("changes in `{}` that are not in the file", foreign(&beside));
             let remedy =
                 "the recorder did not end: `sqlite3 FILE 'PRAGMA wal_checkpoint(TRUNCATE)'` writes them";
             let invalid = Invalid::new("database", found, "a bag that is closed", remedy);
             return Err(crate::invalid(path, &invalid));
         }
     }
-    open(path)
+    let plain = |byte: &u8| match byte.is_ascii_alphanumeric() {
+        true => char::from(*byte).to_string(),
+        false => format!("%{byte:02X}"),
+    };
+    let address = real.as_os_str().as_encoded_bytes().iter().map(plain).collect();
+    Ok(DatabaseFile { address, bytes })
 }
 
 /// Whether the bytes are damaged, and not the disk, whose errors have an OS error number.
