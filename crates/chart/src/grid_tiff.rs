@@ -1,7 +1,8 @@
 //! GeoTIFF: grids as hydrographic offices publish them.
 
-use std::io::{Read, Seek};
+use std::io::{self, Read, Seek, SeekFrom};
 
+use flate2::read::ZlibDecoder;
 use tiff::ColorType;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
@@ -9,7 +10,7 @@ use tiff::tags::Tag;
 use crate::grid_cells::{Cells, Rows};
 use crate::grid_header::{Header, MOST_ON_A_SIDE, check_square};
 use crate::grid_packing::Packing;
-use crate::grid_tiff_keys::{Keys, refuse};
+use crate::grid_tiff_keys::{Keys, LONGEST_TEXT, refuse, short_tag};
 use crate::grid_tiff_metadata::TiffMetadata;
 use crate::grid_window::Block;
 use crate::{DepthUnit, Grid, GridDeclaration, GridKind, Invalid, Reading, Unread};
@@ -18,6 +19,8 @@ use crate::{DepthUnit, Grid, GridDeclaration, GridKind, Invalid, Reading, Unread
 const MOST_BYTES: f64 = 1e9;
 /// Most strips or tiles of an image.
 const MOST_BLOCKS: u64 = 1 << 24;
+/// Compressions by deflate, registered and older.
+const DEFLATE: [u16; 2] = [8, 32_946];
 /// Metadata as GDAL writes it.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
 
@@ -35,7 +38,7 @@ impl Grid {
         reading: &Reading,
     ) -> Result<Self, Unread> {
         let mut limits = Limits::default();
-        let most = reading.bytes.min(MOST_BYTES) as usize;
+        let most = reading.bytes.clamp(LONGEST_TEXT, MOST_BYTES) as usize;
         (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (most, most);
         let mut decoder = Decoder::new(source).map_err(refuse)?.with_limits(limits);
         let (columns, rows) = decoder.dimensions().map_err(refuse)?;
@@ -49,9 +52,45 @@ impl Grid {
         // Decoded, and about as much before decoding.
         let size = f64::from(blocks.size[0]) * f64::from(blocks.size[1]);
         cells.check_memory(size * f64::from(bits) / 8.0 * 2.0)?;
+        let sums = Checksums::of(&mut decoder, size as u64 * u64::from(bits).div_ceil(8))?;
         cells.read(blocks.all(), Rows::FromNorth, |block| {
-            numbers(decoder.read_chunk(blocks.index(block)).map_err(refuse)?).map_err(Unread::from)
+            let index = blocks.index(block);
+            sums.check(decoder.inner(), index)?;
+            numbers(decoder.read_chunk(index).map_err(refuse)?).map_err(Unread::from)
         })
+    }
+}
+
+/// Where the deflated blocks are, each with a checksum at its end: the library reads them up to their last number.
+struct Checksums {
+    /// Position and length of each block in the file.
+    blocks: Vec<(u64, u64)>,
+    /// Bytes of a block, decoded.
+    size: u64,
+}
+
+impl Checksums {
+    fn of<R: Read + Seek>(decoder: &mut Decoder<R>, size: u64) -> Result<Self, Invalid> {
+        let tags = match decoder.get_chunk_type() {
+            ChunkType::Strip => [Tag::StripOffsets, Tag::StripByteCounts],
+            ChunkType::Tile => [Tag::TileOffsets, Tag::TileByteCounts],
+        };
+        let kind: Option<u16> = decoder.find_tag_unsigned(Tag::Compression).map_err(refuse)?;
+        let mut blocks = Vec::new();
+        if kind.is_some_and(|kind| DEFLATE.contains(&kind)) {
+            let [starts, lengths] = tags.map(|tag| decoder.find_tag_unsigned_vec(tag).map_err(refuse));
+            blocks = starts?.unwrap_or_default().into_iter().zip(lengths?.unwrap_or_default()).collect();
+        }
+        Ok(Self { blocks, size })
+    }
+
+    fn check(&self, source: &mut (impl Read + Seek), index: u32) -> Result<(), Invalid> {
+        let Some((start, length)) = self.blocks.get(index as usize) else { return Ok(()) };
+        let read = source.seek(SeekFrom::Start(*start)).and_then(|_| {
+            let block = ZlibDecoder::new(source.take(*length));
+            io::copy(&mut block.take(self.size + 1), &mut io::sink())
+        });
+        read.map(drop).map_err(|error| refuse(error.into()))
     }
 }
 
@@ -74,12 +113,12 @@ fn packing<R: Read + Seek>(
     bits: u8,
 ) -> Result<Packing, Invalid> {
     let text = |value: tiff::decoder::ifd::Value| value.into_string().map_err(refuse);
-    let metadata = decoder.find_tag(GDAL_METADATA).map_err(refuse)?.map(text).transpose()?;
+    let metadata = short_tag(decoder, GDAL_METADATA)?.map(text).transpose()?;
     let metadata = TiffMetadata::read(metadata.as_deref().unwrap_or_default())?;
     metadata.check_direction(declared.kind)?;
     let format: Option<Vec<u16>> = decoder.find_tag_unsigned_vec(Tag::SampleFormat).map_err(refuse)?;
     let is_single = bits == 32 && format.is_some_and(|format| format.first() == Some(&3));
-    let no_data = decoder.find_tag(Tag::GdalNodata).map_err(refuse)?.map(text).transpose()?;
+    let no_data = short_tag(decoder, Tag::GdalNodata)?.map(text).transpose()?;
     let no_data = no_data.as_deref().map(|text| no_data_of(text, is_single)).transpose()?;
     let unit = match declared.kind {
         GridKind::LandMask => None,

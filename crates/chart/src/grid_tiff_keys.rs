@@ -4,10 +4,16 @@ use std::io::{Read, Seek};
 
 use tiff::TiffError;
 use tiff::decoder::Decoder;
+use tiff::decoder::ifd::Value;
 use tiff::tags::Tag;
 
 use crate::depth_unit::{DepthUnit, unknown};
 use crate::{Crs, Invalid};
+
+/// Most bytes of a text in a tag.
+pub(crate) const LONGEST_TEXT: f64 = (1 << 20) as f64;
+
+const EXPORT: &str = "export it again, for instance with `gdal_translate -co COMPRESS=DEFLATE`";
 
 /// How a value relates to its pixel, the geographic and the projected CRS.
 const RASTER_TYPE: u16 = 1025;
@@ -36,7 +42,7 @@ pub(crate) struct Keys {
 impl Keys {
     pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, Invalid> {
         let directory = decoder.find_tag_unsigned_vec(Tag::GeoKeyDirectoryTag).map_err(refuse)?;
-        let texts = decoder.find_tag(Tag::GeoAsciiParamsTag).map_err(refuse)?;
+        let texts = short_tag(decoder, Tag::GeoAsciiParamsTag)?;
         let texts = texts.and_then(|texts| texts.into_string().ok()).unwrap_or_default();
         Ok(Self { directory: directory.unwrap_or_default(), texts })
     }
@@ -126,12 +132,20 @@ impl Keys {
     }
 }
 
+/// The value of a tag that is a text. The library prints a line of its own about one that is too long.
+pub(crate) fn short_tag<R: Read + Seek>(
+    decoder: &mut Decoder<R>,
+    tag: Tag,
+) -> Result<Option<Value>, Invalid> {
+    let bytes = decoder.image_ifd().find_entry(tag).map_or(0, |entry| entry.count());
+    if bytes > LONGEST_TEXT as u64 {
+        let (thing, found) = (format!("GeoTIFF, tag {}", tag.to_u16()), format!("a text of {bytes} bytes"));
+        return Err(Invalid::new(thing, found, format!("at most {LONGEST_TEXT}"), EXPORT));
+    }
+    decoder.find_tag(tag).map_err(refuse)
+}
+
 /// The refusal of a file for an error of the library.
 pub(crate) fn refuse(error: TiffError) -> Invalid {
-    Invalid::new(
-        "GeoTIFF",
-        error.to_string(),
-        "a whole GeoTIFF, uncompressed or with LZW or deflate",
-        "export it again, for instance with `gdal_translate -co COMPRESS=DEFLATE`",
-    )
+    Invalid::new("GeoTIFF", error.to_string(), "a whole GeoTIFF, uncompressed or with LZW or deflate", EXPORT)
 }

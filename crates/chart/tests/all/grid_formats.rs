@@ -101,3 +101,27 @@ fn damaged_files_are_refused_or_read_and_never_panic() {
         }
     }
 }
+
+/// Deflated blocks have a checksum each; here they are all that stands behind the tags.
+#[test]
+fn law_flipped_bits_of_deflated_blocks_are_refused_or_change_nothing() {
+    let (whole, own) = (bytes("depth_utm.tif"), declared("depth_utm.tif"));
+    let cells = |grid: &Grid| format!("{:?}", grid.cells().collect::<Vec<_>>());
+    let healthy = cells(&read("a.tif", whole.clone(), &own).unwrap());
+    for at in 430..whole.len() {
+        let mut damaged = whole.clone();
+        damaged[at] ^= 1 << (at % 8);
+        let found = read("a.tif", damaged, &own);
+        assert!(found.is_err() || found.is_ok_and(|grid| cells(&grid) == healthy), "silent: byte {at}");
+    }
+}
+
+/// The library printed a line of its own for a text that says it is longer than the file.
+#[test]
+fn texts_of_tags_that_lie_about_their_length_are_refused_by_the_tag() {
+    let mut lying = bytes("elevation_point.tif");
+    let entry = lying.windows(4).position(|part| part == [0x81, 0xA4, 2, 0]).unwrap();
+    lying[entry + 4..entry + 8].fill(0xFF);
+    let said = read("a.tif", lying, &declared("elevation")).map(drop).unwrap_err().to_string();
+    assert!(said.contains("tag 42113: found a text of 4294967295 bytes"), "{said}");
+}

@@ -6,6 +6,7 @@ use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, ParquetMet
 use crate::ends::{ends, start, wait};
 use crate::grounds::all;
 use crate::places::{Place, unsealed};
+use crate::readers::READERS;
 use crate::support::craft;
 
 /// A damaged input.
@@ -113,6 +114,21 @@ fn errors_beyond_numbers_are_no_criticism() {
     for words in ["--runs 1 --prior 1e-9", "--part-s 1"] {
         assert_eq!(ends(&place, &format!("{} {words}", stage.line_into("out/"))), Ok(0), "{words}");
     }
+}
+
+/// The library printed a line of its own, with a path of the machine that it was built on.
+#[test]
+fn a_chart_whose_text_lies_about_its_length_is_refused_in_one_line() {
+    let mut place = Place::on(&READERS[0]);
+    let stage = READERS[0].stages.iter().find(|stage| stage.reads[0] == "degrees/a.tif").unwrap();
+    let mut bytes = place.original("degrees/a.tif").to_vec();
+    let entry = bytes.windows(4).position(|part| part == [0x81, 0xA4, 2, 0]).unwrap();
+    bytes[entry + 4..entry + 8].fill(0xFF);
+    place.put("degrees/a.tif", &bytes);
+    let line = stage.line_into("out/");
+    assert_eq!(ends(&place, &line), Ok(3), "{line}");
+    let told = wait(&place, start(&place, &line, "")).told;
+    assert!(told.contains("a.tif: GeoTIFF, tag 42113: found a text of 4294967295 bytes"), "{told}");
 }
 
 /// The footer of a table whose first column begins before the file does.

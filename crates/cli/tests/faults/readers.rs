@@ -7,7 +7,8 @@ use std::sync::{Arc, LazyLock};
 
 use parquet::basic::{Compression, GzipLevel, ZstdLevel};
 use parquet::data_type::DoubleType;
-use parquet::file::properties::WriterProperties;
+use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaDataReader, ParquetMetaDataWriter};
+use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use tempfile::TempDir;
@@ -17,7 +18,7 @@ use crate::grounds::{Ground, Stage, files, stage};
 use crate::made::catalogue;
 use crate::places::Place;
 use crate::planned::{ISLAND, SMALL};
-use crate::support::{DICTIONARY, put, repository, run};
+use crate::support::{DICTIONARY, craft, put, repository, run};
 
 /// Processor time of a case \[s\].
 const SECONDS: u32 = 5;
@@ -53,7 +54,7 @@ macro_rules! plan {
 }
 
 /// Mostly a data file is damaged, rarely its configuration.
-static STAGES: [Stage; 23] = [
+static STAGES: [Stage; 25] = [
     ingest!("csv", "a.csv", "a.csv", "a.csv", "ingest.toml"),
     ingest!("dated", "a.csv", "a.csv", "ingest.toml"),
     ingest!("gz", "a.csv.gz"),
@@ -77,6 +78,8 @@ static STAGES: [Stage; 23] = [
     ingest!("ros1", "a.bag", "a.bag", "a.bag", "ingest.toml"),
     ingest!("ros2", "a.db3", "a.db3", "a.db3", "ingest.toml"),
     ingest!("px4", "a.ulg", "a.ulg", "a.ulg", "ingest.toml"),
+    ingest!("checked", "a.parquet"),
+    ingest!("closed", "a.mcap"),
 ];
 
 /// The ground of all readers, made once.
@@ -153,9 +156,13 @@ fn logs(folder: &Path) {
         let config = config("*.parquet", "column = \"t\", unit = \"s\"", "");
         write(folder, &format!("{name}/ingest.toml"), config);
     }
+    write(folder, "checked/a.parquet", with_page_checksums(&parquet(Compression::UNCOMPRESSED)));
+    write(folder, "checked/ingest.toml", config("*.parquet", "column = \"t\", unit = \"s\"", ""));
     let time = ["column = \"log_time\"", "topic = \"/speeds\"\n"];
-    write(folder, "bag/a.mcap", bag());
-    write(folder, "bag/ingest.toml", config("*.mcap", time[0], time[1]));
+    for (name, is_checked) in [("bag", false), ("closed", true)] {
+        write(folder, &format!("{name}/a.mcap"), bag(is_checked));
+        write(folder, &format!("{name}/ingest.toml"), config("*.mcap", time[0], time[1]));
+    }
     write(
         folder,
         "chunks/a.mcap",
@@ -180,7 +187,9 @@ fn robots(folder: &Path) {
 fn parquet(compression: Compression) -> Vec<u8> {
     let columns = COLUMNS.map(|name| format!("required double {name};")).concat();
     let schema = Arc::new(parse_message_type(&format!("message schema {{ {columns} }}")).unwrap());
-    let properties = WriterProperties::builder().set_compression(compression).build();
+    let properties = WriterProperties::builder().set_compression(compression).set_dictionary_enabled(false);
+    let properties =
+        properties.set_statistics_enabled(EnabledStatistics::None).set_offset_index_disabled(true).build();
     let mut bytes = Vec::new();
     let mut writer = SerializedFileWriter::new(&mut bytes, schema, properties.into()).unwrap();
     let mut group = writer.next_row_group().unwrap();
@@ -195,8 +204,46 @@ fn parquet(compression: Compression) -> Vec<u8> {
     bytes
 }
 
-/// A bag without chunks, so that no checksum hides damage.
-fn bag() -> Vec<u8> {
+/// A table of uncompressed columns of one page, each with the checksum that other programs give it.
+fn with_page_checksums(bytes: &[u8]) -> Vec<u8> {
+    let end = bytes.len() - 8;
+    let footer = end - u32::from_le_bytes(bytes[end..end + 4].try_into().unwrap()) as usize;
+    let metadata = ParquetMetaDataReader::decode_metadata(&bytes[footer..end]).unwrap();
+    let mut made = bytes[..4].to_vec();
+    let column = |column: &ColumnChunkMetaData| {
+        let (start, length) = (column.data_page_offset() as usize, column.compressed_size() as usize);
+        let (header, page) = bytes[start..start + length].split_at(length - 8 * rows().len());
+        let at = made.len();
+        // Behind the kind of page and two sizes, before what is special to data.
+        made.extend([&header[..8], &[0x15]].concat());
+        assert_eq!(header[8], 0x2c, "{header:?}");
+        let crc = crc(page) as i32;
+        let mut crc = ((crc << 1) ^ (crc >> 31)) as u32;
+        while crc >= 0x80 {
+            made.push(crc as u8 | 0x80);
+            crc >>= 7;
+        }
+        made.extend([&[crc as u8, 0x1c], &header[9..], page].concat());
+        let length = (made.len() - at) as i64;
+        let column = column.clone().into_builder().set_data_page_offset(at as i64);
+        column.set_total_compressed_size(length).set_total_uncompressed_size(length).build().unwrap()
+    };
+    let group = metadata.row_group(0).clone();
+    let columns = group.columns().iter().map(column).collect();
+    let group = group.into_builder().set_column_metadata(columns).build().unwrap();
+    let metadata = metadata.into_builder().set_row_groups(vec![group]).build();
+    ParquetMetaDataWriter::new(&mut made, &metadata).finish().unwrap();
+    made
+}
+
+fn crc(bytes: &[u8]) -> u32 {
+    let mut crc = flate2::Crc::new();
+    crc.update(bytes);
+    crc.sum()
+}
+
+/// A bag without chunks: no checksum hides damage, unless one of all messages `is_checked`.
+fn bag(is_checked: bool) -> Vec<u8> {
     let text = |text: &str| [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat();
     let record = |kind: u8, body: Vec<u8>| [&[kind][..], &(body.len() as u64).to_le_bytes(), &body].concat();
     let definition = "# Speeds\nfloat64 u\nfloat64 v\nfloat64 r\nfloat64 n\nstd/Part[2] parts\nstring name\n\
@@ -217,7 +264,8 @@ fn bag() -> Vec<u8> {
         let message = [&[1, 0][..], &(i as u32).to_le_bytes(), &time, &time, &data].concat();
         bytes.extend(record(5, message));
     }
-    bytes.extend(record(15, vec![0; 4]));
+    let crc = if is_checked { crc(&bytes) } else { 0 };
+    bytes.extend(record(15, crc.to_le_bytes().to_vec()));
     bytes.extend(record(2, vec![0; 20]));
     bytes.extend(b"\x89MCAP0\r\n");
     bytes
@@ -324,6 +372,44 @@ fn healthy_logs_and_charts_of_every_format_are_read() {
             );
         }
     }
+}
+
+/// Folders of logs of which every byte that matters has a checksum.
+const CHECKED: [&str; 4] = ["gz", "checked", "closed", "chunks"];
+
+#[test]
+fn law_flipped_bits_are_refused_or_change_nothing_where_there_is_a_checksum() {
+    let mut place = Place::on(&READERS[0]);
+    let mut silent = Vec::new();
+    for (kind, folder) in CHECKED.into_iter().enumerate() {
+        let stage = STAGES.iter().find(|stage| stage.reads[0].starts_with(&format!("{folder}/"))).unwrap();
+        let (name, line) = (stage.reads[0], stage.line_into("out/"));
+        let contents = |place: &Place| {
+            let code = crate::ends::ends(place, &line).unwrap();
+            let made = || craft::read(&place.path().join("out/t.parquet"), "trajectories").blocks;
+            (code == 0).then(|| format!("{:?}", made()))
+        };
+        let healthy = contents(&place);
+        assert!(healthy.is_some(), "{folder}");
+        place.restore();
+        let (mut refused, count) = (0, crate::asked().map_or(12, |cases| cases / 100));
+        for case in 0..count {
+            let mut draw = Draw::of(70 + kind as u64, case);
+            let mut bytes = place.original(name).to_vec();
+            let at = draw.below(bytes.len());
+            bytes[at] ^= 1 << draw.below(8);
+            place.put(name, &bytes);
+            match contents(&place) {
+                None => refused += 1,
+                changed if changed != healthy => silent.push(format!("{name}, byte {at}")),
+                _ => {}
+            }
+            place.restore();
+        }
+        println!("{name}: {refused} of {count} flipped bits refused");
+        assert!(refused > 0, "{name}");
+    }
+    assert!(silent.is_empty(), "silent: {silent:?}");
 }
 
 /// Logs and charts that caused bugs of other tools or of this one, if available: each folder of SEATRIAL_CORPUS has
