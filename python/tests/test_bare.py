@@ -67,6 +67,20 @@ class Run(unittest.TestCase):
         with self.assertRaises(seatrial.WrongUsage):
             done.read()
 
+    def test_a_flag_may_be_called_stage(self) -> None:
+        done = seatrial.run("run", study(), out=folder() / "first", stage="dictionary", quiet=True)
+        self.assertEqual(done.summary["run"], ["dictionary"])
+
+    def test_values_that_no_command_line_has_are_wrong_usage(self) -> None:
+        deep: list[object] = []
+        round_: list[object] = []
+        round_.append(round_)
+        for _ in range(100_000):
+            deep = [deep]
+        for flags in ({"out": "a\0b"}, {"out": "\ud800"}, {"set": {"x.y": round_}}, {"set": {"x.y": deep}}):
+            with self.subTest(flag=next(iter(flags))), self.assertRaises(seatrial.WrongUsage):
+                seatrial.run("design", **flags)
+
     def test_exceptions_are_named_by_the_exit_code(self) -> None:
         moments, merit = results() / "moments.json", folder() / "m.json"
         dictionary, ship = coaster() / "dictionary.toml", coaster() / "vessel.toml"
@@ -153,11 +167,21 @@ class Read(unittest.TestCase):
         (here / "twice.json").write_text('{"schema": "design/1", "schema": "design/1"}')
         (here / "cut.parquet").write_bytes((results() / "scores.parquet").read_bytes()[:-9])
         (here / "odd.txt").write_text("")
+        (here / "deep.json").write_text("[" * 200_000 + "]" * 200_000)
+        (here / "nan.json").write_text('{"schema": "design/1", "data": NaN}')
+        design = json.loads((results() / "design.json").read_text())
+        design["data"]["gap"] = 10**400
+        (here / "large.json").write_text(json.dumps(design))
         cases = {
             "cut.json": "text: found .*, expected JSON",
             "list.json": "schema: found no object",
             "twice.json": "a key twice",
             "cut.parquet": "no Parquet header or footer",
+            "deep.json": "text: found maximum recursion depth exceeded.*, expected JSON",
+            "nan.json": "text: found NaN, which is no number, expected JSON",
+            "large.json": r"data.gap: found 10+\.\.\., expected a number below 1e308",
+            "a\0b.json": "path: found embedded null",
+            "a\0b.parquet": "path: found embedded null",
             "odd.txt": r"ending: found .txt, expected .parquet or .json",
         }
         for name, words in cases.items():
@@ -223,6 +247,14 @@ class Models(unittest.TestCase):
             ship.simulate({"tau1": [1.0]})
         with self.assertRaisesRegex(seatrial.WrongUsage, "parameters: found X_uuu"):
             ship.step((0.0, 0.0, 0.0), [0.0] * 3, {"X_uuu": 1.0})
+        with self.assertRaisesRegex(seatrial.WrongUsage, "state: found 2 values, expected u, v and r"):
+            ship.step((0.0, 0.0), [0.0] * 3)
+        with self.assertRaisesRegex(seatrial.WrongUsage, "columns of 2, 1, 1 rows"):
+            ship.simulate({"tau1": [1.0, 2.0], "tau2": [1.0], "tau3": [1.0]})
+        with self.assertRaisesRegex(seatrial.NoAnswer, "step: found .*, expected numbers that stay finite"):
+            ship.step((10**400, 0.5, 0.0), [0.0] * 3)
+        with self.assertRaisesRegex(seatrial.WrongUsage, "model: found another one"):
+            ship.compare(results() / "campaign.parquet", model="other.json")
         with self.assertRaises(seatrial.Failed):
             seatrial.Model.load("nowhere.json")
 

@@ -54,9 +54,11 @@ def read_document(path: Path) -> Document:
         raise unreadable(path, error) from error
     except UnicodeDecodeError as error:
         raise Refused(f"{path}: text: found bytes that are not UTF-8, expected JSON; write the file again") from error
-    try:
-        found = json.loads(text, object_pairs_hook=_once)
     except ValueError as error:
+        raise Refused(f"{str(path)!r}: path: found {error}, expected a path of the system; correct it") from error
+    try:
+        found = json.loads(text, object_pairs_hook=_once, parse_constant=_constant)
+    except (ValueError, RecursionError) as error:
         raise Refused(f"{path}: text: found {error}, expected JSON; the file is damaged: write it again") from error
     cls = _class_of(path, found)
     try:
@@ -65,6 +67,8 @@ def read_document(path: Path) -> Document:
     except _Wrong as wrong:
         found_expected = f"found {wrong.found}, expected {wrong.expected}"
         raise Refused(f"{path}: {wrong.place}: {found_expected}; write the file again with this version") from wrong
+    except RecursionError as error:
+        raise Refused(f"{path}: data: found {error}, expected a document of seatrial; write the file again") from error
     own = {name: found[name] for name in ("schema", "producer", "inputs", "settings", "units")}
     return Document(**own, data=data)
 
@@ -74,6 +78,10 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(found) < len(pairs):
         raise ValueError("a key twice in one object")
     return found
+
+
+def _constant(name: str) -> Any:
+    raise ValueError(f"{name}, which is no number")
 
 
 def _class_of(path: Path, found: Any) -> type:
@@ -203,7 +211,10 @@ def _plain(kind: type) -> Decoder:
 
     def decode(place: str, value: Any) -> Any:
         if kind is float and isinstance(value, int) and not isinstance(value, bool):
-            return float(value)
+            try:
+                return float(value)
+            except OverflowError as error:
+                raise _Wrong(place, _named(value), "a number below 1e308") from error
         if type(value) is not kind:
             raise _Wrong(place, _named(value), names[kind])
         return value

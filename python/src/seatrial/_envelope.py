@@ -45,7 +45,7 @@ def envelope(path: Path) -> dict[str, Any]:
     try:
         length, start = _number(footer, at + len(KEY))
         found = json.loads(footer[start : start + length])
-    except (IndexError, ValueError) as error:
+    except (IndexError, ValueError, RecursionError) as error:
         raise Refused(f"{path}: metadata: found {error}, expected JSON; the file is damaged: write it again") from error
     if not isinstance(found, dict):
         raise Refused(f"{path}: metadata: found no object, expected one; the file is damaged: write it again")
@@ -96,6 +96,8 @@ def _footer(path: Path) -> bytes:
             return file.read(length)
     except OSError as error:
         raise unreadable(path, error) from error
+    except ValueError as error:
+        raise Refused(f"{str(path)!r}: path: found {error}, expected a path of the system; correct it") from error
 
 
 def _number(data: bytes, at: int) -> tuple[int, int]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import ModuleType
 from typing import Any
 
 from ._document import Document, read_document
-from ._errors import Refused, WrongUsage
+from ._errors import NoAnswer, Refused, WrongUsage
 from ._program import run
 
 State = tuple[float, float, float]
@@ -95,7 +95,7 @@ class Model:
 
     def step(self, state: Sequence[float], row: Sequence[float], parameters: Mapping[str, float] | None = None) -> State:
         """The state one step after `state`, while the inputs `row` are held. `parameters` replaces some of its own."""
-        u, v, r = self._module.step(state, self._row(row), self._with(parameters))
+        u, v, r = self._computed(self._module.step, _state(state), self._row(row), self._with(parameters))
         return u, v, r
 
     def simulate(
@@ -109,7 +109,7 @@ class Model:
 
         With `frame` (pandas, polars, arrow) a frame with `t` and the states, else a list of states.
         """
-        states = self._module.simulate(self._rows(inputs), initial, self._with(parameters))
+        states = self._computed(self._module.simulate, self._rows(inputs), _state(initial), self._with(parameters))
         if frame is None:
             return states
         from ._read import framed
@@ -120,7 +120,7 @@ class Model:
 
     def outside(self, state: Sequence[float], row: Sequence[float]) -> list[str]:
         """Names of what is outside of the range of the data."""
-        return list(self._module.outside(state, self._row(row)))
+        return list(self._module.outside(_state(state), self._row(row)))
 
     def compare(self, trajectories: str | os.PathLike[str], out: str | os.PathLike[str] | None = None, **flags: Any) -> Document:
         """Tries the model on runs that it was not fitted to: `seatrial validate compare`; see its help for `flags`.
@@ -142,7 +142,16 @@ class Model:
         """
         return self._stage("validate merit", "merit.json", out, dictionary=dictionary, length_m=length_m, **flags)
 
-    def _stage(self, stage: str, name: str, out: str | os.PathLike[str] | None, **flags: Any) -> Document:
+    def _computed(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        try:
+            return function(*arguments)
+        except (ArithmeticError, ValueError, RecursionError) as error:
+            found = f"{self._path}: step: found {error}"
+            raise NoAnswer(f"{found}, expected numbers that stay finite; correct state, inputs or parameters") from error
+
+    def _stage(self, stage: str, name: str, out: str | os.PathLike[str] | None, /, **flags: Any) -> Document:
+        if "model" in flags:
+            raise WrongUsage(f"{stage}: model: found another one, expected none; load that one")
         with TemporaryDirectory() as folder:
             to = Path(folder) / name if out is None else out
             found = run(stage, model=self._path, out=to, **flags).out
@@ -172,7 +181,17 @@ class Model:
         absent = [name for name in self.inputs if name not in list(names)]
         if absent:
             raise WrongUsage(f"inputs: found no column {', '.join(absent)}, expected {', '.join(self.inputs)}; add it")
-        return list(zip(*(_values(inputs[name]) for name in self.inputs)))
+        columns = [_values(inputs[name]) for name in self.inputs]
+        if len({len(column) for column in columns}) > 1:
+            lengths = ", ".join(str(len(column)) for column in columns)
+            raise WrongUsage(f"inputs: found columns of {lengths} rows, expected as many in each; correct them")
+        return list(zip(*columns))
+
+
+def _state(state: Sequence[float]) -> Sequence[float]:
+    if len(state) != 3:
+        raise WrongUsage(f"state: found {len(state)} values, expected u, v and r; give all three")
+    return state
 
 
 def _values(column: Any) -> list[float]:

@@ -60,7 +60,8 @@ def _checked(named: str | None) -> Path:
         raise Failed(f"program seatrial: found {found}, expected an installed one; pip install seatrial, or set {VARIABLE}")
     wanted = _version()
     if wanted is not None and not named:
-        found = subprocess.run([path, "--version"], capture_output=True, encoding="utf-8", check=False).stdout.strip()
+        _, printed, _ = _called([str(path), "--version"])
+        found = printed.strip()
         if found != f"seatrial {wanted}":
             raise Failed(f"{path}: found {found or 'no version'}, expected seatrial {wanted}; install the wheel again")
     return path
@@ -92,12 +93,13 @@ def _installed() -> Path | None:
     return Path(found) if found else None
 
 
-def run(stage: str, *arguments: Any, **flags: Any) -> Result:
+def run(stage: str, /, *arguments: Any, **flags: Any) -> Result:
     """Runs a stage: `run("validate compare", model="model.json", trajectories="t.parquet", out="compare.json")`.
 
     `arguments` are those without a name, such as the folder of `run("run", "my-study")`. Flags are those of the
     command line with `_` for `-`: `True` stands for a flag alone, `None` and `False` for none. A list repeats the
-    flag, and `set={"campaign.realizations": 100}` changes hand-written files.
+    flag, and `set={"campaign.realizations": 100}` changes hand-written files. The stage itself has no keyword, so that
+    `stage="design"` is the flag `--stage`.
 
     Progress and warnings go to `sys.stderr`; `quiet=True` silences progress.
 
@@ -107,7 +109,10 @@ def run(stage: str, *arguments: Any, **flags: Any) -> Result:
     if not words:
         raise WrongUsage("stage: found none, expected one, such as design; seatrial --help lists them")
     given = {name: value for name, value in flags.items() if name != "json"}
-    command = [str(program()), *words, *command_line(given)]
+    try:
+        command = [str(program()), *words, *command_line(given)]
+    except (ValueError, RecursionError) as error:
+        raise WrongUsage(f"flags: found {error}, expected values that TOML has; correct them") from error
     if words[0] not in PRINTING:
         command.append("--json")
     if arguments:
@@ -156,6 +161,8 @@ def _called(command: list[str]) -> tuple[int, str, list[str]]:
         process = subprocess.Popen(command, encoding="utf-8", errors="replace", **options)
     except OSError as error:
         raise Failed(f"{command[0]}: start: found {error.strerror}, expected a program; install the wheel again") from error
+    except ValueError as error:
+        raise WrongUsage(f"command line: found {error}, expected words without it; correct the flags") from error
     with process:
         assert process.stdout is not None and process.stderr is not None
         passing = Thread(target=_pass_on, args=(process.stderr, said), daemon=True)
