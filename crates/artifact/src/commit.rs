@@ -11,7 +11,7 @@ use crate::fault;
 use crate::hold::hold;
 use crate::journal::Journal;
 use crate::leftover::complete;
-use crate::names::{UNFINISHED, folder_of};
+use crate::names::{OLD, SET, folder_of, marked};
 use crate::provenance::Provenance;
 use crate::staged::Staged;
 use crate::unfinished;
@@ -61,13 +61,16 @@ pub fn commit_with_document<D: Document>(
 
 /// Renames `files` in order, the main one last.
 fn commit_set(files: Vec<Staged>) -> Result<()> {
-    let Some(main) = files.last().map(|main| main.path().to_owned()) else { return Ok(()) };
+    let Some((main, journal)) =
+        files.last().map(|main| (main.path().to_owned(), marked(main.temporary(), SET)))
+    else {
+        return Ok(());
+    };
     let folder = folder_of(&main);
     // A signal while waiting for the folder ends the process at once.
     let _held = hold(folder)?;
     let _committing = unfinished::committing();
     complete(folder);
-    let journal = Journal::path(&main);
     let renames = files.iter().map(|file| Ok(([file.temporary(), file.path()], file.digest()?)));
     let renames: Vec<_> = renames.collect::<Result<_>>()?;
     let text = Journal::of(renames.into_iter(), folder).text(&journal)?;
@@ -123,9 +126,7 @@ struct Replaced {
 impl Replaced {
     fn keep(file: &Staged) -> Result<Self> {
         let target = file.path();
-        let name = target.file_name().unwrap_or_default().to_string_lossy();
-        let other = folder_of(target).join(format!("{UNFINISHED}old-{name}"));
-        let _ = fs::remove_file(&other);
+        let other = marked(file.temporary(), OLD);
         let mut kept = Self { target: target.to_owned(), temporary: file.temporary().to_owned(), kept: None };
         if !target.symlink_metadata().is_ok_and(|found| found.is_file()) {
             return Ok(kept);
@@ -177,7 +178,7 @@ fn refuse_same_targets(files: &[Staged]) -> Result<()> {
 
 /// Flushes the new name to the disk where the system knows how; elsewhere the name may be lost in
 /// a power cut, but never half a file.
-fn flush(folder: &Path) {
+pub(crate) fn flush(folder: &Path) {
     let _ = fault::point("flush the folder");
     if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();

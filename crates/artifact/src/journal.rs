@@ -3,23 +3,22 @@
 //!
 //! Every writer in a folder obeys its journals, so their power is limited: a journal has a seal, it names
 //! plain files beside itself, or in a real folder there, and a file is renamed only if it is the one that the
-//! journal was written for.
+//! journal was written for. That includes its number in the file system, which who packs a folder for somebody
+//! else cannot know.
 
-use std::fs::{self, File};
+use std::fs::{self, File, Metadata};
 use std::io::Seek;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use crate::digest::Digest;
 use crate::error::Result;
-use crate::names::{UNFINISHED, folder_of, is_inside, is_unfinished, unfinished_in};
+use crate::names::{SET, UNFINISHED, is_inside, is_own, unfinished_in};
 use crate::ordinary::{bytes_of, open_itself};
 use crate::seal;
 
-/// The part of a journal's name after [`UNFINISHED`].
-const MARK: &str = "set-";
-const SCHEMA: &str = "set/1";
+const SCHEMA: &str = "set/2";
 /// Larger files are not journals.
 const MOST_BYTES: u64 = 1 << 24;
 
@@ -40,6 +39,8 @@ pub(crate) struct Rename {
     to: String,
     /// Of the file to be renamed.
     digest: Digest,
+    /// The number of this file in its file system; 0 where there are none.
+    number: u64,
 }
 
 /// A file name's meaning under a journal.
@@ -50,27 +51,32 @@ pub(crate) enum Meaning {
     Nothing,
 }
 
-/// Whether `name` is that of a journal.
+/// Whether `name` looks like that of a journal.
 pub(crate) fn is_one(name: &str) -> bool {
-    name.strip_prefix(UNFINISHED).is_some_and(|rest| rest.starts_with(MARK))
+    name.strip_prefix(UNFINISHED).is_some_and(|rest| rest.starts_with(SET))
+}
+
+#[cfg(unix)]
+fn number(metadata: &Metadata) -> u64 {
+    std::os::unix::fs::MetadataExt::ino(metadata)
+}
+
+#[cfg(not(unix))]
+fn number(_: &Metadata) -> u64 {
+    0
 }
 
 impl Journal {
     /// The renames that stay below `folder`, each within a folder and with the digest of its file; in order.
     pub fn of<'a>(renames: impl Iterator<Item = ([&'a Path; 2], Digest)>, folder: &Path) -> Self {
         let below = |([from, to], digest): ([&Path; 2], Digest)| {
+            let number = number(&from.symlink_metadata().ok()?);
             let to = to.strip_prefix(folder).unwrap_or(to);
             let from = to.with_file_name(from.file_name()?).to_str()?.to_owned();
-            let rename = Rename { from, to: to.to_str()?.to_owned(), digest };
+            let rename = Rename { from, to: to.to_str()?.to_owned(), digest, number };
             rename.is_ours().then_some(rename)
         };
         Self { schema: SCHEMA.to_owned(), seal: Digest::ZERO, renames: renames.filter_map(below).collect() }
-    }
-
-    /// The journal of the set whose main file is `main`.
-    pub fn path(main: &Path) -> PathBuf {
-        let name = main.file_name().unwrap_or_default().to_string_lossy();
-        folder_of(main).join(format!("{UNFINISHED}{MARK}{name}"))
     }
 
     /// The text of the file at `path`.
@@ -119,7 +125,8 @@ impl Rename {
     fn is_ours(&self) -> bool {
         let (from, to) = (Path::new(&self.from), Path::new(&self.to));
         let plain = |path: &Path| (1..=2).contains(&path.components().count()) && is_inside(path);
-        let unfinished = is_unfinished(from) || is_unfinished(to);
+        let own = |path: &Path| path.file_name().and_then(|name| name.to_str()).is_some_and(is_own);
+        let unfinished = own(from) || own(to);
         unfinished && plain(from) && plain(to) && from.parent() == to.parent()
     }
 
@@ -133,6 +140,9 @@ impl Rename {
             return None;
         }
         let mut file = open_itself(&folder.join(from)).ok()?;
+        if number(&file.metadata().ok()?) != self.number {
+            return None;
+        }
         let digest = Digest::of_reader(&mut file).ok()?;
         file.rewind().ok()?;
         (digest == self.digest).then_some(file)

@@ -11,7 +11,7 @@ use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::hold::{hold, try_hold};
 use crate::journal::{self, Journal, Meaning};
-use crate::names::{folder_of, unfinished_in};
+use crate::names::{folder_of, is_own, unfinished_in};
 use crate::ordinary::{bytes_of, open, open_itself};
 
 /// What interrupted runs left in a folder.
@@ -26,13 +26,14 @@ pub struct Leftovers {
 }
 
 impl Leftovers {
-    /// The leftovers in `folder`.
-    pub fn of(folder: &Path) -> Self {
-        let (journals, files): (Vec<String>, Vec<String>) =
-            unfinished_in(folder).into_iter().partition(|name| journal::is_one(name));
-        let half_named = |name: &String| Journal::read(&folder.join(name)).is_some();
+    /// The leftovers in `folder`, which contains `names`.
+    pub fn of(folder: &Path, names: impl IntoIterator<Item = String>) -> Self {
+        let (journals, others): (Vec<String>, Vec<String>) =
+            names.into_iter().partition(|name| journal::is_one(name));
+        let half_named = |name: &String| is_own(name) && Journal::read(&folder.join(name)).is_some();
         let (own, strange): (Vec<String>, Vec<String>) = journals.into_iter().partition(half_named);
-        Self { files: files.len() + own.len(), half_named: !own.is_empty(), strange }
+        let files = others.iter().filter(|name| is_own(name)).count();
+        Self { files: files + own.len(), half_named: !own.is_empty(), strange }
     }
 }
 
@@ -111,6 +112,8 @@ pub(crate) fn sweep(folder: &Path) -> Result<()> {
         let path = folder.join(name);
         if is_abandoned(&path) {
             let _ = fs::remove_file(path);
+        } else if path.symlink_metadata().is_ok_and(|found| found.is_dir()) && try_hold(&path).is_some() {
+            let _ = fs::remove_dir_all(path);
         }
     }
     Ok(())

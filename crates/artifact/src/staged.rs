@@ -11,7 +11,7 @@ use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::leftover;
-use crate::names::{UNFINISHED, folder_of};
+use crate::names::{OWN, UNFINISHED, folder_of};
 use crate::unfinished;
 
 /// A complete file beside its target, under a temporary name and flushed to the disk.
@@ -126,8 +126,8 @@ fn create_held(target: &Path) -> Result<NamedTempFile> {
     }
     refuse_special(target)?;
     let mut builder = Builder::new();
-    builder.prefix(UNFINISHED);
-    if let Some(permissions) = ordinary_permissions() {
+    builder.prefix(UNFINISHED).suffix(OWN);
+    if let Some(permissions) = ordinary_permissions(0o666) {
         builder.permissions(permissions);
     }
     for _ in 0..MOST_TAKEN {
@@ -159,13 +159,13 @@ fn refuse_special(target: &Path) -> Result<()> {
     Err(Error::refuse(target, "output", found, "an ordinary file, or none", remedy))
 }
 
-/// The permissions of a new file by the user's umask, instead of a private temporary file's.
+/// The permissions of a new file or folder by the user's umask, instead of a private temporary one's.
 #[cfg(unix)]
-fn ordinary_permissions() -> Option<Permissions> {
-    Some(std::os::unix::fs::PermissionsExt::from_mode(0o666))
+pub(crate) fn ordinary_permissions(mode: u32) -> Option<Permissions> {
+    Some(std::os::unix::fs::PermissionsExt::from_mode(mode))
 }
 
 #[cfg(not(unix))]
-fn ordinary_permissions() -> Option<Permissions> {
+pub(crate) fn ordinary_permissions(_: u32) -> Option<Permissions> {
     None
 }

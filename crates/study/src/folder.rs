@@ -92,10 +92,11 @@ impl Folder {
     /// Leftovers of an interrupted run are not files of the folder. In a half-renamed set the names mean the new
     /// files here, and the old ones elsewhere.
     fn look_for_leftovers(&mut self, folder: &Path, paths: &[PathBuf]) {
-        if !paths.iter().any(|path| is_unfinished(path)) {
+        let names = paths.iter().filter(|path| is_unfinished(path)).filter_map(|path| path.file_name());
+        let left = Leftovers::of(folder, names.filter_map(|name| Some(name.to_str()?.to_owned())));
+        if left == Leftovers::default() {
             return;
         }
-        let left = Leftovers::of(folder);
         if left.half_named {
             let found = "a run that was interrupted while its files got their names";
             let remedy = "run a stage that writes into this folder again";

@@ -22,31 +22,46 @@ const THESIS: &str = "ten years of work";
 /// A journal with a valid seal.
 fn sealed(renames: &str) -> String {
     let blank = format!("blake3:{}", "0".repeat(64));
-    let text = format!("{{\"schema\": \"set/1\", \"seal\": \"{blank}\", \"renames\": [{renames}]}}");
+    let text = format!("{{\"schema\": \"set/2\", \"seal\": \"{blank}\", \"renames\": [{renames}]}}");
     let seal = Digest::of_bytes(text.as_bytes());
     text.replacen(&blank, &seal.to_string(), 1)
 }
 
+/// A name that the program may give, and one of a user.
+const HIDDEN: &str = ".unfinished-abcdef.seatrial";
+const NOVEL: &str = ".unfinished-novel.txt";
+
+fn number(path: &Path) -> u64 {
+    std::os::unix::fs::MetadataExt::ino(&fs::metadata(path).unwrap())
+}
+
 /// Journals that ask for renames: in the old format without seals, and with a valid seal. `home` is a folder next to
-/// that of the journal, and `elsewhere` in the latter a link to it.
-fn journals(home: &Path) -> Vec<String> {
+/// that of the journal, and `elsewhere` in the latter a link to it. `own` is the number of the thesis beside the journal.
+fn journals(home: &Path, own: u64) -> Vec<String> {
+    let number = number(&home.join("thesis.docx"));
     let digest = Digest::of_bytes(THESIS.as_bytes());
     let home = home.display();
     let renames = [
-        ("elsewhere/thesis.docx".to_owned(), "elsewhere/.unfinished-x".to_owned()),
-        ("../home/thesis.docx".to_owned(), "../home/.unfinished-x".to_owned()),
-        (format!("{home}/thesis.docx"), format!("{home}/.unfinished-x")),
-        ("thesis.docx".to_owned(), ".unfinished-x".to_owned()),
-        ("linked.docx".to_owned(), ".unfinished-x".to_owned()),
+        ("elsewhere/thesis.docx".to_owned(), format!("elsewhere/{HIDDEN}"), number),
+        ("../home/thesis.docx".to_owned(), format!("../home/{HIDDEN}"), number),
+        (format!("{home}/thesis.docx"), format!("{home}/{HIDDEN}"), number),
+        ("thesis.docx".to_owned(), HIDDEN.to_owned(), own),
+        ("linked.docx".to_owned(), HIDDEN.to_owned(), number),
     ];
-    let plain = renames.iter().map(|(from, to)| format!("[[\"{from}\", \"{to}\"]]"));
-    let entry = |(from, to): &(String, String), digest| {
-        sealed(&format!("{{\"from\": \"{from}\", \"to\": \"{to}\", \"digest\": \"{digest}\"}}"))
+    let plain = renames.iter().map(|(from, to, _)| format!("[[\"{from}\", \"{to}\"]]"));
+    let entry = |(from, to, number): &(String, String, u64), digest| {
+        sealed(&format!(
+            "{{\"from\": \"{from}\", \"to\": \"{to}\", \"digest\": \"{digest}\", \"number\": {number}}}"
+        ))
     };
-    // A sealed journal may restore a file next to it: that is no attack.
-    let fitting = renames.iter().filter(|(from, _)| from != "thesis.docx").map(|own| entry(own, digest));
+    let fitting = renames.iter().filter(|(from, ..)| from != "thesis.docx").map(|own| entry(own, digest));
     let other = entry(&renames[3], Digest::of_bytes(b"another"));
-    plain.chain(fitting).chain([other]).collect()
+    // Who packs a folder for somebody else knows no number of its files there.
+    let foreign = |from: &str, to: &str| entry(&(from.to_owned(), to.to_owned(), own + 1), digest);
+    let hiding = foreign("thesis.docx", HIDDEN);
+    // And no journal names a file that this program did not name.
+    let novel = entry(&("thesis.docx".to_owned(), NOVEL.to_owned(), own), digest);
+    plain.chain(fitting).chain([other, hiding, novel]).collect()
 }
 
 /// Plants every journal in `folder`, the files to rename, and the link.
@@ -54,8 +69,9 @@ fn plant(folder: &Path, home: &Path) {
     symlink(home, folder.join("elsewhere")).unwrap();
     symlink(home.join("thesis.docx"), folder.join("linked.docx")).unwrap();
     fs::write(folder.join("thesis.docx"), THESIS).unwrap();
-    for (i, journal) in journals(home).iter().enumerate() {
-        fs::write(folder.join(format!(".unfinished-set-{i}")), journal).unwrap();
+    fs::write(folder.join(NOVEL), THESIS).unwrap();
+    for (i, journal) in journals(home, number(&folder.join("thesis.docx"))).iter().enumerate() {
+        fs::write(folder.join(format!(".unfinished-set-{i:06}.seatrial")), journal).unwrap();
     }
 }
 
@@ -64,9 +80,14 @@ fn untouched(folder: &Path, home: &Path) -> bool {
     let is_there = |path: &Path| fs::read(path).is_ok_and(|bytes| bytes == THESIS.as_bytes());
     let alone = fs::read_dir(home).unwrap().count() == 1;
     alone
-        && [folder.join("thesis.docx"), folder.join("linked.docx"), home.join("thesis.docx")]
-            .iter()
-            .all(|p| is_there(p))
+        && [
+            folder.join("thesis.docx"),
+            folder.join("linked.docx"),
+            home.join("thesis.docx"),
+            folder.join(NOVEL),
+        ]
+        .iter()
+        .all(|p| is_there(p))
 }
 
 /// A folder next to `folder` with a thesis.
@@ -107,11 +128,14 @@ fn verify_obeys_no_journal_and_says_that_it_is_none() {
     fs::create_dir(&folder).unwrap();
     fs::copy(top.path().join("design.json"), folder.join("design.json")).unwrap();
     plant(&folder, &home);
-    // One with a valid seal and plain names cannot be distinguished from an interrupted run.
+    // One with a valid seal and names of this kind looks like that of an interrupted run.
     let said = run(&top, "verify results");
     assert_eq!(said.code, Some(3), "{said}");
     assert!(format!("{}{}", said.stdout, said.stderr).contains("a run that was interrupted"), "{said}");
-    assert!(said.stdout.contains("`.unfinished-set-0`, that no stage wrote as it is"), "{said}");
+    assert!(
+        said.stdout.contains("`.unfinished-set-000000.seatrial`, that no stage wrote as it is"),
+        "{said}"
+    );
     assert!(untouched(&folder, &home), "{said}");
 }
 
@@ -119,14 +143,20 @@ fn verify_obeys_no_journal_and_says_that_it_is_none() {
 fn leftovers_of_a_killed_clean_up_are_no_documents() {
     let folder = with(&MADE);
     let design = fs::read(folder.path().join("design.json")).unwrap();
-    for (name, length) in [("old-design.json", design.len()), ("x1y2z3", 10), ("cut.json", 200)] {
-        fs::write(folder.path().join(format!(".unfinished-{name}")), &design[..length]).unwrap();
+    for (name, length) in [("old-x1y2z3", design.len()), ("x1y2z3", 10), ("cut123", 200)] {
+        fs::write(folder.path().join(format!(".unfinished-{name}.seatrial")), &design[..length]).unwrap();
     }
+    let novels = [NOVEL, ".unfinished-chapter2.seatrial", ".unfinished-set-of-six", ".unfinished-abcdef"];
+    novels.iter().for_each(|name| fs::write(folder.path().join(name), THESIS).unwrap());
     let said = run(&folder, "verify .").succeeds();
     let line = ".: 3 hidden leftovers, removed by the next stage that writes here";
     assert!(said.stdout.lines().any(|own| own == line), "{said}");
     run(&folder, DESIGN).succeeds();
-    assert!(!run(&folder, "verify .").succeeds().stdout.contains("leftover"));
+    assert!(!run(&folder, "verify .").succeeds().stdout.contains("hidden leftover"));
+    // A user's own files are none.
+    for name in novels {
+        assert_eq!(fs::read_to_string(folder.path().join(name)).unwrap(), THESIS, "{name}");
+    }
 }
 
 #[test]
@@ -211,8 +241,8 @@ fn verify_waits_for_no_pipe() {
     let folder = with(&MADE);
     make_pipe(&folder.path().join("x.json"));
     make_pipe(&folder.path().join("x.parquet"));
-    make_pipe(&folder.path().join(".unfinished-set-x"));
-    make_pipe(&folder.path().join(".unfinished-x"));
+    make_pipe(&folder.path().join(".unfinished-set-abcdef.seatrial"));
+    make_pipe(&folder.path().join(HIDDEN));
     let started = Instant::now();
     let said = run(&folder, "verify .");
     assert!(started.elapsed() < Duration::from_secs(20));
