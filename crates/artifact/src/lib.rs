@@ -82,6 +82,7 @@ mod toml_input;
 mod toml_place;
 mod unfinished;
 mod weight;
+mod whole_folder;
 
 pub use self::budget::{Budget, PROGRAM_BYTES, Work, budget, free_bytes, mib_with_program, set_budget};
 pub use self::commit::{commit, commit_with_document};
@@ -112,3 +113,4 @@ pub use table_reader::TableReader;
 pub use table_writer::{PIECE_ROWS, TableWriter};
 pub use toml_input::{parse_toml, read_to_string, read_toml};
 pub use unfinished::abandon;
+pub use whole_folder::whole_folder;

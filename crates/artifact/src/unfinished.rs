@@ -1,4 +1,4 @@
-//! The unfinished files of this process, to be removed on a signal.
+//! The unfinished files and folders of this process, to be removed on a signal.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,9 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use tempfile::NamedTempFile;
-
-/// Files that were created here; some have got their names since, or were removed.
+/// What was created here; some have got their names since, or were removed.
 static CREATED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 /// Held while a set is renamed.
@@ -25,17 +23,17 @@ pub fn abandon() {
     let created = lock(&CREATED);
     created.iter().for_each(|path| {
         // Most of them have got their names, and no longer exist under these.
-        let _ = fs::remove_file(path);
+        let _ = fs::remove_file(path).or_else(|_| fs::remove_dir_all(path));
     });
     std::mem::forget(created);
 }
 
-/// Records the file that `create` creates, to be removed on a signal: a signal cannot come between the two.
-pub(crate) fn noted(create: impl FnOnce() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
+/// Records the file or folder that `create` creates, to be removed on a signal: a signal cannot come between the two.
+pub(crate) fn noted<T: AsRef<Path>>(create: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     let mut created = lock(&CREATED);
-    let file = create()?;
-    created.insert(file.path().to_owned());
-    Ok(file)
+    let made = create()?;
+    created.insert(made.as_ref().to_owned());
+    Ok(made)
 }
 
 /// Held while a set is renamed.

@@ -1,13 +1,13 @@
 //! `new`: the hand-written files of a study.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use artifact::{Staged, commit};
+use artifact::{Staged, commit, whole_folder};
 use clap::Parser;
 use pipeline::starting::{Charted, PRESETS, Preset, measured, schemas, simulated};
 use serde_json::json;
 
-use crate::cli::{Common, in_folder};
+use crate::cli::Common;
 use crate::failure::Failure;
 use crate::stage::{Summary, Task};
 
@@ -49,7 +49,14 @@ fn help() -> String {
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let out = &common.out;
-        let preset = Preset::named(&self.vessel).map_err(|e| Failure::Usage(format!("--vessel: {e}")))?;
+        let preset = Preset::named(&self.vessel).map_err(|mut e| {
+            if Path::new(&self.vessel).is_file() {
+                e.remedy = "`new` takes no file: name one to begin with; `simulate dictionary`, `validate merit` and `estimate pool` \
+                            take this file as their --vessel"
+                    .to_owned();
+            }
+            Failure::Usage(format!("--vessel: {e}"))
+        })?;
         if out.symlink_metadata().is_ok() {
             let found = "it there already";
             return Err(Failure::refuse(
@@ -80,12 +87,10 @@ impl Task for Arguments {
             }
         };
         let schemas = schemas();
-        in_folder(out, || {
-            in_folder(&out.join("schemas"), || {
-                let all = files.iter().chain(&schemas);
-                let staged = all.map(|(name, text)| Staged::bytes(out.join(name), text.as_bytes()));
-                Ok(commit(staged.collect::<Result<_, _>>()?)?)
-            })
+        whole_folder(out, &["schemas"], |folder| {
+            // One by one: this process holds the folder, which a set would wait for.
+            let mut all = files.iter().chain(&schemas);
+            all.try_for_each(|(name, text)| commit(vec![Staged::bytes(folder.join(name), text.as_bytes())?]))
         })?;
         let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
         let line = format!("{}{said}; next: seatrial run {}", names.join(", "), out.display());

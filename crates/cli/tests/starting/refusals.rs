@@ -21,6 +21,8 @@ fn a_preset_that_is_not() {
     let folder = with(&[]);
     let pieces = ["--vessel: preset: found `coster`", "model-ship", "did you mean `coaster`?"];
     refused(&folder, 2, "new mine --vessel coster", &pieces);
+    let pieces = ["found `vessel.toml`", "`new` takes no file", "take this file as their --vessel"];
+    refused(&folder, 2, "new mine --vessel vessel.toml", &pieces);
 }
 
 #[test]

@@ -200,3 +200,20 @@ fn progress_names_every_stage() {
     assert_eq!(again.stderr, "[1/2] dictionary: up to date\n[2/2] moments: up to date\n", "{again}");
     assert_eq!(again.stdout, "out/moments.json: 0 of 2 stages run, 2 up to date\n", "{again}");
 }
+
+/// Wherever `new` is killed, there is no folder that the next one refuses.
+#[test]
+fn law_a_study_appears_whole_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    for count in (1..).step_by(9) {
+        let mut command = std::process::Command::new(SEATRIAL);
+        command.args(["new", "mine", "--vessel", "coaster"]).current_dir(&folder);
+        if command.env("SEATRIAL_FAULT", format!("kill:{count}")).output().unwrap().status.success() {
+            assert!(count > 20);
+            break;
+        }
+        assert!(!folder.path().join("mine").exists(), "killed at {count}");
+    }
+    let left: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|own| own.unwrap().file_name()).collect();
+    assert_eq!(left, ["mine"]);
+}
