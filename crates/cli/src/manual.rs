@@ -9,7 +9,7 @@ use clap_complete::Shell;
 use clap_mangen::Man;
 
 use crate::failure::Failure;
-use crate::said::on_stdout;
+use crate::said::{on_stdout, printed};
 
 /// Prints the completions of `command` for `shell`.
 ///
@@ -20,7 +20,7 @@ pub fn completions(shell: Option<Shell>, mut command: Command) -> Result<(), Fai
     if let Some(shell) = shell {
         clap_complete::generate(shell, &mut command, name, &mut script);
     }
-    std::io::stdout().write_all(&script).map_err(|e| Failure::Failed(format!("stdout: {e}")))
+    printed(std::io::stdout().write_all(&script))
 }
 
 /// Writes the manual pages of `command` and its subcommands into `folder`.
@@ -29,14 +29,18 @@ pub fn completions(shell: Option<Shell>, mut command: Command) -> Result<(), Fai
 /// Output that fails.
 pub fn manual(folder: &Path, command: Command) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|e| artifact::Error::io(folder, "create", e))?;
-    let mut command = command.disable_help_subcommand(true);
+    let mut command = without_help(command);
     command.build();
     let mut staged = Vec::new();
     pages(&command, folder, &mut staged)?;
     let count = staged.len();
     commit(staged)?;
-    on_stdout(format_args!("{}: {count} pages", folder.display()));
-    Ok(())
+    on_stdout(format_args!("{}: {count} pages", folder.display()))
+}
+
+/// `command` without the subcommands that print help, which pages are in place of.
+fn without_help(command: Command) -> Command {
+    command.disable_help_subcommand(true).mut_subcommands(without_help)
 }
 
 /// A page for `command` and each of its subcommands.

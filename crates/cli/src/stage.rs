@@ -18,7 +18,7 @@ use crate::changed::check_changes;
 use crate::cli::{Common, set_budget};
 use crate::failure::Failure;
 use crate::interrupted::listen;
-use crate::said::{on_stderr, on_stdout};
+use crate::said::{on_stderr, on_stdout, printed};
 
 /// The end of every help.
 const EXIT_CODES: &str =
@@ -40,6 +40,12 @@ impl Summary {
             all.extend(own);
         }
         Self { line: format!("{}: {said}", out.display()), json }
+    }
+
+    /// The same with a remark for people.
+    pub(crate) fn also(mut self, remark: Option<String>) -> Self {
+        self.line.extend(remark.map(|remark| format!("; {remark}")));
+        self
     }
 }
 
@@ -160,6 +166,11 @@ fn with_exit_codes(command: Command) -> Command {
     let own = own.strip_suffix(EXIT_CODES).unwrap_or(&own).trim_end();
     let gap = if own.is_empty() { "" } else { "\n\n" };
     let help = format!("{own}{gap}{EXIT_CODES}");
+    // A negative number is a value that the flag's own bounds refuse, no unknown flag.
+    let command = command.mut_args(|arg| match arg.get_action().takes_values() {
+        true => arg.allow_negative_numbers(true),
+        false => arg,
+    });
     command.after_help(help).mut_subcommands(with_exit_codes)
 }
 
@@ -199,12 +210,15 @@ pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
     listen();
     artifact::set_patience(patience());
     set_budget(common.memory_mib);
-    match check_processor().and_then(|()| start_threads(common.threads)).and_then(|()| task.run(common)) {
-        Ok(summary) if common.json => on_stdout(summary.json),
-        Ok(summary) => on_stdout(summary.line),
-        Err(failure) => return ended(&failure, common.json),
+    let done = check_processor().and_then(|()| start_threads(common.threads)).and_then(|()| task.run(common));
+    let print = |summary: Summary| match common.json {
+        true => on_stdout(summary.json),
+        false => on_stdout(summary.line),
+    };
+    match done.and_then(print) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => ended(&failure, common.json),
     }
-    ExitCode::SUCCESS
 }
 
 /// Refuses a processor for which the loops over lanes were not compiled.
@@ -220,9 +234,10 @@ fn check_processor() -> Result<(), Failure> {
 /// Prints the requested help, or what is wrong with the command line, in one line.
 fn usage(error: &clap::Error) -> ExitCode {
     if !error.use_stderr() {
-        // A closed pipe is not an error.
-        let _ = error.print();
-        return ExitCode::SUCCESS;
+        return match printed(error.print()) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(failure) => ended(&failure, false),
+        };
     }
     ended(&misused(error), asked_for_json())
 }
@@ -246,8 +261,11 @@ fn asked_for_json() -> bool {
 fn one_line(message: &str) -> String {
     let above = message.split("\n\nUsage:").next().unwrap_or_default();
     let above = above.split("\n\nFor more information").next().unwrap_or_default();
+    // What stands behind `--` is no value of a flag, and refused in turn.
+    let above = above.split("\n\n  tip: to pass ").next().unwrap_or_default();
     let words: Vec<&str> = above.trim_start_matches("error: ").split_whitespace().collect();
-    format!("{}; see --help", words.join(" "))
+    let text = words.join(" ").replace("invalid digit found in string", "expected a whole number from 0 on");
+    format!("{text}; see --help")
 }
 
 /// Publishing a set of files takes milliseconds: a longer lock on a folder has another cause.
@@ -261,7 +279,7 @@ pub fn ended(failure: &Failure, json: bool) -> ExitCode {
     let message = shortened(&failure.to_string(), LONGEST);
     on_stderr(format_args!("error: {message}"));
     if json {
-        on_stdout(json!({"exit_code": failure.exit_code(), "error": message}));
+        let _ = on_stdout(json!({"exit_code": failure.exit_code(), "error": message}));
     }
     ExitCode::from(failure.exit_code())
 }

@@ -33,8 +33,8 @@ impl Verify {
     pub fn run(&self) -> Result<(), Failure> {
         for root in &self.folders {
             let folder = Folder::read(root, self.study.as_deref())?;
-            folder.lines(root).for_each(on_stdout);
-            folder.faults.iter().for_each(|fault| on_stdout(format_args!("fault: {fault}")));
+            folder.lines(root).into_iter().try_for_each(on_stdout)?;
+            folder.faults.iter().try_for_each(|fault| on_stdout(format_args!("fault: {fault}")))?;
             let (files, faults) = (folder.count(), folder.faults.len());
             if faults > 0 {
                 let (found, expected) =
@@ -47,7 +47,7 @@ impl Verify {
                     "make again what is named above",
                 ));
             }
-            on_stdout(format_args!("{}: {files} files, whole and of one study", root.display()));
+            on_stdout(format_args!("{}: {files} files, whole and of one study", root.display()))?;
         }
         Ok(())
     }

@@ -62,10 +62,25 @@ fn what_is_no_file_is_never_replaced() {
 #[test]
 fn a_closed_or_full_output_is_no_panic() {
     let folder = with(&["campaign.parquet"]);
-    for redirection in [">&-", "2>&-", ">/dev/full", "2>/dev/full", ">&- 2>&-"] {
-        let line = format!("exec \"$0\" {ESTIMATE} {redirection}");
-        let status = Command::new("sh").args(["-c", &line, SEATRIAL]).current_dir(&folder).status().unwrap();
-        assert_eq!(status.code(), Some(0), "{redirection}");
+    let ended = |line: &str| {
+        let line = format!("exec \"$0\" {line}");
+        Command::new("sh").args(["-c", &line, SEATRIAL]).current_dir(&folder).status().unwrap().code()
+    };
+    for redirection in [">&-", "2>&-", "2>/dev/full", ">&- 2>&-"] {
+        assert_eq!(ended(&format!("{ESTIMATE} {redirection}")), Some(0), "{redirection}");
+    }
+    // What is lost on a full disk is no success, of nothing that prints.
+    let lines = [
+        ESTIMATE,
+        &format!("{ESTIMATE} --json"),
+        "--help",
+        "--version",
+        "verify .",
+        "completions bash",
+        "manual man",
+    ];
+    for line in lines {
+        assert_eq!(ended(&format!("{line} >/dev/full")), Some(1), "{line}");
     }
     let refused = format!("exec \"$0\" {} >&- 2>&-", ESTIMATE.replace("campaign.parquet", "none.parquet"));
     let status = Command::new("sh").args(["-c", &refused, SEATRIAL]).current_dir(&folder).status().unwrap();

@@ -89,9 +89,27 @@ fn shells_and_manuals_know_every_command() {
     }
     run(&folder, "completions cshell").refuses(2, &["cshell", "bash"]);
     run(&folder, "manual man/").succeeds();
+    for page in std::fs::read_dir(folder.path().join("man")).unwrap() {
+        let name = page.unwrap().file_name().into_string().unwrap();
+        assert!(!name.contains("help"), "{name}");
+    }
     for (line, _) in all(&cli::umbrella::command(), "") {
         let page =
             std::fs::read_to_string(folder.path().join(format!("man/seatrial-{}.1", line.replace(' ', "-"))));
         assert!(page.unwrap_or_else(|e| panic!("{line}: {e}")).contains("Exit codes"), "{line}");
     }
+}
+
+/// A remedy that is refused in turn is none: what stands behind `--` is no flag's value.
+#[test]
+fn numbers_below_zero_are_refused_by_what_the_flag_takes() {
+    const WHOLE: &str = "expected a whole number from 0 on";
+    let folder = with(&[]);
+    let simulate = "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml --out d.parquet";
+    for (flags, found) in [("--threads -1", "1..=1024"), ("--seed -1", WHOLE), ("--memory-mib -5", WHOLE)] {
+        run(&folder, &format!("{simulate} {flags}")).refuses(2, &["invalid value '-", found]);
+    }
+    let said = run(&folder, &format!("{simulate} --treads 2"));
+    assert!(said.stderr.contains("'--threads'") && !said.stderr.contains("use '-- "), "{said}");
+    assert!(!run(&folder, "design -x").stderr.contains("use '-- "));
 }
