@@ -58,11 +58,11 @@ pub struct RunFlags {
     /// What `ingest` wrote beside the trajectories: names the recordings that runs were cut from
     #[arg(long, value_name = "ingest.json")]
     pub recordings: Option<PathBuf>,
-    /// Only these runs or recordings
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    /// Only these runs or recordings, whose own names may have commas, too; may stand more than once
+    #[arg(long, value_name = "NAME,…")]
     pub runs: Vec<String>,
-    /// All but these runs or recordings
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    /// All but these runs or recordings, as --runs has them
+    #[arg(long, value_name = "NAME,…")]
     pub leave_out: Vec<String>,
     /// Takes recordings, too, that ingest.json calls doubtful
     #[arg(long)]

@@ -16,7 +16,7 @@ mod strict;
 
 pub use bounded::{fitted, foreign, one_line, shortened};
 pub use invalid::Invalid;
-pub use listed::listed;
+pub use listed::{listed, names_in};
 pub use names::check_name;
 pub use nearest::nearest;
 pub use numbers::{check_numbers, check_ranges};

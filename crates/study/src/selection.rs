@@ -6,7 +6,7 @@ use artifact::{Columns, Error, TableReader};
 use identification::ScoreStatus;
 use identification::pooled::Pool;
 use model::DegreeOfFreedom;
-use refusal::{Invalid, nearest};
+use refusal::{Invalid, names_in, nearest};
 use regression::pooled::NominalSource;
 pub use validation::selection::Realization as Row;
 use validation::selection::{DEGENERATE, Selection, SelectionOptions};
@@ -145,7 +145,9 @@ pub fn counts(
     available: &BTreeMap<String, u64>,
 ) -> Result<BTreeMap<String, u64>, String> {
     let mut counts = BTreeMap::new();
-    for text in written {
+    let is_count =
+        |text: &str| text.split_once('=').is_some_and(|(_, count)| count.trim().parse::<u64>().is_ok());
+    for text in written.iter().flat_map(|text| names_in(text, is_count)) {
         let pair =
             text.rsplit_once('=').and_then(|(name, n)| Some((name.trim(), n.trim().parse::<u64>().ok()?)));
         let Some((name, count)) = pair else {

@@ -87,9 +87,8 @@ impl Task for Arguments {
 
 impl Arguments {
     fn left_out(&self) -> Folds {
-        let names = |fold: &String| fold.split(',').map(|name| name.trim().to_owned()).collect();
         match (self.fold.is_empty(), self.folds) {
-            (false, _) => Folds::Named(self.fold.iter().map(names).collect()),
+            (false, _) => Folds::Named(self.fold.iter().map(|fold| vec![fold.clone()]).collect()),
             (true, Some(count)) => Folds::Dealt(usize::from(count)),
             (true, None) => Folds::Each,
         }

@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long, required_unless_present = "counts", conflicts_with = "counts", value_name = "design.json")]
     design: Option<PathBuf>,
     /// How many of each maneuver are picked, instead
-    #[arg(long, value_name = "NAME=N,…", value_delimiter = ',')]
+    #[arg(long, value_name = "NAME=N,…")]
     counts: Vec<String>,
     /// Realizations per design
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]

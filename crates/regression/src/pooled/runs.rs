@@ -2,7 +2,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
 use engine::Run;
-use refusal::{Invalid, nearest};
+use refusal::{Invalid, names_in, nearest};
 use thiserror::Error;
 
 use super::recorded::read;
@@ -145,15 +145,19 @@ impl<R: Recorded> PooledRuns<R> {
         self.are_inputs_held
     }
 
-    /// Keeps the runs or recordings named in `only` (all if empty), except those in `without`.
+    /// Keeps the runs or recordings named in `only` (all if empty), except those in `without`: each a name, or several with
+    /// commas between.
     ///
     /// # Errors
-    /// A name that no run has; no run left.
+    /// A name that no run has, also not with those after it as parts of a name with commas; no run left.
     pub fn select(&mut self, only: &[String], without: &[String]) -> Result<(), SelectError> {
         let sources = &self.sources;
         let named =
             |name: &String, run: &Known| *name == sources[run.source] || *name == run.number.to_string();
-        for name in only.iter().chain(without) {
+        let known = |name: &str| self.runs.iter().any(|run| named(&name.to_owned(), run));
+        let [only, without] = [only, without]
+            .map(|names| names.iter().flat_map(|name| names_in(name, known)).collect::<Vec<String>>());
+        for name in only.iter().chain(&without) {
             if !self.runs.iter().any(|run| named(name, run)) {
                 let nearest =
                     nearest(name, sources.iter().map(String::as_str)).unwrap_or_default().to_owned();
@@ -162,7 +166,7 @@ impl<R: Recorded> PooledRuns<R> {
         }
         self.runs.retain(|run| {
             let within = |names: &[String]| names.iter().any(|name| named(name, run));
-            (only.is_empty() || within(only)) && !within(without)
+            (only.is_empty() || within(&only)) && !within(&without)
         });
         if self.runs.is_empty() { Err(SelectError::NoneLeft) } else { Ok(()) }
     }

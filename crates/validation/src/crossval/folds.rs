@@ -1,4 +1,4 @@
-use refusal::nearest;
+use refusal::{names_in, nearest};
 
 use super::error::CrossError;
 
@@ -9,7 +9,7 @@ pub enum Folds {
     Each,
     /// Dealt in turn into this number of folds.
     Dealt(usize),
-    /// Named groups together; those not named are in every estimate.
+    /// Named groups together, each a name or several with commas between; those not named are in every estimate.
     Named(Vec<Vec<String>>),
 }
 
@@ -44,7 +44,10 @@ fn named(sources: &[&str], folds: &[Vec<String>]) -> Result<Vec<Vec<usize>>, Cro
         }
         Ok(place)
     };
-    let fold = |names: &Vec<String>| names.iter().map(&mut place).collect();
+    let known = |name: &str| sources.contains(&name);
+    let fold = |names: &Vec<String>| {
+        names.iter().flat_map(|name| names_in(name, known)).map(|name| place(&name)).collect()
+    };
     let folds: Vec<Vec<usize>> = folds.iter().map(fold).collect::<Result<_, _>>()?;
     match folds.iter().any(|left_out| left_out.len() == sources.len()) {
         true => Err(CrossError::OneSource),
