@@ -199,3 +199,47 @@ fn logs_of_a_ship_with_forces_come_to_their_page_by_two_commands() {
     assert_eq!(model["data"]["estimator"], "output-error");
     assert!(String::from_utf8(bytes(&folder, "out/measured/report.html")).unwrap().contains("<svg"));
 }
+
+#[test]
+fn logs_too_short_to_show_their_steps_give_times_above_zero() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("logs")).unwrap();
+    let sentence = "$GPRMC,081758.00,A,6008.4253933,N,02456.3510317,E,3.0,90.0,010626,,,A*64\n";
+    fs::write(folder.path().join("logs/a.nmea"), sentence).unwrap();
+    for preset in ["coaster", "kvlcc2-l7"] {
+        run(&folder, &format!("new {preset} --vessel {preset} --logs logs")).succeeds();
+        for name in ["ingest.toml", "study.mk"] {
+            let text = String::from_utf8(bytes(&folder, &format!("{preset}/{name}"))).unwrap();
+            let zero = |line: &&str| {
+                line.split([' ', '=']).any(|word| ["0", "0.0"].contains(&word)) && !line.starts_with('#')
+            };
+            assert_eq!(text.lines().find(zero), None, "{preset}/{name}");
+        }
+    }
+}
+
+#[test]
+fn names_of_recordings_may_have_commas() {
+    let folder = logged("heading", "heading");
+    let mut logs: Vec<_> =
+        fs::read_dir(folder.path().join("logs")).unwrap().map(|own| own.unwrap().path()).collect();
+    logs.sort();
+    for (log, name) in logs.iter().zip(["zig,zag", "zig,zag, again", "zig"]) {
+        fs::rename(log, log.with_file_name(format!("{name}.csv"))).unwrap();
+    }
+    run(&folder, NEW).succeeds();
+    run(&folder, INGEST).succeeds();
+    let pool = |flags: &[&str]| {
+        let mut command = std::process::Command::new(SEATRIAL);
+        let line = "estimate pool --vessel mine/vessel.toml --trajectories out/measured/trajectories.parquet --recordings \
+                    out/measured/ingest.json --estimator ls --quiet --out estimates.parquet";
+        let ended = command.args(line.split_whitespace()).args(flags).current_dir(&folder).output().unwrap();
+        assert!(ended.status.success(), "{flags:?}: {}", String::from_utf8_lossy(&ended.stderr));
+        let sources = json(&folder, "trust.json")["data"]["sources"].as_array().unwrap().clone();
+        sources.iter().map(|own| own["source"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(pool(&["--runs", "zig,zag, again"]), ["zig,zag, again"]);
+    assert_eq!(pool(&["--runs", "zig,zag", "--runs", "zig,zag, again"]), ["zig,zag", "zig,zag, again"]);
+    let left = pool(&["--leave-out", "zig,zag,zig"]);
+    assert!(left.len() == logs.len() - 2 && !left.contains(&"zig".to_owned()), "{left:?}");
+}

@@ -60,7 +60,10 @@ pub(super) fn flags(looked: &Looked, preset: &Preset) -> String {
         folder.display()
     );
     text += &match preset.is_of_forces() {
-        true => flags_of_forces(rounded(looked.usual_s.min(FORCES_WINDOW_S))),
+        true => {
+            let usual_s = or(looked.usual_s, FORCES_WINDOW_S);
+            flags_of_forces(rounded(usual_s.clamp(2.0 / preset.sample_rate_hz(), FORCES_WINDOW_S)))
+        }
         false => flags_of_terms(window_s(looked, preset.sample_rate_hz())),
     };
     let test = looked.kept_apart();
@@ -103,9 +106,9 @@ fn general_of_bags(looked: &Looked, guess: &BagGuess, rate_hz: f64) -> String {
          sample_rate_hz = {rate_hz:?}            # rate of the trajectories [Hz]: that of vessel.toml\n\
          max_gap_s = {:?}{MARK}: five messages of the slowest topic [s]; over longer gaps nothing is interpolated\n",
         looked.files.len(),
-        rounded(GAP_ROWS * slowest),
+        gap_s(slowest, rate_hz),
     );
-    if fastest * rate_hz < 0.5 {
+    if or(fastest, 1.0 / rate_hz) * rate_hz < 0.5 {
         text += &average(rate_hz);
     }
     let (frame, body, whose) = match guess.format {
@@ -124,12 +127,12 @@ fn general_of_sentences(looked: &Looked, guess: &SentenceGuess, rate_hz: f64) ->
          sample_rate_hz = {rate_hz:?}            # rate of the trajectories [Hz]: that of vessel.toml\n\
          max_gap_s = {:?}{MARK}: five times that between values of the slowest field [s]; over longer gaps nothing is interpolated\n",
         looked.files.len(),
-        rounded(GAP_ROWS * slowest_s),
+        gap_s(slowest_s, rate_hz),
     );
-    if fastest_s * rate_hz < 0.5 {
+    if or(fastest_s, 1.0 / rate_hz) * rate_hz < 0.5 {
         text += &average(rate_hz);
     }
-    let window_s = rounded((5.0 * slowest_s).max(1.0));
+    let window_s = rounded(or(5.0 * slowest_s, 1.0).max(1.0));
     text + &format!(
         "# Speeds that are not logged are slopes of positions: of parabolas over `window_s` [s].\n\
          velocities = {{ method = \"smoother\", window_s = {window_s:?} }}{MARK}\n"
@@ -143,7 +146,7 @@ fn average(rate_hz: f64) -> String {
 
 /// The keys of the whole file, for tables with a row every `step_s`.
 fn general(looked: &Looked, rate_hz: f64, step_s: f64) -> String {
-    let max_gap_s = rounded(GAP_ROWS * step_s);
+    let max_gap_s = gap_s(step_s, rate_hz);
     let is_fast = step_s * rate_hz < 0.5;
     let mut text = format!(
         "# What is in the logs: {} files in {}. Lines marked \"guessed\" were guessed by names and numbers: check them.\n\
@@ -169,6 +172,16 @@ fn general(looked: &Looked, rate_hz: f64, step_s: f64) -> String {
         let _ = writeln!(text, "method = \"euler\"{MARK}");
     }
     text
+}
+
+/// Where `step_s` lies between values, the longest gap.
+fn gap_s(step_s: f64, rate_hz: f64) -> f64 {
+    rounded(GAP_ROWS * or(step_s, 1.0 / rate_hz))
+}
+
+/// A time of the logs \[s\], or `other` where they are too short to have one.
+fn or(time_s: f64, other: f64) -> f64 {
+    if time_s.is_finite() && time_s > 1e-6 { time_s } else { other }
 }
 
 /// Two significant figures.
