@@ -69,6 +69,8 @@ pub struct Columns {
     pub is_sorted: bool,
     /// Sentences of the clock that came late and set no time.
     pub late: usize,
+    /// Sentences that neither a channel nor the clock takes, and lines without a sentence.
+    pub unused: usize,
     /// Oddities of these columns.
     pub warnings: Vec<WarningSummary>,
     /// Columns with clocks of their own, which replace those above.
@@ -108,6 +110,7 @@ impl Columns {
         self.is_stamped |= others.is_stamped;
         self.is_sorted |= others.is_sorted;
         self.late += others.late;
+        self.unused += others.unused;
         self.repeated += others.repeated;
         self.warnings.extend(others.warnings);
         // The clock continues into the next file, which knows of no leap second in an earlier one.

@@ -66,6 +66,7 @@ fn joined(columns: Columns, group: usize, plan: &Plan) -> Result<Log, Invalid> {
         cut: columns.cut_rows as u64,
         wrong_checksums: columns.wrong_checksums as u64,
         late: columns.late as u64,
+        unused: columns.unused as u64,
         ..RowSummary::default()
     };
     for Apart { source, channels, columns } in columns.apart {

@@ -70,6 +70,9 @@ pub struct RowSummary {
     /// Sentences of the clock that came late: they told no time.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub late: u64,
+    /// Sentences that neither a channel nor the clock takes, and lines without a sentence.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub unused: u64,
     /// Of those that went backwards, put in order.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub sorted: u64,
@@ -122,6 +125,7 @@ impl std::ops::AddAssign for RowSummary {
         self.spread += other.spread;
         self.wrong_checksums += other.wrong_checksums;
         self.late += other.late;
+        self.unused += other.unused;
         self.sorted += other.sorted;
         self.unset += other.unset;
         self.rollovers += other.rollovers;

@@ -186,6 +186,10 @@ fn summary(out: &Path, document: &IngestDocument) -> Summary {
     let (dropped, mended) =
         (rows.dropped(), rows.mended().map_or(String::new(), |words| format!("; {words}")));
     let left_out_s: f64 = recordings.iter().map(|r| r.left_out_s).sum();
+    let unused = match rows.unused {
+        0 => String::new(),
+        count => format!("; {count} lines and sentences that no channel takes"),
+    };
     let (splits, short) = (sum(|r| r.splits), sum(|r| r.short_segments));
     let warnings = sum(|r| r.warnings.iter().map(|w| w.count).sum());
     let warned = if warnings > 0 { format!("; {warnings} warnings, see ingest.json") } else { String::new() };
@@ -203,13 +207,13 @@ fn summary(out: &Path, document: &IngestDocument) -> Summary {
     let line = format!(
         "{runs} runs, {samples} samples, {} maneuvers from {} recordings; {dropped} rows dropped, {splits} gaps \
          that split a recording, {short} segments too short, {left_out_s:.0} s in no \
-         run{mended}{left_out}{warned}{doubted}{label}",
+         run{mended}{unused}{left_out}{warned}{doubted}{label}",
         maneuvers.len(),
         recordings.len(),
     );
     let details = json!({
         "runs": runs, "samples": samples, "recordings": recordings.len(), "maneuvers": maneuvers.len(),
-        "dropped_rows": dropped, "splits": splits, "short_segments": short, "left_out_s": left_out_s, "warnings": warnings,
+        "dropped_rows": dropped, "unused_lines": rows.unused, "splits": splits, "short_segments": short, "left_out_s": left_out_s, "warnings": warnings,
         "omitted": omitted.as_slice(), "doubtful": names,
     });
     Summary::of(out, line, details)

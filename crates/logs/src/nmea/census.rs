@@ -82,7 +82,7 @@ impl Census {
     }
 
     /// Whether such sentences are wanted, or the address itself is not intact.
-    fn is_wanted(&self, address: &str) -> bool {
+    pub(super) fn is_wanted(&self, address: &str) -> bool {
         let clean = address.bytes().all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit());
         !clean || address.is_empty() || self.wanted.iter().any(|wanted| address.ends_with(wanted.as_str()))
     }

@@ -55,8 +55,8 @@ pub fn read_nmea(
     let wanted: Vec<Column> = spec.plain().iter().map(column).collect::<Result<_, _>>()?;
     let clock = Clock::new(spec, plan.setup.max_gap_s, plan.stamps(group))?;
     let census = Census::new(spec, &wanted);
-    let mut reading =
-        Reading { plan, spec, wanted, store, clock, census, tables: Vec::new(), heard: Heard::default() };
+    let (tables, heard) = (Vec::new(), Heard::default());
+    let mut reading = Reading { plan, spec, wanted, store, clock, census, tables, heard, unused: 0 };
     let mut lines = Lines::new(bytes)?;
     while let Some((number, line)) = lines.bytes()? {
         // Undecodable bytes fail their checksum.
@@ -107,12 +107,14 @@ struct Reading<'a> {
     census: Census,
     tables: Vec<Table>,
     heard: Heard,
+    unused: usize,
 }
 
 impl Reading<'_> {
     /// Reads a line; one without a sentence is skipped.
     fn line(&mut self, line: &str, number: usize) -> Result<(), LogError> {
         let mut prefix = "";
+        self.unused += usize::from(!line.trim().is_empty() && raw_sentences(line).next().is_none());
         for raw in raw_sentences(line) {
             // Sentences on one line share its stamp.
             prefix = if raw.prefix.trim().is_empty() { prefix } else { raw.prefix };
@@ -125,6 +127,7 @@ impl Reading<'_> {
             let timing = self.clock.timing(prefix, &sentence, number, said)?;
             self.clock.step(timing, &sentence, (&mut self.heard, &mut self.tables, &self.wanted));
             if !is_wanted {
+                self.unused += usize::from(!self.census.is_wanted(sentence.address));
                 continue;
             }
             let known = self.tables.iter().position(|table| table.is_of(&sentence, &self.wanted));
@@ -150,7 +153,7 @@ impl Reading<'_> {
 
     fn finish(mut self) -> Result<Columns, Invalid> {
         self.clock.finish((&mut self.heard, &mut self.tables, &self.wanted));
-        let mut columns = Columns::default();
+        let mut columns = Columns { unused: self.unused, ..Columns::default() };
         (columns.wrong_checksums, columns.cut_rows) = self.census.finish(self.spec)?;
         if let Some(missing) = self.missing() {
             return Err(missing);
