@@ -192,6 +192,7 @@ fn parameters(next: &NextTrial) -> Markup {
         .iter()
         .flat_map(|degree| degree.parameters.iter().map(move |parameter| (degree, parameter)))
         .collect();
+    let half_width = next.model.half_width();
     let after = |p: &ModelParameter| three_or_dash(predicted.and_then(|own| own.get(&p.name)).copied());
     let table = Table::of(&rows)
         .compact()
@@ -199,7 +200,7 @@ fn parameters(next: &NextTrial) -> Markup {
         .text("Of", |(degree, _)| &degree.name)
         .text("Unit", |(_, p)| unit(&p.unit))
         .number("Value", |(_, p)| three(p.value))
-        .number("Interval, logs", |(_, p)| by_logs(p))
+        .number("Interval, logs", |(_, p)| by_logs(p, half_width))
         .number("Predicted, this trial", |(_, p)| after(p));
     let duration = duration_s(next).map(|s| format!(" of {} s", exact(s)));
     html! {
@@ -208,15 +209,18 @@ fn parameters(next: &NextTrial) -> Markup {
         p.note {
             "Predicted standard errors are those of estimates from this trial" (or_nothing(duration))
             " alone, under the noise that its campaign states; – where it holds constant what they stand before. Intervals from \
-             the logs hold 95\u{a0}% of the searches over recordings drawn again, or are 1.96 standard errors wide on either side; – \
+             the logs hold 95\u{a0}% of the searches over recordings drawn again, or are " (format!("{half_width:.2}")) " standard errors wide on either side; – \
              where parameters have no errors."
         }
     }
 }
 
 /// The interval of a parameter from the logs.
-fn by_logs(p: &ModelParameter) -> String {
-    let by_errors = || p.standard_error.map(|error| [p.value - 1.96 * error, p.value + 1.96 * error]);
+fn by_logs(p: &ModelParameter, half_width: f64) -> String {
+    let by_errors = || {
+        let half = half_width * p.standard_error?;
+        Some([p.value - half, p.value + half])
+    };
     interval(p.low.zip(p.high).map(|(low, high)| [low, high]).or_else(by_errors))
 }
 

@@ -187,7 +187,7 @@ fn probability(p: f64) -> String {
 }
 
 /// Three significant digits.
-fn three(x: f64) -> String {
+pub(crate) fn three(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return x.to_string();
     }

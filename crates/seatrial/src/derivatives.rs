@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use fitting::{Estimates, Prior};
 use forces::{Forces, LateralSum, Parameter};
 use model::{DegreeOfFreedom, Vessel};
+use numerics::distributions::student_half_width;
 use numerics::{dot, quadratic};
 use refusal::{Invalid, foreign};
 use study::documents::{CaptiveValue, FittedParameter, Reference, SailedSum, SailedSums};
 
-/// Standard errors to either side of an estimate that 95 % of estimates lie within.
-const TWO_SIDED: f64 = 1.96;
+use crate::criticism::three;
 
 /// Values of captive tests, by the names of parameters.
 pub(crate) type Captive = BTreeMap<String, f64>;
@@ -35,9 +35,10 @@ fn check(captive: &Captive, forces: &Forces) -> Result<(), Invalid> {
     }
 }
 
-/// The 95 % interval of an estimate.
-pub(crate) fn interval(value: f64, error: f64) -> [f64; 2] {
-    [value - TWO_SIDED * error, value + TWO_SIDED * error]
+/// The 95 % interval of an estimate, whose error compares so many `pieces` of recordings.
+pub(crate) fn interval(value: f64, error: f64, pieces: usize) -> [f64; 2] {
+    let half = student_half_width(pieces as f64 - 1.0) * error;
+    [value - half, value + half]
 }
 
 /// The captive value of a parameter beside its interval: in the prime system where it has one, else in SI units.
@@ -70,7 +71,7 @@ pub(crate) fn sailed(
         let standard_error = quadratic(&own.weights, &estimates.covariance).max(0.0).sqrt();
         let variances: Option<Vec<f64>> =
             used.iter().map(|i| Some((own.weights[*i] * priors[*i]?.deviation).powi(2))).collect();
-        let interval = interval(value, standard_error);
+        let interval = interval(value, standard_error, estimates.pieces);
         SailedSum {
             degree: DegreeOfFreedom::ALL[own.degree].name().to_owned(),
             order: own.order,
@@ -114,8 +115,9 @@ pub(crate) fn statements(sailed: Option<&SailedSums>, parameters: &[FittedParame
     let sums = sailed.filter(|own| !own.sums.is_empty()).map(|own| {
         let one = |own: &SailedSum| {
             let order = ["", "linear", "quadratic", "cubic"][own.order.min(3) as usize];
-            let captive = own.captive.map_or(String::new(), |own| format!(" (captive {:.3})", own.value));
-            format!("{} {order} {:.3} ± {:.3}{captive}", own.degree, own.value, own.standard_error)
+            let captive = own.captive.map_or(String::new(), |own| format!(" (captive {})", three(own.value)));
+            let [value, error] = [own.value, own.standard_error].map(three);
+            format!("{} {order} {value} ± {error}{captive}", own.degree)
         };
         let all: Vec<String> = own.sums.iter().map(one).collect();
         format!("sums along v = {:.2} r L: {}", own.drift, all.join(", "))

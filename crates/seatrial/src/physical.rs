@@ -204,7 +204,8 @@ impl Physical<'_> {
         let parameter = |i: usize| {
             let (own, found) = (&forces.parameters()[i], &estimates.parameters[i]);
             let si_value = found.value * own.scale;
-            let si_interval = found.standard_error.map(|error| interval(si_value, error * own.scale));
+            let si_interval =
+                found.standard_error.map(|error| interval(si_value, error * own.scale, estimates.pieces));
             let parameter = FittedParameter {
                 name: own.name.clone(),
                 unit: own.unit.clone(),
@@ -229,7 +230,12 @@ impl Physical<'_> {
         Ok(FittedForces {
             description: FittedForces::text(forces.description())?,
             parameters: (0..fit.theta.len()).map(parameter).collect(),
-            covariance: Covariance { joint: true, names, entries: estimates.covariance.clone() },
+            covariance: Covariance {
+                joint: true,
+                names,
+                entries: estimates.covariance.clone(),
+                parts: Some(estimates.pieces as u64),
+            },
             condition: Some(estimates.condition).filter(|own| own.is_finite()),
             window_s: self.settings.window_s,
             windows: problem.windows() as u64,
@@ -310,11 +316,11 @@ fn statements(estimates: &Estimates) -> Vec<String> {
     let mut all = Vec::new();
     let entangled = named(&is_entangled);
     if !entangled.is_empty() {
-        all.push(format!(
-            "condition index {:.0}: the runs know sums of terms, not {} alone",
-            estimates.condition,
-            entangled.join(", ")
-        ));
+        let index = match estimates.condition {
+            index if index.is_finite() => format!("condition index {index:.0}"),
+            _ => "the runs leave a direction open".to_owned(),
+        };
+        all.push(format!("{index}: the runs know sums of terms, not {} alone", entangled.join(", ")));
     }
     let prior = named(&|own| own.prior_share > 0.5);
     if !prior.is_empty() {

@@ -353,7 +353,7 @@ class Bands:
 class Bounds:
     """Bounds under which an estimate counts as good."""
 
-    #: On the parameter error: the 2-norm over the parameters of (θ̂ − θ)/θ.
+    #: On the parameter error: the 2-norm over the parameters of (θ̂ − θ)/θ, of θ̂ itself where θ is 0.
     parameter_error: float
     #: On the simulation error: the 2-norm of the RMSE in surge, sway and yaw.
     simulation_error: float
@@ -673,6 +673,8 @@ class Covariance:
     names: list[str]
     #: As many rows as names, row-major.
     entries: list[float]
+    #: Sub-experiments or pieces of recordings whose differences the errors come from; absent where they do not.
+    parts: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1818,7 +1820,8 @@ class Magnitudes:
     stretch_s: float
     #: Their number.
     stretches: int
-    #: Least and largest root mean square: states, inputs, measured disturbances in the model's order.
+    #: Least and largest root mean square: states, inputs, measured disturbances in the model's order. Any of a
+    #: direction.
     channels: list[Covered]
 
 
@@ -2569,7 +2572,7 @@ class ParameterTrust:
     #: The estimate.
     estimate: float | None = None
     #: Its standard error: sandwich with autocorrelation; of `output-error` with any correlation within a sub-
-    #: experiment. None at a bound.
+    #: experiment. None at a bound, and where there is only one.
     standard_error: float | None = None
     #: Whether it lies at a bound beyond which the data pull it.
     at_bound: bool = False
@@ -3085,6 +3088,8 @@ class RowSummary:
     wrong_checksums: int = 0
     #: Sentences of the clock that came late: they told no time.
     late: int = 0
+    #: Sentences that neither a channel nor the clock takes, and lines without a sentence.
+    unused: int = 0
     #: Of those that went backwards, put in order.
     sorted: int = 0
     #: Left out: before the clock was set.

@@ -60,7 +60,6 @@ pub(super) fn statements(found: &Criticism, under_white: bool) -> Vec<String> {
         out.push(format!("these runs would have shown {}", listed(&visible)));
     }
     out.extend(found.noise.as_ref().map(|noise| noise_found(found, noise)));
-    out.extend(drift(found));
     if let Some(f) = &found.feedback {
         out.push(format!(
             "`{}` answers the measured {} within the sample (correlation {:.2}), as under an autopilot that steers by the sensor \
@@ -118,18 +117,20 @@ fn noise_found(found: &Criticism, noise: &FoundNoise) -> String {
     format!("noise found in {} {turns}{rest}: {}: {}{next}", noise.turns, noise.kind.words(), own.join("; "))
 }
 
-/// The warning that a current persists, which only an estimator with a current as an unknown can distinguish from the
-/// vessel's own motion.
-fn drift(found: &Criticism) -> Option<String> {
-    let time = found.current_time_s.filter(|time| *time >= SLOW)?;
-    let lasts = if time >= LASTING { "stays".to_owned() } else { format!("changes within {time:.0} s") };
-    (found.current_std >= FELT * found.noise_u.min(found.noise_v)).then(|| {
-        format!(
-            "standard errors do not hold: a current of {} m/s {lasts}, and parameters take it for the vessel's own motion; \
-             `estimate --estimator prediction-error` allows for one that is stated",
-            number(found.current_std)
-        )
-    })
+impl Criticism {
+    /// The warning that a current persists, for estimates that do not allow for one: parameters take it for the vessel's own
+    /// motion.
+    pub fn persistent_current(&self) -> Option<String> {
+        let time = self.current_time_s.filter(|time| *time >= SLOW)?;
+        let lasts = if time >= LASTING { "stays".to_owned() } else { format!("changes within {time:.0} s") };
+        (self.current_std >= FELT * self.noise_u.min(self.noise_v)).then(|| {
+            format!(
+                "standard errors do not hold: a current of {} m/s {lasts}, and parameters take it for the vessel's own motion; \
+                 `estimate pool --estimator prediction-error` allows for it",
+                number(self.current_std)
+            )
+        })
+    }
 }
 
 fn values(absent: &Absent) -> String {

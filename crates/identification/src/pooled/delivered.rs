@@ -1,7 +1,10 @@
 use std::collections::HashMap;
+use std::f64::consts::TAU;
 
 use engine::RunView;
 use model::{DegreeOfFreedom, Model, Variable};
+use numerics::distributions::student_half_width;
+use numerics::statistics::Z;
 use regression::pooled::{AnyParts, Part, PartView, Regression, Unread};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -44,6 +47,9 @@ pub struct Covariance {
     pub names: Vec<String>,
     /// As many rows as names, row-major.
     pub entries: Vec<f64>,
+    /// Sub-experiments or pieces of recordings whose differences the errors come from; absent where they do not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parts: Option<u64>,
 }
 
 /// What the increments of one recording gain on the terms: a steady force, current or sensor error of that day.
@@ -76,6 +82,18 @@ pub struct Covered {
     pub high: f64,
 }
 
+impl Covered {
+    /// Whether `value` lies in the range; that of an angle is an arc.
+    pub fn contains(&self, value: f64) -> bool {
+        let turned = match self.unit == "rad" && value.is_finite() {
+            true => self.low + (value - self.low).rem_euclid(TAU),
+            false => value,
+        };
+        // Rounding may turn the lower end once around.
+        (self.low..=self.high).contains(&value) || (self.low..=self.high).contains(&turned)
+    }
+}
+
 impl Delivered {
     /// The model of `found`, which was fitted to `parts`; `None` unless all degrees of freedom have an estimate.
     ///
@@ -95,7 +113,7 @@ impl Delivered {
         let ambient = |(own, scales): &(Searched, Scales)| Surroundings::all(parts, own, scales.follow());
         Ok(Some(Self {
             constant: beyond(intercepts),
-            covariance: covariance(&pool.model, found, degrees),
+            covariance: covariance(&pool.model, found, degrees, parts.count()),
             least_squares: pool.least_squares(found).map(|(theta, own)| (theta, beyond(own))),
             increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
             output_rmse: pooled_rmse(sources),
@@ -240,6 +258,11 @@ impl<'a> Ranges<'a> {
 }
 
 impl Covariance {
+    /// Half the width of a 95 % interval, in standard errors: by Student's t where few parts are compared.
+    pub fn half_width(&self) -> f64 {
+        self.parts.map_or(Z, |parts| student_half_width(parts as f64 - 1.0))
+    }
+
     /// The standard error of the parameter `name`; `None` if it is not among them.
     pub fn standard_error(&self, name: &str) -> Option<f64> {
         let place = self.names.iter().position(|own| own == name)?;
@@ -247,21 +270,21 @@ impl Covariance {
     }
 
     /// The joint covariance of all unknowns of `model`, which has intercepts.
-    pub(crate) fn joint(model: &Model, entries: Vec<f64>) -> Self {
+    pub(crate) fn joint(model: &Model, entries: Vec<f64>, parts: usize) -> Self {
         let name = |(d, name): (usize, &str)| match name {
             "intercept" => format!("{} constant", DegreeOfFreedom::ALL[d].name()),
             name => name.to_owned(),
         };
         let names = model.layout().degrees().zip(model.parameter_names()).map(name).collect();
-        Self { joint: true, names, entries }
+        Self { joint: true, names, entries, parts: Some(parts as u64) }
     }
 }
 
 /// A search has a joint covariance of all unknowns; else each degree of freedom has its own.
-fn covariance(model: &Model, found: &Estimated, degrees: &[DegreeTrust]) -> Option<Covariance> {
+fn covariance(model: &Model, found: &Estimated, degrees: &[DegreeTrust], parts: usize) -> Option<Covariance> {
     let searched = found.searched.as_ref().filter(|_| found.used.iter().all(|used| used.searches()));
     if let Some((whole, _)) = searched {
-        return Some(Covariance::joint(model, whole.covariance.clone()));
+        return (parts > 1).then(|| Covariance::joint(model, whole.covariance.clone(), parts));
     }
     covariance_of(degrees)
 }
@@ -282,7 +305,7 @@ pub(super) fn covariance_of(degrees: &[DegreeTrust]) -> Option<Covariance> {
         first += p;
     }
     let names = degrees.iter().flat_map(|d| &d.parameters).map(|p| p.name.clone()).collect();
-    Some(Covariance { joint: false, names, entries })
+    Some(Covariance { joint: false, names, entries, parts: None })
 }
 
 fn pooled_rmse(sources: &[SourceErrors]) -> Option<[f64; 3]> {

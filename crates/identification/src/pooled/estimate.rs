@@ -11,11 +11,12 @@ use super::resampler::{Resampler, Resampling};
 use super::statements::statements;
 use super::trust::Judge;
 use super::{
-    DegreeTrust, Delivered, Estimated, Follow, Judgement, NoEstimate, ParameterTrust, Pool, Resample,
-    SourceErrors, Unfound,
+    DegreeTrust, Delivered, Estimated, Follow, Judgement, NoEstimate, Pool, Resample, SourceErrors, Unfound,
 };
+use crate::additional::UnknownCurrent;
 use crate::criticism::{Criticism, Subject, Verdict, criticise_after};
 use crate::predictor::InitialState;
+use crate::sensitivity::Flow;
 use crate::{EstimateStatus, Estimator, RunEstimate};
 
 /// One estimate from all runs, and how far it can be trusted.
@@ -46,8 +47,9 @@ impl Pooled {
     pub fn as_run(&self, estimator: Estimator) -> RunEstimate {
         let parameters = || self.degrees.iter().flat_map(|d| &d.parameters);
         let theta: Option<Vec<f64>> = parameters().map(|p| p.estimate).collect();
-        let errors: Option<Vec<f64>> = parameters().map(ParameterTrust::spread).collect();
-        let estimate = theta.zip(errors);
+        // 0 where nothing says how large they are.
+        let errors = parameters().map(|p| p.spread().unwrap_or(0.0)).collect();
+        let estimate = theta.map(|theta| (theta, errors));
         let diverges = self.degrees.iter().any(|d| d.status == EstimateStatus::Diverges);
         let rejected = self.criticism.as_ref().is_some_and(|found| found.rejected);
         RunEstimate {
@@ -150,7 +152,8 @@ fn estimate_any(
     let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
     let alike = delivered.iter().flat_map(|own| entangled(own, pool.model.layout()));
     let stalled = stalled(&found).map(str::to_owned);
-    let spread = stalled.into_iter().chain(few_informative(pool, &found)).chain(ambient(pool, &found));
+    let spread =
+        stalled.into_iter().chain(few_informative(pool, &found, parts.count())).chain(ambient(pool, &found));
     let known: Vec<String> = spread.chain(statements(&degrees)).chain(alike).collect();
     Ok(Pooled {
         design: runs.design().to_owned(),
@@ -182,6 +185,17 @@ pub fn resampled<R: Recorded, T>(
     let unread = |unread: Unread| faults.take(unread);
     let resampler = Resampler::new(pool, &found, &parts, seed).map_err(|e| PoolError::Unread(unread(e)))?;
     Ok(work(&|number| resampler.draw(number).map_err(unread)))
+}
+
+/// Whether all of an estimate allows for a current that persists: as an unknown, or by a filter that knows of one.
+fn allows_for_current(found: &Estimated) -> bool {
+    let follow = found.searched.as_ref().map(|(_, scales)| scales.follow());
+    let allows = match follow {
+        Some(Follow::Simulated(unknown)) => unknown.current != UnknownCurrent::None,
+        Some(Follow::Predicted(levels, _)) => matches!(levels.current, Flow::Markov { .. }),
+        None => false,
+    };
+    allows && found.used.iter().all(|used| used.searches())
 }
 
 /// The warning that a search ended before its minimum.
@@ -230,8 +244,12 @@ fn ambient(pool: &Pool, found: &Estimated) -> Option<String> {
 const FEW: f64 = 3.0;
 
 /// The warning that few sub-experiments are informative about some parameters.
-fn few_informative(pool: &Pool, found: &Estimated) -> Option<String> {
+fn few_informative(pool: &Pool, found: &Estimated, parts: usize) -> Option<String> {
     let (own, _) = found.searched.as_ref()?;
+    if parts == 1 {
+        let remedy = "use more runs, or a smaller --part-s";
+        return Some(format!("no standard errors: they compare sub-experiments, and there is one; {remedy}"));
+    }
     let layout = pool.model.layout();
     let degrees = DegreeOfFreedom::ALL.map(|d| d as usize).into_iter();
     let places = degrees.filter(|d| found.used[*d].searches()).flat_map(|d| layout.terms(d));
@@ -348,5 +366,9 @@ fn criticism(pool: &Pool, found: &Estimated, runs: &dyn AnyRuns) -> Result<Optio
         levels: None,
         names: &names,
     };
-    Ok(criticise_after(&subject, &parameters, &found.noises))
+    let mut criticism = criticise_after(&subject, &parameters, &found.noises);
+    if let Some(own) = criticism.as_mut().filter(|_| !allows_for_current(found)) {
+        own.statements.extend(own.persistent_current());
+    }
+    Ok(criticism)
 }

@@ -78,7 +78,7 @@ pub struct ParameterTrust {
     /// The estimate.
     pub estimate: Option<f64>,
     /// Its standard error: sandwich with autocorrelation; of `output-error` with any correlation within a sub-experiment.
-    /// None at a bound.
+    /// None at a bound, and where there is only one.
     pub standard_error: Option<f64>,
     /// Whether it lies at a bound beyond which the data pull it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -179,7 +179,11 @@ impl Judge<'_> {
         for (d, account) in DegreeOfFreedom::ALL.into_iter().zip(accounts) {
             let bootstrap = Bootstrap::of_resamples(&resamples, &layout.terms(d as usize));
             let places = self.pool.model.layout().terms(d as usize);
-            let degree = account.closed(self.found, places, fits.map(|fits| fits[d as usize]), bootstrap);
+            let mut degree = account.closed(self.found, places, fits.map(|fits| fits[d as usize]), bootstrap);
+            // Errors of a search compare parts.
+            degree.covariance = degree
+                .covariance
+                .filter(|_| self.parts.count() > 1 || !self.found.used[d as usize].searches());
             let fit = &self.found.degrees[d as usize];
             degrees.push(judged(self.pool, d, fit, self.found.used[d as usize], &degree));
         }

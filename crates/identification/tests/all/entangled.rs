@@ -14,6 +14,7 @@ fn sentences(values: [f64; 2], errors: [f64; 2], correlation: f64) -> Vec<String
             joint: false,
             names: vec!["N_v".to_owned(), "N_r".to_owned()],
             entries: vec![errors[0].powi(2), crossed, crossed, errors[1].powi(2)],
+            parts: None,
         }),
         least_squares: None,
         increment_std: [0.0; 3],

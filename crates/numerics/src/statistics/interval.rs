@@ -1,6 +1,7 @@
 //! 95 % intervals of shares, quantiles and paired differences.
 
 use super::{mean, quantile, sorted, spread};
+use crate::distributions::student_half_width;
 
 /// The 97.5 % quantile of the standard normal distribution.
 pub const Z: f64 = 1.959_963_984_540_054;
@@ -15,13 +16,26 @@ pub fn wilson(count: u64, total: u64) -> Option<[f64; 2]> {
     if total == 0 {
         return None;
     }
-    let (share, weight) = (count as f64 / total as f64, Z * Z / total as f64);
+    let [low, high] = score(count as f64 / total as f64, total as f64, Z);
+    // The ends are exact where all trials failed or succeeded; rounding must not move them off 0 and 1.
+    Some([if count == 0 { 0.0 } else { low }, if count == total { 1.0 } else { high }])
+}
+
+/// Wilson's score interval of a `share` of so many trials, `z` standard errors to either side.
+fn score(share: f64, trials: f64, z: f64) -> [f64; 2] {
+    let weight = z * z / trials;
     let centre = share + 0.5 * weight;
     let half = (weight * (share * (1.0 - share) + 0.25 * weight)).sqrt();
-    // The ends are exact where all trials failed or succeeded; rounding must not move them off 0 and 1.
-    let low = if count == 0 { 0.0 } else { (centre - half) / (1.0 + weight) };
-    let high = if count == total { 1.0 } else { (centre + half) / (1.0 + weight) };
-    Some([low, high])
+    [(centre - half) / (1.0 + weight), (centre + half) / (1.0 + weight)]
+}
+
+/// 95 % interval `[low, high]` of the mean of `shares`, each of a cluster of as many trials, which need not be independent
+/// within it: Wilson's for as many independent trials as would make the shares vary so, by Student's t. `None` below two.
+pub fn clustered_share(shares: &[f64]) -> Option<[f64; 2]> {
+    let (clusters, share) = (shares.len() as f64, mean(shares)?);
+    let variance = spread(shares)?.powi(2) / clusters;
+    let trials = if variance > 0.0 { share * (1.0 - share) / variance } else { clusters };
+    Some(score(share, trials, student_half_width(clusters - 1.0)).map(|end| end.clamp(0.0, 1.0)))
 }
 
 /// 95 % interval `[low, high]` of the difference of two independent shares, each a count of a total; `None`
@@ -56,10 +70,11 @@ fn hybrid(one: [u64; 2], other: [u64; 2], correlation: f64) -> Option<[f64; 2]> 
     Some(ends.map(|end| end.clamp(-1.0, 1.0)))
 }
 
-/// 95 % interval `[low, high]` of the mean of the distribution of `values`, if there are enough of them for
-/// their mean to be normal; `None` below two.
+/// 95 % interval `[low, high]` of the mean of the distribution of `values` by Student's t, if they are normal or many;
+/// `None` below two.
 pub fn mean_interval(values: &[f64]) -> Option<[f64; 2]> {
-    let half = Z * spread(values)? / (values.len() as f64).sqrt();
+    let n = values.len() as f64;
+    let half = student_half_width(n - 1.0) * spread(values)? / n.sqrt();
     mean(values).map(|mean| [mean - half, mean + half])
 }
 

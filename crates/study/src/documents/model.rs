@@ -5,6 +5,7 @@ use model::{
     Constrained, Constraint, DegreeOfFreedom, DerivedChannel, DerivedSpec, InputSpec, MeasuredSpec, TermSpec,
     Variable, Vessel, VesselFile, Written,
 };
+use numerics::statistics::Z;
 use refusal::{Invalid, check_numbers};
 use regression::MeanRemoval;
 use schemars::JsonSchema;
@@ -289,6 +290,11 @@ impl ModelDocument {
     /// Covariance of its parameters: of the terms, or of all numbers of forces; `None` where no such errors hold.
     pub fn errors_of_parameters(&self) -> Option<&Covariance> {
         self.forces.as_ref().map(|own| &own.covariance).or(self.covariance.as_ref())
+    }
+
+    /// Half the width of a 95 % interval of a parameter, in standard errors.
+    pub fn half_width(&self) -> f64 {
+        self.errors_of_parameters().map_or(Z, Covariance::half_width)
     }
 
     fn incomplete(&self) -> Invalid {

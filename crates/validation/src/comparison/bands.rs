@@ -132,10 +132,11 @@ impl<'a> Banded<'a> {
 
     /// From the derivatives of u, v and r by the parameters of `covariance`.
     fn half(&self, covariance: &Covariance, by: &[Vec<f64>; 3]) -> [f64; 3] {
+        let wider = (covariance.half_width() / Z).powi(2);
         [0, 1, 2].map(|d: usize| {
             let moved = times(&covariance.entries, &by[d]);
             let variance: f64 = by[d].iter().zip(moved).map(|(a, b)| a * b).sum();
-            Z * (variance.max(0.0) + self.known.rmse[d].powi(2)).sqrt()
+            Z * (wider * variance.max(0.0) + self.known.rmse[d].powi(2)).sqrt()
         })
     }
 }

@@ -113,7 +113,7 @@ fn fitted(truth: &Vessel, seed: u64) -> Fitted {
         samples += run.samples() as f64;
     }
     Fitted {
-        covariance: Covariance { joint: true, names, entries: estimates.covariance.clone() },
+        covariance: Covariance { joint: true, names, entries: estimates.covariance.clone(), parts: None },
         rmse: squares.map(|sum: f64| (sum / samples).sqrt()),
         vessel: Vessel {
             value: fit.theta.iter().map(|own| Some(*own)).collect(),
@@ -187,7 +187,7 @@ fn law_intervals_of_figures_hold_the_truth() {
 fn law_one_step_residuals_of_forces_are_noise_where_the_ship_is_known() {
     let truth = tanker();
     let own = Fitted {
-        covariance: Covariance { joint: true, names: Vec::new(), entries: Vec::new() },
+        covariance: Covariance { joint: true, names: Vec::new(), entries: Vec::new(), parts: None },
         rmse: [0.0; 3],
         vessel: truth.clone(),
     };
