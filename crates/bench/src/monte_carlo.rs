@@ -65,7 +65,7 @@ impl<'a> Study<'a> {
                 let Outcome::Identified(found) = outcome else { continue };
                 lanes.iter_mut().zip(found).for_each(|(l, p)| l[lane] = *p);
                 let error = parameter_error(found, &self.truth);
-                good.0 += usize::from(error.is_some_and(|e| e < 5.0));
+                good.0 += usize::from(error < 5.0);
             }
             let errors = free_runs(model, &lanes, &self.validation, &self.reference);
             good.1 += errors.iter().filter(|e: &&FreeRun| e.norm().is_some_and(|n| n < 0.15)).count();

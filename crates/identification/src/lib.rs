@@ -32,5 +32,5 @@ pub use sensitivity::{
     OutputInformation, Simulated, output_information, output_informations, prediction_weights,
 };
 pub use status::{EstimateStatus, ScoreStatus};
-pub use validate::{FreeRun, free_runs, parameter_error, rmse_norm};
+pub use validate::{FreeRun, free_runs, not_relative, parameter_error, rmse_norm};
 pub use validation_runs::{Candidate, RunScore, ValidationRuns};

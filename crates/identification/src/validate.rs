@@ -1,6 +1,7 @@
 use engine::{Compiled, Weather, diverged_lanes, simulate};
-use model::Model;
+use model::{Model, Vessel};
 use numerics::{Arithmetic, LANES, Lane, Number, Numbers, Row, Wide, vectorized};
+use refusal::listed;
 
 /// Errors of a free simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,11 +113,21 @@ where
     (squares, beyond)
 }
 
-/// The 2-norm over the parameters of (θ̂ − θ)/θ. `None` if a true value is zero.
-pub fn parameter_error(estimate: &[f64], truth: &[f64]) -> Option<f64> {
-    if truth.contains(&0.0) {
-        return None;
-    }
-    let relative = estimate.iter().zip(truth).map(|(e, t)| (e - t) / t);
-    Some(relative.map(|x| x * x).sum::<f64>().sqrt())
+/// The 2-norm over the parameters of (θ̂ − θ)/θ, of θ̂ itself where θ is zero.
+pub fn parameter_error(estimate: &[f64], truth: &[f64]) -> f64 {
+    let relative = estimate.iter().zip(truth).map(|(e, t)| if *t == 0.0 { *e } else { (e - t) / t });
+    relative.map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Names the parameters of `vessel` whose errors [`parameter_error`] does not relate to their true value.
+pub fn not_relative(vessel: &Vessel) -> Option<String> {
+    let all = vessel.model.parameter_names().zip(&vessel.value);
+    let zero: Vec<String> =
+        all.filter(|(_, value)| **value == Some(0.0)).map(|(name, _)| format!("`{name}`")).collect();
+    (!zero.is_empty()).then(|| {
+        format!(
+            "in the parameter error {} with a true value of 0 counts as estimated, not relative to it",
+            listed(&zero)
+        )
+    })
 }

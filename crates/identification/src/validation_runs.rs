@@ -111,7 +111,7 @@ impl<'a> ValidationRuns<'a> {
             run: found.run,
             estimator: found.estimator,
             status,
-            parameter_error: known.and_then(|(theta, truth)| parameter_error(theta, truth)),
+            parameter_error: known.map(|(theta, truth)| parameter_error(theta, truth)),
             rmse: [0, 1, 2].map(|d| rmse.map(|r| r[d])),
             simulation_error: rmse.map(rmse_norm),
         }

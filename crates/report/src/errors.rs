@@ -12,7 +12,7 @@ use study::estimates::distinct;
 use study::scores::Row;
 
 const PARAMETER: ErrorFigure<'_> = ErrorFigure::half("parameter-error", "parameter error [1]", 25.0)
-    .captioned("Norm of the relative parameter errors.");
+    .captioned("Norm of the relative parameter errors; of true values of 0 that of the estimates.");
 const SIMULATION: ErrorFigure<'_> =
     ErrorFigure::half("simulation-error", "norm of the simulation RMSE [m/s, m/s, rad/s]", 0.5)
         .captioned("Norm of the simulation errors.");

@@ -8,7 +8,7 @@ use artifact::{Provenance, Staged, Work, commit, stage_set_document};
 use clap::Parser;
 use identification::predictor::InitialState;
 use identification::runs::RunEstimators;
-use identification::{Estimator, ValidationRuns};
+use identification::{Estimator, ValidationRuns, not_relative};
 use model::{Source, Vessel};
 use numerics::LANES;
 use regression::MeanRemoval;
@@ -111,7 +111,8 @@ impl Arguments {
         let samples = [study.campaign.samples() as u64, study.validation.samples()];
         let document = TallyDocument::new(tally, config.bounds(), realizations, samples, settings.seed);
         let kept = kept.finish(out, config.bounds(), samples[1], &provenance)?;
-        published(out, &provenance, document, kept)
+        let summary = published(out, &provenance, document, kept)?;
+        Ok(summary.also(not_relative(campaign.vessel())))
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Provenance, TableReader};
 use clap::Parser;
-use identification::ValidationRuns;
+use identification::{ValidationRuns, not_relative};
 use model::Vessel;
 use serde_json::json;
 use study::campaign_file::CampaignFile;
@@ -69,7 +69,7 @@ impl Task for Arguments {
             }
             false => self.computed(&vessel, &validation, provenance, [&out, &document], common.quiet)?,
         };
-        publish(&config, &validation, &document, made)
+        Ok(publish(&config, &validation, &document, made)?.also(not_relative(&vessel)))
     }
 }
 

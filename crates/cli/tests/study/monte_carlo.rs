@@ -218,3 +218,16 @@ fn what_cannot_be_tallied_is_refused() {
     edit(&folder, "campaign.toml", "realizations = 20", "realizations = 9223372036854775808");
     refused(&format!("{LINE} --out refused.json"), 3, &["campaign.toml", "realizations"]);
 }
+
+/// A true value of 0 has no relative error: the estimate itself counts, and the summary says so.
+#[test]
+fn a_true_value_of_zero_is_no_reason_to_call_every_estimate_bad() {
+    let folder = designed(8);
+    let flags = "--allow-mixed --set vessel.sway.1.value=0.0 --out zero.json";
+    let ran = run(&folder, &format!("{LINE} --estimator iv {flags}")).succeeds();
+    assert!(ran.stdout.contains("in the parameter error `Y_ur` with a true value of 0 counts as"), "{ran}");
+    let counted = &tally(&folder, "zero.json").tally.counted[0];
+    assert!(counted.parameter_errors_below > 0 && counted.parameter_error.sum.value() > 0.0, "{counted:?}");
+    let ran = run(&folder, &format!("{LINE} --estimator iv --out tally.json")).succeeds();
+    assert!(!ran.stdout.contains("true value of 0"), "{ran}");
+}

@@ -183,7 +183,7 @@ impl<'a> Trial<'a> {
                 samples,
                 shared,
                 outcome: found.as_ref().map_or(Outcome::Diverged, |found| found.status.into()),
-                parameter_error: estimate.and_then(|(t, _)| parameter_error(t, &self.truth)),
+                parameter_error: estimate.map(|(t, _)| parameter_error(t, &self.truth)),
                 predicted_error: estimate.map(|(t, errors)| self.learn(realization, t, errors)),
                 expected_error: None,
             }

@@ -9,7 +9,7 @@ use super::{ExactSum, Histogram};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bounds {
-    /// On the parameter error: the 2-norm over the parameters of (θ̂ − θ)/θ.
+    /// On the parameter error: the 2-norm over the parameters of (θ̂ − θ)/θ, of θ̂ itself where θ is 0.
     pub parameter_error: f64,
     /// On the simulation error: the 2-norm of the RMSE in surge, sway and yaw.
     pub simulation_error: f64,
