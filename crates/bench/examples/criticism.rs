@@ -12,7 +12,8 @@ use std::error::Error;
 use engine::{Run, RunView};
 use identification::criticism::{Criticism, Subject, criticise, criticise_each};
 use identification::pooled::{Judgement, Pool, Resampling, StandardErrors, enriched, standard_errors};
-use numerics::statistics::wilson;
+use numerics::distributions::student_half_width;
+use numerics::statistics::{Z, clustered_share, wilson};
 use rayon::prelude::*;
 use regression::pooled::PooledRuns;
 use seatrial::{CampaignFile, DictionaryFile, Estimator, Study, Vessel};
@@ -183,11 +184,16 @@ fn errors(study: &Study, runs: &[SimulatedRun]) -> Vec<String> {
     let truth: Vec<f64> = study.vessel().value.iter().copied().flatten().collect();
     let of = |estimator: Estimator| {
         let held = |some: &[SimulatedRun]| {
-            let found =
-                standard_errors(&Pool::new(study.vessel()), &pooled(some), estimator, &judgement).ok()?;
+            let runs = pooled(some);
+            // By Student's t where parts are compared.
+            let half_width = match estimator.searches() {
+                true => student_half_width(runs.parts(None).len() as f64 - 1.0),
+                false => Z,
+            };
+            let found = standard_errors(&Pool::new(study.vessel()), &runs, estimator, &judgement).ok()?;
             let held = |StandardErrors { theta, standard_errors }: StandardErrors| {
                 let all = theta.into_iter().zip(standard_errors).zip(&truth);
-                all.map(|((value, error), truth)| (value - truth).abs() <= 1.96 * error)
+                all.map(|((value, error), truth)| (value - truth).abs() <= half_width * error)
                     .collect::<Vec<bool>>()
             };
             found.map(held)
@@ -196,10 +202,15 @@ fn errors(study: &Study, runs: &[SimulatedRun]) -> Vec<String> {
         let by_parameter = |i: usize| sets.iter().filter(|held| held[i]).count();
         let names = study.vessel().model.parameter_names().enumerate();
         let least = names.map(|(i, name)| (by_parameter(i), name)).min().unwrap_or((0, ""));
-        let all = sets.iter().flatten();
+        // The parameters of an estimate err together.
+        let of_set =
+            |held: &Vec<bool>| held.iter().filter(|held| **held).count() as f64 / held.len().max(1) as f64;
+        let shares: Vec<f64> = sets.iter().map(of_set).collect();
+        let [low, high] = clustered_share(&shares).unwrap_or([0.0, 1.0]).map(|end| 100.0 * end);
         format!(
-            "{estimator}: held {}, least {} {}",
-            share(all.clone().filter(|held| **held).count(), all.count()),
+            "{estimator}: held {:.1} % ({low:.1} to {high:.1}) of {}, least {} {}",
+            100.0 * shares.iter().sum::<f64>() / shares.len().max(1) as f64,
+            shares.len(),
             least.1,
             share(least.0, sets.len())
         )

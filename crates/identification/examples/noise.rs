@@ -17,7 +17,7 @@ use identification::predictor::{Drift, Flow, Gusts, InitialState, Levels};
 use identification::runs::{AdditionalUnknowns, RunEstimators};
 use maneuver::{DictionaryFile, Generator};
 use model::{Model, Source, Term, Vessel};
-use numerics::statistics::wilson;
+use numerics::statistics::{clustered_share, wilson};
 use rayon::prelude::*;
 use regression::MeanRemoval;
 
@@ -193,6 +193,7 @@ impl Ship {
             ("sensors", Sea { sensors: Some((sensors, 60.0)), ..still }),
             ("unlike-gusts", pushed([3.0, 8.0, 25.0])),
             ("waves", Sea { waves: Some((force.map(|f| 4.0 * f), 3.0)), ..still }),
+            ("waves-8", Sea { waves: Some((force.map(|f| 4.0 * f), 8.0)), ..still }),
         ]
         .into_iter()
         .map(|(name, sea)| (name, Sea { name, ..sea }))
@@ -326,14 +327,18 @@ impl Ship {
             .flatten_iter()
             .filter_map(|row| row.estimate)
             .collect();
-        let held = |i: usize| {
-            rows.iter().filter(|(theta, error)| (theta[i] - truth[i]).abs() <= 1.96 * error[i]).count()
-        };
-        let by: Vec<usize> = (0..truth.len()).map(held).collect();
-        let worst = by.iter().copied().min().unwrap_or(0);
+        let holds =
+            |(theta, error): &(Vec<f64>, Vec<f64>), i: usize| (theta[i] - truth[i]).abs() <= 1.96 * error[i];
+        let held = |i: usize| rows.iter().filter(|row| holds(row, i)).count();
+        let worst = (0..truth.len()).map(held).min().unwrap_or(0);
+        // The parameters of a run err together.
+        let of_run = |row| (0..truth.len()).filter(|i| holds(row, *i)).count() as f64 / truth.len() as f64;
+        let shares: Vec<f64> = rows.iter().map(of_run).collect();
+        let [low, high] = clustered_share(&shares).unwrap_or([0.0, 1.0]).map(|end| 100.0 * end);
+        let mean = 100.0 * shares.iter().sum::<f64>() / shares.len() as f64;
         vec![format!(
-            "{estimator}: held {}, worst parameter {}",
-            share(by.iter().sum(), rows.len() * truth.len()),
+            "{estimator}: held {mean:.1} ({low:.1}–{high:.1}) of {} runs, worst parameter {}",
+            rows.len(),
             share(worst, rows.len())
         )]
     }
