@@ -88,7 +88,7 @@ impl Failure {
             )),
             PoolError::NotIdentifiable(reasons) => Self::NoAnswer(format!(
                 "{}: pooled estimate: found no degree of freedom that is identifiable ({}), expected one; add runs that vary \
-                 these terms, name a --prior, or use --estimator ls",
+                 these terms, or name a --prior for `ls`, `iv` or `auto`",
                 file.display(),
                 reasons.join("; ")
             )),

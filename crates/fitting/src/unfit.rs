@@ -80,7 +80,11 @@ impl Unfit {
             Self::WrongSign(..) => {
                 ("the fit", "signs as the ship has them", "check these columns and places, and correct them")
             }
-            Self::Unfinished(_) => ("the fit", "a minimum", "add priors, or begin from better numbers"),
+            Self::Unfinished(_) => (
+                "the fit",
+                "a minimum",
+                "give each number a prior, or a narrower one, or begin from better numbers",
+            ),
         };
         Invalid::new(thing, self.to_string(), expected, remedy)
     }

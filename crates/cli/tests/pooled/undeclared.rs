@@ -127,6 +127,13 @@ fn the_noise_of_a_healthy_log_is_found_and_its_model_is_not_rejected() {
 fn a_log_of_noise_alone_gives_no_model() {
     let folder = ingested(&[Log { driven: false, ..HEALTHY }]);
     run(&folder, EACH).refuses(4, &["logs.parquet", "`X_tau`", "no run that excites it"]);
+    for estimator in ["ls", "iv"] {
+        let line = format!("{} --estimator {estimator}", ALL.replace(" --estimator prediction-error", ""));
+        let remedy =
+            ["no degree of freedom that is identifiable", "or name a --prior for `ls`, `iv` or `auto`"];
+        run(&folder, &line).refuses(4, &remedy);
+        run(&folder, &format!("{line} --prior 0.03")).succeeds();
+    }
     run(&folder, ALL).refuses(4, &["logs.parquet", "no degree of freedom that is identifiable"]);
 }
 

@@ -82,7 +82,11 @@ pub fn first_named(degree: &Degree, diagnosis: &Diagnosis) -> usize {
 /// [`weakest`] with its condition index.
 pub fn collinear(d: DegreeOfFreedom, degree: &Degree, diagnosis: &Diagnosis, constant: &[String]) -> String {
     let direction = weakest(d, degree, diagnosis, constant);
-    format!("{direction} (condition index {:.0}, from {COLLINEAR:.0} on collinear)", diagnosis.index)
+    let index = match diagnosis.index {
+        index if index.is_finite() => format!("{index:.0}"),
+        _ => "beyond all numbers".to_owned(),
+    };
+    format!("{direction} (condition index {index}, from {COLLINEAR:.0} on collinear)")
 }
 
 /// Why degree of freedom `d` has no estimate.

@@ -26,7 +26,7 @@ pub fn unidentified(
     let why = match first.first().and_then(|run| Some((run.run, estimators.collinear(run)?))) {
         Some((run, found)) => format!(
             "{} runs: found none that is identifiable (run {run}: {}), expected one; add maneuvers that vary these terms, \
-             or use --estimator ls, or estimate pool --estimator auto",
+             or hold them near the nominal model: estimate pool --prior 0.03",
             rows.len(),
             found.words
         ),
