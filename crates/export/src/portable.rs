@@ -155,9 +155,14 @@ impl Portable {
         let given = channels.len() - vessel.model.derived.len();
         // Derived channels are within their ranges if their sources are.
         let place = |name: &String| channels[..given].iter().position(|own| own.name == *name);
+        // The range of a direction is a circle.
+        let is_direction = |place: usize| place >= 3 + vessel.model.inputs && channels[place].unit == "rad";
         let covered = known.covered.iter();
-        let ranges = covered
-            .filter_map(|(name, [low, high])| Some(Range { channel: place(name)?, low: *low, high: *high }));
+        let range = |(name, [low, high]): &(String, [f64; 2])| {
+            let channel = place(name).filter(|place| !is_direction(*place))?;
+            Some(Range { channel, low: *low, high: *high })
+        };
+        let ranges: Vec<Range> = covered.filter_map(range).collect();
         let mut making = Making { vessel, known, names, parameters: Vec::new(), tied: Vec::new() };
         let equations = match vessel.model.forces {
             Some(_) => [const { Vec::new() }; 3],
@@ -169,7 +174,7 @@ impl Portable {
             vessel: vessel.name.clone(),
             base: file_name(&vessel.name),
             rate_hz: vessel.sample_rate_hz,
-            ranges: ranges.collect(),
+            ranges,
             notes: known.notes.clone(),
             parts: known.parts.clone(),
             late: late(vessel),

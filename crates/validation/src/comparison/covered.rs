@@ -52,8 +52,7 @@ impl<'a> Counter<'a> {
         for (state, inputs) in states.as_chunks::<3>().0.iter().zip(inputs) {
             self.samples += 1;
             for (i, value) in state.iter().chain(inputs).enumerate().take(self.covered.len()) {
-                let Covered { low, high, .. } = self.covered[i];
-                self.outside[i] += u64::from(!(low..=high).contains(value));
+                self.outside[i] += u64::from(!self.covered[i].contains(*value));
             }
         }
     }

@@ -22,7 +22,7 @@ pub struct Magnitudes {
     pub stretch_s: f64,
     /// Their number.
     pub stretches: u64,
-    /// Least and largest root mean square: states, inputs, measured disturbances in the model's order.
+    /// Least and largest root mean square: states, inputs, measured disturbances in the model's order. Any of a direction.
     pub channels: Vec<Covered>,
 }
 
@@ -79,13 +79,13 @@ impl Magnitudes {
                 }
             }
         })?;
-        let channel = |(variable, [low, high]): (&Variable, &[f64; 2])| Covered {
-            name: variable.name.clone(),
-            unit: variable.unit.clone(),
-            low: *low,
-            high: *high,
+        let channel = |(i, (variable, [low, high])): (usize, (&Variable, &[f64; 2]))| {
+            // A direction of wind or water says nothing of how much the ship moves: any will do.
+            let is_direction = i >= 3 + model.inputs && variable.unit == "rad";
+            let [low, high] = if is_direction { [0.0, 1e12] } else { [*low, *high] };
+            Covered { name: variable.name.clone(), unit: variable.unit.clone(), low, high }
         };
-        let channels = model.variables.iter().zip(&ends).map(channel).collect();
+        let channels = model.variables.iter().zip(&ends).enumerate().map(channel).collect();
         Ok((stretches > 0).then_some(Self { stretch_s: STRETCH_S, stretches, channels }))
     }
 }
