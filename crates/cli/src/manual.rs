@@ -49,5 +49,6 @@ fn pages(command: &Command, folder: &Path, staged: &mut Vec<Staged>) -> Result<(
     let mut page = Vec::new();
     man.render(&mut page).map_err(|e| Failure::Failed(format!("{}: {e}", man.get_filename())))?;
     staged.push(Staged::bytes(folder.join(man.get_filename()), &page)?);
-    command.get_subcommands().try_for_each(|own| pages(own, folder, staged))
+    let mut others = command.get_subcommands().filter(|own| own.get_name() != "help");
+    others.try_for_each(|own| pages(own, folder, staged))
 }
