@@ -235,7 +235,7 @@ fn names_of_recordings_may_have_commas() {
                     out/measured/ingest.json --estimator ls --quiet --out estimates.parquet";
         let ended = command.args(line.split_whitespace()).args(flags).current_dir(&folder).output().unwrap();
         assert!(ended.status.success(), "{flags:?}: {}", String::from_utf8_lossy(&ended.stderr));
-        let sources = json(&folder, "trust.json")["data"]["sources"].as_array().unwrap().clone();
+        let sources = json(&folder, "trust.json")["data"]["runs"].as_array().unwrap().clone();
         sources.iter().map(|own| own["source"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
     };
     assert_eq!(pool(&["--runs", "zig,zag, again"]), ["zig,zag, again"]);

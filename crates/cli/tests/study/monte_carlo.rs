@@ -224,7 +224,9 @@ fn what_cannot_be_tallied_is_refused() {
 fn a_true_value_of_zero_is_no_reason_to_call_every_estimate_bad() {
     let folder = designed(8);
     let flags = "--allow-mixed --set vessel.sway.1.value=0.0 --out zero.json";
-    let ran = run(&folder, &format!("{LINE} --estimator iv {flags}")).succeeds();
+    run(&folder, "new mine --vessel model-ship").succeeds();
+    let line = LINE.replacen("vessel.toml", "mine/vessel.toml", 1);
+    let ran = run(&folder, &format!("{line} --estimator iv {flags}")).succeeds();
     assert!(ran.stdout.contains("in the parameter error `Y_ur` with a true value of 0 counts as"), "{ran}");
     let counted = &tally(&folder, "zero.json").tally.counted[0];
     assert!(counted.parameter_errors_below > 0 && counted.parameter_error.sum.value() > 0.0, "{counted:?}");
