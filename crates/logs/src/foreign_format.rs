@@ -3,7 +3,7 @@
 use refusal::Invalid;
 
 use crate::Format;
-use crate::foreign_text::{N2K, text};
+use crate::foreign_text::{N2K, nmea_2000, text};
 
 /// Bytes that suffice to recognize all of them.
 pub const SNIFFED: usize = 4096;
@@ -32,6 +32,7 @@ const BYTES: &[Signature] = &[
     ),
     Signature(0, b"MATLAB 7.3 MAT-file", "a MATLAB file of version 7.3", MAT_73),
     Signature(0, b"MATLAB 5.0 MAT-file", "a MATLAB file", MAT),
+    Signature(0, b"# Created by Octave", "text of Octave", "save its columns as CSV: `csvwrite`"),
     Signature(0, b"\x10\x02\x93", "messages of NMEA 2000 (Actisense)", N2K),
     Signature(0, b"\x89HDF\r\n\x1A\n", "an HDF5 file, such as NetCDF 4 or MATLAB 7.3", H5),
     Signature(0, b"CDF\x01", "a NetCDF file", H5),
@@ -120,6 +121,8 @@ pub fn foreign_format(head: &[u8], format: Format, is_from_top: bool) -> Option<
         Format::Csv if is_from_top => {
             text(&readable(head)).map(|(found, remedy)| refused(found, format, remedy))
         }
+        // Sentences may follow lines of another kind.
+        Format::Nmea => nmea_2000(&readable(head)).map(|(found, remedy)| refused(found, format, remedy)),
         Format::Parquet | Format::Mcap | Format::Bag | Format::Db3 | Format::Ulg
             if !head.is_empty() && is_text(head) =>
         {
@@ -156,6 +159,9 @@ fn archive(head: &[u8]) -> Option<(&'static str, &'static str)> {
 
 /// Formats without a signature.
 fn unmarked(head: &[u8]) -> Option<(&'static str, &'static str)> {
+    if is_matlab_4(head) {
+        return Some(("a MATLAB file of version 4", MAT));
+    }
     let (fours, _) = head[..head.len().min(256)].as_chunks::<4>();
     let zeros = |places: [usize; 3]| {
         fours.len() > 1 && fours.iter().all(|four| places.iter().all(|place| four[*place] == 0))
@@ -172,6 +178,19 @@ fn unmarked(head: &[u8]) -> Option<(&'static str, &'static str)> {
     }
     let is_pickle = matches!(head, [0x80, 2..=5, ..]) && !is_text(head);
     is_pickle.then_some(("a pickle of Python", "write the data as CSV or Parquet"))
+}
+
+/// A header of five numbers, least or most significant byte first, then the name of an array.
+fn is_matlab_4(head: &[u8]) -> bool {
+    let Some((numbers, name)) = head.split_first_chunk::<20>() else { return false };
+    let is_header = |from: fn([u8; 4]) -> u32, order: u32| {
+        let [kind, _, _, imaginary, length] = [0, 1, 2, 3, 4].map(|i| from(numbers.as_chunks::<4>().0[i]));
+        let name = name.iter().take(length as usize).take_while(|c| c.is_ascii_alphanumeric() || **c == b'_');
+        let (is_named, is_kind) =
+            (length > 1 && name.count() + 1 == length as usize, kind.wrapping_sub(order) < 60);
+        is_kind && kind % 10 < 3 && imaginary < 2 && is_named
+    };
+    is_header(u32::from_le_bytes, 0) || is_header(u32::from_be_bytes, 1000)
 }
 
 /// The beginning of a text, also in UTF-16.
@@ -219,6 +238,15 @@ mod tests {
             (b"  can0  123   [2]  01 02\n", "candump"),
             (b"A173321.107 23FF7 1F513 012F3070002F30709F\n", "NMEA 2000"),
             (b"2011-11-24-22:42:04.388,2,127251,36,255,8,7d,0b,7d,02,00,ff,ff,ff\n", "NMEA 2000"),
+            (b"# format=FAST\n2016-02-28T19:57:02.364Z,2,127250,67,255,3,00,05,7d\n", "NMEA 2000"),
+            (b" (010.000042)  can0  TX - -  09F11207   [2]  00 E0\n", "candump"),
+            (b"(1744362500.000000) n2k 09F11207#00E02EFF7FFF7FFC R\n", "candump"),
+            (b"17:33:21.107 R 19F51323 01 2F 30 70 00 2F 30 70\n", "NMEA 2000"),
+            (b"{\"timestamp\":\"2016-02-28\",\"prio\":2,\"pgn\":127250,\"fields\":{}}\n", "canboat"),
+            (b"{\"version\":\"4.2\",\"units\":\"si\"}\n{\"prio\":2,\"pgn\":127250}\n", "canboat"),
+            (b"{\"t\":0}\n{\"t\":1}\n", "lines=True"),
+            (b"\0\0\0\0\x3d\0\0\0\x01\0\0\0\0\0\0\0\x02\0\0\0t\0\0\0", "MATLAB"),
+            (b"\0\0\x03\xE8\0\0\0\x3d\0\0\0\x01\0\0\0\0\0\0\0\x02t\0\0\0", "MATLAB"),
             (b"PAR1....", "Parquet"),
             (b"\x89MCAP0\r\n", "MCAP"),
             (b"#ROSBAG V2.0\n", "ROS 1"),
@@ -242,6 +270,8 @@ mod tests {
             "MATLAB,1\n",
             "time;\0\0",
             "A1 2 3 4\n",
+            "# t,u\nt,u\n0,1\n",
+            "12:00:01.5 R 1 2\n",
         ] {
             assert_eq!(found(text.as_bytes(), Format::Csv), "", "{text}");
         }

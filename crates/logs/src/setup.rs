@@ -116,9 +116,11 @@ pub enum Format {
 }
 
 impl Format {
-    /// By a file's extension, in any case; CSV where it is none of those that others have.
+    /// By the extension of a file, or of a pattern, in any case; CSV where it is none of those that others have.
     pub fn of(name: &str) -> Self {
         let name = name.strip_suffix(".gz").unwrap_or(name);
+        // What a recorder that did not end leaves.
+        let name = name.strip_suffix(".active").unwrap_or(name).trim_end_matches('*');
         let end = name.rsplit_once('.').map(|(_, end)| end.to_ascii_lowercase());
         match end.as_deref() {
             Some("parquet" | "parq" | "pq") => Self::Parquet,

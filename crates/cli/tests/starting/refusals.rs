@@ -166,7 +166,7 @@ fn logs_without_columns_or_times() {
         &folder,
         3,
         line,
-        &["logs: logs: found `a.mat` and neither CSV, Parquet, a bag nor sentences", "docs/own-logs.md"],
+        &["logs: logs: found `a.mat` and 0 more files, of formats that are not known", "or their files so"],
     );
     put(&folder, "logs/a.nmea", "");
     refused(&folder, 3, line, &["logs/a.nmea: time: found none, expected sentences with a time"]);
@@ -178,6 +178,38 @@ fn logs_without_columns_or_times() {
     refused(&folder, 3, line, &["logs/a.csv: columns: found `1` in the first line"]);
     put(&folder, "logs/a.csv", "heading,speed\n3,4\n2,6\n1,6\n");
     refused(&folder, 3, line, &["logs/a.csv: time: found none", "write ingest.toml yourself"]);
+}
+
+/// `new` in a folder with logs that are not read must name the file, its format, and what converts it.
+#[track_caller]
+fn named(name: &str, log: &[u8], pieces: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("logs")).unwrap();
+    std::fs::write(folder.path().join("logs").join(name), log).unwrap();
+    let at = format!("logs/{name}: format: found ");
+    refused(&folder, 3, "new mine --vessel kvlcc2 --logs logs", &[&[at.as_str()], pieces].concat());
+}
+
+#[test]
+fn logs_of_other_formats_are_refused_by_name_with_what_converts_them() {
+    named("a.mat", b"MATLAB 5.0 MAT-file, Platform: GLNX86", &["a MATLAB file", "scipy.io.loadmat"]);
+    named("a.mat", b"MATLAB 7.3 MAT-file, Platform: GLNX86", &["version 7.3", "h5py"]);
+    let old = b"\0\0\0\0\x3d\0\0\0\x01\0\0\0\0\0\0\0\x02\0\0\0t\0\0\0\0\0\0\0\xF0\x3F";
+    named("a.mat", old, &["version 4", "scipy.io.loadmat"]);
+    named("a.xlsx", b"PK\x03\x04..[Content_Types].xml", &["an Excel workbook", "as CSV"]);
+    named("a.log", b"(1744362500.000000) can0 09F11207#00E02EFF7FFF7FFC\n", &["candump", "analyzer -json"]);
+    named(
+        "a.csv",
+        b"# canboat\n2011-11-24-22:42:04.388,2,127251,36,255,8,7d,0b,7d,02,00,ff,ff,ff\n",
+        &["NMEA 2000"],
+    );
+    named("a.json", b"{\"timestamp\":\"2016\",\"pgn\":127250,\"fields\":{}}\n", &["canboat", "lines=True"]);
+    named("a.bag", b"\x89MCAP0\r\n", &["a bag of MCAP"]);
+    if let Ok(log) = std::fs::read(repository().join("../shared/cases-2/137-new-candump/a.log")) {
+        named("a.log", &log, &["candump", "analyzer -json"]);
+    } else {
+        println!("skipped: there is no ../shared/cases-2");
+    }
 }
 
 #[test]

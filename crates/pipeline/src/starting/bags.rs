@@ -7,14 +7,15 @@ use artifact::{Error, budget};
 use logs::guess::{BagGuess, Needed, Placed, TopicGuess};
 use logs::{Format, Topic, bag_census, database_census};
 use refusal::foreign;
-use study::ingest_file::read::database;
+use study::ingest_file::read::{check_format, database};
 use study::refuse;
 
 use super::reading::{reader, wrong};
 use super::text::{MARK, channel, quoted};
 
 /// Endings of bags.
-pub(super) const BAGS: [&str; 7] = [".mcap", ".mcap.gz", ".bag", ".bag.gz", ".db3", ".ulg", ".ulg.gz"];
+pub(super) const BAGS: [&str; 8] =
+    [".mcap", ".mcap.gz", ".bag", ".bag.gz", ".bag.active", ".db3", ".ulg", ".ulg.gz"];
 
 /// What is in the first of `files` in `folder`, for a model that needs the channels `needed`.
 ///
@@ -41,6 +42,7 @@ pub(super) fn guessed(folder: &Path, files: &[String], needed: &[Needed]) -> Res
 }
 
 fn topics(path: &Path, format: Format) -> Result<Vec<Topic>, Error> {
+    check_format(path, format, true)?;
     let topics = match format {
         Format::Db3 => database_census(&database(path)?, budget().bytes()),
         _ => bag_census(reader(path)?, format, budget().bytes()),

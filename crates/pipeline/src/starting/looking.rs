@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Error, open};
 use flate2::read::MultiGzDecoder;
+use logs::Format;
 use logs::guess::{BagGuess, Guess, Head, Named, Needed, Placed, SentenceGuess};
 use refusal::{foreign, listed};
 
+use study::ingest_file::read::check_format;
 use study::{invalid, refuse};
 
 use super::bags::{self, BAGS};
@@ -66,6 +68,7 @@ impl Looked {
         let mut names = Vec::new();
         list(folder, "", &mut names)?;
         names.sort();
+        let all = names.clone();
         let (mut files, mut rest): (Vec<String>, Vec<String>) =
             names.into_iter().partition(|name| ends(name, &CSV));
         if files.is_empty() {
@@ -84,7 +87,7 @@ impl Looked {
             }
             (true, false, _) => Self::of_bags(folder, bags, said.into_iter().chain(others).collect(), needed),
             (true, true, false) => Self::of_sentences(folder, said, others.collect(), needed),
-            (true, true, true) => Err(no_log(folder, &others.collect::<Vec<_>>())),
+            (true, true, true) => Err(no_log(folder, &all)),
         }
     }
 
@@ -217,6 +220,7 @@ struct Seen {
 impl Seen {
     /// The columns and first rows of the log at `path`.
     fn of(path: &Path) -> Result<Self, Error> {
+        check_format(path, Format::of(&path.to_string_lossy()), true)?;
         if ends(&path.to_string_lossy(), &PARQUET) {
             let (head, rows) = table::head(path)?;
             return Ok(Self { head, rows: rows as f64 });
@@ -238,16 +242,19 @@ impl Seen {
     }
 }
 
-fn no_log(folder: &Path, others: &[String]) -> Error {
-    let (found, remedy) = match others.first() {
-        None => ("none".to_owned(), "name the folder of the logs"),
-        Some(other) => {
-            let remedy = "write ingest.toml yourself for logs of this format (docs/own-logs.md)";
-            (format!("`{}` and neither CSV, Parquet, a bag nor sentences", foreign(other)), remedy)
-        }
-    };
-    let expected = "files that end with .csv, .csv.gz, .tsv, .parquet, .mcap, .bag, .db3, .ulg or .nmea";
-    refuse(folder, "logs", &found, expected, remedy)
+/// The refusal of a folder without a log that is read: the first of `all` whose format is known, by its name.
+fn no_log(folder: &Path, all: &[String]) -> Error {
+    let foreign_log = all.iter().find_map(|name| check_format(&folder.join(name), Format::Csv, true).err());
+    foreign_log.unwrap_or_else(|| {
+        let found = match all {
+            [] => "none".to_owned(),
+            [first, more @ ..] => {
+                format!("`{}` and {} more files, of formats that are not known", foreign(first), more.len())
+            }
+        };
+        let expected = "files that end with .csv, .csv.gz, .tsv, .parquet, .mcap, .bag, .db3, .ulg or .nmea";
+        refuse(folder, "logs", &found, expected, "name the folder of the logs, or their files so")
+    })
 }
 
 /// Refuses a file with other columns than the first one.

@@ -6,8 +6,9 @@ use std::path::Path;
 
 use artifact::Error;
 use logs::guess::{Needed, Placed, SentenceGuess};
-use logs::{has_sentences, sentence_census};
+use logs::{Format, has_sentences, sentence_census};
 use refusal::listed;
+use study::ingest_file::read::check_format;
 use study::refuse;
 
 use super::reading::{reader, wrong};
@@ -35,6 +36,7 @@ pub(super) fn is_of_sentences(path: &Path) -> bool {
 /// # Errors
 /// A file that cannot be read; one without a sentence with a time, or without a field from which the motion follows.
 pub(super) fn guessed(path: &Path, needed: &[Needed]) -> Result<SentenceGuess, Error> {
+    check_format(path, Format::Nmea, true)?;
     let spoken = sentence_census(reader(path)?).map_err(|error| wrong(path, error))?;
     let remedy = "write ingest.toml yourself (docs/own-logs.md)";
     let Some(guess) = SentenceGuess::of(&spoken, needed) else {

@@ -293,7 +293,7 @@ fn check_kinds(file: &FileSpec) -> Result<(), Invalid> {
                 "`topic`",
                 format!("{found} `{pattern}`"),
                 expected,
-                "add or remove it",
+                "add or remove it, or set the `format` where names do not end with one",
             ));
         }
         check_clock(file, pattern, format)?;

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use artifact::{Digest, Digesting, Error, Scratch, open};
 use flate2::read::MultiGzDecoder;
 use logs::{
-    Columns, DatabaseFile, FileSpec, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source,
+    Columns, DatabaseFile, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source,
     Store, TimeUnit, begins_anew, foreign_format, read_bag, read_csv, read_database, read_nmea, record,
 };
 use refusal::{Invalid, foreign};
@@ -117,15 +117,17 @@ fn joined(mut parts: Vec<(&str, Columns)>, plan: &Plan, group: usize) -> Columns
     })
 }
 
-/// The format of the file at `path`, called `name`; refuses what is not a file, and files of other formats by their
-/// names.
-fn known(path: &Path, name: &str, spec: &FileSpec) -> Result<Format, Error> {
+/// Refuses the file at `path` if its first bytes, packed or not, show another format than `format`, by the name of that, and
+/// what is not a file. `is_from_top`: no lines are skipped.
+///
+/// # Errors
+/// Such a file, or one that cannot be read.
+pub fn check_format(path: &Path, format: Format, is_from_top: bool) -> Result<(), Error> {
     let unreadable = |e| Error::io(path, "read", e);
-    let (format, most) = (spec.format_of(name), SNIFFED as u64);
-    let is_from_top = spec.skip_lines == 0;
+    let most = SNIFFED as u64;
     let mut head = Vec::new();
     open(path)?.take(most).read_to_end(&mut head).map_err(unreadable)?;
-    if name.ends_with(".gz") && !head.is_empty() {
+    if path.extension().is_some_and(|end| end == "gz") && !head.is_empty() {
         if !head.starts_with(&[0x1F, 0x8B]) {
             let found = "bytes that gzip did not write, in a file called .gz";
             let plain = Invalid::new("format", found, "a file compressed with gzip", "rename it without .gz");
@@ -136,8 +138,7 @@ fn known(path: &Path, name: &str, spec: &FileSpec) -> Result<Format, Error> {
         let _ = MultiGzDecoder::new(head.as_slice()).take(most).read_to_end(&mut text);
         head = text;
     }
-    foreign_format(&head, format, is_from_top)
-        .map_or(Ok(format), |invalid| Err(crate::invalid(path, &invalid)))
+    foreign_format(&head, format, is_from_top).map_or(Ok(()), |invalid| Err(crate::invalid(path, &invalid)))
 }
 
 fn columns(
@@ -147,7 +148,9 @@ fn columns(
     store: &Arc<dyn Store>,
 ) -> Result<(Columns, Digest), Error> {
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    let format = known(path, name, &plan.setup.files[group])?;
+    let spec = &plan.setup.files[group];
+    let format = spec.format_of(name);
+    check_format(path, format, spec.skip_lines == 0)?;
     if format == Format::Parquet {
         return Ok((parquet(path, plan, group, store)?, Digest::of_file(path)?));
     }
