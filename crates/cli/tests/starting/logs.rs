@@ -243,3 +243,19 @@ fn names_of_recordings_may_have_commas() {
     let left = pool(&["--leave-out", "zig,zag,zig"]);
     assert!(left.len() == logs.len() - 2 && !left.contains(&"zig".to_owned()), "{left:?}");
 }
+
+#[test]
+fn nothing_of_a_battery_is_taken_for_the_rudder() {
+    let log = repository().join("../shared/cases-2/136-new-battery-as-rudder/a.ulg");
+    let Ok(log) = fs::read(&log) else {
+        println!("skipped: there is no {}", log.display());
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("logs")).unwrap();
+    fs::write(folder.path().join("logs/a.ulg"), log).unwrap();
+    let ran = run(&folder, "new mine --vessel mariner --logs logs").succeeds();
+    assert!(ran.stdout.contains("1 channels missing"), "{ran}");
+    let text = String::from_utf8(bytes(&folder, "mine/ingest.toml")).unwrap();
+    assert!(text.contains("#    { column = \"\", channel = \"delta\"") && !text.contains("cell"), "{text}");
+}

@@ -51,7 +51,40 @@ const STEERED: &[(&str, &[&[&str]])] = &[
     ("alpha", &[&["azimuth"], &["thruster"]]),
 ];
 
-/// Units as names of columns end with them, after an underscore.
+/// Words of names that are no channel: orders, errors and resets, statistics, what batteries and engines have.
+const OTHERS: &str = "\
+    setpoint sp command commanded cmd order ordered target goal desired demand reference ref error err reset std \
+    stddev sigma var variance cov covariance rms accuracy noise innovation innov residual bias offset limit max \
+    min count counter valid flag flags quality ratio voltage volt volts current amp amps battery batt bat cell \
+    temperature temp pressure humidity charge fuel accel acceleration acc jerk dot pitch";
+
+/// Words of forces, which no motion, angle or shaft is called.
+const FORCES: &str = "force moment torque";
+
+/// Words of rates, and of angles.
+const RATES: &str = "rate speed velocity vel velo angvel angvelo";
+const ANGLES: &str = "angle azimuth direction";
+
+/// Words that say which of several, or how a symbol was found.
+const COMMON: &str = "\
+    hat mid measured meas actual act feedback fb filtered filt estimated est body ship port ps starboard stbd sb \
+    left right fore aft data value ground log";
+
+/// Symbols, which name other things too, and the words that may stand beside each.
+const SYMBOLS: &[(&str, &str)] = &[
+    ("u", "velo vel velocity speed surge linear"),
+    ("v", "velo vel velocity speed sway linear"),
+    ("vm", "velo vel velocity speed sway"),
+    ("r", "angvelo angvel angular velocity yaw rate"),
+    ("x", "position pos north coordinate"),
+    ("y", "position pos east coordinate"),
+    ("psi", "heading yaw angle"),
+    ("phi", "roll angle"),
+    ("n", "prop propeller shaft rpm rps engine rev revs"),
+    ("delta", "rudder helm steering"),
+];
+
+/// Units as names of columns end with them, after an underscore; also those of no channel.
 const ENDINGS: &[(&str, &str)] = &[
     ("mps", "m/s"),
     ("radps", "rad/s"),
@@ -70,13 +103,26 @@ const ENDINGS: &[(&str, &str)] = &[
     ("m", "m"),
     ("s", "s"),
     ("N", "N"),
+    ("V", "V"),
+    ("mV", "mV"),
+    ("A", "A"),
+    ("mA", "mA"),
+    ("degC", "degC"),
+    ("pct", "%"),
 ];
+
+/// Units in brackets that are no channel's, besides those of [`UNITS`].
+const FOREIGN: &str = "degC °C C degF K bar mbar mA Ah mAh Wh kWh l/h dB g deg/s^2 rad/s^2";
 
 /// The name of a column, taken apart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named {
     /// Its words in lower case, without the unit.
     words: Vec<String>,
+    /// Where those of the field begin, after the topic and the fields that it is part of.
+    field: usize,
+    /// The capital letter that it begins with, where the first word is no more.
+    capital: Option<char>,
     /// The unit that it says.
     pub unit: Option<&'static str>,
 }
@@ -85,8 +131,16 @@ impl Named {
     /// What `column` says.
     pub fn of(column: &str) -> Self {
         let (name, unit) = in_brackets(column).or_else(|| at_end(column)).unwrap_or((column, None));
-        let words = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
-        Self { words: words.map(str::to_lowercase).collect(), unit }
+        let words = |text| -> Vec<&str> {
+            str::split(text, |c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect()
+        };
+        let all = words(name);
+        let last =
+            name.split(['.', '/']).map(|part| words(part).len()).filter(|count| *count > 0).next_back();
+        let capital =
+            all.first().and_then(|word| word.parse().ok()).filter(|letter: &char| letter.is_uppercase());
+        let field = all.len() - last.unwrap_or(0);
+        Self { words: all.into_iter().map(str::to_lowercase).collect(), field, capital, unit }
     }
 
     /// Whether it is called a time.
@@ -109,18 +163,37 @@ impl Named {
     pub fn measures(&self, channel: &str, wanted: &str) -> bool {
         let is_motion = || ROLES.iter().any(|role| role.channel == channel);
         let is_of_shaft = wanted == "1/s" || wanted == "rad/s" && !is_motion();
-        self.unit.is_none_or(|own| {
-            if is_of_shaft { crate::shaft_factor(own, wanted) } else { crate::factor(own, wanted) }.is_some()
-        })
+        let others = match wanted {
+            "m" | "rad" | "deg" => RATES,
+            _ if is_of_shaft => ANGLES,
+            _ => "",
+        };
+        let is_other = self.words[self.field..].iter().any(|word| is_among(word, others));
+        let is_exact = self.likeness(channel) == Some(0);
+        (is_exact || !is_other)
+            && self.unit.is_none_or(|own| {
+                if is_of_shaft { crate::shaft_factor(own, wanted) } else { crate::factor(own, wanted) }
+                    .is_some()
+            })
     }
 
     /// How likely it is `channel`: 0 if it is called so, larger numbers the less it is; `None` if nothing says so.
     pub fn likeness(&self, channel: &str) -> Option<usize> {
         let parts: Vec<&str> = channel.split('_').collect();
+        let is_lower = channel.chars().all(|c| !c.is_uppercase());
+        // `Y` and `N` are forces, `U` and `V` whole speeds, unless the unit says otherwise.
+        if is_lower && self.capital.is_some_and(|letter| self.unit.is_none() || "UV".contains(letter)) {
+            return None;
+        }
         if self.words.join("_") == channel.to_lowercase() {
             return Some(0);
         }
         let says = |word: &str| self.words.iter().any(|own| own == word);
+        let is_other =
+            |word: &String| is_among(word, OTHERS) || parts[0] != "thrust" && is_among(word, FORCES);
+        if self.words.iter().any(is_other) {
+            return None;
+        }
         // Over the ground, and wind that the ship does not feel: no channel of a model.
         if ["cog", "sog", "course"].into_iter().any(says) || says("wind") && says("true") {
             return None;
@@ -138,16 +211,36 @@ impl Named {
 
     /// A name that begins with a channel of one letter, such as `n_prop`.
     fn begins(&self, channel: &str) -> Option<usize> {
-        (channel.len() == 1 && self.words.first().is_some_and(|word| word == channel)).then_some(9)
+        (channel.len() == 1 && self.has(&[channel])).then_some(9)
     }
 
-    /// Whether all words of `set` are in it; a single letter must come first.
+    /// Whether all words of `set` are in it; a single letter must come first, and symbols beside no other things.
     fn has(&self, set: &[&str]) -> bool {
+        let is_own = |symbol: &str| {
+            let known = SYMBOLS.iter().find(|(own, _)| *own == symbol);
+            known.is_none_or(|(_, beside)| {
+                self.words[self.field..].iter().all(|word| {
+                    word == symbol
+                        || is_among(word, beside)
+                        || is_among(word, COMMON)
+                        || word.parse::<u32>().is_ok()
+                })
+            })
+        };
         match set {
-            [letter] if letter.len() <= 2 => self.words.first().is_some_and(|word| word == letter),
-            words => words.iter().all(|word| self.words.iter().any(|own| own == word)),
+            [letter] if letter.len() <= 2 => {
+                self.words.first().is_some_and(|word| word == letter) && is_own(letter)
+            }
+            words => {
+                words.iter().all(|word| self.words.iter().any(|own| own == word))
+                    && (words.len() > 1 || words.iter().all(|word| is_own(word)))
+            }
         }
     }
+}
+
+fn is_among(word: &str, words: &str) -> bool {
+    words.split(' ').any(|own| own == word)
 }
 
 /// A unit in brackets at the end: `speed [m/s]`, `heading (deg)`.
@@ -156,7 +249,8 @@ fn in_brackets(column: &str) -> Option<(&str, Option<&'static str>)> {
     let (open, close) = [('[', ']'), ('(', ')')].into_iter().find(|(_, close)| column.ends_with(*close))?;
     let (name, inside) = column.rsplit_once(open)?;
     let inside = inside.trim_end_matches(close).trim();
-    Some((name, UNITS.iter().find(|own| own.name == inside).map(|own| own.name)))
+    let foreign = || FOREIGN.split(' ').find(|own| *own == inside);
+    Some((name, UNITS.iter().find(|own| own.name == inside).map(|own| own.name).or_else(foreign)))
 }
 
 /// A unit after the last underscore: `u_mps`, `delta_rad`.

@@ -49,10 +49,10 @@ impl BagGuess {
         let motion = ROLES.iter().filter(|role| !role.is_optional).map(|role| (role.channel, role.unit));
         let wanted = needed.iter().map(|own| (own.channel.as_str(), own.unit.as_str()));
         for (channel, unit) in motion {
-            search.by_name(channel, unit, true);
+            search.by_name(channel, unit);
         }
         for (channel, unit) in wanted {
-            search.by_name(channel, unit, false);
+            search.by_name(channel, unit);
         }
         let is_missing = |own: &&Needed| !search.placed.contains(own.channel.as_str());
         let missing = needed.iter().filter(is_missing).cloned().collect();
@@ -108,8 +108,8 @@ impl Search<'_> {
         }
     }
 
-    /// Places the field whose name fits `channel` best; where it `must_be_measured`, none of a setpoint.
-    fn by_name(&mut self, channel: &str, unit: &str, must_be_measured: bool) {
+    /// Places the field whose name fits `channel` best.
+    fn by_name(&mut self, channel: &str, unit: &str) {
         if !self.is_free(channel) {
             return;
         }
@@ -120,12 +120,10 @@ impl Search<'_> {
                 let Some(likeness) = name.likeness(channel).filter(|_| name.measures(channel, unit)) else {
                     continue;
                 };
-                let setpoint = if is_setpoint(topic, field) { SETPOINT } else { 0 };
                 // Of two that fit alike the one that says its unit.
-                let rank = 2 * likeness + usize::from(name.unit.is_none()) + setpoint;
-                let is_allowed = !must_be_measured || rank < SETPOINT;
+                let rank = 2 * likeness + usize::from(name.unit.is_none());
                 let is_better = best.as_ref().is_none_or(|(known, ..)| rank < *known);
-                if is_allowed && is_better && values(topic, field).next().is_some() {
+                if is_better && values(topic, field).next().is_some() {
                     best = Some((rank, topic, field, name));
                 }
             }
@@ -169,9 +167,6 @@ impl Search<'_> {
 
 /// The `velocity_frame` of PX4 whose axes are the ship's.
 const BODY: f64 = 3.0;
-
-/// What commands a ship ranks after what it did.
-const SETPOINT: usize = 100;
 
 fn begun(format: Format, topic: &Topic) -> TopicGuess {
     let (clock, clock_unit) = match format {
@@ -235,10 +230,4 @@ fn called(topic: &Topic, field: &str) -> Named {
 
 fn is_clock(field: &str) -> bool {
     field.starts_with("header.") || field.starts_with("timestamp")
-}
-
-fn is_setpoint(topic: &Topic, field: &str) -> bool {
-    const WORDS: [&str; 7] = ["setpoint", "command", "cmd", "target", "goal", "desired", "reference"];
-    let name = format!("{}.{field}", topic.name).to_lowercase();
-    WORDS.iter().any(|word| name.contains(word))
 }

@@ -49,6 +49,29 @@ fn law_a_column_is_placed_once_and_only_where_its_unit_fits() {
 }
 
 #[test]
+fn no_channel_is_guessed_where_a_word_or_a_unit_says_that_it_is_something_else() {
+    let model = [needed("n", "1/s"), needed("delta", "rad")];
+    let header = "t,max_cell_voltage_delta,delta_q_reset,delta_angle,delta_xy,heading_error,rudder_setpoint,rudder current \
+                  [A],rudder_rate,prop_torque,n_sat,N,Y,y_force,U [m/s],x_accel,psi_d,rudder [degC],Heading_ref,rudder_V,\
+                  yaw [%],rpm_limit,north_vel,lat_std";
+    let rows = ["0", "1", "2"].map(|t| format!("{t}{}", ",1".repeat(23))).join("\n");
+    assert_eq!(placed(header, &rows, &model), Vec::<[String; 3]>::new());
+    for (column, channel) in [
+        ("delta", "delta"),
+        ("Rudder angle [deg]", "delta"),
+        ("rudder.delta_stbd", "delta"),
+        ("RPM", "n"),
+        ("n_prop", "n"),
+        ("Y [m]", "y"),
+        ("HEADING", "psi"),
+        ("psi_hat", "psi"),
+        ("u_velo", "y_u"),
+    ] {
+        assert_eq!(placed(&format!("t,{column}"), "0,1\n1,1\n2,1", &model)[0][1], channel, "{column}");
+    }
+}
+
+#[test]
 fn what_the_model_lacks_and_what_is_left_are_listed() {
     let head = Head::of_csv("t_s;delta_deg;torque_Nm\n0,0;1,5;2\n0,5;1,5;2\n1,0;1,5;2\n").unwrap();
     assert_eq!((head.separator, head.decimal), (';', ','));
