@@ -47,6 +47,7 @@ impl Portable {
             ("parameters", self.c_parameters()),
             ("values", self.c_values()),
             ("ranges", self.c_ranges()),
+            ("ranges_are", self.ranges_are().to_owned()),
             ("rate_holds", self.rate_holds().trim_end_matches('.').to_owned()),
             ("functions", self.c_functions()),
         ];

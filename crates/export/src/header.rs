@@ -24,7 +24,7 @@ impl Portable {
         said.extend(self.late.iter().map(|own| format!("Inputs are as they act: {own}.")));
         said.push(match self.ranges.is_empty() {
             true => "Its range of validity is not known: within_ranges is true everywhere.".to_owned(),
-            false => "Its range of validity is what the data covered that it was fitted to.".to_owned(),
+            false => format!("Its range of validity is {}.", self.ranges_are()),
         });
         said.extend(self.tied.iter().map(|own| {
             format!("{} is {} times {}, and part of the term of that.", own.name, number(own.factor), own.to)

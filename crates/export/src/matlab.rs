@@ -30,6 +30,7 @@ impl Portable {
                 ("units", self.matlab_units()),
                 ("names", self.matlab_names()),
                 ("ranges", self.matlab_ranges()),
+                ("ranges_are", self.ranges_are().to_owned()),
                 ("rate_holds", self.rate_holds().trim_end_matches('.').to_lowercase()),
                 ("functions", self.matlab_functions()),
             ],

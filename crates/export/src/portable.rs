@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use forces::{Quantity, QuantitySource};
 use model::{
-    Constraint, DegreeOfFreedom, DerivedChannel, Factor, Pace, Product, Source, Term, Variable, Vessel,
-    Written,
+    Actuator, Constraint, DegreeOfFreedom, DerivedChannel, Factor, Pace, Product, Source, Term, Variable,
+    Vessel, Written,
 };
 use refusal::Invalid;
 
@@ -102,7 +102,7 @@ pub struct Summand {
     pub products: Vec<(Vec<Factor>, Option<f64>)>,
 }
 
-/// The range of a channel in the data that the model was fitted to.
+/// The range of a channel in the data that the model was fitted to, or what the vessel's file states for an input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
     /// The channel's index.
@@ -162,7 +162,14 @@ impl Portable {
             let channel = place(name).filter(|place| !is_direction(*place))?;
             Some(Range { channel, low: *low, high: *high })
         };
-        let ranges: Vec<Range> = covered.filter_map(range).collect();
+        let mut ranges: Vec<Range> = covered.filter_map(range).collect();
+        if ranges.is_empty() {
+            let limits = (3..).zip(&vessel.actuators);
+            let limit = |(channel, own): (usize, &Actuator)| {
+                own.range.map(|[low, high]| Range { channel, low, high })
+            };
+            ranges.extend(limits.filter_map(limit));
+        }
         let mut making = Making { vessel, known, names, parameters: Vec::new(), tied: Vec::new() };
         let equations = match vessel.model.forces {
             Some(_) => [const { Vec::new() }; 3],
@@ -187,6 +194,14 @@ impl Portable {
             ship,
             origin,
         })
+    }
+
+    /// What its ranges are, as the end of a sentence.
+    pub(crate) fn ranges_are(&self) -> &'static str {
+        match self.ranges.iter().all(|own| own.channel >= 3) {
+            true => "the file's `range` of each input",
+            false => "what the data covered that the model was fitted to",
+        }
     }
 
     /// The identifiers of all channels.

@@ -28,6 +28,7 @@ impl Portable {
                 ("units", self.python_units()),
                 ("names", self.python_names()),
                 ("ranges", self.python_ranges()),
+                ("ranges_are", self.ranges_are().to_owned()),
                 ("rate_holds", self.rate_holds().to_owned()),
                 (
                     "imports",

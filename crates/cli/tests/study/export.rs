@@ -365,6 +365,69 @@ fn an_estimated_model_brings_its_errors_and_its_range() {
     }
 }
 
+/// Runs `program` with `words` in `folder` and `table` on its stdin.
+fn fed(folder: &Path, program: &str, words: &[&str], table: &str) -> std::process::Output {
+    let mut command = Command::new(program);
+    command.args(words).args(["1.179", "0", "0"]).current_dir(folder);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    child.stdin.take().unwrap().write_all(table.as_bytes()).unwrap();
+    child.wait_with_output().unwrap()
+}
+
+#[test]
+fn tables_of_another_step_are_refused_by_exported_programs_and_marks_of_the_byte_order_are_skipped() {
+    let folder = tempfile::tempdir().unwrap();
+    put(&folder, "vessel.toml", "preset = \"kvlcc2-l7\"\n");
+    for target in ["c", "python"] {
+        run(&folder, &format!("export --vessel vessel.toml --to {target} --out {target}")).succeeds();
+    }
+    let (c, python) = (folder.path().join("c"), folder.path().join("python"));
+    let mut programs = Vec::new();
+    if there("cc", &["--version"], "tables of the program in C") {
+        compiled(&c, &["kvlcc2_l7.c", "kvlcc2_l7_example.c", "-o", "ship", "-lm"]);
+        programs.push((&c, "./ship", &[][..]));
+    }
+    if there("python3", &["-c", "pass"], "tables of the module in Python") {
+        programs.push((&python, "python3", &["kvlcc2_l7.py"][..]));
+    }
+    for (folder, program, words) in programs {
+        let slow = fed(folder, program, words, "t,delta,n\n0,0.1,11.85\n1,0.1,11.85\n2,0.1,11.85\n");
+        let said = String::from_utf8_lossy(&slow.stderr).into_owned();
+        assert!(!slow.status.success() && slow.stdout.is_empty(), "{program}: {said}");
+        for piece in ["row 2: found t = 1 s, expected 0.1 s", "--rate"] {
+            assert!(said.contains(piece), "{program}: {said}");
+        }
+        let other = fed(folder, program, words, "time,delta,n\n0,0.1,11.85\n");
+        assert!(String::from_utf8_lossy(&other.stderr).contains("column time"), "{program}");
+        let plain = fed(folder, program, words, "delta,n\n0.1,11.85\n0.1,11.85\n");
+        let marked = fed(folder, program, words, "\u{feff}delta,n\r\n0.1,11.85\r\n0.1,11.85\r\n");
+        let timed = fed(folder, program, words, "\u{feff}t,delta,n\n5,0.1,11.85\n5.1,0.1,11.85\n");
+        assert_eq!(String::from_utf8_lossy(&plain.stdout).lines().count(), 4, "{program}");
+        assert!(marked.stdout == plain.stdout && timed.stdout == plain.stdout, "{program}");
+    }
+}
+
+#[test]
+fn inputs_beyond_the_ranges_of_the_vessel_are_outside() {
+    let folder = tempfile::tempdir().unwrap();
+    put(&folder, "vessel.toml", "preset = \"kvlcc2-l7\"\n");
+    for target in ["c", "python", "matlab"] {
+        run(&folder, &format!("export --vessel vessel.toml --to {target} --out {target}")).succeeds();
+    }
+    let [low, high] = Vessel::preset("kvlcc2-l7").unwrap().actuators[0].range.unwrap();
+    let matlab = String::from_utf8(bytes(&folder, "matlab/kvlcc2_l7.m")).unwrap();
+    assert!(matlab.contains(&format!("[{low:?}, {high:?}]")), "{matlab}");
+    assert!(String::from_utf8(bytes(&folder, "c/kvlcc2_l7.h")).unwrap().contains("KVLCC2_L7_RANGES 2"));
+    if there("python3", &["-c", "pass"], "ranges of inputs in Python") {
+        let script = "import kvlcc2_l7 as s; x = (1.179, 0, 0); assert s.outside(x, [35.0, 711.0]) == ['delta', 'n']; \
+                      assert s.within_ranges(x, [0.1, 11.85])";
+        let ran =
+            Command::new("python3").args(["-c", script]).current_dir(folder.path().join("python")).status();
+        assert!(ran.unwrap().success());
+    }
+}
+
 #[test]
 fn what_cannot_be_exported_is_refused() {
     let ground = Ground::new();

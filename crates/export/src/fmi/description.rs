@@ -104,7 +104,7 @@ const INITIAL: &str = "causality=\"parameter\" variability=\"fixed\" initial=\"e
 
 /// The Boolean variable.
 const WITHIN: &str = "    <ScalarVariable name=\"within_ranges\" valueReference=\"0\" description=\"whether states and inputs are \
-    within what the model was fitted to\" causality=\"output\" variability=\"discrete\" initial=\"calculated\"><Boolean/>\
+    within the range of validity\" causality=\"output\" variability=\"discrete\" initial=\"calculated\"><Boolean/>\
     </ScalarVariable>\n";
 
 impl ScalarVariable<'_> {

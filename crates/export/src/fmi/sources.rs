@@ -33,6 +33,7 @@ impl Portable {
             ("BASE", self.upper()),
             ("header", self.c_header()),
             ("guid", quoted(&self.guid())),
+            ("ranges_are", self.ranges_are().to_owned()),
             ("initial_states", starts(0..3)),
             ("initial_inputs", if inputs.is_empty() { "0.0".to_owned() } else { inputs }),
         ];

@@ -246,7 +246,7 @@ EXPORTED fmi2Status fmi2DoStep(fmi2Component c, fmi2Real now_s, fmi2Real length_
             const {{base}}_range *range = {{base}}_ranges + outside;
             const double *value = own->reals + range->channel;
             own->told_outside = 1;
-            tell(own, fmi2Warning, "logStatusWarning", "%s: found %g, expected %g to %g, which the model was fitted to; told once",
+            tell(own, fmi2Warning, "logStatusWarning", "%s: found %g, expected %g to %g, {{ranges_are}}; told once",
                  {{base}}_channels[range->channel].identifier, *value, range->low, range->high);
         }
         {{base}}_step(own->reals, own->reals + INPUTS, own->reals + PARAMETERS, own->reals);

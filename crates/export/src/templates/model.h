@@ -39,7 +39,7 @@ typedef struct {
     double standard_error; /* negative where it is not known */
 } {{base}}_parameter;
 
-/* Least and largest value of a channel in the data that the model was fitted to. */
+/* Least and largest value of a channel: {{ranges_are}}. */
 typedef struct {
     int channel; /* its place among the channels */
     double low;

@@ -23,7 +23,7 @@ model.units = struct();
 {{units}}
 model.names = struct();  % how the model's file calls what cannot be called so here
 {{names}}
-model.ranges = struct();  % least and largest value in the data that the model was fitted to
+model.ranges = struct();  % least and largest value: {{ranges_are}}
 {{ranges}}
 model.step = @step;
 model.simulate = @simulate;

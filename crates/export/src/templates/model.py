@@ -36,7 +36,7 @@ UNITS = {
 # How the model's file calls what cannot be called so here.
 NAMES = {
 {{names}}}
-# Least and largest value in the data that the model was fitted to.
+# Least and largest value: {{ranges_are}}.
 RANGES = {
 {{ranges}}}
 
@@ -66,12 +66,27 @@ def main():
     import sys
 
     reader = csv.reader(sys.stdin)
-    header = [name.strip() for name in next(reader, [])]
+    header = [name.strip().lstrip("\ufeff") for name in next(reader, [])]
     missing = [name for name in INPUTS if name not in header]
     if missing:
         sys.exit(f"stdin: found no column {missing[0]}, expected {', '.join(INPUTS)}; add it")
     places = [header.index(name) for name in INPUTS]
-    rows = ([float(row[place]) for place in places] for row in reader if row)
+    table = [row for row in reader if row]
+    rows = ([float(row[place]) for place in places] for row in table)
+    others = [name for name in header if name not in INPUTS]
+    starts = ("time", "stamp", "second", "t [", "t (")
+    named = [name for name in others if name.lower().startswith(starts) or name in ("T", "t_s", "t_ms", "t_us", "t_ns")]
+    if named and "t" not in others:
+        sys.exit(f"stdin: found column {named[0]}, expected times as `t`, in seconds, or none; rename or remove it")
+    if "t" in others:
+        times = [float(row[header.index("t")]) for row in table]
+        for k, time in enumerate(times):
+            expected = times[0] + k * STEP_S
+            if not abs(time - expected) <= 1e-3 * STEP_S:
+                sys.exit(
+                    f"stdin: row {k + 1}: found t = {time:g} s, expected {expected:g} s, rows {STEP_S:g} s apart as the "
+                    "model steps; resample the table, or export the model by --rate for its step"
+                )
     initial = [float(word) for word in sys.argv[1:4]]
     writer = csv.writer(sys.stdout)
     writer.writerow(["t", *STATES])
