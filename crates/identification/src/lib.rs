@@ -19,6 +19,7 @@ mod repeated;
 mod run_estimate;
 pub mod runs;
 mod sensitivity;
+mod signs;
 mod status;
 mod validate;
 mod validation_runs;
@@ -31,6 +32,7 @@ pub use run_estimate::{EstimateCovariance, RunEstimate};
 pub use sensitivity::{
     OutputInformation, Simulated, output_information, output_informations, prediction_weights,
 };
+pub use signs::against_nominal;
 pub use status::{EstimateStatus, ScoreStatus};
 pub use validate::{FreeRun, free_runs, not_relative, parameter_error, rmse_norm};
 pub use validation_runs::{Candidate, RunScore, ValidationRuns};

@@ -27,6 +27,8 @@ pub struct PooledSet {
     pub trust: TrustDocument,
     /// The model; `None` unless all degrees of freedom have an estimate.
     pub model: Option<ModelDocument>,
+    /// The statement about estimates with another sign than the nominal value.
+    turned: Option<String>,
 }
 
 impl PooledSet {
@@ -43,6 +45,7 @@ impl PooledSet {
             estimate: EstimateDocument::pooled(pool.vessel, estimator, pool.removal, found),
             trust: TrustDocument::new(pool, nominal, estimator, replicates, found, added),
             model: ModelDocument::new(pool, estimator, found),
+            turned: found.turned.clone(),
         }
     }
 
@@ -80,8 +83,11 @@ impl PooledSet {
         let added: Vec<String> =
             self.trust.added.iter().map(|a| format!("`{}` in {}", a.term, a.degree)).collect();
         let more = if added.is_empty() { String::new() } else { format!("; added: {}", added.join(", ")) };
+        let turned = self.turned.as_ref().map_or(String::new(), |turned| format!("; {turned}"));
         (
-            format!("{estimator} from {parts} parts of {sources} runs, {samples} samples{more}{rest}"),
+            format!(
+                "{estimator} from {parts} parts of {sources} runs, {samples} samples{more}{rest}{turned}"
+            ),
             json!({"parts": parts, "sources": sources, "samples": samples,
                 "not_identifiable": refused, "added": added, "statements": statements}),
         )

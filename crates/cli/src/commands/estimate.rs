@@ -8,7 +8,7 @@ use clap::Parser;
 use engine::Run;
 use identification::predictor::{InitialState, Levels};
 use identification::runs::{Asked, RunEstimators};
-use identification::{EstimateStatus, Estimator};
+use identification::{EstimateStatus, Estimator, against_nominal};
 use model::Vessel;
 use refusal::{Invalid, nearest};
 use regression::MeanRemoval;
@@ -344,6 +344,7 @@ fn publish(
         + &also(approximate, "with approximate standard errors: these errors follow no noise known here");
     let verdict =
         if asked { format!(", {rejected} reject the model") } else { ", model not criticised".to_owned() };
+    let turned = turned(vessel, &rows).map_or(String::new(), |turned| format!("; {turned}"));
     let summary = || estimates::summarize(&out, &provenance, vessel, &rows);
     let also_model = if model.is_some() { ", a model" } else { "" };
     let model = model.map(|model| stage_document(path, &provenance, &model)).transpose()?;
@@ -353,7 +354,7 @@ fn publish(
     let part = provenance.shard.map_or(String::new(), |s| format!(", shard {s}"));
     Ok(Summary::of(
         &out,
-        format!("{runs} {things}, {unexcited} not identifiable{searched}{verdict}{also_model}{part}"),
+        format!("{runs} {things}, {unexcited} not identifiable{searched}{verdict}{also_model}{part}{turned}"),
         if single && unconverged + kept == 0 {
             json!({"runs": runs, "identified": identified, "rejected": asked.then_some(rejected)})
         } else {
@@ -361,4 +362,15 @@ fn publish(
                 "not_converged": unconverged, "kept": kept, "rejected": asked.then_some(rejected)})
         },
     ))
+}
+
+/// The means of all runs with another sign than the nominal value, in words; standard errors are those of a run.
+fn turned(vessel: &Vessel, rows: &[Row]) -> Option<String> {
+    let known: Vec<&(Vec<f64>, Vec<f64>)> = rows.iter().filter_map(|row| row.estimate.as_ref()).collect();
+    let mean = |of: &dyn Fn(&(Vec<f64>, Vec<f64>)) -> f64| {
+        known.iter().map(|own| of(own)).sum::<f64>() / known.len() as f64
+    };
+    let parameter = |i: usize| Some([mean(&|own| own.0[i]), mean(&|own| own.1[i])]);
+    let found: Vec<_> = (0..vessel.model.parameters()).map(parameter).collect();
+    against_nominal(&vessel.model, &vessel.nominal, &found)
 }

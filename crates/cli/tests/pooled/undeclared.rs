@@ -178,3 +178,36 @@ fn a_recording_of_another_ship_is_named_and_two_ships_pooled_give_no_model_to_tr
     let two = statements(&of_ships(&[1.0, 1.3, 1.0, 1.3]));
     assert!(two.contains("model rejected") && two.contains("contradict the others"), "{two}");
 }
+
+#[test]
+fn a_rudder_that_counts_to_the_other_side_is_named_by_the_signs_of_its_parameters() {
+    let case = crate::support::repository().join("../shared/cases-2/140-rudder-inverted-estimate");
+    if !case.is_dir() {
+        println!("skipped: there is no {}", case.display());
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(case).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::write(folder.path().join(path.file_name().unwrap()), std::fs::read(&path).unwrap()).unwrap();
+    }
+    let made = "--vessel vessel.toml --trajectories t.parquet";
+    let pooled = |sign: &str| {
+        let config = std::fs::read_to_string(folder.path().join("ingest.toml")).unwrap();
+        let own = "channel = \"delta\", unit = \"rad\"";
+        put(&folder, "own.toml", &config.replace(own, &format!("{own}{sign}")));
+        run(&folder, "ingest --config own.toml --vessel vessel.toml --out t.parquet").succeeds();
+        let ran = run(&folder, &format!("estimate pool {made} --out estimates.parquet")).succeeds();
+        (ran.stdout, json(&folder, "trust.json")["data"]["statements"].to_string())
+    };
+    let (line, said) = pooled("");
+    for piece in
+        ["another sign than the nominal value", "`Y_uud`", "`N_uud`", "all that `delta` has a part in turned"]
+    {
+        assert!(said.contains(piece) && line.contains(piece), "{line}{said}");
+    }
+    let single = run(&folder, &format!("estimate {made} --estimator ls --out single.parquet")).succeeds();
+    assert!(single.stdout.contains("another sign than the nominal value"), "{single}");
+    let (line, said) = pooled(", sign = -1");
+    assert!(!said.contains("another sign") && !line.contains("another sign"), "{line}{said}");
+}

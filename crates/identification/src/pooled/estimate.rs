@@ -17,6 +17,7 @@ use crate::additional::UnknownCurrent;
 use crate::criticism::{Criticism, Subject, Verdict, criticise_after};
 use crate::predictor::InitialState;
 use crate::sensitivity::Flow;
+use crate::signs::against_nominal;
 use crate::{EstimateStatus, Estimator, RunEstimate};
 
 /// One estimate from all runs, and how far it can be trusted.
@@ -36,6 +37,8 @@ pub struct Pooled {
     pub sources: Vec<SourceErrors>,
     /// What to know before using the estimate, in words.
     pub statements: Vec<String>,
+    /// That of them that names estimates with another sign than the nominal value.
+    pub turned: Option<String>,
     /// The whole model; none unless all degrees of freedom have an estimate.
     pub delivered: Option<Delivered>,
     /// What the model lacks; none where it diverges or has no estimate.
@@ -154,12 +157,17 @@ fn estimate_any(
     let stalled = stalled(&found).map(str::to_owned);
     let spread =
         stalled.into_iter().chain(few_informative(pool, &found, parts.count())).chain(ambient(pool, &found));
-    let known: Vec<String> = spread.chain(statements(&degrees)).chain(alike).collect();
+    let parameters = degrees.iter().flat_map(|degree| &degree.parameters);
+    let estimates: Vec<_> = parameters.map(|own| Some([own.estimate?, own.standard_error?])).collect();
+    let turned = against_nominal(&pool.vessel.model, &pool.vessel.nominal, &estimates);
+    let known: Vec<String> =
+        turned.clone().into_iter().chain(spread).chain(statements(&degrees)).chain(alike).collect();
     Ok(Pooled {
         design: runs.design().to_owned(),
         parts: parts.count(),
         samples: judge.samples() as u64,
         bandwidth: judge.bandwidth(),
+        turned,
         statements: diverging.into_iter().chain(lost).chain(criticised).chain(known).collect(),
         degrees,
         sources,
