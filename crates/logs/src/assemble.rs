@@ -82,7 +82,7 @@ impl Assembled {
 }
 
 /// The channels that surge, sway and yaw rate come from.
-fn sources(channels: &Channels) -> Vec<&'static str> {
+pub(crate) fn sources(channels: &Channels) -> Vec<&'static str> {
     let measured: Vec<&str> =
         ["y_u", "y_v", "y_r"].into_iter().filter(|name| channels.contains_key(*name)).collect();
     let positions: &[&str] = match measured.as_slice() {

@@ -1,9 +1,10 @@
 //! Velocities that are declared along the ship's axes but were logged along the earth's.
 
+use numerics::statistics::median;
 use refusal::Invalid;
 
 use crate::quality::{Derivatives, at_most};
-use crate::{Channels, Conventions, Frame, body_velocity};
+use crate::{Channels, Conventions, Frame, Series, body_velocity};
 
 /// Velocities are taken to be along the earth's axes where their distance from the derivative of position
 /// there is less than this share of that along the ship's axes …
@@ -102,4 +103,37 @@ impl Squares {
             format!("call the channels {names}, which are rotated by the heading, or remove them"),
         ))
     }
+}
+
+/// Share of the greatest yaw rate up to which a ship does not turn.
+const STRAIGHT: f64 = 0.25;
+
+/// Places that are looked at, at most.
+const MOST: usize = 20_000;
+
+/// By how much the course over ground lies to starboard of the heading where the ship goes ahead and does not turn \[rad\];
+/// `None` where her speed is measured along both axes, where she turns nearly throughout, and where it varies.
+pub(crate) fn drift(channels: &Channels, derivatives: &Derivatives) -> Option<f64> {
+    let [north, east] = derivatives.over_ground.as_ref()?;
+    if channels.contains_key("y_u") && channels.contains_key("y_v") {
+        return None;
+    }
+    let times = at_most(&derivatives.psi)?;
+    let times: Vec<f64> = times.iter().step_by(times.len().div_ceil(MOST).max(1)).collect();
+    let at = |series: &Series| series.at(times.iter().copied()).collect::<Vec<f64>>();
+    let [north, east, psi, rate] = [north, east, &derivatives.psi, &derivatives.r].map(at);
+    let all = (0..times.len()).map(|i| {
+        let [ahead, aside] = body_velocity([north[i], east[i]], psi[i]);
+        (libm::hypot(ahead, aside), rate[i].abs(), libm::atan2(aside, ahead))
+    });
+    let all: Vec<_> = all.filter(|(speed, rate, _)| speed.is_finite() && rate.is_finite()).collect();
+    let most = |of: fn(&(f64, f64, f64)) -> f64| all.iter().map(of).fold(0.0, f64::max);
+    let (speed, rate) = (most(|own| own.0), most(|own| own.1));
+    let straight: Vec<f64> =
+        all.iter().filter(|own| own.0 > 0.5 * speed && own.1 <= STRAIGHT * rate).map(|own| own.2).collect();
+    let middle = median(straight.clone())?;
+    let spread = median(straight.iter().map(|own| (own - middle).abs()).collect())?;
+    let is_ahead = middle.abs() < std::f64::consts::FRAC_PI_2;
+    (straight.len() >= MOMENTS.max(all.len() / 10) && is_ahead && middle.abs() > 2.0 * spread)
+        .then_some(middle)
 }

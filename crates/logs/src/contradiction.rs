@@ -24,10 +24,13 @@ const TURN: Bounds = Bounds { warned: 0.0175, broken: 0.0873 };
 /// … where without it less than this share of the squared difference remains.
 const LEFT: f64 = 0.5;
 
+/// The course over ground against the heading where the ship does not turn \[rad\].
+const DRIFT: f64 = 0.0873;
+
 /// The contradictions within a recording.
 pub(crate) struct Contradictions {
     /// Warnings, by channel.
-    pub(crate) warnings: Vec<(&'static str, Oddity)>,
+    pub(crate) warnings: Vec<(String, Oddity)>,
     /// Why estimates refuse the recording by default, in words.
     pub(crate) broken: Vec<String>,
 }
@@ -52,7 +55,27 @@ impl Contradictions {
         if is_broken {
             self.broken.push(format!("`{channel}` {text}"));
         }
-        self.warnings.push((channel, (kind, 1, text)));
+        self.warnings.push((channel.to_owned(), (kind, 1, text)));
+    }
+
+    /// Notes that channels cover different times, that the course lies `drift` \[rad\] off the heading, and channels whose unit
+    /// changes.
+    pub(crate) fn also(
+        &mut self,
+        uncovered: Option<(String, Oddity)>,
+        drift: Option<f64>,
+        changed: Vec<(String, Oddity)>,
+    ) {
+        if let Some(drift) = drift.filter(|drift| drift.abs() > DRIFT) {
+            let text = format!(
+                "differs by {:.1} deg from the course over ground where the ship does not turn: a variation that is missing or \
+                 applied twice, a rotated sensor, or a current and wind?",
+                -drift.to_degrees()
+            );
+            self.note("psi", WarningKind::Bias, text, false);
+        }
+        self.broken.extend(changed.iter().map(|(channel, (_, _, text))| format!("`{channel}` {text}")));
+        self.warnings.extend(uncovered.into_iter().chain(changed));
     }
 
     fn lag(&mut self, channel: &'static str, of: &str, motion: &MotionSummary, rate_hz: f64) {

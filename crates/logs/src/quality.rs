@@ -109,7 +109,7 @@ pub(crate) struct Derivatives {
     /// The heading, smoothed \[rad\].
     pub(crate) psi: Series,
     /// Its derivative \[rad/s\].
-    r: Series,
+    pub(crate) r: Series,
     /// The velocities to north and east, where there are positions \[m/s\].
     pub(crate) over_ground: Option<[Series; 2]>,
 }
@@ -246,7 +246,7 @@ struct Overlap {
 }
 
 /// Pearson's coefficients of `a` with `b` at shifts from −`longest` to `longest`; 0 where either is constant.
-fn correlations(a: &Samples, b: &Samples, longest: usize) -> Vec<f64> {
+pub(crate) fn correlations(a: &Samples, b: &Samples, longest: usize) -> Vec<f64> {
     let overlap = |shift: usize| Overlap {
         starts: [shift.saturating_sub(longest), longest.saturating_sub(shift)],
         len: a.len() - shift.abs_diff(longest),

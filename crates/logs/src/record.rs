@@ -10,14 +10,16 @@ use refusal::{Invalid, check_name};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::assemble::on_one_clock;
-use crate::axes::check_axes;
+use crate::assemble::{on_one_clock, sources};
+use crate::axes::{check_axes, drift};
 use crate::contradiction::Contradictions;
 use crate::gate::{check_share, keep_alive, keep_possible};
 use crate::pace::check_pace;
 use crate::quality::Derivatives;
+use crate::rescaled::rescaled;
 use crate::segment::Labelled;
 use crate::source::called;
+use crate::spans::Spans;
 use crate::suspicion::{Seen, check_ratios, warnings};
 use crate::{
     Assembled, ChannelSpec, ChannelSummary, Channels, Grid, Log, MotionSummary, Omission, Omissions, Part,
@@ -218,11 +220,19 @@ pub fn record(
         }
         None => ([None; 3], None),
     };
+    let turned_heading = derivatives.as_ref().and_then(|own| drift(&channels, own));
+    let changed =
+        |spec: &ChannelSpec| Some((spec.channel.clone(), rescaled(spec, &channels, derivatives.as_ref())?));
+    let changed: Vec<_> = setup.channels().filter_map(changed).collect();
     drop(derivatives);
     let summaries = summaries(plan, &channels, &missing);
     check_pace(setup, &channels, &summaries)?;
     check_window(&channels, setup.conventions.window_s)?;
-    let contradictions = Contradictions::of(&motion, turned, setup.conventions.rate_hz);
+    let spans =
+        Spans::of(&channels, sources(&channels).into_iter().chain(exogenous.iter().copied()), start_s);
+    spans.check(source)?;
+    let mut contradictions = Contradictions::of(&motion, turned, setup.conventions.rate_hz);
+    contradictions.also(spans.uncovered(setup.max_gap_s), turned_heading, changed);
     let warnings = warnings(setup, &channels, &summaries, &seen, &contradictions.warnings);
     let warnings = [warnings, of_logs].concat();
     let needed = [exogenous.as_slice(), &further];

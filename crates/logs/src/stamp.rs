@@ -32,6 +32,11 @@ pub enum NoStamp {
     Never,
 }
 
+/// A time since 1970 \[s\] as a date.
+pub(crate) fn moment(time: f64) -> String {
+    Timestamp::from_second(time as i64).map_or_else(|_| format!("{time} s"), |time| time.to_string())
+}
+
 impl Stamps {
     /// Reads times as `spec` says.
     ///

@@ -189,7 +189,7 @@ pub(crate) fn warnings(
     channels: &Channels,
     found: &[ChannelSummary],
     seen: &[Seen],
-    contradictions: &[(&'static str, Oddity)],
+    contradictions: &[(String, Oddity)],
 ) -> Vec<WarningSummary> {
     let mut odd: Vec<(&str, Oddity)> = Vec::new();
     for (spec, seen) in setup.channels().zip(seen) {
@@ -201,7 +201,7 @@ pub(crate) fn warnings(
     }
     odd.extend(jumps(channels).map(|oddity| ("psi", oddity)));
     odd.extend(place_jumps(channels).map(|oddity| ("x", oddity)));
-    odd.extend(contradictions.iter().cloned());
+    odd.extend(contradictions.iter().map(|(channel, oddity)| (channel.as_str(), oddity.clone())));
     let warning = |(channel, (kind, count, text)): (&str, Oddity)| WarningSummary {
         kind,
         channel: channel.to_owned(),

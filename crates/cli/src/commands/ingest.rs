@@ -192,7 +192,10 @@ fn summary(out: &Path, document: &IngestDocument) -> Summary {
     };
     let (splits, short) = (sum(|r| r.splits), sum(|r| r.short_segments));
     let warnings = sum(|r| r.warnings.iter().map(|w| w.count).sum());
-    let warned = if warnings > 0 { format!("; {warnings} warnings, see ingest.json") } else { String::new() };
+    let first = recordings.iter().find_map(|recording| recording.warnings.first());
+    let warned = first.map_or(String::new(), |first| {
+        format!("; {warnings} warnings, see ingest.json; the first: {}", first.text)
+    });
     let doubtful = Doubtful::among(recordings);
     let names: Vec<&str> = doubtful.names().collect();
     let doubted = match names.as_slice() {

@@ -45,6 +45,81 @@ fn numbers_that_stand_for_no_value_are_left_out_and_named() {
 }
 
 #[test]
+fn what_instruments_write_for_no_information_is_none_in_their_units() {
+    let per_minute = 60.0 * 1.0_f64.to_degrees();
+    for (place, factor, units, cell) in [
+        (2, per_minute, ["rad/s", "deg/min"], "720"),
+        (2, per_minute, ["rad/s", "deg/min"], "-127"),
+        (0, 3600.0 / 1852.0, ["m/s", "kn"], "102.3"),
+        (3, 1.0, ["deg", "deg"], "511"),
+    ] {
+        let channel = ["y_u", "y_v", "y_r", "psi"][place];
+        let [from, to] = units.map(|unit| format!("channel = \"{channel}\", unit = \"{unit}\""));
+        let config = table_config("*.csv", "unit = \"s\"", "").replace(&from, &to);
+        let line = |(k, mut row): (usize, [f64; 6])| {
+            row[place] *= factor;
+            let mut cells = row.map(|cell| format!("{cell:.6}"));
+            if [20, 21, 40].contains(&k) {
+                cells[place] = cell.to_owned();
+            }
+            format!("{k},{}\n", cells.join(","))
+        };
+        let log: String = rows(60).into_iter().enumerate().map(line).collect();
+        let log = format!("t,{}\n{log}", COLUMNS.join(","));
+        let made = read(folder(&[("ingest.toml", &config), ("a.csv", &log)]).path());
+        let left_out = omitted(&made);
+        assert_eq!(left_out.iter().map(|(_, _, count)| count).sum::<u64>(), 3, "{cell}: {}", made.line);
+        assert_eq!(left_out[0].0, channel, "{cell}: {}", made.line);
+    }
+}
+
+/// The healthy table with the cells of `column` from row `from` on `factor` times as large.
+fn rescaled(column: &str, from: usize, factor: f64) -> tempfile::TempDir {
+    let place = COLUMNS.iter().position(|own| *own == column).unwrap();
+    let line = |(k, mut row): (usize, [f64; 6])| {
+        row[place] *= if k < from { 1.0 } else { factor };
+        format!("{k},{}\n", row.map(|cell| format!("{cell:.6}")).join(","))
+    };
+    let log: String = rows(60).into_iter().enumerate().map(line).collect();
+    let log = format!("t,{}\n{log}", COLUMNS.join(","));
+    folder(&[("ingest.toml", &table_config("*.csv", "unit = \"s\"", "")), ("a.csv", &log)])
+}
+
+#[test]
+fn law_a_unit_that_changes_within_a_log_is_named_and_a_ship_that_slows_down_is_not() {
+    for (column, from, factor, piece) in [
+        ("delta", 30, 1.0_f64.to_radians(), "`delta` is 57.296 times smaller from 30.0 s"),
+        ("delta", 22, 1.0_f64.to_degrees(), "`delta` is 57.296 times larger from 22.0 s"),
+        ("n", 40, 1.0 / 60.0, "`n` is 60.000 times smaller from 40.0 s"),
+        ("u", 25, 3600.0 / 1852.0, "`y_u` is 1.944 times larger from 25.0 s"),
+    ] {
+        // Angles of the rudder beyond 90 deg would be refused.
+        let range = if factor > 50.0 { 0.01 } else { 1.0 };
+        let folder = rescaled(column, from, factor);
+        let path = folder.path().join("ingest.toml");
+        let config = std::fs::read_to_string(&path).unwrap();
+        let wide = format!("channel = \"{column}\", scale = {range}, ");
+        std::fs::write(&path, config.replace(&format!("channel = \"{column}\", "), &wide)).unwrap();
+        let made = read(folder.path());
+        assert!(made.line.contains("doubtful") && made.line.contains(piece), "{piece}: {}", made.line);
+    }
+    for (column, factor) in [("delta", 0.2), ("n", 0.5), ("n", 0.0), ("u", 0.9)] {
+        let made = read(rescaled(column, 30, factor).path());
+        assert!(!made.line.contains("its unit may change"), "{column} {factor}: {}", made.line);
+    }
+}
+
+#[test]
+fn a_column_of_nothing_but_no_information_is_refused() {
+    let rows: Vec<usize> = (0..61).collect();
+    refused_in(
+        faulty("delta", "", &rows, "65.535").path(),
+        &[],
+        &["channel `delta`", "61 missing", "`missing`"],
+    );
+}
+
+#[test]
 fn numbers_out_of_range_are_left_out_as_they_stand_in_the_column() {
     let made = read(faulty("delta", ", sign = -1, valid = [-14.5, 15]", &[], "").path());
     let below = rows(60).iter().filter(|row| row[4] < -14.5).count() as u64;

@@ -1,4 +1,4 @@
-//! Logs on which other programs failed, of `../shared/cases`: without that folder these tests say so and pass. Other logs of the same
+//! Logs on which other programs failed, of `../shared/cases` and `../shared/cases-2`: without that folder these tests say so and pass. Other logs of the same
 //! kinds are made in the tests of each kind.
 
 use std::fs;
@@ -11,7 +11,8 @@ use crate::runner::*;
 
 /// A copy of a case with `from` in its configuration replaced by `to`.
 fn changed(case: &str, from: &str, to: &str) -> Option<TempDir> {
-    copied("../shared/cases", case, from, to)
+    let set = if case.contains('-') { "../shared/cases-2" } else { "../shared/cases" };
+    copied(set, case, from, to)
 }
 
 fn copied(cases: &str, case: &str, from: &str, to: &str) -> Option<TempDir> {
@@ -231,4 +232,46 @@ fn bags_of_elements_without_bytes_end() {
     let bag = fs::read(folder.path().join("a.bag")).unwrap();
     let said = crate::bags::new_refuses("a.bag", &bag);
     assert!(said.contains("a.bag: definitions: found definitions of more elements"), "{said}");
+}
+
+#[test]
+fn topics_whose_clocks_never_meet_are_refused_with_both_spans() {
+    let Some(folder) = case("55-two-clocks") else { return };
+    refused_in(folder.path(), &[], &["`delta`, `n` from 2025-", "from 1970-01-01", "log_time"]);
+    let Some(folder) = changed("55-two-clocks", "header.stamp", "log_time") else { return };
+    the_motion(&made(&folder));
+}
+
+#[test]
+fn a_topic_that_covers_another_time_than_the_others_is_named_with_both_spans() {
+    let Some(folder) = case("65-topic-20s-late") else { return };
+    let made = made(&folder);
+    for piece in ["40.0 s of 80.0 s (50 %)", "`delta`, `n` from 2025-", "are not covered by all"] {
+        assert!(made.line.contains(piece), "{}", made.line);
+    }
+}
+
+#[test]
+fn a_bag_whose_recorder_died_is_refused_with_what_mends_it() {
+    let Some(folder) = case("64-bag-active") else { return };
+    refused_in(folder.path(), &[], &["a.bag.active", "rosbag reindex"]);
+}
+
+#[test]
+fn a_unit_that_changes_within_a_log_is_named_with_its_place_and_ratio() {
+    let Some(folder) = case("90-unit-changes-midway") else { return };
+    let made = made(&folder);
+    for piece in ["doubtful", "`delta` is 57.296 times smaller from 30.0 s"] {
+        assert!(made.line.contains(piece), "{}", made.line);
+    }
+}
+
+#[test]
+fn a_compass_without_variation_is_refused_and_the_remedy_leads_to_the_heading() {
+    let Some(folder) = case("91-hdg-variation-in-deviation") else { return };
+    refused_in(folder.path(), &[], &["HDG.heading", "no variation", "HEHDG", "HDG.magnetic"]);
+    let from = "HDG.heading\", channel = \"psi\", unit = \"deg\"";
+    let to = "HDG.magnetic\", channel = \"psi\", unit = \"deg\", offset = -0.261799";
+    let Some(folder) = changed("91-hdg-variation-in-deviation", from, to) else { return };
+    whole(&folder);
 }

@@ -14,7 +14,7 @@ pub(crate) use places::keep_possible;
 pub(crate) use share::check_share;
 
 use beyond::Beyond;
-use sentinel::Sentinels;
+use sentinel::{Sentinels, of_instruments};
 
 use crate::{ChannelSpec, Omissions, Reason, Unit};
 
@@ -42,7 +42,7 @@ impl<'a> Gate<'a> {
     /// Before the first number of the column of `spec`, which is in `unit`.
     pub(crate) fn new(spec: &'a ChannelSpec, unit: &Unit, limit: &'a Limit) -> Self {
         let (turn, is_heading) = (limit.turn(spec, unit), spec.channel == "psi");
-        let sentinels = spec.missing.is_none().then(|| Sentinels::new(turn));
+        let sentinels = spec.missing.is_none().then(|| Sentinels::new(turn, of_instruments(spec)));
         Self {
             spec,
             limit,

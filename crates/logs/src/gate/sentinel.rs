@@ -2,6 +2,8 @@
 
 use std::sync::LazyLock;
 
+use crate::ChannelSpec;
+
 /// All ones in two or four bytes, and one less or more.
 const BYTES: [f64; 6] = [65_535.0, 32_767.0, 32_768.0, 4_294_967_295.0, 2_147_483_647.0, 2_147_483_648.0];
 
@@ -28,9 +30,23 @@ static KNOWN: LazyLock<Vec<f64>> = LazyLock::new(|| {
     known
 });
 
-/// Whether a number is one of them in single precision.
-fn is_known(number: f64) -> bool {
+/// Numbers that instruments write for unknown values of the channel of `spec`, ordinary ones elsewhere: no rate of turn, or one
+/// beyond what is measured; no speed; no heading.
+pub(super) fn of_instruments(spec: &ChannelSpec) -> &'static [f64] {
+    match (spec.channel.as_str(), spec.unit.as_str()) {
+        (_, "deg/min") => &[720.0, 731.0, 708.0, 127.0, 128.0],
+        (_, "kn" | "knot" | "kt") => &[102.3, 102.2],
+        ("psi", _) => &[511.0],
+        _ => &[],
+    }
+}
+
+/// Whether a number is one of them in single precision, or of those `of_instruments`.
+fn is_known(number: f64, of_instruments: &[f64]) -> bool {
     let (size, rounding) = (number.abs(), 2e-7 * number.abs());
+    if of_instruments.iter().any(|known| (known - size).abs() <= rounding) {
+        return true;
+    }
     if size < LEAST {
         return false;
     }
@@ -54,6 +70,7 @@ const MOST: usize = 4;
 pub(super) struct Sentinels {
     /// A turn, of angles that wrap.
     turn: Option<f64>,
+    of_instruments: &'static [f64],
     /// The last number that is not a candidate.
     before: f64,
     /// Sum of the moduli of all steps, and how many.
@@ -75,8 +92,16 @@ struct Found {
 }
 
 impl Sentinels {
-    pub(super) fn new(turn: Option<f64>) -> Self {
-        Self { turn, before: f64::NAN, steps: (0.0, 0), found: Vec::new(), open: None, all_seen: false }
+    pub(super) fn new(turn: Option<f64>, of_instruments: &'static [f64]) -> Self {
+        Self {
+            turn,
+            of_instruments,
+            before: f64::NAN,
+            steps: (0.0, 0),
+            found: Vec::new(),
+            open: None,
+            all_seen: false,
+        }
     }
 
     /// The modulus of a step; for angles within a turn.
@@ -102,7 +127,8 @@ impl Sentinels {
         }
         let step = self.step(self.before, number);
         let near = self.steps.1 >= FEW && step <= CANDIDATE * self.mean();
-        if !near && number != self.before && is_known(number) && self.enter(number, step) {
+        if !near && number != self.before && is_known(number, self.of_instruments) && self.enter(number, step)
+        {
             return;
         }
         if step.is_finite() {
@@ -148,9 +174,10 @@ impl Sentinels {
             if let Some(open) = self.open {
                 self.leave(open, f64::NAN);
             }
-            // Candidates that do not stand apart are ordinary numbers; from here on `before` is that of this
-            // pass.
-            self.found.retain(|found| found.apart > SENTINEL * mean);
+            // Candidates that do not stand apart are ordinary numbers, unless there are no others; from here on `before` is that
+            // of this pass.
+            let has_others = self.before.is_finite();
+            self.found.retain(|found| !has_others || found.apart > SENTINEL * mean);
             (self.all_seen, self.before) = (true, f64::NAN);
         }
         let known = self.found.iter().any(|found| found.number == number);

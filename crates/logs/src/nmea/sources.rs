@@ -76,6 +76,15 @@ impl Sources<'_> {
         let mut named: Vec<usize> = known.iter().copied().filter(|i| rank(i).is_some()).collect();
         named.sort_by_key(rank);
         match (known.as_slice(), named.as_slice()) {
+            ([], _) if own.iter().any(|(i, _)| tables[*i].is_incomplete(&self.wanted[place].name)) => {
+                let addresses: Vec<&str> = own.iter().map(|(i, _)| address(i)).collect();
+                Err(Invalid::new(
+                    format!("column `{}`", self.wanted[place].name),
+                    format!("no variation with its E or W in any sentence {}", addresses.join(", ")),
+                    "deviation and variation, each with its direction, which make a magnetic heading a true one",
+                    "name `HDG.magnetic` and set its `offset` to deviation and variation in rad, east above 0, or name HDT or THS",
+                ))
+            }
             ([], _) => Ok(own.first().map(|(i, _)| *i).into_iter().collect()),
             ([only], _) => {
                 let empty: Vec<&str> =

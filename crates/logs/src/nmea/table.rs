@@ -103,6 +103,11 @@ impl Table {
         Ok(())
     }
 
+    /// Whether values of the column `name` lack what they are made of.
+    pub(super) fn is_incomplete(&self, name: &str) -> bool {
+        self.omitted.as_slice().iter().any(|one| one.channel == name && one.reason == Reason::Incomplete)
+    }
+
     /// Appends a row.
     pub(super) fn push(&mut self, time: f64, line: usize, values: &[f64]) {
         self.times.push(time);

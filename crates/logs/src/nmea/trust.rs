@@ -1,12 +1,12 @@
 //! Which of the clock's times are trusted, once all of them are known.
 
-use jiff::Timestamp;
 use refusal::Invalid;
 
 use super::clock::{has_time, is_dated};
 use super::fields::Column;
 use super::table::Table;
 use super::timeline::Timeline;
+use crate::stamp::moment;
 use crate::{WarningKind, WarningSummary};
 
 /// How many rows the tables had.
@@ -105,8 +105,4 @@ fn main_era(kind: &str, timeline: &Timeline) -> Result<usize, Invalid> {
             "cut the file where the clock was set, or name other sentences as the time's `column`",
         )),
     }
-}
-
-fn moment(time: f64) -> String {
-    Timestamp::from_second(time as i64).map_or_else(|_| format!("{time} s"), |time| time.to_string())
 }
