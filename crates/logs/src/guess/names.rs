@@ -135,8 +135,7 @@ impl Named {
             str::split(text, |c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect()
         };
         let all = words(name);
-        let last =
-            name.split(['.', '/']).map(|part| words(part).len()).filter(|count| *count > 0).next_back();
+        let last = name.split(['.', '/']).map(|part| words(part).len()).rfind(|count| *count > 0);
         let capital =
             all.first().and_then(|word| word.parse().ok()).filter(|letter: &char| letter.is_uppercase());
         let field = all.len() - last.unwrap_or(0);
