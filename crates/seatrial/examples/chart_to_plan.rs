@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{:6.0} s  {}", leg.start_s, leg.name);
     }
     let routes = planned.routes().ok_or("a plan without a part at sea")?;
-    for (name, content) in routes.files().map_err(|(name, invalid)| format!("{name}: {invalid}"))? {
+    for (name, content) in routes.files("route").map_err(|(name, invalid)| format!("{name}: {invalid}"))? {
         println!("{name}: {} bytes", content.len());
     }
     Ok(())

@@ -108,7 +108,9 @@ fn stage_track_and_routes(
     let refused = |(name, invalid)| {
         Failure::Failed(artifact::Error::invalid(beside(out, MAIN, name), invalid).to_string())
     };
-    let mut files = routes.files().map_err(refused)?;
+    let route = beside(out, MAIN, "route.rtz");
+    let mut files =
+        routes.files(&route.file_stem().unwrap_or_default().to_string_lossy()).map_err(refused)?;
     files.push(("route.gpkg", geopackage(&routes).map_err(|e| refused(("route.gpkg", e)))?));
     let stage = |(name, bytes): (&str, Vec<u8>)| Ok(Staged::bytes(beside(out, MAIN, name), &bytes)?);
     std::iter::once(Ok(track)).chain(files.into_iter().map(stage)).collect()

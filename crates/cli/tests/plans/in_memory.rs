@@ -18,6 +18,6 @@ fn law_a_plan_in_memory_is_that_of_the_program() {
     let by_program: PlanDocument = serde_json::from_value(small_planned().plan.clone()).unwrap();
     assert_eq!(serde_json::to_value(&planned.document).unwrap(), serde_json::to_value(by_program).unwrap());
     let names: Vec<&str> =
-        planned.routes().unwrap().files().unwrap().into_iter().map(|(name, _)| name).collect();
+        planned.routes().unwrap().files("route").unwrap().into_iter().map(|(name, _)| name).collect();
     assert_eq!(names, ["track.geojson", "route.rtz", "route.gpx", "route.kml", "route.plan"]);
 }

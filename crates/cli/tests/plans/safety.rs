@@ -39,7 +39,7 @@ fn a_plan_that_fails_its_check_and_is_allowed_says_so_in_every_output() {
     assert!(fault.contains("vessels searched one (N_r") && fault.contains("on step"), "{fault}");
     assert!(planned.plan["statement"].as_str().unwrap().contains(fault));
     let route = read(planned.text("route.rtz"));
-    assert_eq!(route.one("routeInfo").get("routeName"), Some("small trial (unsafe)"));
+    assert_eq!(route.one("routeInfo").get("routeName"), Some("route (unsafe)"));
     let legs = route.one("waypoints").all("waypoint").into_iter().flat_map(|point| point.all("leg"));
     assert!(legs.map(|leg| leg.get("legInfo").unwrap()).all(|note| note.starts_with("unsafe plan: ")));
     let gpx = planned.text("route.gpx");

@@ -27,15 +27,18 @@ pub struct Routes<'a> {
 }
 
 impl Routes<'_> {
-    /// Names and contents of the files for bridges and maps.
+    /// Names and contents of the files for bridges and maps; `rtz_name` is that of `route.rtz`, without
+    /// its ending.
     ///
     /// # Errors
     /// A route that the format does not support, with the name of its file.
-    pub fn files(&self) -> Result<Vec<NamedFile>, (&'static str, Invalid)> {
+    pub fn files(&self, rtz_name: &str) -> Result<Vec<NamedFile>, (&'static str, Invalid)> {
         let route = self.route();
+        // ECDIS expect the route to be called as its file.
+        let filed = Route { name: self.labelled(rtz_name), ..route.clone() };
         let files = [
             ("track.geojson", geojson(&self.features())),
-            ("route.rtz", rtz(&route)),
+            ("route.rtz", rtz(&filed)),
             ("route.gpx", gpx(&route, &[self.track()])),
             ("route.kml", kml(&route, &self.tracks())),
             ("route.plan", qgroundcontrol(&route)),
