@@ -261,8 +261,12 @@ pub fn beside(main: &Path, usual: &str, name: &str) -> PathBuf {
     main.with_file_name(name)
 }
 
-/// Endings of the main files of stages, one for each kind.
-const KINDS: [&str; 6] = ["json", "parquet", "toml", "html", "md", "svg"];
+/// Endings of files of other kinds: those that stages write, and that users may expect of them.
+const KINDS: [&str; 33] = [
+    "arrow", "bag", "c", "cpp", "csv", "dat", "feather", "gpkg", "gpx", "h5", "html", "ipynb", "json", "kml",
+    "mat", "mcap", "md", "mo", "nc", "nmea", "npy", "npz", "parquet", "pdf", "png", "py", "rtz", "svg",
+    "toml", "tsv", "txt", "xlsx", "yaml",
+];
 
 /// Refuses to write what is usually called `usual` to `out`, if that is named as another kind of file: readers would take it for
 /// such a one.

@@ -60,7 +60,7 @@ fn an_output_that_is_named_as_another_kind_of_file_is_refused() {
     for stage in STAGES {
         let (line, out) = stage.rsplit_once(" --out ").unwrap();
         let (name, own) = out.rsplit_once('.').unwrap();
-        for other in ["json", "parquet", "html", "toml", "PARQUET"] {
+        for other in ["json", "parquet", "csv", "toml", "PARQUET"] {
             if !other.eq_ignore_ascii_case(own) {
                 let (found, better) = (format!("{name}2.{other}"), format!("write --out {name}2.{own}"));
                 refused(&folder, 2, &format!("{line} --out {found}"), &["--out", &found, &better]);
