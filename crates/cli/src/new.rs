@@ -7,7 +7,7 @@ use clap::Parser;
 use pipeline::starting::{Charted, PRESETS, Preset, measured, schemas, simulated};
 use serde_json::json;
 
-use crate::cli::Common;
+use crate::cli::{Common, folder_of};
 use crate::failure::Failure;
 use crate::stage::{Summary, Task};
 
@@ -87,6 +87,7 @@ impl Task for Arguments {
             }
         };
         let schemas = schemas();
+        std::fs::create_dir_all(folder_of(out)).map_err(|e| artifact::Error::io(out, "create", e))?;
         whole_folder(out, &["schemas"], |folder| {
             // One by one: this process holds the folder, which a set would wait for.
             let mut all = files.iter().chain(&schemas);

@@ -48,6 +48,18 @@ fn charts_that_a_study_cannot_begin_with() {
         ),
         (
             "full-scale",
+            format!("--chart {chart} --place 60.12,24.97"),
+            3,
+            ["a place on the chart: longitude 24.", "exchange them: --place 24.97,60.12"],
+        ),
+        (
+            "full-scale",
+            format!("--chart {chart} --place 5.0,52.0"),
+            3,
+            ["a place on the chart: longitude 24.", "or another chart"],
+        ),
+        (
+            "full-scale",
             "--chart nowhere.geojson --place 24.97,60.12".to_owned(),
             3,
             ["nowhere.geojson", "no such file"],

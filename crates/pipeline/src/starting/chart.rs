@@ -54,9 +54,25 @@ pub(super) fn planned(
         let expected = "a path that plan.toml can have";
         Error::refuse(file, "--chart", why.message(), expected, "rename the chart or its folder")
     })?;
-    let (bounds, start, clear_m) = roomiest(file, &config, &plane, &square)?;
+    let (bounds, start, clear_m, extent) = roomiest(file, &config, &plane, &square)?;
+    let is_on = |[x, y]: [f64; 2]| {
+        extent.is_none_or(|[west, south, east, north]| {
+            (west..=east).contains(&x) && (south..=north).contains(&y)
+        })
+    };
     let needed_m = config.safety.margin_m + config.hull.length_m;
     if clear_m < needed_m {
+        if let Some([west, south, east, north]) = extent.filter(|_| !is_on(charted.place)) {
+            let place = format!("{longitude},{latitude}");
+            let expected = format!(
+                "a place on the chart: longitude {west:.3} to {east:.3}, latitude {south:.3} to {north:.3}"
+            );
+            let remedy = match is_on([latitude, longitude]) {
+                true => format!("exchange them: --place {latitude},{longitude}"),
+                false => "name a place on it, or another chart".to_owned(),
+            };
+            return Err(Error::refuse(file, "--place", place, expected, remedy));
+        }
         let depth_m = config.safety.trial_depth_m;
         return Err(at(&format!(
             "water on the chart within {edge:.0} m that is {depth_m} m deep and {needed_m:.0} m from dangers; at most \
@@ -74,13 +90,13 @@ fn area(plane: &Plane, bounds: &Bounds) -> String {
 }
 
 /// The part of the square `bounds` that is on the chart, the place with most room for maneuvers there (longitude, latitude),
-/// and its distance to dangers and the edge \[m\].
+/// its distance to dangers and the edge \[m\], and the extent of the chart.
 fn roomiest(
     file: &Path,
     config: &PlanFile,
     plane: &Plane,
     bounds: &Bounds,
-) -> Result<(Bounds, [f64; 2], f64), Error> {
+) -> Result<(Bounds, [f64; 2], f64, Option<Extent>), Error> {
     let invalid = |why| Error::invalid(file, why);
     let means = Means { area: (plane, bounds), budget: budget(), keep_going: &|| true };
     // Only the chart is read: the path of `plan.toml` does not matter.
@@ -88,8 +104,9 @@ fn roomiest(
         ChartsError::Refused(error) => error,
         ChartsError::OutOfTime => unreachable!("there is no time limit"),
     })?;
+    let extent = extent(&charts.layers);
     let Some(bounds) = on_chart(plane, bounds, &charts.layers) else {
-        return Ok((*bounds, [0.0; 2], 0.0));
+        return Ok((*bounds, [0.0; 2], 0.0, extent));
     };
     let chart = Chart::new(*plane, bounds, &charts.layers, config.uncharted).map_err(invalid)?;
     let raster = Raster::covering(&bounds, CELL_M).map_err(invalid)?;
@@ -106,7 +123,29 @@ fn roomiest(
         nodes.map(|node| (room(node), node)).reduce(|best, own| if own.0 > best.0 { own } else { best });
     let (clear_m, node) = best.unwrap_or((0.0, [0.0; 2]));
     let (longitude, latitude) = plane.to_geographic(node);
-    Ok((bounds, [longitude, latitude], clear_m))
+    Ok((bounds, [longitude, latitude], clear_m, extent))
+}
+
+/// West, south, east and north end \[deg\].
+type Extent = [f64; 4];
+
+/// The extent of all that is charted; `None` of nothing, or across the antimeridian.
+fn extent(layers: &[Layer]) -> Option<Extent> {
+    let places = layers.iter().flat_map(|layer| match layer {
+        Layer::Polygons(own) => {
+            own.areas.iter().flat_map(|area| area.rings.iter().flatten().copied()).collect()
+        }
+        Layer::Grid(own) => {
+            let [x, y] = [own.columns, own.rows].map(|count| count as f64 * own.cell);
+            let corners = [[0.0, 0.0], [x, 0.0], [0.0, y], [x, y]];
+            let corners =
+                corners.map(|[x, y]| own.crs.to_geographic([own.corner[0] + x, own.corner[1] + y]).ok());
+            corners.into_iter().flatten().map(<[f64; 2]>::from).collect::<Vec<_>>()
+        }
+    });
+    let wider = |[w, s, e, n]: Extent, [x, y]: [f64; 2]| [w.min(x), s.min(y), e.max(x), n.max(y)];
+    let extent = places.map(|[x, y]| [x, y, x, y]).reduce(|own, [x, y, ..]| wider(own, [x, y]))?;
+    (extent[2] - extent[0] < 180.0).then_some(extent)
 }
 
 /// The part of `bounds` within the extent of the polygons: a chart of land knows nothing beyond it, and the planner takes that for
