@@ -1,5 +1,6 @@
 //! Positions of a ship in sentences.
 
+use std::collections::BTreeMap;
 use std::io::BufRead;
 
 use refusal::{Invalid, foreign};
@@ -16,11 +17,16 @@ use crate::position::{LoggedPosition, LoggedPositions, Since, checked, push};
 const PLACED: [&str; 4] = ["RMC", "GGA", "GNS", "GLL"];
 /// A knot \[m/s\].
 const KNOT_M_S: f64 = 1852.0 / 3600.0;
+/// Positions of one receiver are no farther apart at the same time \[m\]; between rows so near she is on a straight line \[s\].
+const APART_M: f64 = 8.0;
+const NEIGHBOURS_S: f64 = 5.0;
+/// A degree of latitude \[m\].
+const DEGREE_M: f64 = 111_195.0;
 /// Kinds with a true heading.
 const HEADED: [&str; 2] = ["HDT", "THS"];
 
 /// Reads positions from the first kind of sentence that has a fix once the date is known. Sentences without a right
-/// checksum, without a fix or with the time of the one before are left out.
+/// checksum, without a fix or with the time of the one before are left out; other receivers are refused.
 pub(crate) fn positions_in_sentences(bytes: impl BufRead) -> Result<LoggedPositions, LogError> {
     let (mut lines, mut reading) = (Lines::new(bytes)?, Reading::default());
     while let Some((number, line)) = lines.bytes()? {
@@ -33,7 +39,8 @@ pub(crate) fn positions_in_sentences(bytes: impl BufRead) -> Result<LoggedPositi
         }
     }
     let expected = "sentences RMC, or GGA, GNS or GLL after a ZDA, with a fix and a right checksum";
-    checked(Since::Epoch, reading.rows, expected)
+    reading.check_alone()?;
+    checked(Since::Epoch, reading.rows, (reading.ends_s, reading.unfixed), expected)
 }
 
 /// The state of reading.
@@ -46,6 +53,12 @@ struct Reading {
     /// The last heading since the position before it \[deg\].
     heading_deg: Option<f64>,
     rows: Vec<LoggedPosition>,
+    /// Positions of all other sentences, by address: line, time, longitude, latitude.
+    others: BTreeMap<String, Vec<(usize, [f64; 3])>>,
+    /// The time of the last sentence that could have had a position.
+    ends_s: f64,
+    /// Sentences of the source without a fix.
+    unfixed: usize,
 }
 
 impl Reading {
@@ -56,14 +69,18 @@ impl Reading {
         }
         let Some(at_s) = self.time(sentence, line)? else { return Ok(()) };
         let Some(kind) = PLACED.iter().find(|kind| sentence.is_a(kind)) else { return Ok(()) };
-        if self.source.as_deref().is_some_and(|source| source != sentence.address) {
-            return Ok(());
-        }
+        self.ends_s = self.ends_s.max(at_s);
+        let is_other = self.source.as_deref().is_some_and(|source| source != sentence.address);
         let field = |name: &str| value(sentence, kind, name, line);
         let (Some(longitude_deg), Some(latitude_deg)) = (field("longitude")?, field("latitude")?) else {
+            self.unfixed += usize::from(!is_other);
             return Ok(());
         };
-        if self.rows.last().is_some_and(|last| last.at_s == at_s) {
+        if is_other || self.rows.last().is_some_and(|last| last.at_s == at_s) {
+            let others = self.others.entry(sentence.address.to_owned()).or_default();
+            if others.len() < self.rows.len() {
+                others.push((line, [at_s, longitude_deg, latitude_deg]));
+            }
             return Ok(());
         }
         let knots = if *kind == "RMC" { field("speed")? } else { None };
@@ -74,6 +91,46 @@ impl Reading {
             &mut self.rows,
             LoggedPosition { line, at_s, longitude_deg, latitude_deg, heading_deg, speed_m_s },
         )
+    }
+
+    /// Refuses positions of another receiver: they differ at the same times.
+    fn check_alone(&self) -> Result<(), Invalid> {
+        for (address, others) in &self.others {
+            let mut apart: Vec<(f64, usize)> =
+                others.iter().filter_map(|(line, own)| Some((self.away_m(own)?, *line))).collect();
+            apart.sort_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((away_m, line)) =
+                apart.get(apart.len() / 2).filter(|own| own.0 > APART_M && apart.len() > 2)
+            {
+                let source = self.source.as_deref().unwrap_or_default();
+                let found = format!(
+                    "{} {away_m:.0} m away from {} at the same time",
+                    foreign(address),
+                    foreign(source)
+                );
+                let expected = format!("one receiver: positions within {APART_M} m");
+                let remedy = match address == source {
+                    true => "log one of the receivers alone".to_owned(),
+                    false => {
+                        format!("leave those of one out, such as by `grep -v {} FILE`", foreign(address))
+                    }
+                };
+                return Err(Invalid::new(format!("line {line}"), found, expected, remedy));
+            }
+        }
+        Ok(())
+    }
+
+    /// The distance of a position (time, longitude, latitude) from the source's then \[m\].
+    fn away_m(&self, [at_s, longitude, latitude]: &[f64; 3]) -> Option<f64> {
+        let next = self.rows.partition_point(|row| row.at_s < *at_s).min(self.rows.len() - 1);
+        let [a, b] = [next.saturating_sub(1), next].map(|k| &self.rows[k]);
+        let part = if b.at_s > a.at_s { (at_s - a.at_s) / (b.at_s - a.at_s) } else { 0.0 };
+        let is_between = (a.at_s..=b.at_s).contains(at_s) && b.at_s - a.at_s <= NEIGHBOURS_S;
+        let [x, y] = [b.longitude_deg - a.longitude_deg, b.latitude_deg - a.latitude_deg];
+        let [x, y] = [a.longitude_deg + part * x - longitude, a.latitude_deg + part * y - latitude];
+        let east = x * libm::cos(latitude.to_radians());
+        is_between.then(|| DEGREE_M * libm::hypot(east, y))
     }
 
     /// The time of a sentence since 1970 \[s\]; `None` where it has none, or the date is not known yet.

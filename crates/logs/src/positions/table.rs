@@ -1,7 +1,10 @@
 //! Positions as CSV.
 
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::io::BufRead;
 
+use jiff::Timestamp;
 use refusal::{Invalid, foreign};
 
 use crate::columns::cell_of;
@@ -16,19 +19,31 @@ const NEEDED: usize = 3;
 /// Their least and greatest values; of times in seconds, too.
 const RANGES: [[f64; 2]; 5] = [[-1e9, 1e9], [-180.0, 180.0], [-89.0, 89.0], [0.0, 360.0], [0.0, 100.0]];
 
-/// Reads the positions of CSV with a header. A last line without its end is left out if cells are missing: the logger is
-/// still writing it.
-pub(super) fn positions_in_table(bytes: impl BufRead) -> Result<LoggedPositions, LogError> {
+/// What may stand between cells. A comma stands before decimals where it is another one.
+const SEPARATORS: [char; 4] = [',', ';', '\t', '|'];
+
+/// Reads the positions of CSV with a header, and the `inputs` of the vessel that it has. A last line without its end is left out if
+/// cells are missing: the logger is still writing it.
+pub(super) fn positions_in_table(bytes: impl BufRead, inputs: &[&str]) -> Result<LoggedPositions, LogError> {
     let (mut lines, mut row) = (Lines::new(bytes)?, Row::default());
-    row.split(lines.next()?.unwrap_or_default(), ',');
+    let first = lines.next()?.unwrap_or_default().to_owned();
+    let mut is_separator = |separator: &char| {
+        row.split(&first, *separator);
+        row.cells().any(|cell| cell.trim() == COLUMNS[1])
+    };
+    let separator = SEPARATORS.into_iter().find(&mut is_separator).unwrap_or(',');
+    row.split(&first, separator);
     let header: Vec<String> = row.cells().map(|cell| cell.trim().to_owned()).collect();
-    let reader = Reader { places: places(&header)?, width: header.len(), stamps: Stamps::new(&utc())? };
-    let (mut since, mut rows) = (None, Vec::new());
+    let (width, stamps) = (header.len(), Stamps::new(&utc())?);
+    let reader = Reader { places: places(&header, inputs)?, width, separator, stamps };
+    let own = |name: &&&str| header.iter().position(|own| own == **name);
+    let columns: Vec<(usize, &str)> = inputs.iter().filter_map(|name| Some((own(&name)?, *name))).collect();
+    let (mut since, mut rows, mut logged) = (None, Vec::new(), BTreeMap::<String, Vec<[f64; 2]>>::new());
     while let Some(line) = lines.next()? {
         if line.trim().is_empty() {
             continue;
         }
-        row.split(line, ',');
+        row.split(line, separator);
         if row.cells.len() < reader.width && !lines.is_ended {
             break;
         }
@@ -37,9 +52,19 @@ pub(super) fn positions_in_table(bytes: impl BufRead) -> Result<LoggedPositions,
         if own_since != first {
             return Err(mixed(lines.number, first).into());
         }
+        for (place, name) in &columns {
+            let cell = reader.decimal(row.cell(*place).trim());
+            if !cell.is_empty() {
+                let number = cell.parse().ok().filter(|number: &f64| number.is_finite());
+                let number = number.ok_or_else(|| not_finite(lines.number, name, &cell))?;
+                logged.entry((*name).to_owned()).or_default().push([position.at_s, number]);
+            }
+        }
         push(&mut rows, position)?;
     }
-    checked(since.unwrap_or(Since::Departure), rows, "at least one row below the header")
+    let expected = "at least one row below the header";
+    let positions = checked(since.unwrap_or(Since::Departure), rows, (f64::NEG_INFINITY, 0), expected)?;
+    Ok(LoggedPositions { inputs: logged, ..positions })
 }
 
 /// Times with an offset, or in UTC.
@@ -56,12 +81,13 @@ fn utc() -> TimeSpec {
     }
 }
 
-/// The places of [`COLUMNS`] in the header; refuses others, which would be ignored.
-fn places(header: &[String]) -> Result<[Option<usize>; 5], Invalid> {
+/// The places of [`COLUMNS`] in the header; refuses others but the vessel's `inputs`, which would be ignored.
+fn places(header: &[String], inputs: &[&str]) -> Result<[Option<usize>; 5], Invalid> {
     let thing = |name: &str| format!("line 1, column `{}`", foreign(name));
     for (place, name) in header.iter().enumerate() {
-        if !name.is_empty() && !COLUMNS.contains(&name.as_str()) {
-            return Err(Invalid::unknown(thing(name), &foreign(name), COLUMNS));
+        if !name.is_empty() && !COLUMNS.iter().chain(inputs).any(|own| own == name) {
+            let known = COLUMNS.into_iter().chain(inputs.iter().copied());
+            return Err(Invalid::unknown(thing(name), &foreign(name), known));
         }
         if !name.is_empty() && header[..place].contains(name) {
             return Err(Invalid::new(thing(name), "it twice", "every column once", "remove one"));
@@ -91,6 +117,7 @@ struct Reader {
     places: [Option<usize>; 5],
     /// Cells of a row.
     width: usize,
+    separator: char,
     stamps: Stamps,
 }
 
@@ -100,12 +127,12 @@ impl Reader {
         let found = row.cells.len();
         if found != self.width {
             let expected = format!("{}, as in the header", self.width);
-            return Err(Invalid::new(
-                format!("line {line}"),
-                format!("{found} cells"),
-                expected,
-                "correct the line",
-            ));
+            let is_decimal = self.separator == ',' && found > self.width;
+            let remedy = match is_decimal {
+                true => "correct the line; numbers with decimal commas need semicolons between cells",
+                false => "correct the line",
+            };
+            return Err(Invalid::new(format!("line {line}"), format!("{found} cells"), expected, remedy));
         }
         let (since, at_s) = self.time(row, line)?;
         let needed = |column: usize| {
@@ -121,7 +148,17 @@ impl Reader {
     /// Seconds since the departure, or since 1970 for a date and time.
     fn time(&self, row: &Row, line: usize) -> Result<(Since, f64), Invalid> {
         let text = self.cell(row, 0);
-        if text.parse::<f64>().is_ok() {
+        if let Ok(number) = self.decimal(text).parse::<f64>() {
+            let unix = [1.0, 1e3, 1e6, 1e9].map(|per_s| number / per_s).into_iter();
+            let unix = unix
+                .filter(|own| (1e9..1e10).contains(own))
+                .find_map(|own| Timestamp::from_second(own as i64).ok());
+            if let Some(date) = unix {
+                let found = format!("`{}`, as of {date} counted from 1970", foreign(text));
+                let expected = "seconds since the departure, or a date and time";
+                let remedy = format!("write it as {date}, and so all times");
+                return Err(Invalid::new(cell_of(line, COLUMNS[0]), found, expected, remedy));
+            }
             let seconds = self.number(row, line, 0)?;
             return Ok((Since::Departure, seconds.ok_or_else(|| out_of_range(line, 0, text))?));
         }
@@ -143,8 +180,13 @@ impl Reader {
             return Ok(None);
         }
         let [least, most] = RANGES[column];
-        let number = text.parse().ok().filter(|number: &f64| (least..=most).contains(number));
+        let number = self.decimal(text).parse().ok().filter(|number: &f64| (least..=most).contains(number));
         number.map(Some).ok_or_else(|| out_of_range(line, column, text))
+    }
+
+    /// A number with a decimal point.
+    fn decimal<'a>(&self, text: &'a str) -> Cow<'a, str> {
+        if self.separator == ',' { text.into() } else { text.replace(',', ".").into() }
     }
 
     fn cell<'a>(&self, row: &'a Row, column: usize) -> &'a str {
@@ -156,5 +198,15 @@ fn out_of_range(line: usize, column: usize, text: &str) -> Invalid {
     let [least, most] = RANGES[column];
     let expected = format!("a number from {least} to {most}");
     let found = format!("`{}`", foreign(text));
-    Invalid::new(cell_of(line, COLUMNS[column]), found, expected, "correct the cell, or leave out the line")
+    let is_longitude = column == 2 && text.parse().is_ok_and(|number: f64| number.abs() <= 180.0);
+    let remedy = match is_longitude {
+        true => "exchange longitude and latitude if the columns are so named, or correct the cell",
+        false => "correct the cell, or leave out the line",
+    };
+    Invalid::new(cell_of(line, COLUMNS[column]), found, expected, remedy)
+}
+
+fn not_finite(line: usize, name: &str, text: &str) -> Invalid {
+    let found = format!("`{}`", foreign(text));
+    Invalid::new(cell_of(line, name), found, "a number", "correct the cell, or leave it empty")
 }
