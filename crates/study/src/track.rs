@@ -6,7 +6,7 @@ use artifact::{Columns, Error, Loaded, Provenance, Staged, TableReader, TableWri
 use chart::Plane;
 use engine::Pose;
 use model::Vessel;
-use trial::voyage::{TrackPoint, compass_deg};
+use trial::voyage::{Inputs, TrackPoint, compass_deg};
 use trial::{Sailed, Sample};
 
 use crate::documents::PlanDocument;
@@ -146,11 +146,15 @@ fn track_of(plan: &Path) -> Result<(Loaded<PlanDocument>, PathBuf), Error> {
     Ok((document, path))
 }
 
-/// The points of the track of `plan`, a `plan.json`, on `plane`.
+/// The points of the track of `plan`, a `plan.json`, on `plane`, and its inputs over time.
 ///
 /// # Errors
 /// As [`read_planned`]; a step that the plan lacks.
-pub fn planned_points(plan: &Path, vessel: &Vessel, plane: &Plane) -> Result<Vec<TrackPoint>, Error> {
+pub fn planned_points(
+    plan: &Path,
+    vessel: &Vessel,
+    plane: &Plane,
+) -> Result<(Vec<TrackPoint>, Inputs), Error> {
     let (document, path) = track_of(plan)?;
     let reader = TableReader::open(&path, TRACK, TRACK_VERSION)?;
     let rows = columns(vessel).read(&reader, &Row::blank(vessel))?;
@@ -169,7 +173,12 @@ pub fn planned_points(plan: &Path, vessel: &Vessel, plane: &Plane) -> Result<Vec
         })
     };
     let points: Option<Vec<TrackPoint>> = rows.iter().map(point).collect();
-    points.filter(|points| !points.is_empty()).ok_or_else(|| {
+    let input = |(i, input): (usize, &model::Variable)| {
+        let own = rows.iter().filter_map(|row| Some([row.floats[0], row.inputs[i]?]));
+        (input.name.clone(), own.collect())
+    };
+    let inputs = vessel.model.input_variables().iter().enumerate().map(input).collect();
+    points.filter(|points| !points.is_empty()).map(|points| (points, inputs)).ok_or_else(|| {
         let expected = format!("samples of the {steps} steps of {}", plan.display());
         Error::refuse(&path, "`step`", "other steps, or none", expected, "plan again")
     })

@@ -81,7 +81,7 @@ Standing = Literal["model", "average of models", "model of the average", "other 
 #: A velocity.
 State = Literal["u", "v", "r"]
 #: What became of a step.
-StepState = Literal["done", "missed", "under-way", "ahead"]
+StepState = Literal["done", "missed", "spoiled", "under-way", "ahead"]
 #: What becomes of a model that runs are asked about.
 Verdict = Literal["not-rejected", "rejected", "none"]
 #: What is odd about a channel.
@@ -1440,6 +1440,10 @@ class FollowDocument:
     at_s: float
     #: Number of positions.
     positions: int
+    #: How many more were left out: without a fix, at 0 N 0 E, or where she cannot have come to and back from.
+    left_out: int = 0
+    #: What is odd about them, in words.
+    doubts: list[str] = field(default_factory=list)
     #: Number of the step that the ship is at, from 1.
     step: int
     #: Distance of the ship from where the plan has her, the delay apart \[m\].
@@ -1468,6 +1472,8 @@ class FollowedStep:
     deviation_m: float | None = None
     #: Within which it counts as done \[m\].
     within_m: float
+    #: Why its maneuver is spoiled; absent where it is not.
+    why: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -55,6 +55,8 @@ pub fn plan_voyage(
     if let (Some(own), Some(Begun { so_far: SoFar::Positions(own_files), .. })) = (&followed, &files.begun) {
         trial.check_afloat(own_files, own, &|| limits.keep_going()).map_err(refuse)?;
         staged.push(stage_document(beside(out, MAIN, FOLLOWED), &provenance, &own.document)?);
+        let doubts = own.document.doubts.iter().filter(|_| !limits.quiet);
+        doubts.for_each(|doubt| on_stderr(format_args!("plan follow: {doubt}")));
         if own.document.status != FollowStatus::UnderWay {
             commit(staged)?;
             let details = json!({"status": own.document.status, "step": own.document.step});

@@ -204,9 +204,9 @@ fn a_maneuver_that_is_missed_is_planned_again() {
     let counts = json(&folder, "rest/plan.json")["data"]["counts"].take();
     assert_eq!(counts, serde_json::json!({"zig-zag-steep": 1}));
     put(&folder, "positions.csv", &seconds(&rows));
-    // Within a distance that is stated, it counts.
+    // Within a distance that is stated she came along it, and left its shape.
     run(&folder, &format!("{FOLLOW} --within-m 200")).succeeds();
-    assert_eq!(json(&folder, "rest/follow.json")["data"]["steps"][step]["state"], "done");
+    assert_eq!(json(&folder, "rest/follow.json")["data"]["steps"][step]["state"], "spoiled");
 }
 
 /// A sentence with its checksum.
@@ -270,7 +270,7 @@ fn positions_that_are_not_of_the_plan_are_refused() {
     // Another plan: half a nautical mile farther north.
     check(
         &changed(&|_, [t, lon, lat]| Some([t, lon, lat + 0.0083])),
-        &["positions", "none nearer to the plan's track than", "name the plan that is sailed"],
+        &["positions", "all positions are displaced by 9", "--within-m"],
     );
     // Another day, and another year.
     for day in ["2026-06-02", "2026-05-31"] {
@@ -296,9 +296,11 @@ fn positions_that_are_not_of_the_plan_are_refused() {
         &changed(&|_, row| (row[0] > begins_s + 190.0).then_some(row)),
         &["line 2", "a beginning at step ", "after `zig-zag-steep`", "give the whole log"],
     );
-    // A jump: half a nautical mile in a second, and back.
+    // A jump: half a nautical mile in a second, for longer than a spike.
     check(
-        &changed(&|k, [t, lon, lat]| Some([t, lon, if k == 300 { lat + 0.0083 } else { lat }])),
+        &changed(&|k, [t, lon, lat]| {
+            Some([t, lon, if (300..310).contains(&k) { lat + 0.0083 } else { lat }])
+        }),
         &["line 302", "a jump of 9", " m in 1.0 s", "of another ship"],
     );
     // After the end: the ship has left.
@@ -409,4 +411,207 @@ fn the_model_identified_so_far_takes_the_vessels_place() {
     assert_eq!(rest["data"]["voyage"]["check"]["standard_errors"], 2.0);
     assert_ne!(rest["inputs"]["vessel"], json(&folder, "plan.json")["inputs"]["vessel"]);
     assert_eq!(rest["inputs"]["vessel"], json(&folder, "rest/follow.json")["inputs"]["vessel"]);
+}
+
+/// Positions with a heading, a speed and an input, as CSV.
+fn columns(
+    track: &Track,
+    rows: &[Row],
+    heading: impl Fn(usize) -> f64,
+    speed: impl Fn(usize) -> f64,
+) -> String {
+    let mut text = "time,longitude_deg,latitude_deg,heading_deg,speed_m_s\n".to_owned();
+    for (k, [at_s, longitude, latitude]) in rows.iter().enumerate() {
+        let heading = heading(k).rem_euclid(360.0);
+        writeln!(text, "{at_s},{longitude:.8},{latitude:.8},{heading:.1},{:.2}", speed(k)).unwrap();
+    }
+    assert!(rows.len() <= track.t.len());
+    text
+}
+
+#[test]
+fn law_logs_that_contradict_themselves_or_the_plan_are_refused_and_their_healthy_neighbours_pass() {
+    let (folder, planned) =
+        planned(&[("headings = 4", "departure = \"2026-06-01T08:00:00Z\"\nheadings = 4")]);
+    let track = &planned.track;
+    let step = planned.legs().iter().position(|leg| leg["informative"] == true).unwrap() + 1;
+    let until_s = planned.legs()[step]["start_s"].as_f64().unwrap() + 60.0;
+    let rows = along(track, until_s, 1, 3.0);
+    let changed = |change: &dyn Fn(usize, Row) -> Row| -> Vec<Row> {
+        rows.iter().enumerate().map(|(k, row)| change(k, *row)).collect()
+    };
+    let held = |from: usize| {
+        let noise_deg = |k: usize| 3.0 / 111_195.0 * noise(k);
+        changed(&|k, [t, lon, lat]| {
+            if k < from {
+                [t, lon, lat]
+            } else {
+                [t, rows[from][1] + 2.0 * noise_deg(2 * k), rows[from][2] + noise_deg(2 * k + 1)]
+            }
+        })
+    };
+    let heading = |k: usize| track.pose[k][2].to_degrees();
+    let speed = |k: usize| track.state[k][0].hypot(track.state[k][1]);
+    let with = |rows: &[Row], turned: f64, times: f64| {
+        columns(track, rows, |k| heading(k) + turned, |k| times * speed(k))
+    };
+    let north_deg = 1.0 / 111_195.0;
+    let date = |row: f64| of_day("2026-06-01", row);
+    let semicolons = seconds(&rows).replace(',', ";").replace('.', ",");
+    let mut null = rows.clone();
+    null[400][1..].fill(0.0);
+    // Healthy neighbours pass without a word.
+    for (name, text) in [
+        ("noise", seconds(&rows)),
+        ("columns", with(&rows, 0.0, 1.0)),
+        ("crabbing and sailing through water", with(&rows, 3.0, 1.3)),
+        ("slow", seconds(&changed(&|_, [t, lon, lat]| [1.3 * t, lon, lat]))),
+        ("semicolons", semicolons),
+        ("tabs", seconds(&rows).replace(',', "\t")),
+        ("null", seconds(&null)),
+        ("spike", seconds(&changed(&|k, [t, lon, lat]| [t, lon, lat + if k == 300 { 0.005 } else { 0.0 }]))),
+        ("late", seconds(&changed(&|_, [t, lon, lat]| [t + 777.0, lon, lat]))),
+    ] {
+        put(&folder, "positions.csv", &text);
+        let ran = run(&folder, FOLLOW);
+        let follow = json(&folder, "rest/follow.json")["data"].take();
+        assert!(follow.get("doubts").is_none() && follow["step"] == step + 1, "{name}: {ran} {follow}");
+        let left_out = u64::from(["null", "spike"].contains(&name));
+        assert_eq!(follow["left_out"], left_out, "{name}");
+        for name in PLANNED.iter().chain(&["follow.json"]) {
+            let _ = fs::remove_file(folder.path().join("rest").join(name));
+        }
+    }
+    // What is odd and does not move the ship is said.
+    for (text, piece) in [
+        (table(&rows, |at_s| date(at_s + 10_800.0)), "3 h late, as by a clock in local time"),
+        (table(&rows, |at_s| date(at_s + 18.0)), "GPS time"),
+        (seconds(&changed(&|_, [t, lon, lat]| [t, lon, lat + 14.0 * north_deg])), "all positions are"),
+    ] {
+        put(&folder, "positions.csv", &text);
+        let ran = run(&folder, FOLLOW);
+        assert!(ran.stderr.contains(piece), "{piece}: {ran}");
+        assert_eq!(json(&folder, "rest/follow.json")["data"]["step"], step + 1, "{piece}");
+        for name in PLANNED.iter().chain(&["follow.json"]) {
+            let _ = fs::remove_file(folder.path().join("rest").join(name));
+        }
+    }
+    // What leaves her place or motion in doubt is refused.
+    let exchanged =
+        seconds(&rows).replace("time,longitude_deg,latitude_deg", "time,latitude_deg,longitude_deg");
+    let frozen = held(rows.len() - 60);
+    let cases: [(String, &[&str]); 11] = [
+        (exchanged, &["exchanged they are near it"]),
+        (with(&rows, 0.0, 1.944), &["speed: found 1.9", "as in knots", "convert the speed"]),
+        (with(&rows, 12.0, 1.0), &["heading: found headings 12 deg right", "magnetic"]),
+        (
+            columns(track, &rows, |k| heading(k).to_radians(), speed),
+            &["heading: found headings", "true heading in degrees"],
+        ),
+        (
+            columns(track, &rows, |k| if speed(k) < 0.3 { 97.0 * k as f64 } else { heading(k) }, speed),
+            &["heading: found jumps", "course over ground"],
+        ),
+        (
+            columns(track, &frozen, heading, |_| 1.5),
+            &["no motion since line", "her speed is 1.5 m/s", "plan resume --done STEPS --from"],
+        ),
+        (
+            table(&rows, |at_s| format!("{}", 1_780_300_800.0 + at_s)),
+            &["line 2, cell `time`", "as of 2026-06-01T08:00:00Z counted from 1970"],
+        ),
+        (table(&rows, |at_s| format!("{}", at_s / 60.0)), &["`time`", "as of minutes"]),
+        (table(&rows, |at_s| format!("{}", 1e3 * at_s)), &["`time`", "as of milliseconds"]),
+        (
+            seconds(&changed(&|_, [t, lon, lat]| [t, lon, lat + 120.0 * north_deg])),
+            &["all positions are", "--within-m 1"],
+        ),
+        (seconds(&rows).replace(".", ","), &["line 2", "cells", "decimal commas need semicolons"]),
+    ];
+    for (text, pieces) in cases {
+        put(&folder, "positions.csv", &text);
+        refused(&folder, 3, FOLLOW, &[&["positions.csv"], pieces].concat());
+    }
+    // A displacement is allowed by word.
+    let displaced = changed(&|_, [t, lon, lat]| [t, lon, lat + 120.0 * north_deg]);
+    put(&folder, "positions.csv", &seconds(&displaced));
+    let ran = run(&folder, &format!("{FOLLOW} --within-m 180"));
+    assert!(ran.stderr.contains("all positions are"), "{ran}");
+}
+
+#[test]
+fn law_a_maneuver_that_was_not_sailed_as_planned_is_planned_again() {
+    let (folder, planned) = planned(&[]);
+    let step = planned.steps().iter().position(|own| own["action"] == "zig-zag-steep").unwrap();
+    let leg = &planned.legs()[step];
+    let [begins_s, lasts_s] = ["maneuver_start_s", "maneuver_s"].map(|key| leg[key].as_f64().unwrap());
+    let until_s = planned.legs()[step + 1]["start_s"].as_f64().unwrap() + 20.0;
+    let rows = along(&planned.track, until_s, 1, 3.0);
+    let middle_s = begins_s + 0.5 * lasts_s;
+    let [before, after]: [Vec<Row>; 2] = [0, 1]
+        .map(|part| rows.iter().filter(|row| usize::from(row[0] > middle_s) == part).copied().collect());
+    let last = before[before.len() - 1];
+    let broken = |wait: usize, metres: f64| -> Vec<Row> {
+        let loops = (1..=wait).map(|k| {
+            let angle = TAU * k as f64 / wait as f64;
+            let [east, north] =
+                [metres * angle.sin(), metres * (1.0 - angle.cos())].map(|own| own / 111_195.0);
+            let [x, y] = [2 * k, 2 * k + 1].map(|k| 3.0 * noise(k) / 111_195.0);
+            [last[0] + k as f64, last[1] + 2.0 * (east + x), last[2] + north + y]
+        });
+        let later = after.iter().map(|row| [row[0] + wait as f64, row[1], row[2]]);
+        before.iter().copied().chain(loops).chain(later).collect()
+    };
+    // On a straight line between the ends of the maneuver, and mirrored there.
+    let aside = |part: f64| -> Vec<Row> {
+        let at = |at_s: f64| *rows.iter().find(|row| row[0] >= at_s).unwrap();
+        let (a, b) = (at(begins_s), at(begins_s + lasts_s));
+        let own = |row: &Row| {
+            let line = |c: usize| a[c] + (b[c] - a[c]) * (row[0] - a[0]) / (b[0] - a[0]);
+            let is_in = row[0] > a[0] && row[0] < b[0];
+            if is_in {
+                [row[0], line(1) + part * (row[1] - line(1)), line(2) + part * (row[2] - line(2))]
+            } else {
+                *row
+            }
+        };
+        rows.iter().map(own).collect()
+    };
+    for (rows, state, why) in [
+        (broken(0, 0.0), "done", ""),
+        (broken(10, 0.0), "done", ""),
+        (aside(0.8), "done", ""),
+        (broken(90, 0.0), "spoiled", "broken off"),
+        (broken(300, 60.0), "spoiled", "broken off"),
+        (aside(0.0), "spoiled", "its motion has"),
+        (aside(-1.0), "spoiled", "to the other side"),
+    ] {
+        put(&folder, "positions.csv", &seconds(&rows));
+        let ran = run(&folder, FOLLOW);
+        let follow = json(&folder, "rest/follow.json")["data"].take();
+        let own = &follow["steps"][step];
+        assert_eq!(own["state"], state, "{why}: {ran} {follow}");
+        assert!(own["why"].as_str().unwrap_or_default().starts_with(why), "{own}");
+        let of = |own: &Value| own["name"] == "zig-zag-steep" && own["done"] == u64::from(state == "done");
+        assert!(follow["information"]["maneuvers"].as_array().unwrap().iter().any(of), "{follow}");
+    }
+    // Inputs say what positions do not: the helm amidships for a part of the time.
+    let logged = |share: f64| {
+        let mut text = "time,longitude_deg,latitude_deg,tau3\n".to_owned();
+        for (k, [at_s, longitude, latitude]) in rows.iter().enumerate() {
+            let is_off = *at_s > middle_s && *at_s < middle_s + share * lasts_s;
+            let helm = if is_off { 0.0 } else { planned.track.inputs[k][2] };
+            writeln!(text, "{at_s},{longitude:.8},{latitude:.8},{helm:.3}").unwrap();
+        }
+        text
+    };
+    for (share, state) in [(0.0, "done"), (0.4, "spoiled")] {
+        put(&folder, "positions.csv", &logged(share));
+        run(&folder, FOLLOW);
+        let own = json(&folder, "rest/follow.json")["data"]["steps"][step].take();
+        assert!(
+            own["state"] == state && (state == "done" || own["why"].as_str().unwrap().contains("`tau3`")),
+            "{own}"
+        );
+    }
 }

@@ -65,3 +65,59 @@ fn a_start_over_a_wreck_is_refused_where_updates_stand_in_folders_of_their_own()
     }
     run(&folder, PLAN).refuses(4, &["`start`", "from an obstacle"]);
 }
+
+/// A folder with a case of `../shared/cases-2`, and the plan that its ship follows.
+fn followed(case: &str) -> Option<TempDir> {
+    let all = repository().join("../shared/cases-2");
+    if !all.is_dir() {
+        eprintln!("skipped: there is no {}", all.display());
+        return None;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for entry in [case, "follow"].into_iter().flat_map(|own| fs::read_dir(all.join(own)).unwrap()) {
+        let path = entry.unwrap().path();
+        fs::write(folder.path().join(path.file_name().unwrap()), fs::read(&path).unwrap()).unwrap();
+    }
+    fs::create_dir(folder.path().join("rest")).unwrap();
+    Some(folder)
+}
+
+const FOLLOW: &str = "plan follow --plan plan.json --vessel vessel.toml --trajectories dictionary.parquet --config plan.toml \
+     --set plan.safety.runs=8 --out rest/plan.json --positions ";
+
+#[test]
+fn logs_that_leave_the_place_of_a_ship_in_doubt_are_refused() {
+    for (case, file, pieces) in [
+        (
+            "104-follow-lat-lon-swapped",
+            "positions.csv",
+            ["exchanged they are near it", "exchange them in the file"],
+        ),
+        ("113-follow-speed-knots", "positions.csv", ["as in knots", "convert the speed"]),
+        ("122-follow-nmea-two-receivers", "positions.nmea", ["GNRMC 200 m away from GPRMC", "grep -v GNRMC"]),
+        ("124-follow-frozen-at-end", "positions.nmea", ["no motion since line", "her speed is 1.5 m/s"]),
+    ] {
+        let Some(folder) = followed(case) else { return };
+        refused(&folder, 3, &format!("{FOLLOW}{file}"), &[&[file][..], &pieces].concat());
+        assert!(fs::read_dir(folder.path().join("rest")).unwrap().next().is_none(), "{case}");
+    }
+}
+
+#[test]
+fn a_route_of_rtz_is_called_as_its_file() {
+    let Some(folder) = followed("138-rtz-route-name") else { return };
+    for name in ["plan", "plan-b", "rest"] {
+        run(
+            &folder,
+            &PLAN.replace("--out plan.json", &format!("--set plan.safety.runs=8 --out rest/{name}.json")),
+        )
+        .succeeds();
+    }
+    let routes = fs::read_dir(folder.path().join("rest")).unwrap().map(|entry| entry.unwrap().path());
+    let routes: Vec<_> = routes.filter(|path| path.extension().is_some_and(|end| end == "rtz")).collect();
+    assert_eq!(routes.len(), 3);
+    for route in routes {
+        let name = route.file_stem().unwrap().to_str().unwrap();
+        assert!(fs::read_to_string(&route).unwrap().contains(&format!("routeName=\"{name}\"")), "{name}");
+    }
+}

@@ -23,6 +23,12 @@ pub struct FollowDocument {
     pub at_s: f64,
     /// Number of positions.
     pub positions: u64,
+    /// How many more were left out: without a fix, at 0 N 0 E, or where she cannot have come to and back from.
+    #[serde(default)]
+    pub left_out: u64,
+    /// What is odd about them, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<String>,
     /// Number of the step that the ship is at, from 1.
     pub step: u64,
     /// Distance of the ship from where the plan has her, the delay apart \[m\].
@@ -64,6 +70,9 @@ pub struct FollowedStep {
     pub deviation_m: Option<f64>,
     /// Within which it counts as done \[m\].
     pub within_m: f64,
+    /// Why its maneuver is spoiled; absent where it is not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub why: Option<String>,
 }
 
 impl FollowDocument {
@@ -94,7 +103,7 @@ impl Document for FollowDocument {
         ("m", "deviation_m within_m"),
         ("deg", "longitude_deg latitude_deg heading_deg"),
         ("m/s", "speed_m_s"),
-        ("1", "positions step share efficiency dimension planned done"),
+        ("1", "positions left_out step share efficiency dimension planned done"),
     ];
 
     fn check(&self) -> Result<(), Invalid> {

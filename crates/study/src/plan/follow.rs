@@ -11,7 +11,7 @@ use logs::{Format, LogError, LoggedPositions, SNIFFED, Since, foreign_format, re
 use refusal::Invalid;
 use trial::voyage::{
     Brief, FollowLimits, Followed, Gathered, GoesOn, Place, PlannedTrack, ShipPosition, StepState, Task,
-    VoyageError,
+    TrackPoint, VoyageError,
 };
 
 use super::resume::{maneuvers, rest_of, resumed};
@@ -49,11 +49,18 @@ pub struct FollowedPlan {
     pub positions: Vec<ShipPosition>,
 }
 
-/// Reads the positions of a file called `.nmea` as sentences, and of any other as CSV.
+/// A plan is elsewhere than positions that are so far from it \[m\].
+const ELSEWHERE_M: f64 = 10_000.0;
+/// Delays that are nearly a multiple of the first \[s\] are those of a clock in local time.
+const ZONES_S: [f64; 2] = [1800.0, 60.0];
+/// How far GPS time is ahead of UTC, since 2017, and how near a delay is to it \[s\].
+const LEAP_S: [f64; 2] = [18.0, 1.5];
+
+/// Reads the positions of a file called `.nmea` as sentences, and of any other as CSV, with the vessel's `inputs`.
 ///
 /// # Errors
 /// A file that is refused.
-fn read_so_far(path: &Path, provenance: &mut Provenance) -> Result<LoggedPositions, Error> {
+fn read_so_far(path: &Path, inputs: &[&str], provenance: &mut Provenance) -> Result<LoggedPositions, Error> {
     let unreadable = |e| Error::io(path, "read", e);
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     let format = Format::of(name);
@@ -63,10 +70,11 @@ fn read_so_far(path: &Path, provenance: &mut Provenance) -> Result<LoggedPositio
         return Err(crate::invalid(path, &foreign));
     }
     let mut source = Digesting::new(open(path)?);
-    let positions = read_positions(BufReader::new(&mut source), format).map_err(|error| match error {
-        LogError::Unreadable(error) => unreadable(error),
-        LogError::Invalid(invalid) => crate::invalid(path, &invalid),
-    })?;
+    let positions =
+        read_positions(BufReader::new(&mut source), format, inputs).map_err(|error| match error {
+            LogError::Unreadable(error) => unreadable(error),
+            LogError::Invalid(invalid) => crate::invalid(path, &invalid),
+        })?;
     provenance.written("positions", path, source.digest().map_err(unreadable)?)?;
     Ok(positions)
 }
@@ -121,9 +129,12 @@ impl FollowedPlan {
         brief: &mut Brief,
         provenance: &mut Provenance,
     ) -> Result<Self, FollowError> {
-        let logged = read_so_far(files.positions, provenance)?;
+        let names: Vec<&str> =
+            brief.vessel.model.input_variables().iter().map(|own| own.name.as_str()).collect();
+        let logged = read_so_far(files.positions, &names, provenance)?;
         let (plane, _) = brief.sight()?;
-        let points = planned_points(files.plan, &brief.vessel, &plane)?;
+        let (points, inputs) = planned_points(files.plan, &brief.vessel, &plane)?;
+        check_order(&logged, &points, &plane).map_err(|e| Error::invalid(files.positions, e))?;
         // A plan with a track has a voyage.
         let voyage = plan.voyage.as_ref().ok_or_else(|| no_voyage(files.plan))?;
         let track = PlannedTrack::new(points, &voyage.legs, &voyage.primitives, &brief.task);
@@ -131,7 +142,11 @@ impl FollowedPlan {
         let clock = Clock::of(&logged, voyage);
         let positions = clock.placed(&logged, &plane);
         let limits = FollowLimits::of(&brief.task, &track, files.max_gap_s);
-        let followed = track.follow(&positions, &limits).map_err(|e| Error::invalid(files.positions, e))?;
+        let mut own = logged.inputs.clone();
+        own.values_mut().flatten().for_each(|[at_s, _]| *at_s += clock.origin_s);
+        let followed = track
+            .follow(&positions, [&inputs, &own], &limits)
+            .map_err(|e| Error::invalid(files.positions, e))?;
         let last = &logged.rows[logged.rows.len() - 1];
         let from = goes_on([last.longitude_deg, last.latitude_deg], &followed, voyage);
         let information = brief.gathered(&plan.counts, &uses(plan, &followed))?;
@@ -147,13 +162,16 @@ impl FollowedPlan {
                 None => rest,
             };
         }
+        let left_out = (followed.spikes + logged.left_out) as u64;
         let document = FollowDocument {
             statement: statement(plan, &followed, &information, status),
+            doubts: doubts(plan, &followed),
+            left_out,
             status,
             departure: clock.words(0.0),
             at: clock.words(followed.at_s),
             at_s: followed.at_s,
-            positions: positions.len() as u64,
+            positions: followed.positions.len() as u64,
             step: followed.step as u64 + 1,
             deviation_m: followed.deviation_m,
             delay_s: followed.delay_s,
@@ -161,8 +179,63 @@ impl FollowedPlan {
             information,
             from,
         };
-        Ok(Self { document, positions })
+        Ok(Self { document, positions: followed.positions })
     }
+}
+
+/// Refuses positions that are far from the plan, and near it with their numbers exchanged, or with another sign.
+fn check_order(logged: &LoggedPositions, points: &[TrackPoint], plane: &Plane) -> Result<(), Invalid> {
+    let last = &logged.rows[logged.rows.len() - 1];
+    let [east, north] = [last.longitude_deg, last.latitude_deg];
+    let nearest_m = |[east, north]: [f64; 2]| {
+        let place = plane.to_plane(east, north);
+        points.iter().map(|point| point.away_m(place)).fold(f64::INFINITY, f64::min)
+    };
+    let away_m = nearest_m([east, north]);
+    let others = [
+        ("exchanged", "exchange", [north, east]),
+        ("with the longitude's sign turned", "turn", [-east, north]),
+        ("with the latitude's sign turned", "turn", [east, -north]),
+    ];
+    let near = others.into_iter().find(|own| nearest_m(own.2) < (0.1 * away_m).min(ELSEWHERE_M));
+    let Some((how, remedy, _)) = near.filter(|_| away_m > ELSEWHERE_M) else { return Ok(()) };
+    let found = format!(
+        "longitude {east} and latitude {north}, {:.0} km from the plan; {how} they are near it",
+        away_m / 1e3
+    );
+    let remedy = format!("{remedy} them in the file");
+    Err(Invalid::new(format!("line {}", last.line), found, "a position near the plan", remedy))
+}
+
+/// What is odd about the log, and does not leave the ship's place in doubt; a sentence each.
+fn doubts(plan: &PlanDocument, followed: &Followed) -> Vec<String> {
+    let late_s = followed.usual_delay_s;
+    let zones = (late_s / ZONES_S[0]).round();
+    let mut said: Vec<String> = Vec::new();
+    if zones != 0.0 && (late_s - zones * ZONES_S[0]).abs() <= ZONES_S[1] {
+        let hours = zones * ZONES_S[0] / 3600.0;
+        said.push(format!(
+            "she is {hours} h late, as by a clock in local time: write times in UTC, or with their offset, unless she departed then"
+        ));
+    }
+    if (late_s - LEAP_S[0]).abs() <= LEAP_S[1] && (followed.delay_s - LEAP_S[0]).abs() <= LEAP_S[1] {
+        said.push("she is always 18 s late, as by a clock in GPS time".to_owned());
+    }
+    said.extend(followed.odd.iter().cloned());
+    let behind = &followed.states[..followed.step];
+    if behind.len() > 1 && !behind.contains(&StepState::Done) {
+        said.push("none of the steps behind her is done: this may be the log of another plan".to_owned());
+    }
+    let spoiled = plan.steps.iter().zip(&followed.why).enumerate();
+    said.extend(spoiled.filter_map(|(k, (step, why))| {
+        Some(format!(
+            "`{}` of step {} was not sailed as planned, and counts as not done: {}",
+            step.action,
+            k + 1,
+            why.as_ref()?
+        ))
+    }));
+    said
 }
 
 /// The steps that are done.
@@ -283,13 +356,18 @@ fn goes_on([longitude_deg, latitude_deg]: [f64; 2], followed: &Followed, voyage:
 }
 
 fn states(voyage: &Voyage, track: &PlannedTrack, followed: &Followed) -> Vec<FollowedStep> {
-    let all = voyage.legs.iter().zip(&track.steps).zip(followed.states.iter().zip(&followed.deviations_m));
-    all.map(|((leg, step), (state, deviation_m))| FollowedStep {
+    let all = voyage
+        .legs
+        .iter()
+        .zip(&track.steps)
+        .zip(followed.states.iter().zip(followed.deviations_m.iter().zip(&followed.why)));
+    all.map(|((leg, step), (state, (deviation_m, why)))| FollowedStep {
         action: step.name.clone(),
         informative: leg.informative,
         state: *state,
         deviation_m: *deviation_m,
         within_m: step.within_m,
+        why: why.clone(),
     })
     .collect()
 }
@@ -340,6 +418,19 @@ fn statement(
         plan.steps.iter().zip(&followed.states).enumerate().filter_map(missed).collect();
     if !missed.is_empty() {
         said += &format!(" She did not come along all of step {}.", missed.join(", "));
+    }
+    for own in doubts(plan, followed) {
+        said += &format!(" Note: {own}.");
+    }
+    if followed.spikes > 0 {
+        said += &format!(" Spikes left out: {}.", followed.spikes);
+    }
+    for k in &followed.unknown {
+        let name = &plan.steps[*k].action;
+        said += &format!(
+            " Positions do not say how `{name}` of step {} was sailed: its track is nearly straight.",
+            k + 1
+        );
     }
     said
 }

@@ -50,7 +50,8 @@ pub use daylight::Daylight;
 pub use drafts::{Draft, Line, STRAIGHT, append_leg};
 pub use error::VoyageError;
 pub use follow::{
-    FollowLimits, Followed, GoesOn, PlannedStep, PlannedTrack, ShipPosition, StepState, TrackPoint, aligned,
+    FollowLimits, Followed, GoesOn, Inputs, PlannedStep, PlannedTrack, ShipPosition, StepState, TrackPoint,
+    aligned,
 };
 pub use footing::Footing;
 pub use front::FrontPoint;

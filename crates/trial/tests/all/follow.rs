@@ -64,7 +64,8 @@ fn limits(planned: &Planned, track: &PlannedTrack) -> FollowLimits {
 /// Where a ship is by her positions up to a time.
 fn followed(planned: &Planned, track: &PlannedTrack, all: &[ShipPosition], until_s: f64) -> Followed {
     let so_far: Vec<ShipPosition> = all.iter().take_while(|own| own.at_s <= until_s).copied().collect();
-    track.follow(&so_far, &limits(planned, track)).unwrap()
+    let none = BTreeMap::new();
+    track.follow(&so_far, [&none, &none], &limits(planned, track)).unwrap()
 }
 
 /// Asserts that all steps before `step` are done, that the ship is at it, and that all others are ahead.
@@ -136,8 +137,16 @@ fn law_a_wait_delays_and_what_is_left_out_is_missed() {
     let later = all.split_off(wait_s as usize + 1);
     all.extend(waiting);
     all.extend(later);
+    // In its maneuver she is late, and it is spoiled.
     let found = followed(planned, &track, &all, f64::INFINITY);
-    assert!(found.finished && found.states.iter().all(|own| *own == StepState::Done), "{found:?}");
+    let others = found.states.iter().enumerate().filter(|(step, _)| *step != 2);
+    assert!(
+        found.finished && others.into_iter().all(|(_, own)| *own == StepState::Done),
+        "{:?}",
+        found.states
+    );
+    assert_eq!(found.states[2], StepState::Spoiled);
+    assert!(found.why[2].as_ref().unwrap().starts_with("broken off"), "{:?}", found.why);
     assert!((found.delay_s - 120.0).abs() < 12.0, "{}", found.delay_s);
     // 80 m aside for a part of a step: that one alone is missed.
     let mut aside = positions(&track, 1, 3.0, 0.0);

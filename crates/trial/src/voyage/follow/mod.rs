@@ -5,8 +5,11 @@
 
 mod alignment;
 mod along;
+mod doubt;
 mod limits;
 mod refused;
+mod shift;
+mod spoiled;
 mod track;
 
 use refusal::Invalid;
@@ -16,7 +19,10 @@ use serde::{Deserialize, Serialize};
 pub use alignment::aligned;
 use along::Along;
 pub use limits::FollowLimits;
-use refused::{check_alignment, check_positions};
+use refused::{check_alignment, check_positions, check_shift};
+use shift::{Shift, median};
+pub use spoiled::Inputs;
+use spoiled::Sailed;
 pub use track::{PlannedStep, PlannedTrack, ShipPosition, TrackPoint};
 
 refusal::choices! {
@@ -26,6 +32,8 @@ refusal::choices! {
         Done = "done",
         /// She is at a later step, and did not come along all of this one.
         Missed = "missed",
+        /// She came along all of it, and sailed its maneuver otherwise than planned.
+        Spoiled = "spoiled",
         /// She is at it.
         UnderWay = "under-way",
         /// It is still to come.
@@ -70,21 +78,54 @@ pub struct Followed {
     pub delay_s: f64,
     /// True heading and speed there \[deg, m/s\]; see [`GoesOn`].
     pub motion: [f64; 2],
+    /// The positions without spikes.
+    pub positions: Vec<ShipPosition>,
+    /// How many spikes there were, which the ship cannot have come to and back from.
+    pub spikes: usize,
+    /// What is odd about the log, in words.
+    pub odd: Vec<String>,
+    /// By how much she is usually later than planned \[s\].
+    pub usual_delay_s: f64,
+    /// What each step's maneuver was sailed like, where that is not as planned.
+    pub why: Vec<Option<String>>,
+    /// Steps of which positions do not say how their maneuvers were sailed.
+    pub unknown: Vec<usize>,
 }
 
 impl PlannedTrack {
-    /// Where the ship is, by her `positions`, the first of which is the oldest.
+    /// Where the ship is, by her `positions`, the first of which is the oldest, and by planned and logged inputs.
     ///
     /// # Errors
     /// Positions that cannot be the ship's on this plan, with their lines: of another day or plan, with jumps, with gaps in
-    /// maneuvers, after its end.
-    pub fn follow(&self, positions: &[ShipPosition], limits: &FollowLimits) -> Result<Followed, Invalid> {
-        check_positions(self, positions, limits)?;
+    /// maneuvers, after its end, displaced, or that contradict themselves.
+    pub fn follow(
+        &self,
+        positions: &[ShipPosition],
+        inputs: [&Inputs; 2],
+        limits: &FollowLimits,
+    ) -> Result<Followed, Invalid> {
+        let (positions, spikes) = check_positions(self, positions, limits)?;
         let track = self.thinned();
-        let kept = track::thinned_positions(positions, limits.max_gap_s);
+        let kept = track::thinned_positions(&positions, limits.max_gap_s);
+        let shift = Shift::of(&track, &kept);
+        shift.iter().try_for_each(|own| check_shift(&track, own))?;
+        let kept = shift.map_or_else(|| kept.clone(), |own| own.without(&kept));
         let along = Along::of(&track, &kept);
         check_alignment(&along, limits)?;
-        Ok(along.followed())
+        let shifted = shift.map(|own| format!("{}: their datum, or the antenna's place", own.words()));
+        let odd = shifted.into_iter().chain(doubt::check(&along, limits)?).collect();
+        let mut followed = along.followed();
+        for step in 0..track.steps.len() {
+            let is_done = followed.states[step] == StepState::Done;
+            match is_done.then(|| along.sailed(step, inputs)) {
+                Some(Sailed::Otherwise(why)) => {
+                    (followed.states[step], followed.why[step]) = (StepState::Spoiled, Some(why));
+                }
+                Some(Sailed::Unknown) => followed.unknown.push(step),
+                Some(Sailed::Planned) | None => {}
+            }
+        }
+        Ok(Followed { positions, spikes, odd, ..followed })
     }
 }
 
@@ -106,6 +147,12 @@ impl Along<'_> {
             deviation_m: point.away_m(ship.place),
             delay_s: self.delay_s(end.unwrap_or(self.positions.len() - 1)),
             motion: self.motion(),
+            positions: Vec::new(),
+            spikes: 0,
+            odd: Vec::new(),
+            usual_delay_s: median((0..self.positions.len()).map(|k| self.delay_s(k))),
+            why: vec![None; track.steps.len()],
+            unknown: Vec::new(),
         }
     }
 

@@ -4,6 +4,7 @@ use refusal::Invalid;
 
 use super::along::Along;
 use super::limits::FollowLimits;
+use super::shift::{Shift, median};
 use super::track::{PlannedTrack, ShipPosition};
 
 /// Farther than this before the departure or after the end of the plan is another day \[s\].
@@ -14,18 +15,81 @@ fn line(position: &ShipPosition) -> String {
     format!("line {}", position.line)
 }
 
-/// Refuses positions of another day, and jumps.
+/// So many positions in a row are a spike, if the ship goes on from the one before; and so many spikes are too many.
+const SPIKE: usize = 3;
+const SPIKES: usize = 3;
+/// Units that times may be in: seconds in each.
+const TIMES: [(f64, &str); 4] =
+    [(60.0, "minutes"), (3600.0, "hours"), (86_400.0, "days"), (1e-3, "milliseconds")];
+
+/// Positions without spikes, and how many those are. Refuses positions of another day, jumps, times in another unit.
 pub(super) fn check_positions(
     track: &PlannedTrack,
     positions: &[ShipPosition],
     limits: &FollowLimits,
-) -> Result<(), Invalid> {
+) -> Result<(Vec<ShipPosition>, usize), Invalid> {
     let ([first, ..], Some(last)) = (positions, positions.last()) else {
         let remedy = "export the positions since the departure";
         return Err(Invalid::new("positions", "none", "at least one", remedy));
     };
     check_day(track, [first, last])?;
-    positions.windows(2).try_for_each(|pair| check_jump(pair, limits))
+    let (kept, spikes) = without_spikes(positions, limits)?;
+    check_pace(track, &kept, limits)?;
+    Ok((kept, spikes))
+}
+
+fn without_spikes(
+    positions: &[ShipPosition],
+    limits: &FollowLimits,
+) -> Result<(Vec<ShipPosition>, usize), Invalid> {
+    let goes = |from: &ShipPosition, to: usize| {
+        positions.get(to).is_some_and(|to| check_jump(&[*from, *to], limits).is_ok())
+    };
+    let (mut kept, mut spikes, mut k) = (vec![positions[0]], 0, 1);
+    while let Some(own) = positions.get(k) {
+        let last = kept[kept.len() - 1];
+        let back = (k..=k + SPIKE).find(|to| goes(&last, *to));
+        if back.is_none() && k == 1 && goes(own, 2) && goes(own, 3) {
+            (kept, spikes) = (vec![*own], 1);
+        } else if let Some(back) = back.filter(|back| spikes + back - k <= SPIKES.max(positions.len() / 100))
+        {
+            (spikes, k) = (spikes + back - k, back);
+            kept.push(positions[k]);
+        } else {
+            check_jump(&[last, *own], limits)?;
+        }
+        k += 1;
+    }
+    Ok((kept, spikes))
+}
+
+/// Refuses a ship that is too fast over a longer way, or always far too slow: times are in another unit.
+fn check_pace(
+    track: &PlannedTrack,
+    positions: &[ShipPosition],
+    limits: &FollowLimits,
+) -> Result<(), Invalid> {
+    let (mut from, mut speeds) = (&positions[0], Vec::new());
+    for own in positions {
+        let way_m = libm::hypot(own.place[0] - from.place[0], own.place[1] - from.place[1]);
+        if way_m >= 10.0 * limits.uncertain_m {
+            speeds.push(way_m / (own.at_s - from.at_s));
+            from = own;
+        }
+    }
+    let speed_m_s = median(speeds.iter().copied());
+    let ratio = speed_m_s / track.usual_m_s();
+    let unit = TIMES.into_iter().find(|(own, _)| (ratio / own).ln().abs() < 0.7);
+    let is_slow = speeds.len() > 1 && unit.is_some() && ratio < 0.01;
+    if speeds.is_empty() || speed_m_s <= limits.fastest_m_s && !is_slow {
+        return Ok(());
+    }
+    let found = format!(
+        "a ship at {speed_m_s:.3} m/s{}",
+        unit.map_or(String::new(), |(_, unit)| format!(", as of {unit} in place of seconds"))
+    );
+    let expected = format!("about {:.1} m/s, as planned", track.usual_m_s());
+    Err(Invalid::new("`time`", found, expected, "write times in seconds, or as dates with a time"))
 }
 
 fn check_day(track: &PlannedTrack, [first, last]: [&ShipPosition; 2]) -> Result<(), Invalid> {
@@ -56,6 +120,20 @@ fn check_jump(pair: &[ShipPosition], limits: &FollowLimits) -> Result<(), Invali
     let expected = format!("at most {most_m:.0} m, at {:.1} m/s", limits.fastest_m_s);
     let remedy = "leave out positions that are wrong, or of another ship";
     Err(Invalid::new(line(&pair[1]), found, expected, remedy))
+}
+
+/// Refuses positions that are displaced by more than a step may be off.
+pub(super) fn check_shift(track: &PlannedTrack, shift: &Shift) -> Result<(), Invalid> {
+    let within_m = track.steps.iter().map(|step| step.within_m).fold(f64::INFINITY, f64::min);
+    if shift.metres() <= within_m {
+        return Ok(());
+    }
+    let expected = format!("positions in WGS84, of the middle of the ship, within {within_m:.0} m");
+    let remedy = format!(
+        "convert their datum, correct the antenna's place, or allow it with --within-m {:.0}",
+        1.5 * shift.metres()
+    );
+    Err(Invalid::new("positions", shift.words(), expected, remedy))
 }
 
 /// Refuses positions of another plan, gaps in maneuvers, and a ship that left the end of the plan.

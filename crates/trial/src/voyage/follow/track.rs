@@ -2,6 +2,7 @@
 
 use super::super::legs::{Primitive, VoyageLeg};
 use super::super::task::Task;
+use super::shift::median;
 use crate::grid::wrap;
 
 /// Most points of a track, and most positions, that are compared.
@@ -10,6 +11,9 @@ const MOST: f64 = 3000.0;
 const SIGMAS: f64 = 5.0;
 /// Least standard deviation of logged positions \[m\]: a ship's autopilot may have better ones than her log.
 const POSITION_M: f64 = 3.0;
+
+/// Slower points stay where they are \[m/s\].
+const SLOWEST_M_S: f64 = 0.1;
 
 /// Part of a maneuver's way that a ship may be off its track.
 const SPREAD: f64 = 0.25;
@@ -93,6 +97,20 @@ impl PlannedTrack {
         let Some(within_m) = within_m else { return self };
         self.steps.iter_mut().for_each(|step| step.within_m = within_m);
         self
+    }
+
+    /// The direction of its motion over the ground at a point, east and north; `None` where it stays.
+    pub(super) fn course(&self, k: usize) -> Option<[f64; 2]> {
+        let [a, b] = [k.saturating_sub(1), (k + 1).min(self.points.len() - 1)].map(|k| &self.points[k]);
+        let way_m = a.away_m(b.place);
+        let is_moving = way_m > SLOWEST_M_S * (b.at_s - a.at_s);
+        is_moving.then(|| [0, 1].map(|c| (b.place[c] - a.place[c]) / way_m))
+    }
+
+    /// The usual speed where it moves \[m/s\].
+    pub(super) fn usual_m_s(&self) -> f64 {
+        let speeds = self.points.iter().map(|point| point.speed_m_s);
+        median(speeds.filter(|speed| *speed > SLOWEST_M_S)).max(SLOWEST_M_S)
     }
 
     /// When it ends, after the departure \[s\].

@@ -1,0 +1,239 @@
+//! Logs that contradict themselves or the plan: the place or the motion at their end is then in doubt.
+
+use refusal::Invalid;
+
+use super::along::Along;
+use super::limits::FollowLimits;
+use super::shift::median;
+use super::track::{ShipPosition, turned_deg};
+
+/// Parts of the way take so long \[s\], and are so long \[m\].
+const PART_S: [f64; 2] = [10.0, 120.0];
+const PART_M: f64 = 30.0;
+/// A ship that goes ahead heads along her course \[deg\].
+const AHEAD_DEG: f64 = 20.0;
+/// Least chord of a straight part, of its length.
+const STRAIGHT: f64 = 0.95;
+/// Fewer straight parts say nothing of a column.
+const FEW: usize = 5;
+/// Ratios of a logged speed to that of positions that currents and logs may cause.
+const RATIOS: [f64; 2] = [0.6, 1.6];
+/// Units that a speed may be in, by what it is then multiplied with.
+const SPEEDS: [(f64, &str); 4] =
+    [(1.944, "knots"), (3.6, "km/h"), (2.237, "miles per hour"), (0.514, "m/s where knots were expected")];
+/// A heading that is off by more is no true heading \[deg\]; on courses that hardly vary, a current may cause more.
+const TURNED_DEG: f64 = 5.0;
+const TURNED_IN_CURRENT_DEG: f64 = 30.0;
+/// Part of motions that have to differ, to tell a heading's error from a current.
+const VARIED: f64 = 0.15;
+/// A ship's heading changes by no more from one position to the next \[deg\], within \[s\].
+const SWING_DEG: f64 = 60.0;
+const NEXT_S: f64 = 5.0;
+/// Positions stand still if they stay where they may be off, and their halves within a part of it, where more of a way is expected.
+const STILL: f64 = 0.5;
+const MISSED: f64 = 2.0;
+/// Receivers report such speeds of a ship at rest \[m/s\].
+const AT_REST_M_S: f64 = 0.3;
+/// Part of the way in which a ship of the plan stops that is too short for her.
+const ABRUPT: f64 = 0.5;
+
+/// A straight part of the way.
+struct Part {
+    /// Its first position, its last, and one between.
+    rows: [usize; 3],
+    /// North and east \[m/s\].
+    velocity: [f64; 2],
+}
+
+/// Refuses columns that contradict the positions, and positions that stand still; says what else is odd.
+pub(super) fn check(along: &Along, limits: &FollowLimits) -> Result<Option<String>, Invalid> {
+    let parts = parts(along);
+    let odd = check_speed(along, &parts)?;
+    check_swing(along.positions)?;
+    check_heading(along, &parts)?;
+    check_still(along, limits)?;
+    Ok(odd)
+}
+
+fn way(from: &ShipPosition, to: &ShipPosition) -> [f64; 2] {
+    [1, 0].map(|c: usize| to.place[c] - from.place[c])
+}
+
+fn metres([a, b]: [f64; 2]) -> f64 {
+    libm::hypot(a, b)
+}
+
+fn parts(along: &Along) -> Vec<Part> {
+    let (all, apart_s) = (along.positions, (PART_M / along.track.usual_m_s()).clamp(PART_S[0], PART_S[1]));
+    let mut picked = vec![0];
+    for (row, own) in all.iter().enumerate() {
+        if own.at_s >= all[picked[picked.len() - 1]].at_s + apart_s {
+            picked.push(row);
+        }
+    }
+    let part = |rows: &[usize]| {
+        let [a, b, c] = [0, 1, 2].map(|k: usize| &all[rows[k]]);
+        let (chord, elapsed_s) = (way(a, c), c.at_s - a.at_s);
+        let is_straight = metres(chord) >= STRAIGHT * (metres(way(a, b)) + metres(way(b, c)));
+        (is_straight && metres(chord) >= PART_M)
+            .then(|| Part { rows: [rows[0], rows[1], rows[2]], velocity: chord.map(|own| own / elapsed_s) })
+    };
+    picked.windows(3).filter_map(part).collect()
+}
+
+fn check_speed(along: &Along, parts: &[Part]) -> Result<Option<String>, Invalid> {
+    let ratio = |part: &Part| {
+        let logged = part.rows.iter().map(|row| along.positions[*row].speed_m_s).sum::<Option<f64>>()?;
+        Some(logged / 3.0 / metres(part.velocity))
+    };
+    let ratios: Vec<f64> = parts.iter().filter_map(ratio).collect();
+    let (count, ratio) = (ratios.len(), median(ratios.into_iter()));
+    if count < FEW || (RATIOS[0]..=RATIOS[1]).contains(&ratio) {
+        return Ok(None);
+    }
+    let mut logged = along.positions.iter().filter_map(|own| own.speed_m_s);
+    if let Some(first) = logged.next().filter(|first| logged.all(|own| own == *first)) {
+        return Ok(Some(format!(
+            "the logged speed is {first:.1} m/s throughout, and not that of the positions"
+        )));
+    }
+    let unit = SPEEDS.into_iter().find(|(own, _)| (ratio / own - 1.0).abs() < 0.08);
+    let unit = unit.map_or(String::new(), |(_, unit)| format!(", as in {unit}"));
+    let found = format!("{ratio:.2} times the speed of the positions on {count} straight parts{unit}");
+    let remedy = "convert the speed, or give the positions as CSV without it";
+    Err(Invalid::new("speed", found, "that over the ground, in m/s, or in knots in sentences", remedy))
+}
+
+/// Refuses headings that jump, as courses over ground do where a ship hardly moves.
+fn check_swing(all: &[ShipPosition]) -> Result<(), Invalid> {
+    let swings = |pair: &&[ShipPosition]| {
+        let turned =
+            pair[1].heading_deg.zip(pair[0].heading_deg).map_or(0.0, |(to, from)| turned_deg(to, from));
+        turned > SWING_DEG && pair[1].at_s - pair[0].at_s <= NEXT_S
+    };
+    let mut jumps = all.windows(2).filter(swings);
+    let first = jumps.next().filter(|_| jumps.count() >= FEW);
+    first.map_or(Ok(()), |pair| {
+        let found = format!("jumps from one position to the next, the first by more than {SWING_DEG} deg");
+        let expected = "a heading: a course over ground is none, and jumps where she hardly moves";
+        Err(refused_heading(&format!("line {}, heading", pair[1].line), found, expected))
+    })
+}
+
+fn refused_heading(thing: &str, found: String, expected: &str) -> Invalid {
+    let remedy = "log the true heading in degrees, or give the positions as CSV without heading";
+    Invalid::new(thing, found, expected, remedy)
+}
+
+/// Refuses headings that are off the courses over ground: least squares of velocities = turn · headings + a current.
+fn check_heading(along: &Along, parts: &[Part]) -> Result<(), Invalid> {
+    let pair = |part: &Part| {
+        let [a, b, c] = part.rows.map(|row| &along.track.points[along.at[row]]);
+        let heading = along.positions[part.rows[1]].heading_deg?.to_radians();
+        // Where the plan goes astern or aside, the heading is no course.
+        let course = libm::atan2(c.place[0] - a.place[0], c.place[1] - a.place[1]).to_degrees();
+        let is_ahead = [a, b, c].iter().all(|own| turned_deg(course, own.heading_deg) < AHEAD_DEG);
+        let ahead = [libm::cos(heading), libm::sin(heading)].map(|own| b.speed_m_s * own);
+        is_ahead.then(|| [part.velocity[0], part.velocity[1], ahead[0], ahead[1]])
+    };
+    let pairs: Vec<[f64; 4]> = parts.iter().filter_map(pair).collect();
+    let (count, none) = (pairs.len() as f64, sums(&pairs, [0.0; 4]));
+    let mean = [0, 1, 2, 3].map(|c: usize| pairs.iter().map(|own| own[c]).sum::<f64>() / count);
+    let centered = sums(&pairs, mean);
+    let is_varied = centered[0] > VARIED * none[0];
+    if pairs.len() < FEW {
+        return Ok(());
+    }
+    if is_varied && centered[1] * none[0] < 0.1 * centered[0] * none[1] {
+        let found = "headings that hardly change while courses do, as of radians, or of a sensor that hangs";
+        return Err(refused_heading("heading", found.to_owned(), "true headings in degrees"));
+    }
+    let [velocities, headings, ahead, aside] = if is_varied { centered } else { none };
+    let product = libm::hypot(ahead, aside);
+    let misses = velocities - product * product / headings;
+    let error_deg = ((misses * headings / (2.0 * count)).max(0.0).sqrt() / product).to_degrees();
+    let turned_deg = libm::atan2(aside, ahead).to_degrees();
+    let most_deg = if is_varied { TURNED_DEG + 3.0 * error_deg } else { TURNED_IN_CURRENT_DEG };
+    if turned_deg.abs() <= most_deg {
+        return Ok(());
+    }
+    let side = if turned_deg > 0.0 { "left" } else { "right" };
+    let found =
+        format!("headings {:.0} deg {side} of the courses over ground on all of them", turned_deg.abs());
+    Err(refused_heading("heading", found, "true headings: magnetic ones lack the variation"))
+}
+
+/// Sums of squares of velocities and of headings, both about means, and of their products, along and across.
+fn sums(pairs: &[[f64; 4]], about: [f64; 4]) -> [f64; 4] {
+    let product = |own: &[f64; 4]| {
+        let [vn, ve, hn, he] = [0, 1, 2, 3].map(|c: usize| own[c] - about[c]);
+        [vn * vn + ve * ve, hn * hn + he * he, vn * hn + ve * he, ve * hn - vn * he]
+    };
+    pairs.iter().map(product).fold([0.0; 4], |sum, own| [0, 1, 2, 3].map(|c: usize| sum[c] + own[c]))
+}
+
+/// Refuses positions that stand still at the end while the ship moves, by her speed or by how abruptly they stopped.
+fn check_still(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
+    let all = along.positions;
+    let last = all[all.len() - 1];
+    let mean = |of: &[ShipPosition]| {
+        [0, 1].map(|c: usize| of.iter().map(|own| own.place[c]).sum::<f64>() / of.len() as f64)
+    };
+    let recent = all.iter().rev().take_while(|own| last.at_s - own.at_s <= PART_S[0]).count();
+    let center = mean(&all[all.len() - recent..]);
+    let is_away = |own: &ShipPosition| {
+        libm::hypot(own.place[0] - center[0], own.place[1] - center[1]) > limits.uncertain_m
+    };
+    let from = all.iter().rposition(is_away).map_or(0, |k| k + 1);
+    let (before, after) = all[from..].split_at((all.len() - from) / 2);
+    let ([x, y], [to_x, to_y]) = (mean(before), mean(after));
+    if before.is_empty() || libm::hypot(to_x - x, to_y - y) > STILL * limits.uncertain_m {
+        return Ok(());
+    }
+    let (lasts_s, missed_m) = (last.at_s - all[from].at_s, MISSED * limits.uncertain_m);
+    let logged: Vec<f64> = all[from..].iter().filter_map(|own| own.speed_m_s).collect();
+    let speed_m_s = median(logged.iter().copied());
+    let points = &along.track.points;
+    let planned_m = |from_s: f64, until_s: f64| {
+        let own = points.windows(2).filter(|own| own[0].at_s >= from_s && own[1].at_s <= until_s);
+        own.map(|own| own[0].away_m(own[1].place)).sum::<f64>()
+    };
+    let at_s = points[along.at[from]].at_s;
+    let end = &points[along.last()];
+    // A plan that turns on a small circle here moves as far, and stays near.
+    let is_circle = {
+        let own = points.iter().filter(|own| (own.at_s - end.at_s).abs() <= lasts_s);
+        own.map(|own| own.away_m(end.place)).fold(0.0, f64::max) <= 2.0 * limits.uncertain_m
+            && planned_m(end.at_s - lasts_s, end.at_s) > missed_m
+    };
+    let moves = speed_m_s > AT_REST_M_S && speed_m_s * lasts_s > missed_m && !is_circle;
+    let why = match logged.is_empty() {
+        false if moves => format!("her speed is {speed_m_s:.1} m/s"),
+        true if planned_m(at_s, at_s + lasts_s) > missed_m && stops_abruptly(along, from) => {
+            "a ship of this plan does not stop so abruptly".to_owned()
+        }
+        _ => return Ok(()),
+    };
+    let found =
+        format!("no motion since line {}, {lasts_s:.0} s before the end, while {why}", all[from].line);
+    let remedy = "give a log that ends where she is, or say where with `plan resume --done STEPS --from`";
+    Err(Invalid::new(format!("line {}", last.line), found, "positions that follow her", remedy))
+}
+
+/// Whether positions that stand still from one on stopped within less than the plan's ship needs, or are one and the same.
+fn stops_abruptly(along: &Along, from: usize) -> bool {
+    let (all, points) = (along.positions, &along.track.points);
+    let [start, before] =
+        [from, all[..from].partition_point(|own| own.at_s < all[from].at_s - 20.0)].map(|k| &all[k]);
+    let way_m = libm::hypot(start.place[0] - before.place[0], start.place[1] - before.place[1]);
+    let speed_m_s = way_m / (start.at_s - before.at_s);
+    if from == 0 || speed_m_s < 0.5 * points[along.at[from]].speed_m_s {
+        return false;
+    }
+    let slows =
+        points.windows(11).map(|own| (own[0].speed_m_s - own[10].speed_m_s) / (own[10].at_s - own[0].at_s));
+    let stops_m = speed_m_s * speed_m_s / (2.0 * slows.fold(0.0, f64::max));
+    let last = &all[all.len() - 1];
+    let is_same = all.iter().rev().take_while(|own| own.place == last.place).count() >= FEW;
+    is_same || ABRUPT * stops_m > libm::hypot(start.place[0] - last.place[0], start.place[1] - last.place[1])
+}
