@@ -14,6 +14,9 @@ fn a_folder_that_is_there_already() {
     );
     put(&folder, "file", "");
     refused(&folder, 3, "new file --vessel coaster", &["file: folder: found it there already"]);
+    // Folders above it are made.
+    run(&folder, "new a/b/mine --vessel coaster").succeeds();
+    assert!(folder.path().join("a/b/mine/vessel.toml").exists());
 }
 
 #[test]
@@ -44,7 +47,7 @@ fn charts_that_a_study_cannot_begin_with() {
             "full-scale",
             format!("--chart {chart} --place 24.95,60.30"),
             3,
-            ["from dangers", "name another place"],
+            ["latitude 60.009 to 60.250", "name a place on it"],
         ),
         (
             "full-scale",
