@@ -14,6 +14,7 @@ use crate::leftover::complete;
 use crate::names::{OLD, SET, folder_of, marked};
 use crate::provenance::Provenance;
 use crate::staged::Staged;
+use crate::trace::wrote;
 use crate::unfinished;
 
 /// Gives every file its name, replacing files of the same name. The first file is the main one: it gets its
@@ -30,6 +31,7 @@ use crate::unfinished;
 pub fn commit(mut files: Vec<Staged>) -> Result<()> {
     refuse_same_targets(&files)?;
     let folders: BTreeSet<PathBuf> = files.iter().map(|file| folder_of(file.path()).to_owned()).collect();
+    files.iter().for_each(|file| wrote(file.path()));
     if files.len() < 2 {
         // A signal during the renames never removes a file that is being renamed.
         let _committing = unfinished::committing();

@@ -12,7 +12,8 @@ use crate::error::{Error, Result};
 use crate::hold::{hold, try_hold};
 use crate::journal::{self, Journal, Meaning};
 use crate::names::{folder_of, is_own, unfinished_in};
-use crate::ordinary::{bytes_of, open, open_itself};
+use crate::ordinary::{bytes_of, open_itself, open_unobserved};
+use crate::trace::observed;
 
 /// What interrupted runs left in a folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -44,11 +45,12 @@ impl Leftovers {
 /// See [`open`].
 pub fn open_written(path: impl AsRef<Path>) -> Result<File> {
     let path = path.as_ref();
-    match meaning(path) {
-        None => open(path),
+    let opened = match meaning(path) {
+        None => open_unobserved(path),
         Some(Meaning::File(file)) => Ok(file),
         Some(Meaning::Nothing) => Err(Error::io(path, "read", ErrorKind::NotFound.into())),
-    }
+    };
+    observed(path, opened)
 }
 
 /// The meaning of `path` by a journal in its folder, or in the parent folder, if files in the folder await

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use crate::budget::{Work, budget};
 use crate::error::{Error, Result};
+use crate::trace::observed;
 
 /// Opens the ordinary file at `path` for reading.
 ///
@@ -13,6 +14,11 @@ use crate::error::{Error, Result};
 /// [`Error::Refused`] for a folder, pipe, socket or device; [`Error::Io`] if the file cannot be opened.
 pub fn open(path: impl AsRef<Path>) -> Result<File> {
     let path = path.as_ref();
+    observed(path, open_unobserved(path))
+}
+
+/// As [`open`], without a trace of it.
+pub(crate) fn open_unobserved(path: &Path) -> Result<File> {
     let unreadable = |e| Error::io(path, "read", e);
     // Opening a device may have effects, and a socket cannot be opened.
     refuse_special(path, path.metadata().map_err(unreadable)?.file_type())?;

@@ -12,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::fault;
 use crate::leftover;
 use crate::names::{OWN, UNFINISHED, folder_of};
+use crate::trace::check_within;
 use crate::unfinished;
 
 /// A complete file beside its target, under a temporary name and flushed to the disk.
@@ -125,6 +126,7 @@ fn create_held(target: &Path) -> Result<NamedTempFile> {
         return Err(fail(io::ErrorKind::NotFound, what));
     }
     refuse_special(target)?;
+    check_within(folder)?;
     let mut builder = Builder::new();
     builder.prefix(UNFINISHED).suffix(OWN);
     if let Some(permissions) = ordinary_permissions(0o666) {

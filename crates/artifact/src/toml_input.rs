@@ -9,7 +9,7 @@ use crate::changes::Changes;
 use crate::complaint::Complaint;
 use crate::digest::Digest;
 use crate::error::{Error, Result};
-use crate::ordinary::read;
+use crate::ordinary::{bytes_of, open, read};
 use crate::toml_place::{Place, key_at, line_and_column, place_of};
 
 /// Reads a TOML file.
@@ -18,10 +18,26 @@ use crate::toml_place::{Place, key_at, line_and_column, place_of};
 /// [`Error::Io`] if it cannot be read; [`Error::Refused`] as in [`parse_toml`].
 pub fn read_toml<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Digest)> {
     let path = path.as_ref();
-    let bytes = read(path)?;
-    let digest = Digest::of_bytes(&bytes);
-    let text = text_of(path, bytes)?;
-    Ok((parse_toml(&text, path)?, digest))
+    let text = read_hand_written(path)?;
+    Ok((parse_toml(&text, path)?, Digest::of_bytes(text.as_bytes())))
+}
+
+/// Maximum bytes of a hand-written file: its values take many times the memory.
+const LONGEST: u64 = 16 << 20;
+
+/// The text of the hand-written file at `path`.
+///
+/// # Errors
+/// As [`read_to_string`]; [`Error::Refused`] if it is longer than anyone writes.
+pub fn read_hand_written(path: impl AsRef<Path>) -> Result<String> {
+    let path = path.as_ref();
+    let file = open(path)?;
+    let length = file.metadata().map_err(|e| Error::io(path, "read", e))?.len();
+    if length > LONGEST {
+        let (found, expected) = (format!("{length} bytes"), format!("at most {LONGEST}, written by hand"));
+        return Err(Error::refuse(path, "file", found, expected, "shorten it"));
+    }
+    text_of(path, bytes_of(path, file)?)
 }
 
 /// As [`read_toml`], with those of `changes` that concern `file`, the usual name without `.toml`. The digest
@@ -34,7 +50,7 @@ pub(crate) fn read_changed<T: DeserializeOwned>(
     if changes.of(file).next().is_none() {
         return read_toml(path);
     }
-    let text = read_to_string(path)?;
+    let text = read_hand_written(path)?;
     // A fault of the file itself is reported with its line.
     let own = |refused: Error| parse_toml::<T>(&text, path).err().unwrap_or(refused);
     let changed = changes.applied(file, &text).map_err(|e| own(Error::invalid(path, e)))?;

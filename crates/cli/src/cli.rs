@@ -170,6 +170,7 @@ pub fn in_folder<T>(folder: &Path, write: impl FnOnce() -> Result<T, Failure>) -
     if folder.as_os_str().is_empty() || folder.is_dir() {
         return write();
     }
+    artifact::check_within(folder)?;
     std::fs::create_dir(folder).map_err(|e| artifact::Error::io(folder, "create", e))?;
     write().inspect_err(|_| {
         // Removes only an empty folder; the failure itself is reported.

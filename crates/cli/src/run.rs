@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Digest, Error, Provenance};
+use artifact::{Digest, Error, Provenance, Trace, check_within, traced};
 use clap::{ArgMatches, Parser};
 use pipeline::{Pipeline, Record, Settings, Step};
 use refusal::Invalid;
@@ -54,19 +54,19 @@ impl Task for Arguments {
             pipeline.until(stage).map_err(|e| Failure::Usage(format!("--stage: {e}")))?;
         }
         let commands = commands(&pipeline, common)?;
+        std::fs::create_dir_all(&out).map_err(|e| Error::io(&out, "create", e))?;
         let Provenance { producer, .. } = common.provenance("seatrial");
         let program = std::env::current_exe().ok().and_then(|file| Digest::of_file(file).ok());
         let (mut record, mut ran) = (Record::read(&out, producer, program), Vec::new());
         for (i, (step, words)) in pipeline.steps.iter().zip(&commands).enumerate() {
-            let inputs = pipeline.inputs(step)?;
-            let is_current = record.is_current(&pipeline, step, words, &inputs)?;
+            let is_current = record.is_current(&pipeline, step, words);
             if !common.quiet {
                 let state = if is_current { "up to date".to_owned() } else { shown(&pipeline, words) };
                 on_stderr(format_args!("[{}/{}] {}: {state}", i + 1, commands.len(), step.name));
             }
             if !is_current {
-                run_one(&pipeline, step, words, common)?;
-                record.note(&pipeline, step, words, inputs)?;
+                let trace = run_one(&pipeline, step, words, common)?;
+                record.note(&pipeline, step, words, &trace)?;
                 ran.push(step.name.as_str());
             }
         }
@@ -120,34 +120,35 @@ fn commands(pipeline: &Pipeline, common: &Common) -> Result<Vec<Vec<String>>, Fa
 
 /// The command that `words` are, as one may call it.
 fn shown(pipeline: &Pipeline, words: &[String]) -> String {
-    let words = words.iter().map(|word| pipeline.resolved(word));
+    let words = words.iter().map(|word| pipeline.resolved(word).to_string_lossy().into_owned());
     format!("seatrial {}", words.collect::<Vec<_>>().join(" "))
 }
 
-/// Runs `step` with these `words`.
-fn run_one(pipeline: &Pipeline, step: &Step, words: &[String], common: &Common) -> Result<(), Failure> {
-    let out = pipeline.main(step);
-    std::fs::create_dir_all(folder_of(&out)).map_err(|e| Error::io(&out, "create", e))?;
+/// Runs `step` with these `words`, and returns what it read and wrote.
+fn run_one(pipeline: &Pipeline, step: &Step, words: &[String], common: &Common) -> Result<Trace, Failure> {
+    let main = pipeline.main(step);
     let (stage, matches) = parsed(pipeline, words)?;
     let (task, mut own) = stage.task(&matches)?;
     own.quiet = common.quiet;
+    pipeline.trace()?;
+    check_within(folder_of(&main))?;
+    std::fs::create_dir_all(folder_of(&main)).map_err(|e| Error::io(&main, "create", e))?;
     let summary = task.run(&own)?;
     if !common.quiet {
         on_stderr(summary.line);
     }
-    Ok(())
+    Ok(traced())
 }
 
 /// The stage that `words` call, and its flags.
 fn parsed(pipeline: &Pipeline, words: &[String]) -> Result<(&'static Stage, ArgMatches), Failure> {
-    let words: Vec<String> = words.iter().map(|word| pipeline.resolved(word)).collect();
-    let named = |stage: &&&Stage| words.first().is_some_and(|name| stage.command().get_name() == name);
-    let Some(stage) = STAGES.iter().find(named) else {
-        return Err(Failure::Failed(format!("{}: found no such stage, expected one", words.join(" "))));
+    let name = &words[0];
+    let Some(stage) = STAGES.iter().find(|stage| stage.command().get_name() == name) else {
+        return Err(Failure::Failed(format!("{name}: found no such stage, expected one")));
     };
     let matches = stage
         .command()
-        .try_get_matches_from(&words)
-        .map_err(|error| Failure::Usage(format!("study.mk: flags of {}: {}", words[0], misused(&error))))?;
+        .try_get_matches_from(words.iter().map(|word| pipeline.resolved(word)))
+        .map_err(|error| Failure::Usage(format!("study.mk: flags of {name}: {}", misused(&error))))?;
     Ok((stage, matches))
 }

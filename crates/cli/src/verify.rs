@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 
 use clap::Parser;
+use pipeline::{Folders, Record};
 use study::folder::Folder;
 
 use crate::failure::Failure;
@@ -32,7 +33,11 @@ impl Verify {
     /// A folder that cannot be listed or has nothing to verify; files that are damaged or do not belong together.
     pub fn run(&self) -> Result<(), Failure> {
         for root in &self.folders {
-            let folder = Folder::read(root, self.study.as_deref())?;
+            let mut folder = Folder::read(root, self.study.as_deref())?;
+            if let Some(study) = &self.study {
+                let folders = Folders { study: study.clone(), out: root.clone() };
+                folder.faults.extend(Record::read(root, String::new(), None).faults(&folders));
+            }
             folder.lines(root).into_iter().try_for_each(on_stdout)?;
             folder.faults.iter().try_for_each(|fault| on_stdout(format_args!("fault: {fault}")))?;
             let (files, faults) = (folder.count(), folder.faults.len());

@@ -15,6 +15,6 @@ pub mod starting;
 mod steps;
 
 pub use pipeline::Pipeline;
-pub use record::Record;
+pub use record::{Folders, Record};
 pub use settings::Settings;
 pub use steps::Step;

@@ -1,21 +1,17 @@
 //! A study's folders and stages.
 
-use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use artifact::{Digest, Error, Provenance, read_to_string};
+use artifact::{Error, read_hand_written, trace};
 use model::VesselFile;
 use refusal::{Invalid, foreign};
 
-use study::files::read_ingest;
-use study::ingest_file::recordings::find;
-use study::{invalid, refuse};
+use study::refuse;
 
+use crate::record::Folders;
 use crate::settings::Settings;
 use crate::steps::{Shape, Step, measured, simulated, simulated_logs};
-
-/// Files of a study's folder that its page shows.
-const SHOWN: [&str; 4] = ["vessel", "dictionary", "campaign", "reference"];
 
 /// The hand-written files that a study needs, what each is, and which of the two kinds of `new` write it.
 const WRITTEN: [(&str, &str, &str); 4] = [
@@ -28,10 +24,9 @@ const WRITTEN: [(&str, &str, &str); 4] = [
 /// A study: its folders and stages.
 #[derive(Debug)]
 pub struct Pipeline {
-    study: PathBuf,
+    pub(crate) folders: Folders,
     dictionary: PathBuf,
     logs: PathBuf,
-    out: PathBuf,
     /// The stages in the order in which they run.
     pub steps: Vec<Step>,
 }
@@ -61,15 +56,14 @@ impl Pipeline {
         } else {
             simulated(settings, &shape)
         };
-        let own = |name: &str| settings.path(name, study);
-        let logs =
-            if from_instruments { Some(out.join("logs")) } else { logs.map(Path::to_owned).or(own("LOGS")) };
-        let pipeline = Self {
-            study: study.to_owned(),
-            dictionary: own("DICTIONARY").unwrap_or_else(|| study.join("dictionary.toml")),
-            logs: logs.unwrap_or_else(|| study.join("logs")),
-            out: out.to_owned(),
-            steps,
+        let folders = Folders { study: study.to_owned(), out: out.to_owned() };
+        let mut pipeline = Self { folders, dictionary: PathBuf::new(), logs: PathBuf::new(), steps };
+        pipeline.dictionary = pipeline.resolved(settings.or("DICTIONARY", "\0study/dictionary.toml")).into();
+        let own = || pipeline.resolved(settings.or("LOGS", "\0study/logs")).into();
+        pipeline.logs = match logs {
+            _ if from_instruments => out.join("logs"),
+            Some(logs) => logs.to_owned(),
+            None => own(),
         };
         pipeline.check()?;
         Ok(pipeline)
@@ -98,16 +92,18 @@ impl Pipeline {
     }
 
     /// The path or word that `word` of a command line stands for.
-    pub fn resolved(&self, word: &str) -> String {
-        let folders = [
-            ("{study}", &self.study),
-            ("{dictionary}", &self.dictionary),
-            ("{logs}", &self.logs),
-            ("{out}", &self.out),
-        ];
-        folders
-            .iter()
-            .fold(word.to_owned(), |word, (name, path)| word.replace(name, &path.display().to_string()))
+    pub fn resolved(&self, word: &str) -> OsString {
+        let Folders { study, out } = &self.folders;
+        let paths = [("study", study), ("dictionary", &self.dictionary), ("logs", &self.logs), ("out", out)];
+        let mut parts = word.split('\0');
+        let mut whole = OsString::from(parts.next().unwrap_or_default());
+        for part in parts {
+            let named = paths.iter().find_map(|(name, path)| Some((path, part.strip_prefix(name)?)));
+            let (path, rest) = named.map_or((Path::new(""), part), |(path, rest)| (path.as_path(), rest));
+            whole.push(path);
+            whole.push(rest);
+        }
+        whole
     }
 
     /// The main file of `step`.
@@ -115,66 +111,37 @@ impl Pipeline {
         PathBuf::from(self.resolved(&step.outputs[0]))
     }
 
-    /// Digests of the files that `step` reads. A folder stands for the files in it that the stage reads, and a hand-written file
-    /// for those that it names, too.
+    /// Traces what the next stage reads and writes.
     ///
     /// # Errors
-    /// A file that cannot be read.
-    pub fn inputs(&self, step: &Step) -> Result<BTreeMap<String, Digest>, Error> {
-        let mut files: Vec<String> = Vec::new();
-        for word in step.inputs() {
-            match word {
-                "{study}" => {
-                    let shown = SHOWN.iter().map(|role| format!("{{study}}/{role}.toml"));
-                    files.extend(shown.filter(|file| Path::new(&self.resolved(file)).is_file()));
-                }
-                "{logs}" => files.extend(self.log_files()?),
-                _ if word.starts_with("{out}") && Path::new(&self.resolved(word)).is_dir() => {
-                    let others = self.steps.iter().take_while(|other| other.name != step.name);
-                    files.extend(others.flat_map(|other| other.outputs.iter().cloned()));
-                }
-                _ => {
-                    files.push(word.to_owned());
-                    files.extend(named_in(Path::new(&self.resolved(word))));
-                }
-            }
-        }
-        self.digests(&files)
+    /// No folder of results.
+    pub fn trace(&self) -> Result<(), Error> {
+        trace(&self.folders.study, &self.folders.out)
     }
 
-    /// Digests of `files`, by the words that stand for their paths.
-    ///
-    /// # Errors
-    /// A file that cannot be read.
-    pub fn digests(&self, files: &[String]) -> Result<BTreeMap<String, Digest>, Error> {
-        files.iter().map(|file| Ok((file.clone(), Digest::of_file(self.resolved(file))?))).collect()
-    }
-
-    /// The logs that ingest.toml names.
-    fn log_files(&self) -> Result<Vec<String>, Error> {
-        let file = self.study.join("ingest.toml");
-        let config = read_ingest(&file, &mut Provenance::default())?;
-        let naming = config.naming().map_err(|wrong| invalid(&file, &wrong))?;
-        let sources = find(&config, &naming, &file, &self.logs)?;
-        Ok(sources
-            .iter()
-            .flat_map(|own| own.files.iter().flatten())
-            .map(|name| format!("{{logs}}/{name}"))
-            .collect())
+    /// `words` as they stand in a record.
+    pub(crate) fn recorded(&self, words: &[String]) -> Vec<String> {
+        let key = |path: &Path| self.folders.key(path);
+        let paths = [("\0dictionary", key(&self.dictionary)), ("\0logs", key(&self.logs))];
+        let recorded = |word: &String| {
+            let own = word.replace('{', "{{").replace("\0study", "{study}").replace("\0out", "{out}");
+            paths.iter().fold(own, |word, (name, path)| word.replace(name, path))
+        };
+        words.iter().map(recorded).collect()
     }
 
     /// Refuses a study that lacks a file that no stage writes.
     fn check(&self) -> Result<(), Error> {
         let written: Vec<&String> = self.steps.iter().flat_map(|step| &step.outputs).collect();
         let read = self.steps.iter().flat_map(Step::inputs);
-        for word in read.filter(|word| !word.starts_with("{out}") && !written.iter().any(|own| own == word)) {
+        for word in read.filter(|word| !word.starts_with("\0out") && !written.iter().any(|own| own == word)) {
             let path = PathBuf::from(self.resolved(word));
-            if word == "{logs}" && !path.is_dir() && !written.iter().any(|own| own.starts_with("{out}/logs/"))
+            if word == "\0logs" && !path.is_dir() && !written.iter().any(|own| own.starts_with("\0out/logs/"))
             {
                 let remedy = "name it with --logs, or write LOGS = <folder> into study.mk";
                 return Err(refuse(&path, "--logs", "no such folder", "the folder of the logs", remedy));
             }
-            if path.extension().is_some() && !path.is_file() {
+            if path.extension().is_some() && !path.exists() {
                 return Err(lacking(&path));
             }
         }
@@ -182,35 +149,10 @@ impl Pipeline {
     }
 }
 
-/// The files that the hand-written file at `path` names, such as tables of inputs and charts; those of a folder that it names.
-fn named_in(path: &Path) -> Vec<String> {
-    let text =
-        std::fs::read_to_string(path).ok().filter(|_| path.extension().is_some_and(|end| end == "toml"));
-    // What cannot be parsed is refused by its stage.
-    let Some(Ok(table)) = text.map(|text| text.parse::<toml::Table>()) else { return Vec::new() };
-    let (mut named, folder) = (Vec::new(), path.parent().unwrap_or(Path::new("")));
-    let mut left: Vec<&toml::Value> = table.values().collect();
-    while let Some(value) = left.pop() {
-        match value {
-            toml::Value::String(name) => named.push(folder.join(name)),
-            toml::Value::Array(items) => left.extend(items),
-            toml::Value::Table(table) => left.extend(table.values()),
-            _ => {}
-        }
-    }
-    let within = |path: &PathBuf| {
-        let entries = std::fs::read_dir(path).into_iter().flatten();
-        entries.filter_map(|entry| Some(entry.ok()?.path())).collect::<Vec<_>>()
-    };
-    let below: Vec<PathBuf> = named.iter().filter(|path| path.is_dir()).flat_map(within).collect();
-    let files = named.into_iter().chain(below).filter(|path| path.is_file());
-    files.map(|path| path.display().to_string()).collect()
-}
-
 /// Whether `later` reads what `step` writes.
 fn reads(later: &Step, step: &Step) -> bool {
     let is_page = later.words.first().is_some_and(|word| word == "report");
-    let logs = later.inputs().any(|word| word == "{logs}") && step.name == "logs";
+    let logs = later.inputs().any(|word| word == "\0logs") && step.name == "logs";
     is_page || logs || later.inputs().any(|word| step.outputs.iter().any(|own| own == word))
 }
 
@@ -241,16 +183,27 @@ fn lacking(path: &Path) -> Error {
 
 /// Whether forces describe the ship in the folder `study`; a file that cannot be read is refused by the stage that needs it.
 fn is_of_forces(study: &Path) -> bool {
-    let vessel = read_to_string(study.join("vessel.toml"));
+    let vessel = read_hand_written(study.join("vessel.toml"));
     vessel.is_ok_and(|text| text.parse::<VesselFile>().is_ok_and(|vessel| vessel.is_of_forces()))
 }
 
 /// Names of the files `plan.toml` and `plan-<name>.toml` in `study`, without `.toml`, sorted.
 fn plans(study: &Path) -> Result<Vec<String>, Error> {
     let entries = std::fs::read_dir(study).map_err(|e| Error::io(study, "list", e))?;
-    let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-    let plans = names.filter_map(|name| name.strip_suffix(".toml").map(str::to_owned));
-    let mut plans: Vec<String> = plans.filter(|name| name == "plan" || name.starts_with("plan-")).collect();
+    let mut plans = Vec::new();
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let text = name.to_string_lossy();
+        let Some(plan) = text.strip_suffix(".toml") else { continue };
+        if plan != "plan" && !plan.starts_with("plan-") {
+            continue;
+        }
+        if name.to_str().is_none() {
+            let (found, expected) = ("a plan whose name is not UTF-8", "a name in UTF-8");
+            return Err(refuse(&entry.path(), "file", found, expected, "rename it"));
+        }
+        plans.push(plan.to_owned());
+    }
     plans.sort();
     Ok(plans)
 }

@@ -1,14 +1,73 @@
 //! Which stages of a study are up to date.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::{Path, PathBuf, absolute};
 
-use artifact::{Digest, Error, Provenance, commit, read_document, stage_document};
+use artifact::{Digest, Error, Observed, Provenance, Trace, commit, read_document, stage_document};
 
 use study::documents::{RunDocument, RunStage};
+use study::refuse;
 
 use crate::pipeline::Pipeline;
 use crate::steps::Step;
+
+/// The folders of a study and of its results, by which a record names files.
+#[derive(Debug)]
+pub struct Folders {
+    /// The hand-written files.
+    pub study: PathBuf,
+    /// The results.
+    pub out: PathBuf,
+}
+
+/// The names of these folders in a record.
+const OUT: &str = "{out}";
+const STUDY: &str = "{study}";
+
+impl Folders {
+    /// How a record names `path`: relative to these folders where it is below them.
+    pub(crate) fn key(&self, path: &Path) -> String {
+        let whole = absolute(path).unwrap_or_else(|_| path.to_owned());
+        for (name, folder) in [(OUT, &self.out), (STUDY, &self.study)] {
+            for base in [absolute(folder).ok(), folder.canonicalize().ok()].into_iter().flatten() {
+                if let Ok(rest) = whole.strip_prefix(base) {
+                    return Path::new(name).join(rest).to_string_lossy().trim_end_matches('/').to_owned();
+                }
+            }
+        }
+        whole.to_string_lossy().into_owned()
+    }
+
+    /// The path that a record names `key`.
+    fn path(&self, key: &str) -> PathBuf {
+        let below = |(name, folder): (&str, &PathBuf)| {
+            let rest = key.strip_prefix(name)?;
+            Some(if rest.is_empty() { folder.clone() } else { folder.join(rest.strip_prefix('/')?) })
+        };
+        let folders = [(OUT, &self.out), (STUDY, &self.study)];
+        folders.into_iter().find_map(below).unwrap_or_else(|| key.into())
+    }
+
+    /// How a record names an observation.
+    fn noted(&self, what: &Observed) -> String {
+        let path = self.key(what.path());
+        match what {
+            Observed::File(_) => path,
+            Observed::Names(_, pattern) => format!("names {pattern} in {path}"),
+            Observed::Place(_) => format!("place of {path}"),
+        }
+    }
+
+    /// The observation that a record names `key`.
+    fn observed(&self, key: &str) -> Observed {
+        let names = key.strip_prefix("names ").and_then(|rest| rest.split_once(" in "));
+        match (names, key.strip_prefix("place of ")) {
+            (Some((pattern, folder)), _) => Observed::Names(self.path(folder), pattern.to_owned()),
+            (_, Some(folder)) => Observed::Place(self.path(folder)),
+            _ => Observed::File(self.path(key)),
+        }
+    }
+}
 
 /// `run.json` beside the results: the stages as they ran.
 #[derive(Debug)]
@@ -30,26 +89,41 @@ impl Record {
         Self { file, program, digest, document }
     }
 
-    /// Whether `step` ran by this program with these `words` and `inputs`, and its outputs are as it left them.
-    ///
-    /// # Errors
-    /// An output that cannot be read.
-    pub fn is_current(
-        &self,
-        pipeline: &Pipeline,
-        step: &Step,
-        words: &[String],
-        inputs: &BTreeMap<String, Digest>,
-    ) -> Result<bool, Error> {
-        let is_there = |file: &String| Path::new(&pipeline.resolved(file)).is_file();
-        let Some(known) = self.document.stages.get(&step.name) else { return Ok(false) };
+    /// Whether `step` ran by this program with these `words`, and what it read and wrote is as it was.
+    pub fn is_current(&self, pipeline: &Pipeline, step: &Step, words: &[String]) -> bool {
+        let Some(known) = self.document.stages.get(&step.name) else { return false };
         let is_same_program =
             known.program == self.program && known.digest == self.digest && known.digest.is_some();
-        let is_same = is_same_program && known.command == words && known.inputs == *inputs;
-        Ok(is_same && step.outputs.iter().all(is_there) && pipeline.digests(&step.outputs)? == known.outputs)
+        is_same_program
+            && known.command == pipeline.recorded(words)
+            && changed(known, &pipeline.folders).next().is_none()
     }
 
-    /// Notes that `step` has run with these `words` and `inputs`.
+    /// What is not as the stages read or left it, each in a line.
+    pub fn faults(&self, folders: &Folders) -> Vec<String> {
+        let fault = |name: &str, [before, now]: [Option<Digest>; 2], what: &Observed| {
+            let found = match (before, now) {
+                (Some(_), None) => "nothing there",
+                (None, _) => "something that was not there",
+                _ => "another content",
+            };
+            let expected = format!("what the stage `{name}` read or wrote");
+            let remedy =
+                "`seatrial run` runs the stage again; remove its results if it is not wanted any more";
+            let (thing, found) = match what {
+                Observed::File(_) => ("digest".to_owned(), found),
+                Observed::Names(_, pattern) => (format!("files `{pattern}`"), "others than there were"),
+                Observed::Place(_) => ("folder".to_owned(), "it in another place"),
+            };
+            refuse(what.path(), &thing, found, &expected, remedy).to_string()
+        };
+        let stages = self.document.stages.iter();
+        stages
+            .flat_map(|(name, stage)| changed(stage, folders).map(move |(what, own)| fault(name, own, &what)))
+            .collect()
+    }
+
+    /// Notes that `step` has run with these `words`, and its `trace`.
     ///
     /// # Errors
     /// Outputs that cannot be read; a record that cannot be written.
@@ -58,13 +132,30 @@ impl Record {
         pipeline: &Pipeline,
         step: &Step,
         words: &[String],
-        inputs: BTreeMap<String, Digest>,
+        trace: &Trace,
     ) -> Result<(), Error> {
-        let outputs = pipeline.digests(&step.outputs)?;
+        let folders = &pipeline.folders;
+        let digest = |path: &PathBuf| Ok((folders.key(path), Digest::of_file(path)?));
+        let outputs = trace.outputs.iter().map(digest).collect::<Result<BTreeMap<_, _>, Error>>()?;
+        let before = self.document.stages.remove(&step.name).map(|known| known.outputs).unwrap_or_default();
+        let mut inputs = BTreeMap::new();
+        for (what, digest) in &trace.inputs {
+            let key = folders.noted(what);
+            // What the stage wrote, now or before, is no input, though it may look at it.
+            if outputs.contains_key(&key) || before.contains_key(&key) {
+                continue;
+            }
+            if what.path().is_relative() && !folders.key(what.path()).starts_with('{') {
+                // Elsewhere this path names another file.
+                let here = Observed::Place(PathBuf::from("."));
+                inputs.insert("place of .".to_owned(), here.digest(&folders.study));
+            }
+            inputs.insert(key, *digest);
+        }
         let ran = RunStage {
             program: self.program.clone(),
             digest: self.digest,
-            command: words.to_vec(),
+            command: pipeline.recorded(words),
             inputs,
             outputs,
         };
@@ -72,4 +163,15 @@ impl Record {
         let provenance = Provenance { producer: self.program.clone(), ..Provenance::default() };
         commit(vec![stage_document(&self.file, &provenance, &self.document)?])
     }
+}
+
+/// What is not as `stage` read or left it, with its digests before and now.
+fn changed(stage: &RunStage, folders: &Folders) -> impl Iterator<Item = (Observed, [Option<Digest>; 2])> {
+    let outputs = stage.outputs.iter().map(|(key, digest)| (key, Some(*digest)));
+    let all = stage.inputs.iter().map(|(key, digest)| (key, *digest)).chain(outputs);
+    all.filter_map(|(key, before)| {
+        let what = folders.observed(key);
+        let now = what.digest(&folders.study);
+        (now != before).then_some((what, [before, now]))
+    })
 }

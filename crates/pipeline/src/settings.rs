@@ -1,9 +1,9 @@
 //! `study.mk`: flags of a study's stages.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use artifact::{Error, read_to_string};
+use artifact::{Error, read_hand_written};
 use refusal::{Invalid, foreign, nearest};
 
 use study::invalid;
@@ -31,13 +31,13 @@ const KNOWN: [&str; 19] = [
     "NEXT_FLAGS",
 ];
 
-/// What a value may refer to, and the words that stand for it here.
+/// What a value may refer to, and what stands for it in the words of a [`crate::Step`].
 const REFERENCES: [(&str, &str); 5] = [
-    ("$(STUDY)", "{study}"),
-    ("$(DICTIONARY)", "{dictionary}"),
-    ("$(LOGS)", "{logs}"),
-    ("$(MEASURED)", "{out}/measured"),
-    ("$(OUT)", "{out}"),
+    ("$(STUDY)", "\0study"),
+    ("$(DICTIONARY)", "\0dictionary"),
+    ("$(LOGS)", "\0logs"),
+    ("$(MEASURED)", "\0out/measured"),
+    ("$(OUT)", "\0out"),
 ];
 
 /// The settings of a study, by their names.
@@ -56,7 +56,7 @@ impl Settings {
             return Ok(settings);
         }
         // A line that ends with a backslash goes on in the next one.
-        let text = read_to_string(&file)?.replace("\\\n", " ");
+        let text = read_hand_written(&file)?.replace("\\\n", " ");
         for line in text.lines() {
             settings.take(line).map_err(|wrong| invalid(&file, &wrong))?;
         }
@@ -80,12 +80,6 @@ impl Settings {
     /// The value of `name`, or `usual` if it is not set.
     pub fn or<'a>(&'a self, name: &str, usual: &'a str) -> &'a str {
         self.0.get(name).map_or(usual, String::as_str)
-    }
-
-    /// The path that `name` is set to, with `study` in place of references to it.
-    pub fn path(&self, name: &str, study: &Path) -> Option<PathBuf> {
-        let value = self.0.get(name)?;
-        Some(PathBuf::from(value.replace("{study}", &study.display().to_string())))
     }
 
     /// These settings with sub-experiments designed, picked and compared, as studies on simulated logs have them.
@@ -119,6 +113,9 @@ impl Settings {
                 KNOWN.join(", "),
                 remedy,
             ));
+        }
+        if value.contains('\0') {
+            return Err(Invalid::new(format!("`{name}`"), "a byte 0", "text", "remove it"));
         }
         let value = resolved(name, value.trim())?;
         let known = self.0.get(name).cloned();

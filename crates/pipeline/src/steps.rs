@@ -2,8 +2,8 @@
 
 use crate::settings::Settings;
 
-/// A stage of a study. `{study}`, `{dictionary}`, `{logs}` and `{out}` stand for the study's folder, its maneuvers, its logs and its
-/// results.
+/// A stage of a study. In its words and outputs `\0study`, `\0dictionary`, `\0logs` and `\0out` stand for the study's folder, its
+/// maneuvers, its logs and its results: no name and no line of a study has a byte 0, so that nothing else is ever replaced.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     /// Its name in the study, such as `design`.
@@ -28,7 +28,7 @@ impl Step {
     /// The paths that it reads.
     pub fn inputs(&self) -> impl Iterator<Item = &str> {
         let words = self.words.iter().map(String::as_str);
-        words.filter(|word| word.starts_with('{') && !self.outputs.iter().any(|own| own == word))
+        words.filter(|word| word.starts_with('\0') && !self.outputs.iter().any(|own| own == word))
     }
 }
 
@@ -49,45 +49,45 @@ pub fn simulated(settings: &Settings, shape: &Shape) -> Vec<Step> {
     let mut steps = vec![
         Step::new(
             "dictionary",
-            "simulate dictionary --vessel {study}/vessel.toml --dictionary {dictionary}",
+            "simulate dictionary --vessel \0study/vessel.toml --dictionary \0dictionary",
             "",
-            &["{out}/dictionary.parquet"],
+            &["\0out/dictionary.parquet"],
         ),
         Step::new(
             "moments",
-            "moments --vessel {study}/vessel.toml --trajectories {out}/dictionary.parquet",
+            "moments --vessel \0study/vessel.toml --trajectories \0out/dictionary.parquet",
             settings.get("MOMENTS_FLAGS"),
-            &["{out}/moments.json"],
+            &["\0out/moments.json"],
         ),
         Step::new(
             "design",
-            "design --moments {out}/moments.json",
+            "design --moments \0out/moments.json",
             settings.get("DESIGN_FLAGS"),
-            &["{out}/design.json"],
+            &["\0out/design.json"],
         ),
         Step::new(
             "validation",
-            "simulate validation --vessel {study}/vessel.toml --campaign {study}/campaign.toml",
+            "simulate validation --vessel \0study/vessel.toml --campaign \0study/campaign.toml",
             "",
-            &["{out}/validation.parquet"],
+            &["\0out/validation.parquet"],
         ),
     ];
     if settings.get("MONTE_CARLO").is_empty() {
         steps.push(Step::new(
             "campaign",
-            "simulate campaign --vessel {study}/vessel.toml --dictionary {dictionary} --campaign {study}/campaign.toml --design \
-             {out}/design.json",
+            "simulate campaign --vessel \0study/vessel.toml --dictionary \0dictionary --campaign \0study/campaign.toml --design \
+             \0out/design.json",
             "",
-            &["{out}/campaign.parquet"],
+            &["\0out/campaign.parquet"],
         ));
         steps.extend(estimated("", "campaign.parquet", settings));
     } else {
         steps.push(Step::new(
             "monte-carlo",
-            "monte-carlo --vessel {study}/vessel.toml --dictionary {dictionary} --campaign {study}/campaign.toml --design \
-             {out}/design.json --keep estimates",
+            "monte-carlo --vessel \0study/vessel.toml --dictionary \0dictionary --campaign \0study/campaign.toml --design \
+             \0out/design.json --keep estimates",
             settings.get("ESTIMATE_FLAGS"),
-            &["{out}/tally.json"],
+            &["\0out/tally.json"],
         ));
     }
     shape.plans.iter().for_each(|name| steps.extend(planned(name, settings)));
@@ -95,36 +95,36 @@ pub fn simulated(settings: &Settings, shape: &Shape) -> Vec<Step> {
     if !length_m.is_empty() {
         steps.push(Step::new(
             "merit",
-            "validate merit --vessel {study}/vessel.toml --dictionary {dictionary} --trajectories {out}/dictionary.parquet",
+            "validate merit --vessel \0study/vessel.toml --dictionary \0dictionary --trajectories \0out/dictionary.parquet",
             &format!("--length-m {length_m}"),
-            &["{out}/merit.json"],
+            &["\0out/merit.json"],
         ));
     }
     steps.push(Step::new(
         "report",
-        "report --study {study} --dictionary {dictionary} --results {out}",
+        "report --study \0study --dictionary \0dictionary --results \0out",
         "",
-        &["{out}/report.html", "{out}/explore.html"],
+        &["\0out/report.html", "\0out/explore.html"],
     ));
     steps
 }
 
 /// Estimates of the runs in `table`, below the results' folder `below`, and their scores.
 fn estimated(below: &str, table: &str, settings: &Settings) -> [Step; 2] {
-    let file = |name: &str| format!("{{out}}/{below}{name}");
+    let file = |name: &str| format!("\0out/{below}{name}");
     let prefix = below.replace('/', "-");
     [
         Step::new(
             &format!("{prefix}estimate"),
-            &format!("estimate --vessel {{study}}/vessel.toml --trajectories {}", file(table)),
+            &format!("estimate --vessel \0study/vessel.toml --trajectories {}", file(table)),
             settings.get("ESTIMATE_FLAGS"),
             &[&file("estimates.parquet"), &file("estimate.json")],
         ),
         Step::new(
             &format!("{prefix}validate"),
             &format!(
-                "validate --vessel {{study}}/vessel.toml --campaign {{study}}/campaign.toml --estimates {} --validation \
-                 {{out}}/validation.parquet",
+                "validate --vessel \0study/vessel.toml --campaign \0study/campaign.toml --estimates {} --validation \
+                 \0out/validation.parquet",
                 file("estimates.parquet")
             ),
             "",
@@ -135,19 +135,21 @@ fn estimated(below: &str, table: &str, settings: &Settings) -> [Step; 2] {
 
 /// The layout on the chart of `name`.toml; that of plan.toml is also simulated, estimated and scored.
 fn planned(name: &str, settings: &Settings) -> Vec<Step> {
-    let main =
-        if name == "plan" { "{out}/plan.json".to_owned() } else { format!("{{out}}/{name}/plan.json") };
+    let main = if name == "plan" { "\0out/plan.json".to_owned() } else { format!("\0out/{name}/plan.json") };
     let line = format!(
-        "plan --vessel {{study}}/vessel.toml --trajectories {{out}}/dictionary.parquet --dictionary {{dictionary}} --design \
-         {{out}}/design.json --config {{study}}/{name}.toml"
+        "plan --vessel \0study/vessel.toml --trajectories \0out/dictionary.parquet --dictionary \0dictionary --design \
+         \0out/design.json"
     );
-    let mut steps = vec![Step::new(name, &line, settings.get("PLAN_FLAGS"), &[&main])];
+    let mut plan = Step::new(name, &line, settings.get("PLAN_FLAGS"), &[&main]);
+    // The name may have blanks.
+    plan.words.extend(["--config".to_owned(), format!("\0study/{name}.toml")]);
+    let mut steps = vec![plan];
     if name == "plan" {
         steps.push(Step::new(
             "planned",
-            "simulate plan --vessel {study}/vessel.toml --campaign {study}/campaign.toml --plan {out}/plan.json",
+            "simulate plan --vessel \0study/vessel.toml --campaign \0study/campaign.toml --plan \0out/plan.json",
             "",
-            &["{out}/planned/trajectories.parquet"],
+            &["\0out/planned/trajectories.parquet"],
         ));
         steps.extend(estimated("planned/", "trajectories.parquet", settings));
     }
@@ -159,31 +161,31 @@ pub fn simulated_logs() -> [Step; 2] {
     [
         Step::new(
             "logs",
-            "simulate logs --vessel {study}/vessel.toml --dictionary {dictionary} --logs {study}/logs.toml",
+            "simulate logs --vessel \0study/vessel.toml --dictionary \0dictionary --logs \0study/logs.toml",
             "",
-            &["{out}/logs/simulated.json"],
+            &["\0out/logs/simulated.json"],
         ),
         // The maneuvers as they are meant, for the report
         Step::new(
             "dictionary",
-            "simulate dictionary --vessel {study}/vessel.toml --dictionary {dictionary}",
+            "simulate dictionary --vessel \0study/vessel.toml --dictionary \0dictionary",
             "",
-            &["{out}/measured/dictionary.parquet"],
+            &["\0out/measured/dictionary.parquet"],
         ),
     ]
 }
 
 /// The recordings, and what describes them.
-const LOGGED: &str = "--vessel {study}/vessel.toml --trajectories {out}/measured/trajectories.parquet";
-const RECORDED: &str = "--recordings {out}/measured/ingest.json";
+const LOGGED: &str = "--vessel \0study/vessel.toml --trajectories \0out/measured/trajectories.parquet";
+const RECORDED: &str = "--recordings \0out/measured/ingest.json";
 
 /// The stages of a study with logs.
 pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Vec<Step> {
     let mut steps = vec![Step::new(
         "ingest",
-        "ingest --config {study}/ingest.toml --vessel {study}/vessel.toml --logs {logs}",
+        "ingest --config \0study/ingest.toml --vessel \0study/vessel.toml --logs \0logs",
         "",
-        &["{out}/measured/trajectories.parquet", "{out}/measured/ingest.json"],
+        &["\0out/measured/trajectories.parquet", "\0out/measured/ingest.json"],
     )];
     let fit = Fit::of(settings, shape);
     steps.push(fit.step("pool", "", &fit.bootstrap));
@@ -191,7 +193,7 @@ pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Ve
         "cross",
         &format!("validate cross {LOGGED} {RECORDED} {}", fit.in_turns),
         settings.get("CROSS_FLAGS"),
-        &["{out}/measured/crossval.json"],
+        &["\0out/measured/crossval.json"],
     ));
     let test = settings.get("TEST");
     if !test.is_empty() {
@@ -203,8 +205,8 @@ pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Ve
     if !settings.get("NEXT").is_empty() {
         steps.extend(next_trial(settings, shape));
     }
-    let line = "report --study {study} --results {out}/measured";
-    steps.push(Step::new("report", line, "", &["{out}/measured/report.html", "{out}/measured/explore.html"]));
+    let line = "report --study \0study --results \0out/measured";
+    steps.push(Step::new("report", line, "", &["\0out/measured/report.html", "\0out/measured/explore.html"]));
     steps
 }
 
@@ -243,7 +245,7 @@ impl<'s> Fit<'s> {
     /// The fit with `more` flags, whose results are below the folder `below` of the measured ones.
     fn step(&self, name: &str, below: &str, more: &str) -> Step {
         let [table, model] =
-            ["estimates.parquet", "model.json"].map(|own| format!("{{out}}/measured/{below}{own}"));
+            ["estimates.parquet", "model.json"].map(|own| format!("\0out/measured/{below}{own}"));
         let outputs: &[&str] = if self.is_model_alone { &[&model] } else { &[&table, &model] };
         let line = format!("estimate pool {LOGGED} {RECORDED} --estimator {} {}", self.estimator, self.flags);
         Step::new(name, &line, more, outputs)
@@ -257,11 +259,11 @@ fn tested(settings: &Settings, test: &str, fit: &Fit) -> [Step; 2] {
         Step::new(
             "compare",
             &format!(
-                "validate compare --model {{out}}/measured/test/model.json --trajectories \
-                 {{out}}/measured/trajectories.parquet {RECORDED} --runs {test}"
+                "validate compare --model \0out/measured/test/model.json --trajectories \
+                 \0out/measured/trajectories.parquet {RECORDED} --runs {test}"
             ),
             settings.get("TEST_FLAGS"),
-            &["{out}/measured/compare.json"],
+            &["\0out/measured/compare.json"],
         ),
     ]
 }
@@ -271,75 +273,75 @@ fn selected(settings: &Settings, shape: &Shape, usual_selection: &str) -> [Step;
     let design = settings.get("DESIGN_FLAGS");
     // No more of a maneuver than was logged, unless the study says what is available.
     let stated = design.contains("--available");
-    let within = if stated { "" } else { "--available {out}/measured/ingest.json" };
-    let reference = if shape.has_reference { "--reference {study}/reference.toml" } else { "" };
+    let within = if stated { "" } else { "--available \0out/measured/ingest.json" };
+    let reference = if shape.has_reference { "--reference \0study/reference.toml" } else { "" };
     [
         Step::new(
             "moments",
             &format!("moments {LOGGED}"),
             settings.get("MOMENTS_FLAGS"),
-            &["{out}/measured/moments.json"],
+            &["\0out/measured/moments.json"],
         ),
         Step::new(
             "design",
-            &format!("design --moments {{out}}/measured/moments.json {within}"),
+            &format!("design --moments \0out/measured/moments.json {within}"),
             design,
-            &["{out}/measured/design.json"],
+            &["\0out/measured/design.json"],
         ),
         Step::new(
             "selection",
-            &format!("validate selection {LOGGED} --design {{out}}/measured/design.json {reference}"),
+            &format!("validate selection {LOGGED} --design \0out/measured/design.json {reference}"),
             settings.or("SELECTION_FLAGS", usual_selection),
-            &["{out}/measured/selection.parquet", "{out}/measured/selection.json"],
+            &["\0out/measured/selection.parquet", "\0out/measured/selection.json"],
         ),
     ]
 }
 
 /// The trial after this one: its model, what the helmsman may be asked for, its design and what it promises.
 fn next_trial(settings: &Settings, shape: &Shape) -> Vec<Step> {
-    const MODEL: &str = "--vessel {out}/measured/next/model.json";
-    const HELM: &str = "--dictionary {study}/next/dictionary.toml";
-    const SEA: &str = "--campaign {study}/next/campaign.toml";
-    const MADE: &str = "--trajectories {out}/measured/next/dictionary.parquet";
-    const DESIGN: &str = "--design {out}/measured/next/design.json";
+    const MODEL: &str = "--vessel \0out/measured/next/model.json";
+    const HELM: &str = "--dictionary \0study/next/dictionary.toml";
+    const SEA: &str = "--campaign \0study/next/campaign.toml";
+    const MADE: &str = "--trajectories \0out/measured/next/dictionary.parquet";
+    const DESIGN: &str = "--design \0out/measured/next/design.json";
     let mut steps = vec![
         Step::new(
             "search",
             &format!("estimate search {LOGGED} {RECORDED}"),
             settings.get("SEARCH_FLAGS"),
-            &["{out}/measured/next/search.json", "{out}/measured/next/model.json"],
+            &["\0out/measured/next/search.json", "\0out/measured/next/model.json"],
         ),
         Step::new(
             "next-dictionary",
             &format!("simulate dictionary {MODEL} {HELM}"),
             "",
-            &["{out}/measured/next/dictionary.parquet"],
+            &["\0out/measured/next/dictionary.parquet"],
         ),
         Step::new(
             "next-moments",
             &format!("moments {MODEL} {MADE} {SEA} --estimator output-error --hold-unexcited"),
             "",
-            &["{out}/measured/next/moments.json"],
+            &["\0out/measured/next/moments.json"],
         ),
         Step::new(
             "next-design",
-            "design --moments {out}/measured/next/moments.json --for output-error",
+            "design --moments \0out/measured/next/moments.json --for output-error",
             settings.get("NEXT_FLAGS"),
-            &["{out}/measured/next/design.json"],
+            &["\0out/measured/next/design.json"],
         ),
         Step::new(
             "next-monte-carlo",
             &format!("monte-carlo {MODEL} {HELM} {SEA} {DESIGN} --estimator output-error"),
             "",
-            &["{out}/measured/next/tally.json"],
+            &["\0out/measured/next/tally.json"],
         ),
     ];
     if shape.next_is_charted {
         steps.push(Step::new(
             "next-plan",
-            &format!("plan {MODEL} {MADE} {HELM} {DESIGN} --config {{study}}/next/plan.toml"),
+            &format!("plan {MODEL} {MADE} {HELM} {DESIGN} --config \0study/next/plan.toml"),
             "",
-            &["{out}/measured/next/plan.json"],
+            &["\0out/measured/next/plan.json"],
         ));
     }
     steps

@@ -8,6 +8,7 @@ use artifact::{
 };
 use refusal::{foreign, one_line, shortened};
 
+use crate::outdated::outdated;
 use crate::{refuse, role_of};
 
 /// The files of a folder and of those below it.
@@ -39,6 +40,13 @@ impl Folder {
         folder.check_sets();
         folder.name(root);
         folder.compare(root, &known);
+        // The record of `run` knows more than the documents.
+        if let Some(study) = study.filter(|_| !root.join("run.json").is_file()) {
+            let found = folder.files.iter().filter_map(|(path, found)| Some((path, found.as_ref().ok()?)));
+            let outdated: Vec<String> =
+                found.flat_map(|(path, found)| outdated(path, found, study)).collect();
+            folder.faults.extend(outdated);
+        }
         Ok(folder)
     }
 

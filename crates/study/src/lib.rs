@@ -20,6 +20,7 @@ pub mod kept;
 mod logged_helm;
 pub mod logs_file;
 pub mod moments_table;
+mod outdated;
 pub mod parts;
 pub mod plan;
 pub mod pooled_set;

@@ -3118,8 +3118,8 @@ class RunDocument:
 
 @dataclass(frozen=True, kw_only=True)
 class RunStage:
-    """A stage as it ran. `{study}`, `{dictionary}`, `{logs}` and `{out}` stand for the study's folder, its maneuvers,
-    its logs and its results.
+    """A stage as it ran. `{study}` and `{out}` stand for the study's folder and its results; a brace of a name is
+    written twice.
     """
 
     #: The program and its version.
@@ -3128,8 +3128,9 @@ class RunStage:
     digest: Digest | None = None
     #: Its command line.
     command: list[str]
-    #: Digests of the files that it read.
-    inputs: dict[str, Digest]
+    #: Digests of what it read: files; names that fit a pattern in a folder (`names *.csv in {study}/logs`; a digit is
+    #: `#`); the path of a folder without links (`place of {study}/cells`). None where there was no such file or folder.
+    inputs: dict[str, Digest | None]
     #: Digests of the files that it wrote.
     outputs: dict[str, Digest]
 
@@ -4194,7 +4195,7 @@ KINDS = {
     "moments/1": "MomentsDocument",
     "plan/2": "PlanDocument",
     "refined/1": "RefinedDocument",
-    "run/1": "RunDocument",
+    "run/2": "RunDocument",
     "search/2": "SearchDocument",
     "selection/1": "SelectionDocument",
     "sequential/1": "SequentialDocument",

@@ -10,7 +10,7 @@ use crate::support::{craft, *};
 
 /// A folder with `logs` of the model ship's simulated trial as if they were measured, with `from` in their headers replaced by
 /// `to`.
-fn logged(from: &str, to: &str) -> TempDir {
+pub fn logged(from: &str, to: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let study = repository().join("pipelines/model-ship");
     for name in ["vessel.toml", "dictionary.toml", "logs.toml"] {

@@ -4,6 +4,10 @@
 mod support;
 
 mod logs;
+mod observed;
+#[allow(dead_code)]
+#[path = "../plans/planned.rs"]
+mod planned;
 mod refusals;
 mod ships;
 mod studies;

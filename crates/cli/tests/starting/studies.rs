@@ -168,7 +168,7 @@ fn a_stage_brings_those_that_it_needs_and_no_more() {
     assert_eq!(stages(&folder, "run . --out out --stage validation"), ["validation"]);
     assert_eq!(stages(&folder, "run . --out out --stage design"), ["dictionary", "moments", "design"]);
     let document = json(&folder, "out/run.json");
-    assert_eq!(document["schema"], "run/1");
+    assert_eq!(document["schema"], "run/2");
     let command = &document["data"]["stages"]["design"]["command"];
     assert_eq!(*command, json!(["design", "--moments", "{out}/moments.json", "--out", "{out}/design.json"]));
 }

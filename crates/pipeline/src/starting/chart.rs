@@ -182,7 +182,7 @@ fn charts(file: &Path) -> String {
     match ending {
         _ if file.is_dir() => one(""),
         "000" | "031" => one(""),
-        "geojson" | "json" => match std::fs::read_to_string(file).unwrap_or_default() {
+        "geojson" | "json" => match artifact::read_to_string(file).unwrap_or_default() {
             text if text.contains("\"OBJL\"") => kind("objects"),
             // As other programs write the classes of objects.
             text if text.contains("\"objl\"") && text.contains("\"DEPARE\"") => {

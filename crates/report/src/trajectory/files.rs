@@ -23,7 +23,7 @@ const ADDITIONAL: [(&str, &str); 7] = [
 /// The trajectory that the study plans; `None` if there is neither `plan.toml` nor `plan.json`.
 pub(crate) fn trajectory(loader: &mut Loader) -> Result<Option<Trajectory>, Error> {
     let config = loader.sources.study.join("plan.toml");
-    if config.exists() {
+    if is_written(&config) {
         loader.note("plan.toml", "chart, lattice, safety, counts, start and goal", Digest::of_file(&config)?);
     } else if !is_written(loader.sources.results.join("plan.json")) {
         return Ok(None);
@@ -45,6 +45,7 @@ pub(crate) fn trajectory(loader: &mut Loader) -> Result<Option<Trajectory>, Erro
 fn folders(results: &Path) -> Result<Vec<String>, Error> {
     let fails = |e| Error::io(results, "list", e);
     let mut names = Vec::new();
+    artifact::observe_names(results, "plan-*");
     for entry in std::fs::read_dir(results).map_err(fails)? {
         let entry = entry.map_err(fails)?;
         let name = entry.file_name().into_string().unwrap_or_default();

@@ -12,8 +12,7 @@ pub struct RunDocument {
     pub stages: BTreeMap<String, RunStage>,
 }
 
-/// A stage as it ran. `{study}`, `{dictionary}`, `{logs}` and `{out}` stand for the study's folder, its maneuvers, its logs and its
-/// results.
+/// A stage as it ran. `{study}` and `{out}` stand for the study's folder and its results; a brace of a name is written twice.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunStage {
@@ -23,14 +22,15 @@ pub struct RunStage {
     pub digest: Option<Digest>,
     /// Its command line.
     pub command: Vec<String>,
-    /// Digests of the files that it read.
-    pub inputs: BTreeMap<String, Digest>,
+    /// Digests of what it read: files; names that fit a pattern in a folder (`names *.csv in {study}/logs`; a digit is `#`); the path
+    /// of a folder without links (`place of {study}/cells`). None where there was no such file or folder.
+    pub inputs: BTreeMap<String, Option<Digest>>,
     /// Digests of the files that it wrote.
     pub outputs: BTreeMap<String, Digest>,
 }
 
 impl Document for RunDocument {
     const ID: &'static str = "run";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
     const UNITS: Units = &[];
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::Path;
 
-use artifact::{Error, open};
+use artifact::{Error, is_file, observe_names, open};
 use refusal::{Invalid, foreign};
 
 use crate::invalid;
@@ -23,7 +23,7 @@ pub(super) fn check_parts(folder: &Path, files: &[String]) -> Result<(), Error> 
     let parents: BTreeSet<String> = files.iter().map(split).collect();
     for parent in parents {
         let path = folder.join(&parent).join(LIST);
-        if !path.is_file() {
+        if !is_file(&path) {
             continue;
         }
         let mut text = String::new();
@@ -31,6 +31,7 @@ pub(super) fn check_parts(folder: &Path, files: &[String]) -> Result<(), Error> 
         read.map_err(|e| Error::io(&path, "read", e))?;
         let parts = listed(&text);
         let here = folder.join(&parent);
+        parts.iter().for_each(|part| observe_names(&here, part));
         let is_own = parts.iter().any(|part| {
             let name = if parent.is_empty() { (*part).to_owned() } else { format!("{parent}/{part}") };
             files.contains(&name)

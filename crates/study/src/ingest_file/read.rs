@@ -7,7 +7,7 @@ use std::io::{self, BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 use std::sync::Arc;
 
-use artifact::{Digest, Digesting, Error, Scratch, open};
+use artifact::{Digest, Digesting, Error, Scratch, is_file, open};
 use flate2::read::MultiGzDecoder;
 use logs::{
     Columns, DatabaseFile, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source,
@@ -206,7 +206,7 @@ pub fn database(path: &Path) -> Result<DatabaseFile, Error> {
         let mut beside = real.clone().into_os_string();
         beside.push(end);
         let beside = Path::new(&beside);
-        if beside.metadata().is_ok_and(|changes| changes.len() > 0) {
+        if is_file(beside) && beside.metadata().is_ok_and(|changes| changes.len() > 0) {
             let beside = beside.file_name().unwrap_or_default().to_string_lossy();
             let found = format!("changes in `{}` that are not in the file", foreign(&beside));
             let remedy =

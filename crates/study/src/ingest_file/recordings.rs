@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::Error;
+use artifact::{Error, observe_names};
 use logs::{Naming, Pattern, Source};
 use refusal::{Invalid, nearest};
 
@@ -47,6 +47,7 @@ fn matching(folder: &Path, pattern: &str) -> Result<Vec<String>, Error> {
         let glob = Pattern::new(step);
         let mut next = Vec::new();
         for before in &found {
+            observe_names(&folder.join(before), step);
             for Entry { name, is_text, is_folder } in entries(&folder.join(before))? {
                 if is_folder == last || !glob.fits(&name) {
                     continue;

@@ -4,7 +4,7 @@
 use std::fs::{self, DirEntry};
 use std::path::{Path, PathBuf};
 
-use artifact::Error;
+use artifact::{DEEPEST, Error, observe_names, place_of};
 
 /// Names of the folder of an exchange set, and of its catalogue.
 const ENC_ROOT: &str = "ENC_ROOT";
@@ -12,8 +12,7 @@ const CATALOGUE: &str = "CATALOG.031";
 /// Maximum number of parent folders of a cell to search for an exchange set: agency, cell, edition, update, and some
 /// to spare.
 const HIGHEST: usize = 7;
-/// Maximum depth of folders to search, and number of entries.
-const DEEPEST: usize = 8;
+/// Maximum number of entries to search.
 const MOST_ENTRIES: usize = 200_000;
 
 /// A file whose suffix is a number of three digits: a cell (000) or an update.
@@ -83,6 +82,7 @@ pub(super) fn existing(path: PathBuf) -> PathBuf {
         return path;
     }
     let Some(folder) = path.parent() else { return path };
+    observe_names(folder, &path.file_name().unwrap_or_default().to_string_lossy());
     let entries = fs::read_dir(here(folder)).into_iter().flatten().take(MOST_ENTRIES).flatten();
     let mut same =
         entries.map(|own| own.file_name()).filter(|own| capitals(Path::new(own)) == capitals(&path));
@@ -100,11 +100,12 @@ impl ExchangeSet {
     /// All files below a folder.
     pub(super) fn below(folder: &Path) -> Result<Self, Error> {
         let fails = |e| Error::io(folder, "read", e);
-        let root = here(folder).canonicalize().map_err(fails)?;
+        let root = place_of(here(folder)).map_err(fails)?;
         let catalogue = catalogue_in(&root);
         let mut own = Self { root: root.clone(), files: Vec::new(), catalogue, closed: 0, entries: 0 };
         let entries = fs::read_dir(&root).map_err(fails)?;
         own.take(entries.flatten(), &mut Vec::new())?;
+        observe_names(&root, "**/*.###");
         own.files.sort_by(|a, b| a.path.cmp(&b.path));
         Ok(own)
     }
@@ -152,7 +153,7 @@ impl ExchangeSet {
     /// or itself.
     pub(super) fn root_of(cell: &Path) -> Result<PathBuf, Error> {
         let named = here(cell.parent().unwrap_or(Path::new("")));
-        let folder = named.canonicalize().map_err(|e| Error::io(named, "read", e))?;
+        let folder = place_of(named).map_err(|e| Error::io(named, "read", e))?;
         let is_root = |own: &&Path| capitals(own) == ENC_ROOT || catalogue_in(own).is_some();
         if let Some(root) = folder.ancestors().take(HIGHEST).find(is_root) {
             return Ok(root.to_path_buf());
@@ -185,6 +186,7 @@ fn is_stem(name: &str, cell: &Path) -> bool {
 }
 
 fn catalogue_in(folder: &Path) -> Option<PathBuf> {
+    observe_names(folder, CATALOGUE);
     let usual = folder.join(CATALOGUE);
     if usual.is_file() {
         return Some(usual);

@@ -1,0 +1,236 @@
+//! What a stage opens, looks for and writes: its inputs and outputs, whatever its files name.
+//!
+//! Every file is opened by [`crate::open`], so that nothing that is read is missed. A file that is not there and the names in a folder are
+//! observations like a file's bytes: a stage whose observations are as before gives the same outputs.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crate::digest::Digest;
+use crate::error::{Error, Result};
+use crate::names::is_unfinished;
+use crate::source::Source;
+
+/// The observations of the stage that runs, if it is traced.
+static TRACE: Mutex<Option<Trace>> = Mutex::new(None);
+
+/// Maximum depth of folders that are searched below one.
+pub const DEEPEST: usize = 8;
+
+/// The beginning of a pattern of names in a folder and in all below it.
+const BELOW: &str = "**/";
+
+/// What a stage may observe.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Observed {
+    /// The bytes of the file at a path.
+    File(PathBuf),
+    /// The names that fit a pattern in a folder. `*` is any text, `#` a digit; letter case does not count. After `**/` those of folders
+    /// below count too, without links and names with a dot in front.
+    Names(PathBuf, String),
+    /// The path of a folder without links.
+    Place(PathBuf),
+}
+
+impl Observed {
+    /// Its digest now; `None` where there is no ordinary file or no folder. A place below `base` is the same wherever that is.
+    pub fn digest(&self, base: &Path) -> Option<Digest> {
+        match self {
+            Self::File(path) => Digest::of_file(path).ok(),
+            Self::Names(folder, pattern) => {
+                let (pattern, depth) =
+                    pattern.strip_prefix(BELOW).map_or((&**pattern, 1), |own| (own, DEEPEST));
+                let mut names = BTreeSet::new();
+                names_in(folder, "", pattern, depth, &mut names).ok()?;
+                Some(Digest::of_bytes(Vec::from_iter(names).join("\n").as_bytes()))
+            }
+            Self::Place(folder) => {
+                let (place, base) = (folder.canonicalize().ok()?, base.canonicalize().ok()?);
+                let below = place.strip_prefix(base).unwrap_or(&place);
+                Some(Digest::of_bytes(below.as_os_str().as_encoded_bytes()))
+            }
+        }
+    }
+
+    /// The path that it is about.
+    pub fn path(&self) -> &Path {
+        let (Self::File(path) | Self::Names(path, _) | Self::Place(path)) = self;
+        path
+    }
+}
+
+/// The observations of a stage.
+#[derive(Debug, Default)]
+pub struct Trace {
+    /// What was observed first of each, as [`Observed::digest`].
+    pub inputs: BTreeMap<Observed, Option<Digest>>,
+    /// The files that were written.
+    pub outputs: BTreeSet<PathBuf>,
+    /// The folder of places that count relative to it, and the one outside which nothing is written, without links.
+    folders: [PathBuf; 2],
+}
+
+/// Traces what is read from now on, with places relative to `base`, and refuses to write outside the existing folder `within`.
+///
+/// # Errors
+/// [`Error::Io`] if there is no such folder.
+pub fn trace(base: &Path, within: &Path) -> Result<()> {
+    let within = within.canonicalize().map_err(|e| Error::io(within, "find", e))?;
+    *current() = Some(Trace { folders: [base.to_owned(), within], ..Trace::default() });
+    Ok(())
+}
+
+/// Ends tracing, and returns what was observed.
+pub fn traced() -> Trace {
+    current().take().unwrap_or_default()
+}
+
+/// Observes the names in `folder` that fit `pattern`, which the caller is about to look for.
+pub fn observe_names(folder: &Path, pattern: &str) {
+    let folder = if folder == Path::new("") { Path::new(".") } else { folder };
+    observe(Observed::Names(folder.to_owned(), pattern.to_owned()));
+}
+
+/// The path of `folder` without links.
+///
+/// # Errors
+/// No such folder.
+pub fn place_of(folder: &Path) -> io::Result<PathBuf> {
+    observe(Observed::Place(folder.to_owned()));
+    folder.canonicalize()
+}
+
+/// Whether there is an ordinary file at `path`; both answers are observed.
+pub fn is_file(path: &Path) -> bool {
+    observe(Observed::File(path.to_owned()));
+    path.is_file()
+}
+
+/// Refuses to write at `path` if that is outside the folder of the outputs, links resolved.
+///
+/// # Errors
+/// [`Error::Refused`] for another place.
+pub fn check_within(path: &Path) -> Result<()> {
+    let Some(within) = current().as_ref().map(|trace| trace.folders[1].clone()) else { return Ok(()) };
+    // What is not there yet is created below what is.
+    let whole = std::path::absolute(path).map_err(|e| Error::io(path, "create", e))?;
+    let place = whole.ancestors().find_map(|above| above.canonicalize().ok()).unwrap_or_default();
+    if place.starts_with(&within) {
+        return Ok(());
+    }
+    let (found, expected) =
+        (format!("a place in {}", place.display()), format!("one below {}", within.display()));
+    let remedy = "remove the link, or the flag of study.mk that names it";
+    Err(Error::refuse(path, "output", found, expected, remedy))
+}
+
+/// Notes that the stage has written `path`.
+pub(crate) fn wrote(path: &Path) {
+    if let Some(trace) = current().as_mut() {
+        trace.outputs.insert(path.to_owned());
+    }
+}
+
+/// Observes `opened`, which is to be what [`crate::open`] gave for `path`.
+pub(crate) fn observed(path: &Path, opened: Result<File>) -> Result<File> {
+    let what = Observed::File(path.to_owned());
+    if is_unfinished(path) || is_known(&what) {
+        return opened;
+    }
+    let digest = opened.as_ref().ok().and_then(|file| {
+        // From a position of its own
+        let source = Source::new(file.try_clone().ok()?).ok()?;
+        Digest::of_reader(source.from(0)).ok()
+    });
+    note(what, digest);
+    opened
+}
+
+fn observe(what: Observed) {
+    let Some(base) = current().as_ref().map(|trace| trace.folders[0].clone()) else { return };
+    if !is_known(&what) {
+        let digest = what.digest(&base);
+        note(what, digest);
+    }
+}
+
+/// Whether `what` is not to be observed: nothing is traced, or it is known.
+fn is_known(what: &Observed) -> bool {
+    current().as_ref().is_none_or(|trace| trace.inputs.contains_key(what))
+}
+
+fn note(what: Observed, digest: Option<Digest>) {
+    if let Some(trace) = current().as_mut() {
+        trace.inputs.entry(what).or_insert(digest);
+    }
+}
+
+fn current() -> MutexGuard<'static, Option<Trace>> {
+    TRACE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Puts the names that fit `pattern` into `names`, with `before` in front, and those of folders below if `depth` is more than one.
+fn names_in(
+    folder: &Path,
+    before: &str,
+    pattern: &str,
+    depth: usize,
+    names: &mut BTreeSet<String>,
+) -> io::Result<()> {
+    for entry in std::fs::read_dir(folder)?.flatten() {
+        let (name, kind) = (entry.file_name().to_string_lossy().into_owned(), entry.file_type()?);
+        if fits(pattern.as_bytes(), name.as_bytes()) {
+            let end = if entry.path().is_dir() { "/" } else { "" };
+            names.insert(format!("{before}{name}{end}"));
+        }
+        if depth > 1 && kind.is_dir() && !name.starts_with('.') {
+            // A folder that cannot be read has no names.
+            let _ = names_in(&entry.path(), &format!("{before}{name}/"), pattern, depth - 1, names);
+        }
+    }
+    Ok(())
+}
+
+/// Whether `name` fits `pattern`. Of several stars only the last one is tried again: no pattern takes long.
+fn fits(pattern: &[u8], name: &[u8]) -> bool {
+    let is_one =
+        |own: u8, found: u8| own.eq_ignore_ascii_case(&found) || own == b'#' && found.is_ascii_digit();
+    let (mut own, mut at, mut star) = (0, 0, None);
+    while at < name.len() {
+        match pattern.get(own) {
+            Some(b'*') => {
+                star = Some((own, at));
+                own += 1;
+            }
+            Some(&one) if is_one(one, name[at]) => (own, at) = (own + 1, at + 1),
+            _ => {
+                let Some((before, from)) = star else { return false };
+                star = Some((before, from + 1));
+                (own, at) = (before + 1, from + 1);
+            }
+        }
+    }
+    pattern[own..].iter().all(|rest| *rest == b'*')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_fit_patterns_with_stars_and_digits_in_any_letter_case() {
+        for (pattern, name) in
+            [("*", ""), ("*.###", "ZZ5BAY01.002"), ("catalog.031", "CATALOG.031"), ("a*b*", "axbxb")]
+        {
+            assert!(fits(pattern.as_bytes(), name.as_bytes()), "{pattern} {name}");
+        }
+        for (pattern, name) in [("", "a"), ("*.###", "ZZ5BAY01.00x"), ("*.###", "a.0001"), ("a*b", "axbx")] {
+            assert!(!fits(pattern.as_bytes(), name.as_bytes()), "{pattern} {name}");
+        }
+        let (pattern, name) = ("*a".repeat(100) + "b", "a".repeat(10_000));
+        assert!(!fits(pattern.as_bytes(), name.as_bytes()));
+    }
+}
