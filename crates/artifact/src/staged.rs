@@ -126,7 +126,7 @@ fn create_held(target: &Path) -> Result<NamedTempFile> {
         return Err(fail(io::ErrorKind::NotFound, what));
     }
     refuse_special(target)?;
-    check_within(folder)?;
+    check_within(target)?;
     let mut builder = Builder::new();
     builder.prefix(UNFINISHED).suffix(OWN);
     if let Some(permissions) = ordinary_permissions(0o666) {

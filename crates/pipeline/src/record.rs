@@ -35,7 +35,12 @@ impl Folders {
                 }
             }
         }
-        whole.to_string_lossy().into_owned()
+        // Folders above are where they are from the study.
+        let study = self.study.canonicalize().unwrap_or_default();
+        match study.strip_prefix(&whole) {
+            Ok(below) => STUDY.to_owned() + &"/..".repeat(below.components().count()),
+            Err(_) => whole.to_string_lossy().into_owned(),
+        }
     }
 
     /// The path that a record names `key`.

@@ -50,10 +50,11 @@ pub(crate) fn outdated(path: &Path, found: &Inspected, study: &Path) -> Vec<Stri
     roles.into_iter().filter(differs).map(fault).collect()
 }
 
-/// The files of the plan at `path`: plan.toml, or that called as the plan's folder.
+/// The files of the plan at `path`: plan.toml, or that called as the plan or its folder.
 fn of_plan(path: &Path, made: &Provenance, study: &Path) -> Result<Now, Error> {
-    let folder = path.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
-    let name = folder.filter(|name| name.starts_with("plan-")).unwrap_or_else(|| "plan".to_owned());
+    let own = [path.file_stem(), path.parent().and_then(Path::file_name)].into_iter().flatten();
+    let mut names = own.map(|name| name.to_string_lossy().into_owned());
+    let name = names.find(|name| name.starts_with("plan-")).unwrap_or_else(|| "plan".to_owned());
     let file = study.join(format!("{name}.toml"));
     if !file.is_file() {
         return Ok(None);
@@ -61,7 +62,7 @@ fn of_plan(path: &Path, made: &Provenance, study: &Path) -> Result<Now, Error> {
     let mut now = Provenance::default();
     let config = read_plan(&file, &mut now)?;
     // The charts of another plan.toml say nothing.
-    if made.inputs.get("plan") != now.inputs.get("plan") {
+    if made.inputs.get("plan") != now.inputs.get("plan") && !made.settings.contains_key("set") {
         let charts = made.inputs.iter().filter(|(role, _)| *role != "plan");
         now.inputs.extend(charts.map(|(role, digest)| (role.clone(), *digest)));
         return Ok(Some(now.inputs));
