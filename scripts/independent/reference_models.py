@@ -165,8 +165,8 @@ HULL_KG, PAYLOAD_KG = 55.0, 25.0
 TOTAL_KG = HULL_KG + PAYLOAD_KG
 X_HULL, X_PAYLOAD, GYRATION = 0.2, 0.05, 0.5
 X_TOTAL = (HULL_KG * X_HULL + PAYLOAD_KG * X_PAYLOAD) / TOTAL_KG
-# The arms of 2024, both from the origin amidships; they were corrected in 2026.
-I_TOTAL = HULL_KG * (GYRATION**2 + X_TOTAL**2) + PAYLOAD_KG * X_PAYLOAD**2
+# About the common centre of gravity, as the source has it since April 2026: before, both arms counted from the origin.
+I_TOTAL = HULL_KG * (GYRATION**2 + (X_HULL - X_TOTAL) ** 2) + PAYLOAD_KG * (X_PAYLOAD - X_TOTAL) ** 2
 ADDED_X, ADDED_Y, ADDED_N = 2.7 * 1025 * (HULL_KG / 1025) ** (5 / 3) / 2.0**2, 1.5 * HULL_KG, 1.7 * I_TOTAL
 COUPLED = TOTAL_KG * X_TOTAL
 OTTER_MASS = np.array(
