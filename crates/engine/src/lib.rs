@@ -39,6 +39,6 @@ pub use run::{Run, RunView, Segment};
 pub use ship::Ship;
 pub use side_by_side::SideBySide;
 pub use simulate::{
-    DIVERGED, Diverged, Driven, Recording, check_diverged, diverged_lanes, mark_beyond, simulate,
-    simulate_disturbed, simulate_groups, simulate_one,
+    DIVERGED, Diverged, Driven, Recording, check_diverged, check_runaway, diverged_lanes, mark_beyond,
+    simulate, simulate_disturbed, simulate_groups, simulate_one,
 };

@@ -4,14 +4,17 @@ use refusal::Invalid;
 use crate::Diverged;
 
 impl Diverged {
-    /// The refusal of a vessel whose motion in `what` diverges.
-    pub fn invalid(self, what: impl Into<String>) -> Invalid {
+    /// The refusal of a vessel whose motion in `what`, with so many samples a second, diverges.
+    pub fn invalid(self, what: impl Into<String>, rate_hz: f64) -> Invalid {
         let state = DegreeOfFreedom::ALL[self.state.min(2)].state();
+        let (sample, seconds) = (self.sample, self.sample as f64 / rate_hz);
         Invalid::new(
             what,
-            format!("a simulation that diverges: {state} leaves every bound at sample {}", self.sample),
+            format!(
+                "a simulation that diverges: {state} leaves every bound at sample {sample}, after {seconds:.1} s"
+            ),
             "bounded motion",
-            "make the damping terms stronger (per sample between -1 and 0 for a linear one), or the inputs or the sampling interval smaller",
+            "check the signs of the terms; make the damping stronger (per sample between -1 and 0 for a linear one), or the inputs or the sampling interval smaller",
         )
     }
 }

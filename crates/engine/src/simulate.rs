@@ -335,8 +335,20 @@ pub fn simulate_one(model: &Model, parameters: &[f64], initial: [f64; 3], exogen
 }
 
 /// First sample at which one run's `states`, (N+1) × 3 row-major, are beyond [`DIVERGED`] or not finite.
-pub fn check_diverged(mut states: impl Iterator<Item = f64>) -> Option<Diverged> {
-    let beyond = |state: f64| state.is_nan() || state.abs() > DIVERGED;
+pub fn check_diverged(states: impl Iterator<Item = f64>) -> Option<Diverged> {
+    check_bounded(states, DIVERGED)
+}
+
+/// How many times as fast as at its beginning a ship may become in a maneuver whose orders do not speed her up.
+const RUNAWAY: f64 = 10.0;
+
+/// [`check_diverged`] of a maneuver that begins at `speed_m_s` and whose orders turn or stop the ship.
+pub fn check_runaway(states: &[f64], speed_m_s: f64) -> Option<Diverged> {
+    check_bounded(states.iter().copied(), (RUNAWAY * speed_m_s.max(1.0)).min(DIVERGED))
+}
+
+fn check_bounded(mut states: impl Iterator<Item = f64>, most: f64) -> Option<Diverged> {
+    let beyond = |state: f64| state.is_nan() || state.abs() > most;
     states.position(beyond).map(|i| Diverged { sample: i / 3, state: i % 3 })
 }
 

@@ -20,7 +20,19 @@ const CROSSFLOW: f64 = 0.8;
 /// Added mass ahead over mass.
 const ADDED_SURGE: f64 = 0.07;
 /// Standard acceleration of gravity \[m/s²\].
-const GRAVITY: f64 = 9.80665;
+pub const GRAVITY: f64 = 9.80665;
+/// Ships are up to so many times as fast as Ayre's relation has them.
+const FASTER: f64 = 1.6;
+
+/// Ayre's relation of the block coefficient and the Froude number.
+fn ayre(block: f64) -> f64 {
+    (1.06 - block) / 1.68
+}
+
+/// The greatest usual Froude number of a hull with this block coefficient.
+pub fn usual_froude(block: f64) -> f64 {
+    FASTER * ayre(block.clamp(0.3, 0.85))
+}
 
 /// What is known of a ship before her first trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,8 +151,7 @@ fn rounded(own: f64) -> f64 {
 impl Guesser {
     fn new(own: MainDimensions) -> Self {
         let MainDimensions { length_m, beam_m, draught_m, block, density_kg_m3, .. } = own;
-        // Ayre's relation of the block coefficient and the Froude number.
-        let froude = ((1.06 - block) / 1.68).clamp(0.08, 0.35);
+        let froude = ayre(block).clamp(0.08, 0.35);
         let beams = beam_m / length_m;
         let diameter = own.propeller_diameter_m.unwrap_or(rounded(0.6 * draught_m));
         let area = 0.01 * length_m * draught_m * (1.0 + 25.0 * beams * beams);

@@ -113,6 +113,11 @@ impl Term {
         u32::try_from(order).ok().filter(|order| *order > 0).map(|order| (order, product))
     }
 
+    /// What one of the prime system is in SI units.
+    pub fn prime(&self) -> f64 {
+        self.prime
+    }
+
     /// Its factors, in order.
     pub fn factors(&self) -> &[Factor] {
         &self.factors

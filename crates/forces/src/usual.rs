@@ -4,7 +4,7 @@ use refusal::{Invalid, foreign};
 
 use crate::slots::slots;
 use crate::term::factors;
-use crate::{Area, Channel, Description, Forces, NumberSpec, Parameter, TermSpec};
+use crate::{Area, Channel, Description, Factor, Forces, NumberSpec, Parameter, TermSpec};
 
 /// Standard deviations of derivatives in the prime system of ½ρLd, by powers of v and r: surge, sway, yaw. They are those
 /// with which free runs of tankers were fitted.
@@ -127,7 +127,11 @@ impl Description {
                 let least = DERIVATIVES[d][0].1 * one;
                 derivative(spec, d, channels)?.map_or(share.max(least), |deviation| deviation * one)
             }
-            None => self.of_component(&own.name).unwrap_or(share),
+            None => {
+                let all = of_component(self).into_iter();
+                let own = all.filter(|(owner, key, _)| own.name == format!("{owner}.{key}"));
+                own.map(|own| own.2).next().unwrap_or(share)
+            }
         };
         if found > 0.0 {
             return Ok(found);
@@ -135,28 +139,38 @@ impl Description {
         let expected = "a `prior`: no standard deviation of such a number is usual";
         Err(Invalid::new(format!("`{}`", foreign(&own.name)), "0 without a `prior`", expected, "add one"))
     }
-
-    fn of_component(&self, name: &str) -> Option<f64> {
-        let key = |owner: &str| name.strip_prefix(owner)?.strip_prefix('.');
-        let of = |key: &str| COMPONENTS.iter().find(|own| own.0 == key).map(|own| own.1);
-        let rudder = self.rudder.iter().find_map(|own| key(&own.name));
-        if rudder == Some("deduction") {
-            return Some(RUDDER_DEDUCTION);
-        }
-        rudder.or_else(|| self.propeller.iter().find_map(|own| key(&own.name))).and_then(of)
-    }
 }
 
 /// That of a derivative in the prime system; none where nothing is usual, as for products with `du` or a channel.
 fn derivative(spec: &TermSpec, d: usize, channels: &[Channel]) -> Result<Option<f64>, Invalid> {
+    Ok(powers(&factors(spec, channels)?).and_then(|own| of_powers(d, own)))
+}
+
+/// The powers of v and r of a product; none for products with `du` or a channel, or with a division by v or r.
+pub(crate) fn powers(factors: &[Factor]) -> Option<[usize; 2]> {
     let mut powers = [0, 0];
-    for own in factors(spec, channels)? {
+    for own in factors {
         match own.motion() {
             "v" => powers[0] += 1,
             "r" => powers[1] += 1,
             "u" | "U" | "U_s" => {}
-            _ => return Ok(None),
+            _ => return None,
         }
     }
-    Ok(DERIVATIVES[d].iter().find(|own| own.0 == powers).map(|own| own.1))
+    Some(powers)
+}
+
+/// The usual standard deviation of a derivative by powers of v and r, in the prime system.
+pub(crate) fn of_powers(d: usize, powers: [usize; 2]) -> Option<f64> {
+    DERIVATIVES[d].iter().find(|own| own.0 == powers).map(|own| own.1)
+}
+
+/// The names and keys of the numbers of propellers and rudders that have a usual standard deviation, with it.
+pub(crate) fn of_component(ship: &Description) -> Vec<(&str, &'static str, f64)> {
+    let rudders = ship.rudder.iter().map(|own| (own.name.as_str(), RUDDER_DEDUCTION));
+    let propellers = ship.propeller.iter().map(|own| (own.name.as_str(), COMPONENTS[1].1));
+    let of = |(name, deduction)| {
+        COMPONENTS.map(|(key, own)| (name, key, if key == "deduction" { deduction } else { own }))
+    };
+    rudders.chain(propellers).flat_map(of).collect()
 }

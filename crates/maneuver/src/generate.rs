@@ -52,6 +52,9 @@ pub struct Generator {
     helms: BTreeMap<usize, Helm>,
 }
 
+/// Keys of speeds ahead.
+const SPEEDS: [&str; 3] = ["speed_m_s", "from_m_s", "to_m_s"];
+
 impl Generator {
     /// Checks the dictionary and reads its tables of inputs with `read` (name → CSV).
     ///
@@ -78,6 +81,9 @@ impl Generator {
         };
         let mut tables = BTreeMap::new();
         for (index, maneuver) in dictionary.maneuvers.iter().enumerate() {
+            for (key, speed) in maneuver.kind.numbers().into_iter().filter(|own| SPEEDS.contains(&own.0)) {
+                vessel.check_speed(speed, || format!("maneuver `{}`, `{key}`", maneuver.name))?;
+            }
             if let Some(table) = PlayedTable::of(maneuver, vessel, &read)? {
                 tables.insert(index, table);
             }
@@ -329,7 +335,7 @@ impl Generator {
         let exogenous = vessel.model.undisturbed(inputs);
         let states = simulate_one(&vessel.model, &self.parameters, initial, &exogenous);
         if let Some(at) = check_diverged(states.iter().copied()) {
-            return Err(at.invalid("the motion to be held".to_owned()));
+            return Err(at.invalid("the motion to be held", vessel.sample_rate_hz));
         }
         let coupled = !self.tables.contains_key(&index) && maneuver.kind.sway_is_free();
         let nominal = Nominal { inputs, states: &states, coupled };

@@ -38,6 +38,7 @@ pub use shape::Shape;
 pub use signal::{Signal, SignalShape};
 pub use spec::{Kind, ManeuverSpec};
 pub use standard::{
-    Board, PullOut, ReverseSpiral, Sensors, Settings, SpiralTest, Standard, Stop, TurningCircle, ZigZagTest,
+    Board, PullOut, ReverseSpiral, Sensors, Settings, SpiralTest, Standard, Stop, TurningCircle, WRONG_SIGN,
+    ZigZagTest,
 };
 pub use steady::{Motion, Steady};

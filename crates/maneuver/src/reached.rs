@@ -6,7 +6,7 @@ use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::standard::{Standard, steps};
+use crate::standard::{Standard, is_turned_away, steps};
 
 /// By how much a motion may differ from what it is called.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
@@ -57,6 +57,18 @@ impl Aim {
         Self { what, unit, wanted: wanted.to_degrees(), reached: reached.to_degrees(), is_met }
     }
 
+    /// One of a turn to the side of the greatest of `changes`; a ship that turned to the other side reached less than 0.
+    fn turned(what: impl Into<String>, wanted: f64, changes: impl Iterator<Item = f64>) -> Self {
+        let [own, other] =
+            changes.fold([0.0, 0.0], |[own, other]: [f64; 2], psi| [own.max(psi), other.max(-psi)]);
+        Self::passed(what, wanted, if is_turned_away(own, other) { -other } else { own })
+    }
+
+    /// Whether the ship turned to the other side.
+    pub fn is_turned_away(&self) -> bool {
+        self.unit == "°" && self.wanted > 0.0 && self.reached < 0.0
+    }
+
     /// A value with its unit.
     pub fn value(&self, x: f64) -> String {
         match self.unit {
@@ -83,21 +95,18 @@ pub(crate) fn of_standard(standard: Standard, states: &[f64], rate_hz: f64) -> V
             let from = after(test.hold_s);
             let side = test.to.sign();
             let changed = |k: usize| side * (headings[k] - headings[from]);
-            let most = |range: std::ops::Range<usize>, sign: f64| {
-                range.map(|k| sign * changed(k)).fold(0.0, f64::max)
-            };
             let first = (from..headings.len()).find(|k| changed(*k) >= test.heading_rad * (1.0 - 1e-9));
             let [to, back] = if side > 0.0 { ["starboard", "port"] } else { ["port", "starboard"] };
-            let one =
-                Aim::passed(format!("heading to {to}"), test.heading_rad, most(from..headings.len(), 1.0));
+            let changes = (from..headings.len()).map(changed);
+            let one = Aim::turned(format!("heading to {to}"), test.heading_rad, changes);
             let from = first.unwrap_or(headings.len() - 1);
-            let two = most(from..headings.len(), -1.0);
+            let two = (from..headings.len()).map(|k| -changed(k)).fold(0.0, f64::max);
             vec![one, Aim::passed(format!("then to {back}"), test.heading_rad, two)]
         }
         Standard::TurningCircle(turn) => {
             let from = headings[after(turn.hold_s)];
-            let most = headings.iter().map(|psi| turn.to.sign() * (psi - from)).fold(0.0, f64::max);
-            vec![Aim::passed(format!("turn to {}", turn.to), turn.turn_rad, most)]
+            let changes = headings.iter().map(|psi| turn.to.sign() * (psi - from));
+            vec![Aim::turned(format!("turn to {}", turn.to), turn.turn_rad, changes)]
         }
         Standard::ReverseSpiral(spiral) => {
             // The second half of each step; of all steps the one that is furthest from its yaw rate.

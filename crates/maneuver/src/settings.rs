@@ -3,6 +3,7 @@ use refusal::Invalid;
 
 /// Refuses inputs beyond the vessel's range, which `what` requires.
 pub(super) fn check_range(vessel: &Vessel, inputs: &[f64], what: impl Fn() -> String) -> Result<(), Invalid> {
+    vessel.check_helm(inputs, &what)?;
     let Some((i, [low, high])) = vessel.beyond_range(inputs) else { return Ok(()) };
     let variable = &vessel.model.input_variables()[i];
     let (from, remedy) = match vessel.motion {

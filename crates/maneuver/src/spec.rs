@@ -526,7 +526,7 @@ impl Kind {
     }
 
     /// Its numbers with their keys, where given.
-    fn numbers(&self) -> Vec<(&'static str, f64)> {
+    pub(super) fn numbers(&self) -> Vec<(&'static str, f64)> {
         // An absent optional number counts as 0.
         macro_rules! keyed {
             ($($key:ident),+) => { vec![$((stringify!($key), Option::from($key).unwrap_or(0.0))),+] };

@@ -58,6 +58,8 @@ pub struct Vessel {
     /// Ranges of u, v \[m/s\] and r \[rad/s\] that maneuvers must keep to, from the logs that a model was
     /// fitted to; `None` where maneuvers are not limited.
     pub motion: Option<[[f64; 2]; 3]>,
+    /// Whether what is unusual of ships passes.
+    pub accepts_unusual: bool,
 }
 
 impl VesselFile {
@@ -102,7 +104,7 @@ impl Vessel {
         let inputs = file.input.len();
         let (constant, pace) = (file.constant, Pace::Own);
         let model = Model { variables, inputs, simulated, derived, degrees, constant, forces, pace };
-        Ok(Self {
+        let own = Self {
             name,
             sample_rate_hz: rate,
             model,
@@ -112,7 +114,10 @@ impl Vessel {
             actuators,
             constrained,
             motion: None,
-        })
+            accepts_unusual: file.unusual.is_some() || file.fitted,
+        };
+        own.check_rudders()?;
+        Ok(own)
     }
 
     /// One of the built-in vessels, by name.

@@ -3,12 +3,15 @@
 use std::sync::Arc;
 
 use forces::{Channel, Description, Forces};
-use refusal::Invalid;
+use refusal::{Invalid, check_ranges};
 
 use crate::moved::Moved;
 use crate::parts::Parts;
 use crate::written::{Kind, VesselFile, missing};
 use crate::{Actuator, Variable};
+
+/// Most steps of the integration in a sample.
+const MOST_STEPS: f64 = 1e4;
 
 /// Whether a file has keys of forces.
 pub(crate) fn has_forces(file: &VesselFile) -> bool {
@@ -82,6 +85,9 @@ pub(crate) fn moved(
     let true_ones: Vec<f64> =
         parts.value.iter().zip(&parts.nominal).map(|(value, nominal)| value.unwrap_or(*nominal)).collect();
     forces.check(&true_ones)?;
+    for theta in [&parts.nominal, &true_ones].into_iter().filter(|_| !file.fitted) {
+        forces.gate(theta, file.unusual.is_some())?;
+    }
     for (i, lag_s) in forces.lags(&parts.nominal) {
         let Some(actuator) = actuators.get_mut(i) else { continue };
         if actuator.lag_s > 0.0 {
@@ -92,6 +98,9 @@ pub(crate) fn moved(
         actuator.lag_s = lag_s;
     }
     let sample_s = 1.0 / file.sample_rate_hz.unwrap_or(1.0);
+    let steps =
+        description.step_s.map(|step_s| ("step_s", sample_s / step_s, 0.0..=MOST_STEPS, "steps in a sample"));
+    check_ranges(steps)?;
     Ok((Arc::new(Moved { forces, sample_s }), parts))
 }
 

@@ -33,6 +33,7 @@ pub(crate) fn preset(file: VesselFile) -> Result<VesselFile, Invalid> {
         ));
     }
     base.name = file.name.or(base.name);
+    base.unusual = file.unusual.or(base.unusual);
     base.sample_rate_hz = file.sample_rate_hz.or(base.sample_rate_hz);
     base.value.extend(file.value);
     base.nominal.extend(file.nominal);

@@ -11,6 +11,14 @@ use serde::{Deserialize, Serialize};
 use crate::{DerivedSpec, InputSpec};
 
 choices! {
+    /// Whether a ship may be unusual.
+    pub enum Unusual {
+        /// What is unusual of ships passes; what no ship is does not.
+        Accepted = "accepted",
+    }
+}
+
+choices! {
     /// What the numbers of a vessel mean.
     pub enum Kind {
         /// Changes per sample, which hold for one sampling rate.
@@ -31,6 +39,11 @@ pub struct VesselFile {
     pub model: Option<Kind>,
     /// Name of the vessel.
     pub name: Option<String>,
+    /// `accepted` lets numbers pass that are unusual of ships, which are refused without it; never those that no ship has.
+    pub unusual: Option<Unusual>,
+    /// Whether estimates stand in the file, which may be anything.
+    #[serde(skip)]
+    pub fitted: bool,
     /// The sampling rate that the parameters hold for \[Hz\]; forces hold for any.
     pub sample_rate_hz: Option<f64>,
     /// Inputs, in order.

@@ -36,6 +36,9 @@ fn table(found: &MeritDocument) -> Markup {
         p.note {
             "L: ship lengths of " (three(found.length_m)) " m. Definitions and limits are those of IMO MSC.137(76), which "
             "asks for them at 90 % of the speed of 85 % of the power, in calm deep water. " (of)
+            @for (name, lacking) in found.maneuvers.iter().filter_map(|own| Some((&own.name, own.lacking()?))) {
+                " " (name) ": " (lacking) "."
+            }
         }
     }
 }

@@ -51,6 +51,7 @@ pub use sampling::sampled_ships;
 pub use simulation::{Optimum, Study, StudyError, undisturbed};
 pub use structure::{FoundStructure, StructureSearch};
 pub use updating::{UpdateError, Updating};
+pub use validation::merit::Unsimulated;
 
 pub use {
     artifact, chart, design, engine, fitting, forces, identification, lattice, logs, maneuver, model,

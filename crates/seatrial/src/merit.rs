@@ -4,7 +4,7 @@ use maneuver::Generator;
 use model::Vessel;
 use refusal::Invalid;
 use study::documents::{MeritDocument, MeritTableRow, SlopesAt};
-use validation::merit::Merit;
+use validation::merit::{Merit, Unsimulated};
 
 /// Step of the differences that figures' slopes are computed by, as a part of the parameter: large against what the sampling of
 /// a figure leaves, small against what the model's terms bend.
@@ -27,6 +27,7 @@ impl<'a> Merits<'a> {
     /// # Errors
     /// A dictionary without standard maneuvers.
     pub fn new(vessel: &'a Vessel, generator: &'a Generator, length_m: f64) -> Result<Self, Invalid> {
+        vessel.check_length(length_m, "the length", None)?;
         let merit = Merit::new(vessel, generator, length_m)?;
         Ok(Self { vessel, generator, length_m, merit, is_drawn: false, slopes_at: None })
     }
@@ -45,22 +46,23 @@ impl<'a> Merits<'a> {
     ///
     /// # Errors
     /// A vessel without parameters; a maneuver that it cannot hold.
-    pub fn simulate(&mut self) -> Result<(), Invalid> {
-        let parameters = self.vessel.parameters(self.vessel.best_known())?;
-        self.merit.simulate(&parameters, 0)
+    pub fn simulate(&mut self) -> Result<(), Unsimulated> {
+        let known = self.vessel.parameters(self.vessel.best_known());
+        self.merit.simulate(&known.map_err(Unsimulated::Unheld)?, 0)
     }
 
     /// Adds undisturbed ships whose parameters are drawn from a covariance.
     ///
     /// # Errors
-    /// What is no covariance; a maneuver that the model cannot hold.
+    /// What is no covariance.
     pub fn simulate_drawn(&mut self, covariance: &Covariance, draws: u32, seed: u64) -> Result<(), Invalid> {
         let parameters = self.generator.parameters().to_vec();
         let uncertain = Uncertain::new(self.vessel, parameters, covariance).ok_or_else(|| {
             Invalid::new("`covariance`", "numbers that are none", "a covariance", "estimate the model again")
         })?;
         self.is_drawn = true;
-        self.merit.simulate_drawn(&uncertain, draws, seed)
+        self.merit.simulate_drawn(&uncertain, draws, seed);
+        Ok(())
     }
 
     /// Computes the derivatives of every figure by every parameter of the undisturbed ship.

@@ -157,7 +157,9 @@ impl MonteCarlo<'_> {
                 let before = first + outcomes.len();
                 let groups = all.into_iter().map(|own| (own.starts(), own.side_by_side()));
                 let own = instruments.nominal_side_by_side(groups, removal);
-                outcomes.extend(own.map_err(|(i, at)| NominalDiverged::over(name, (before + i) as i32, at))?);
+                let over =
+                    |(i, at)| NominalDiverged::over(name, (before + i) as i32, at, vessel.sample_rate_hz);
+                outcomes.extend(own.map_err(over)?);
                 continue;
             };
             for own in all {

@@ -72,7 +72,7 @@ pub(crate) fn tried(vessel: &Vessel, parameters: &[f64]) -> Result<Option<String
     let initial = vessel.motion.map_or([0.0; 3], |ranges| ranges.map(|[low, high]| 0.5 * (low + high)));
     let states = simulate_one(&vessel.model, parameters, initial, &exogenous);
     if let Some(at) = check_diverged(states.iter().copied()) {
-        return Err(at.invalid("model in the run that a faster step is tried in".to_owned()));
+        return Err(at.invalid("model in the run that a faster step is tried in", vessel.sample_rate_hz));
     }
     divided.add(&vessel.model, parameters, &exogenous, &states);
     divided.add_range(vessel, parameters);

@@ -75,6 +75,7 @@ pub fn vessel_text(file: &VesselFile, notes: &Notes) -> Result<String, Invalid> 
     let mut text: String = notes.head.iter().flat_map(|own| wrapped(own)).collect();
     let all = [
         ("name", table_of(&file.name)?),
+        ("unusual", table_of(&file.unusual)?),
         ("model", table_of(&file.model)?),
         ("sample_rate_hz", table_of(&file.sample_rate_hz)?),
         ("density_kg_m3", table_of(&file.density_kg_m3)?),

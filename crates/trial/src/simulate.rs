@@ -122,7 +122,7 @@ pub fn simulate_legs<'l>(
 ) -> Result<Vec<End>, Stopped> {
     let mut ends = Vec::new();
     let seen = autopilot.see(Fixed::from(&*ship), false);
-    let mut way = Way { ship, autopilot, seen, record: &mut record, inputs: Vec::new() };
+    let mut way = Way { ship, autopilot, seen, record: &mut record, inputs: Vec::new(), samples: 0 };
     for (index, (node, leg)) in legs.into_iter().enumerate() {
         for phase in &leg.phases {
             match (phase, &leg.purpose) {
@@ -149,6 +149,8 @@ struct Way<'w, 's, 'a> {
     seen: Fixed,
     record: &'w mut dyn FnMut(Passing),
     inputs: Vec<f64>,
+    /// So many of the voyage are simulated.
+    samples: usize,
 }
 
 impl<'s> Way<'_, 's, '_> {
@@ -204,7 +206,8 @@ impl<'s> Way<'_, 's, '_> {
         informative: bool,
         set: impl for<'i> FnOnce(&'i mut Ship<'s>, &[f64]) -> &'i [f64],
     ) -> Result<(), Invalid> {
-        let Self { ship, autopilot, seen, record, inputs } = self;
+        let Self { ship, autopilot, seen, record, inputs, samples } = self;
+        *samples += 1;
         let (pose, state) = (ship.pose, ship.state);
         let actual = set(ship, inputs);
         inputs.copy_from_slice(actual);
@@ -213,11 +216,10 @@ impl<'s> Way<'_, 's, '_> {
         if ship.state.iter().all(|s| s.abs() <= engine::DIVERGED) {
             return Ok(());
         }
-        Err(Invalid::new(
-            "model under way",
-            format!("{:?}", ship.state),
-            "speeds within bounds",
-            "shorten the maneuver, or check the parameters in vessel.toml",
-        ))
+        let what = if informative { "in a maneuver" } else { "under the autopilot" };
+        let seconds = *samples as f64 * ship.sample_s();
+        let found = format!("a simulation that diverges: {:.3?} after {seconds:.1} s", ship.state);
+        let remedy = "shorten the maneuver, or check the signs of the parameters in vessel.toml";
+        Err(Invalid::new(format!("model {what}, leg {}", leg + 1), found, "speeds within bounds", remedy))
     }
 }

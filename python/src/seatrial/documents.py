@@ -1855,7 +1855,9 @@ class ManeuverMerit:
     runs: int
     #: Runs that lack them.
     without: int
-    #: Why the first of those lacks them.
+    #: Those of them, draws of a model's parameters, whose simulation diverges.
+    diverged: int = 0
+    #: Why the first that lacks them does.
     reason: str | None = None
     #: The figures.
     figures: list[FigureMerit]

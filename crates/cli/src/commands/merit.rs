@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use artifact::{TableWriter, commit, encode_block, stage_set_document};
 use clap::Parser;
 use identification::pooled::Covariance;
-use seatrial::Merits;
+use seatrial::{Merits, Unsimulated};
 use serde_json::json;
 use study::documents::merit_rows;
 use study::files::{read_any_simulated, read_dictionary, read_model};
@@ -59,6 +59,8 @@ impl Task for Arguments {
             )));
         }
         let vessel = read_any_simulated(&self.vessel, &mut provenance)?;
+        let length = vessel.check_length(self.length_m, "--length-m", None);
+        length.map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
         let refused = |e| Failure::invalid(&self.dictionary, &e);
         let mut merits = Merits::new(&vessel, &generator, self.length_m).map_err(refused)?;
@@ -69,7 +71,10 @@ impl Task for Arguments {
                     merits.add(&reader.runs(block)?, reader.poses(block)?.as_deref());
                 }
             }
-            (None, None) => merits.simulate().map_err(refused)?,
+            (None, None) => merits.simulate().map_err(|e| match e {
+                Unsimulated::Unheld(e) => refused(e),
+                Unsimulated::Diverged(e) => Failure::invalid(&self.vessel, &e),
+            })?,
             (None, Some(draws)) => {
                 let seed = common.seed.unwrap_or(1);
                 merits.simulate_drawn(&self.covariance()?, draws, seed).map_err(refused)?;

@@ -37,6 +37,7 @@ mod refusals_output;
 mod refusals_toml;
 mod same_bytes;
 mod sequential;
+mod ships;
 mod sweep;
 mod tables;
 mod trials;

@@ -162,3 +162,27 @@ fn dimensions_that_no_ship_has_are_refused_by_name() {
         assert!(refused.thing.contains(words), "{refused}");
     }
 }
+
+#[test]
+fn law_guessed_ships_are_ships_and_those_of_usual_proportions_are_usual() {
+    let mut guessed = 0;
+    for length in [0.3, 7.0, 100.0, 600.0] {
+        for [by_beam, by_draught] in
+            [[2.6, 1.3], [5.0, 2.0], [6.0, 2.5], [8.5, 4.4], [11.9, 1.3], [11.9, 7.9]]
+        {
+            for block in [0.31, 0.5, 0.65, 0.84, 0.94] {
+                let beam = length / by_beam;
+                let Ok(guess) = dimensions(length, beam, beam / by_draught, block).guess() else { continue };
+                let forces = Forces::new(&guess.description, &channels()).unwrap();
+                let gate = |accepted| forces.gate(&forces.nominal(), accepted);
+                gate(true).unwrap_or_else(|e| panic!("{length} {by_beam} {by_draught} {block}: {e}"));
+                let is_usual = (5.0..=8.5).contains(&by_beam) && (0.5..0.9).contains(&block);
+                if is_usual && by_draught < 4.0 {
+                    gate(false).unwrap_or_else(|e| panic!("{length} {by_beam} {by_draught} {block}: {e}"));
+                }
+                guessed += 1;
+            }
+        }
+    }
+    assert!(guessed > 80, "{guessed}");
+}

@@ -2,7 +2,7 @@
 
 use forces::{Channel, Description, Forces, Number, Similarity};
 
-use crate::ships::{KVLCC2, MARINER, OTTER, channels, forces};
+use crate::ships::{ESSO_OSAKA, KVLCC2, MARINER, OTTER, channels, forces};
 
 /// A ship, a motion of hers and a row of inputs.
 const POINTS: [(&str, [f64; 3], &[f64]); 3] = [
@@ -109,6 +109,22 @@ fn law_there_and_back_is_the_same_ship() {
     };
     for (own, back) in numbers(&own).into_iter().zip(numbers(&back)) {
         assert!((own - back).abs() <= 1e-14 * own.abs(), "{own} {back}");
+    }
+}
+
+#[test]
+fn law_the_gate_judges_a_ship_at_any_size_alike() {
+    let wide = KVLCC2.replace("x_m = { prime = -0.5, fixed = true }", "x_m = -0.5");
+    for text in [MARINER, KVLCC2, OTTER, ESSO_OSAKA, &wide] {
+        let (first, channels) = (forces(text).unwrap(), channels(text));
+        let own = first.description();
+        let judged = |ship: &Forces| ship.gate(&ship.nominal(), false).map_err(|e| e.thing);
+        assert_eq!(judged(&first).is_ok(), text != wide);
+        for length in [0.5, 3.0, 70.0, 400.0] {
+            let by = Similarity::new(own, length, None).unwrap();
+            let other = Forces::new(&own.similar(&by, &channels).unwrap(), &channels).unwrap();
+            assert_eq!(judged(&first), judged(&other), "{length} m");
+        }
     }
 }
 

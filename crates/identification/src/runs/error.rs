@@ -3,7 +3,7 @@ use regression::runs::NominalDiverged;
 use thiserror::Error;
 
 /// Why runs cannot be estimated at all.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
 pub enum RunError {
     /// There are no instruments.
     #[error(transparent)]

@@ -203,7 +203,7 @@ impl<'a> Logbook<'a> {
         let key = Key { seed: self.seed, maneuver: name, repeat };
         let recording = chain
             .record(key, &commanded, &day.weather(), settle)
-            .map_err(|failed| no_logs(failed, name, repeat + 1))?;
+            .map_err(|failed| no_logs(failed, name, repeat + 1, chain.rate_hz))?;
         let share = |hits: &Hits| hits.speed.max(hits.speed_rate).max(hits.angle_rate) as f64 / rows as f64;
         Ok(Entry {
             text: recording.csv(chain.rate_hz),
@@ -218,10 +218,10 @@ impl<'a> Logbook<'a> {
     }
 }
 
-fn no_logs(failed: Failed, maneuver: &str, repeat: u32) -> NoLogs {
+fn no_logs(failed: Failed, maneuver: &str, repeat: u32, rate_hz: f64) -> NoLogs {
     match failed {
         Failed::Diverged(at) => {
-            Fault::Vessel.is(at.invalid(format!("model in log {repeat} of maneuver `{maneuver}`")))
+            Fault::Vessel.is(at.invalid(format!("model in log {repeat} of maneuver `{maneuver}`"), rate_hz))
         }
         Failed::Unreachable { sample, what } => {
             let (force, unit) = FORCES[what.force.min(2)];

@@ -6,7 +6,7 @@ use refusal::Invalid;
 use super::figure::{Figure, Hull};
 use super::record::{Record, Smoother};
 use super::{criteria, spirals};
-use crate::standard::{PullOut, Settings, Standard, Stop, TurningCircle, ZigZagTest};
+use crate::standard::{Board, PullOut, Settings, Standard, Stop, TurningCircle, ZigZagTest};
 
 /// The figures of `standard` from what a ship did, which begins with the maneuver.
 ///
@@ -31,7 +31,12 @@ struct Measured<'a> {
     hull: &'a Hull<'a>,
 }
 
-fn unreached(what: &str, found: f64, expected: f64) -> Invalid {
+/// The refusal of a heading that is not reached by changes of heading to the side of `to`.
+fn unreached(what: &str, turned: &[f64], expected: f64, to: Board) -> Invalid {
+    let [found, other] = [1.0, -1.0].map(|side| turned.iter().map(|psi| side * psi).fold(0.0, f64::max));
+    if let Some(wrong) = to.turned_away(found, other) {
+        return wrong;
+    }
     let [found, expected] = [found, expected].map(|rad| format!("{:.1}°", rad.to_degrees()));
     Invalid::new(what, format!("{found} at the most"), expected, "run it longer, or with more helm")
 }
@@ -78,10 +83,10 @@ impl Measured<'_> {
     fn zig_zag(&self, test: &ZigZagTest) -> Result<Vec<Figure>, Invalid> {
         let (from, length) = (self.record.sample(test.hold_s), self.hull.length_m);
         let turned = self.record.turned(from, test.to.sign());
-        let most = |sign: f64| turned.iter().map(|psi| sign * psi).fold(0.0, f64::max);
         // The helm goes over at this heading, so the samples after it follow another law.
         let first = self.smoother.reached(&turned[from..], test.heading_rad);
-        let first = first.ok_or_else(|| unreached("heading", most(1.0), test.heading_rad))? + from as f64;
+        let first =
+            first.ok_or_else(|| unreached("heading", &turned, test.heading_rad, test.to))? + from as f64;
         let seconds = length / test.speed_m_s;
         let helm = angle(&test.helm, self.hull.vessel);
         let is = |degrees: f64| {
@@ -126,9 +131,9 @@ impl Measured<'_> {
         let (from, length, side) = (self.record.sample(turn.hold_s), self.hull.length_m, turn.to.sign());
         let turned = &self.record.turned(from, side)[from..];
         let at = |angle: f64| {
-            let most = turned.iter().copied().fold(0.0, f64::max);
             let time = self.smoother.crossing(turned, angle);
-            time.map(|time| time + from as f64).ok_or_else(|| unreached("change of heading", most, angle))
+            let why = || unreached("change of heading", turned, angle, turn.to);
+            time.map(|time| time + from as f64).ok_or_else(why)
         };
         let [quarter, half] = [at(FRAC_PI_2)?, at(PI)?];
         let helm = angle(&turn.helm, self.hull.vessel);
@@ -201,6 +206,10 @@ impl Measured<'_> {
         };
         let begin = over.saturating_sub((over / 5).max(1));
         let (before, after) = (mean(begin..over.max(begin + 1)), mean(tail..self.record.last() + 1));
+        let turned = self.record.turned(self.record.sample(turn.hold_s), turn.to.sign())[over];
+        if let Some(wrong) = turn.to.turned_away(turned.max(0.0), (-turned).max(0.0)) {
+            return Err(wrong);
+        }
         Ok(vec![
             Figure::new(
                 "turning_yaw_rate",

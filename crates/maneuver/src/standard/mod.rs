@@ -6,9 +6,10 @@ mod orders;
 mod spec;
 
 pub use spec::{
-    Board, PullOut, ReverseSpiral, Sensors, Settings, SpiralTest, Standard, Stop, TurningCircle, ZigZagTest,
+    Board, PullOut, ReverseSpiral, Sensors, Settings, SpiralTest, Standard, Stop, TurningCircle, WRONG_SIGN,
+    ZigZagTest,
 };
 
 pub(crate) use checks::check_names;
 pub(crate) use orders::{Approach, Orders, changes};
-pub(crate) use spec::steps;
+pub(crate) use spec::{is_turned_away, steps};

@@ -363,6 +363,8 @@ impl Command for Helmsman {
         self.turn(yaw_rate);
         self.ends = None;
         let (mut from, mut first) = (0.0, None);
+        // Each order ends once in a sample at most: a yaw rate beyond all bounds would end them for ever.
+        let mut left = program.orders.len();
         loop {
             let to = ((self.end_s(&look) - at_s) / length_s).clamp(from, 1.0);
             if to > from {
@@ -372,12 +374,13 @@ impl Command for Helmsman {
                 }
             }
             let next = if self.now + 1 < program.orders.len() { Some(self.now + 1) } else { program.again };
-            let Some(next) = next.filter(|_| to < 1.0) else {
+            let Some(next) = next.filter(|_| to < 1.0 && left > 0) else {
                 if to < 1.0 {
                     self.add(1.0 - to, inputs);
                 }
                 break;
             };
+            left -= 1;
             self.is_round |= next <= self.now;
             (self.now, self.since_s, self.due_s, from) = (next, at_s + to * length_s, None, to);
             if self.course.is_none() && next == program.course_at {

@@ -3,6 +3,8 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use refusal::Invalid;
+
 refusal::choices! {
     /// A side of the ship.
     pub enum Board {
@@ -18,7 +20,31 @@ impl Board {
     pub fn sign(self) -> f64 {
         [1.0, -1.0][self as usize]
     }
+
+    /// The refusal of a ship that was ordered to this side and whose heading changed by `other` \[rad\] to the other one, by
+    /// `own` to this at the most.
+    pub(crate) fn turned_away(self, own: f64, other: f64) -> Option<Invalid> {
+        if !is_turned_away(own, other) {
+            return None;
+        }
+        let back = [Self::Port, Self::Starboard][self as usize];
+        let found = format!("she turned to {back} by {:.1}°, {self} was ordered", other.to_degrees());
+        Some(Invalid::new("change of heading", found, format!("a turn to {self}"), WRONG_SIGN))
+    }
 }
+
+/// Whether a ship whose heading changed by `own` \[rad\] to the side that was ordered, at the most, and by `other` to the other
+/// one turned to that.
+pub(crate) fn is_turned_away(own: f64, other: f64) -> bool {
+    other > 2.0 * own && other > LEAST_TURN
+}
+
+/// The least change of heading by which a ship turned \[rad\]: 10°.
+const LEAST_TURN: f64 = 0.1745;
+
+/// What to do about a ship that turns to the other side.
+pub const WRONG_SIGN: &str = "check the sign of the helm, and of the rudder's terms in the vessel's file: in many publications a \
+                              positive rudder turns to port";
 
 refusal::choices! {
     /// What a helmsman or a controller reads.

@@ -1,4 +1,4 @@
-use forces::MainDimensions;
+use forces::{GRAVITY, MainDimensions, usual_froude};
 use model::{InputSpec, Vessel, VesselFile};
 use refusal::Invalid;
 use study::vessel_text::{Notes, vessel_text};
@@ -27,13 +27,16 @@ pub fn guessed(own: &MainDimensions) -> Result<Written, Invalid> {
     let guess = own.guess()?;
     let speed = guess.description.ship.speed_m_s;
     let revolutions = guess.revolutions;
-    let unusual = unusual(own);
+    let mut unusual = unusual(own, speed);
     let file = VesselFile {
         name: Some(format!("Guessed ship of {} m", own.length_m)),
         sample_rate_hz: Some(rate(speed / own.length_m)),
         input: inputs(own.length_m, revolutions),
         ..VesselFile::of_forces(guess.description)
     };
+    // Her dimensions were given: what is unusual of them is said, and passes.
+    let (file, found) = file.accepting_unusual()?;
+    unusual.extend(found.map(|own| format!("{}: {}", own.thing, own.found)));
     let vessel = Vessel::from_file(file.clone())?;
     let numbers = guess.sources.into_iter().map(|(name, source)| (name, source.to_owned())).collect();
     let notes = Notes { head: head(own, revolutions, &unusual), numbers };
@@ -75,11 +78,16 @@ fn digits(own: f64) -> f64 {
 }
 
 /// Proportions that are none of the usual ships, with their values.
-fn unusual(own: &MainDimensions) -> Vec<String> {
+fn unusual(own: &MainDimensions, speed: f64) -> Vec<String> {
+    let froude = speed / (GRAVITY * own.length_m).sqrt();
+    let most = usual_froude(own.block);
+    let fast = (froude > most)
+        .then(|| format!("Froude number {froude:.2} (at most {most:.2} at this block coefficient)"));
     let found = [own.length_m / own.beam_m, own.beam_m / own.draught_m, own.block];
     let all = USUAL.into_iter().zip(found);
     all.filter(|((_, [low, high]), own)| !(*low..=*high).contains(own))
         .map(|((name, [low, high]), own)| format!("{name} {own:.3} ({low} to {high})"))
+        .chain(fast)
         .collect()
 }
 

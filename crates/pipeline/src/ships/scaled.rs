@@ -41,7 +41,13 @@ pub fn scaled(ship: &ShipFile, size: &Size) -> Result<Written, Invalid> {
     let speed = file.ship.as_ref().map_or(0.0, |own| own.speed_m_s);
     let mut notes = Notes { head: head(&name, own_length, fitted), ..Notes::default() };
     notes.head.extend(usual_priors(&usual));
-    let said = format!("{name}: {speed:.4} m/s, {rate:.4} Hz, {} usual priors", usual.len());
+    file.fitted = false;
+    let (file, unusual) = file.accepting_unusual()?;
+    let mut said = format!("{name}: {speed:.4} m/s, {rate:.4} Hz, {} usual priors", usual.len());
+    if let Some(own) = unusual {
+        said += &format!("; unusual: {}: {}", own.thing, own.found);
+        notes.head.push(format!("Unusual of ships: {}: {}.", own.thing, own.found));
+    }
     Ok(Written { text: vessel_text(&file, &notes)?, said })
 }
 

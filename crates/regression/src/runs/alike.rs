@@ -47,7 +47,7 @@ impl<'a> Alike<'a> {
         let Doing { design, run, starts, initial, exogenous } = one.clone();
         let states = simulate_one(&vessel.model, &vessel.nominal, initial, exogenous);
         if let Some(at) = check_diverged(states.iter().copied()) {
-            return Err(NominalDiverged::over(design, run, at));
+            return Err(NominalDiverged::over(design, run, at, vessel.sample_rate_hz));
         }
         let unmeasured = vec![Lane::ZERO; states.len()];
         let sums = Instruments::new(&batch(vessel, exogenous, &states, &starts, &unmeasured), removal);

@@ -116,7 +116,12 @@ impl<'a> RunInstruments<'a> {
             prepared.simulate(&self.nominal);
             for (lane, run) in runs.iter().enumerate() {
                 if let Some(at) = prepared.diverged(lane) {
-                    return Err(NominalDiverged::over(&run.design, run.run, at));
+                    // A run of one maneuver is known by it.
+                    let design = match run.segments.as_slice() {
+                        [only] => format!("{}, maneuver `{}`", run.design, only.maneuver),
+                        _ => run.design.clone(),
+                    };
+                    return Err(NominalDiverged::over(&design, run.run, at, self.vessel.sample_rate_hz));
                 }
             }
         }

@@ -42,10 +42,9 @@ impl MeritDocument {
     pub fn new(vessel: &str, length_m: f64, of_parameters: bool, maneuvers: Vec<ManeuverMerit>) -> Self {
         let words = |own: &ManeuverMerit| {
             let figures = own.figures.iter().map(|figure| format!("{}: {}", own.name, figure.words()));
-            let without = own.reason.iter().filter(|_| own.without > 0);
-            let without = without.map(|reason| {
-                format!("{}: {} runs without figures, such as {reason}", own.name, own.without)
-            });
+            let without = own.lacking().zip(own.reason.as_ref());
+            let without =
+                without.map(|(lacking, reason)| format!("{}: {lacking}, such as {reason}", own.name));
             let unsloped = own.figures.iter().filter_map(|figure| {
                 let why = figure.without_slopes.as_ref()?;
                 Some(format!("{}: no slopes of {}: {why}", own.name, figure.what))
@@ -74,8 +73,8 @@ impl MeritDocument {
         let met = all().filter(|(_, figure)| figure.passes == Some(true)).count();
         let missed = all().filter(|(_, figure)| figure.most.is_some() && figure.passes != Some(true));
         let missed = missed.map(|(own, figure)| format!("{}: {}", own.name, figure.words()));
-        let without = self.maneuvers.iter().filter(|own| own.without > 0);
-        let without = without.map(|own| format!("{}: {} runs without figures", own.name, own.without));
+        let without = self.maneuvers.iter();
+        let without = without.filter_map(|own| Some(format!("{}: {}", own.name, own.lacking()?)));
         let (figures, maneuvers) = (all().count(), self.maneuvers.len());
         let judged = match judged {
             0 => "no criterion of IMO MSC.137(76) applies".to_owned(),
@@ -96,7 +95,7 @@ impl Document for MeritDocument {
     const ID: &'static str = "merit";
     const VERSION: u32 = 1;
     const UNITS: Units = &[
-        ("1", "runs without step"),
+        ("1", "runs without diverged step"),
         ("m", "length_m"),
         ("s", "t_s"),
         ("deg", "heading_deg"),

@@ -359,6 +359,7 @@ impl ModelDocument {
             input: self.inputs.clone(),
             measured: self.measured.clone(),
             derived: self.derived.clone(),
+            fitted: true,
             ..file
         }
     }

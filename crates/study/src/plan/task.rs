@@ -8,6 +8,9 @@ use trial::{Approach, DerivedHandling, Deviations, Handling, Tolerance};
 
 use super::file::PlanFile;
 
+/// By how much of it the length over all may differ from that between perpendiculars.
+const OVER_ALL: f64 = 0.2;
+
 impl PlanFile {
     /// Refuses speeds outside the range of a model's logs.
     fn check_speeds(&self, vessel: &Vessel) -> Result<(), Invalid> {
@@ -30,6 +33,7 @@ impl PlanFile {
     pub fn task(&self, vessel: &Vessel) -> Result<Task, Invalid> {
         self.check()?;
         self.check_speeds(vessel)?;
+        vessel.check_length(self.hull.length_m, "`hull.length_m`", Some(OVER_ALL))?;
         let derived = DerivedHandling::of(vessel, &self.speed_mode, self.hull.length_m)?;
         let handling = self.handling.completed(&derived)?;
         let approach = self.approach(&handling);

@@ -1,7 +1,7 @@
 use std::ops::Range;
 
-use engine::{Divided, Helm, Run, Segment, check_diverged, simulate_command, simulate_one};
-use maneuver::{Aim, Exceeded, Executed, Generator, Kept, Reacting, Realized};
+use engine::{Divided, Helm, Run, Segment, check_diverged, check_runaway, simulate_command, simulate_one};
+use maneuver::{Aim, Exceeded, Executed, Generator, Kept, Reacting, Realized, WRONG_SIGN};
 use model::{DegreeOfFreedom, Source, Vessel};
 use rayon::prelude::*;
 use refusal::Invalid;
@@ -155,15 +155,20 @@ impl<'a> Maneuvers<'a> {
                         ran.states
                     }
                 };
-                match check_diverged(states.iter().copied()) {
+                let maneuver = &self.generator.maneuvers()[index];
+                let diverged = match maneuver.kind.standard() {
+                    Some(standard) => check_runaway(&states, standard.speed_m_s()),
+                    None => check_diverged(states.iter().copied()),
+                };
+                match diverged {
                     None => {
                         let run = self.run(index, [exogenous, instruments], &states);
                         return Ok(Some(SimulatedRun { run, states, commands }));
                     }
                     Some(_) if self.generator.limits(index).is_some() => tally.unsteady(),
                     Some(at) => {
-                        let name = &self.generator.maneuvers()[index].name;
-                        return Err(Refusal::Vessel(at.invalid(format!("model in maneuver `{name}`"))));
+                        let what = format!("model in maneuver `{}`", maneuver.name);
+                        return Err(Refusal::Vessel(at.invalid(what, rate_hz)));
                     }
                 }
             }
@@ -208,9 +213,14 @@ impl Reached {
     /// The first aim that is missed, as a refusal of the maneuver.
     pub fn missed(&self) -> Option<Invalid> {
         let aim = self.aims.iter().find(|aim| !aim.is_met)?;
+        let thing = format!("maneuver `{}`, {}", self.maneuver, aim.what);
         let [found, expected] = [aim.reached, aim.wanted].map(|value| aim.value(value));
+        if aim.is_turned_away() {
+            let found = format!("{} to the other side in {} s", aim.value(-aim.reached), self.seconds);
+            return Some(Invalid::new(thing, found, expected, WRONG_SIGN));
+        }
         Some(Invalid::new(
-            format!("maneuver `{}`, {}", self.maneuver, aim.what),
+            thing,
             format!("{found} in {} s", self.seconds),
             expected,
             "lengthen it, change what is commanded or the model that its inputs come from, hold a motion with `executed = \

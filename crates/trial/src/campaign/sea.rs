@@ -197,7 +197,7 @@ impl<'a> Sea<'a> {
         };
         let run = format!("design {}, run {}", group.design, group.runs[lane]);
         if !bounded(still, None) {
-            return Refusal::Vessel(at.invalid(format!("model in {run}")));
+            return Refusal::Vessel(at.invalid(format!("model in {run}"), self.vessel.sample_rate_hz));
         }
         let windy = self.wind.is_some() && bounded(self.disturbances, None);
         let (key, expected) = match windy {

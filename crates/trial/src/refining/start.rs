@@ -113,7 +113,7 @@ fn states(
 ) -> Result<Vec<f64>, Refusal> {
     let states = simulate_one(&vessel.model, parameters, initial, &vessel.model.undisturbed(inputs));
     match check_diverged(states.iter().copied()) {
-        Some(at) => Err(Refusal::Vessel(at.invalid("the design's experiment"))),
+        Some(at) => Err(Refusal::Vessel(at.invalid("the design's experiment", vessel.sample_rate_hz))),
         None => Ok(states),
     }
 }

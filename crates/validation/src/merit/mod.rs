@@ -3,7 +3,7 @@
 mod slopes;
 mod summary;
 
-use engine::{Run, Streams, simulate_command};
+use engine::{Run, Streams, check_runaway, simulate_command};
 use identification::pooled::Uncertain;
 use maneuver::merit::{Figure, Hull, Record, figures};
 use maneuver::{Generator, Standard};
@@ -26,6 +26,23 @@ pub struct MeritRow {
     pub figure: Figure,
 }
 
+/// Why a maneuver is not simulated.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Unsimulated {
+    /// The dictionary's maneuver cannot be held.
+    Unheld(Invalid),
+    /// The ship diverges in it.
+    Diverged(Invalid),
+}
+
+impl From<Unsimulated> for Invalid {
+    fn from(own: Unsimulated) -> Self {
+        match own {
+            Unsimulated::Unheld(invalid) | Unsimulated::Diverged(invalid) => invalid,
+        }
+    }
+}
+
 /// What is gathered of a maneuver.
 struct Gathered {
     index: usize,
@@ -34,9 +51,29 @@ struct Gathered {
     /// Runs that lack them, and why the first does.
     without: u64,
     reason: Option<Invalid>,
+    /// Those of them whose simulation diverges.
+    diverged: u64,
     track: Option<ShipTrack>,
     /// The derivatives of the figures, or why the undisturbed ship has no figures; `None` where they were not computed.
     slopes: Option<Result<Vec<FigureSlopes>, Invalid>>,
+}
+
+impl Gathered {
+    /// Counts a run without figures.
+    fn lacks(&mut self, why: Invalid) {
+        self.without += 1;
+        self.reason.get_or_insert(why);
+    }
+}
+
+/// Refuses figures of which one is no number.
+fn all_finite(figures: Vec<Figure>) -> Result<Vec<Figure>, Invalid> {
+    match figures.iter().find(|own| !own.value.is_finite()) {
+        None => Ok(figures),
+        Some(own) => {
+            Err(Invalid::new(own.what, own.value.to_string(), "a number", "run it longer, or with more helm"))
+        }
+    }
 }
 
 /// Figures of the standard maneuvers of a dictionary.
@@ -59,6 +96,7 @@ impl<'a> Merit<'a> {
             figures: Vec::new(),
             without: 0,
             reason: None,
+            diverged: 0,
             track: None,
             slopes: None,
         };
@@ -101,8 +139,8 @@ impl<'a> Merit<'a> {
     /// Simulates every standard maneuver undisturbed, with `parameters`, as run `run`.
     ///
     /// # Errors
-    /// A maneuver that the model cannot hold.
-    pub fn simulate(&mut self, parameters: &[f64], run: i32) -> Result<(), Invalid> {
+    /// A maneuver that the model cannot hold, or in which it diverges.
+    pub fn simulate(&mut self, parameters: &[f64], run: i32) -> Result<(), Unsimulated> {
         for place in 0..self.gathered.len() {
             let index = self.gathered[place].index;
             let (_, record) = undisturbed(self.hull.vessel, self.generator, index, parameters)?;
@@ -111,20 +149,31 @@ impl<'a> Merit<'a> {
         Ok(())
     }
 
-    /// Simulates them with parameters that are drawn `draws` times from what an estimate leaves uncertain.
-    ///
-    /// # Errors
-    /// As [`Merit::simulate`].
-    pub fn simulate_drawn(&mut self, uncertain: &Uncertain, draws: u32, seed: u64) -> Result<(), Invalid> {
+    /// Simulates them with parameters that are drawn `draws` times from what an estimate leaves uncertain. Draws that diverge or
+    /// cannot hold a maneuver are counted as runs without figures.
+    pub fn simulate_drawn(&mut self, uncertain: &Uncertain, draws: u32, seed: u64) {
         let streams = Streams::new(seed, "merit");
-        (0..draws).try_for_each(|draw| self.simulate(&uncertain.drawn(&streams, draw), draw as i32))
+        for draw in 0..draws {
+            let parameters = uncertain.drawn(&streams, draw);
+            for place in 0..self.gathered.len() {
+                let index = self.gathered[place].index;
+                match undisturbed(self.hull.vessel, self.generator, index, &parameters) {
+                    Ok((_, record)) => self.measure(place, "model", draw as i32, &record),
+                    Err(why) => {
+                        self.gathered[place].diverged += u64::from(matches!(why, Unsimulated::Diverged(_)));
+                        self.gathered[place].lacks(why.into());
+                    }
+                }
+            }
+        }
     }
 
     fn measure(&mut self, place: usize, design: &str, run: i32, record: &Record) {
         let own = &mut self.gathered[place];
         let maneuver = &self.generator.maneuvers()[own.index];
         let Some(standard) = maneuver.kind.standard() else { return };
-        match figures(standard, record, &self.hull) {
+        let found = figures(standard, record, &self.hull);
+        match found.and_then(all_finite) {
             Ok(found) => {
                 self.rows.extend(found.iter().map(|figure| MeritRow {
                     design: design.to_owned(),
@@ -135,10 +184,7 @@ impl<'a> Merit<'a> {
                 own.track.get_or_insert_with(|| ShipTrack::of(record, self.hull.length_m));
                 own.figures.push(found);
             }
-            Err(invalid) => {
-                own.without += 1;
-                own.reason.get_or_insert(invalid);
-            }
+            Err(invalid) => own.lacks(invalid),
         }
     }
 
@@ -174,7 +220,7 @@ impl<'a> Merit<'a> {
             ManeuverMerit::new(
                 &self.generator.maneuvers()[own.index],
                 &own.figures,
-                (own.without, own.reason.as_ref()),
+                (own.without, own.diverged, own.reason.as_ref()),
                 own.track.clone().unwrap_or_default(),
                 of_parameters,
             )
@@ -190,14 +236,20 @@ fn undisturbed<'a>(
     generator: &'a Generator,
     index: usize,
     parameters: &[f64],
-) -> Result<(Standard<'a>, Record), Invalid> {
-    let samples = generator.samples(index)?;
-    let realized = generator.realize(index, samples)?;
-    let kind = &generator.maneuvers()[index].kind;
-    let (Some(standard), Some(helm)) = (kind.standard(), &realized.helm) else {
-        return Err(Invalid::new("maneuver", "no orders", "those of a standard maneuver", "remove it"));
+) -> Result<(Standard<'a>, Record), Unsimulated> {
+    let realized =
+        generator.samples(index).and_then(|samples| Ok((samples, generator.realize(index, samples)?)));
+    let (samples, realized) = realized.map_err(Unsimulated::Unheld)?;
+    let maneuver = &generator.maneuvers()[index];
+    let (Some(standard), Some(helm)) = (maneuver.kind.standard(), &realized.helm) else {
+        let e = Invalid::new("maneuver", "no orders", "those of a standard maneuver", "remove it");
+        return Err(Unsimulated::Unheld(e));
     };
     let (model, rate_hz) = (&vessel.model, vessel.sample_rate_hz);
     let run = simulate_command(model, parameters, realized.initial, samples, rate_hz, helm);
+    if let Some(at) = check_runaway(&run.states, standard.speed_m_s()) {
+        let what = format!("model in maneuver `{}`", maneuver.name);
+        return Err(Unsimulated::Diverged(at.invalid(what, rate_hz)));
+    }
     Ok((standard, Record::of_states(&run.states, model.inputs_of(&run.exogenous), rate_hz)))
 }

@@ -47,7 +47,7 @@ impl Merit<'_> {
         for place in 0..self.gathered.len() {
             let index = self.gathered[place].index;
             let found = |parameters: &[f64]| self.found(&phases, index, parameters);
-            let base = found(parameters)?;
+            let base = found(parameters);
             let mut ends = Vec::with_capacity(names.len());
             for (i, name) in names.iter().enumerate() {
                 let off = |sign: f64| {
@@ -55,7 +55,7 @@ impl Merit<'_> {
                     moved[i] *= 1.0 + sign * step;
                     found(&moved)
                 };
-                ends.push((*name, 2.0 * step * parameters[i], [off(-1.0)?, off(1.0)?]));
+                ends.push((*name, 2.0 * step * parameters[i], [off(-1.0), off(1.0)]));
             }
             self.gathered[place].slopes = Some(base.map(|figures| slopes(&figures, &ends)));
         }
@@ -63,16 +63,13 @@ impl Merit<'_> {
     }
 
     /// The figures of the undisturbed ship with `parameters`, means over the phases in which there is each.
-    fn found(&self, phases: &[Generator], index: usize, parameters: &[f64]) -> Result<Found, Invalid> {
+    fn found(&self, phases: &[Generator], index: usize, parameters: &[f64]) -> Found {
         let is_phased = matches!(phases[0].maneuvers()[index].kind, Kind::ZigZagTest(_));
         let phases = if is_phased { phases } else { &phases[..1] };
         let mut mean: Vec<Figure> = Vec::new();
         for (number, phase) in phases.iter().enumerate() {
             let (standard, record) = undisturbed(self.hull.vessel, phase, index, parameters)?;
-            let own = match maneuver::merit::figures(standard, &record, &self.hull) {
-                Ok(own) => own,
-                Err(why) => return Ok(Err(why)),
-            };
+            let own = maneuver::merit::figures(standard, &record, &self.hull)?;
             let part = 1.0 / phases.len() as f64;
             if number == 0 {
                 mean = own.iter().map(|figure| Figure { value: 0.0, ..figure.clone() }).collect();
@@ -83,7 +80,7 @@ impl Merit<'_> {
                 known.value += part * value.unwrap_or(f64::NAN);
             }
         }
-        Ok(Ok(mean))
+        Ok(mean)
     }
 }
 

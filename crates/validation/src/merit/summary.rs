@@ -9,6 +9,10 @@ use serde::{Deserialize, Serialize};
 
 use super::FigureSlopes;
 
+fn is_zero(count: &u64) -> bool {
+    *count == 0
+}
+
 /// The figures of merit of a standard maneuver.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -21,7 +25,10 @@ pub struct ManeuverMerit {
     pub runs: u64,
     /// Runs that lack them.
     pub without: u64,
-    /// Why the first of those lacks them.
+    /// Those of them, draws of a model's parameters, whose simulation diverges.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub diverged: u64,
+    /// Why the first that lacks them does.
     pub reason: Option<String>,
     /// The figures.
     pub figures: Vec<FigureMerit>,
@@ -101,11 +108,18 @@ impl ShipTrack {
 }
 
 impl ManeuverMerit {
+    /// How many runs lack the figures: `13 of 100 runs without figures, 13 diverge`; `None` where none does.
+    pub fn lacking(&self) -> Option<String> {
+        let diverged = if self.diverged > 0 { format!(", {} diverge", self.diverged) } else { String::new() };
+        let all = self.runs + self.without;
+        (self.without > 0).then(|| format!("{} of {all} runs without figures{diverged}", self.without))
+    }
+
     /// Of `maneuver`, from the figures of every run, those `without` any, and an example.
     pub(super) fn new(
         maneuver: &ManeuverSpec,
         runs: &[Vec<Figure>],
-        (without, reason): (u64, Option<&Invalid>),
+        (without, diverged, reason): (u64, u64, Option<&Invalid>),
         track: ShipTrack,
         of_parameters: bool,
     ) -> Self {
@@ -125,6 +139,7 @@ impl ManeuverMerit {
             kind: maneuver.kind.standard().map_or("", |own| own.name()).to_owned(),
             runs: runs.len() as u64,
             without,
+            diverged,
             reason: reason.map(ToString::to_string),
             figures: known.into_iter().map(one).collect(),
             track,

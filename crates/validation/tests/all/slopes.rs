@@ -1,7 +1,8 @@
-//! Slopes of figures of merit: against a formula, and against smaller and larger steps.
+//! Slopes of figures of merit: against a formula, and against smaller and larger steps. Draws of which some diverge.
 
 use std::collections::BTreeMap;
 
+use identification::pooled::{Covariance, Uncertain};
 use maneuver::{DictionaryFile, Generator};
 use model::{Vessel, VesselFile};
 use serde_json::{Value, json};
@@ -153,4 +154,34 @@ fn what_a_ship_with_another_parameter_does_not_do_has_no_slope_and_says_so() {
     let mut merit = Merit::new(&ship, &generator, 7.0).unwrap();
     let refused = merit.differentiate(&[0.0; 11], 0.02).unwrap_err();
     assert!(refused.thing.contains("`a`") && refused.found == "0", "{refused}");
+}
+
+#[test]
+fn draws_that_diverge_are_counted_and_refuse_nothing() {
+    let vessel = coaster();
+    let circle = json!([{
+        "name": "circle", "kind": "turning-circle", "speed_m_s": 1.2, "duration_s": 120.0, "helm": {"delta": 0.6},
+        "to": "starboard"
+    }]);
+    let generator = generator(&vessel, circle);
+    let mut merit = Merit::new(&vessel, &generator, 5.0).unwrap();
+    // A third of the draws have a resistance that drives the ship.
+    let names: Vec<String> = vessel.model.parameter_names().map(str::to_owned).collect();
+    let mut entries = vec![0.0; names.len() * names.len()];
+    entries[0] = 0.0016 * 0.0016;
+    let covariance = Covariance { joint: true, names, entries };
+    let parameters = generator.parameters().to_vec();
+    let positive = |own: &Uncertain| {
+        let streams = engine::Streams::new(1, "merit");
+        (0..40).filter(|draw| own.drawn(&streams, *draw)[0] > 0.0).count() as u64
+    };
+    let uncertain = Uncertain::new(&vessel, parameters, &covariance).unwrap();
+    merit.simulate_drawn(&uncertain, 40, 1);
+    let found = &merit.summary(true).unwrap()[0];
+    assert_eq!(found.runs + found.without, 40);
+    assert_eq!(found.diverged, positive(&uncertain));
+    assert!((5..25).contains(&found.diverged), "{}", found.diverged);
+    assert!(found.lacking().unwrap().ends_with(&format!(", {} diverge", found.diverged)));
+    assert!(found.reason.as_ref().unwrap().contains("diverges"), "{:?}", found.reason);
+    assert!(found.figures.iter().all(|own| own.value.is_finite()));
 }
