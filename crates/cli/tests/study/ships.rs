@@ -139,7 +139,7 @@ fn a_ship_that_turns_to_the_side_that_was_not_ordered_is_refused_with_the_sign()
     let mirrored = tanker(&[]);
     edit(&mirrored, "dictionary.toml", "delta = 0.6 ", "delta = -0.6 ");
     refused(&mirrored, 4, MERIT, &words);
-    refused(&mirrored, 3, SIMULATE, &["dictionary.toml", "to the other side", "check the sign"]);
+    refused(&mirrored, 4, SIMULATE, &["dictionary.toml", "to the other side", "check the sign"]);
     put(&mirrored, "dictionary.toml", &TURN.replace("turning-circle", "pull-out").replace("0.6 ", "-0.6 "));
     edit(&mirrored, "dictionary.toml", "to = ", "turn_s = 100.0\nto = ");
     refused(&mirrored, 4, MERIT, &words);
