@@ -177,7 +177,7 @@ fn draws_that_diverge_are_counted_and_refuse_nothing() {
     };
     let uncertain = Uncertain::new(&vessel, parameters, &covariance).unwrap();
     merit.simulate_drawn(&uncertain, 40, 1);
-    let found = &merit.summary(true).unwrap()[0];
+    let found = merit.summary(true).unwrap().remove(0);
     assert_eq!(found.runs + found.without, 40);
     assert_eq!(found.diverged, positive(&uncertain));
     assert!((5..25).contains(&found.diverged), "{}", found.diverged);
