@@ -169,7 +169,7 @@ fn draws_that_diverge_are_counted_and_refuse_nothing() {
     let names: Vec<String> = vessel.model.parameter_names().map(str::to_owned).collect();
     let mut entries = vec![0.0; names.len() * names.len()];
     entries[0] = 0.0016 * 0.0016;
-    let covariance = Covariance { joint: true, names, entries };
+    let covariance = Covariance { joint: true, names, entries, parts: None };
     let parameters = generator.parameters().to_vec();
     let positive = |own: &Uncertain| {
         let streams = engine::Streams::new(1, "merit");
