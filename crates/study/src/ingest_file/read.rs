@@ -10,8 +10,8 @@ use std::sync::Arc;
 use artifact::{Digest, Digesting, Error, Scratch, is_file, open};
 use flate2::read::MultiGzDecoder;
 use logs::{
-    Columns, DatabaseFile, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source,
-    Store, TimeUnit, begins_anew, foreign_format, read_bag, read_csv, read_database, read_nmea, record,
+    Columns, DatabaseFile, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source, Store,
+    TimeUnit, begins_anew, foreign_format, read_bag, read_csv, read_database, read_nmea, record,
 };
 use refusal::{Invalid, foreign};
 
