@@ -71,9 +71,9 @@ class Voyage:
 
 
 def zig_zag(rudder: float, heading: float, first: int, delay: float) -> dict:
-    """Times of three orders and the overshoots that follow them, degrees."""
+    """Times of three orders and the overshoots beyond the headings at which the helm goes over, degrees."""
     voyage, side = Voyage(), first
-    orders, overshoots = [], []
+    orders, overshoots, executed = [], [], heading
     for _ in range(4):
         reached = lambda t, state, side=side: side * state[3] - heading  # noqa: E731
         begin = len(voyage.legs)
@@ -84,7 +84,8 @@ def zig_zag(rudder: float, heading: float, first: int, delay: float) -> dict:
         if begin:
             t, states = voyage.fine()
             own = (t >= orders[-2]) & (t <= orders[-1])
-            overshoots.append(math.degrees(np.max(-side * states[own, 3]) - heading))
+            overshoots.append(math.degrees(np.max(-side * states[own, 3]) - executed))
+        executed = side * voyage.state[3]
         side = -side
     return {
         "rudder": rudder,

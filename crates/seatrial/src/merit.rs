@@ -10,10 +10,10 @@ use validation::merit::{Merit, Unsimulated};
 /// a figure leaves, small against what the model's terms bend.
 const STEP: f64 = 0.02;
 
-/// Figures of merit of the standard maneuvers of a dictionary.
+/// Figures of merit of the standard maneuvers of a dictionary, or of those that logs show.
 pub struct Merits<'a> {
     vessel: &'a Vessel,
-    generator: &'a Generator,
+    generator: Option<&'a Generator>,
     length_m: f64,
     merit: Merit<'a>,
     /// Whether runs are draws of a model's parameters.
@@ -26,19 +26,20 @@ impl<'a> Merits<'a> {
     ///
     /// # Errors
     /// A dictionary without standard maneuvers.
-    pub fn new(vessel: &'a Vessel, generator: &'a Generator, length_m: f64) -> Result<Self, Invalid> {
+    pub fn new(vessel: &'a Vessel, generator: Option<&'a Generator>, length_m: f64) -> Result<Self, Invalid> {
         vessel.check_length(length_m, "the length", None)?;
         let merit = Merit::new(vessel, generator, length_m)?;
         Ok(Self { vessel, generator, length_m, merit, is_drawn: false, slopes_at: None })
     }
 
-    /// Adds recorded runs, with north, east \[m\] and heading \[rad\] of all of their rows where they were recorded.
-    pub fn add(&mut self, runs: &[Run], poses: Option<&[[f64; 3]]>) {
+    /// Adds recorded runs, with north, east \[m\] and heading \[rad\] of all of their rows where they were recorded. Logs show
+    /// themselves which orders were given.
+    pub fn add(&mut self, runs: &[Run], poses: Option<&[[f64; 3]]>, are_logged: bool) {
         let mut first = 0;
         for run in runs {
             let rows = first..first + run.samples() + 1;
             first = rows.end;
-            self.merit.add(run, poses.map(|poses| &poses[rows]));
+            self.merit.add(run, poses.map(|poses| &poses[rows]), are_logged);
         }
     }
 
@@ -56,7 +57,7 @@ impl<'a> Merits<'a> {
     /// # Errors
     /// What is no covariance.
     pub fn simulate_drawn(&mut self, covariance: &Covariance, draws: u32, seed: u64) -> Result<(), Invalid> {
-        let parameters = self.generator.parameters().to_vec();
+        let parameters = self.generator.map_or(Vec::new(), |own| own.parameters().to_vec());
         let uncertain = Uncertain::new(self.vessel, parameters, covariance).ok_or_else(|| {
             Invalid::new("`covariance`", "numbers that are none", "a covariance", "estimate the model again")
         })?;

@@ -1324,8 +1324,11 @@ class FigureMerit:
     what: str
     #: Unit of its numbers: `deg`, `deg/s`, `L` (ship lengths), `s`, or the input's.
     unit: str
-    #: Its mean over the runs.
+    #: Its mean over the runs, as it was measured.
     value: float
+    #: The mean without the current that the logs show; absent where they show none. The criterion is that of this
+    #: value.
+    corrected: float | None = None
     #: Its standard deviation; null of a single run.
     std: float | None = None
     #: Lower end of the 95 % interval: of the mean, or of 95 % of the models that the data leave possible; null of a
@@ -1849,8 +1852,10 @@ class ManeuverMerit:
 
     #: Its name in the dictionary.
     name: str
-    #: Its kind.
+    #: Its kind; empty where a log shows none.
     kind: str
+    #: What was sailed, as the log of the first run shows it; absent where it was simulated.
+    sailed: str | None = None
     #: Runs that have the figures.
     runs: int
     #: Runs that lack them.
@@ -1861,6 +1866,8 @@ class ManeuverMerit:
     reason: str | None = None
     #: The figures.
     figures: list[FigureMerit]
+    #: What is to be known of them: an approach that was not steady, a current, what differs from the dictionary.
+    remarks: list[str] = field(default_factory=list)
     #: What the ship did in the first run that has them.
     track: ShipTrack
 

@@ -26,15 +26,15 @@ pub struct Arguments {
     /// The ship, or a model of it
     #[arg(long, visible_alias = "model", value_name = "vessel.toml|model.json")]
     vessel: PathBuf,
-    /// The maneuvers
-    #[arg(long, value_name = "dictionary.toml")]
-    dictionary: PathBuf,
+    /// The maneuvers; without it the logs show which they are
+    #[arg(long, value_name = "dictionary.toml", required_unless_present = "trajectories")]
+    dictionary: Option<PathBuf>,
     /// Runs of these maneuvers, simulated or measured; without them the ship is simulated, undisturbed
     #[arg(long, value_name = "trajectories.parquet")]
     trajectories: Option<PathBuf>,
-    /// Length between perpendiculars [m]
+    /// Length between perpendiculars [m]; that of the ship's forces without it
     #[arg(long, value_name = "M")]
-    length_m: f64,
+    length_m: Option<f64>,
     /// Simulates a model with so many draws of its parameters from their covariance
     #[arg(long, value_name = "N", conflicts_with = "trajectories", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     draws: Option<u32>,
@@ -49,26 +49,42 @@ const MAIN: &str = "merit.json";
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
-        let read = || [&self.vessel, &self.dictionary].into_iter().chain(&self.trajectories);
+        let read = || [&self.vessel].into_iter().chain(&self.dictionary).chain(&self.trajectories);
         let out = common.main_output(MAIN, read())?;
         let table = member(&out, MAIN, "merit.parquet", read())?;
-        if !(self.length_m > 0.0 && self.length_m <= 1e3) {
-            return Err(Failure::Usage(format!(
-                "--length-m: found {}, expected more than 0, at most 1000 m; correct it",
-                self.length_m
-            )));
-        }
         let vessel = read_any_simulated(&self.vessel, &mut provenance)?;
-        let length = vessel.check_length(self.length_m, "--length-m", None);
+        let of_forces = || vessel.model.forces.as_ref().map(|own| own.forces.description().ship.length_m);
+        let length_m = self.length_m.or_else(of_forces);
+        let Some(length_m) = length_m.filter(|own| *own > 0.0 && *own <= 1e3) else {
+            let found = length_m.map_or("none".to_owned(), |own| own.to_string());
+            let expected = "more than 0, at most 1000 m";
+            return Err(Failure::Usage(format!(
+                "--length-m: found {found}, expected {expected}; correct it"
+            )));
+        };
+        let length = vessel.check_length(length_m, "--length-m", None);
         length.map_err(|e| Failure::invalid(&self.vessel, &e))?;
-        let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
-        let refused = |e| Failure::invalid(&self.dictionary, &e);
-        let mut merits = Merits::new(&vessel, &generator, self.length_m).map_err(refused)?;
+        let read = |file: &PathBuf| read_dictionary(file, &vessel, &mut provenance);
+        let generator = self.dictionary.as_ref().map(read).transpose()?;
+        let file = self.dictionary.as_ref().or(self.trajectories.as_ref()).unwrap_or(&self.vessel);
+        let refused = |e| Failure::invalid(file, &e);
+        let mut merits = Merits::new(&vessel, generator.as_ref(), length_m).map_err(refused)?;
         match (&self.trajectories, self.draws) {
             (Some(file), _) => {
                 let reader = inputs::trajectories(file, "trajectories", &vessel, &mut provenance)?;
+                let are_logged = !reader.true_states();
+                if self.dictionary.is_none() && !are_logged {
+                    let expected = "logs, as `ingest` writes them";
+                    return Err(Failure::refuse(
+                        file,
+                        "trajectories",
+                        "simulated ones",
+                        expected,
+                        "give --dictionary",
+                    ));
+                }
                 for block in 0..reader.blocks() {
-                    merits.add(&reader.runs(block)?, reader.poses(block)?.as_deref());
+                    merits.add(&reader.runs(block)?, reader.poses(block)?.as_deref(), are_logged);
                 }
             }
             (None, None) => merits.simulate().map_err(|e| match e {
@@ -83,9 +99,9 @@ impl Task for Arguments {
         if self.slopes {
             merits.differentiate().map_err(|e| Failure::invalid(&self.vessel, &e))?;
         }
-        let given = [("length_m", json!(self.length_m)), ("draws", json!(self.draws))];
+        let given = [("length_m", json!(length_m)), ("draws", json!(self.draws))];
         provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
-        let file = self.trajectories.as_ref().unwrap_or(&self.dictionary);
+        let file = self.trajectories.as_ref().unwrap_or(file);
         let found = merits.found().map_err(|e| Failure::NoAnswer(format!("{}: {e}", file.display())));
         let ((document, rows), columns) = (found?, merit_rows());
         let mut writer = TableWriter::create(&table, columns.schema(), &provenance)?.with_document(&out);

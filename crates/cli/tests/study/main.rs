@@ -20,6 +20,7 @@ mod generated;
 mod golden;
 mod in_memory;
 mod lines;
+mod logged_merit;
 mod makefile;
 mod mixed;
 mod monte_carlo;

@@ -16,8 +16,12 @@ pub struct Figure {
     pub name: &'static str,
     /// What it is.
     pub what: &'static str,
-    /// Its value.
+    /// Its value, as it was measured.
     pub value: f64,
+    /// The same without the current that the log shows.
+    pub corrected: Option<f64>,
+    /// Whether it is beside those that trials are designed for.
+    pub is_aside: bool,
     /// Its unit: `deg`, `deg/s`, `m`, `L` (ship lengths), `s`, or the input's.
     pub unit: String,
     /// The greatest value that IMO MSC.137(76) allows, where it has one for this test.
@@ -26,7 +30,11 @@ pub struct Figure {
 
 impl Figure {
     pub(super) fn new(name: &'static str, what: &'static str, value: f64, unit: &str) -> Self {
-        Self { name, what, value, unit: unit.to_owned(), most: None }
+        Self { name, what, value, corrected: None, is_aside: false, unit: unit.to_owned(), most: None }
+    }
+
+    pub(super) fn aside(name: &'static str, what: &'static str, value: f64, unit: &str) -> Self {
+        Self { is_aside: true, ..Self::new(name, what, value, unit) }
     }
 
     pub(super) fn at_most(self, most: Option<f64>) -> Self {
@@ -35,7 +43,7 @@ impl Figure {
 
     /// Whether it meets its criterion; `None` without one.
     pub fn passes(&self) -> Option<bool> {
-        self.most.map(|most| self.value <= most)
+        self.most.map(|most| self.corrected.unwrap_or(self.value) <= most)
     }
 }
 

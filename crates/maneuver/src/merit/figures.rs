@@ -1,34 +1,86 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use model::Vessel;
 use refusal::Invalid;
 
 use super::figure::{Figure, Hull};
+use super::helm::Held;
 use super::record::{Record, Smoother};
+use super::sailed::{Sailed, Sort, board};
 use super::{criteria, spirals};
-use crate::standard::{Board, PullOut, Settings, Standard, Stop, TurningCircle, ZigZagTest};
+use crate::standard::{Board, INERTIAL_END, Standard};
 
-/// The figures of `standard` from what a ship did, which begins with the maneuver.
+/// The figures of a maneuver, and what was sailed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Its kind in dictionaries.
+    pub kind: &'static str,
+    /// What it was, in words: `zig-zag 10°/10°, to port first`.
+    pub sailed: String,
+    /// The figures.
+    pub figures: Vec<Figure>,
+    /// What is to be known of them: an approach that was not steady, a current, what differs from the dictionary.
+    pub remarks: Vec<String>,
+}
+
+/// The figures of what a ship did: of `standard` as it was simulated, else of the maneuver that its log shows, which
+/// `standard` names.
 ///
 /// # Errors
-/// A record that is too coarse or too short: a heading that is not reached, a circle that does not close.
-pub fn figures(standard: Standard, record: &Record, hull: &Hull) -> Result<Vec<Figure>, Invalid> {
-    let smoother = Smoother::new(hull.length_m, standard.speed_m_s(), record.rate_hz)?;
-    let own = Measured { record, smoother, hull };
-    match standard {
-        Standard::ZigZagTest(test) => own.zig_zag(test),
-        Standard::TurningCircle(turn) => own.circle(turn),
-        Standard::PullOut(turn) => own.pull_out(turn),
-        Standard::Stop(stop) => own.stop(stop),
-        Standard::SpiralTest(spiral) => spirals::direct(spiral, record, hull),
-        Standard::ReverseSpiral(spiral) => spirals::reverse(spiral, record, hull),
+/// A record that is too coarse or too short: a heading that is not reached, a circle that does not close; a log of another
+/// maneuver, or of none.
+pub fn figures(standard: Option<Standard>, record: &Record, hull: &Hull) -> Result<Found, Invalid> {
+    let spiral = match standard {
+        Some(Standard::SpiralTest(own)) => Some(spirals::direct(own, record, hull)),
+        Some(Standard::ReverseSpiral(own)) => Some(spirals::reverse(own, record, hull)),
+        _ => None,
+    };
+    if let Some((standard, figures)) = standard.zip(spiral) {
+        Smoother::new(hull.length_m, standard.speed_m_s(), record.rate_hz)?;
+        let (kind, sailed) = (standard.name(), String::new());
+        return Ok(Found { kind, sailed, figures: figures?, remarks: Vec::new() });
     }
+    let sailed = match standard {
+        Some(standard) if record.is_held => Sailed::simulated(standard, record, hull)?,
+        _ => Sailed::logged(standard, record, hull)?,
+    };
+    let speed_m_s = sailed.speed_m_s;
+    let own = Measured { record, smoother: sailed.smoother, hull, sailed: &sailed, speed_m_s };
+    let (mut figures, mut remarks) = (own.all()?, sailed.remarks.clone());
+    if !record.is_held {
+        remarks.extend(own.unjudged(&figures));
+    }
+    if !record.is_held && record.is_placed && sailed.sort != Sort::PullOut {
+        match sailed.current(record) {
+            Ok(Some(current)) => {
+                let [north, east] = current.to;
+                let speed = libm::hypot(north, east);
+                let to = libm::atan2(east, north).to_degrees().rem_euclid(360.0);
+                remarks.push(format!(
+                    "the track drifts at {speed:.2} m/s to {to:03.0}°, {}: figures are corrected for it as for a steady \
+                     current (MSC/Circ.1053)",
+                    current.by
+                ));
+                let still = record.without(current.to, sailed.order, current.over_ground);
+                let corrected = Measured { record: &still, speed_m_s: sailed.speed(&still), ..own }.all()?;
+                for figure in &mut figures {
+                    figure.corrected =
+                        corrected.iter().find(|own| own.name == figure.name).map(|own| own.value);
+                }
+            }
+            Ok(None) => {}
+            Err(why) => remarks.push(why),
+        }
+    }
+    Ok(Found { kind: sailed.kind(), sailed: sailed.words(), figures, remarks })
 }
 
 struct Measured<'a> {
     record: &'a Record,
     smoother: Smoother,
     hull: &'a Hull<'a>,
+    sailed: &'a Sailed,
+    /// Speed of the approach \[m/s\].
+    speed_m_s: f64,
 }
 
 /// The refusal of a heading that is not reached by changes of heading to the side of `to`.
@@ -41,173 +93,245 @@ fn unreached(what: &str, turned: &[f64], expected: f64, to: Board) -> Invalid {
     Invalid::new(what, format!("{found} at the most"), expected, "run it longer, or with more helm")
 }
 
-/// The helm as an angle \[rad\], where it is one input in angles.
-fn angle(helm: &Settings, vessel: &Vessel) -> Option<f64> {
-    let mut set = helm.iter().filter(|(_, change)| **change != 0.0);
-    let (name, change) = set.next().filter(|_| helm.len() == 1)?;
-    let input = vessel.model.input_variables().iter().find(|own| own.name == *name)?;
-    match input.unit.as_str() {
-        "rad" => Some(change.abs()),
-        "deg" | "°" => Some(change.abs().to_radians()),
-        _ => None,
-    }
-}
-
-/// By what part of its range an input counts as at the end of it.
-const NEARLY: f64 = 0.98;
-
 /// Whether an angle is so many degrees.
 fn is_degrees(angle: f64, degrees: f64) -> bool {
-    (angle.to_degrees() - degrees).abs() < 0.5
+    (angle.to_degrees() - degrees).abs() < 1.0
 }
 
+/// Steps in which a track is measured, in half windows of the smoother.
+const PER_TRACK: f64 = 3.0;
+
 impl Measured<'_> {
-    /// Distance along and across a course, to `side`, from sample `from`, at a time in samples.
-    fn run(&self, from: usize, side: f64, time: f64) -> [f64; 2] {
-        let Record { place, heading, .. } = self.record;
-        let (sin, cos) = libm::sincos(heading[from]);
-        let [north, east] =
-            [0, 1].map(|axis| self.smoother.at(time, place.len(), |k| place[k][axis]) - place[from][axis]);
+    fn all(&self) -> Result<Vec<Figure>, Invalid> {
+        match self.sailed.sort {
+            Sort::ZigZag => self.zig_zag(),
+            Sort::Circle => self.circle(),
+            Sort::PullOut => self.pull_out(),
+            Sort::Stop { is_inertial, is_full_astern } => self.stop(is_inertial, is_full_astern),
+        }
+    }
+
+    /// Why no limit of IMO stands beside the figures of a log.
+    fn unjudged(&self, figures: &[Figure]) -> Option<String> {
+        let expected = match self.sailed.sort {
+            Sort::ZigZag => "10°/10° and 20°/20°",
+            Sort::Circle => "circles with 35° or the most helm",
+            Sort::Stop { .. } => "stops full astern, to the lower end of an input's `range`",
+            Sort::PullOut => return None,
+        };
+        let is_judged = figures.iter().any(|figure| figure.most.is_some());
+        (!is_judged).then(|| format!("{}: IMO has limits for {expected} only", self.sailed.words()))
+    }
+
+    /// Distance along and across the course of the approach, to `side`, at a time in samples.
+    fn run(&self, side: f64, time: f64) -> [f64; 2] {
+        let (sin, cos) = libm::sincos(self.sailed.course);
+        let [to, from] = [time, self.sailed.order].map(|time| self.sailed.place(self.record, time));
+        let [north, east] = [to[0] - from[0], to[1] - from[1]];
         [north * cos + east * sin, side * (east * cos - north * sin)]
     }
 
-    /// Length of the track from `from` to a time in samples.
-    fn track(&self, from: usize, time: f64) -> f64 {
-        let place = &self.record.place;
-        let whole = (time.floor() as usize).clamp(from, place.len() - 1);
-        let step = |k: usize| libm::hypot(place[k + 1][0] - place[k][0], place[k + 1][1] - place[k][1]);
-        let rest = if whole + 1 < place.len() { (time - whole as f64) * step(whole) } else { 0.0 };
-        (from..whole).map(step).sum::<f64>() + rest
+    /// Length of the track from the order to a time in samples, through smoothed places.
+    fn track(&self, time: f64) -> f64 {
+        let from = self.sailed.order;
+        let count = ((time - from) / self.smoother.half() * PER_TRACK).ceil().max(1.0);
+        let at = |k: f64| self.sailed.place(self.record, from + k / count * (time - from));
+        let places: Vec<[f64; 2]> = (0..=count as usize).map(|k| at(k as f64)).collect();
+        places.windows(2).map(|two| libm::hypot(two[1][0] - two[0][0], two[1][1] - two[0][1])).sum()
     }
 
-    fn zig_zag(&self, test: &ZigZagTest) -> Result<Vec<Figure>, Invalid> {
-        let (from, length) = (self.record.sample(test.hold_s), self.hull.length_m);
-        let turned = self.record.turned(from, test.to.sign());
+    /// Seconds between two times in samples.
+    fn seconds(&self, from: f64, to: f64) -> f64 {
+        (to - from) / self.record.rate_hz
+    }
+
+    /// The side to which she was ordered, or turned.
+    fn to(&self) -> Board {
+        if self.sailed.side < 0.0 { Board::Port } else { Board::Starboard }
+    }
+
+    fn is_helm(&self, degrees: f64) -> bool {
+        self.sailed.helm.is_some_and(|helm| helm.iter().any(|own| is_degrees(*own, degrees)))
+    }
+
+    fn zig_zag(&self) -> Result<Vec<Figure>, Invalid> {
+        let Sailed { side, heading, course, order, .. } = *self.sailed;
+        let length = self.hull.length_m;
+        let turned = self.record.turned(course, side);
+        let begin = order.ceil() as usize;
         // The helm goes over at this heading, so the samples after it follow another law.
-        let first = self.smoother.reached(&turned[from..], test.heading_rad);
+        let first = self.smoother.reached(&turned[begin..], heading);
         let first =
-            first.ok_or_else(|| unreached("heading", &turned, test.heading_rad, test.to))? + from as f64;
-        let seconds = length / test.speed_m_s;
-        let helm = angle(&test.helm, self.hull.vessel);
-        let is = |degrees: f64| {
-            is_degrees(test.heading_rad, degrees) && helm.is_some_and(|helm| is_degrees(helm, degrees))
-        };
-        let run = self.track(from, first) / length;
-        let initial = Figure::new("initial_turning", "initial turning ability", run, "L");
+            first.ok_or_else(|| unreached("heading", &turned[begin..], heading, self.to()))? + begin as f64;
+        let seconds = length / self.speed_m_s;
+        let is = |degrees: f64| is_degrees(heading, degrees) && self.is_helm(degrees);
+        let initial =
+            Figure::new("initial_turning", "initial turning ability", self.track(first) / length, "L");
         let mut all = vec![initial.at_most(is(10.0).then_some(criteria::INITIAL_TURNING))];
-        for (number, peak) in self.peaks(&turned, from, test.heading_rad).into_iter().take(2).enumerate() {
-            let (name, what) =
-                [("overshoot_1", "first overshoot"), ("overshoot_2", "second overshoot")][number];
+        let executes = &self.sailed.orders[1.min(self.sailed.orders.len())..];
+        let values = |sign: f64| turned.iter().map(|psi| sign * psi).collect::<Vec<f64>>();
+        let mut late = Vec::new();
+        for (number, execute) in executes.iter().take(2).enumerate() {
+            let sign = [1.0, -1.0][number];
+            let values = values(sign);
+            let end = (execute.to.ceil() as usize).min(values.len());
+            let Some((time, peak)) = self.smoother.peak(&values, execute.from.floor() as usize..end) else {
+                break;
+            };
             let allowed = match number {
                 0 if is(10.0) => Some(criteria::overshoot_10_first(seconds)),
                 1 if is(10.0) => Some(criteria::overshoot_10_second(seconds)),
                 0 if is(20.0) => Some(criteria::OVERSHOOT_20),
                 _ => None,
             };
-            let over = (peak - test.heading_rad).to_degrees();
-            all.push(Figure::new(name, what, over, "deg").at_most(allowed));
+            let (name, what) =
+                [("overshoot_1", "first overshoot"), ("overshoot_2", "second overshoot")][number];
+            let from = self.executed(&values, execute);
+            all.push(Figure::new(name, what, (peak - from).to_degrees(), "deg").at_most(allowed));
+            let (name, what) = [
+                ("check_time_1", "time to check the first swing"),
+                ("check_time_2", "time to check the second swing"),
+            ][number];
+            late.push(Figure::aside(name, what, self.seconds(execute.from, time), "s"));
         }
         if all.len() < 2 {
             return Err(Invalid::new("overshoot", "a heading that still grows", "its peak", "run it longer"));
         }
+        all.extend(late);
+        // A simulated helm goes over at the heading itself.
+        let gone =
+            [("execute_1", "heading at the second execute"), ("execute_2", "heading at the third execute")];
+        for ((own, sign), (name, what)) in
+            executes.iter().zip([1.0, -1.0]).zip(gone).filter(|_| !self.sailed.is_exact)
+        {
+            all.push(Figure::aside(name, what, self.executed(&values(sign), own).to_degrees(), "deg"));
+        }
+        if let (Some(one), Some(three)) = (executes.first(), executes.get(2)) {
+            all.push(Figure::aside("period", "period", self.seconds(one.from, three.from), "s"));
+        }
+        all.extend(self.nomoto());
         Ok(all)
     }
 
-    /// The greatest changes of heading of the swings, by turns to either side.
-    fn peaks(&self, turned: &[f64], from: usize, heading: f64) -> Vec<f64> {
-        let (mut peaks, mut start, mut side) = (Vec::new(), from, 1.0);
-        loop {
-            let values: Vec<f64> = turned.iter().map(|psi| side * psi).collect();
-            let reached = (start..values.len()).find(|k| values[*k] >= heading);
-            let Some(reached) = reached else { return peaks };
-            let end = (reached..values.len()).find(|k| values[*k] <= -heading).unwrap_or(values.len());
-            let Some(peak) = self.smoother.peak(&values, reached..end) else { return peaks };
-            peaks.push(peak);
-            (start, side) = (end, -side);
+    /// The heading at which the helm went over: the wanted one, where she reached that within the sample.
+    fn executed(&self, turned: &[f64], order: &Held) -> f64 {
+        let (heading, at) = (self.sailed.heading, order.from);
+        if self.sailed.is_exact {
+            return heading;
+        }
+        // An order changes the second derivative, which the curve through both sides does not mind in its middle.
+        let own = self.smoother.at(at, turned.len(), |k| turned[k]);
+        let [_, change] = self.smoother.slope((at.round() as usize).min(turned.len() - 1), turned);
+        let within = order.doubt * change.abs();
+        if (own - heading).abs() <= within { heading } else { own }
+    }
+
+    /// Gain and time constant of T r' + r = K (helm + constant), of least squares over its integral from the order to the end.
+    fn nomoto(&self) -> Vec<Figure> {
+        let Some(helm) = &self.sailed.angle else { return Vec::new() };
+        let (from, last) = (self.sailed.order.ceil() as usize, self.record.last() - 1);
+        let (mut turn, mut sums, mut right) = (0.0, [0.0; 9], [0.0; 3]);
+        let at = |k: usize| self.smoother.slope(k, &self.record.heading);
+        let [[start, rate]] = [at(from)];
+        let step = ((last - from) / 400).max(1);
+        for k in from + 1..=last {
+            let next = helm.smooth[k.min(helm.smooth.len() - 1)];
+            let over =
+                if self.record.is_held { helm.smooth[k - 1] } else { 0.5 * (helm.smooth[k - 1] + next) };
+            turn += over / self.record.rate_hz;
+            if (k - from) % step == 0 {
+                let [psi, r] = at(k);
+                let row = [turn, (rate - r) * self.record.rate_hz, self.seconds(from as f64, k as f64)];
+                for i in 0..3 {
+                    right[i] += row[i] * (psi - start);
+                    (0..3).for_each(|j| sums[3 * i + j] += row[i] * row[j]);
+                }
+            }
+        }
+        match numerics::solve(3, &mut sums, &mut right) {
+            Some(()) if right.iter().all(|own| own.is_finite()) => vec![
+                Figure::aside("nomoto_gain", "Nomoto's K", right[0].abs(), "1/s"),
+                Figure::aside("nomoto_time", "Nomoto's T", right[1], "s"),
+            ],
+            _ => Vec::new(),
         }
     }
 
-    fn circle(&self, turn: &TurningCircle) -> Result<Vec<Figure>, Invalid> {
-        let (from, length, side) = (self.record.sample(turn.hold_s), self.hull.length_m, turn.to.sign());
-        let turned = &self.record.turned(from, side)[from..];
+    fn circle(&self) -> Result<Vec<Figure>, Invalid> {
+        let Sailed { side, course, order, .. } = *self.sailed;
+        let length = self.hull.length_m;
+        let (begin, end) = (order.ceil() as usize, self.sailed.end(self.record));
+        let turned = &self.record.turned(course, side)[begin..=end.max(begin)];
+        let most = turned.iter().copied().fold(0.0, f64::max);
         let at = |angle: f64| {
             let time = self.smoother.crossing(turned, angle);
-            let why = || unreached("change of heading", turned, angle, turn.to);
-            time.map(|time| time + from as f64).ok_or_else(why)
+            time.map(|time| time + begin as f64).ok_or_else(|| match end < self.record.last() {
+                true => Invalid::new(
+                    "helm",
+                    format!("taken off after {:.1}° of turn to {}", most.to_degrees(), board(side)),
+                    format!("held until {:.0}°", angle.to_degrees()),
+                    "hold it longer",
+                ),
+                false => unreached("change of heading", turned, angle, self.to()),
+            })
         };
         let [quarter, half] = [at(FRAC_PI_2)?, at(PI)?];
-        let helm = angle(&turn.helm, self.hull.vessel);
-        let is_most = helm.is_some_and(|helm| is_degrees(helm, 35.0)) || self.is_most(&turn.helm);
+        let is_most = self.sailed.is_most || self.is_helm(35.0);
         let criterion = |most: f64| is_most.then_some(most);
-        let [advance, transfer] = self.run(from, side, quarter);
-        let [_, across] = self.run(from, side, half);
+        let [advance, transfer] = self.run(side, quarter);
+        let [_, across] = self.run(side, half);
         let mut all = vec![
             Figure::new("advance", "advance", advance / length, "L").at_most(criterion(criteria::ADVANCE)),
             Figure::new("transfer", "transfer", transfer / length, "L"),
             Figure::new("tactical_diameter", "tactical diameter", across / length, "L")
                 .at_most(criterion(criteria::TACTICAL_DIAMETER)),
-            Figure::new("time_90", "time to 90°", self.smoother.seconds(quarter - from as f64), "s"),
-            Figure::new("time_180", "time to 180°", self.smoother.seconds(half - from as f64), "s"),
+            Figure::new("time_90", "time to 90°", self.seconds(order, quarter), "s"),
+            Figure::new("time_180", "time to 180°", self.seconds(order, half), "s"),
         ];
+        let greatest = |axis: usize, from: f64, to: f64| {
+            let count = ((to - from) / self.smoother.half() * PER_TRACK).ceil().max(1.0);
+            let time = |k: usize| from + k as f64 / count * (to - from);
+            (0..=count as usize).map(|k| self.run(side, time(k))[axis]).fold(f64::NEG_INFINITY, f64::max)
+                / length
+        };
+        all.push(Figure::aside("greatest_advance", "greatest advance", greatest(0, order, half), "L"));
+        if let Ok(three_quarters) = at(1.5 * PI) {
+            let transfer = greatest(1, half, three_quarters);
+            all.push(Figure::aside("greatest_transfer", "greatest transfer", transfer, "L"));
+        }
         // The steady turn: from a whole turn on, at least half a turn of it.
-        if let (Ok(begin), true) = (at(TAU), turned.iter().any(|psi| *psi >= TAU + PI)) {
-            let range = (begin.ceil() as usize)..self.record.heading.len();
+        if let (Ok(from), true) = (at(TAU), most >= TAU + PI) {
+            let range = (from.ceil() as usize)..end + 1;
             let mean = |of: &[f64]| range.clone().map(|k| of[k]).sum::<f64>() / range.len() as f64;
             let (speed, rate) = (mean(&self.record.speed), side * mean(&self.record.yaw_rate));
-            all.push(Figure::new(
-                "steady_diameter",
-                "steady turning diameter",
-                2.0 * speed / rate / length,
-                "L",
-            ));
+            let diameter = 2.0 * speed / rate / length;
+            all.push(Figure::new("steady_diameter", "steady turning diameter", diameter, "L"));
             all.push(Figure::new("steady_yaw_rate", "steady yaw rate", rate.to_degrees(), "deg/s"));
-            all.push(Figure::new(
-                "speed_loss",
-                "speed in the turn over that of the approach",
-                speed / turn.speed_m_s,
-                "1",
-            ));
+            let loss = speed / self.speed_m_s;
+            all.push(Figure::new("speed_loss", "speed in the turn over that of the approach", loss, "1"));
+            let drift = libm::atan2(-side * mean(&self.record.sway), mean(&self.record.surge)).to_degrees();
+            all.push(Figure::aside("drift_angle", "drift angle in the turn", drift, "deg"));
         }
         Ok(all)
     }
 
-    /// Whether the helm takes an input to the end of its range.
-    fn is_most(&self, helm: &Settings) -> bool {
-        helm.iter().any(|(name, change)| {
-            self.range(name).is_some_and(|[low, high]| change.abs() >= NEARLY * low.abs().max(high))
-        })
-    }
-
-    /// Whether a setting is astern, at the end of its input's range.
-    fn is_full_astern(&self, settings: &Settings) -> bool {
-        settings.iter().any(|(name, setting)| {
-            self.range(name).is_some_and(|[low, _]| low < 0.0 && *setting <= NEARLY * low)
-        })
-    }
-
-    /// The range of an input, where its vessel states one.
-    fn range(&self, input: &str) -> Option<[f64; 2]> {
-        let vessel = self.hull.vessel;
-        let place = vessel.model.input_variables().iter().position(|own| own.name == input)?;
-        vessel.actuators[place].range
-    }
-
-    fn pull_out(&self, turn: &PullOut) -> Result<Vec<Figure>, Invalid> {
-        let needed = turn.hold_s + turn.turn_s;
-        let over = self.record.sample(needed);
+    fn pull_out(&self) -> Result<Vec<Figure>, Invalid> {
+        let amidships = self.sailed.orders.get(1).map_or(self.sailed.orders[0].to, |own| own.from);
+        let over = amidships.round() as usize;
         if !self.smoother.is_inside(over, self.record.last()) {
             let found = format!("{:.1} s", self.record.last() as f64 / self.record.rate_hz);
-            let expected = format!("more than {needed} s, until the helm is amidships");
+            let expected =
+                format!("more than {} s, until the helm is amidships", self.seconds(0.0, amidships));
             return Err(Invalid::new("pull-out", found, expected, "run it longer"));
         }
         let tail = self.record.last() - (self.record.last() - over) / 5;
         let mean = |range: std::ops::Range<usize>| {
             range.clone().map(|k| self.record.yaw_rate[k]).sum::<f64>() / range.len().max(1) as f64
         };
-        let begin = over.saturating_sub((over / 5).max(1));
+        let begin = over - ((over as f64 - self.sailed.order) / 5.0).max(1.0).min(over as f64) as usize;
         let (before, after) = (mean(begin..over.max(begin + 1)), mean(tail..self.record.last() + 1));
-        let turned = self.record.turned(self.record.sample(turn.hold_s), turn.to.sign())[over];
-        if let Some(wrong) = turn.to.turned_away(turned.max(0.0), (-turned).max(0.0)) {
+        let turned = self.record.turned(self.sailed.course, self.sailed.side)[over];
+        if let Some(wrong) = self.to().turned_away(turned.max(0.0), (-turned).max(0.0)) {
             return Err(wrong);
         }
         Ok(vec![
@@ -221,28 +345,29 @@ impl Measured<'_> {
         ])
     }
 
-    fn stop(&self, stop: &Stop) -> Result<Vec<Figure>, Invalid> {
-        let (from, length) = (self.record.sample(stop.hold_s), self.hull.length_m);
-        let slowed: Vec<f64> = self.record.surge[from..].iter().map(|u| -u).collect();
+    fn stop(&self, is_inertial: bool, is_full_astern: bool) -> Result<Vec<Figure>, Invalid> {
+        let (order, speed_m_s) = (self.sailed.order, self.speed_m_s);
+        let (begin, length) = (order.ceil() as usize, self.hull.length_m);
+        let until = if is_inertial { INERTIAL_END * speed_m_s } else { 0.0 };
+        let slowed: Vec<f64> = self.record.surge[begin..].iter().map(|u| -u).collect();
         // A crash stop ends there. An inertial stop goes on, so the samples after it count, too.
-        let end = match stop.inputs.is_empty() {
-            true => self.smoother.crossing(&slowed, -stop.end_m_s()),
-            false => self.smoother.end(&slowed, -stop.end_m_s(), 1e-5 * stop.speed_m_s),
+        let end = match is_inertial {
+            true => self.smoother.crossing(&slowed, -until),
+            false => self.smoother.end(&slowed, -until, 1e-5 * speed_m_s),
         };
         let end = end.ok_or_else(|| {
-            let least = self.record.surge[from..].iter().copied().fold(f64::INFINITY, f64::min);
-            let (found, expected) =
-                (format!("{least:.3} m/s at the least"), format!("{:.3} m/s", stop.end_m_s()));
+            let least = self.record.surge[begin..].iter().copied().fold(f64::INFINITY, f64::min);
+            let (found, expected) = (format!("{least:.3} m/s at the least"), format!("{until:.3} m/s"));
             Invalid::new("speed", found, expected, "run it longer")
-        })? + from as f64;
-        let [ahead, across] = self.run(from, 1.0, end);
-        let reach = self.track(from, end);
-        let criterion = self.is_full_astern(&stop.inputs).then_some(criteria::STOPPING);
+        })? + begin as f64;
+        let [ahead, across] = self.run(1.0, end);
+        let reach = self.track(end);
+        let criterion = is_full_astern.then_some(criteria::STOPPING);
         Ok(vec![
             Figure::new("track_reach", "track reach", reach / length, "L").at_most(criterion),
             Figure::new("head_reach", "head reach", ahead / length, "L"),
             Figure::new("lateral_deviation", "lateral deviation", across / length, "L"),
-            Figure::new("stopping_time", "time to stop", self.smoother.seconds(end - from as f64), "s"),
+            Figure::new("stopping_time", "time to stop", self.seconds(order, end), "s"),
         ])
     }
 }

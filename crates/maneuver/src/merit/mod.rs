@@ -3,9 +3,11 @@
 mod criteria;
 mod figure;
 mod figures;
+mod helm;
 mod record;
+mod sailed;
 mod spirals;
 
 pub use figure::{Figure, Hull};
-pub use figures::figures;
+pub use figures::{Found, figures};
 pub use record::Record;

@@ -22,12 +22,20 @@ pub struct Record {
     pub place: Vec<[f64; 2]>,
     /// Surge speed \[m/s\].
     pub surge: Vec<f64>,
+    /// Sway speed \[m/s\].
+    pub sway: Vec<f64>,
     /// Speed \[m/s\].
     pub speed: Vec<f64>,
     /// Yaw rate \[rad/s\].
     pub yaw_rate: Vec<f64>,
     /// Inputs of the samples, N × inputs.
     pub inputs: Vec<f64>,
+    /// Samples before the maneuver, where it is a segment of a longer record.
+    pub lead: usize,
+    /// Whether it was simulated: orders are those of the dictionary, and the inputs are held during samples.
+    pub is_held: bool,
+    /// Whether places were recorded, not reckoned from the speeds.
+    pub is_placed: bool,
 }
 
 impl Record {
@@ -40,10 +48,38 @@ impl Record {
             heading: poses.iter().map(|pose| pose.psi).collect(),
             place: poses.iter().map(|pose| [pose.x, pose.y]).collect(),
             surge: states.iter().map(|state| state[0]).collect(),
+            sway: states.iter().map(|state| state[1]).collect(),
             speed: states.iter().map(|[u, v, _]| libm::hypot(*u, *v)).collect(),
             yaw_rate: states.iter().map(|state| state[2]).collect(),
             inputs,
+            lead: 0,
+            is_held: true,
+            is_placed: false,
         }
+    }
+
+    /// The same as the log of a maneuver that begins after `lead` samples.
+    #[must_use]
+    pub fn logged(self, lead: usize) -> Self {
+        Self { lead, is_held: false, ..self }
+    }
+
+    /// The same in water that moves: without a steady current \[m/s to north and east\] since sample `from`. `over_ground`: the
+    /// speeds are over ground, too.
+    #[must_use]
+    pub(super) fn without(&self, [north, east]: [f64; 2], from: f64, over_ground: bool) -> Self {
+        let mut own = self.clone();
+        for (k, place) in own.place.iter_mut().enumerate() {
+            let seconds = (k as f64 - from) / self.rate_hz;
+            *place = [place[0] - north * seconds, place[1] - east * seconds];
+            if over_ground {
+                let (sin, cos) = libm::sincos(self.heading[k]);
+                own.surge[k] -= north * cos + east * sin;
+                own.sway[k] -= east * cos - north * sin;
+                own.speed[k] = libm::hypot(own.surge[k], own.sway[k]);
+            }
+        }
+        own
     }
 
     /// The same with recorded north, east \[m\] and heading \[rad\] of every sample; headings may jump by whole turns.
@@ -56,7 +92,8 @@ impl Record {
             heading
         });
         let heading = headings.collect();
-        Self { heading, place: poses.iter().map(|[north, east, _]| [*north, *east]).collect(), ..self }
+        let place = poses.iter().map(|[north, east, _]| [*north, *east]).collect();
+        Self { heading, place, is_placed: true, ..self }
     }
 
     /// The last sample.
@@ -69,9 +106,9 @@ impl Record {
         ((seconds * self.rate_hz).round() as usize).min(self.last())
     }
 
-    /// Changes of heading from sample `from`, to `side` (1 starboard, −1 port).
-    pub(super) fn turned(&self, from: usize, side: f64) -> Vec<f64> {
-        self.heading.iter().map(|psi| side * (psi - self.heading[from])).collect()
+    /// Changes of heading from `course`, to `side` (1 starboard, −1 port).
+    pub(super) fn turned(&self, course: f64, side: f64) -> Vec<f64> {
+        self.heading.iter().map(|psi| side * (psi - course)).collect()
     }
 }
 
@@ -80,7 +117,8 @@ impl Record {
 pub(super) struct Smoother {
     /// Samples to either side.
     half: usize,
-    rate_hz: f64,
+    /// In which the ship covers her length.
+    length: f64,
 }
 
 impl Smoother {
@@ -89,7 +127,7 @@ impl Smoother {
     /// # Errors
     /// Samples that are too far apart.
     pub fn new(length_m: f64, speed_m_s: f64, rate_hz: f64) -> Result<Self, Invalid> {
-        let half = (HALF * length_m / speed_m_s * rate_hz).floor() as usize;
+        let half = ((HALF * length_m / speed_m_s * rate_hz).floor() as usize).max(1);
         let least = speed_m_s / (LONGEST * length_m);
         if rate_hz < least * (1.0 - 1e-9) {
             return Err(Invalid::new(
@@ -99,11 +137,19 @@ impl Smoother {
                 "log more often",
             ));
         }
-        Ok(Self { half, rate_hz })
+        Ok(Self { half, length: length_m / speed_m_s * rate_hz })
     }
 
+    /// The samples around `at`; as many at an end of the record, to one side.
     fn window(&self, at: usize, samples: usize) -> std::ops::Range<usize> {
-        at.saturating_sub(self.half)..(at + self.half + 1).min(samples)
+        let whole = 2 * self.half + 1;
+        let end = (at.saturating_sub(self.half) + whole).min(samples);
+        end.saturating_sub(whole)..end
+    }
+
+    /// Samples in which the ship covers her length.
+    pub fn length(&self) -> f64 {
+        self.length
     }
 
     /// Whether there is a whole window around `at`.
@@ -152,11 +198,11 @@ impl Smoother {
         a + away * (b + away * c)
     }
 
-    /// The greatest of `values` within `range`: the top of a parabola around the largest sample; `None` at an end of the record.
-    pub fn peak(&self, values: &[f64], range: std::ops::Range<usize>) -> Option<f64> {
+    /// When `values` are greatest within `range`, in samples, and how great: the top of a parabola around the largest sample; `None` at an end of the record.
+    pub fn peak(&self, values: &[f64], range: std::ops::Range<usize>) -> Option<(f64, f64)> {
         let mut top = range.clone().max_by(|a, b| values[*a].total_cmp(&values[*b]))?;
         // With noise the largest sample may be off the top by many.
-        let mut value = values[top];
+        let mut found = (top as f64, values[top]);
         for _ in 0..4 {
             if !self.is_inside(top, values.len()) {
                 return None;
@@ -164,19 +210,25 @@ impl Smoother {
             let [a, b, c] = parabola(self.window(top, values.len()), top, |k| values[k]);
             let away =
                 if c < 0.0 { (-0.5 * b / c).clamp(-(self.half as f64), self.half as f64) } else { 0.0 };
-            value = a + away * (b + away * c);
+            found = (top as f64 + away, a + away * (b + away * c));
             let next = (top as f64 + away.round()).max(0.0) as usize;
             if next == top {
                 break;
             }
             top = next;
         }
-        Some(value)
+        Some(found)
     }
 
-    /// Samples per second.
-    pub fn seconds(&self, samples: f64) -> f64 {
-        samples / self.rate_hz
+    /// Samples to either side.
+    pub fn half(&self) -> f64 {
+        self.half as f64
+    }
+
+    /// A value, and its change in a sample.
+    pub fn slope(&self, at: usize, values: &[f64]) -> [f64; 2] {
+        let [a, b, _] = parabola(self.window(at, values.len()), at, |k| values[k]);
+        [a, b]
     }
 }
 

@@ -12,4 +12,4 @@ pub use spec::{
 
 pub(crate) use checks::check_names;
 pub(crate) use orders::{Approach, Orders, changes};
-pub(crate) use spec::{is_turned_away, steps};
+pub(crate) use spec::{INERTIAL_END, is_turned_away, steps};

@@ -3,6 +3,7 @@
 mod derived;
 mod equilibria;
 mod feedback;
+mod logged;
 mod maneuvers;
 mod oracle;
 mod reference_ships;

@@ -2,25 +2,31 @@
 
 use std::collections::BTreeMap;
 
-use maneuver::Kind;
-use maneuver::merit::{Figure, Hull, Record, figures};
+use maneuver::merit::{Figure, Hull, Record, figures as found};
+use maneuver::{Kind, Standard};
 use model::{Vessel, VesselFile};
+use refusal::Invalid;
 use serde::Deserialize;
+
+/// The figures of a simulated maneuver.
+fn figures(standard: Standard, record: &Record, hull: &Hull) -> Result<Vec<Figure>, Invalid> {
+    found(Some(standard), record, hull).map(|found| found.figures)
+}
 
 /// A case of scripts/independent/reference_ships.py.
 #[derive(Deserialize)]
-struct Case {
-    ship: String,
-    length_m: f64,
-    maneuver: Kind,
-    figures: BTreeMap<String, f64>,
-    inputs: Vec<String>,
-    rate_hz: f64,
+pub struct Case {
+    pub ship: String,
+    pub length_m: f64,
+    pub maneuver: Kind,
+    pub figures: BTreeMap<String, f64>,
+    pub inputs: Vec<String>,
+    pub rate_hz: f64,
     /// u, v, r, north, east, heading and inputs of every sample.
-    record: Vec<Vec<f64>>,
+    pub record: Vec<Vec<f64>>,
 }
 
-fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<Case> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/oracle/reference_ships.json");
     let mut document: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
@@ -29,7 +35,7 @@ fn cases() -> Vec<Case> {
 
 impl Case {
     /// A vessel with the ship's inputs; figures of records depend on nothing else of it.
-    fn vessel(&self) -> Vessel {
+    pub fn vessel(&self) -> Vessel {
         let input = |name: &String| {
             let unit = if name == "delta" { "rad" } else { "1/s" };
             format!("{{ name = \"{name}\", unit = \"{unit}\" }}")

@@ -3,10 +3,16 @@
 use std::f64::consts::PI;
 
 use engine::{Pose, Progress, Seen, Ship, simulate_command};
-use maneuver::merit::{Figure, Hull, Record, figures};
-use maneuver::{DictionaryFile, Generator};
+use maneuver::merit::{Figure, Hull, Record, figures as found};
+use maneuver::{DictionaryFile, Generator, Standard};
 use model::{Actuator, Source, Vessel, VesselFile};
+use refusal::Invalid;
 use serde_json::Value;
+
+/// The figures of a simulated maneuver.
+fn figures(standard: Standard, record: &Record, hull: &Hull) -> Result<Vec<Figure>, Invalid> {
+    found(Some(standard), record, hull).map(|found| found.figures)
+}
 
 /// The ship of scripts/independent/standard_maneuvers.py, in steps of 1/`rate` s.
 fn ship(rate: f64) -> Vessel {
@@ -90,8 +96,16 @@ fn oracle_zig_zags_overshoot_as_in_continuous_time() {
             for (number, name) in ["overshoot_1", "overshoot_2"].iter().enumerate() {
                 let expected = test["overshoots_deg"][number].as_f64().unwrap();
                 let off = (value(&found, name) - expected).abs();
+                // The heading at which a helm goes over late is measured, too.
+                let is_late = test["delay_s"].as_f64().unwrap() > 0.0;
                 assert!(
-                    off < if rate > 100.0 { 0.01 } else { 0.04 },
+                    off < if is_late {
+                        0.06
+                    } else if rate > 100.0 {
+                        0.01
+                    } else {
+                        0.04
+                    },
                     "{rate} Hz, {test}: {name} off by {off}°"
                 );
             }
@@ -145,7 +159,7 @@ fn oracle_circles_and_stops_are_as_in_continuous_time() {
 }
 
 /// A standard normal number from two of an LCG.
-fn normal(state: &mut u64) -> f64 {
+pub fn normal(state: &mut u64) -> f64 {
     let mut uniform = || {
         *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((*state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
@@ -442,6 +456,7 @@ fn begun(record: &Record, samples: usize) -> Record {
         heading: record.heading[..samples].to_vec(),
         place: record.place[..samples].to_vec(),
         surge: record.surge[..samples].to_vec(),
+        sway: record.sway[..samples].to_vec(),
         speed: record.speed[..samples].to_vec(),
         yaw_rate: record.yaw_rate[..samples].to_vec(),
         ..record.clone()

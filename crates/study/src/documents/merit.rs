@@ -49,7 +49,9 @@ impl MeritDocument {
                 let why = figure.without_slopes.as_ref()?;
                 Some(format!("{}: no slopes of {}: {why}", own.name, figure.what))
             });
-            figures.chain(without).chain(unsloped).collect::<Vec<_>>()
+            let sailed = own.sailed.iter().map(|sailed| format!("{}: {sailed}", own.name));
+            let remarks = own.remarks.iter().map(|remark| format!("{}: {remark}", own.name));
+            sailed.chain(remarks).chain(figures).chain(without).chain(unsloped).collect::<Vec<_>>()
         };
         Self {
             vessel: vessel.to_owned(),
@@ -81,7 +83,10 @@ impl MeritDocument {
             _ => format!("{met} of {judged} criteria of IMO MSC.137(76) pass"),
         };
         let head = format!("{figures} figures of {maneuvers} maneuvers; {judged}");
-        std::iter::once(head).chain(missed).chain(without).collect::<Vec<_>>().join("; ")
+        let remarks =
+            self.maneuvers.iter().flat_map(|own| own.remarks.iter().map(move |remark| (own, remark)));
+        let remarks = remarks.map(|(own, remark)| format!("{}: {remark}", own.name));
+        std::iter::once(head).chain(missed).chain(without).chain(remarks).collect::<Vec<_>>().join("; ")
     }
 
     /// With the parameters that its figures' slopes were computed at.
@@ -102,7 +107,7 @@ impl Document for MeritDocument {
         ("m/s", "surge_m_s"),
         ("deg/s", "yaw_rate_deg_s"),
         ("ship lengths", "ahead abeam"),
-        ("the unit beside it", "value std low high most"),
+        ("the unit beside it", "value corrected std low high most"),
         ("the unit beside it per unit of the parameter", "slopes"),
     ];
 }

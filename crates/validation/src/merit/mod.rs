@@ -3,9 +3,11 @@
 mod slopes;
 mod summary;
 
+use std::collections::BTreeMap;
+
 use engine::{Run, Streams, check_runaway, simulate_command};
 use identification::pooled::Uncertain;
-use maneuver::merit::{Figure, Hull, Record, figures};
+use maneuver::merit::{Figure, Found, Hull, Record, figures};
 use maneuver::{Generator, Standard};
 use model::Vessel;
 use refusal::Invalid;
@@ -43,9 +45,18 @@ impl From<Unsimulated> for Invalid {
     }
 }
 
+/// How long before a maneuver its approach may begin, in times in which the ship covers her length.
+const LEAD: f64 = 3.0;
+
 /// What is gathered of a maneuver.
+#[derive(Default)]
 struct Gathered {
-    index: usize,
+    /// Its place in the dictionary; `None` where its log shows what it was.
+    index: Option<usize>,
+    name: String,
+    kind: String,
+    /// What was sailed, as the logs show it.
+    sailed: String,
     /// The figures of every run that has them.
     figures: Vec<Vec<Figure>>,
     /// Runs that lack them, and why the first does.
@@ -56,6 +67,8 @@ struct Gathered {
     track: Option<ShipTrack>,
     /// The derivatives of the figures, or why the undisturbed ship has no figures; `None` where they were not computed.
     slopes: Option<Result<Vec<FigureSlopes>, Invalid>>,
+    /// What is to be known of the figures and in how many runs, by the words without their numbers.
+    remarks: BTreeMap<String, (u64, String)>,
 }
 
 impl Gathered {
@@ -67,41 +80,39 @@ impl Gathered {
 }
 
 /// Refuses figures of which one is no number.
-fn all_finite(figures: Vec<Figure>) -> Result<Vec<Figure>, Invalid> {
-    match figures.iter().find(|own| !own.value.is_finite()) {
-        None => Ok(figures),
+fn all_finite(found: Found) -> Result<Found, Invalid> {
+    match found.figures.iter().find(|own| !own.value.is_finite()) {
+        None => Ok(found),
         Some(own) => {
             Err(Invalid::new(own.what, own.value.to_string(), "a number", "run it longer, or with more helm"))
         }
     }
 }
 
-/// Figures of the standard maneuvers of a dictionary.
+/// Figures of the standard maneuvers of a dictionary, or of those that logs show.
 pub struct Merit<'a> {
-    generator: &'a Generator,
+    generator: Option<&'a Generator>,
     hull: Hull<'a>,
     gathered: Vec<Gathered>,
     rows: Vec<MeritRow>,
 }
 
 impl<'a> Merit<'a> {
-    /// None so far, for a ship of this length \[m\].
+    /// None so far, for a ship of this length \[m\]; without a dictionary logs show what was sailed.
     ///
     /// # Errors
     /// A dictionary without standard maneuvers.
-    pub fn new(vessel: &'a Vessel, generator: &'a Generator, length_m: f64) -> Result<Self, Invalid> {
-        let standard = |index: &usize| generator.maneuvers()[*index].kind.standard().is_some();
-        let blank = |index: usize| Gathered {
-            index,
-            figures: Vec::new(),
-            without: 0,
-            reason: None,
-            diverged: 0,
-            track: None,
-            slopes: None,
+    pub fn new(vessel: &'a Vessel, generator: Option<&'a Generator>, length_m: f64) -> Result<Self, Invalid> {
+        let all = generator.map_or(&[][..], |own| own.maneuvers());
+        let standard = all.iter().enumerate().filter_map(|(i, own)| Some((i, own, own.kind.standard()?)));
+        let blank = |(i, own, standard): (usize, &maneuver::ManeuverSpec, Standard)| Gathered {
+            index: Some(i),
+            name: own.name.clone(),
+            kind: standard.name().to_owned(),
+            ..Gathered::default()
         };
-        let gathered: Vec<Gathered> = (0..generator.maneuvers().len()).filter(standard).map(blank).collect();
-        if gathered.is_empty() {
+        let gathered: Vec<Gathered> = standard.map(blank).collect();
+        if generator.is_some() && gathered.is_empty() {
             return Err(Invalid::new(
                 "[[maneuver]]",
                 "no standard maneuver",
@@ -113,18 +124,21 @@ impl<'a> Merit<'a> {
     }
 
     /// Adds a recorded run; `poses` are its north, east \[m\] and heading \[rad\] at every sample, where they were recorded, else
-    /// they are reckoned from its states.
-    pub fn add(&mut self, run: &Run, poses: Option<&[[f64; 3]]>) {
+    /// they are reckoned from its states. What `is_logged` shows itself when orders were given, and which.
+    pub fn add(&mut self, run: &Run, poses: Option<&[[f64; 3]]>, is_logged: bool) {
         let vessel = self.hull.vessel;
         let width = vessel.model.exogenous();
         let ends = run.segments.iter().skip(1).map(|next| next.start).chain([run.samples()]);
         for (segment, end) in run.segments.iter().zip(ends) {
-            let place = self
-                .gathered
-                .iter()
-                .position(|own| self.generator.maneuvers()[own.index].name == segment.maneuver);
-            let Some(place) = place else { continue };
-            let samples = segment.start..end;
+            let place =
+                self.gathered.iter().position(|own| own.index.is_some() && own.name == segment.maneuver);
+            if self.generator.is_some() && place.is_none() {
+                continue;
+            }
+            let speed = libm::hypot(run.measured[3 * segment.start], run.measured[3 * segment.start + 1]);
+            let lead = (LEAD * self.hull.length_m / speed.max(1e-3) * vessel.sample_rate_hz) as usize;
+            let lead = if is_logged { lead.min(segment.start) } else { 0 };
+            let samples = segment.start - lead..end;
             let states = &run.measured[3 * samples.start..3 * (samples.end + 1)];
             let inputs = vessel.model.inputs_of(&run.exogenous[width * samples.start..width * samples.end]);
             let record = Record::of_states(states, inputs, vessel.sample_rate_hz);
@@ -132,8 +146,33 @@ impl<'a> Merit<'a> {
                 Some(poses) => record.with_poses(&poses[samples.start..=samples.end]),
                 None => record,
             };
-            self.measure(place, &run.design, run.run, &record);
+            let record = if is_logged { record.logged(lead) } else { record };
+            let standard = place.and_then(|place| self.standard(place));
+            let found = figures(standard, &record, &self.hull);
+            let place = place.unwrap_or_else(|| self.recognised(&segment.maneuver, found.as_ref().ok()));
+            self.note(place, &run.design, run.run, &record, found);
         }
+    }
+
+    /// The place of what a log called `name` was found to be.
+    fn recognised(&mut self, name: &str, found: Option<&Found>) -> usize {
+        let (kind, sailed) = found.map_or(("", ""), |own| (own.kind, own.sailed.as_str()));
+        let is_it = |own: &Gathered| {
+            own.sailed == sailed
+                && own.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(": "))
+        };
+        self.gathered.iter().position(is_it).unwrap_or_else(|| {
+            // The same name may stand for different maneuvers.
+            let is_known = self.gathered.iter().any(|own| own.name == name);
+            let name = if is_known { format!("{name}: {sailed}") } else { name.to_owned() };
+            let (kind, sailed) = (kind.to_owned(), sailed.to_owned());
+            self.gathered.push(Gathered { name, kind, sailed, ..Gathered::default() });
+            self.gathered.len() - 1
+        })
+    }
+
+    fn standard(&self, place: usize) -> Option<Standard<'a>> {
+        self.generator?.maneuvers()[self.gathered[place].index?].kind.standard()
     }
 
     /// Simulates every standard maneuver undisturbed, with `parameters`, as run `run`.
@@ -142,9 +181,10 @@ impl<'a> Merit<'a> {
     /// A maneuver that the model cannot hold, or in which it diverges.
     pub fn simulate(&mut self, parameters: &[f64], run: i32) -> Result<(), Unsimulated> {
         for place in 0..self.gathered.len() {
-            let index = self.gathered[place].index;
-            let (_, record) = undisturbed(self.hull.vessel, self.generator, index, parameters)?;
-            self.measure(place, "model", run, &record);
+            let Some((generator, index)) = self.generator.zip(self.gathered[place].index) else { continue };
+            let (standard, record) = undisturbed(self.hull.vessel, generator, index, parameters)?;
+            let found = figures(Some(standard), &record, &self.hull);
+            self.note(place, "model", run, &record, found);
         }
         Ok(())
     }
@@ -156,9 +196,14 @@ impl<'a> Merit<'a> {
         for draw in 0..draws {
             let parameters = uncertain.drawn(&streams, draw);
             for place in 0..self.gathered.len() {
-                let index = self.gathered[place].index;
-                match undisturbed(self.hull.vessel, self.generator, index, &parameters) {
-                    Ok((_, record)) => self.measure(place, "model", draw as i32, &record),
+                let Some((generator, index)) = self.generator.zip(self.gathered[place].index) else {
+                    continue;
+                };
+                match undisturbed(self.hull.vessel, generator, index, &parameters) {
+                    Ok((standard, record)) => {
+                        let found = figures(Some(standard), &record, &self.hull);
+                        self.note(place, "model", draw as i32, &record, found);
+                    }
                     Err(why) => {
                         self.gathered[place].diverged += u64::from(matches!(why, Unsimulated::Diverged(_)));
                         self.gathered[place].lacks(why.into());
@@ -168,21 +213,25 @@ impl<'a> Merit<'a> {
         }
     }
 
-    fn measure(&mut self, place: usize, design: &str, run: i32, record: &Record) {
+    fn note(&mut self, place: usize, design: &str, run: i32, record: &Record, found: Result<Found, Invalid>) {
         let own = &mut self.gathered[place];
-        let maneuver = &self.generator.maneuvers()[own.index];
-        let Some(standard) = maneuver.kind.standard() else { return };
-        let found = figures(standard, record, &self.hull);
         match found.and_then(all_finite) {
             Ok(found) => {
-                self.rows.extend(found.iter().map(|figure| MeritRow {
+                self.rows.extend(found.figures.iter().map(|figure| MeritRow {
                     design: design.to_owned(),
                     run,
-                    maneuver: maneuver.name.clone(),
+                    maneuver: own.name.clone(),
                     figure: figure.clone(),
                 }));
+                for remark in found.remarks {
+                    let words = remark.chars().filter(|c| !c.is_numeric()).collect();
+                    own.remarks.entry(words).or_insert((0, remark)).0 += 1;
+                }
+                if !record.is_held && own.sailed.is_empty() {
+                    own.sailed = found.sailed;
+                }
                 own.track.get_or_insert_with(|| ShipTrack::of(record, self.hull.length_m));
-                own.figures.push(found);
+                own.figures.push(found.figures);
             }
             Err(invalid) => own.lacks(invalid),
         }
@@ -202,7 +251,7 @@ impl<'a> Merit<'a> {
         let ran = |own: &&Gathered| own.without > 0 || !own.figures.is_empty();
         let all: Vec<&Gathered> = self.gathered.iter().filter(ran).collect();
         if all.is_empty() {
-            let names = self.gathered.iter().map(|own| self.generator.maneuvers()[own.index].name.as_str());
+            let names = self.gathered.iter().map(|own| own.name.as_str());
             return Err(Invalid::new(
                 "maneuvers",
                 "no run of a standard maneuver of the dictionary",
@@ -211,23 +260,39 @@ impl<'a> Merit<'a> {
             ));
         }
         let reasons = || all.iter().filter_map(|own| Some((own, own.reason.as_ref()?)));
-        if let (true, Some((own, reason))) = (all.iter().all(|own| own.figures.is_empty()), reasons().next())
-        {
-            let name = &self.generator.maneuvers()[own.index].name;
-            return Err(Invalid { thing: format!("maneuver `{name}`, {}", reason.thing), ..reason.clone() });
+        // What logs without a dictionary are is said of each of them.
+        let is_none = self.generator.is_some() && all.iter().all(|own| own.figures.is_empty());
+        if let (true, Some((own, reason))) = (is_none, reasons().next()) {
+            let thing = format!("maneuver `{}`, {}", own.name, reason.thing);
+            return Err(Invalid { thing, ..reason.clone() });
         }
         let one = |own: &Gathered| {
-            ManeuverMerit::new(
-                &self.generator.maneuvers()[own.index],
-                &own.figures,
-                (own.without, own.diverged, own.reason.as_ref()),
-                own.track.clone().unwrap_or_default(),
-                of_parameters,
-            )
-            .with_slopes(own.slopes.as_ref())
+            let slopes = own.slopes.as_ref();
+            let merit = ManeuverMerit {
+                name: own.name.clone(),
+                kind: own.kind.clone(),
+                sailed: Some(own.sailed.clone()).filter(|own| !own.is_empty()),
+                runs: own.figures.len() as u64,
+                without: own.without,
+                diverged: own.diverged,
+                reason: own.reason.as_ref().map(ToString::to_string),
+                figures: FigureMerit::all(&own.figures, of_parameters),
+                remarks: own
+                    .remarks
+                    .values()
+                    .map(|own_remark| counted(own_remark, own.figures.len()))
+                    .collect(),
+                track: own.track.clone().unwrap_or_default(),
+            };
+            merit.with_slopes(slopes)
         };
         Ok(all.into_iter().map(one).collect())
     }
+}
+
+/// A remark, and of how many of all runs it is.
+fn counted((runs, words): &(u64, String), all: usize) -> String {
+    if all < 2 { words.clone() } else { format!("{runs} of {all} runs, such as: {words}") }
 }
 
 /// A maneuver, and what the undisturbed ship with `parameters` does in it.

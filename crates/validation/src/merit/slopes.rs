@@ -43,9 +43,9 @@ impl Merit<'_> {
         let sample_s = 1.0 / self.hull.vessel.sample_rate_hz;
         let later = |phase| (f64::from(phase) + 0.5) / f64::from(PHASES) * sample_s;
         let phases: Vec<Generator> =
-            (0..PHASES).map(|phase| self.generator.clone().later(later(phase))).collect();
+            (0..PHASES).filter_map(|phase| Some(self.generator?.clone().later(later(phase)))).collect();
         for place in 0..self.gathered.len() {
-            let index = self.gathered[place].index;
+            let Some(index) = self.gathered[place].index else { continue };
             let found = |parameters: &[f64]| self.found(&phases, index, parameters);
             let base = found(parameters);
             let mut ends = Vec::with_capacity(names.len());
@@ -69,7 +69,8 @@ impl Merit<'_> {
         let mut mean: Vec<Figure> = Vec::new();
         for (number, phase) in phases.iter().enumerate() {
             let (standard, record) = undisturbed(self.hull.vessel, phase, index, parameters)?;
-            let own = maneuver::merit::figures(standard, &record, &self.hull)?;
+            let own = maneuver::merit::figures(Some(standard), &record, &self.hull)?.figures;
+            let own: Vec<Figure> = own.into_iter().filter(|own| !own.is_aside).collect();
             let part = 1.0 / phases.len() as f64;
             if number == 0 {
                 mean = own.iter().map(|figure| Figure { value: 0.0, ..figure.clone() }).collect();

@@ -1,6 +1,5 @@
 use std::collections::BTreeMap;
 
-use maneuver::ManeuverSpec;
 use maneuver::merit::{Figure, Record};
 use numerics::statistics::{mean, mean_interval, quantile, spread};
 use refusal::Invalid;
@@ -19,8 +18,11 @@ fn is_zero(count: &u64) -> bool {
 pub struct ManeuverMerit {
     /// Its name in the dictionary.
     pub name: String,
-    /// Its kind.
+    /// Its kind; empty where a log shows none.
     pub kind: String,
+    /// What was sailed, as the log of the first run shows it; absent where it was simulated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sailed: Option<String>,
     /// Runs that have the figures.
     pub runs: u64,
     /// Runs that lack them.
@@ -32,6 +34,9 @@ pub struct ManeuverMerit {
     pub reason: Option<String>,
     /// The figures.
     pub figures: Vec<FigureMerit>,
+    /// What is to be known of them: an approach that was not steady, a current, what differs from the dictionary.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub remarks: Vec<String>,
     /// What the ship did in the first run that has them.
     pub track: ShipTrack,
 }
@@ -46,8 +51,11 @@ pub struct FigureMerit {
     pub what: String,
     /// Unit of its numbers: `deg`, `deg/s`, `L` (ship lengths), `s`, or the input's.
     pub unit: String,
-    /// Its mean over the runs.
+    /// Its mean over the runs, as it was measured.
     pub value: f64,
+    /// The mean without the current that the logs show; absent where they show none. The criterion is that of this value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub corrected: Option<f64>,
     /// Its standard deviation; null of a single run.
     pub std: Option<f64>,
     /// Lower end of the 95 % interval: of the mean, or of 95 % of the models that the data leave possible; null of a single run.
@@ -65,6 +73,9 @@ pub struct FigureMerit {
     /// Why it has no derivatives, where they were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub without_slopes: Option<String>,
+    /// Whether it is beside those that trials are designed for.
+    #[serde(skip)]
+    is_aside: bool,
 }
 
 /// The track of a ship, from where the maneuver begins.
@@ -115,41 +126,10 @@ impl ManeuverMerit {
         (self.without > 0).then(|| format!("{} of {all} runs without figures{diverged}", self.without))
     }
 
-    /// Of `maneuver`, from the figures of every run, those `without` any, and an example.
-    pub(super) fn new(
-        maneuver: &ManeuverSpec,
-        runs: &[Vec<Figure>],
-        (without, diverged, reason): (u64, u64, Option<&Invalid>),
-        track: ShipTrack,
-        of_parameters: bool,
-    ) -> Self {
-        // A run may lack some of them.
-        let mut known: Vec<&Figure> = Vec::new();
-        for figure in runs.iter().flatten() {
-            if known.iter().all(|own| own.name != figure.name) {
-                known.push(figure);
-            }
-        }
-        let one = |figure: &Figure| {
-            let values = runs.iter().flatten().filter(|own| own.name == figure.name).map(|own| own.value);
-            FigureMerit::new(figure, &values.collect::<Vec<_>>(), of_parameters)
-        };
-        Self {
-            name: maneuver.name.clone(),
-            kind: maneuver.kind.standard().map_or("", |own| own.name()).to_owned(),
-            runs: runs.len() as u64,
-            without,
-            diverged,
-            reason: reason.map(ToString::to_string),
-            figures: known.into_iter().map(one).collect(),
-            track,
-        }
-    }
-
     /// With the derivatives of its figures; `None` where they were not computed.
     pub(super) fn with_slopes(mut self, slopes: Option<&Result<Vec<FigureSlopes>, Invalid>>) -> Self {
         let Some(slopes) = slopes else { return self };
-        for figure in &mut self.figures {
+        for figure in self.figures.iter_mut().filter(|own| !own.is_aside) {
             let own = slopes.as_ref().map(|all| all.iter().find(|own| own.figure == figure.name));
             match own.map(|own| own.map(|own| &own.slopes)) {
                 Ok(Some(Ok(slopes))) => figure.slopes = Some(slopes.clone()),
@@ -165,43 +145,67 @@ impl ManeuverMerit {
 }
 
 impl FigureMerit {
-    fn new(figure: &Figure, values: &[f64], of_parameters: bool) -> Self {
-        let value = mean(values).unwrap_or(f64::NAN);
-        let ends = if of_parameters { middle(values) } else { mean_interval(values) };
-        let passes = figure.most.and_then(|most| match ends {
+    /// Those of every run, of which some may lack some.
+    pub(super) fn all(runs: &[Vec<Figure>], of_parameters: bool) -> Vec<Self> {
+        let mut known: Vec<&Figure> = Vec::new();
+        for figure in runs.iter().flatten() {
+            if known.iter().all(|own| own.name != figure.name) {
+                known.push(figure);
+            }
+        }
+        let of = |name: &str| runs.iter().flatten().filter(|own| own.name == name).collect::<Vec<_>>();
+        known.into_iter().map(|own| Self::new(&of(own.name), of_parameters)).collect()
+    }
+
+    fn new(runs: &[&Figure], of_parameters: bool) -> Self {
+        let figure = runs[0];
+        let values: Vec<f64> = runs.iter().map(|own| own.value).collect();
+        let is_corrected = runs.iter().any(|own| own.corrected.is_some());
+        let still: Vec<f64> = runs.iter().map(|own| own.corrected.unwrap_or(own.value)).collect();
+        let ends_of = |values: &[f64]| if of_parameters { middle(values) } else { mean_interval(values) };
+        let value = mean(&values).unwrap_or(f64::NAN);
+        let corrected = mean(&still).filter(|_| is_corrected);
+        let (values, ends) = (&values, ends_of(&values));
+        // Runs of different maneuvers under one name have no limit together.
+        let most = figure.most.filter(|_| runs.iter().all(|own| own.most.is_some()));
+        let passes = most.and_then(|most| match ends_of(&still) {
             Some([low, high]) if low <= most && most < high => None,
-            _ => Some(value <= most),
+            _ => Some(corrected.unwrap_or(value) <= most),
         });
         Self {
             name: figure.name.to_owned(),
             what: figure.what.to_owned(),
             unit: figure.unit.clone(),
             value,
+            corrected,
             std: (values.len() > 1).then(|| spread(values)).flatten(),
             low: ends.map(|[low, _]| low),
             high: ends.map(|[_, high]| high),
-            most: figure.most,
+            most,
             passes,
             slopes: None,
             without_slopes: None,
+            is_aside: figure.is_aside,
         }
     }
 
     /// In words: `first overshoot 4.95 ± 0.10 deg, at most 10 (IMO): passes`.
     pub fn words(&self) -> String {
-        let Self { what, unit, value, low, high, most, passes, .. } = self;
+        let Self { what, unit, value, corrected, low, high, most, passes, .. } = self;
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
         let interval = match (low, high) {
             (Some(low), Some(high)) => format!(" ({low:.3} to {high:.3})"),
             _ => String::new(),
         };
+        let still =
+            corrected.map_or(String::new(), |own| format!(", {own:.3}{unit} corrected for the current"));
         let verdict = match (most, passes) {
             (Some(most), Some(true)) => format!(", IMO allows {most:.1}: passes"),
             (Some(most), Some(false)) => format!(", IMO allows {most:.1}: fails"),
             (Some(most), None) => format!(", IMO allows {most:.1}: open"),
             (None, _) => String::new(),
         };
-        format!("{what} {value:.3}{unit}{interval}{verdict}")
+        format!("{what} {value:.3}{unit}{interval}{still}{verdict}")
     }
 }
 

@@ -158,7 +158,7 @@ fn law_intervals_of_figures_hold_the_truth() {
     let length_m = 7.0;
     let figures = |vessel: &Vessel, uncertain: Option<&Uncertain>, seed: u64| {
         let generator = generator(vessel, &others());
-        let mut merit = Merit::new(vessel, &generator, length_m).unwrap();
+        let mut merit = Merit::new(vessel, Some(&generator), length_m).unwrap();
         match uncertain {
             Some(uncertain) => merit.simulate_drawn(uncertain, 100, seed),
             None => merit.simulate(&vessel.nominal, 0).unwrap(),

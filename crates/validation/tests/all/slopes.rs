@@ -48,7 +48,7 @@ fn generator(vessel: &Vessel, maneuvers: Value) -> Generator {
 
 fn differentiated(vessel: &Vessel, maneuvers: Value, length_m: f64, step: f64) -> Vec<ManeuverMerit> {
     let generator = generator(vessel, maneuvers);
-    let mut merit = Merit::new(vessel, &generator, length_m).unwrap();
+    let mut merit = Merit::new(vessel, Some(&generator), length_m).unwrap();
     let parameters = vessel.parameters(vessel.best_known()).unwrap();
     merit.simulate(&parameters, 0).unwrap();
     merit.differentiate(&parameters, step).unwrap();
@@ -151,7 +151,7 @@ fn what_a_ship_with_another_parameter_does_not_do_has_no_slope_and_says_so() {
         assert!(why.contains("with another `") && why.contains("expected 180.0°"), "{why}");
     }
     let generator = generator(&ship, circle(150.0));
-    let mut merit = Merit::new(&ship, &generator, 7.0).unwrap();
+    let mut merit = Merit::new(&ship, Some(&generator), 7.0).unwrap();
     let refused = merit.differentiate(&[0.0; 11], 0.02).unwrap_err();
     assert!(refused.thing.contains("`a`") && refused.found == "0", "{refused}");
 }

@@ -1,0 +1,213 @@
+use model::Vessel;
+use numerics::statistics::quantile;
+
+use super::figure::Hull;
+use super::record::Record;
+use crate::standard::Settings;
+
+/// Half the time over which the helm is smoothed by a median, as a part of the time in which the ship covers her length.
+const HALF: f64 = 0.05;
+/// The most samples to either side in it: over many the beginning of a move is blurred.
+const MOST_HALF: usize = 5;
+/// How far a helm has moved for certain: an angle \[rad\], or a part of a move; noise may hide more.
+const BEGUN: [f64; 2] = [0.0018, 0.005];
+/// Part of a move at which the helm counts as over.
+const OVER: f64 = 0.5;
+/// How much of a move, after its beginning, a line goes through without noise: an angle \[rad\], or a part of a move; and the
+/// most that it may go through.
+const EARLY: [f64; 2] = [0.0175, 0.05];
+const MOST: f64 = 0.4;
+/// Part of a helm within which it counts as amidships again.
+const AMIDSHIPS: f64 = 0.3;
+/// By how many samples an order may be off what a log without noise shows.
+const DOUBT: f64 = 1.25;
+/// The part of a move that a step makes within a sample.
+const STEP: f64 = 0.95;
+
+/// Radians in a unit of angle.
+pub(super) fn radians(unit: &str) -> Option<f64> {
+    match unit {
+        "rad" => Some(1.0),
+        "deg" | "°" => Some(1_f64.to_radians()),
+        _ => None,
+    }
+}
+
+/// The median of `values`; 0 of none.
+pub(super) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    part(values, 0.5)
+}
+
+fn part(values: impl IntoIterator<Item = f64>, part: f64) -> f64 {
+    let mut sorted: Vec<f64> = values.into_iter().collect();
+    sorted.sort_by(f64::total_cmp);
+    quantile(&sorted, part).unwrap_or(0.0)
+}
+
+/// An input or several over time: the helm, or an engine.
+pub(super) struct Helm {
+    /// An angle \[rad\], else a part of the dictionary's helm, or an input.
+    pub smooth: Vec<f64>,
+    /// Whether it is an angle.
+    pub is_angle: bool,
+    /// Standard deviation of the noise of `smooth`.
+    pub noise: f64,
+    is_held: bool,
+}
+
+/// The helm from one order to the next.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Held {
+    /// 1 where it is as in the first order, −1 to the other side, 0 amidships.
+    pub side: i8,
+    /// When it begins to move there, in samples.
+    pub from: f64,
+    /// When it begins to move away, or the end of the record, in samples.
+    pub to: f64,
+    /// Where it is.
+    pub level: f64,
+    /// By how many samples `from` may be off, for the samples and the noise of the helm.
+    pub doubt: f64,
+}
+
+impl Helm {
+    /// That of `settings`: changes of inputs to starboard. `window` is the number of samples in which the ship covers her length.
+    pub fn of(record: &Record, vessel: &Vessel, settings: &Settings, window: f64) -> Option<Self> {
+        let inputs = vessel.model.input_variables();
+        let places: Vec<(usize, f64, Option<f64>)> = inputs
+            .iter()
+            .enumerate()
+            .filter_map(|(i, own)| Some((i, *settings.get(&own.name)?, radians(&own.unit))))
+            .filter(|(_, change, _)| *change != 0.0)
+            .collect();
+        let squares: f64 = places.iter().map(|(_, change, _)| change * change).sum();
+        let angles: Option<Vec<f64>> =
+            places.iter().map(|(_, h, unit)| unit.map(|unit| h.abs() * unit)).collect();
+        let scale = angles.as_ref().map_or(1.0, |all| all.iter().sum::<f64>() / all.len() as f64);
+        if squares == 0.0 || record.inputs.is_empty() {
+            return None;
+        }
+        let of = |row: &[f64]| places.iter().map(|(i, h, _)| h * row[*i]).sum::<f64>() * scale / squares;
+        let raw: Vec<f64> = record.inputs.chunks_exact(inputs.len()).map(of).collect();
+        let half = if record.is_held { 0 } else { ((HALF * window) as usize).min(MOST_HALF) };
+        let around = |k: usize| {
+            let half = half.min(k).min(raw.len() - 1 - k);
+            median(raw[k - half..=k + half].iter().copied())
+        };
+        let smooth: Vec<f64> = (0..raw.len()).map(around).collect();
+        // A helm that rests or moves evenly has no second difference but that of its noise.
+        let bends = raw.windows(3).map(|own| (own[0] - 2.0 * own[1] + own[2]).abs());
+        let rough = 1.4826 * median(bends) / 6_f64.sqrt();
+        let noise = if half == 0 { rough } else { 1.25 * rough / ((2 * half + 1) as f64).sqrt() };
+        Some(Self { smooth, is_angle: angles.is_some(), noise, is_held: record.is_held })
+    }
+
+    /// The mean of all rudders: what turns in angles, and follows no other input.
+    pub fn of_rudders(record: &Record, hull: &Hull, window: f64) -> Option<Self> {
+        let vessel = hull.vessel;
+        let inputs = vessel.model.input_variables().iter().zip(&vessel.couplings);
+        let rudders = inputs.filter(|(own, follows)| follows.is_none() && radians(&own.unit).is_some());
+        let equal = rudders.map(|(own, _)| (own.name.clone(), 1.0 / radians(&own.unit).unwrap_or(1.0)));
+        // Equal angles of all are one of that size.
+        let settings: Settings = equal.collect();
+        Self::of(record, vessel, &settings, window)
+    }
+
+    /// How far it departs from `level` from sample `from` on, at the most.
+    pub fn departs(&self, level: f64, from: usize) -> f64 {
+        self.smooth[from..].iter().map(|own| (own - level).abs()).fold(0.0, f64::max)
+    }
+
+    /// When a move from one level to another, which is half done at sample `over`, began: where the line through its first half
+    /// leaves the level. A sample whose input is held has the part of the order that falls into it.
+    fn began(&self, [from, to]: [f64; 2], over: usize) -> [f64; 2] {
+        let part = |k: usize| (self.smooth[k.min(self.smooth.len() - 1)] - from) / (to - from);
+        let size = (to - from).abs();
+        let [begun, early] =
+            if self.is_angle { [BEGUN[0] / size, EARLY[0] / size] } else { [BEGUN[1], EARLY[1]] };
+        let least = (4.0 * self.noise / size).max(begun).min(AMIDSHIPS);
+        let first = (1..=over).rev().find(|k| part(k - 1) <= least).unwrap_or(0);
+        if self.is_held && part(first + 1) >= STEP {
+            return [first as f64 + (1.0 - part(first)).clamp(0.0, 1.0), DOUBT];
+        }
+        if part(first) >= STEP || first == 0 {
+            return [first as f64, DOUBT];
+        }
+        let most = least + (60.0 * self.noise / size).max(early);
+        let within: Vec<usize> =
+            (first..=over).filter(|k| part(*k) <= MOST && (part(*k) <= most || *k < first + 3)).collect();
+        let (began, slope) = if within.len() >= 3 {
+            let count = within.len() as f64;
+            let t = within.iter().map(|k| *k as f64).sum::<f64>() / count;
+            let p = within.iter().map(|k| part(*k)).sum::<f64>() / count;
+            let cross: f64 = within.iter().map(|k| (*k as f64 - t) * (part(*k) - p)).sum();
+            let square: f64 = within.iter().map(|k| (*k as f64 - t).powi(2)).sum();
+            (t - p * square / cross, cross / square)
+        } else {
+            let change = |k: &usize| part(k + 1) - part(*k);
+            let steepest = (first - 1..=over).max_by(|a, b| change(a).total_cmp(&change(b))).unwrap_or(first);
+            let slope = change(&steepest);
+            (steepest as f64 + 0.5 - (part(steepest) + part(steepest + 1)) / 2.0 / slope, slope)
+        };
+        let began = began + if self.is_held { 1.0 } else { 0.0 };
+        let doubt = DOUBT + 6.0 * self.noise / (slope.abs() * size);
+        if began.is_finite() { [began.clamp(0.0, over as f64), doubt] } else { [first as f64, DOUBT] }
+    }
+
+    /// The first sample from `from` on at which it has gone from `level` half as far as it ever does.
+    pub fn first_over(&self, level: f64, from: usize) -> Option<usize> {
+        let most = self.departs(level, from);
+        (from..self.smooth.len()).find(|k| (self.smooth[*k] - level).abs() >= OVER * most)
+    }
+
+    /// The orders from sample `from` on, by how far the helm is from `amidships` in parts of the first one's `helm`. `window` is
+    /// the number of samples in which the ship covers her length.
+    pub fn orders(&self, from: usize, amidships: f64, helm: f64, window: f64) -> Vec<Held> {
+        let part = |k: usize| (self.smooth[k] - amidships) / helm;
+        let (mut runs, mut now): (Vec<(i8, usize)>, i8) = (Vec::new(), 0);
+        for k in from..self.smooth.len() {
+            now = match part(k) {
+                own if own >= OVER => 1,
+                own if own <= -OVER => -1,
+                own if own.abs() <= AMIDSHIPS => 0,
+                _ => now,
+            };
+            if runs.last().map_or(now != 0, |(last, _)| *last != now) {
+                runs.push((now, k));
+            }
+        }
+        // On its way to the other side it passes amidships.
+        let end = self.smooth.len();
+        let stays = |i: &usize| {
+            let until = runs.get(i + 1).map_or(end, |(_, k)| *k);
+            runs[*i].0 != 0 || until == end || (until - runs[*i].1) as f64 > 1.5 * window
+        };
+        let mut kept: Vec<(i8, usize)> = (0..runs.len()).filter(stays).map(|i| runs[i]).collect();
+        kept.dedup_by_key(|(side, _)| *side);
+        let ends = |i: usize| kept.get(i + 1).map_or(end, |(_, k)| *k);
+        let level = |i: usize| match kept[i].0 {
+            0 => median(self.smooth[kept[i].1..ends(i)].iter().copied()),
+            side => {
+                let toward = f64::from(side) * helm.signum();
+                toward * part_of(&self.smooth[kept[i].1..ends(i)], toward)
+            }
+        };
+        let levels: Vec<f64> = (0..kept.len()).map(level).collect();
+        let before = |i: usize| if i == 0 { amidships } else { levels[i - 1] };
+        let began: Vec<[f64; 2]> =
+            (0..kept.len()).map(|i| self.began([before(i), levels[i]], kept[i].1)).collect();
+        let one = |i: usize| Held {
+            side: kept[i].0,
+            from: began[i][0],
+            to: began.get(i + 1).map_or(end as f64, |[from, _]| *from),
+            level: levels[i],
+            doubt: began[i][1],
+        };
+        (0..kept.len()).map(one).collect()
+    }
+}
+
+/// Where a helm that moves to `toward` and stays is: most of the time it is there, and never much beyond.
+fn part_of(helm: &[f64], toward: f64) -> f64 {
+    part(helm.iter().map(|own| toward * own), 0.7)
+}
