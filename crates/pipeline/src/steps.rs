@@ -205,6 +205,16 @@ pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Ve
     if !settings.get("NEXT").is_empty() {
         steps.extend(next_trial(settings, shape));
     }
+    let length_m = settings.get("LENGTH_M");
+    if shape.is_of_forces || !length_m.is_empty() {
+        let flags = if length_m.is_empty() { String::new() } else { format!("--length-m {length_m}") };
+        steps.push(Step::new(
+            "merit",
+            &format!("validate merit {LOGGED}"),
+            &flags,
+            &["\0out/measured/merit.json"],
+        ));
+    }
     let line = "report --study \0study --results \0out/measured";
     steps.push(Step::new("report", line, "", &["\0out/measured/report.html", "\0out/measured/explore.html"]));
     steps

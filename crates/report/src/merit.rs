@@ -9,7 +9,8 @@ use study::documents::{FigureMerit, ManeuverMerit, MeritDocument};
 
 /// Figures of merit of the standard maneuvers; none in a study without.
 pub(super) fn merit(study: &Study, figures: &mut Figures) -> Option<Section> {
-    let found = study.merit.as_ref()?;
+    // Logs may show no standard maneuver.
+    let found = study.merit.as_ref().filter(|found| found.maneuvers.iter().any(|own| own.runs > 0))?;
     let body = html! {
         (table(found))
         (tracked(found, figures))
@@ -23,7 +24,8 @@ fn table(found: &MeritDocument) -> Markup {
         .mark("first", |(first, ..)| first)
         .name("Maneuver", |(first, maneuver, _)| if first { maneuver.name.as_str() } else { "" })
         .text("Figure", |(.., figure)| &figure.what)
-        .number("Value", |(.., figure)| value(figure))
+        .number("Value", |(.., figure)| value(figure.value, figure))
+        .number("Without current", |(.., figure)| or_dash(figure.corrected.map(|own| value(own, figure))))
         .number("95 % interval", |(.., figure)| interval(ends(figure)))
         .number("IMO allows", |(.., figure)| or_dash(figure.most.map(three)))
         .text("Verdict", |(.., figure)| verdict(figure));
@@ -33,6 +35,7 @@ fn table(found: &MeritDocument) -> Markup {
     };
     html! {
         (table)
+        (remarks(found))
         p.note {
             "L: ship lengths of " (three(found.length_m)) " m. Definitions and limits are those of IMO MSC.137(76), which "
             "asks for them at 90 % of the speed of 85 % of the power, in calm deep water. " (of)
@@ -43,9 +46,21 @@ fn table(found: &MeritDocument) -> Markup {
     }
 }
 
-fn value(figure: &FigureMerit) -> String {
+/// What was sailed, what is to be known of the figures, and what has none.
+fn remarks(found: &MeritDocument) -> Markup {
+    html! {
+        @for own in &found.maneuvers {
+            @let sailed = own.sailed.as_ref().map(|own| format!("By the log: {own}."));
+            @let without = own.reason.as_ref().map(|own| format!("Without figures: {own}."));
+            @let all: Vec<String> = sailed.into_iter().chain(own.remarks.iter().map(|own| format!("{own}."))).chain(without).collect();
+            @if !all.is_empty() { p.note { b { (own.name) } " " (all.join(" ")) } }
+        }
+    }
+}
+
+fn value(value: f64, figure: &FigureMerit) -> String {
     let unit = if figure.unit == "1" { "" } else { &figure.unit };
-    format!("{} {}", three(figure.value), unit.replace("deg", "°")).trim_end().to_owned()
+    format!("{} {}", three(value), unit.replace("deg", "°")).trim_end().to_owned()
 }
 
 fn ends(figure: &FigureMerit) -> Option<[f64; 2]> {
