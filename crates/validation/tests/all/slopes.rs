@@ -164,7 +164,7 @@ fn draws_that_diverge_are_counted_and_refuse_nothing() {
         "to": "starboard"
     }]);
     let generator = generator(&vessel, circle);
-    let mut merit = Merit::new(&vessel, &generator, 5.0).unwrap();
+    let mut merit = Merit::new(&vessel, Some(&generator), 5.0).unwrap();
     // A third of the draws have a resistance that drives the ship.
     let names: Vec<String> = vessel.model.parameter_names().map(str::to_owned).collect();
     let mut entries = vec![0.0; names.len() * names.len()];
