@@ -518,7 +518,7 @@ fn law_logs_that_contradict_themselves_or_the_plan_are_refused_and_their_healthy
         ),
         (
             table(&rows, |at_s| format!("{}", 1_780_300_800.0 + at_s)),
-            &["line 2, cell `time`", "as of 2026-06-01T08:00:00Z counted from 1970"],
+            &["line 2, column `time`", "as of 2026-06-01T08:00:00Z counted from 1970"],
         ),
         (table(&rows, |at_s| format!("{}", at_s / 60.0)), &["`time`", "as of minutes"]),
         (table(&rows, |at_s| format!("{}", 1e3 * at_s)), &["`time`", "as of milliseconds"]),

@@ -9,7 +9,7 @@ const LEAST_M: f64 = 8.0;
 const WIDENED: [f64; 3] = [16.0, 4.0, 1.0];
 /// As many positions suffice.
 const MOST: usize = 500;
-/// Fewer under way say nothing.
+/// Fewer positions under way, or at rest, say nothing.
 const FEW: usize = 20;
 /// A displacement explains positions if they are so much nearer without it.
 const EXPLAINED: f64 = 0.4;
@@ -36,7 +36,8 @@ impl Shift {
             positions.iter().step_by(positions.len().div_ceil(MOST)).copied().collect();
         let away_m = |all: &[Off], by: Self| {
             let of = |moves: bool| {
-                median(all.iter().filter(|own| own.2 == moves).map(|own| by.across_m(own).abs()))
+                let own = || all.iter().filter(|own| own.2 == moves).map(|own| by.across_m(own).abs());
+                if own().count() < FEW { 0.0 } else { median(own()) }
             };
             // A ship that stays may turn an antenna that is not in her middle.
             if matches!(by, Self::Ship(aside) if aside != 0.0) { of(true) } else { of(true).max(of(false)) }
