@@ -4,8 +4,7 @@ use refusal::Invalid;
 
 use super::along::Along;
 use super::limits::FollowLimits;
-use super::shift::median;
-use super::track::{ShipPosition, turned_deg};
+use super::track::{ShipPosition, median, turned_deg};
 
 /// Parts of the way take so long \[s\], and are so long \[m\].
 const PART_S: [f64; 2] = [10.0, 120.0];

@@ -20,7 +20,7 @@ pub use alignment::aligned;
 use along::Along;
 pub use limits::FollowLimits;
 use refused::{check_alignment, check_positions, check_shift};
-use shift::{Shift, median};
+use shift::Shift;
 pub use spoiled::Inputs;
 use spoiled::Sailed;
 pub use track::{PlannedStep, PlannedTrack, ShipPosition, TrackPoint};
@@ -150,7 +150,7 @@ impl Along<'_> {
             positions: Vec::new(),
             spikes: 0,
             odd: Vec::new(),
-            usual_delay_s: median((0..self.positions.len()).map(|k| self.delay_s(k))),
+            usual_delay_s: track::median((0..self.positions.len()).map(|k| self.delay_s(k))),
             why: vec![None; track.steps.len()],
             unknown: Vec::new(),
         }

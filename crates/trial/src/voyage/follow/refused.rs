@@ -4,8 +4,8 @@ use refusal::Invalid;
 
 use super::along::Along;
 use super::limits::FollowLimits;
-use super::shift::{Shift, median};
-use super::track::{PlannedTrack, ShipPosition};
+use super::shift::Shift;
+use super::track::{PlannedTrack, ShipPosition, median};
 
 /// Farther than this before the departure or after the end of the plan is another day \[s\].
 const ANOTHER_DAY_S: f64 = 12.0 * 3600.0;
@@ -79,7 +79,7 @@ fn check_pace(
     }
     let speed_m_s = median(speeds.iter().copied());
     let ratio = speed_m_s / track.usual_m_s();
-    let unit = TIMES.into_iter().find(|(own, _)| (ratio / own).ln().abs() < 0.7);
+    let unit = TIMES.into_iter().find(|(own, _)| libm::log(ratio / own).abs() < 0.7);
     let is_slow = speeds.len() > 1 && unit.is_some() && ratio < 0.01;
     if speeds.is_empty() || speed_m_s <= limits.fastest_m_s && !is_slow {
         return Ok(());

@@ -1,7 +1,7 @@
 //! Positions that are all displaced alike: by another datum, or an antenna whose place is not known.
 
 use super::alignment::aligned;
-use super::track::{PlannedTrack, ShipPosition};
+use super::track::{PlannedTrack, ShipPosition, median};
 
 /// Smaller displacements are those of a ship that is steered \[m\].
 const LEAST_M: f64 = 8.0;
@@ -134,9 +134,4 @@ fn displacement(all: &[Off]) -> Option<[f64; 2]> {
     let (trace, determinant) = (ee + nn, ee * nn - en * en);
     (determinant > COVERED * trace * trace / 4.0)
         .then(|| [(nn * e - en * n) / determinant, (ee * n - en * e) / determinant])
-}
-
-/// The median; 0 of none.
-pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
-    numerics::statistics::median(values.collect()).unwrap_or(0.0)
 }

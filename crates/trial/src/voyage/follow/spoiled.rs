@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::along::Along;
-use super::shift::median;
-use super::track::{ShipPosition, TrackPoint};
+use super::track::{ShipPosition, TrackPoint, median};
 
 /// A time that a maneuver was broken off for, or that is left out of it \[s\]; the plan goes on by less than a part of it.
 const BROKEN_S: f64 = 30.0;

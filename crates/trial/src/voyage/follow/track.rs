@@ -2,7 +2,6 @@
 
 use super::super::legs::{Primitive, VoyageLeg};
 use super::super::task::Task;
-use super::shift::median;
 use crate::grid::wrap;
 
 /// Most points of a track, and most positions, that are compared.
@@ -165,4 +164,9 @@ pub(super) fn uncertain_m(position_m: f64) -> f64 {
 /// Difference of two headings, from 0 to 180 \[deg\].
 pub(super) fn turned_deg(a: f64, b: f64) -> f64 {
     wrap((a - b).to_radians()).abs().to_degrees()
+}
+
+/// The median; 0 of none.
+pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
+    numerics::statistics::median(values.collect()).unwrap_or(0.0)
 }
