@@ -136,11 +136,9 @@ fn estimated(below: &str, table: &str, settings: &Settings) -> [Step; 2] {
 /// The layout on the chart of `name`.toml; that of plan.toml is also simulated, estimated and scored.
 fn planned(name: &str, settings: &Settings) -> Vec<Step> {
     let main = if name == "plan" { "\0out/plan.json".to_owned() } else { format!("\0out/{name}/plan.json") };
-    let line = format!(
-        "plan --vessel \0study/vessel.toml --trajectories \0out/dictionary.parquet --dictionary \0dictionary --design \
-         \0out/design.json"
-    );
-    let mut plan = Step::new(name, &line, settings.get("PLAN_FLAGS"), &[&main]);
+    let line = "plan --vessel \0study/vessel.toml --trajectories \0out/dictionary.parquet --dictionary \0dictionary --design \
+                \0out/design.json";
+    let mut plan = Step::new(name, line, settings.get("PLAN_FLAGS"), &[&main]);
     // The name may have blanks.
     plan.words.extend(["--config".to_owned(), format!("\0study/{name}.toml")]);
     let mut steps = vec![plan];
