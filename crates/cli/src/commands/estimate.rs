@@ -366,11 +366,12 @@ fn publish(
 
 /// The means of all runs with another sign than the nominal value, in words; standard errors are those of a run.
 fn turned(vessel: &Vessel, rows: &[Row]) -> Option<String> {
-    let known: Vec<&(Vec<f64>, Vec<f64>)> = rows.iter().filter_map(|row| row.estimate.as_ref()).collect();
-    let mean = |of: &dyn Fn(&(Vec<f64>, Vec<f64>)) -> f64| {
-        known.iter().map(|own| of(own)).sum::<f64>() / known.len() as f64
+    let known = || rows.iter().filter_map(|row| row.estimate.as_ref());
+    let count = known().count() as f64;
+    let parameter = |i: usize| {
+        let [estimate, error] = known().fold([0.0, 0.0], |sum, own| [sum[0] + own.0[i], sum[1] + own.1[i]]);
+        Some([estimate / count, error / count])
     };
-    let parameter = |i: usize| Some([mean(&|own| own.0[i]), mean(&|own| own.1[i])]);
     let found: Vec<_> = (0..vessel.model.parameters()).map(parameter).collect();
     against_nominal(&vessel.model, &vessel.nominal, &found)
 }
