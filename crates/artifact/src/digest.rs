@@ -2,14 +2,11 @@
 
 use std::fmt;
 use std::io::Read;
-use std::path::Path;
 use std::str::FromStr;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
-use crate::ordinary::open;
 
 const PREFIX: &str = "blake3:";
 
@@ -26,15 +23,6 @@ impl Digest {
     /// The digest of `bytes`.
     pub fn of_bytes(bytes: &[u8]) -> Self {
         blake3::hash(bytes).into()
-    }
-
-    /// The digest of the file at `path`, read in one streaming pass.
-    ///
-    /// # Errors
-    /// See [`open`]; [`Error::Io`] if the file cannot be read.
-    pub fn of_file(path: impl AsRef<Path>) -> Result<Self> {
-        let path = path.as_ref();
-        Self::of_reader(open(path)?).map_err(|e| Error::io(path, "read", e))
     }
 
     /// The digest of the content of `reader`.

@@ -5,6 +5,7 @@ use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
 use crate::budget::{Work, budget};
+use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::trace::observed;
 
@@ -26,6 +27,17 @@ pub(crate) fn open_unobserved(path: &Path) -> Result<File> {
     // Another file may have taken the name since.
     refuse_special(path, file.metadata().map_err(unreadable)?.file_type())?;
     Ok(file)
+}
+
+impl Digest {
+    /// The digest of the file at `path`, read in one streaming pass.
+    ///
+    /// # Errors
+    /// See [`open`]; [`Error::Io`] if the file cannot be read.
+    pub fn of_file(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        Self::of_reader(open(path)?).map_err(|e| Error::io(path, "read", e))
+    }
 }
 
 /// The bytes of the ordinary file at `path`.

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod folders;
 mod pipeline;
 mod record;
 mod settings;
@@ -14,7 +15,8 @@ pub mod ships;
 pub mod starting;
 mod steps;
 
+pub use folders::Folders;
 pub use pipeline::Pipeline;
-pub use record::{Folders, Record};
+pub use record::Record;
 pub use settings::Settings;
 pub use steps::Step;

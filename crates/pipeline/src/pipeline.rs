@@ -9,7 +9,7 @@ use refusal::{Invalid, foreign};
 
 use study::refuse;
 
-use crate::record::Folders;
+use crate::folders::Folders;
 use crate::settings::Settings;
 use crate::steps::{Shape, Step, measured, simulated, simulated_logs};
 
