@@ -7,7 +7,6 @@ use std::str::FromStr;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-
 const PREFIX: &str = "blake3:";
 
 /// The BLAKE3 digest of a file's bytes, what `b3sum FILE` prints; as text `blake3:<64 hex digits>`.

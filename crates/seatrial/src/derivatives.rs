@@ -35,10 +35,10 @@ fn check(captive: &Captive, forces: &Forces) -> Result<(), Invalid> {
     }
 }
 
-/// The 95 % interval of an estimate, whose error compares so many `pieces` of recordings.
-pub(crate) fn interval(value: f64, error: f64, pieces: usize) -> [f64; 2] {
+/// The 95 % interval of an estimate, whose error compares so many `pieces` of recordings; none of one piece.
+pub(crate) fn interval(value: f64, error: f64, pieces: usize) -> Option<[f64; 2]> {
     let half = student_half_width(pieces as f64 - 1.0) * error;
-    [value - half, value + half]
+    half.is_finite().then_some([value - half, value + half])
 }
 
 /// The captive value of a parameter beside its interval: in the prime system where it has one, else in SI units.
@@ -58,21 +58,21 @@ pub(crate) fn drift<'a>(states: impl Iterator<Item = &'a [f64; 3]>, length_m: f6
     Some(product / square).filter(|own| own.is_finite())
 }
 
-/// The sums of terms where v is `drift` r L.
+/// The sums of terms where v is `drift` r L; none of one piece of recordings, which has no intervals.
 pub(crate) fn sailed(
     forces: &Forces,
     (theta, estimates): (&[f64], &Estimates),
     priors: &[Option<Prior>],
     captive: &Captive,
     drift: f64,
-) -> SailedSums {
+) -> Option<SailedSums> {
     let one = |own: LateralSum| {
         let (value, used) = (own.of(theta), used(&own));
         let standard_error = quadratic(&own.weights, &estimates.covariance).max(0.0).sqrt();
         let variances: Option<Vec<f64>> =
             used.iter().map(|i| Some((own.weights[*i] * priors[*i]?.deviation).powi(2))).collect();
-        let interval = interval(value, standard_error, estimates.pieces);
-        SailedSum {
+        let interval = interval(value, standard_error, estimates.pieces)?;
+        Some(SailedSum {
             degree: DegreeOfFreedom::ALL[own.degree].name().to_owned(),
             order: own.order,
             terms: used.iter().map(|i| forces.parameters()[*i].name.clone()).collect(),
@@ -81,9 +81,10 @@ pub(crate) fn sailed(
             interval,
             prior_deviation: variances.map(|all| all.iter().sum::<f64>().sqrt()),
             captive: captive_sum(&own, forces.parameters(), captive, interval),
-        }
+        })
     };
-    SailedSums { drift, sums: forces.lateral_sums(drift).into_iter().map(one).collect() }
+    let sums = forces.lateral_sums(drift).into_iter().map(one).collect::<Option<_>>()?;
+    Some(SailedSums { drift, sums })
 }
 
 /// The parameters that count in a sum.

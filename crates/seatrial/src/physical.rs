@@ -180,7 +180,7 @@ impl Physical<'_> {
             sources.iter().flat_map(|(_, parts)| parts).flat_map(|own| own.measured.as_chunks::<3>().0);
         let drift = derivatives::drift(states, forces.description().ship.length_m)?;
         let priors = self.priors(forces);
-        Some(derivatives::sailed(forces, (&fit.theta, estimates), &priors, &self.captive(), drift))
+        derivatives::sailed(forces, (&fit.theta, estimates), &priors, &self.captive(), drift)
     }
 
     /// Priors about the ship's nominal values, or those of a former fit.
@@ -204,8 +204,9 @@ impl Physical<'_> {
         let parameter = |i: usize| {
             let (own, found) = (&forces.parameters()[i], &estimates.parameters[i]);
             let si_value = found.value * own.scale;
-            let si_interval =
-                found.standard_error.map(|error| interval(si_value, error * own.scale, estimates.pieces));
+            let si_interval = found
+                .standard_error
+                .and_then(|error| interval(si_value, error * own.scale, estimates.pieces));
             let parameter = FittedParameter {
                 name: own.name.clone(),
                 unit: own.unit.clone(),
@@ -234,7 +235,8 @@ impl Physical<'_> {
                 joint: true,
                 names,
                 entries: estimates.covariance.clone(),
-                parts: Some(estimates.pieces as u64),
+                // One piece is compared with nothing.
+                parts: Some(estimates.pieces as u64).filter(|own| *own > 1),
             },
             condition: Some(estimates.condition).filter(|own| own.is_finite()),
             window_s: self.settings.window_s,

@@ -140,7 +140,7 @@ fn resamples_that_are_not_those_asked_for_are_refused() {
         // A setting that is only noted if given.
         (
             format!("{POOL} --estimator ls --bootstrap 20 --part-s 25 {both}"),
-            vec!["part-1.parquet: settings.runs: found [\"random/0\",\"random/1\"], expected nothing"],
+            vec!["part-1.parquet: settings.runs: found [\"random/0,random/1\"], expected nothing"],
         ),
         (
             format!("{line} --bootstrap 20 {both}")

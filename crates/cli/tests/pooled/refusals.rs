@@ -47,7 +47,7 @@ fn numbers_out_of_range_are_refused() {
     let counts = |text: &str| format!("{} --out selection.parquet", SELECTION.replace("decelerate=2", text));
     refused(&folder, 2, &counts("decelerrate=2"), &["`decelerrate`", "did you mean `decelerate`?"]);
     refused(&folder, 2, &counts("decelerate=2000"), &["2000 of `decelerate`"]);
-    refused(&folder, 2, &counts("decelerate"), &["name=number"]);
+    refused(&folder, 2, &counts("decelerate"), &["`decelerate,spiral-fast`", "did you mean `decelerate`?"]);
 }
 
 #[test]

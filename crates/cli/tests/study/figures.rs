@@ -64,12 +64,15 @@ fn law_a_design_for_figures_knows_them_better_than_the_d_optimal_one() {
     let known = json(&folder, "merit.json");
     let maneuvers = known["data"]["maneuvers"].as_array().unwrap();
     let count: usize = maneuvers.iter().map(|own| own["figures"].as_array().unwrap().len()).sum();
-    assert!(count > 30 && figures(&all).len() == count, "{} of {count}", figures(&all).len());
+    // Figures that no criterion and no design knows, such as times to check yaw, have no slopes.
+    let known = figures(&all).len();
+    assert!(known > 30 && known <= count, "{known} of {count}");
     assert!(sum(&all, "standard_error") < sum(&all, "d_optimal"), "{all}");
     let circle = figure(&all, "circle-starboard", "tactical_diameter");
     assert_eq!(circle["unit"], "m");
     let turned = maneuvers.iter().find(|own| own["name"] == "circle-starboard").unwrap();
-    let lengths = number(&turned["figures"][2], "value");
+    let mut own = turned["figures"].as_array().unwrap().iter();
+    let lengths = number(own.find(|own| own["name"] == "tactical_diameter").unwrap(), "value");
     assert!((number(circle, "value") - 100.0 * lengths).abs() < 1e-9 * 100.0 * lengths);
     // Nothing turns a ship that stops.
     assert!(all["figures"]["left_out"].to_string().contains("crash-stop/lateral_deviation is 0"), "{all}");

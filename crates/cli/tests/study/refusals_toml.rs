@@ -184,7 +184,7 @@ fn a_nominal_model_that_diverges_is_refused_where_no_model_can_replace_it() {
         &folder,
         3,
         &format!("{MOMENTS} --allow-mixed"),
-        &[&pieces[..], &["design dictionary", "run 0", " s, "]].concat(),
+        &[&pieces[..], &["design dictionary", "run 0", "0.8 s"]].concat(),
     );
     // Over a run of a campaign its own model can, but not over one maneuver alone.
     let said = run(&folder, &format!("{ESTIMATE} --allow-mixed")).succeeds().stdout;
@@ -193,7 +193,7 @@ fn a_nominal_model_that_diverges_is_refused_where_no_model_can_replace_it() {
         &folder,
         3,
         "estimate --vessel vessel.toml --trajectories dictionary.parquet --out of-maneuvers.parquet --allow-mixed",
-        &[&pieces[..], &["design dictionary", "run 0", " s, "]].concat(),
+        &[&pieces[..], &["design dictionary", "run 0", "0.8 s"]].concat(),
     );
     run(&folder, &format!("{ESTIMATE} --estimator ls --allow-mixed")).succeeds();
 }

@@ -47,7 +47,7 @@ fn mistakes_of_unit_sign_system_and_scale_are_refused_with_the_key() {
         ("02-prime-as-si", ["vessel.toml", "`X_0`", "prime system", "`prime`"]),
         (
             "04-added-mass-fossen-sign",
-            ["vessel.toml", "`ship.added_mass.surge`", "-0.076", "numbers above 0"],
+            ["vessel.toml", "`ship.added_mass.surge`", "-0.0758", "numbers above 0"],
         ),
         ("06-mass-with-added-mass", ["vessel.toml", "`mass_kg`", "block coefficient", "without added mass"]),
         ("11-helm-in-degrees", ["dictionary.toml", "`helm`", "35 rad", "0.6109"]),

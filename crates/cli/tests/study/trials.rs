@@ -297,18 +297,26 @@ fn law_uncertain_parameters_make_uncertain_figures() {
     assert_ne!(merit("model.json", "--draws 60 --seed 3"), drawn);
 }
 
-/// First and second overshoot of a log of 20 Hz in a towing tank, whose largest samples are exact enough \[°\].
+/// First and second overshoot of a log of 20 Hz in a towing tank, whose largest samples are exact enough \[°\], beyond the headings at
+/// which its rudder moved.
 fn raw_overshoots(log: &std::path::Path, heading: f64, side: f64) -> [f64; 2] {
     let text = std::fs::read_to_string(log).unwrap();
-    let mut lines = text.lines();
-    let place = lines.next().unwrap().split(',').position(|name| name == "psi_rad").unwrap();
-    let headings: Vec<f64> = lines.map(|line| line.split(',').nth(place).unwrap().parse().unwrap()).collect();
+    let names: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let column = |name: &str| -> Vec<f64> {
+        let place = names.iter().position(|own| *own == name).unwrap();
+        text.lines().skip(1).map(|line| line.split(',').nth(place).unwrap().parse().unwrap()).collect()
+    };
+    let (headings, rudder) = (column("psi_rad"), column("delta_rad"));
     let turned = |k: usize| side * (headings[k] - headings[0]).to_degrees();
     let first = (0..headings.len()).find(|k| turned(*k) >= heading).unwrap();
     let second = (first..headings.len()).find(|k| turned(*k) <= -heading).unwrap();
     let third = (second..headings.len()).find(|k| turned(*k) >= heading).unwrap_or(headings.len());
     let most = |range: std::ops::Range<usize>, sign: f64| range.map(|k| sign * turned(k)).fold(0.0, f64::max);
-    [most(first..second, 1.0) - heading, most(second..third, -1.0) - heading]
+    let moved = |from: usize| {
+        let is_moved = |k: &usize| (rudder[*k] - rudder[from]).abs().to_degrees() > 0.2;
+        turned((from..rudder.len()).find(is_moved).unwrap())
+    };
+    [most(first..second, 1.0) - moved(first), most(second..third, -1.0) + moved(second)]
 }
 
 #[test]
@@ -348,7 +356,8 @@ fn oracle_overshoots_of_the_kvlcc2_from_samples_of_a_second_are_those_of_its_log
         for (number, expected) in raw.iter().enumerate() {
             let figure = &own["figures"][number + 1];
             let off = figure["value"].as_f64().unwrap() - expected;
-            assert!(off.abs() < 0.1, "{name}: {figure}, {expected} in the log");
+            // Within half a second, by which a sample of a second knows when the rudder moved, she turns so far.
+            assert!(off.abs() < 0.7, "{name}: {figure}, {expected} in the log");
         }
     }
 }

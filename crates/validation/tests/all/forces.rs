@@ -171,7 +171,8 @@ fn law_intervals_of_figures_hold_the_truth() {
         let own = fitted(&truth, seed);
         let uncertain = Uncertain::new(&own.vessel, own.vessel.nominal.clone(), &own.covariance).unwrap();
         for (own, truth) in figures(&own.vessel, Some(&uncertain), seed).iter().zip(&true_figures) {
-            for figure in &own.figures {
+            // Headings at which the helm goes over are ordered: they have no errors.
+            for figure in own.figures.iter().filter(|own| !own.name.starts_with("execute_")) {
                 let truth = truth.figures.iter().find(|own| own.name == figure.name).unwrap().value;
                 held += usize::from((figure.low.unwrap()..=figure.high.unwrap()).contains(&truth));
                 all += 1;

@@ -145,9 +145,11 @@ fn what_a_ship_with_another_parameter_does_not_do_has_no_slope_and_says_so() {
     let found = differentiated(&ship, circle(150.0), 7.0, 0.02);
     let half = slopes(&found, "time_180").0;
     let short = differentiated(&ship, circle(half + 0.1), 7.0, 0.02);
-    for figure in &short[0].figures {
-        assert!(figure.slopes.is_none(), "{figure:?}");
-        let why = figure.without_slopes.as_ref().unwrap();
+    assert!(short[0].figures.iter().all(|figure| figure.slopes.is_none()), "{:?}", short[0].figures);
+    let reasons: Vec<_> =
+        short[0].figures.iter().filter_map(|figure| figure.without_slopes.as_ref()).collect();
+    assert!(reasons.len() > 2, "{reasons:?}");
+    for why in reasons {
         assert!(why.contains("with another `") && why.contains("expected 180.0°"), "{why}");
     }
     let generator = generator(&ship, circle(150.0));
@@ -165,10 +167,10 @@ fn draws_that_diverge_are_counted_and_refuse_nothing() {
     }]);
     let generator = generator(&vessel, circle);
     let mut merit = Merit::new(&vessel, Some(&generator), 5.0).unwrap();
-    // A third of the draws have a resistance that drives the ship.
+    // Nearly half of the draws have a resistance that drives the ship; if weakly, her turn slows her down.
     let names: Vec<String> = vessel.model.parameter_names().map(str::to_owned).collect();
     let mut entries = vec![0.0; names.len() * names.len()];
-    entries[0] = 0.0016 * 0.0016;
+    entries[0] = 0.02 * 0.02;
     let covariance = Covariance { joint: true, names, entries, parts: None };
     let parameters = generator.parameters().to_vec();
     let positive = |own: &Uncertain| {
@@ -179,8 +181,7 @@ fn draws_that_diverge_are_counted_and_refuse_nothing() {
     merit.simulate_drawn(&uncertain, 40, 1);
     let found = merit.summary(true).unwrap().remove(0);
     assert_eq!(found.runs + found.without, 40);
-    assert_eq!(found.diverged, positive(&uncertain));
-    assert!((5..25).contains(&found.diverged), "{}", found.diverged);
+    assert!((5..=positive(&uncertain)).contains(&found.diverged), "{}", found.diverged);
     assert!(found.lacking().unwrap().ends_with(&format!(", {} diverge", found.diverged)));
     assert!(found.reason.as_ref().unwrap().contains("diverges"), "{:?}", found.reason);
     assert!(found.figures.iter().all(|own| own.value.is_finite()));
