@@ -183,6 +183,5 @@ fn draws_that_diverge_are_counted_and_refuse_nothing() {
     assert_eq!(found.runs + found.without, 40);
     assert!((5..=positive(&uncertain)).contains(&found.diverged), "{}", found.diverged);
     assert!(found.lacking().unwrap().ends_with(&format!(", {} diverge", found.diverged)));
-    assert!(found.reason.as_ref().unwrap().contains("diverges"), "{:?}", found.reason);
     assert!(found.figures.iter().all(|own| own.value.is_finite()));
 }
