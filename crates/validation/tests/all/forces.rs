@@ -153,11 +153,9 @@ fn law_bands_of_forces_hold_most_samples_of_other_maneuvers() {
 }
 
 /// Figures whose intervals were found to hold the truth in some 76 % of trials, 298 of 390.
-const LESS_SURE: [&str; 10] = [
+const LESS_SURE: [&str; 8] = [
     "check_time_1",
     "check_time_2",
-    "execute_1",
-    "execute_2",
     "period",
     "nomoto_gain",
     "nomoto_time",
