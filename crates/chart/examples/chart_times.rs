@@ -57,7 +57,6 @@ fn tacoma(folder: &Path) -> Result<(), Failure> {
             kind: GridKind::Depth,
             crs: Some(Crs::new("EPSG:32610")?),
             unit: None,
-            variable: None,
             open_sea: false,
         };
         let grid = Grid::from_ascii(&text, &declared, &Reading::whole())?;

@@ -1,6 +1,6 @@
 //! ESRI ASCII: grids as text, one line per row, from north to south.
 
-use crate::grid_cells::{Cells, Rows};
+use crate::grid_cells::Cells;
 use crate::grid_header::{MissingWord, header};
 use crate::grid_packing::Packing;
 use crate::{Crs, Grid, GridDeclaration, Invalid, Reading, Unread};
@@ -22,7 +22,7 @@ impl Grid {
         let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()).peekable();
         let (header, word) = header(&mut lines)?;
         let crs = declared.crs.clone().ok_or_else(Crs::undeclared)?;
-        let packing = Packing { missing: word.number().into_iter().collect(), ..Packing::default() };
+        let packing = Packing { missing: word.number(), ..Packing::default() };
         let (columns, rows) = (header.columns, header.rows);
         if columns.saturating_mul(rows) > text.len() {
             let found = format!("a file of {} bytes", text.len());
@@ -39,7 +39,7 @@ impl Grid {
             check_columns(number, numbers.len(), columns)?;
             if read < rows {
                 let row = rows - 1 - read;
-                cells.take(&[0..columns, row..row + 1], Rows::FromNorth, numbers.iter().copied());
+                cells.take(&[0..columns, row..row + 1], numbers.iter().copied());
             }
             read += 1;
         }

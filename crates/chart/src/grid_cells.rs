@@ -6,19 +6,12 @@ use std::sync::Arc;
 use crate::grid::LAND;
 use crate::grid_header::{Header, check_degrees};
 use crate::grid_kind::FARTHEST;
-use crate::grid_packing::{Measured, Number, Packing};
+use crate::grid_packing::{Measured, Packing};
 use crate::grid_window::{Block, bytes_of, window};
 use crate::{Crs, Grid, GridDeclaration, GridKind, Invalid, Reading, Unread};
 
 /// Most cells beyond the window that are read to find out whether a grid has depths.
 const MOST_BEYOND: usize = 1 << 24;
-
-/// The order of the rows in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Rows {
-    FromNorth,
-    FromSouth,
-}
 
 /// The cells of a grid that were read so far.
 pub(crate) struct Cells<'a> {
@@ -77,11 +70,6 @@ impl<'a> Cells<'a> {
         })
     }
 
-    /// The part of the grid to keep.
-    pub fn window(&self) -> &Block {
-        &self.window
-    }
-
     /// Refuses to read `bytes` of a file at once if these and the cells exceed the memory.
     pub fn check_memory(&self, bytes: f64) -> Result<(), Unread> {
         let cells = bytes_of(self.kept.len() as f64);
@@ -95,7 +83,6 @@ impl<'a> Cells<'a> {
     pub fn read<N: Iterator<Item = f64>>(
         mut self,
         blocks: impl Iterator<Item = Block> + Clone,
-        rows: Rows,
         mut numbers: impl FnMut(&Block) -> Result<N, Unread>,
     ) -> Result<Grid, Unread> {
         let window = self.window.clone();
@@ -104,23 +91,22 @@ impl<'a> Cells<'a> {
         let stride = beyond.clone().map(|block| cells_of(&block)).sum::<usize>().div_ceil(MOST_BEYOND).max(1);
         for block in blocks.filter(&is_within) {
             self.reading.check_time()?;
-            self.take(&block, rows, numbers(&block)?);
+            self.take(&block, numbers(&block)?);
         }
         for block in beyond.step_by(stride) {
             if self.is_plain() {
                 break;
             }
             self.reading.check_time()?;
-            self.take(&block, rows, numbers(&block)?);
+            self.take(&block, numbers(&block)?);
         }
         Ok(self.finish()?)
     }
 
-    /// Takes the numbers of a block, row by row as in the file.
-    pub fn take(&mut self, [columns, rows]: &Block, order: Rows, mut numbers: impl Iterator<Item = f64>) {
+    /// Takes the numbers of a block, row by row from the north as in the file.
+    pub fn take(&mut self, [columns, rows]: &Block, mut numbers: impl Iterator<Item = f64>) {
         let metres = self.measured.unit.metres();
-        for k in 0..rows.len() {
-            let row = if order == Rows::FromNorth { rows.end - 1 - k } else { rows.start + k };
+        for row in rows.clone().rev() {
             let kept =
                 self.window[1].contains(&row).then(|| (row - self.window[1].start) * self.window[0].len());
             for column in columns.clone() {
@@ -133,15 +119,11 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// The value to keep of a number.
-    fn cell(&mut self, number: Number) -> f32 {
-        let value = match number {
-            Number::Value(value) => value,
-            Number::Missing | Number::Invalid => {
-                self.measured.invalid += u64::from(number == Number::Invalid);
-                self.missing += 1;
-                return f32::NAN;
-            }
+    /// The value to keep of a number, if it is one.
+    fn cell(&mut self, number: Option<f64>) -> f32 {
+        let Some(value) = number else {
+            self.missing += 1;
+            return f32::NAN;
         };
         self.known += 1;
         self.range = [self.range[0].min(value), self.range[1].max(value)];

@@ -29,8 +29,6 @@ pub struct GridDeclaration {
     pub crs: Option<Crs>,
     /// The unit of its depths or elevations, if the file does not state it; metres by default.
     pub unit: Option<DepthUnit>,
-    /// The variable of a NetCDF file, where it has several.
-    pub variable: Option<String>,
     /// Set where the area really is open sea, without land, drying or missing cells: otherwise a grid of only
     /// depths is refused, because it may be elevations of land.
     pub open_sea: bool,

@@ -16,15 +16,12 @@ pub struct Measured {
     pub offset: f64,
     /// The vertical datum, if the file states one.
     pub datum: Option<String>,
-    /// Number of cells outside of the range that the file calls valid, among those read: they are without
-    /// data.
-    pub invalid: u64,
 }
 
 impl Measured {
     /// For a file that says nothing about its numbers.
     pub fn plainly(unit: DepthUnit, unit_from: UnitFrom) -> Self {
-        Self { unit, unit_from, scale: 1.0, offset: 0.0, datum: None, invalid: 0 }
+        Self { unit, unit_from, scale: 1.0, offset: 0.0, datum: None }
     }
 }
 
@@ -35,28 +32,14 @@ pub(crate) struct Packing {
     pub offset: f64,
     pub unit: Option<DepthUnit>,
     pub datum: Option<String>,
-    /// Numbers in the file that mean no data.
-    pub missing: Vec<f64>,
-    /// So do numbers below or above these.
-    pub valid: [f64; 2],
+    /// The number in the file that means no data.
+    pub missing: Option<f64>,
 }
 
 impl Default for Packing {
     fn default() -> Self {
-        let valid = [f64::NEG_INFINITY, f64::INFINITY];
-        Self { scale: 1.0, offset: 0.0, unit: None, datum: None, missing: Vec::new(), valid }
+        Self { scale: 1.0, offset: 0.0, unit: None, datum: None, missing: None }
     }
-}
-
-/// A number of a file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Number {
-    /// Without data.
-    Missing,
-    /// Outside of the valid range.
-    Invalid,
-    /// In metres; of a mask, unchanged.
-    Value(f64),
 }
 
 impl Packing {
@@ -86,17 +69,12 @@ impl Packing {
             }
         };
         let (scale, offset, datum) = (self.scale, self.offset, self.datum.clone());
-        Ok(Measured { unit, unit_from, scale, offset, datum, invalid: 0 })
+        Ok(Measured { unit, unit_from, scale, offset, datum })
     }
 
-    /// Decodes a number of the file, in units of `metres`.
-    pub fn number(&self, raw: f64, metres: f64) -> Number {
-        if raw.is_nan() || self.missing.contains(&raw) {
-            Number::Missing
-        } else if raw < self.valid[0] || raw > self.valid[1] {
-            Number::Invalid
-        } else {
-            Number::Value((raw * self.scale + self.offset) * metres)
-        }
+    /// Decodes a number of the file, in units of `metres`, to metres (of a mask, unchanged) if it is data.
+    pub fn number(&self, raw: f64, metres: f64) -> Option<f64> {
+        let is_missing = raw.is_nan() || self.missing == Some(raw);
+        (!is_missing).then_some((raw * self.scale + self.offset) * metres)
     }
 }

@@ -7,7 +7,7 @@ use tiff::ColorType;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-use crate::grid_cells::{Cells, Rows};
+use crate::grid_cells::Cells;
 use crate::grid_header::{Header, MOST_ON_A_SIDE, check_square};
 use crate::grid_packing::Packing;
 use crate::grid_tiff_keys::{Keys, LONGEST_TEXT, refuse, short_tag};
@@ -53,7 +53,7 @@ impl Grid {
         let size = f64::from(blocks.size[0]) * f64::from(blocks.size[1]);
         cells.check_memory(size * f64::from(bits) / 8.0 * 2.0)?;
         let sums = Checksums::of(&mut decoder, size as u64 * u64::from(bits).div_ceil(8))?;
-        cells.read(blocks.all(), Rows::FromNorth, |block| {
+        cells.read(blocks.all(), |block| {
             let index = blocks.index(block);
             sums.check(decoder.inner(), index)?;
             numbers(decoder.read_chunk(index).map_err(refuse)?).map_err(Unread::from)
@@ -129,8 +129,7 @@ fn packing<R: Read + Seek>(
         offset: metadata.number("offset")?.unwrap_or(0.0),
         unit,
         datum: keys.datum().or_else(|| metadata.datum()),
-        missing: no_data.into_iter().collect(),
-        ..Default::default()
+        missing: no_data,
     })
 }
 

@@ -57,8 +57,6 @@ mod grid_ascii;
 mod grid_cells;
 mod grid_header;
 mod grid_kind;
-mod grid_netcdf;
-mod grid_netcdf_attributes;
 mod grid_packing;
 mod grid_tiff;
 mod grid_tiff_keys;

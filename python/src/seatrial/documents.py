@@ -2721,8 +2721,7 @@ class PlanDepths:
     offset: float
     #: The vertical datum; absent where the file does not state one.
     datum: str | None = None
-    #: Cells that count as without data, since they are outside of the range that the file calls valid; of those that
-    #: were read.
+    #: Cells outside of a range that the file calls valid: none, since no format that is read has one.
     invalid: int
 
 

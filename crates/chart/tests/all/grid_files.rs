@@ -5,13 +5,8 @@ use chart::{Crs, Grid, GridCell, GridDeclaration, GridKind, Reading};
 use crate::support::fixture;
 
 fn read(text: &str, kind: GridKind) -> Result<Grid, String> {
-    let declared = GridDeclaration {
-        kind,
-        crs: Some(Crs::new("EPSG:32635").unwrap()),
-        unit: None,
-        variable: None,
-        open_sea: false,
-    };
+    let declared =
+        GridDeclaration { kind, crs: Some(Crs::new("EPSG:32635").unwrap()), unit: None, open_sea: false };
     Grid::from_ascii(text, &declared, &Reading::whole()).map_err(|e| e.to_string())
 }
 
@@ -94,8 +89,7 @@ fn signs_that_look_wrong_are_refused_naming_the_other() {
     assert!(read(&rows("5 7 -1"), GridKind::Depth).is_ok());
     assert!(read(&rows("0 1 -9999"), GridKind::LandMask).is_ok());
     let crs = Crs::new("WGS84").unwrap();
-    let sea =
-        GridDeclaration { kind: GridKind::Depth, crs: Some(crs), unit: None, variable: None, open_sea: true };
+    let sea = GridDeclaration { kind: GridKind::Depth, crs: Some(crs), unit: None, open_sea: true };
     assert!(Grid::from_ascii(&rows("5 7 9"), &sea, &Reading::whole()).is_ok());
     assert!(Grid::from_ascii(&rows("-5 -7 -9"), &sea, &Reading::whole()).is_err());
 }

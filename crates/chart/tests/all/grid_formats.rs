@@ -1,4 +1,4 @@
-//! Grids in the forms that agencies publish: GeoTIFF and NetCDF.
+//! Grids in the form that agencies publish: GeoTIFF.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -16,28 +16,23 @@ fn bytes(name: &str) -> Vec<u8> {
 
 fn declared(name: &str) -> GridDeclaration {
     let kind = if name.starts_with("depth") { GridKind::Depth } else { GridKind::Elevation };
-    GridDeclaration { kind, crs: None, unit: None, variable: None, open_sea: false }
+    GridDeclaration { kind, crs: None, unit: None, open_sea: false }
 }
 
-fn read(name: &str, bytes: Vec<u8>, declared: &GridDeclaration) -> Result<Grid, Unread> {
-    if name.ends_with(".nc") {
-        Grid::from_netcdf(Cursor::new(bytes), declared, &Reading::whole())
-    } else {
-        Grid::from_tiff(Cursor::new(bytes), declared, &Reading::whole())
-    }
+fn read(bytes: Vec<u8>, declared: &GridDeclaration) -> Result<Grid, Unread> {
+    Grid::from_tiff(Cursor::new(bytes), declared, &Reading::whole())
 }
 
 #[test]
 fn oracle_grids_are_read_as_gdal_reads_them() {
     let text = std::fs::read_to_string(repository().join("fixtures/oracle/grids.json")).unwrap();
     let expected: Vec<Value> = serde_json::from_str(&text).unwrap();
-    assert_eq!(expected.len(), 5);
+    assert_eq!(expected.len(), 2);
     for own in &expected {
         let name = own["file"].as_str().unwrap();
-        let variable = own["variable"].as_str().map(str::to_owned);
-        let declared = GridDeclaration { variable, ..declared(name) };
-        let grid = read(name, bytes(name), &declared).unwrap_or_else(|e| panic!("{name}: {e}"));
-        assert_eq!(grid.crs.name(), own["crs"].as_str().unwrap_or("WGS84"), "{name}");
+        let declared = declared(name);
+        let grid = read(bytes(name), &declared).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(grid.crs.name(), own["crs"].as_str().unwrap(), "{name}");
         let corner: [f64; 2] = serde_json::from_value(own["corner"].clone()).unwrap();
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs().max(1.0);
         assert!(
@@ -62,32 +57,20 @@ fn oracle_grids_are_read_as_gdal_reads_them() {
 
 #[test]
 fn what_a_file_does_not_say_or_says_otherwise_is_refused() {
-    let refused = |name: &str, declared: &GridDeclaration, pieces: &[&str]| {
-        let said = read(name, bytes(name), declared).map(|_| ()).unwrap_err().to_string();
-        assert!(pieces.iter().all(|piece| said.contains(piece)), "{said}");
-    };
-    let own = declared("emodnet.nc");
-    refused("emodnet.nc", &own, &["`variable`", "2 grids", "elevation, value_count"]);
-    let other = GridDeclaration { variable: Some("depth".to_owned()), ..own.clone() };
-    refused("emodnet.nc", &other, &["no grid `depth`", "elevation, value_count"]);
+    let said = |bytes, declared| read(bytes, &declared).map(|_| ()).unwrap_err().to_string();
     let crs = Some(Crs::new("EPSG:32634").unwrap());
-    refused(
-        "depth_utm.tif",
-        &GridDeclaration { crs, ..declared("depth") },
-        &["`crs`", "EPSG:32635, as the file says"],
-    );
-    let swapped = read("a.tif", bytes("gebco.nc"), &own).map(|_| ()).unwrap_err().to_string();
-    assert!(swapped.contains("GeoTIFF") && swapped.contains("a whole GeoTIFF"), "{swapped}");
-    let swapped = read("a.nc", bytes("depth_utm.tif"), &own).map(|_| ()).unwrap_err().to_string();
-    assert!(swapped.contains("NetCDF"), "{swapped}");
+    let other = said(bytes("depth_utm.tif"), GridDeclaration { crs, ..declared("depth") });
+    assert!(other.contains("`crs`") && other.contains("EPSG:32635, as the file says"), "{other}");
+    let foreign = said(b"CDF\x01 and so on".to_vec(), declared("depth"));
+    assert!(foreign.contains("GeoTIFF") && foreign.contains("a whole GeoTIFF"), "{foreign}");
 }
 
 #[test]
 fn damaged_files_are_refused_or_read_and_never_panic() {
-    for name in ["depth_utm.tif", "elevation_point.tif", "gebco.nc", "emodnet.nc", "classic.nc"] {
+    for name in ["depth_utm.tif", "elevation_point.tif"] {
         let (whole, declared) = (bytes(name), declared(name));
         for cut in (0..whole.len()).step_by(53) {
-            let _ = read(name, whole[..cut].to_vec(), &declared);
+            let _ = read(whole[..cut].to_vec(), &declared);
         }
         let mut state = 1_u64;
         for _ in 0..300 {
@@ -97,7 +80,7 @@ fn damaged_files_are_refused_or_read_and_never_panic() {
                 let at = (state >> 33) as usize % damaged.len();
                 damaged[at] = (state >> 20) as u8;
             }
-            let _ = read(name, damaged, &declared);
+            let _ = read(damaged, &declared);
         }
     }
 }
@@ -107,11 +90,11 @@ fn damaged_files_are_refused_or_read_and_never_panic() {
 fn law_flipped_bits_of_deflated_blocks_are_refused_or_change_nothing() {
     let (whole, own) = (bytes("depth_utm.tif"), declared("depth_utm.tif"));
     let cells = |grid: &Grid| format!("{:?}", grid.cells().collect::<Vec<_>>());
-    let healthy = cells(&read("a.tif", whole.clone(), &own).unwrap());
+    let healthy = cells(&read(whole.clone(), &own).unwrap());
     for at in 430..whole.len() {
         let mut damaged = whole.clone();
         damaged[at] ^= 1 << (at % 8);
-        let found = read("a.tif", damaged, &own);
+        let found = read(damaged, &own);
         assert!(found.is_err() || found.is_ok_and(|grid| cells(&grid) == healthy), "silent: byte {at}");
     }
 }
@@ -122,6 +105,6 @@ fn texts_of_tags_that_lie_about_their_length_are_refused_by_the_tag() {
     let mut lying = bytes("elevation_point.tif");
     let entry = lying.windows(4).position(|part| part == [0x81, 0xA4, 2, 0]).unwrap();
     lying[entry + 4..entry + 8].fill(0xFF);
-    let said = read("a.tif", lying, &declared("elevation")).map(drop).unwrap_err().to_string();
+    let said = read(lying, &declared("elevation")).map(drop).unwrap_err().to_string();
     assert!(said.contains("tag 42113: found a text of 4294967295 bytes"), "{said}");
 }

@@ -82,13 +82,8 @@ fn law_cells_on_no_chart_are_the_same_whatever_they_count_as() {
 #[test]
 fn a_grid_of_land_shows_what_it_covers() {
     let crs = Crs::new("EPSG:32635").unwrap();
-    let declared = GridDeclaration {
-        kind: GridKind::LandMask,
-        crs: Some(crs.clone()),
-        unit: None,
-        variable: None,
-        open_sea: false,
-    };
+    let declared =
+        GridDeclaration { kind: GridKind::LandMask, crs: Some(crs.clone()), unit: None, open_sea: false };
     let text = "ncols 2\nnrows 2\nxllcorner 500000\nyllcorner 6650000\ncellsize 500\n0 0\n1 0\n";
     let grid = Grid::from_ascii(text, &declared, &Reading::whole()).unwrap();
     let (lon, lat) = crs.to_geographic([500_500.0, 6_650_500.0]).unwrap();
@@ -116,13 +111,8 @@ fn a_lake_is_water_and_beyond_the_area_nothing_is_known() {
 #[test]
 fn a_grid_blocks_what_its_bad_cells_touch() {
     let crs = Crs::new("EPSG:32635").unwrap();
-    let declared = GridDeclaration {
-        kind: GridKind::Depth,
-        crs: Some(crs.clone()),
-        unit: None,
-        variable: None,
-        open_sea: false,
-    };
+    let declared =
+        GridDeclaration { kind: GridKind::Depth, crs: Some(crs.clone()), unit: None, open_sea: false };
     let grid = Grid::from_ascii(&fixture("depth_5x4.asc"), &declared, &Reading::whole()).unwrap();
     let (lon, lat) = crs.to_geographic([500_250.0, 6_650_200.0]).unwrap();
     let plane = Plane::new(lon, lat).unwrap();
@@ -375,13 +365,7 @@ fn layers_made_by_hand_are_checked() {
     layer.areas[0].rings[0][0][1] = 91.0;
     assert!(Chart::new(plane, square(900.0), &[Layer::Polygons(layer)], None).is_err());
     let crs = Crs::new("EPSG:32635").unwrap();
-    let declared = GridDeclaration {
-        kind: GridKind::Depth,
-        crs: Some(crs),
-        unit: None,
-        variable: None,
-        open_sea: false,
-    };
+    let declared = GridDeclaration { kind: GridKind::Depth, crs: Some(crs), unit: None, open_sea: false };
     let mut grid = Grid::from_ascii(&fixture("depth_5x4.asc"), &declared, &Reading::whole()).unwrap();
     grid.rows -= 1;
     assert!(Chart::new(plane, square(900.0), &[Layer::Grid(grid)], None).is_err());

@@ -8,7 +8,7 @@ use chart::{
 use crate::support::{fixture, land, land_chart, shared, square};
 
 fn declared(kind: GridKind, crs: &str) -> GridDeclaration {
-    GridDeclaration { kind, crs: Some(Crs::new(crs).unwrap()), unit: None, variable: None, open_sea: false }
+    GridDeclaration { kind, crs: Some(Crs::new(crs).unwrap()), unit: None, open_sea: false }
 }
 
 /// The corners of a grid's cells on a plane.

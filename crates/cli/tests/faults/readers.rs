@@ -54,7 +54,7 @@ macro_rules! plan {
 }
 
 /// Mostly a data file is damaged, rarely its configuration.
-static STAGES: [Stage; 25] = [
+static STAGES: [Stage; 22] = [
     ingest!("csv", "a.csv", "a.csv", "a.csv", "ingest.toml"),
     ingest!("dated", "a.csv", "a.csv", "ingest.toml"),
     ingest!("gz", "a.csv.gz"),
@@ -68,9 +68,6 @@ static STAGES: [Stage; 25] = [
     plan!("asc", "a.asc", "a.asc", "a.asc", "plan.toml"),
     plan!("projected", "a.tif"),
     plan!("degrees", "a.tif"),
-    plan!("gebco", "a.nc"),
-    plan!("emodnet", "a.nc"),
-    plan!("classic", "a.nc"),
     plan!("land", "a.geojson", "a.geojson", "plan.toml"),
     plan!("cell", "ZZ5BAY01.000", "ZZ5BAY01.000", "ZZ5BAY01.001", "ZZ5BAY01.002"),
     plan!("areas", "a.geojson"),
@@ -290,9 +287,6 @@ fn charts(folder: &TempDir) {
     for (name, file, fixture, keys) in [
         ("projected", "a.tif", "grids/depth_utm.tif", "kind = \"depth\""),
         ("degrees", "a.tif", "grids/elevation_point.tif", "kind = \"elevation\""),
-        ("gebco", "a.nc", "grids/gebco.nc", "kind = \"elevation\""),
-        ("emodnet", "a.nc", "grids/emodnet.nc", "kind = \"elevation\"\nvariable = \"elevation\""),
-        ("classic", "a.nc", "grids/classic.nc", "kind = \"elevation\""),
         ("cell", "ZZ5BAY01.000", "enc/ZZ5BAY01.000", ""),
         ("areas", "a.geojson", "enc/ZZ5BAY01_DEPARE.geojson", "kind = \"depth\""),
     ] {

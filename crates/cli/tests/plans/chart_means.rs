@@ -5,7 +5,7 @@ use std::io::{Seek, SeekFrom, Write};
 use crate::grid_files::*;
 use crate::planned::*;
 use crate::support::*;
-use crate::units::{METRES, SHOAL, over_a_shoal};
+use crate::units::{METRES, SHOAL, over_a_shoal, scaled};
 
 /// A tile of 10,000 × 10,000 cells, of which the area has some thousands: the file has 200 MB of zeros except for the
 /// shoal.
@@ -15,20 +15,23 @@ fn law_of_a_vast_tile_the_window_is_read() {
     const SIDE: usize = 10_000;
     let packed = Packed { numbers: Numbers::I16, offset: 20.0, missing: -32768.0, ..METRES };
     let tile = Basin { west_deg: 20.0, south_deg: 55.0, ..Basin::with_a_shoal() };
-    let said =
-        [("add_offset", Said::Double(20.0)), ("_FillValue", Said::Own(-32768.0)), ("units", Said::Text("m"))];
-    let before = netcdf_before(&tile, [SIDE; 2], &packed, &said, false);
-    let folder = over_a_shoal("own.nc", "kind = \"depth\"", &before);
-    let mut file = std::fs::OpenOptions::new().write(true).open(folder.path().join("own.nc")).unwrap();
-    file.set_len((before.len() + 2 * SIDE * SIDE) as u64).unwrap();
-    let at = |row: usize, column: usize| SeekFrom::Start((before.len() + 2 * (row * SIDE + column)) as u64);
+    let scale = scaled(1.0, 20.0, "m");
+    let [start, end] = tiff_around(&tile, [SIDE; 2], &packed, Some("-32768"), Some(&scale), &[]);
+    let folder = over_a_shoal("own.tif", "kind = \"depth\"", &start);
+    let mut file = std::fs::OpenOptions::new().write(true).open(folder.path().join("own.tif")).unwrap();
+    let at = |row: usize, column: usize| {
+        SeekFrom::Start((start.len() + 2 * ((SIDE - 1 - row) * SIDE + column)) as u64)
+    };
+    file.set_len((start.len() + 2 * SIDE * SIDE) as u64).unwrap();
+    file.seek(SeekFrom::End(0)).unwrap();
+    file.write_all(&end).unwrap();
     // Where the small basin has its shoal: 24.90 to 24.92 E, 60.10 to 60.12 N. A cell without data stands beside it.
     for row in 5100..5120 {
         file.seek(at(row, 4900)).unwrap();
-        file.write_all(&(-17_i16).to_be_bytes().repeat(20)).unwrap();
+        file.write_all(&(-17_i16).to_le_bytes().repeat(20)).unwrap();
     }
     file.seek(at(5095, 4895)).unwrap();
-    file.write_all(&i16::MIN.to_be_bytes()).unwrap();
+    file.write_all(&i16::MIN.to_le_bytes()).unwrap();
     drop(file);
     let (code, peak) = crate::budget::peak_mib(&folder, &format!("{PLAN} --memory-mib 512"));
     assert!(code == Some(4) && peak > 1.0 && peak < 160.0, "{code:?} {peak} MiB");
@@ -74,7 +77,7 @@ fn a_time_that_is_over_ends_the_reading_of_charts() {
 #[cfg(unix)]
 #[test]
 fn pipes_are_no_charts() {
-    for name in ["own.geojson", "own.tif", "own.nc", "own.asc"] {
+    for name in ["own.geojson", "own.tif", "own.asc"] {
         let folder = over_a_shoal(name, "kind = \"depth\"\ncrs = \"WGS84\"", b"");
         let path = folder.path().join(name);
         std::fs::remove_file(&path).unwrap();

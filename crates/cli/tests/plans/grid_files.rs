@@ -21,17 +21,13 @@ impl Numbers {
     }
 
     /// The bytes of a number.
-    fn bytes(self, value: f64, big: bool) -> Vec<u8> {
-        let mut bytes = match self {
-            Self::I16 => (value as i16).to_be_bytes().to_vec(),
-            Self::U16 => (value as u16).to_be_bytes().to_vec(),
-            Self::I32 => (value as i32).to_be_bytes().to_vec(),
-            Self::F32 => (value as f32).to_be_bytes().to_vec(),
-        };
-        if !big {
-            bytes.reverse();
+    fn bytes(self, value: f64) -> Vec<u8> {
+        match self {
+            Self::I16 => (value as i16).to_le_bytes().to_vec(),
+            Self::U16 => (value as u16).to_le_bytes().to_vec(),
+            Self::I32 => (value as i32).to_le_bytes().to_vec(),
+            Self::F32 => (value as f32).to_le_bytes().to_vec(),
         }
-        bytes
     }
 }
 
@@ -58,10 +54,6 @@ impl Basin {
 
     fn rows(&self) -> usize {
         self.depths_m.len() / self.columns
-    }
-
-    fn north_deg(&self) -> f64 {
-        self.south_deg + self.cell_deg * self.rows() as f64
     }
 }
 
@@ -114,14 +106,29 @@ pub fn tiff(
     metadata: Option<&str>,
     keys: &[[u16; 4]],
 ) -> Vec<u8> {
+    let size = [basin.rows(), basin.columns];
+    let [start, end] = tiff_around(basin, size, packed, no_data, metadata, keys);
+    let numbers = basin.depths_m.iter().flat_map(|depth| packed.numbers.bytes(packed.number(*depth)));
+    [start, numbers.collect(), end].concat()
+}
+
+/// What stands before and after the numbers of such a file, of `rows` and `columns`.
+pub fn tiff_around(
+    basin: &Basin,
+    [rows, columns]: [usize; 2],
+    packed: &Packed,
+    no_data: Option<&str>,
+    metadata: Option<&str>,
+    keys: &[[u16; 4]],
+) -> [Vec<u8>; 2] {
     const ROWS: usize = 7;
-    let mut out = b"II\x2a\x00\0\0\0\0".to_vec();
-    let (mut starts, mut lengths) = (Vec::new(), Vec::new());
-    for strip in basin.depths_m.chunks(ROWS * basin.columns) {
-        starts.push(out.len() as u32);
-        out.extend(strip.iter().flat_map(|depth| packed.numbers.bytes(packed.number(*depth), false)));
-        lengths.push(out.len() as u32 - starts[starts.len() - 1]);
-    }
+    let mut start = b"II\x2a\x00\0\0\0\0".to_vec();
+    let row = columns * packed.numbers.size();
+    let first = start.len() + rows * row;
+    let strips = || (0..rows).step_by(ROWS);
+    let starts: Vec<u32> = strips().map(|k| (start.len() + k * row) as u32).collect();
+    let lengths: Vec<u32> = strips().map(|k| (ROWS.min(rows - k) * row) as u32).collect();
+    let mut out = Vec::new();
     let words = |all: &[u32]| all.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let halves = |all: &[u16]| all.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let doubles = |all: &[f64]| all.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
@@ -133,9 +140,10 @@ pub fn tiff(
         Numbers::I16 | Numbers::I32 => 2,
         Numbers::F32 => 3,
     };
+    let north_deg = basin.south_deg + basin.cell_deg * rows as f64;
     let mut tags: Vec<(u16, u16, Vec<u8>)> = vec![
-        (256, 4, words(&[basin.columns as u32])),
-        (257, 4, words(&[basin.rows() as u32])),
+        (256, 4, words(&[columns as u32])),
+        (257, 4, words(&[rows as u32])),
         (258, 3, halves(&[8 * packed.numbers.size() as u16])),
         (259, 3, halves(&[1])),
         (262, 3, halves(&[1])),
@@ -145,7 +153,7 @@ pub fn tiff(
         (279, 4, words(&lengths)),
         (339, 3, halves(&[format])),
         (33550, 12, doubles(&[basin.cell_deg, basin.cell_deg, 0.0])),
-        (33922, 12, doubles(&[0.0, 0.0, 0.0, basin.west_deg, basin.north_deg(), 0.0])),
+        (33922, 12, doubles(&[0.0, 0.0, 0.0, basin.west_deg, north_deg, 0.0])),
         (34735, 3, halves(&directory)),
     ];
     tags.extend(metadata.map(|text| (42112, 2, texts(text))));
@@ -157,7 +165,7 @@ pub fn tiff(
         entries.extend(((value.len() / size(*kind)) as u32).to_le_bytes());
         let mut own = value.clone();
         if own.len() > 4 {
-            own = (out.len() as u32).to_le_bytes().to_vec();
+            own = ((first + out.len()) as u32).to_le_bytes().to_vec();
             out.extend(value);
             out.resize(out.len().next_multiple_of(4), 0);
         }
@@ -165,121 +173,9 @@ pub fn tiff(
         entries.extend(own);
     }
     entries.extend([0; 4]);
-    let at = (out.len() as u32).to_le_bytes();
-    out[4..8].copy_from_slice(&at);
+    start[4..].copy_from_slice(&((first + out.len()) as u32).to_le_bytes());
     out.extend(entries);
-    out
-}
-
-/// An attribute of a NetCDF variable.
-pub enum Said<'a> {
-    Text(&'a str),
-    /// A number of the variable's own type.
-    Own(f64),
-    Double(f64),
-}
-
-/// A classic NetCDF file with the variable `z` over `lat` and `lon`, northward unless `southward`.
-pub fn netcdf(basin: &Basin, packed: &Packed, said: &[(&str, Said)], southward: bool) -> Vec<u8> {
-    let mut lines: Vec<&[Option<f64>]> = basin.depths_m.chunks(basin.columns).rev().collect();
-    if southward {
-        lines.reverse();
-    }
-    let mut out = netcdf_before(basin, [basin.rows(), basin.columns], packed, said, southward);
-    let numbers =
-        lines.concat().into_iter().flat_map(|depth| packed.numbers.bytes(packed.number(depth), true));
-    out.extend(numbers);
-    out.resize(out.len().next_multiple_of(4), 0);
-    out
-}
-
-/// The header of such a file, of `rows` and `columns`.
-pub fn netcdf_before(
-    basin: &Basin,
-    [rows, columns]: [usize; 2],
-    packed: &Packed,
-    said: &[(&str, Said)],
-    southward: bool,
-) -> Vec<u8> {
-    let middle = |start: f64, k: usize| start + basin.cell_deg * (k as f64 + 0.5);
-    let mut lat: Vec<f64> = (0..rows).map(|k| middle(basin.south_deg, k)).collect();
-    let lon: Vec<f64> = (0..columns).map(|k| middle(basin.west_deg, k)).collect();
-    if southward {
-        lat.reverse();
-    }
-    let own_type = match packed.numbers {
-        Numbers::I16 => 3,
-        Numbers::I32 => 4,
-        Numbers::F32 => 5,
-        Numbers::U16 => panic!("classic files have no such numbers"),
-    };
-    let own = (own_type, packed.numbers);
-    let axis = |units| attributes(&[("units", Said::Text(units))], own);
-    let size = (rows * columns * packed.numbers.size()).next_multiple_of(4);
-    let variables = [
-        Variable { name: "lat", dimensions: vec![0], said: axis("degrees_north"), kind: 6, size: 8 * rows },
-        Variable { name: "lon", dimensions: vec![1], said: axis("degrees_east"), kind: 6, size: 8 * columns },
-        Variable { name: "z", dimensions: vec![0, 1], said: attributes(said, own), kind: own_type, size },
-    ];
-    let header = |mut start: usize| {
-        let mut out = b"CDF\x01\0\0\0\0".to_vec();
-        out.extend([word(10), word(2), name("lat"), word(rows), name("lon"), word(columns)].concat());
-        out.extend([word(0), word(0), word(11), word(3)].concat());
-        for own in &variables {
-            out.extend(own.header(start));
-            start += own.size;
-        }
-        out
-    };
-    let mut out = header(header(0).len());
-    out.extend(lat.iter().chain(&lon).flat_map(|v| v.to_be_bytes()));
-    out
-}
-
-/// A variable of a classic file, with its attributes as bytes.
-struct Variable {
-    name: &'static str,
-    dimensions: Vec<usize>,
-    said: Vec<u8>,
-    kind: usize,
-    size: usize,
-}
-
-impl Variable {
-    fn header(&self, start: usize) -> Vec<u8> {
-        let dimensions = self.dimensions.iter().flat_map(|d| word(*d)).collect::<Vec<u8>>();
-        let ends = [word(self.kind), word(self.size), word(start)].concat();
-        [name(self.name), word(self.dimensions.len()), dimensions, self.said.clone(), ends].concat()
-    }
-}
-
-fn word(value: usize) -> Vec<u8> {
-    (value as u32).to_be_bytes().to_vec()
-}
-
-fn padded(mut bytes: Vec<u8>) -> Vec<u8> {
-    bytes.resize(bytes.len().next_multiple_of(4), 0);
-    bytes
-}
-
-fn name(text: &str) -> Vec<u8> {
-    [word(text.len()), padded(text.as_bytes().to_vec())].concat()
-}
-
-/// The attributes of a variable of numbers `own`.
-fn attributes(all: &[(&str, Said)], (own_type, numbers): (usize, Numbers)) -> Vec<u8> {
-    if all.is_empty() {
-        return word(0).repeat(2);
-    }
-    let attribute = |(key, value): &(&str, Said)| {
-        let (kind, count, bytes) = match value {
-            Said::Text(text) => (2, text.len(), text.as_bytes().to_vec()),
-            Said::Own(number) => (own_type, 1, numbers.bytes(*number, true)),
-            Said::Double(number) => (6, 1, number.to_be_bytes().to_vec()),
-        };
-        [name(key), word(kind), word(count), padded(bytes)].concat()
-    };
-    [word(12), word(all.len()), all.iter().flat_map(attribute).collect()].concat()
+    [start, out]
 }
 
 /// Depth areas: the shoal, and the deeper water around it; `least` is the property of the depth.

@@ -18,7 +18,7 @@ pub struct PlanDepths {
     pub offset: f64,
     /// The vertical datum; absent where the file does not state one.
     pub datum: Option<String>,
-    /// Cells that count as without data, since they are outside of the range that the file calls valid; of those that were read.
+    /// Cells outside of a range that the file calls valid: none, since no format that is read has one.
     pub invalid: u64,
 }
 
@@ -68,7 +68,7 @@ impl PlanDepths {
             scale: measured.scale,
             offset: measured.offset,
             datum: measured.datum.clone(),
-            invalid: measured.invalid,
+            invalid: 0,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Charts that are grids, which are only read near the area.
 
 use std::fs::File;
-use std::io::{BufReader, Seek};
+use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 use artifact::{Digesting, Error, Provenance};
@@ -16,7 +16,6 @@ use super::chart_text::chart_text;
 pub(super) enum GridFormat {
     Ascii,
     Tiff,
-    NetCdf,
 }
 
 impl GridFormat {
@@ -25,7 +24,6 @@ impl GridFormat {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "asc" => Some(Self::Ascii),
             "tif" | "tiff" => Some(Self::Tiff),
-            "nc" => Some(Self::NetCdf),
             _ => None,
         }
     }
@@ -50,9 +48,23 @@ impl GridFormat {
                 Grid::from_ascii(&text, declared, &Reading { bytes: reading.bytes - length, ..*reading })
             }
             Self::Tiff => Grid::from_tiff(BufReader::new(open(path, provenance)?), declared, reading),
-            Self::NetCdf => Grid::from_netcdf(open(path, provenance)?, declared, reading),
         })
     }
+}
+
+/// Refuses a file of NetCDF, classic or in HDF5, whatever its name.
+pub(super) fn refuse_netcdf(path: &Path) -> Result<(), Error> {
+    const SIGNATURES: [&[u8]; 4] = [b"CDF\x01", b"CDF\x02", b"CDF\x05", b"\x89HDF\r\n\x1A\n"];
+    let mut first = Vec::new();
+    artifact::open(path)?.take(8).read_to_end(&mut first).map_err(|e| Error::io(path, "read", e))?;
+    if !SIGNATURES.iter().any(|own| first.starts_with(own)) {
+        return Ok(());
+    }
+    let expected = "GeoTIFF (.tif), ESRI ASCII (.asc), GeoJSON, or a cell of an electronic chart (.000)";
+    let named = path.with_extension("tif");
+    let tiff = if named == path { path.with_extension("geo.tif") } else { named };
+    let remedy = format!("convert it: `gdal_translate {} {}`", path.display(), tiff.display());
+    Err(Error::refuse(path, "chart", "NetCDF", expected, remedy))
 }
 
 /// Opens the file of a chart, and notes its digest.

@@ -5,7 +5,6 @@ use std::path::Path;
 use artifact::Error;
 use chart::{Crs, GridDeclaration, GridKind, LayerKind};
 
-use super::chart_grids::GridFormat;
 use super::file::{ChartKind, ChartSpec};
 
 /// Property with the least depth of an area, and with the depth over a danger, in electronic charts (S-57).
@@ -35,14 +34,6 @@ impl ChartSpec {
         if !objects && (!self.rules.is_empty() || self.doubtful_radius_m.is_some()) {
             let expected = "a cell (`.000`), or `kind = \"objects\"`";
             return refuse("[[chart]]", "`rules` or `doubtful_radius_m`", expected, "leave them out");
-        }
-        if self.variable.is_some() && !matches!(GridFormat::of(path), Some(GridFormat::NetCdf)) {
-            return refuse(
-                "`variable`",
-                "one of a file without variables",
-                "a NetCDF file (.nc)",
-                "leave it out",
-            );
         }
         let measures =
             [ChartKind::Depth, ChartKind::Elevation, ChartKind::Danger].map(Some).contains(&self.kind);
@@ -82,7 +73,7 @@ impl ChartSpec {
                 "`kind`",
                 "elevation, of polygons",
                 "land, no-go, depth, danger or objects",
-                "elevations come as a grid (.asc, .tif, .nc)",
+                "elevations come as a grid (.asc, .tif)",
             )),
         }
     }
@@ -105,7 +96,6 @@ impl ChartSpec {
             return Err(Error::refuse(path, "`radius_m`", found, expected, "leave it out"));
         }
         let crs = self.crs.as_deref().map(Crs::new).transpose().map_err(|e| Error::invalid(path, e))?;
-        let (unit, variable) = (self.depth_unit, self.variable.clone());
-        Ok(GridDeclaration { kind, crs, unit, variable, open_sea: self.open_sea })
+        Ok(GridDeclaration { kind, crs, unit: self.depth_unit, open_sea: self.open_sea })
     }
 }

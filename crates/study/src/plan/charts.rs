@@ -11,7 +11,7 @@ use chart::{
 
 use super::cells::{CellReader, PER_BYTE, cells_of, of_objects};
 use super::chart_file::bytes;
-use super::chart_grids::GridFormat;
+use super::chart_grids::{GridFormat, refuse_netcdf};
 use super::chart_text::chart_text;
 use super::exchange_set::existing;
 use super::file::{ChartKind, ChartSpec, PlanFile};
@@ -111,6 +111,7 @@ impl Charts {
         if !(means.keep_going)() {
             return Err(ChartsError::OutOfTime);
         }
+        refuse_netcdf(path)?;
         if GridFormat::of(path).is_none() {
             let length = std::fs::metadata(path).map_or(0, |about| about.len());
             self.bytes += PER_BYTE * length;

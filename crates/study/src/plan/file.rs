@@ -106,8 +106,7 @@ pub struct AreaSpec {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChartSpec {
-    /// GeoJSON (`.geojson`, `.json`), grid (`.asc`, GeoTIFF `.tif`, NetCDF `.nc`) or cell of an electronic chart (`.000`), or
-    /// the folder or `CATALOG.031` of several, relative to this file.
+    /// GeoJSON (`.geojson`, `.json`), grid (`.asc`, GeoTIFF `.tif`) or cell of an electronic chart (`.000`), or the folder or `CATALOG.031` of several, relative to this file.
     pub file: PathBuf,
     /// Its contents; a cell has objects of many classes.
     pub kind: Option<ChartKind>,
@@ -116,8 +115,6 @@ pub struct ChartSpec {
     /// The unit of its depths, elevations or depths over dangers, if not in the file: m, dm, cm, mm, km, ft, us-ft or
     /// fathom; metres without it.
     pub depth_unit: Option<chart::DepthUnit>,
-    /// The variable of a NetCDF file with depths or elevations, if it has several.
-    pub variable: Option<String>,
     /// Property with the least depth of an area (`DRVAL1`), or with the depth over a danger (`VALSOU`).
     pub least: Option<String>,
     /// The radius of danger at its points and lines \[m\]; 50 without it.
