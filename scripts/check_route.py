@@ -1,6 +1,6 @@
 """Checks the structure of a route's files, and that they tell the same route.
 
-    python scripts/check_route.py --rtz route.rtz --gpx route.gpx --geojson track.geojson --gpkg route.gpkg
+    python scripts/check_route.py --rtz route.rtz --gpx route.gpx --geojson track.geojson
 
 Prints one line per violation and exits with 1, or one line that begins with `ok` and exits with 0. Needs nothing but
 Python. Shares no code with the workspace; lengths are great circles on the sphere.
@@ -18,15 +18,12 @@ sys.dont_write_bytecode = True
 
 from independent.geographic import Position, distance_m  # noqa: E402  (no cache before)
 from independent.geojson import check_geojson  # noqa: E402
-from independent.gpkg import Package, check_gpkg  # noqa: E402
 from independent.gpx import Gpx, check_gpx  # noqa: E402
 from independent.rtz import check_rtz  # noqa: E402
 from independent.xml_text import Unreadable, read_root  # noqa: E402
 
 # The files round positions each in its own way.
 NEAR_M = 5.0
-# GPX tells times of waypoints to the second.
-SAME_S = 0.51
 
 
 def main() -> int:
@@ -36,13 +33,8 @@ def main() -> int:
     violations += wrong
     wrong, lines = checked(arguments.geojson, read_document, check_geojson, [])
     violations += wrong
-    package = Package()
-    if arguments.gpkg is not None:
-        wrong, package = checked(arguments.gpkg, lambda path: path, check_gpkg, package)
-        violations += wrong
     if not violations:
         violations = differences(waypoints, gpx, lines)
-        violations += [] if arguments.gpkg is None else package_differences(waypoints, gpx, package)
     for violation in violations:
         print(violation)
     if violations:
@@ -57,7 +49,6 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument("--rtz", type=Path, required=True, help="route.rtz: RTZ 1.0")
     parser.add_argument("--gpx", type=Path, required=True, help="route.gpx: GPX 1.1")
     parser.add_argument("--geojson", type=Path, required=True, help="track.geojson: RFC 7946")
-    parser.add_argument("--gpkg", type=Path, help="route.gpkg: GeoPackage 1.3")
     return parser.parse_args()
 
 
@@ -97,22 +88,6 @@ def differences(waypoints: list[Position], gpx: Gpx, lines: list[list[Position]]
     if not lines:
         return wrongs + ["geojson: found no line, expected a track"]
     return wrongs + ends("geojson: track", lines[0][0], lines[-1][-1], waypoints)
-
-
-def package_differences(waypoints: list[Position], gpx: Gpx, package: Package) -> list[str]:
-    """Where the GeoPackage tells another route, or other times than GPX."""
-    if len(package.waypoints) != len(waypoints):
-        return [f"gpkg: found {len(package.waypoints)} waypoints, expected {len(waypoints)} as in the rtz"]
-    pairs = enumerate(zip(waypoints, package.waypoints))
-    wrongs = [w for index, (a, b) in pairs for w in apart(f"gpkg: waypoint {index}", b, a)]
-    if len(package.times) != len(gpx.times):
-        return wrongs + [f"gpkg: found {len(package.times)} times, expected {len(gpx.times)} as in the gpx"]
-    times = enumerate(zip(package.times, gpx.times))
-    return wrongs + [
-        f"gpkg: waypoint {index}: found eta {a - b:+.3f} s off that of the gpx, expected within {SAME_S} s"
-        for index, (a, b) in times
-        if abs(a - b) > SAME_S
-    ]
 
 
 def ends(what: str, first: Position, last: Position, waypoints: list[Position]) -> list[str]:

@@ -1,4 +1,4 @@
-//! Figures as SVG, a plan for QGIS, and two self-contained HTML pages about a study: to read, and to explore.
+//! Figures as SVG, and two self-contained HTML pages about a study: to read, and to explore.
 //!
 //! A [`Study`] holds the results that exist; [`render`] shows them and says what is missing and which stage makes it.
 //! The page has no script and no outside resource. [`explore`] makes the one with scripts, which sends no request either.
@@ -25,7 +25,6 @@ mod estimators;
 mod excitation;
 mod explore;
 pub mod figures;
-pub mod geopackage;
 mod headline;
 mod histograms;
 mod lacking;

@@ -278,7 +278,9 @@ pub fn check_kind(out: &Path, usual: &str) -> Result<(), Invalid> {
     match (end(out), end(Path::new(usual))) {
         (Some(found), Some(own)) if found != own && KINDS.contains(&found.as_str()) => {
             let expected = format!("a name that ends in .{own}, as {usual} does");
-            let remedy = format!("write --out {}", out.with_extension(own).display());
+            let is_map = usual == "plan.json" && ["gpkg", "kml"].contains(&found.as_str());
+            let maps = if is_map { ", and give maps the track.geojson or route.gpx beside it" } else { "" };
+            let remedy = format!("write --out {}{maps}", out.with_extension(own).display());
             Err(Invalid::new("--out", out.display().to_string(), expected, remedy))
         }
         _ => Ok(()),

@@ -180,12 +180,8 @@ impl Track {
 
 /// `after_s` after `departure`, as ISO 8601 in UTC.
 pub(crate) fn instant(departure: Timestamp, after_s: f64) -> Option<String> {
-    later(departure, after_s).map(|instant| instant.to_string())
-}
-
-/// `after_s` after `departure`.
-pub fn later(departure: Timestamp, after_s: f64) -> Option<Timestamp> {
-    departure.checked_add(SignedDuration::try_from_secs_f64(after_s).ok()?).ok()
+    let later = departure.checked_add(SignedDuration::try_from_secs_f64(after_s).ok()?).ok()?;
+    Some(later.to_string())
 }
 
 /// Course along the loxodrome, true \[deg\].
@@ -210,11 +206,8 @@ pub(crate) fn place(thing: &str, [lon, lat]: [f64; 2]) -> Result<(), Invalid> {
     Err(Invalid::new(thing, found, "degrees within ±180 and ±90", "correct it"))
 }
 
-/// At least `least` positions, to 10⁻⁹ degrees (0.1 mm).
-///
-/// # Errors
-/// Fewer positions, or ones that are not longitude and latitude: names `thing`.
-pub fn rounded(places: &[[f64; 2]], least: usize, thing: &str) -> Result<Vec<[f64; 2]>, Invalid> {
+/// At least `least` positions, to 10⁻⁹ degrees (0.1 mm); `thing` names them in refusals.
+pub(crate) fn rounded(places: &[[f64; 2]], least: usize, thing: &str) -> Result<Vec<[f64; 2]>, Invalid> {
     places.iter().try_for_each(|p| place(thing, *p))?;
     if places.len() < least {
         let (found, expected) = (format!("{} points", places.len()), format!("at least {least}"));

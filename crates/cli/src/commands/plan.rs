@@ -16,7 +16,7 @@ use clap::Parser;
     after_help = "Example:\n  plan --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
     --dictionary pipelines/helsinki/dictionary.toml --config pipelines/helsinki/plan.toml --out out/helsinki/plan.json\n  \
     plan --problem fixtures/lattice/channel.json --out plan.json\n\n\
-    Beside the plan of a trial stand track.parquet, track.geojson, route.rtz, .gpx, .kml, .plan and .gpkg, map.json (what the map \
+    Beside the plan of a trial stand track.parquet, track.geojson, route.rtz, .gpx and .plan, map.json (what the map \
     shows) and map.svg.\n\n\
     --memory-mib counts every phase, and 24 MiB of the program's own; without it 4096 MiB at most."
 )]

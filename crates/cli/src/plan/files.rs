@@ -41,15 +41,13 @@ pub const MAIN: &str = "plan.json";
 pub(super) const FOLLOWED: &str = "follow.json";
 
 /// The files written next to `plan.json`.
-const ADDITIONAL: [&str; 10] = [
+const ADDITIONAL: [&str; 8] = [
     FOLLOWED,
     "track.parquet",
     "track.geojson",
     "route.rtz",
     "route.gpx",
-    "route.kml",
     "route.plan",
-    "route.gpkg",
     "map.json",
     "map.svg",
 ];

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use artifact::{Provenance, Staged, commit, stage_document, stage_set_document};
 use lattice::ProblemFile;
-use report::geopackage::geopackage;
 use report::plan_map;
 use seatrial::{ChartedTrial, Planned};
 use serde_json::json;
@@ -111,9 +110,7 @@ fn stage_track_and_routes(
         Failure::Failed(artifact::Error::invalid(beside(out, MAIN, name), invalid).to_string())
     };
     let route = beside(out, MAIN, "route.rtz");
-    let mut files =
-        routes.files(&route.file_stem().unwrap_or_default().to_string_lossy()).map_err(refused)?;
-    files.push(("route.gpkg", geopackage(&routes).map_err(|e| refused(("route.gpkg", e)))?));
+    let files = routes.files(&route.file_stem().unwrap_or_default().to_string_lossy()).map_err(refused)?;
     let stage = |(name, bytes): (&str, Vec<u8>)| Ok(Staged::bytes(beside(out, MAIN, name), &bytes)?);
     std::iter::once(Ok(track)).chain(files.into_iter().map(stage)).collect()
 }

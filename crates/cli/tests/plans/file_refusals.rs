@@ -323,7 +323,7 @@ fn outputs_that_cannot_be_written_leave_nothing() {
     let before = listing(folder.path());
     run_on_full_disk(&folder, PLAN).refuses(1, &["track"]);
     assert_eq!(listing(folder.path()), before, "a full disk leaves files behind");
-    for name in ["map.json", "map.svg", "route.gpx", "route.gpkg", "track.parquet"] {
+    for name in ["map.json", "map.svg", "route.gpx", "route.rtz", "track.parquet"] {
         let folder = small();
         std::fs::create_dir(folder.path().join(name)).unwrap();
         std::fs::write(folder.path().join(name).join("kept"), "kept").unwrap();
@@ -343,4 +343,12 @@ fn inputs_are_not_overwritten() {
     let folder = small_with(&[]);
     refused(&folder, 2, &PLAN.replace("--out plan.json", "--out track.parquet"), &["--out", "track.parquet"]);
     refused(&folder, 2, &PLAN.replace("--out plan.json", "--out land.geojson"), &["--out", "land.geojson"]);
+}
+
+#[test]
+fn plans_for_maps_are_named_where_a_geopackage_or_kml_is_asked_for() {
+    for name in ["plan.gpkg", "route.kml", "route.GPKG"] {
+        let line = PLAN.replace("--out plan.json", &format!("--out {name}"));
+        refused(&small(), 2, &line, &["--out", name, "ends in .json", "track.geojson", "route.gpx"]);
+    }
 }

@@ -19,5 +19,5 @@ fn law_a_plan_in_memory_is_that_of_the_program() {
     assert_eq!(serde_json::to_value(&planned.document).unwrap(), serde_json::to_value(by_program).unwrap());
     let names: Vec<&str> =
         planned.routes().unwrap().files("route").unwrap().into_iter().map(|(name, _)| name).collect();
-    assert_eq!(names, ["track.geojson", "route.rtz", "route.gpx", "route.kml", "route.plan"]);
+    assert_eq!(names, ["track.geojson", "route.rtz", "route.gpx", "route.plan"]);
 }

@@ -14,15 +14,13 @@ pub const PLAN: &str =
     "plan --vessel vessel.toml --trajectories dictionary.parquet --config plan.toml --out plan.json";
 
 /// The files that `plan` writes.
-pub const PLANNED: [&str; 10] = [
+pub const PLANNED: [&str; 8] = [
     "plan.json",
     "track.parquet",
     "track.geojson",
     "route.rtz",
     "route.gpx",
-    "route.kml",
     "route.plan",
-    "route.gpkg",
     "map.json",
     "map.svg",
 ];

@@ -1,7 +1,6 @@
 //! Routes and tracks in other formats, read back by foreign readers.
 
 use geojson::{FeatureCollection, GeometryValue};
-use rusqlite::Connection;
 
 use crate::geometry::local_m;
 use crate::planned::*;
@@ -180,28 +179,6 @@ fn a_departure_gives_routes_their_times_of_day() {
     let gpx = read(planned.text("route.gpx"));
     let track = gpx.one("trk").one("trkseg").all("trkpt");
     assert_eq!(track[0].one("time").text, "2026-06-01T08:00:00Z");
-    assert!(planned.text("route.kml").contains("<begin>2026-06-01T08:"));
-    // The nominal vessel reaches waypoints at whole seconds.
-    let package = package(&planned);
-    let mut etas =
-        package.prepare("SELECT substr(eta, 1, 19) || 'Z', eta FROM waypoints ORDER BY fid").unwrap();
-    let etas: Vec<[String; 2]> =
-        etas.query_map([], |row| Ok([row.get(0)?, row.get(1)?])).unwrap().map(Result::unwrap).collect();
-    let route = gpx.one("rte").all("rtept");
-    assert!(
-        etas.len() == route.len()
-            && etas[0][0] == "2026-06-01T08:00:00Z"
-            && etas.is_sorted_by(|a, b| a[1] < b[1])
-    );
-    assert!(etas.iter().zip(route).all(|([eta, _], own)| *eta == own.one("time").text));
-}
-
-/// The GeoPackage of a plan.
-fn package(planned: &Planned) -> Connection {
-    let bytes = planned.study.bytes("route.gpkg");
-    let mut package = Connection::open_in_memory().unwrap();
-    package.deserialize_read_exact("main", bytes, bytes.len(), true).unwrap();
-    package
 }
 
 #[test]
@@ -289,67 +266,6 @@ fn the_geojson_track_has_a_line_per_leg_that_joins_the_next() {
             assert_eq!(line.len(), sailed.len());
             assert!(line.iter().zip(sailed).all(|(a, b)| near(*a, *b)), "leg {k}");
         }
-    }
-}
-
-#[test]
-fn the_geopackage_has_the_passage_and_the_track_as_styled_layers() {
-    for planned in all() {
-        let package = package(planned);
-        let texts = |query: &str| -> Vec<String> {
-            let mut query = package.prepare(query).unwrap();
-            query.query_map([], |row| row.get(0)).unwrap().map(Result::unwrap).collect()
-        };
-        let layers = ["corridors", "legs", "waypoints", "track"];
-        let listed =
-            texts("SELECT table_name FROM gpkg_contents WHERE data_type = 'features' ORDER BY rowid");
-        assert_eq!(listed, layers);
-        assert_eq!(texts("SELECT f_table_name FROM layer_styles WHERE useAsDefault"), layers);
-        for style in texts("SELECT styleQML FROM layer_styles") {
-            assert_eq!(read(&style).name, "qgis");
-        }
-        // The data after a geometry's header: extent, kind, count and points.
-        let points = |layer: &str, before: usize| -> Vec<Vec<[f64; 2]>> {
-            let mut query = package.prepare(&format!("SELECT geom FROM {layer} ORDER BY fid")).unwrap();
-            let blobs = query.query_map([], |row| row.get::<_, Vec<u8>>(0)).unwrap().map(Result::unwrap);
-            let numbers = blobs.map(|blob| -> Vec<f64> {
-                blob[before..]
-                    .chunks_exact(8)
-                    .map(|own| f64::from_le_bytes(own.try_into().unwrap()))
-                    .collect()
-            });
-            numbers.map(|own| own.chunks_exact(2).map(|place| [place[0], place[1]]).collect()).collect()
-        };
-        let places = waypoints(planned);
-        let written = points("waypoints", 13);
-        assert_eq!(written.len(), places.len());
-        assert!(written.iter().zip(&places).all(|(own, place)| near(own[0], *place)));
-        let legs = planned.plan["voyage"]["passage"]["legs"].as_array().unwrap();
-        let (lines, rings) = (points("legs", 49), points("corridors", 53));
-        assert_eq!((lines.len(), rings.len()), (legs.len(), legs.len()));
-        for (((line, ends), ring), leg) in lines.iter().zip(places.windows(2)).zip(&rings).zip(legs) {
-            assert!(near(line[0], ends[0]) && near(line[1], ends[1]));
-            // Starboard of the start, starboard and port of the end, port of the start.
-            let [right, port] = ["xtd_starboard_m", "xtd_port_m"].map(|key| number(leg, key));
-            for (corner, (end, away)) in ring.iter().zip([(0, right), (1, right), (1, port), (0, port)]) {
-                assert!((metres(ends[end], *corner) - away).abs() < 0.01 + 1e-3 * away, "{leg}");
-            }
-            let area = |[[x, y], [to_x, to_y]]: [[f64; 2]; 2]| x * to_y - y * to_x;
-            let sides = ring.windows(2).map(|side| area([0, 1].map(|k| local_m(ring[0], side[k]))));
-            assert!(ring[0] == ring[4] && sides.sum::<f64>() > 0.0, "counterclockwise: {ring:?}");
-        }
-        let steps = points("track", 49);
-        assert_eq!(steps.len(), planned.legs().len());
-        for (line, rows) in steps.iter().zip(planned.track.starts().windows(2)) {
-            assert!(line.iter().zip(&planned.track.place[rows[0]..=rows[1]]).all(|(a, b)| near(*a, *b)));
-        }
-        let told = "SELECT printf('%.6f %.6f %.6f %s', course_deg, xtd_port_m, xtd_starboard_m, nearest_danger) FROM legs";
-        let expected = legs.iter().map(|leg| {
-            let [course, port, right] =
-                ["course_deg", "xtd_port_m", "xtd_starboard_m"].map(|key| number(leg, key));
-            format!("{course:.6} {port:.6} {right:.6} {}", leg["nearest"]["what"].as_str().unwrap_or(""))
-        });
-        assert_eq!(texts(told), expected.collect::<Vec<_>>());
     }
 }
 

@@ -10,14 +10,12 @@ use crate::study::Trajectory;
 use study::documents::PlanDocument;
 
 /// The files that `plan` writes next to `plan.json`.
-const ADDITIONAL: [(&str, &str); 7] = [
+const ADDITIONAL: [(&str, &str); 5] = [
     ("track.parquet", "planned trajectory, every sample"),
     ("track.geojson", "planned track, for charts"),
     ("route.rtz", "route for the bridge"),
     ("route.gpx", "route and track for receivers"),
-    ("route.kml", "route and track for globes"),
     ("route.plan", "route for ground stations of autopilots"),
-    ("route.gpkg", "passage and track as layers for QGIS"),
 ];
 
 /// The trajectory that the study plans; `None` if there is neither `plan.toml` nor `plan.json`.

@@ -4,7 +4,6 @@ mod archipelago;
 mod drawing;
 mod explore;
 mod figures;
-mod geopackages;
 mod map;
 mod map_document;
 mod measured;

@@ -26,7 +26,7 @@ mod updates;
 
 // Types of routes.
 pub use chart::Plane;
-pub use chart::route::{Feature, Geometry, Route, Timestamp, later, rounded};
+pub use chart::route::{Feature, Geometry, Route};
 
 pub use chart_text::chart_text;
 pub use charts::{Charts, ChartsError, Means, read_charts};

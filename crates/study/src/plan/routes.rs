@@ -1,6 +1,6 @@
 //! The plan in other formats: tracks, and routes for bridges and ground stations.
 
-use chart::route::{Feature, Geometry, Route, Track, Waypoint, geojson, gpx, kml, qgroundcontrol, rtz};
+use chart::route::{Feature, Geometry, Route, Track, Waypoint, geojson, gpx, qgroundcontrol, rtz};
 use chart::{Invalid, Plane};
 use serde_json::json;
 use trial::{Sailed, Sample, Side};
@@ -40,7 +40,6 @@ impl Routes<'_> {
             ("track.geojson", geojson(&self.features())),
             ("route.rtz", rtz(&filed)),
             ("route.gpx", gpx(&route, &[self.track()])),
-            ("route.kml", kml(&route, &self.tracks())),
             ("route.plan", qgroundcontrol(&route)),
         ];
         let named = |(name, text): (&'static str, Result<String, Invalid>)| match text {
@@ -134,17 +133,6 @@ impl Routes<'_> {
         let points = self.sailed.samples.iter().map(|s| self.place(s)).chain([self.end()]);
         let clock_s = [0.0, self.sample_s];
         Track { name: self.labelled("planned track"), points: points.collect(), clock_s }
-    }
-
-    /// A track per leg, for maps that show their names.
-    fn tracks(&self) -> Vec<Track> {
-        let legs = self.voyage.legs.iter().enumerate();
-        let track = |(k, leg): (usize, &VoyageLeg)| Track {
-            name: format!("{} {}", k + 1, self.what(leg)),
-            points: self.line(k),
-            clock_s: [leg.start_s, self.sample_s],
-        };
-        legs.map(track).filter(|track| track.points.len() > 1).collect()
     }
 
     /// The track of step `k`, up to the start of the next one.
