@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use refusal::{foreign, nearest};
+use refusal::foreign;
 
 use crate::error::Error;
 
@@ -142,8 +142,6 @@ fn one_of(thing: &str, known: &[String]) -> String {
 }
 
 fn suggestion(word: &str, known: &[String]) -> String {
-    match nearest(word, known.iter().map(String::as_str)) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => format!("remove `{}`", foreign(word)),
-    }
+    let near = refusal::suggestion(word, known.iter().map(String::as_str));
+    near.unwrap_or_else(|| format!("remove `{}`", foreign(word)))
 }

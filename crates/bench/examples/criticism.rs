@@ -215,7 +215,7 @@ fn errors(study: &Study, runs: &[SimulatedRun]) -> Vec<String> {
             share(least.0, sets.len())
         )
     };
-    [Estimator::Iv, Estimator::RefinedIv, Estimator::OutputError, Estimator::Auto].map(of).to_vec()
+    [Estimator::Iv, Estimator::OutputError, Estimator::Auto].map(of).to_vec()
 }
 
 fn pooled(runs: &[SimulatedRun]) -> PooledRuns {

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use artifact::fault::{Fault, inject};
 use artifact::{Change, Patience};
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser};
 use refusal::shortened;
@@ -248,7 +248,20 @@ pub fn misused(error: &clap::Error) -> Failure {
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             Failure::Usage("subcommand: found none, expected one; see --help".to_owned())
         }
-        _ => Failure::Usage(one_line(&error.render().to_string())),
+        _ => {
+            let line = one_line(&error.render().to_string());
+            let gone = match error.get(ContextKind::InvalidValue) {
+                Some(ContextValue::String(value)) => refusal::instead(value),
+                _ => None,
+            };
+            Failure::Usage(match gone {
+                Some(other) => {
+                    let known = line.split(" tip: ").next().unwrap_or_default();
+                    format!("{known}; it is gone: take `{other}`")
+                }
+                None => line,
+            })
+        }
     }
 }
 

@@ -5,9 +5,6 @@ refusal::choices! {
         Ls = "ls",
         /// Instrumental variables: instruments from the nominal model over the same inputs.
         Iv = "iv",
-        /// Instrumental variables whose instruments are simulated again with the estimate; for single runs all signals are
-        /// filtered by its poles.
-        RefinedIv = "refined-iv",
         /// Least errors of free simulations, with intercepts.
         OutputError = "output-error",
         /// Least errors of one-sample predictions by an extended Kalman filter of the disturbances that --campaign states, or that the run tells.
@@ -19,19 +16,17 @@ refusal::choices! {
 
 impl Estimator {
     /// Estimators of a single run, in the order of a comparison.
-    pub const OF_RUNS: [Self; 5] =
-        [Self::Ls, Self::Iv, Self::RefinedIv, Self::OutputError, Self::PredictionError];
+    pub const OF_RUNS: [Self; 4] = [Self::Ls, Self::Iv, Self::OutputError, Self::PredictionError];
     /// Estimators from pooled sub-experiments.
-    pub const POOLED: [Self; 6] =
-        [Self::Ls, Self::Iv, Self::RefinedIv, Self::Auto, Self::OutputError, Self::PredictionError];
+    pub const POOLED: [Self; 5] = [Self::Ls, Self::Iv, Self::Auto, Self::OutputError, Self::PredictionError];
     /// Those of them that are fast enough for a comparison by default.
-    pub const COMPARED: [Self; 5] = [Self::Ls, Self::Iv, Self::RefinedIv, Self::Auto, Self::OutputError];
+    pub const COMPARED: [Self; 4] = [Self::Ls, Self::Iv, Self::Auto, Self::OutputError];
     /// Estimators whose accuracy a design predicts.
     pub const PREDICTED: [Self; 2] = [Self::Iv, Self::OutputError];
 
     /// Whether it uses simulated instruments, so that it has no estimate if they are collinear.
     pub fn by_instruments(self) -> bool {
-        matches!(self, Self::Iv | Self::RefinedIv)
+        self == Self::Iv
     }
 
     /// Seconds per row of a run and thread, order of magnitude: the paper's campaign of 800,000 rows on a server of
@@ -39,7 +34,6 @@ impl Estimator {
     pub fn seconds_per_row(self) -> f64 {
         match self {
             Self::Ls | Self::Iv | Self::Auto => 2e-7,
-            Self::RefinedIv => 6e-7,
             Self::OutputError => 2e-6,
             Self::PredictionError => 4e-6,
         }

@@ -11,8 +11,6 @@ refusal::choices! {
         Approximate = "identified, errors approximate",
         /// There is an estimate by instruments of the run's own model of least output error: the nominal one diverges.
         OwnInstruments = "identified, instruments by output error",
-        /// There is one that could not be refined further: a simulation with it diverged.
-        Kept = "kept",
         /// A direction of the parameters is not excited.
         NotIdentifiable = "not identifiable",
         /// The search for an estimate did not converge.

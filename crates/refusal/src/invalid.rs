@@ -1,7 +1,7 @@
 use std::fmt;
 
 use crate::bounded::fitted;
-use crate::{nearest, one_line};
+use crate::{one_line, suggestion};
 
 /// Most characters of the four parts of a message together: with a file's name they stay below 500.
 const MOST: usize = 360;
@@ -37,10 +37,8 @@ impl Invalid {
         known: impl IntoIterator<Item = &'a str>,
     ) -> Self {
         let known: Vec<&str> = known.into_iter().collect();
-        let remedy = match nearest(name, known.iter().copied()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => "remove it".into(),
-        };
+        let near = suggestion(name, known.iter().copied());
+        let remedy = near.unwrap_or_else(|| "remove it".into());
         Self::new(thing, format!("`{name}`"), known.join(", "), remedy)
     }
 }

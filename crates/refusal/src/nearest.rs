@@ -17,3 +17,19 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     }
     best.map(|(_, candidate)| candidate)
 }
+
+/// Names that are known no more, each with what does its work.
+const GONE: [(&str, &str); 1] = [("refined-iv", "output-error")];
+
+/// What does the work of `word`, if that is known no more.
+pub fn instead(word: &str) -> Option<&'static str> {
+    GONE.iter().find(|(gone, _)| *gone == word).map(|(_, other)| *other)
+}
+
+/// The remedy for `word`, which is none of the names `known`; `None` if nothing is like it.
+pub fn suggestion<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    match instead(word) {
+        Some(other) => Some(format!("it is gone: take `{other}`")),
+        None => nearest(word, known).map(|near| format!("did you mean `{near}`?")),
+    }
+}

@@ -27,7 +27,6 @@ pub(super) fn estimators(study: &Study) -> Option<Section> {
                 p.note {
                     "Bias and spread: 2-norms over the parameters of (mean − truth)/truth and of the standard deviation over the truth's \
                      modulus, over the runs with an estimate. Parameter and simulation errors count a run without an estimate as infinite. \
-                     Kept: the last estimate before a simulation with refined instruments diverged. \
                      Identified, instruments by output error: the nominal model diverges over the run, so the instruments of iv are \
                      simulated by the run's own model of least output error; it counts as a run with an estimate."
                 }
@@ -90,7 +89,6 @@ fn table(design: &str, estimates: &[EstimatorSummary], scores: &[EstimatorScores
         .number("Diverged", |(_, d, _)| d.diverged)
         .number("Not identifiable", |(_, d, _)| d.not_identifiable)
         .number("Not converged", |(_, d, _)| or_dash(d.not_converged))
-        .number("Kept", |(.., e)| or_dash(e.kept))
         .number("Model rejected", |(.., e)| or_dash(e.rejected));
     html! { h3 { "Estimators, " (design) } (table) }
 }
@@ -137,8 +135,7 @@ fn cell(parameter: &ParameterSummary) -> Markup {
 
 const REASON: &str = "Standard errors hold to first order around the truth: where a few runs are far off, the runs of a design are different \
      experiments, or errors exceed the parameters themselves, the spread is larger. Those of ls and iv take the \
-     residual for a moving average of order one, which a lasting current or gusts are not; least squares is biased besides. \
-     Where the disturbances last, those of refined-iv are made of residuals, which the estimate itself has fitted.";
+     residual for a moving average of order one, which a lasting current or gusts are not; least squares is biased besides.";
 
 /// A row per scenario and estimator.
 fn scenarios(scenarios: &[Scenario]) -> Markup {

@@ -105,9 +105,6 @@ fn estimator(estimator: Estimator) -> &'static str {
     match estimator {
         Estimator::Iv => "instrumental variables",
         Estimator::Ls => "least squares",
-        Estimator::RefinedIv => {
-            "instrumental variables, instruments simulated again with the estimate, all signals filtered by its poles"
-        }
         Estimator::OutputError => "output error: least errors of a free simulation",
         Estimator::PredictionError => "prediction error: least errors of a Kalman filter's predictions",
         Estimator::Auto => estimator.name(),

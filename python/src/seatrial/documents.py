@@ -29,9 +29,9 @@ ErrorKind = Literal["one-step residual", "free-run error"]
 #: What states the errors of a vessel's parameters.
 ErrorsFrom = Literal["covariance", "priors"]
 #: What became of the estimate of a run, or of a degree of freedom.
-EstimateStatus = Literal["identified", "identified, model rejected", "estimated, simulation diverges", "identified, errors approximate", "identified, instruments by output error", "kept", "not identifiable", "not converged"]
+EstimateStatus = Literal["identified", "identified, model rejected", "estimated, simulation diverges", "identified, errors approximate", "identified, instruments by output error", "not identifiable", "not converged"]
 #: How parameters are estimated.
-Estimator = Literal["ls", "iv", "refined-iv", "output-error", "prediction-error", "auto"]
+Estimator = Literal["ls", "iv", "output-error", "prediction-error", "auto"]
 #: A sum of numbers, each rounded to a multiple of 2⁻⁴⁰: whole numbers are added, so any order gives the same. Written
 #: as that whole number, in decimal digits.
 ExactSum = str
@@ -1066,9 +1066,6 @@ class DesignSummary:
     identified: int
     #: Runs whose search for an estimate ended nowhere; absent for estimators that search for none.
     not_converged: int | None = None
-    #: Runs whose estimate could not be refined further, because a simulation with it diverged; absent for estimators
-    #: that refine none.
-    kept: int | None = None
     #: Runs that reject the model: something is missing beyond chance; absent where no run was asked.
     rejected: int | None = None
     #: 2-norm of `relative_bias` over the parameters that have one.

@@ -27,7 +27,7 @@ use crate::stage::{Summary, Task};
 pub struct Arguments {
     #[command(flatten)]
     flags: PoolFlags,
-    /// The estimators to compare [default: ls, iv, refined-iv, auto, output-error; of a ship with forces output-error]
+    /// The estimators to compare [default: ls, iv, auto, output-error; of a ship with forces output-error]
     #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), value_delimiter = ',')]
     estimators: Vec<Estimator>,
     #[command(flatten)]

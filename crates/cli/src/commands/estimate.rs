@@ -329,17 +329,15 @@ fn publish(
     let (runs, identified) = (rows.len(), rows.iter().filter(|r| r.estimate.is_some()).count());
     let asked = estimates::criticised(&provenance);
     let count = |status: EstimateStatus| rows.iter().filter(|r| r.status == status).count();
-    let (unexcited, unconverged, kept, rejected, approximate) = (
+    let (unexcited, unconverged, rejected, approximate) = (
         count(EstimateStatus::NotIdentifiable),
         count(EstimateStatus::NotConverged),
-        count(EstimateStatus::Kept),
         count(EstimateStatus::Rejected),
         count(EstimateStatus::Approximate),
     );
     let own_instruments = count(EstimateStatus::OwnInstruments);
     let also = |count: usize, what: &str| if count > 0 { format!(", {count} {what}") } else { String::new() };
     let searched = also(unconverged, EstimateStatus::NotConverged.name())
-        + &also(kept, "kept unrefined")
         + &also(own_instruments, "with instruments by output error: the nominal model diverges")
         + &also(approximate, "with approximate standard errors: these errors follow no noise known here");
     let verdict =
@@ -355,11 +353,11 @@ fn publish(
     Ok(Summary::of(
         &out,
         format!("{runs} {things}, {unexcited} not identifiable{searched}{verdict}{also_model}{part}{turned}"),
-        if single && unconverged + kept == 0 {
+        if single && unconverged == 0 {
             json!({"runs": runs, "identified": identified, "rejected": asked.then_some(rejected)})
         } else {
             json!({"estimates": runs, "identified": identified, "not_identifiable": unexcited,
-                "not_converged": unconverged, "kept": kept, "rejected": asked.then_some(rejected)})
+                "not_converged": unconverged, "rejected": asked.then_some(rejected)})
         },
     ))
 }

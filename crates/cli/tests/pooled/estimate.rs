@@ -169,7 +169,7 @@ fn runs_that_are_read_again_give_the_same_bytes() {
     let folder = with(&["campaign.parquet"]);
     let path = folder.path().join("campaign.parquet");
     craft::read(&path, "trajectories").in_blocks_of(3 * 1001).write(&path);
-    for flags in ["refined-iv --mean-removal batch", "iv --nominal least-squares --part-s 20 --bootstrap 2"] {
+    for flags in ["iv --mean-removal batch", "iv --nominal least-squares --part-s 20 --bootstrap 2"] {
         let made = |memory: &str| {
             let line = format!("{POOL} --allow-mixed --estimator {flags} {memory} --out estimates.parquet");
             run(&folder, &line).succeeds();

@@ -147,7 +147,7 @@ fn a_former_fit_and_that_of_a_sister_are_priors() {
 #[test]
 fn fits_of_forces_that_cannot_be_are_refused_in_one_line() {
     let folder = trial();
-    for estimator in ["ls", "iv", "refined-iv", "auto", "prediction-error"] {
+    for estimator in ["ls", "iv", "auto", "prediction-error"] {
         let line = format!("{POOL} --estimator {estimator} --out model.json");
         let computes = format!("`{estimator}` computes");
         refused(&folder, 3, &line, &["vessel.toml", "`forces`, which have no terms per sample", &computes]);

@@ -46,7 +46,7 @@ fn law_the_delivered_model_has_the_errors_that_the_document_tells_of_it() {
     let folder = with(&["design.json"]);
     edit(&folder, "campaign.toml", &format!("realizations = {RUNS}"), "realizations = 4");
     run(&folder, CAMPAIGN).succeeds();
-    for estimator in ["iv", "refined-iv", "output-error"] {
+    for estimator in ["iv", "output-error"] {
         run(&folder, &format!("{ONE} --estimator {estimator}")).succeeds();
         run(&folder, OWN).succeeds();
         let model = json(&folder, "one-model.json");

@@ -172,7 +172,7 @@ fn what_forces_do_not_have_is_refused_by_name() {
     );
     run(&folder, &format!("{DESIGN} --duration-s 120")).succeeds();
     run(&folder, CAMPAIGN).succeeds();
-    for estimator in ["ls", "iv", "refined-iv", "prediction-error"] {
+    for estimator in ["ls", "iv", "prediction-error"] {
         let words = ["vessel.toml", &format!("`{estimator}` computes"), "take the estimator `output-error`"];
         refused(&folder, 3, &format!("{ESTIMATE} --estimator {estimator}"), &words);
     }

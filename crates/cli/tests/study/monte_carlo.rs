@@ -11,7 +11,7 @@ use crate::support::*;
 
 const LINE: &str = "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml \
                     --design design.json";
-const EVERY: &str = "ls,iv,refined-iv,output-error,prediction-error";
+const EVERY: &str = "ls,iv,output-error,prediction-error";
 
 fn designed(runs: u64) -> TempDir {
     let folder = written(runs);

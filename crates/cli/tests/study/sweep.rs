@@ -80,7 +80,7 @@ fn a_grid_that_the_study_has_no_place_for_is_refused_before_any_work() {
     crate::support::refused(&folder, 3, CELLS, &["`relizations`", "did you mean `realizations`?"]);
     edit(&folder, "sweep.toml", "relizations = 3", "");
     edit(&folder, "sweep.toml", "estimator = \"ls\" }", "estimator = \"refined-iv\" }");
-    crate::support::refused(&folder, 3, CELLS, &["`baseline.estimator`", "expected iv, ls"]);
+    crate::support::refused(&folder, 3, CELLS, &["`refined-iv`", "it is gone: take `output-error`"]);
 }
 
 #[test]

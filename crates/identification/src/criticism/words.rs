@@ -63,7 +63,7 @@ pub(super) fn statements(found: &Criticism, under_white: bool) -> Vec<String> {
     if let Some(f) = &found.feedback {
         out.push(format!(
             "`{}` answers the measured {} within the sample (correlation {:.2}), as under an autopilot that steers by the sensor \
-             that is logged: `ls`, `iv` and `refined-iv` are then biased; use `output-error`, or steer by another sensor",
+             that is logged: `ls` and `iv` are then biased; use `output-error`, or steer by another sensor",
             f.input, f.state, f.correlation
         ));
     }

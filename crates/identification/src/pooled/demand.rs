@@ -40,7 +40,7 @@ impl Pool<'_> {
     ) -> f64 {
         let [sums, end] = sums_bytes(&self.model);
         let parts = self.cut(runs);
-        // Least squares, instruments and refined ones; means of every part; sums for resamples.
+        // Least squares and instruments; means of every part; sums for resamples.
         let own = if self.removal == MeanRemoval::Batch { 4.0 * end + 400.0 } else { 2.0 * end };
         // `auto` draws from sums with two kinds of instruments; every thread adds those of its own resample.
         let kinds = if estimator == Estimator::Auto { 2.0 } else { 1.0 };

@@ -147,10 +147,7 @@ fn estimate_any(
         let identified = degrees.iter_mut().filter(|degree| degree.status == EstimateStatus::Identified);
         identified.for_each(|degree| degree.status = EstimateStatus::Diverges);
     }
-    let lost = found.diverged.as_ref().map(|lost| match estimator {
-        Estimator::RefinedIv => format!("`refined-iv` was not refined any more: {lost}"),
-        _ => lost.to_string(),
-    });
+    let lost = found.diverged.as_ref().map(LostInstruments::to_string);
     let criticism = criticism(pool, &found, runs).map_err(PoolError::Unread)?;
     let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
     let alike = delivered.iter().flat_map(|own| entangled(own, pool.model.layout()));

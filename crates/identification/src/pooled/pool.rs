@@ -13,9 +13,6 @@ use crate::additional::AdditionalUnknowns;
 use crate::criticism::Kinds;
 use crate::predictor::{InitialState, Unknown};
 
-/// Number of refinements of the instruments.
-const ROUNDS: usize = 3;
-
 /// The options of all estimates of a study.
 #[derive(Clone)]
 pub struct Pool<'a> {
@@ -51,8 +48,7 @@ pub struct Estimated {
     pub(super) noises: Kinds,
     /// Set if a requested search found no model: then no degree of freedom has an estimate.
     pub unfound: Option<Unfound>,
-    /// Why instruments could not be simulated for `auto`, which then is least squares, or not be refined for
-    /// `refined-iv`, which then keeps the previous estimate.
+    /// Why instruments could not be simulated for `auto`, which then is least squares.
     pub diverged: Option<LostInstruments>,
     /// Parameters of the model with intercepts that the instruments were simulated with.
     pub instruments: Option<Vec<f64>>,
@@ -96,7 +92,7 @@ impl Estimated {
     }
 
     fn by_instruments(&self, d: usize) -> bool {
-        matches!(self.used[d], Estimator::Iv | Estimator::RefinedIv)
+        self.used[d] == Estimator::Iv
     }
 
     /// The sums with the regressors as instruments.
@@ -318,30 +314,12 @@ impl Pool<'_> {
         (theta, intercepts): (Vec<f64>, [f64; 3]),
         found: &mut Estimated,
     ) -> Result<(), NoEstimate<Unread>> {
-        let mut model = self.model.layout().woven(&theta, intercepts);
-        let mut data = self.sums_any(parts, Some(&model), &mut |_, _| {})?;
-        let options = self.options(Some(&theta), Estimator::Iv);
-        let mut degrees = data.fit(&options);
-        let mut used = Estimator::Iv;
-        for _ in 0..if estimator == Estimator::RefinedIv { ROUNDS } else { 0 } {
-            let Some((own, intercepts)) = whole(&degrees) else { break };
-            let own = self.model.layout().woven(&own, intercepts);
-            let again = match self.sums_any(parts, Some(&own), &mut |_, _| {}) {
-                Err(NoEstimate::Lost(lost)) => {
-                    found.diverged = Some(lost);
-                    break;
-                }
-                again => again?,
-            };
-            let refitted = again.fit(&options);
-            if refitted.iter().any(|d| d.solution.is_none()) {
-                break;
-            }
-            (data, degrees, model, used) = (again, refitted, own, Estimator::RefinedIv);
-        }
+        let model = self.model.layout().woven(&theta, intercepts);
+        let data = self.sums_any(parts, Some(&model), &mut |_, _| {})?;
+        let degrees = data.fit(&self.options(Some(&theta), Estimator::Iv));
         for (d, degree) in degrees.into_iter().enumerate() {
             if degree.solution.is_some() || !(estimator == Estimator::Auto || estimator.searches()) {
-                (found.degrees[d], found.used[d]) = (degree, used);
+                (found.degrees[d], found.used[d]) = (degree, Estimator::Iv);
             }
         }
         (found.iv, found.instruments) = (Some(data), Some(model));

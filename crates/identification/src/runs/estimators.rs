@@ -6,7 +6,7 @@ use regression::{InstrumentKind, MeanRemoval};
 
 use super::error::RunError;
 use super::found::{Found, Regressed};
-use super::refined::{Refined, refine};
+use super::refined::refined;
 use crate::additional::AdditionalUnknowns;
 use crate::pooled::{Delivered, Surroundings};
 use crate::predictor::{InitialState, Levels};
@@ -33,7 +33,6 @@ pub struct RunEstimators<'a> {
 struct Everything {
     ls: Vec<Regressed>,
     iv: Vec<Regressed>,
-    refined: Refined,
     simulated: Vec<Found>,
     predicted: Vec<Found>,
 }
@@ -44,7 +43,6 @@ impl Everything {
         match estimator {
             Estimator::Ls => self.ls.first().map(|own| &own.found),
             Estimator::Iv | Estimator::Auto => self.iv.first().map(|own| &own.found),
-            Estimator::RefinedIv => self.refined.last.first(),
             Estimator::OutputError => self.simulated.first(),
             Estimator::PredictionError => self.predicted.first(),
         }
@@ -69,7 +67,6 @@ impl Everything {
         match estimator {
             Estimator::Ls => rows(&mut self.ls.iter().map(|r| &r.found), &self.ls),
             Estimator::Iv | Estimator::Auto => rows(&mut self.iv.iter().map(|r| &r.found), &self.iv),
-            Estimator::RefinedIv => rows(&mut self.refined.last.iter(), &self.iv),
             Estimator::OutputError => rows(&mut self.simulated.iter(), &self.iv),
             Estimator::PredictionError => rows(&mut self.predicted.iter(), &self.iv),
         }
@@ -162,7 +159,7 @@ impl RunEstimators<'_> {
 
     /// Everything that the requested estimators need, each computed once; searches begin at `near`, if known.
     fn found(&self, runs: &[Run], near: Option<&[Option<Vec<f64>>]>) -> Result<Everything, RunError> {
-        use Estimator::{Ls, OutputError, PredictionError, RefinedIv};
+        use Estimator::{Ls, OutputError, PredictionError};
         let wanted = |any: &[Estimator]| self.estimators.iter().any(|e| any.contains(e));
         let mut found = Everything::default();
         if wanted(&[Ls]) {
@@ -171,22 +168,23 @@ impl RunEstimators<'_> {
         if self.estimators.iter().any(|e| *e != Ls) {
             found.iv = self.instrumented(runs)?;
         }
-        if let (Some(near), false) = (near, wanted(&[RefinedIv])) {
-            let each = near.iter().zip(&found.iv);
-            found.refined.near = each.map(|(near, iv)| iv.found.clone().or_at(near.as_deref())).collect();
-        } else if wanted(&[RefinedIv, OutputError, PredictionError]) {
-            let to_the_end = wanted(&[RefinedIv]);
-            let levels = self.levels.as_ref();
-            found.refined = refine(self.vessel, runs, &found.iv, self.removal, levels, to_the_end);
-        }
         if wanted(&[OutputError, PredictionError]) {
-            let iv: Vec<Found> = found.iv.iter().map(|r| r.found.clone()).collect();
-            let free = self.output_error(runs, &found.refined.near, &iv, wanted(&[OutputError]));
+            let levels = self.levels.as_ref();
+            let near = match near {
+                Some(near) => {
+                    let or_iv = |(near, iv): (&Option<Vec<f64>>, &Regressed)| {
+                        near.as_deref().or(iv.found.theta()).map(<[f64]>::to_vec)
+                    };
+                    near.iter().zip(&found.iv).map(or_iv).collect()
+                }
+                None => refined(self.vessel, runs, &found.iv, self.removal, levels),
+            };
+            let free = self.output_error(runs, &near, &found.iv, wanted(&[OutputError]));
             found.simulated = free.iter().map(Found::from).collect();
             if wanted(&[PredictionError]) {
-                let fits = match &self.levels {
-                    Some(levels) => self.prediction_error(runs, &free, &found.refined.near, levels),
-                    None => self.calibrated(runs, &free, &found.refined.near),
+                let fits = match levels {
+                    Some(levels) => self.prediction_error(runs, &free, &near, levels),
+                    None => self.calibrated(runs, &free, &near),
                 };
                 found.predicted = fits.iter().map(Found::from).collect();
             }

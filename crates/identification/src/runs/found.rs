@@ -34,15 +34,6 @@ impl Found {
         self.estimate.as_ref().map(|(theta, _)| theta.as_slice())
     }
 
-    /// Takes the parameters `theta`, if known.
-    pub(super) fn or_at(mut self, theta: Option<&[f64]>) -> Self {
-        if let Some(theta) = theta {
-            self.estimate = Some((theta.to_vec(), vec![f64::NAN; theta.len()]));
-            self.covariance = None;
-        }
-        self
-    }
-
     fn none(status: EstimateStatus) -> Self {
         Self { status, estimate: None, covariance: None, intercepts: None, ambient: None }
     }

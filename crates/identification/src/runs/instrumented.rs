@@ -35,11 +35,9 @@ impl RunEstimators<'_> {
             found => return found.map(|mut own| own.remove(0)),
         };
         let simple = self.regressed(InstrumentKind::Regressors, one)?.remove(0);
-        if simple.found.theta().is_none() {
-            return Err(diverged);
-        }
-        let start = [simple.found.clone()];
-        let own = match self.output_error(one, &start, &start, false).pop() {
+        let Some(start) = simple.found.theta() else { return Err(diverged) };
+        let own = match self.output_error(one, &[Some(start.to_vec())], slice::from_ref(&simple), false).pop()
+        {
             Some(Fit::Converged(own)) => self.instrumented_by(run, &own.parameters)?,
             _ => None,
         };

@@ -1,6 +1,4 @@
-//! Instrumental variables whose instruments and prefilter come from the estimate.
-
-use std::ops::Range;
+//! Instrumental variables whose instruments and prefilter come from the estimate: the start of searches.
 
 use engine::Run;
 use model::Vessel;
@@ -8,50 +6,37 @@ use numerics::lanes::{groups, interleave};
 use regression::runs::Prepared;
 use regression::{MeanRemoval, Noise, Outcome, estimate_prefiltered};
 
-use super::found::{Found, Regressed};
-use crate::EstimateStatus;
+use super::found::Regressed;
 use crate::predictor::Levels;
 
-/// Maximum number of refinement iterations.
-const ROUNDS: usize = 8;
-/// Iterations after which the estimate is a good start for searches.
-pub(super) const NEAR: usize = 2;
+/// Refinements after which the estimate is a good start for searches.
+const ROUNDS: usize = 2;
 /// Converged if a round changes no parameter by more than this share of its standard error.
 const ENOUGH: f64 = 0.01;
 
-/// Refined estimates of runs.
-#[derive(Default)]
-pub(super) struct Refined {
-    /// After [`NEAR`] iterations.
-    pub near: Vec<Found>,
-    /// After all of them, if requested.
-    pub last: Vec<Found>,
-}
-
-/// Refines the estimates `iv` of `runs`, `to_the_end` or as far as searches need it. If the simulation with the first
-/// one diverges, the nominal model's instruments and filter are used instead; if a later one does, or its instruments
-/// identify nothing, the last good estimate is kept and marked so.
-pub(super) fn refine(
+/// Parameters near those of `runs`, from the estimates `iv`; none without such an estimate. If the simulation with the first one
+/// diverges, the nominal model's instruments and filter are used instead; if the second does, or its instruments identify nothing,
+/// the last good estimate is kept.
+pub(super) fn refined(
     vessel: &Vessel,
     runs: &[Run],
     iv: &[Regressed],
     removal: MeanRemoval,
     levels: Option<&Levels>,
-    to_the_end: bool,
-) -> Refined {
+) -> Vec<Option<Vec<f64>>> {
     let noise = levels.and_then(Levels::white);
     let lengths: Vec<usize> = runs.iter().map(Run::samples).collect();
-    let mut all = Refined::default();
-    for group in groups(&lengths) {
+    let group = |group: std::ops::Range<usize>| {
         let mut batch = Refinement::new(vessel, &runs[group.clone()], &iv[group], removal, noise);
-        batch.refine(0..NEAR);
-        all.near.extend_from_slice(&batch.found);
-        if to_the_end {
-            batch.refine(NEAR..ROUNDS);
-            all.last.extend(batch.found);
+        for round in 0..ROUNDS {
+            if batch.done.iter().all(|done| *done) {
+                break;
+            }
+            batch.round(round == 0);
         }
-    }
-    all
+        batch.found
+    };
+    groups(&lengths).into_iter().flat_map(group).collect()
 }
 
 /// Up to [`numerics::LANES`] runs.
@@ -61,7 +46,7 @@ struct Refinement<'a> {
     noise: Option<Noise>,
     /// The runs with the latest simulations as instruments.
     runs: Prepared<'a>,
-    found: Vec<Found>,
+    found: Vec<Option<Vec<f64>>>,
     /// The models of the simulations.
     models: Vec<Vec<f64>>,
     done: Vec<bool>,
@@ -75,24 +60,15 @@ impl<'a> Refinement<'a> {
         removal: MeanRemoval,
         noise: Option<Noise>,
     ) -> Self {
-        let found = iv.iter().map(|r| r.found.clone());
+        let found: Vec<Option<Vec<f64>>> = iv.iter().map(|r| r.found.theta().map(<[f64]>::to_vec)).collect();
         Self {
             vessel,
             removal,
             noise,
             runs: Prepared::regressed(vessel, runs),
-            found: found.collect(),
-            models: iv.iter().map(|r| r.found.theta().unwrap_or(&vessel.nominal).to_vec()).collect(),
-            done: iv.iter().map(|r| r.found.theta().is_none()).collect(),
-        }
-    }
-
-    fn refine(&mut self, rounds: Range<usize>) {
-        for round in rounds {
-            if self.done.iter().all(|done| *done) {
-                break;
-            }
-            self.round(round == 0);
+            models: found.iter().map(|own| own.as_ref().unwrap_or(&vessel.nominal).clone()).collect(),
+            done: found.iter().map(Option::is_none).collect(),
+            found,
         }
     }
 
@@ -117,18 +93,16 @@ impl<'a> Refinement<'a> {
             return;
         }
         let Some(Outcome::Identified(next)) = outcome else {
-            self.found[lane].status = EstimateStatus::Kept;
             self.done[lane] = true;
             return;
         };
-        if let Some((theta, _)) = &self.found[lane].estimate {
+        if let Some(theta) = &self.found[lane] {
             let moves = next.parameters.iter().zip(theta).zip(&next.standard_errors);
             // At a bound a parameter neither moves nor has an error.
             let still = |moved: f64| moved <= ENOUGH || moved.is_nan();
             self.done[lane] = moves.map(|((a, b), se)| (a - b).abs() / se).all(still);
         }
         self.models[lane].clone_from(&next.parameters);
-        self.found[lane].estimate = Some((next.parameters, next.standard_errors));
-        self.found[lane].covariance = Some(next.covariance);
+        self.found[lane] = Some(next.parameters);
     }
 }

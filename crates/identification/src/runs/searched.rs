@@ -7,7 +7,7 @@ use model::Model;
 use rayon::prelude::*;
 
 use super::estimators::RunEstimators;
-use super::found::Found;
+use super::found::Regressed;
 use crate::additional::Intercepts;
 use crate::criticism::{Calibrated, calibrated};
 use crate::predictor::{
@@ -15,12 +15,22 @@ use crate::predictor::{
     output_error, prediction_error, roots, scaled,
 };
 
+/// Parameters near those of a run, if known.
+type Near = Option<Vec<f64>>;
+
 impl RunEstimators<'_> {
     /// Minimises the errors of free simulations of `runs`. Searches begin at the estimates `near`; if there is none
     /// or it fails, at those of `iv`, then at the nominal model. Without standard errors no noise is needed.
-    pub(super) fn output_error(&self, runs: &[Run], near: &[Found], iv: &[Found], errors: bool) -> Vec<Fit> {
-        let starts =
-            |(near, iv): (&Found, &Found)| self.starts([near, iv].map(|found| found.theta().map(without)));
+    pub(super) fn output_error(
+        &self,
+        runs: &[Run],
+        near: &[Near],
+        iv: &[Regressed],
+        errors: bool,
+    ) -> Vec<Fit> {
+        let starts = |(near, iv): (&Near, &Regressed)| {
+            self.starts([near.as_deref(), iv.found.theta()].map(|theta| theta.map(without)))
+        };
         let starts: Vec<Vec<Vec<f64>>> = near.iter().zip(iv).map(starts).collect();
         let (model, views) = (self.lifted(), views(runs));
         let of = |run: usize, theta: &[f64]| {
@@ -46,11 +56,11 @@ impl RunEstimators<'_> {
         &self,
         runs: &[Run],
         free: &[Fit],
-        near: &[Found],
+        near: &[Near],
         levels: &Levels,
     ) -> Vec<Fit> {
-        let starts = |(free, near): (&Fit, &Found)| {
-            self.starts([converged(free).map(with_intercepts), near.theta().map(without)])
+        let starts = |(free, near): (&Fit, &Near)| {
+            self.starts([converged(free).map(with_intercepts), near.as_deref().map(without)])
         };
         let starts: Vec<Vec<Vec<f64>>> = free.iter().zip(near).map(starts).collect();
         prediction_error(&self.lifted(), &views(runs), &starts, self.initial, levels)
@@ -65,14 +75,14 @@ impl RunEstimators<'_> {
 
     /// The same without stated noise: it is found by the likelihood of each run by itself, alternately with its
     /// parameters, from the minimum of free simulations, else from the estimates `near` or the nominal model.
-    pub(super) fn calibrated(&self, runs: &[Run], free: &[Fit], near: &[Found]) -> Vec<Fit> {
+    pub(super) fn calibrated(&self, runs: &[Run], free: &[Fit], near: &[Near]) -> Vec<Fit> {
         let each = runs.par_iter().zip(free).zip(near);
         each.map(|((run, free), near)| self.calibrated_to(run, free, near)).collect()
     }
 
-    fn calibrated_to(&self, run: &Run, free: &Fit, near: &Found) -> Fit {
+    fn calibrated_to(&self, run: &Run, free: &Fit, near: &Near) -> Fit {
         let (model, view) = (self.lifted(), run.view());
-        let starts = self.starts([converged(free).map(with_intercepts), near.theta().map(without)]);
+        let starts = self.starts([converged(free).map(with_intercepts), near.as_deref().map(without)]);
         // An estimate by simulations is a different one: it does not replace a failed estimate by a filter.
         let none = || match free {
             Fit::NotIdentifiable(_) => free.clone(),

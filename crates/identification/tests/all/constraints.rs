@@ -243,10 +243,8 @@ fn law_the_constant_as_a_term_is_the_intercept() {
     let runs = runs(&parts[..1]);
     let (found, expected) = (each(&with, &single(&with, &runs)), each(&without, &single(&without, &runs)));
     for (key, [value, error]) in expected {
-        // Refined instruments are simulated with the terms that are estimated, the constant among them, but not with intercepts.
         let share = match key.1.as_str() {
             "ls" | "iv" => 1e-8,
-            "refined-iv" => 0.1,
             _ => 0.02,
         };
         assert!((found[&key][0] - value).abs() <= share * error, "{key:?} {:?} {value} {error}", found[&key]);

@@ -19,7 +19,8 @@ fn law_a_small_difference_in_every_run_is_told_and_a_chance_one_is_not() {
     let worse = contender(Estimator::Ls, |i| Some(varied(i) + 0.01));
     let found = Recommendation::new(&[worse.clone(), iv.clone()]).unwrap();
     assert_eq!((found.estimator(), found.candidates()), (Some(Estimator::Iv), vec![Estimator::Iv]));
-    let chance = contender(Estimator::RefinedIv, |i| Some(varied(i) + if i % 2 == 0 { 0.3 } else { -0.29 }));
+    let chance =
+        contender(Estimator::OutputError, |i| Some(varied(i) + if i % 2 == 0 { 0.3 } else { -0.29 }));
     let found = Recommendation::new(&[worse, iv, chance]).unwrap();
     assert_eq!((found.estimator(), found.candidates().len()), (None, 2));
 }

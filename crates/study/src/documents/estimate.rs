@@ -60,10 +60,6 @@ pub struct DesignSummary {
     /// Runs whose search for an estimate ended nowhere; absent for estimators that search for none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub not_converged: Option<u64>,
-    /// Runs whose estimate could not be refined further, because a simulation with it diverged; absent for estimators
-    /// that refine none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub kept: Option<u64>,
     /// Runs that reject the model: something is missing beyond chance; absent where no run was asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rejected: Option<u64>,
@@ -226,7 +222,7 @@ impl Document for EstimateDocument {
     const ID: &'static str = "estimate";
     const VERSION: u32 = 1;
     const UNITS: Units = &[
-        ("1", "runs identified not_converged kept rejected condition_median condition_max weakest_share"),
+        ("1", "runs identified not_converged rejected condition_median condition_max weakest_share"),
         ("1", "weakest_share_interval condition_median_interval seed trusted_within relative_bias"),
         ("1", "relative_spread relative_rms se_ratio se_ratio_min se_ratio_max"),
         ("1", "at_bound factor"),

@@ -97,7 +97,6 @@ fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row], criticised: bool
         runs: rows.len() as u64,
         identified: rows.iter().filter(|r| r.estimate.is_some()).count() as u64,
         not_converged: by(Estimator::searches).then(|| count(EstimateStatus::NotConverged)),
-        kept: by(|e| e == Estimator::RefinedIv).then(|| count(EstimateStatus::Kept)),
         rejected: criticised.then(|| count(EstimateStatus::Rejected)),
         relative_bias: norms.map(|[bias, ..]| bias),
         relative_spread: norms.map(|[_, spread, _]| spread),

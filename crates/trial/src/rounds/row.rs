@@ -50,8 +50,7 @@ impl From<EstimateStatus> for Outcome {
             | EstimateStatus::Rejected
             | EstimateStatus::Approximate
             | EstimateStatus::Diverges
-            | EstimateStatus::OwnInstruments
-            | EstimateStatus::Kept => Self::Identified,
+            | EstimateStatus::OwnInstruments => Self::Identified,
             EstimateStatus::NotIdentifiable => Self::NotIdentifiable,
             EstimateStatus::NotConverged => Self::NotConverged,
         }
