@@ -15,14 +15,11 @@ pub struct Step {
 }
 
 impl Step {
-    /// A stage called `name` with this `line` and `flags`, which writes `outputs`.
+    /// A stage called `name` with this `line` and `flags`, which writes `outputs` below the folder of the results.
     fn new(name: &str, line: &str, flags: &str, outputs: &[&str]) -> Self {
-        let words = line.split_whitespace().chain(flags.split_whitespace()).chain(["--out", outputs[0]]);
-        Self {
-            name: name.to_owned(),
-            words: words.map(str::to_owned).collect(),
-            outputs: outputs.iter().map(|&name| name.to_owned()).collect(),
-        }
+        let outputs: Vec<String> = outputs.iter().map(|name| format!("\0out/{name}")).collect();
+        let words = line.split_whitespace().chain(flags.split_whitespace()).chain(["--out", &outputs[0]]);
+        Self { name: name.to_owned(), words: words.map(str::to_owned).collect(), outputs }
     }
 
     /// The paths that it reads.
@@ -44,111 +41,66 @@ pub struct Shape {
     pub is_of_forces: bool,
 }
 
+const SHIP: &str = "--vessel \0study/vessel.toml";
+const HELM: &str = "--dictionary \0dictionary";
+const SEA: &str = "--campaign \0study/campaign.toml";
+const MADE: &str = "--trajectories \0out/dictionary.parquet";
+const DESIGN: &str = "--design \0out/design.json";
+
 /// The stages of a study that is simulated.
 pub fn simulated(settings: &Settings, shape: &Shape) -> Vec<Step> {
+    let get = |key| settings.get(key);
     let mut steps = vec![
-        Step::new(
-            "dictionary",
-            "simulate dictionary --vessel \0study/vessel.toml --dictionary \0dictionary",
-            "",
-            &["\0out/dictionary.parquet"],
-        ),
-        Step::new(
-            "moments",
-            "moments --vessel \0study/vessel.toml --trajectories \0out/dictionary.parquet",
-            settings.get("MOMENTS_FLAGS"),
-            &["\0out/moments.json"],
-        ),
-        Step::new(
-            "design",
-            "design --moments \0out/moments.json",
-            settings.get("DESIGN_FLAGS"),
-            &["\0out/design.json"],
-        ),
-        Step::new(
-            "validation",
-            "simulate validation --vessel \0study/vessel.toml --campaign \0study/campaign.toml",
-            "",
-            &["\0out/validation.parquet"],
-        ),
+        Step::new("dictionary", &format!("simulate dictionary {SHIP} {HELM}"), "", &["dictionary.parquet"]),
+        Step::new("moments", &format!("moments {SHIP} {MADE}"), get("MOMENTS_FLAGS"), &["moments.json"]),
+        Step::new("design", "design --moments \0out/moments.json", get("DESIGN_FLAGS"), &["design.json"]),
+        Step::new("validation", &format!("simulate validation {SHIP} {SEA}"), "", &["validation.parquet"]),
     ];
-    if settings.get("MONTE_CARLO").is_empty() {
-        steps.push(Step::new(
-            "campaign",
-            "simulate campaign --vessel \0study/vessel.toml --dictionary \0dictionary --campaign \0study/campaign.toml --design \
-             \0out/design.json",
-            "",
-            &["\0out/campaign.parquet"],
-        ));
+    let whole = format!("{SHIP} {HELM} {SEA} {DESIGN}");
+    if get("MONTE_CARLO").is_empty() {
+        steps.push(Step::new("campaign", &format!("simulate campaign {whole}"), "", &["campaign.parquet"]));
         steps.extend(estimated("", "campaign.parquet", settings));
     } else {
-        steps.push(Step::new(
-            "monte-carlo",
-            "monte-carlo --vessel \0study/vessel.toml --dictionary \0dictionary --campaign \0study/campaign.toml --design \
-             \0out/design.json --keep estimates",
-            settings.get("ESTIMATE_FLAGS"),
-            &["\0out/tally.json"],
-        ));
+        let line = format!("monte-carlo {whole} --keep estimates");
+        steps.push(Step::new("monte-carlo", &line, get("ESTIMATE_FLAGS"), &["tally.json"]));
     }
     shape.plans.iter().for_each(|name| steps.extend(planned(name, settings)));
-    let length_m = settings.get("LENGTH_M");
+    let length_m = get("LENGTH_M");
     if !length_m.is_empty() {
-        steps.push(Step::new(
-            "merit",
-            "validate merit --vessel \0study/vessel.toml --dictionary \0dictionary --trajectories \0out/dictionary.parquet",
-            &format!("--length-m {length_m}"),
-            &["\0out/merit.json"],
-        ));
+        let line = format!("validate merit {SHIP} {HELM} {MADE} --length-m {length_m}");
+        steps.push(Step::new("merit", &line, "", &["merit.json"]));
     }
-    steps.push(Step::new(
-        "report",
-        "report --study \0study --dictionary \0dictionary --results \0out",
-        "",
-        &["\0out/report.html", "\0out/explore.html"],
-    ));
+    let line = format!("report --study \0study {HELM} --results \0out");
+    steps.push(Step::new("report", &line, "", &["report.html", "explore.html"]));
     steps
 }
 
 /// Estimates of the runs in `table`, below the results' folder `below`, and their scores.
 fn estimated(below: &str, table: &str, settings: &Settings) -> [Step; 2] {
-    let file = |name: &str| format!("\0out/{below}{name}");
-    let prefix = below.replace('/', "-");
+    let file = |name: &str| format!("{below}{name}");
+    let [estimates, estimate, scores, validation] =
+        ["estimates.parquet", "estimate.json", "scores.parquet", "validation.json"].map(file);
+    let fit = format!("estimate {SHIP} --trajectories \0out/{}", file(table));
+    let score =
+        format!("validate {SHIP} {SEA} --estimates \0out/{estimates} --validation \0out/validation.parquet");
+    let (prefix, flags) = (below.replace('/', "-"), settings.get("ESTIMATE_FLAGS"));
     [
-        Step::new(
-            &format!("{prefix}estimate"),
-            &format!("estimate --vessel \0study/vessel.toml --trajectories {}", file(table)),
-            settings.get("ESTIMATE_FLAGS"),
-            &[&file("estimates.parquet"), &file("estimate.json")],
-        ),
-        Step::new(
-            &format!("{prefix}validate"),
-            &format!(
-                "validate --vessel \0study/vessel.toml --campaign \0study/campaign.toml --estimates {} --validation \
-                 \0out/validation.parquet",
-                file("estimates.parquet")
-            ),
-            "",
-            &[&file("scores.parquet"), &file("validation.json")],
-        ),
+        Step::new(&format!("{prefix}estimate"), &fit, flags, &[&estimates, &estimate]),
+        Step::new(&format!("{prefix}validate"), &score, "", &[&scores, &validation]),
     ]
 }
 
 /// The layout on the chart of `name`.toml; that of plan.toml is also simulated, estimated and scored.
 fn planned(name: &str, settings: &Settings) -> Vec<Step> {
-    let main = if name == "plan" { "\0out/plan.json".to_owned() } else { format!("\0out/{name}/plan.json") };
-    let line = "plan --vessel \0study/vessel.toml --trajectories \0out/dictionary.parquet --dictionary \0dictionary --design \
-                \0out/design.json";
-    let mut plan = Step::new(name, line, settings.get("PLAN_FLAGS"), &[&main]);
+    let main = if name == "plan" { "plan.json".to_owned() } else { format!("{name}/plan.json") };
+    let line = format!("plan {SHIP} {MADE} {HELM} {DESIGN}");
+    let mut plan = Step::new(name, &line, settings.get("PLAN_FLAGS"), &[&main]);
     // The name may have blanks.
     plan.words.extend(["--config".to_owned(), format!("\0study/{name}.toml")]);
     let mut steps = vec![plan];
     if name == "plan" {
-        steps.push(Step::new(
-            "planned",
-            "simulate plan --vessel \0study/vessel.toml --campaign \0study/campaign.toml --plan \0out/plan.json",
-            "",
-            &["\0out/planned/trajectories.parquet"],
-        ));
+        let line = format!("simulate plan {SHIP} {SEA} --plan \0out/plan.json");
+        steps.push(Step::new("planned", &line, "", &["planned/trajectories.parquet"]));
         steps.extend(estimated("planned/", "trajectories.parquet", settings));
     }
     steps
@@ -156,43 +108,28 @@ fn planned(name: &str, settings: &Settings) -> Vec<Step> {
 
 /// The logs of a study whose instruments are simulated.
 pub fn simulated_logs() -> [Step; 2] {
+    let logs = format!("simulate logs {SHIP} {HELM} --logs \0study/logs.toml");
+    let dictionary = format!("simulate dictionary {SHIP} {HELM}");
     [
-        Step::new(
-            "logs",
-            "simulate logs --vessel \0study/vessel.toml --dictionary \0dictionary --logs \0study/logs.toml",
-            "",
-            &["\0out/logs/simulated.json"],
-        ),
+        Step::new("logs", &logs, "", &["logs/simulated.json"]),
         // The maneuvers as they are meant, for the report
-        Step::new(
-            "dictionary",
-            "simulate dictionary --vessel \0study/vessel.toml --dictionary \0dictionary",
-            "",
-            &["\0out/measured/dictionary.parquet"],
-        ),
+        Step::new("dictionary", &dictionary, "", &["measured/dictionary.parquet"]),
     ]
 }
 
-/// The recordings, and what describes them.
 const LOGGED: &str = "--vessel \0study/vessel.toml --trajectories \0out/measured/trajectories.parquet";
 const RECORDED: &str = "--recordings \0out/measured/ingest.json";
 
 /// The stages of a study with logs.
 pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Vec<Step> {
-    let mut steps = vec![Step::new(
-        "ingest",
-        "ingest --config \0study/ingest.toml --vessel \0study/vessel.toml --logs \0logs",
-        "",
-        &["\0out/measured/trajectories.parquet", "\0out/measured/ingest.json"],
-    )];
+    let ingest = format!("ingest --config \0study/ingest.toml {SHIP} --logs \0logs");
     let fit = Fit::of(settings, shape);
-    steps.push(fit.step("pool", "", &fit.bootstrap));
-    steps.push(Step::new(
-        "cross",
-        &format!("validate cross {LOGGED} {RECORDED} {}", fit.in_turns),
-        settings.get("CROSS_FLAGS"),
-        &["\0out/measured/crossval.json"],
-    ));
+    let cross = format!("validate cross {LOGGED} {RECORDED} {}", fit.in_turns);
+    let mut steps = vec![
+        Step::new("ingest", &ingest, "", &["measured/trajectories.parquet", "measured/ingest.json"]),
+        fit.step("pool", "", &fit.bootstrap),
+        Step::new("cross", &cross, settings.get("CROSS_FLAGS"), &["measured/crossval.json"]),
+    ];
     let test = settings.get("TEST");
     if !test.is_empty() {
         steps.extend(tested(settings, test, &fit));
@@ -206,15 +143,10 @@ pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Ve
     let length_m = settings.get("LENGTH_M");
     if shape.is_of_forces || !length_m.is_empty() {
         let flags = if length_m.is_empty() { String::new() } else { format!("--length-m {length_m}") };
-        steps.push(Step::new(
-            "merit",
-            &format!("validate merit {LOGGED}"),
-            &flags,
-            &["\0out/measured/merit.json"],
-        ));
+        steps.push(Step::new("merit", &format!("validate merit {LOGGED}"), &flags, &["measured/merit.json"]));
     }
     let line = "report --study \0study --results \0out/measured";
-    steps.push(Step::new("report", line, "", &["\0out/measured/report.html", "\0out/measured/explore.html"]));
+    steps.push(Step::new("report", line, "", &["measured/report.html", "measured/explore.html"]));
     steps
 }
 
@@ -252,8 +184,7 @@ impl<'s> Fit<'s> {
 
     /// The fit with `more` flags, whose results are below the folder `below` of the measured ones.
     fn step(&self, name: &str, below: &str, more: &str) -> Step {
-        let [table, model] =
-            ["estimates.parquet", "model.json"].map(|own| format!("\0out/measured/{below}{own}"));
+        let [table, model] = ["estimates.parquet", "model.json"].map(|own| format!("measured/{below}{own}"));
         let outputs: &[&str] = if self.is_model_alone { &[&model] } else { &[&table, &model] };
         let line = format!("estimate pool {LOGGED} {RECORDED} --estimator {} {}", self.estimator, self.flags);
         Step::new(name, &line, more, outputs)
@@ -262,17 +193,13 @@ impl<'s> Fit<'s> {
 
 /// A model of the recordings that are not in `test`, tried on those that are.
 fn tested(settings: &Settings, test: &str, fit: &Fit) -> [Step; 2] {
+    let line = format!(
+        "validate compare --model \0out/measured/test/model.json --trajectories \0out/measured/trajectories.parquet {RECORDED} \
+         --runs {test}"
+    );
     [
         fit.step("test-pool", "test/", &format!("--leave-out {test}")),
-        Step::new(
-            "compare",
-            &format!(
-                "validate compare --model \0out/measured/test/model.json --trajectories \
-                 \0out/measured/trajectories.parquet {RECORDED} --runs {test}"
-            ),
-            settings.get("TEST_FLAGS"),
-            &["\0out/measured/compare.json"],
-        ),
+        Step::new("compare", &line, settings.get("TEST_FLAGS"), &["measured/compare.json"]),
     ]
 }
 
@@ -283,25 +210,14 @@ fn selected(settings: &Settings, shape: &Shape, usual_selection: &str) -> [Step;
     let stated = design.contains("--available");
     let within = if stated { "" } else { "--available \0out/measured/ingest.json" };
     let reference = if shape.has_reference { "--reference \0study/reference.toml" } else { "" };
+    let (moments, flags) = (format!("moments {LOGGED}"), settings.get("MOMENTS_FLAGS"));
+    let designed = format!("design --moments \0out/measured/moments.json {within}");
+    let picked = format!("validate selection {LOGGED} --design \0out/measured/design.json {reference}");
+    let picks = ["measured/selection.parquet", "measured/selection.json"];
     [
-        Step::new(
-            "moments",
-            &format!("moments {LOGGED}"),
-            settings.get("MOMENTS_FLAGS"),
-            &["\0out/measured/moments.json"],
-        ),
-        Step::new(
-            "design",
-            &format!("design --moments \0out/measured/moments.json {within}"),
-            design,
-            &["\0out/measured/design.json"],
-        ),
-        Step::new(
-            "selection",
-            &format!("validate selection {LOGGED} --design \0out/measured/design.json {reference}"),
-            settings.or("SELECTION_FLAGS", usual_selection),
-            &["\0out/measured/selection.parquet", "\0out/measured/selection.json"],
-        ),
+        Step::new("moments", &moments, flags, &["measured/moments.json"]),
+        Step::new("design", &designed, design, &["measured/design.json"]),
+        Step::new("selection", &picked, settings.or("SELECTION_FLAGS", usual_selection), &picks),
     ]
 }
 
@@ -312,45 +228,22 @@ fn next_trial(settings: &Settings, shape: &Shape) -> Vec<Step> {
     const SEA: &str = "--campaign \0study/next/campaign.toml";
     const MADE: &str = "--trajectories \0out/measured/next/dictionary.parquet";
     const DESIGN: &str = "--design \0out/measured/next/design.json";
+    let search = format!("estimate search {LOGGED} {RECORDED}");
+    let dictionary = format!("simulate dictionary {MODEL} {HELM}");
+    let moments = format!("moments {MODEL} {MADE} {SEA} --estimator output-error --hold-unexcited");
+    let design = "design --moments \0out/measured/next/moments.json --for output-error";
+    let promised = format!("monte-carlo {MODEL} {HELM} {SEA} {DESIGN} --estimator output-error");
+    let found = ["measured/next/search.json", "measured/next/model.json"];
     let mut steps = vec![
-        Step::new(
-            "search",
-            &format!("estimate search {LOGGED} {RECORDED}"),
-            settings.get("SEARCH_FLAGS"),
-            &["\0out/measured/next/search.json", "\0out/measured/next/model.json"],
-        ),
-        Step::new(
-            "next-dictionary",
-            &format!("simulate dictionary {MODEL} {HELM}"),
-            "",
-            &["\0out/measured/next/dictionary.parquet"],
-        ),
-        Step::new(
-            "next-moments",
-            &format!("moments {MODEL} {MADE} {SEA} --estimator output-error --hold-unexcited"),
-            "",
-            &["\0out/measured/next/moments.json"],
-        ),
-        Step::new(
-            "next-design",
-            "design --moments \0out/measured/next/moments.json --for output-error",
-            settings.get("NEXT_FLAGS"),
-            &["\0out/measured/next/design.json"],
-        ),
-        Step::new(
-            "next-monte-carlo",
-            &format!("monte-carlo {MODEL} {HELM} {SEA} {DESIGN} --estimator output-error"),
-            "",
-            &["\0out/measured/next/tally.json"],
-        ),
+        Step::new("search", &search, settings.get("SEARCH_FLAGS"), &found),
+        Step::new("next-dictionary", &dictionary, "", &["measured/next/dictionary.parquet"]),
+        Step::new("next-moments", &moments, "", &["measured/next/moments.json"]),
+        Step::new("next-design", design, settings.get("NEXT_FLAGS"), &["measured/next/design.json"]),
+        Step::new("next-monte-carlo", &promised, "", &["measured/next/tally.json"]),
     ];
     if shape.next_is_charted {
-        steps.push(Step::new(
-            "next-plan",
-            &format!("plan {MODEL} {MADE} {HELM} {DESIGN} --config \0study/next/plan.toml"),
-            "",
-            &["\0out/measured/next/plan.json"],
-        ));
+        let line = format!("plan {MODEL} {MADE} {HELM} {DESIGN} --config \0study/next/plan.toml");
+        steps.push(Step::new("next-plan", &line, "", &["measured/next/plan.json"]));
     }
     steps
 }

@@ -180,12 +180,14 @@ impl<'a> Merit<'a> {
     /// # Errors
     /// A maneuver that the model cannot hold, or in which it diverges.
     pub fn simulate(&mut self, parameters: &[f64], run: i32) -> Result<(), Unsimulated> {
-        for place in 0..self.gathered.len() {
-            let Some((generator, index)) = self.generator.zip(self.gathered[place].index) else { continue };
-            let (standard, record) = undisturbed(self.hull.vessel, generator, index, parameters)?;
-            let found = figures(Some(standard), &record, &self.hull);
-            self.note(place, "model", run, &record, found);
-        }
+        (0..self.gathered.len()).try_for_each(|place| self.simulate_one(place, parameters, run))
+    }
+
+    fn simulate_one(&mut self, place: usize, parameters: &[f64], run: i32) -> Result<(), Unsimulated> {
+        let Some((generator, index)) = self.generator.zip(self.gathered[place].index) else { return Ok(()) };
+        let (standard, record) = undisturbed(self.hull.vessel, generator, index, parameters)?;
+        let found = figures(Some(standard), &record, &self.hull);
+        self.note(place, "model", run, &record, found);
         Ok(())
     }
 
@@ -196,18 +198,9 @@ impl<'a> Merit<'a> {
         for draw in 0..draws {
             let parameters = uncertain.drawn(&streams, draw);
             for place in 0..self.gathered.len() {
-                let Some((generator, index)) = self.generator.zip(self.gathered[place].index) else {
-                    continue;
-                };
-                match undisturbed(self.hull.vessel, generator, index, &parameters) {
-                    Ok((standard, record)) => {
-                        let found = figures(Some(standard), &record, &self.hull);
-                        self.note(place, "model", draw as i32, &record, found);
-                    }
-                    Err(why) => {
-                        self.gathered[place].diverged += u64::from(matches!(why, Unsimulated::Diverged(_)));
-                        self.gathered[place].lacks(why.into());
-                    }
+                if let Err(why) = self.simulate_one(place, &parameters, draw as i32) {
+                    self.gathered[place].diverged += u64::from(matches!(why, Unsimulated::Diverged(_)));
+                    self.gathered[place].lacks(why.into());
                 }
             }
         }
@@ -267,7 +260,6 @@ impl<'a> Merit<'a> {
             return Err(Invalid { thing, ..reason.clone() });
         }
         let one = |own: &Gathered| {
-            let slopes = own.slopes.as_ref();
             let merit = ManeuverMerit {
                 name: own.name.clone(),
                 kind: own.kind.clone(),
@@ -277,14 +269,10 @@ impl<'a> Merit<'a> {
                 diverged: own.diverged,
                 reason: own.reason.as_ref().map(ToString::to_string),
                 figures: FigureMerit::all(&own.figures, of_parameters),
-                remarks: own
-                    .remarks
-                    .values()
-                    .map(|own_remark| counted(own_remark, own.figures.len()))
-                    .collect(),
+                remarks: own.remarks.values().map(|remark| counted(remark, own.figures.len())).collect(),
                 track: own.track.clone().unwrap_or_default(),
             };
-            merit.with_slopes(slopes)
+            merit.with_slopes(own.slopes.as_ref())
         };
         Ok(all.into_iter().map(one).collect())
     }

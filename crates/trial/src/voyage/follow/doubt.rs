@@ -180,13 +180,11 @@ fn check_still(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
     };
     let recent = all.iter().rev().take_while(|own| last.at_s - own.at_s <= PART_S[0]).count();
     let center = mean(&all[all.len() - recent..]);
-    let is_away = |own: &ShipPosition| {
-        libm::hypot(own.place[0] - center[0], own.place[1] - center[1]) > limits.uncertain_m
-    };
-    let from = all.iter().rposition(is_away).map_or(0, |k| k + 1);
+    let away_m = |own: [f64; 2], from: [f64; 2]| libm::hypot(own[0] - from[0], own[1] - from[1]);
+    let from =
+        all.iter().rposition(|own| away_m(own.place, center) > limits.uncertain_m).map_or(0, |k| k + 1);
     let (before, after) = all[from..].split_at((all.len() - from) / 2);
-    let ([x, y], [to_x, to_y]) = (mean(before), mean(after));
-    if before.is_empty() || libm::hypot(to_x - x, to_y - y) > STILL * limits.uncertain_m {
+    if before.is_empty() || away_m(mean(after), mean(before)) > STILL * limits.uncertain_m {
         return Ok(());
     }
     let (lasts_s, missed_m) = (last.at_s - all[from].at_s, MISSED * limits.uncertain_m);
@@ -224,8 +222,7 @@ fn stops_abruptly(along: &Along, from: usize) -> bool {
     let (all, points) = (along.positions, &along.track.points);
     let [start, before] =
         [from, all[..from].partition_point(|own| own.at_s < all[from].at_s - 20.0)].map(|k| &all[k]);
-    let way_m = libm::hypot(start.place[0] - before.place[0], start.place[1] - before.place[1]);
-    let speed_m_s = way_m / (start.at_s - before.at_s);
+    let speed_m_s = metres(way(before, start)) / (start.at_s - before.at_s);
     if from == 0 || speed_m_s < 0.5 * points[along.at[from]].speed_m_s {
         return false;
     }
@@ -234,5 +231,5 @@ fn stops_abruptly(along: &Along, from: usize) -> bool {
     let stops_m = speed_m_s * speed_m_s / (2.0 * slows.fold(0.0, f64::max));
     let last = &all[all.len() - 1];
     let is_same = all.iter().rev().take_while(|own| own.place == last.place).count() >= FEW;
-    is_same || ABRUPT * stops_m > libm::hypot(start.place[0] - last.place[0], start.place[1] - last.place[1])
+    is_same || ABRUPT * stops_m > metres(way(last, start))
 }
