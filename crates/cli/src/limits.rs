@@ -1,14 +1,14 @@
-//! Limits of a search: its engine, memory and time, and its progress reports.
+//! Limits of a search: its memory and time, and its progress reports.
 
 use std::time::{Duration, Instant};
 
 use artifact::PROGRAM_BYTES;
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use crate::cli::{Common, budget};
 use crate::failure::Failure;
 use crate::said::on_stderr;
-use lattice::{Engine, Options, Progress};
+use lattice::{Options, Progress};
 use trial::voyage::Watch;
 
 /// Share of the time for a search, so that the rest is left to check its plan.
@@ -19,22 +19,9 @@ const FOUND: f64 = 0.95;
 /// The flags.
 #[derive(Args)]
 pub struct LimitFlags {
-    /// Stop after this time, all phases counted, with the best plan so far and its gap
+    /// Stop after this time, all phases counted, with a plan that is found in a moment and its gap, if there is one
     #[arg(long, value_name = "SECONDS")]
     time_limit_s: Option<f64>,
-    /// How to search
-    #[arg(long, value_enum, default_value_t = EngineChoice::Auto)]
-    engine: EngineChoice,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum EngineChoice {
-    /// Exhaustive where it fits in the memory, otherwise Lagrangian
-    Auto,
-    /// Every state in order of cost
-    Exhaustive,
-    /// Bounds from priced counts, a beam for plans, A* for the proof
-    Lagrangian,
 }
 
 impl LimitFlags {
@@ -50,17 +37,7 @@ impl LimitFlags {
             }
             time => time.map(Duration::from_secs_f64),
         };
-        Ok(Limits {
-            engine: match self.engine {
-                EngineChoice::Auto => Engine::Auto,
-                EngineChoice::Exhaustive => Engine::Exhaustive,
-                EngineChoice::Lagrangian => Engine::Lagrangian,
-            },
-            memory_bytes: memory_bytes(common),
-            started: Instant::now(),
-            time,
-            quiet: common.quiet,
-        })
+        Ok(Limits { memory_bytes: memory_bytes(common), started: Instant::now(), time, quiet: common.quiet })
     }
 }
 
@@ -74,8 +51,6 @@ fn memory_bytes(common: &Common) -> u64 {
 /// Limits of a search.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Which engine to use.
-    pub engine: Engine,
     /// Memory it may take \[bytes\].
     pub memory_bytes: u64,
     /// The start of all phases, for their common time limit.
@@ -89,7 +64,7 @@ pub struct Limits {
 impl Limits {
     /// As options of the search.
     pub fn options(&self) -> Options {
-        Options { engine: self.engine, memory_bytes: self.memory_bytes, ..Options::default() }
+        Options { memory_bytes: self.memory_bytes, ..Options::default() }
     }
 
     /// Whether there is time left.
@@ -114,10 +89,9 @@ impl Limits {
         Box::new(move |progress: Progress| {
             if !limits.quiet && reported.elapsed() > Duration::from_secs(2) {
                 reported = Instant::now();
-                let best = progress.best.map_or("none yet".to_owned(), |b| b.primary.to_string());
                 let bound = progress.lower_bound.primary;
                 let seconds = limits.started.elapsed().as_secs_f64();
-                on_stderr(format_args!("plan: {seconds:.0} s, best {best}, at least {bound}"));
+                on_stderr(format_args!("plan: {seconds:.0} s, at least {bound}"));
             }
             limits.keep_going()
         })

@@ -250,14 +250,15 @@ pub fn misused(error: &clap::Error) -> Failure {
         }
         _ => {
             let line = one_line(&error.render().to_string());
-            let gone = match error.get(ContextKind::InvalidValue) {
-                Some(ContextValue::String(value)) => refusal::instead(value),
-                _ => None,
-            };
-            Failure::Usage(match gone {
-                Some(other) => {
-                    let known = line.split(" tip: ").next().unwrap_or_default();
-                    format!("{known}; it is gone: take `{other}`")
+            let named =
+                [ContextKind::InvalidArg, ContextKind::InvalidValue].map(|kind| match error.get(kind) {
+                    Some(ContextValue::String(named)) => refusal::gone(named),
+                    _ => None,
+                });
+            Failure::Usage(match named.into_iter().flatten().next() {
+                Some(remedy) => {
+                    let above = line.split(" tip: ").next().unwrap_or_default();
+                    format!("{}; {remedy}", above.trim_end_matches("; see --help"))
                 }
                 None => line,
             })

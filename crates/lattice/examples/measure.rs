@@ -1,4 +1,4 @@
-//! Times the planner on made-up archipelagos: `measure [nx ny headings informative count seed engine limit_s costs]`, or on a lattice
+//! Times the planner on made-up archipelagos: `measure [nx ny headings informative count seed limit_s costs]`, or on a lattice
 //! problem from a file: `measure problem.json [seconds]`, with seconds as its secondary cost.
 
 use std::time::Instant;
@@ -8,16 +8,11 @@ mod seconds;
 #[path = "../tests/all/synthetic.rs"]
 mod synthetic;
 
-use lattice::{Engine, Options, plan};
+use lattice::{Options, plan};
 
 fn main() {
     let given: Vec<String> = std::env::args().skip(1).collect();
     let number = |k: usize, usual: u64| given.get(k).and_then(|text| text.parse().ok()).unwrap_or(usual);
-    let engine = match given.get(6).map(String::as_str) {
-        Some("exhaustive") => Engine::Exhaustive,
-        Some("lagrangian") => Engine::Lagrangian,
-        _ => Engine::Auto,
-    };
     let size = |k: usize, usual: u64| number(k, usual) as usize;
     let (nx, ny, headings) = (size(0, 35), size(1, 44), size(2, 4));
     let mut file = match given.first().filter(|first| first.ends_with(".json")) {
@@ -27,7 +22,7 @@ fn main() {
         }
         None => synthetic::archipelago(nx, ny, headings, size(3, 3), number(4, 3) as u32, number(5, 1)),
     };
-    if given.get(8).is_some_and(|costs| costs == "seconds") {
+    if given.get(7).is_some_and(|costs| costs == "seconds") {
         (file.basic[0].cost, file.basic[1].cost, file.basic[2].cost) = (12.5, 31.7, 31.7);
     }
     let started = Instant::now();
@@ -36,8 +31,8 @@ fn main() {
         problem = seconds::with_seconds(&problem);
     }
     let table = started.elapsed();
-    let limit = std::time::Duration::from_secs(number(7, 60));
-    let options = Options { engine, memory_bytes: 8 << 30, ..Options::default() };
+    let limit = std::time::Duration::from_secs(number(6, 60));
+    let options = Options { memory_bytes: 8 << 30, ..Options::default() };
     let outcome = plan(&problem, &options, &mut |_| started.elapsed() < limit);
     let total = started.elapsed();
     println!("{} boxes, {} states", file.obstacles.len(), problem.states());

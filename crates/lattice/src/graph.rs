@@ -103,11 +103,6 @@ impl<'a> Graph<'a> {
         watch::strides(&self.problem.required()).1.saturating_mul(self.len() as u128)
     }
 
-    /// Indices of the arcs from a node.
-    pub fn range(&self, node: u32) -> std::ops::Range<u32> {
-        self.laid_out().range(node as usize)
-    }
-
     /// The arc of an index.
     pub fn arc(&self, index: u32) -> Arc {
         self.laid_out().entries()[index as usize]

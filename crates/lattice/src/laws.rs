@@ -1,10 +1,9 @@
-//! Laws of the bounds, and comparison of the engines on maps.
+//! Laws of the bound, and comparison of the searches on maps.
 
+use crate::bound::Bound;
 use crate::graph::{Graph, Reach, WITHIN_PER_POSE, within};
-use crate::lagrangian::{self, Depth};
 use crate::layered::Levels;
 use crate::radix_heap::RadixHeap;
-use crate::relaxation::{Bound, Prices, Table};
 use crate::seconds::with_seconds;
 use crate::uses::{Left, Packing};
 use crate::watch::Watch;
@@ -83,63 +82,43 @@ fn exact(graph: &Graph, packing: &Packing, all: &[Left]) -> Vec<Vec<Option<u64>>
     to_go
 }
 
-/// Checks a bound on all states; returns how many it decides exactly.
-fn check(graph: &Graph, bound: &Bound) -> usize {
+/// Checks the bound on all states.
+fn check(graph: &Graph, bound: &Bound) {
     let required = graph.problem.required();
-    let all = all_left(&required, &bound.packing);
+    let packing = Packing::new(&required);
+    let all = all_left(&required, &packing);
     assert_eq!(all.len() as u32, required.iter().map(|count| count + 1).product::<u32>());
-    let exact = exact(graph, &bound.packing, &all);
-    let mut tight = 0;
+    let exact = exact(graph, &packing, &all);
     for (k, &left) in all.iter().enumerate() {
         for node in 0..graph.len() as u32 {
-            let here = bound.key(node, left);
+            let here = bound.key(node, left.total);
             if let Some(exact) = exact[k][node as usize] {
                 assert!(here.is_some_and(|here| here <= exact), "admissible");
             }
-            tight += usize::from(here == exact[k][node as usize]);
             for arc in graph.arcs(node) {
                 let (key, slot) = graph.price(arc.step);
-                let after = slot.map_or(Some(left), |slot| bound.packing.after(left, slot as usize));
-                let there = after.and_then(|after| bound.key(arc.node, after));
+                let after = slot.map_or(Some(left), |slot| packing.after(left, slot as usize));
+                let there = after.and_then(|after| bound.key(arc.node, after.total));
                 if let Some(there) = there {
                     assert!(here.is_some_and(|here| here <= key + there), "consistent");
                 }
             }
         }
     }
-    tight
 }
 
 #[test]
-fn law_bounds_are_admissible_and_consistent() {
-    let mut random = 1u64;
+fn law_the_bound_is_admissible_and_consistent() {
     for seed in 0..12 {
         let problem = map(seed, seed % 2 == 1);
         let Some(graph) = graph(&problem) else { continue };
         let mut keep_going = |_| true;
-        let mut watch = Watch::new(&problem, 1000, &mut keep_going);
-        let mut prices = Prices::zero(&graph);
-        let size = problem.moves.iter().map(|step| step.key).max().unwrap() as f64 * prices.scale as f64;
-        let values: Vec<f64> = (0..3)
-            .map(|_| {
-                random = random.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-                size * 4.0 * ((random >> 40) as f64 / (1u64 << 24) as f64 - 0.5)
-            })
-            .collect();
-        prices.set(&values, 6);
-        let table = Table::new(&graph, &prices, None, false, &mut watch).unwrap();
-        let mut bound = Bound::new(&graph, prices, table);
-        let alone = check(&graph, &bound);
-        for slot in 0..3 {
-            let table = Table::new(&graph, &bound.prices, Some(slot), false, &mut watch).unwrap();
-            bound.tables.push(table);
-        }
-        assert!(check(&graph, &bound) >= alone, "more tables decide no fewer states");
+        check(&graph, &Bound::new(&graph, &mut Watch::new(&problem, 1000, &mut keep_going)).unwrap());
     }
 }
 
 #[test]
-fn law_engines_agree_on_maps() {
+fn law_searches_agree_on_maps() {
     let mut solved = 0;
     for seed in 0..20 {
         let problem = synthetic::archipelago(14, 15, 4, 4, 2, seed).into_problem().unwrap();
@@ -148,12 +127,10 @@ fn law_engines_agree_on_maps() {
         let levels = Levels::of(&graph).unwrap();
         let one = layered::search(&graph, levels, u64::MAX, 1 << 30, &mut watch());
         let two = dense::search(&graph, u64::MAX, 1 << 30, &mut watch());
-        let three = lagrangian::search(&graph, 1 << 30, Depth::Proof, &mut watch());
         let key = |verdict: &crate::watch::Verdict| verdict.plan.as_ref().map(|plan| plan.0);
         assert_eq!((key(&one), one.stopped_by), (key(&two), None));
-        assert_eq!((key(&one), one.stopped_by), (key(&three), None));
         assert_eq!(one.possible.is_some(), two.possible.is_some());
-        // Without room for levels the optimum is known, and the other engine finds a plan.
+        // Without room for levels the optimum is known.
         let blind = layered::search(&graph, levels, u64::MAX, 0, &mut watch());
         if let Some(key) = key(&one) {
             assert_eq!((blind.lower, blind.stopped_by), (key, Some(crate::Limit::Memory)));
@@ -284,21 +261,7 @@ fn law_bounds_of_stopped_searches_hold() {
         let problem = many_blocks(seed);
         if let Some(graph) = graph(&problem) {
             stop_everywhere(&problem, |watch| layered::search(&graph, LEVELS, u64::MAX, 1 << 30, watch));
-            if seed == 0 {
-                let options = Options::default();
-                stop_everywhere(&problem, |watch| {
-                    crate::plan::bounds_first(self::graph(&problem).unwrap(), &options, watch)
-                });
-            }
         }
-        let problem = map(seed, false);
-        let Some(graph) = graph(&problem) else { continue };
-        let prices = Prices::zero(&graph);
-        let mut keep_going = |_| true;
-        let mut watch = Watch::new(&problem, 1000, &mut keep_going);
-        let table = Table::new(&graph, &prices, None, false, &mut watch).unwrap();
-        let bound = Bound::new(&graph, prices, table);
-        stop_everywhere(&problem, |watch| crate::a_star::search(&graph, &bound, None, 1 << 30, watch));
     }
 }
 
@@ -331,7 +294,7 @@ fn law_every_phase_polls() {
     let layouts = polls(&|watch| drop(layered::front(&graph, LEVELS, u64::MAX, watch)));
     assert!(layouts >= nodes, "{layouts} times for the arcs of {nodes} nodes");
     let layers = problem.required().iter().sum::<u32>() as usize + 1;
-    let bounds = polls(&|watch| drop(Table::new(&graph, &Prices::zero(&graph), None, false, watch)));
+    let bounds = polls(&|watch| drop(Bound::new(&graph, watch)));
     assert!(bounds >= layers * nodes, "{bounds} times for {layers} layers of {nodes} nodes");
 }
 

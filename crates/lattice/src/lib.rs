@@ -6,9 +6,8 @@
 //! part. [`plan`] finds such a plan and says what is proved about it; [`front`] gives the least cost of every
 //! count vector.
 //!
-//! Two engines, see [`Engine`]: an exhaustive one that visits all states in order of cost (all count vectors
-//! of a pose at once, as bits, where costs allow it), and one that bounds by Lagrangian relaxation of the
-//! counts, finds plans by a beam and proves by A*. Both are exact; "optimal" always means proved. Costs are
+//! The search is exhaustive: it visits all states in order of cost (all count vectors of a pose at once, as bits, where
+//! costs allow it). "Optimal" always means proved. Where time or memory end it, a narrow beam may still find a plan. Costs are
 //! read to 1e-9.
 //!
 //! [`ProblemFile`] is the file `experiment-lattice-planning/1`; [`collision`] says where swept boxes are free.
@@ -20,11 +19,10 @@
 #[cfg(test)]
 extern crate self as lattice;
 
-mod a_star;
 mod allowed;
-mod ascent;
 mod beam;
 mod bits;
+mod bound;
 mod by_node;
 pub mod collision;
 mod demand;
@@ -35,7 +33,6 @@ mod file;
 mod front;
 mod graph;
 mod grid;
-mod lagrangian;
 #[cfg(test)]
 mod laws;
 mod layered;
@@ -47,7 +44,6 @@ mod problem;
 mod radix_heap;
 mod reason;
 mod recover;
-mod relaxation;
 #[cfg(test)]
 #[path = "../tests/all/seconds.rs"]
 mod seconds;
@@ -63,7 +59,7 @@ pub use demand::Demand;
 pub use file::{BasicFile, InformativeFile, LatticeFile, MoveFile, ProblemFile, SCHEMA, SchemaId};
 pub use front::{FrontPoint, front};
 pub use grid::{Action, Cost, Goal, Lattice, Move, MoveId, Pose};
-pub use outcome::{Engine, Limit, NoPlan, Options, Progress, Solution, Status, Step};
+pub use outcome::{Limit, NoPlan, Options, Progress, Solution, Status, Step};
 pub use plan::plan;
 pub use problem::Problem;
 pub use reason::Reason;

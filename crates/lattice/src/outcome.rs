@@ -1,22 +1,8 @@
 use crate::{Cost, Pose, Reason};
 
-/// Which search to use.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Engine {
-    /// Exhaustive where that is sensible and fits in memory, otherwise Lagrangian.
-    #[default]
-    Auto,
-    /// Every state in order of cost. Proves everything, needs memory for all states.
-    Exhaustive,
-    /// Bounds from priced counts, a beam for plans, A* for the proof. Needs memory for the states it visits.
-    Lagrangian,
-}
-
 /// How to search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Which search to use.
-    pub engine: Engine,
     /// Most memory of the search \[bytes\], besides the problem itself.
     pub memory_bytes: u64,
     /// Steps of work (approximate number of visited states) between two polls.
@@ -25,7 +11,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { engine: Engine::Auto, memory_bytes: 4 << 30, poll_every: 1 << 16 }
+        Self { memory_bytes: 4 << 30, poll_every: 1 << 16 }
     }
 }
 
@@ -36,8 +22,6 @@ pub struct Progress {
     pub work: u64,
     /// No plan is cheaper than this.
     pub lower_bound: Cost,
-    /// Cost of the best plan so far.
-    pub best: Option<Cost>,
 }
 
 /// Why a search ended without a plan.
@@ -55,7 +39,7 @@ pub enum NoPlan {
         /// No plan is cheaper than this.
         lower_bound: Cost,
     },
-    /// The exhaustive search was requested and does not fit in the memory.
+    /// The search does not fit in the memory.
     TooLarge {
         /// Number of states.
         states: u128,

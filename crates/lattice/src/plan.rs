@@ -1,27 +1,18 @@
 use crate::graph::{Graph, Reach, within};
-use crate::lagrangian::{self, Depth};
 use crate::layered::Levels;
 use crate::watch::{Verdict, Watch};
 use crate::{
-    Cost, Engine, Limit, NoPlan, Options, Problem, Progress, Reason, Solution, Status, Step, dense, layered,
+    Cost, Limit, NoPlan, Options, Problem, Progress, Reason, Solution, Status, Step, beam, dense, layered,
     reason,
 };
 
-/// States up to which `Auto` searches exhaustively: all as bits, as bits and the optimal ones as distances, all as distances.
-const LARGE_BITS: u128 = 20_000_000_000;
-const LARGE_PARTIAL: u128 = LARGE_BITS / 3;
-const LARGE_DENSE: u128 = 200_000_000;
-/// States as bits up to which it does so without computing bounds first. Of others there are no more, and bounds seldom prove a
-/// secondary cost.
-const SMALL_BITS: u128 = 2_000_000_000;
 /// Keys of plans around start and goals that are searched first, in keys of the dearest move.
 const NEAREST: u64 = 8;
 /// The surroundings are searched first while the lattice is so many times as large.
 const PART: usize = 3;
 
-/// Finds the cheapest plan. `keep_going` is polled and cancels the search by returning false; the best plan
-/// by then is returned with a lower bound. If there is none yet, one narrow beam may still be searched after
-/// that.
+/// Finds the cheapest plan. `keep_going` is polled and cancels the search by returning false. If time or memory end
+/// the search, a narrow beam finds a plan where that takes only a moment; it is returned with a lower bound.
 ///
 /// # Errors
 /// No plan: proved, or for lack of time or memory.
@@ -55,22 +46,18 @@ pub fn plan(
         // If the start does not reach the goal, the map has given a reason already.
         return Err(out_of_time);
     };
-    match engine(&graph, options) {
-        Chosen::TooLarge(bytes) => Err(NoPlan::TooLarge { states: graph.states(), bytes }),
-        Chosen::Exhaustive => outcome(problem, nearest_first(&graph, options, &mut watch)),
-        Chosen::BoundsFirst => outcome(problem, bounds_first(graph, options, &mut watch)),
-        Chosen::Lagrangian => {
-            outcome(problem, lagrangian::search(&graph, memory(&graph, options), Depth::Proof, &mut watch))
+    let bytes = exhaustive_bytes(&graph);
+    let verdict = if bytes <= u128::from(memory(&graph, options)) {
+        nearest_first(&graph, options, &mut watch)
+    } else {
+        beam::glimpse(&graph, memory(&graph, options), watch.lower, Limit::Memory)
+    };
+    match outcome(problem, verdict) {
+        Err(NoPlan::OutOfMemory { .. }) if bytes > u128::from(memory(&graph, options)) => {
+            Err(NoPlan::TooLarge { states: graph.states(), bytes })
         }
+        outcome => outcome,
     }
-}
-
-enum Chosen {
-    Exhaustive,
-    /// Exhaustive, after bounds and beams.
-    BoundsFirst,
-    Lagrangian,
-    TooLarge(u128),
 }
 
 fn memory(graph: &Graph, options: &Options) -> u64 {
@@ -83,24 +70,6 @@ pub(crate) fn exhaustive_bytes(graph: &Graph) -> u128 {
         Some(levels) => layered::bytes(graph, levels),
         None if dense::fits(graph) => dense::bytes(graph),
         None => u128::MAX,
-    }
-}
-
-fn engine(graph: &Graph, options: &Options) -> Chosen {
-    let (states, bytes) = (graph.states(), exhaustive_bytes(graph));
-    let fits = bytes <= u128::from(memory(graph, options));
-    let (small, large) = match Levels::of(graph) {
-        Some(levels) if levels.are_partial() => (LARGE_PARTIAL, LARGE_PARTIAL),
-        Some(_) => (SMALL_BITS, LARGE_BITS),
-        None => (LARGE_DENSE, LARGE_DENSE),
-    };
-    match options.engine {
-        Engine::Exhaustive if fits => Chosen::Exhaustive,
-        Engine::Exhaustive => Chosen::TooLarge(bytes),
-        Engine::Lagrangian => Chosen::Lagrangian,
-        Engine::Auto if !fits || states > large => Chosen::Lagrangian,
-        Engine::Auto if states <= small => Chosen::Exhaustive,
-        Engine::Auto => Chosen::BoundsFirst,
     }
 }
 
@@ -130,7 +99,13 @@ fn nearest_first(graph: &Graph, options: &Options, watch: &mut Watch) -> Verdict
         }
         most *= 2;
     }
-    exhaustive(graph, u64::MAX, options, false, watch)
+    let verdict = all_states(graph, u64::MAX, memory(graph, options), watch);
+    match verdict.stopped_by {
+        Some(limit) if verdict.plan.is_none() => {
+            beam::glimpse(graph, memory(graph, options), verdict.lower, limit)
+        }
+        _ => verdict,
+    }
 }
 
 /// The cheapest plan with a key of at most `most`, by the exhaustive search that fits the costs.
@@ -139,46 +114,6 @@ fn all_states(graph: &Graph, most: u64, memory: u64, watch: &mut Watch) -> Verdi
         Some(levels) => layered::search(graph, levels, most, memory, watch),
         None => dense::search(graph, most, memory, watch),
     }
-}
-
-/// If it is cancelled without a plan, a narrow beam searches for one, provided that takes only a moment.
-fn exhaustive(graph: &Graph, most: u64, options: &Options, has_plan: bool, watch: &mut Watch) -> Verdict {
-    let memory = memory(graph, options);
-    let verdict = all_states(graph, most, memory, watch);
-    match verdict.stopped_by {
-        Some(Limit::Memory) => lagrangian::search(graph, memory, Depth::Proof, watch),
-        Some(Limit::Time) if !has_plan && lagrangian::is_glimpsed_at_once(graph) => {
-            let plan =
-                lagrangian::glimpse(graph, memory, &mut Watch::new(graph.problem, u64::MAX, &mut |_| true));
-            Verdict::stopped(plan, verdict.lower, Limit::Time)
-        }
-        _ => verdict,
-    }
-}
-
-/// Bounds and beams, and if they leave a gap the exhaustive search, where plans that are no dearer than the best of the beams pass.
-pub(crate) fn bounds_first(graph: Graph, options: &Options, watch: &mut Watch) -> Verdict {
-    let root = lagrangian::search(&graph, memory(&graph, options), Depth::Root, watch);
-    if root.stopped_by.is_none() || !watch.keep_going(0) {
-        return root;
-    }
-    let most = root.plan.as_ref().map_or(u64::MAX, |plan| plan.0);
-    let graph = match &root.plan {
-        None => Some(graph),
-        Some(_) => {
-            let problem = graph.problem;
-            drop(graph);
-            match within(problem, most, options.memory_bytes, watch) {
-                Ok(live) => Graph::new(problem, &live, watch),
-                Err(limit) => return Verdict::stopped(root.plan, watch.lower, limit),
-            }
-        }
-    };
-    let Some(graph) = graph else { return root };
-    let verdict = exhaustive(&graph, most, options, root.plan.is_some(), watch);
-    let Some(limit) = verdict.stopped_by else { return verdict };
-    let plan = verdict.plan.into_iter().chain(root.plan).min_by_key(|plan| plan.0);
-    Verdict::stopped(plan, watch.lower, limit)
 }
 
 fn outcome(problem: &Problem, verdict: Verdict) -> Result<Solution, NoPlan> {

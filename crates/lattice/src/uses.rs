@@ -32,7 +32,7 @@ impl Packing {
         Left { packed: self.full, total: self.total }
     }
 
-    pub fn of(&self, left: Left, slot: usize) -> u32 {
+    fn of(&self, left: Left, slot: usize) -> u32 {
         let (shift, mask) = self.fields[slot];
         (left.packed >> shift & mask) as u32
     }
@@ -41,10 +41,5 @@ impl Packing {
     pub fn after(&self, left: Left, slot: usize) -> Option<Left> {
         let one = 1 << self.fields[slot].0;
         (self.of(left, slot) > 0).then(|| Left { packed: left.packed - one, total: left.total - 1 })
-    }
-
-    /// Number of slots.
-    pub fn slots(&self) -> usize {
-        self.fields.len()
     }
 }

@@ -41,25 +41,18 @@ pub(crate) struct Watch<'a, 'b> {
     polled_at: u64,
     /// No plan has a smaller key.
     pub lower: u64,
-    /// Key of the best plan so far.
-    pub best: Option<u64>,
     stopped: bool,
 }
 
 impl<'a, 'b> Watch<'a, 'b> {
     pub fn new(problem: &'a Problem, every: u64, keep_going: &'b mut dyn FnMut(Progress) -> bool) -> Self {
         let every = every.max(1);
-        Self { problem, keep_going, every, work: 0, polled_at: 0, lower: 0, best: None, stopped: false }
+        Self { problem, keep_going, every, work: 0, polled_at: 0, lower: 0, stopped: false }
     }
 
     /// Notes a lower bound on every plan's key.
     pub fn raise(&mut self, lower: u64) {
         self.lower = self.lower.max(lower);
-    }
-
-    /// Notes the key of a plan.
-    pub fn found(&mut self, key: u64) {
-        self.best = Some(self.best.map_or(key, |best| best.min(key)));
     }
 
     /// Counts work; returns false once the search is cancelled.
@@ -74,9 +67,7 @@ impl<'a, 'b> Watch<'a, 'b> {
     }
 
     fn progress(&self) -> Progress {
-        let required = self.problem.required();
-        let cost = |key| self.problem.cost(key, &required);
-        Progress { work: self.work, lower_bound: cost(self.lower), best: self.best.map(cost) }
+        Progress { work: self.work, lower_bound: self.problem.cost(self.lower, &self.problem.required()) }
     }
 }
 

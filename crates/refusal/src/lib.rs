@@ -18,7 +18,7 @@ pub use bounded::{fitted, foreign, one_line, shortened};
 pub use invalid::Invalid;
 pub use listed::{listed, names_in};
 pub use names::check_name;
-pub use nearest::{instead, nearest, suggestion};
+pub use nearest::{gone, nearest, suggestion};
 pub use numbers::{check_numbers, check_ranges};
 pub use some_of::some_of;
 pub use strict::strictly;

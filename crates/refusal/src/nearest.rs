@@ -18,18 +18,19 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     best.map(|(_, candidate)| candidate)
 }
 
-/// Names that are known no more, each with what does its work.
-const GONE: [(&str, &str); 1] = [("refined-iv", "output-error")];
+/// Names that are known no more, each with the remedy.
+const GONE: [(&str, &str); 2] = [
+    ("refined-iv", "it is gone: take `output-error`"),
+    ("--engine", "it is gone: leave it out, since every search is exhaustive"),
+];
 
-/// What does the work of `word`, if that is known no more.
-pub fn instead(word: &str) -> Option<&'static str> {
-    GONE.iter().find(|(gone, _)| *gone == word).map(|(_, other)| *other)
+/// The remedy for `word`, if that is known no more.
+pub fn gone(word: &str) -> Option<&'static str> {
+    GONE.iter().find(|(gone, _)| *gone == word).map(|(_, remedy)| *remedy)
 }
 
 /// The remedy for `word`, which is none of the names `known`; `None` if nothing is like it.
 pub fn suggestion<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    match instead(word) {
-        Some(other) => Some(format!("it is gone: take `{other}`")),
-        None => nearest(word, known).map(|near| format!("did you mean `{near}`?")),
-    }
+    let near = || nearest(word, known).map(|near| format!("did you mean `{near}`?"));
+    gone(word).map(str::to_owned).or_else(near)
 }

@@ -161,14 +161,12 @@ fn more_headings_are_planned_too_and_every_count_once_more() {
 }
 
 #[test]
-fn law_engines_agree_on_the_chart_too() {
-    for engine in ["exhaustive", "lagrangian"] {
-        let folder = small();
-        run(&folder, &format!("{PLAN} --engine {engine}")).succeeds();
-        let planned = Planned::of(&folder);
-        assert_eq!(planned.plan["status"], "optimal");
-        for key in ["/cost", "/lower_bound", "/secondary/value"] {
-            assert_eq!(planned.number(key), small_planned().number(key), "{engine}: {key}");
-        }
-    }
+fn a_choice_of_engines_is_refused_with_what_to_do() {
+    let line = format!("{PLAN} --engine lagrangian");
+    refused(
+        &small(),
+        2,
+        &line,
+        &["'--engine'", "it is gone: leave it out, since every search is exhaustive"],
+    );
 }

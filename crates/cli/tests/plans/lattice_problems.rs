@@ -90,30 +90,27 @@ fn folder_with(problem: &str) -> TempDir {
 }
 
 #[test]
-fn every_engine_solves_the_known_problems_at_their_cost_or_says_why_not() {
+fn the_known_problems_are_solved_at_their_cost_or_said_to_have_no_plan() {
     let mut solved = 0;
     for file in problems() {
         let text = fs::read_to_string(&file).unwrap();
         let problem: Value = serde_json::from_str(&text).unwrap();
-        for engine in ["auto", "exhaustive", "lagrangian"] {
-            let folder = folder_with(&text);
-            let line = format!("{SOLVE} --engine {engine}");
-            if problem["expected"]["status"] == "infeasible" {
-                refused(&folder, 4, &line, &["problem.json", "none (proved)"]);
-                continue;
-            }
-            let ran = run(&folder, &format!("{line} --json")).succeeds();
-            let plan = json(&folder, "plan.json")["data"].take();
-            assert_eq!(plan["status"], "optimal", "{ran}");
-            assert_eq!(plan["cost"].as_f64(), problem["expected"]["cost"].as_f64(), "{ran}");
-            assert_eq!(plan["cost"], plan["lower_bound"], "{ran}");
-            assert_eq!(replay(&problem, &plan), plan["cost"].as_f64().unwrap(), "{ran}");
-            let said: Value = serde_json::from_str(&ran.stdout).unwrap();
-            assert_eq!([&said["cost"], &said["status"]], [&plan["cost"], &plan["status"]], "{ran}");
-            solved += 1;
+        let folder = folder_with(&text);
+        if problem["expected"]["status"] == "infeasible" {
+            refused(&folder, 4, SOLVE, &["problem.json", "none (proved)"]);
+            continue;
         }
+        let ran = run(&folder, &format!("{SOLVE} --json")).succeeds();
+        let plan = json(&folder, "plan.json")["data"].take();
+        assert_eq!(plan["status"], "optimal", "{ran}");
+        assert_eq!(plan["cost"].as_f64(), problem["expected"]["cost"].as_f64(), "{ran}");
+        assert_eq!(plan["cost"], plan["lower_bound"], "{ran}");
+        assert_eq!(replay(&problem, &plan), plan["cost"].as_f64().unwrap(), "{ran}");
+        let said: Value = serde_json::from_str(&ran.stdout).unwrap();
+        assert_eq!([&said["cost"], &said["status"]], [&plan["cost"], &plan["status"]], "{ran}");
+        solved += 1;
     }
-    assert!(solved >= 6, "{solved}");
+    assert!(solved >= 2, "{solved}");
 }
 
 #[test]

@@ -1,34 +1,28 @@
-//! Both engines against brute force on random small problems.
+//! The search against brute force on random small problems.
 
-use lattice::{Engine, NoPlan, Options, Reason, front, plan};
+use lattice::{NoPlan, Options, Reason, front, plan};
 use proptest::prelude::*;
 
 use crate::random::{Costs, Small, brute_force, proved, replay, small};
-
-fn options(engine: Engine) -> Options {
-    Options { engine, ..Options::default() }
-}
 
 fn agrees(small: &Small) {
     let problem = small.problem();
     let least = brute_force(small);
     let expected = *least.last().unwrap();
-    for engine in [Engine::Exhaustive, Engine::Lagrangian, Engine::Auto] {
-        let outcome = plan(&problem, &options(engine), &mut |_| true);
-        assert_eq!(proved(small, &outcome), expected, "{engine:?}");
-        if let Err(NoPlan::Infeasible(Reason::CountsCannotBeCombined { possible: Some(counts) })) = outcome {
-            let most = (0..least.len()).filter(|&v| least[v].is_some()).map(|v| uses(small, v)).max();
-            assert_eq!(most, Some(counts.iter().sum()), "counts of most uses");
-        }
+    let outcome = plan(&problem, &Options::default(), &mut |_| true);
+    assert_eq!(proved(small, &outcome), expected);
+    if let Err(NoPlan::Infeasible(Reason::CountsCannotBeCombined { possible: Some(counts) })) = outcome {
+        let most = (0..least.len()).filter(|&v| least[v].is_some()).map(|v| uses(small, v)).max();
+        assert_eq!(most, Some(counts.iter().sum()), "counts of most uses");
     }
-    let points = front(&problem, None, &options(Engine::Auto), &mut |_| true).expect("a small front");
+    let points = front(&problem, None, &Options::default(), &mut |_| true).expect("a small front");
     let tenths = |cost: f64| (cost * 10.0).round() as u64;
     let primary = |least: &Option<(u64, u64)>| least.map(|least| least.0);
     for (point, least) in points.iter().zip(&least) {
         assert_eq!(point.primary.map(tenths), primary(least), "front");
     }
-    let Ok(best) = plan(&problem, &options(Engine::Auto), &mut |_| true) else { return };
-    let near = front(&problem, Some(&best), &options(Engine::Auto), &mut |_| true).expect("a small front");
+    let Ok(best) = plan(&problem, &Options::default(), &mut |_| true) else { return };
+    let near = front(&problem, Some(&best), &Options::default(), &mut |_| true).expect("a small front");
     let dearest = expected.expect("a plan");
     for (point, least) in near.iter().zip(&least) {
         let found = point.primary.map(tenths);
@@ -84,12 +78,10 @@ proptest! {
     fn law_stopped_searches_bound_the_optimum(
         small in prop_oneof![small(Costs::Paper), small(Costs::MovesThenSeconds), small(Costs::Both)],
         polls in 0..400u32,
-        lagrangian in any::<bool>(),
     ) {
-        let engine = if lagrangian { Engine::Lagrangian } else { Engine::Exhaustive };
         let mut left = polls;
         let mut keep_going = |_| { left = left.saturating_sub(1); left > 0 };
-        let outcome = plan(&small.problem(), &Options { poll_every: 1, ..options(engine) }, &mut keep_going);
+        let outcome = plan(&small.problem(), &Options { poll_every: 1, ..Options::default() }, &mut keep_going);
         let optimum = brute_force(&small).last().copied().flatten();
         let tenths = |cost: lattice::Cost| ((cost.primary * 10.0).round() as u64, (cost.secondary * 10.0).round() as u64);
         match outcome {

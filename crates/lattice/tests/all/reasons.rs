@@ -2,8 +2,8 @@
 
 use crate::synthetic;
 use lattice::{
-    Action, Cost, Engine, Goal, Lattice, Limit, Move, MoveId, NoPlan, Options, Pose, Problem, Reason,
-    Solution, Status, plan,
+    Action, Cost, Goal, Lattice, Limit, Move, MoveId, NoPlan, Options, Pose, Problem, Reason, Solution,
+    Status, plan,
 };
 
 const LATTICE: Lattice = Lattice { nx: 8, ny: 1, layers: 1 };
@@ -23,11 +23,7 @@ fn outcome(required: u32, goal: usize, allowed: impl Fn(usize, usize) -> bool) -
     let goal = Goal::Poses(vec![pose(goal)]);
     let allowed = |id: MoveId, i, _| allowed(id.action, i);
     let problem = Problem::new(LATTICE, actions, pose(1), goal, allowed).unwrap();
-    let outcomes = [Engine::Exhaustive, Engine::Lagrangian]
-        .map(|engine| plan(&problem, &Options { engine, ..Options::default() }, &mut |_| true));
-    assert_eq!(std::mem::discriminant(&outcomes[0]), std::mem::discriminant(&outcomes[1]));
-    let [exhaustive, _] = outcomes;
-    exhaustive
+    plan(&problem, &Options::default(), &mut |_| true)
 }
 
 fn reason(required: u32, goal: usize, allowed: impl Fn(usize, usize) -> bool) -> Reason {
@@ -93,7 +89,7 @@ fn archipelago() -> Problem {
 
 #[test]
 fn an_exhaustive_search_beyond_the_memory_is_refused() {
-    let options = Options { engine: Engine::Exhaustive, memory_bytes: 100_000, ..Options::default() };
+    let options = Options { memory_bytes: 100_000, ..Options::default() };
     let Err(NoPlan::TooLarge { states, bytes }) = plan(&archipelago(), &options, &mut |_| true) else {
         panic!()
     };
@@ -105,7 +101,7 @@ fn memory_that_is_too_small_is_said_and_bounds_stay_true() {
     let Ok(best) = plan(&archipelago(), &Options::default(), &mut |_| true) else { panic!() };
     assert_eq!(best.status, Status::Optimal);
     for kilobytes in (0..4000).step_by(50) {
-        let options = Options { engine: Engine::Auto, memory_bytes: kilobytes << 10, ..Options::default() };
+        let options = Options { memory_bytes: kilobytes << 10, ..Options::default() };
         match plan(&archipelago(), &options, &mut |_| true) {
             Ok(found) => {
                 assert!(
@@ -117,6 +113,7 @@ fn memory_that_is_too_small_is_said_and_bounds_stay_true() {
                 }
             }
             Err(NoPlan::OutOfMemory { lower_bound }) => assert!(lower_bound.primary <= best.cost.primary),
+            Err(NoPlan::TooLarge { bytes, .. }) => assert!(bytes > u128::from(kilobytes << 10) / 2),
             other => panic!("{kilobytes} kB: {other:?}"),
         }
     }
@@ -124,12 +121,10 @@ fn memory_that_is_too_small_is_said_and_bounds_stay_true() {
 
 #[test]
 fn a_search_cancelled_at_once_says_so() {
-    for engine in [Engine::Exhaustive, Engine::Lagrangian] {
-        let options = Options { engine, poll_every: 1, ..Options::default() };
-        match plan(&archipelago(), &options, &mut |_| false) {
-            Ok(found) => assert_eq!(found.status, Status::Feasible { stopped_by: Limit::Time }),
-            other => assert_eq!(other, Err(NoPlan::OutOfTime { lower_bound: Cost::default() })),
-        }
+    let options = Options { poll_every: 1, ..Options::default() };
+    match plan(&archipelago(), &options, &mut |_| false) {
+        Ok(found) => assert_eq!(found.status, Status::Feasible { stopped_by: Limit::Time }),
+        other => assert_eq!(other, Err(NoPlan::OutOfTime { lower_bound: Cost::default() })),
     }
 }
 
@@ -146,8 +141,7 @@ fn states_not_yet_followed_have_no_level() {
     actions.extend([act("west".into(), 0, -1), act("leap".into(), 0, 6)]);
     let goal = Goal::Poses(vec![pose(1)]);
     let problem = Problem::new(LATTICE, actions, pose(7), goal, |_, _, _| true).unwrap();
-    let options = Options { engine: Engine::Exhaustive, ..Options::default() };
-    let found = plan(&problem, &options, &mut |_| true).unwrap();
+    let found = plan(&problem, &Options::default(), &mut |_| true).unwrap();
     assert_eq!((found.cost.primary, found.steps.len()), (6.0, 6 + 14));
     let ways = found.steps.windows(2).all(|pair| pair[0].to == pair[1].from);
     assert!(ways && found.steps[19].to == pose(1), "{:?}", found.steps);

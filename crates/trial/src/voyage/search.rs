@@ -8,7 +8,7 @@ pub type Watch = Box<dyn FnMut(Progress) -> bool>;
 /// How to search the lattice.
 #[derive(Clone)]
 pub struct Search<'a> {
-    /// Engine and memory.
+    /// Memory.
     pub options: Options,
     /// Creates the watch of every search: for a plan, and for the front.
     pub watch: &'a (dyn Fn() -> Watch + Sync),
