@@ -170,6 +170,11 @@ impl CampaignFile {
         self.noise().ok_or_else(lasting)
     }
 
+    /// The noise that output-error estimates are predicted from: measurement errors alone where a current lasts.
+    pub fn output_noise(&self) -> Noise {
+        self.noise().unwrap_or(Noise { measurement: self.measurement.std(), current: 0.0 })
+    }
+
     /// [`CampaignFile::white_noise`] for the covariance of estimates with these instruments. Not for the measured regressors: a
     /// covariance does not contain the bias of least squares.
     ///

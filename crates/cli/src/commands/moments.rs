@@ -11,9 +11,10 @@ use model::Vessel;
 use refusal::Invalid;
 use regression::pooled::{PooledRuns, PooledSums, Regression};
 use regression::runs::RunInstruments;
-use regression::{InstrumentKind, MeanRemoval, Sums};
+use regression::{InstrumentKind, MeanRemoval, Noise, Sums};
 use seatrial::sampled_ships;
 use serde_json::json;
+use study::campaign_file::CampaignFile;
 use study::documents::MomentsDocument;
 use study::files::{generator, read_any_vessel, read_campaign};
 use study::moments_table::{self, table_of};
@@ -144,8 +145,11 @@ fn published(out: &Path, provenance: &Provenance, document: &MomentsDocument) ->
     let part = provenance.shard.map_or(String::new(), |shard| format!(", shard {shard}"));
     let held = &document.0.held;
     let said = if held.is_empty() { String::new() } else { format!("; {}", HeldParameter::words(held)) };
+    let is_left_out = document.0.disturbances.as_ref().is_some_and(|own| own.lasting_current_left_out);
+    let current =
+        if is_left_out { "; of measurement errors alone, not of the current that lasts" } else { "" };
     let details = json!({"maneuvers": count, "held": held});
-    Ok(Summary::of(out, format!("moments of {count} maneuvers{part}{said}"), details))
+    Ok(Summary::of(out, format!("moments of {count} maneuvers{part}{said}{current}"), details))
 }
 
 impl Arguments {
@@ -174,13 +178,12 @@ impl Arguments {
         let out = common.main_output("moments.json", inputs.chain(&self.sharding.gather))?;
         let campaign = given(&self.campaign, "campaign")?;
         let config = read_campaign(campaign, &mut provenance)?;
-        let noise = config.white_noise("take a campaign with one of these");
-        let noise = noise.map_err(|e| Failure::invalid(campaign, &e))?;
+        let noise = config.output_noise();
         let forces = ForcesPrediction::new(vessel, noise);
         let forces = forces.map_err(|e| Failure::invalid(fault(&e, &self.vessel, campaign), &e))?;
         let validation = generator(campaign, vessel, &config.validation_dictionary(), &mut provenance)?;
         let model = forces.free_runs(&validation).map_err(|e| self.unpredictable(campaign, e))?;
-        let expected = Expected::new(vessel, noise).map_err(|e| Failure::invalid(&self.vessel, &e))?;
+        let expected = expected(self, vessel, &config, noise)?;
         if self.sharding.gathers() {
             let (gathered, document) = parts::moments(&self.sharding.gather, provenance)?;
             return published(&out, &gathered, &document);
@@ -334,15 +337,30 @@ fn predicted(
 ) -> Result<(Option<Expected>, Option<FreeRunModel>), Failure> {
     let Some(campaign) = &a.campaign else { return Ok((None, None)) };
     let config = read_campaign(campaign, provenance)?;
-    let noise = config.noise_for(a.instruments).map_err(|e| Failure::invalid(campaign, &e))?;
-    let expected = Expected::new(vessel, noise);
-    let expected = expected.map_err(|e| Failure::invalid(&a.vessel, &e))?;
+    let noise = if a.estimator == Estimator::OutputError && a.instruments == InstrumentKind::Nominal {
+        config.output_noise()
+    } else {
+        config.noise_for(a.instruments).map_err(|e| Failure::invalid(campaign, &e))?
+    };
+    let expected = expected(a, vessel, &config, noise)?;
     if a.estimator != Estimator::OutputError {
         return Ok((Some(expected), None));
     }
     let validation = generator(campaign, vessel, &config.validation_dictionary(), provenance)?;
     let model = FreeRunModel::new(vessel, &validation).map_err(|e| a.unpredictable(campaign, e))?;
     Ok((Some(expected), Some(model)))
+}
+
+/// The disturbances to expect of trials of `campaign`, of which `noise` is predicted.
+fn expected(
+    a: &Arguments,
+    vessel: &Vessel,
+    campaign: &CampaignFile,
+    noise: Noise,
+) -> Result<Expected, Failure> {
+    let own =
+        Expected::new(vessel, noise, campaign.duration_s).map_err(|e| Failure::invalid(&a.vessel, &e))?;
+    Ok(Expected { lasting_current_left_out: campaign.noise().is_none(), ..own })
 }
 
 /// The nominal parameters of `--nominal`, without intercepts.

@@ -49,7 +49,7 @@ pub struct Arguments {
     /// Use at most so many maneuvers
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(1..))]
     pub(super) most_maneuvers: Option<u64>,
-    /// Use a maneuver for at least so long or not at all; needs the length of the experiment [s]
+    /// Use a maneuver for at least so long or not at all; with --arrange of each piece, which is at least 15 % of its maneuver [s]
     #[arg(long, value_name = "S")]
     pub(super) minimal_s: Option<f64>,
     /// Find the shortest experiment of this standard error, relative to the parameters (--relative-to), and from which length on
@@ -211,19 +211,33 @@ impl Arguments {
         Some(Wanted { accuracy, of, longest_s: LONGEST_S })
     }
 
-    /// The experiment's length, as far as it is given.
-    pub(super) fn length(&self, sample_rate_hz: f64) -> Length {
+    /// The experiment's length, as far as it is given or needed: then that of the campaign's trials.
+    pub(super) fn length(&self, moments: &Moments) -> Length {
         let segments = self.segments.zip(self.segment_samples);
         let counted = segments.map(|(n, samples)| n as f64 * samples as f64);
-        Length { samples: self.duration_s.map(|s| s * sample_rate_hz).or(counted), segments }
+        let duration_s = self.trial_s(moments);
+        Length { samples: duration_s.map(|s| s * moments.sample_rate_hz).or(counted), segments }
+    }
+
+    /// --duration-s, or the campaign's where a length is needed and nothing else tells one \[s\].
+    fn trial_s(&self, moments: &Moments) -> Option<f64> {
+        let is_told = self.segments.is_some() || !self.accuracy.is_empty();
+        let is_needed = self.arrange || self.minimal_s.is_some() || self.counts_priors(moments);
+        let usual = || moments.disturbances.as_ref()?.trial_s.filter(|_| is_needed && !is_told);
+        self.duration_s.or_else(usual)
+    }
+
+    /// Whether what is known of a ship before the trial counts, once.
+    fn counts_priors(&self, moments: &Moments) -> bool {
+        moments.prior.is_some() && self.estimator == Estimator::OutputError
     }
 
     /// `moments` with what the ship's priors add in a trial of the given length.
     pub(super) fn with_prior(&self, moments: Moments) -> Result<Moments, Failure> {
-        if moments.prior.is_none() || self.estimator != Estimator::OutputError {
+        if !self.counts_priors(&moments) {
             return Ok(moments);
         }
-        match self.length(moments.sample_rate_hz).samples {
+        match self.length(&moments).samples {
             Some(samples) => Ok(moments.with_prior(samples)),
             None => Err(Failure::Usage(format!(
                 "--duration-s: found no length of the trial, expected one, as the priors of {} count once for the whole trial; add \
@@ -234,7 +248,7 @@ impl Arguments {
     }
 
     /// The settings that the result depends on besides the inputs; a criterion only if it is not the default.
-    pub(super) fn settings(&self, seed: u64, provenance: &mut Provenance) {
+    pub(super) fn settings(&self, seed: u64, moments: &Moments, provenance: &mut Provenance) {
         let settings = &mut provenance.settings;
         settings.insert("seed".into(), json!(seed));
         settings.insert("starts".into(), json!(self.starts));
@@ -253,7 +267,7 @@ impl Arguments {
         for FigureWeight { name, weight } in &self.weight {
             settings.entry("weights".into()).or_insert_with(|| json!({}))[name.text()] = json!(weight);
         }
-        if let Some(duration) = self.duration_s {
+        if let Some(duration) = self.trial_s(moments) {
             settings.insert("duration_s".into(), json!(duration));
         }
     }

@@ -31,7 +31,8 @@ impl<'a> Problem<'a> {
         moments: &'a Moments,
         provenance: &mut Provenance,
     ) -> Result<Self, Failure> {
-        let few = Few { most_maneuvers: a.most_maneuvers, minimal_s: a.minimal_s };
+        // Of an arranged experiment the search keeps the length of pieces.
+        let few = Few { most_maneuvers: a.most_maneuvers, minimal_s: a.minimal_s.filter(|_| !a.arrange) };
         let (name, estimated) = (a.criterion_name()?, a.estimated());
         let wish = Wish { name, estimated, relative_to: a.relative_to, few };
         let goals = a.figures.as_ref().map(|path| {
@@ -108,13 +109,12 @@ impl<'a> Problem<'a> {
         let Some(samples) = samples else {
             return usage(
                 "no length of the experiment",
-                "one to fill; add --duration-s, --accuracy, or --segments and --segment-samples",
+                "one to fill; make the moments with --campaign, or add --duration-s, --accuracy, or --segments and --segment-samples",
             );
         };
-        let unkept = [a.available.is_some(), a.most_maneuvers.is_some(), a.minimal_s.is_some()];
-        if unkept.contains(&true) || a.mean_removal == MeanRemoval::Batch {
+        if a.available.is_some() || a.most_maneuvers.is_some() || a.mean_removal == MeanRemoval::Batch {
             return usage(
-                "--available, --most-maneuvers, --minimal-s or --mean-removal batch, which the search does not keep",
+                "--available, --most-maneuvers or --mean-removal batch, which the search does not keep",
                 "none of them; leave them out",
             );
         }
@@ -128,6 +128,7 @@ impl<'a> Problem<'a> {
             dictionary: &self.of.dictionary,
             criterion: &self.of.criterion,
             estimated: self.of.wish.estimated,
+            minimal_s: a.minimal_s,
             seed: self.seed,
         };
         let found = arranging.search(&design.shares, &design.sensitivities, samples.round() as usize);

@@ -31,7 +31,7 @@ impl Task for Arguments {
             false => (moments, None),
         };
         let document = design(self, (seed, streamed), &moments, &mut provenance)?;
-        self.settings(seed, &mut provenance);
+        self.settings(seed, &moments, &mut provenance);
         commit(vec![stage_document(&out, &provenance, &document)?])?;
         let (status, gap, used) = (document.status, document.relative_gap, document.used());
         let details = json!({"status": status, "relative_gap": gap, "used": used});
@@ -90,7 +90,7 @@ fn design(
     let shortest = problem.shortest(&options)?;
     let length = match &shortest {
         Some((_, accuracy)) => Length { samples: Some(accuracy.samples as f64), segments: None },
-        None => a.length(dictionary.sample_rate_hz),
+        None => a.length(moments),
     };
     let available = match (&problem.of.stock, &a.available) {
         (Some(stock), Some(path)) => Some(stock.within(dictionary, &length).map_err(|e| scarce(path, e))?),

@@ -101,9 +101,13 @@ fn the_trial_on_a_chart_begins_where_there_is_most_room() {
     }
 }
 
+/// What the stages do without flags.
+const PAPERS: &str = "MOMENTS_FLAGS = --instruments nominal\nDESIGN_FLAGS = --for iv --criterion d-hessian\nESTIMATE_FLAGS = --estimator iv\n";
+
 #[test]
 fn law_run_writes_the_bytes_that_the_stages_write() {
     let folder = written(4);
+    put(&folder, "study.mk", PAPERS);
     for stage in STAGES {
         run(&folder, stage).succeeds();
     }
@@ -117,6 +121,7 @@ fn law_run_writes_the_bytes_that_the_stages_write() {
 #[test]
 fn law_what_is_up_to_date_is_not_run_again() {
     let folder = written(4);
+    put(&folder, "study.mk", PAPERS);
     let all = ["dictionary", "moments", "design", "validation", "campaign", "estimate", "validate", "report"];
     assert_eq!(stages(&folder, "run . --out out"), all);
     let before = listing(&folder.path().join("out"));
@@ -127,7 +132,7 @@ fn law_what_is_up_to_date_is_not_run_again() {
     let of_the_campaign = ["validation", "campaign", "estimate", "validate", "report"];
     assert_eq!(stages(&folder, "run . --out out"), of_the_campaign);
     // A changed flag, a changed value
-    put(&folder, "study.mk", "DESIGN_FLAGS = --segments 5 --segment-samples 200\n");
+    put(&folder, "study.mk", &PAPERS.replace("d-hessian", "d-hessian --segments 5 --segment-samples 200"));
     assert_eq!(stages(&folder, "run . --out out"), ["design", "campaign", "estimate", "validate", "report"]);
     assert_eq!(stages(&folder, "run . --out out --set campaign.realizations=3"), of_the_campaign);
 }
@@ -170,7 +175,9 @@ fn a_stage_brings_those_that_it_needs_and_no_more() {
     let document = json(&folder, "out/run.json");
     assert_eq!(document["schema"], "run/2");
     let command = &document["data"]["stages"]["design"]["command"];
-    assert_eq!(*command, json!(["design", "--moments", "{out}/moments.json", "--out", "{out}/design.json"]));
+    let words = "design --moments {out}/moments.json --for output-error --criterion d --arrange --vessel {study}/vessel.toml \
+                 --dictionary {study}/dictionary.toml --out {out}/design.json";
+    assert_eq!(*command, json!(words.split(' ').collect::<Vec<_>>()));
 }
 
 #[test]
@@ -189,8 +196,8 @@ fn a_setting_on_the_command_line_replaces_that_of_the_study() {
 fn progress_names_every_stage() {
     let folder = written(4);
     let ran = run(&folder, "run . --out out --stage moments").succeeds();
-    let called =
-        "[2/2] moments: seatrial moments --vessel ./vessel.toml --trajectories out/dictionary.parquet --out";
+    let called = "[2/2] moments: seatrial moments --vessel ./vessel.toml --trajectories out/dictionary.parquet --campaign \
+                  ./campaign.toml --estimator output-error --out";
     assert!(
         ran.stderr.starts_with("[1/2] dictionary: seatrial simulate dictionary")
             && ran.stderr.contains(called),

@@ -93,9 +93,13 @@ fn the_chain_of_a_ship_with_forces_goes_from_design_to_scores() {
     assert!(own.get("degrees").is_none() && moments["data"].get("instruments").is_none());
     assert_eq!(own["output_error"]["F"].as_array().unwrap().len(), 16);
     assert_eq!(moments["data"]["prior"]["information"].as_object().unwrap().len(), 4);
-    refused(&folder, 2, DESIGN, &["--duration-s", "priors of Otter count once"]);
+    refused(&folder, 2, &format!("{DESIGN} --accuracy 0.1"), &["--duration-s", "priors of Otter count once"]);
+    // Its length is that of the campaign's trials, if none is said.
+    run(&folder, DESIGN).succeeds();
+    let own = json(&folder, "design.json")["data"]["shares"].clone();
     let said = run(&folder, &format!("{DESIGN} --duration-s 120")).succeeds();
     assert!(said.stdout.contains("The trial contributes more than the prior"), "{said}");
+    assert_eq!(own, json(&folder, "design.json")["data"]["shares"]);
     let shares = |name: &str| numbers(&json(&folder, name)["data"]["prior"]["shares"]);
     run(&folder, "design --moments moments.json --for output-error --duration-s 2 --out short.json")
         .succeeds();

@@ -189,7 +189,10 @@ fn a_campaign_runs_the_generated_maneuvers_in_the_designs_order() {
     std::fs::remove_file(folder.path().join("campaign.parquet")).unwrap();
     let mixed = format!("{CAMPAIGN} --allow-mixed");
     refused(&folder, 3, &mixed, &["design.json", "`data.sequence`", "1000 samples", "800 samples"]);
-    refused(&folder, 2, &format!("{FOR} {arrange}"), &["--arrange", "--duration-s"]);
+    // The length of the moments' campaign, and no piece below 15 % of the maneuvers' 37.5 s.
+    run(&folder, &format!("{FOR} --starts 0 {arrange}")).succeeds();
+    assert_eq!(data(&folder)["sequence"], *sequence);
+    assert!(parts.iter().all(|part| part["samples"].as_u64().unwrap() >= 45), "{parts:?}");
     refused(&folder, 2, &format!("{line} --arrange"), &["--vessel"]);
     refused(&folder, 2, &format!("{line} {arrange} --most-maneuvers 9"), &["--arrange", "--most-maneuvers"]);
 }
@@ -246,8 +249,8 @@ fn few_maneuvers_and_long_ones_cost_what_they_say() {
     let loss = found["restricted"]["gap"].as_f64().unwrap();
     assert!(loss > 0.0 && loss < 0.9, "{loss}");
     run(&folder, &format!("{line} --minimal-s 15")).succeeds();
-    let found = data(&folder);
-    assert!(used(&found).iter().all(|w| *w >= 15.0 / 125.0 - 1e-9), "{}", found["shares"]);
+    let found_long = data(&folder);
+    assert!(used(&found_long).iter().all(|w| *w >= 15.0 / 125.0 - 1e-9), "{}", found_long["shares"]);
     let papers = papers();
     run(&papers, &format!("{FOR} --most-maneuvers 3 --segments 10 --segment-samples 100")).succeeds();
     let found = data(&papers);
@@ -255,9 +258,20 @@ fn few_maneuvers_and_long_ones_cost_what_they_say() {
     let counts = found["counts"].as_object().unwrap();
     let counted: Vec<u64> = counts.values().map(|n| n.as_u64().unwrap()).filter(|n| *n > 0).collect();
     assert!(counted.len() <= 3 && counted.iter().sum::<u64>() == 10, "{counts:?}");
-    refused(&folder, 2, &format!("{FOR} --minimal-s 15"), &["--minimal-s", "--duration-s"]);
+    // Without a length it is that of the campaign's trials.
+    run(&folder, &format!("{FOR} --noise measurement --starts 0 --minimal-s 15")).succeeds();
+    assert_eq!(data(&folder)["shares"], found_long["shares"]);
+    run(&folder, MOMENTS).succeeds();
+    let unknown = "design --moments moments.json --minimal-s 15 --out design.json";
+    refused(&folder, 2, unknown, &["--minimal-s", "--duration-s"]);
     refused(&folder, 2, &format!("{line} --minimal-s 150"), &["--minimal-s", "125"]);
     refused(&folder, 2, &format!("{line} --minimal-s 0"), &["--minimal-s", "above 0"]);
+    let arranged = format!("{line} --arrange --vessel vessel.toml --dictionary dictionary.toml");
+    run(&folder, OUTPUT_ERROR).succeeds();
+    refused(&folder, 3, &format!("{arranged} --minimal-s 40"), &["--minimal-s", "40 s", "the 37.5 s of `"]);
+    run(&folder, &format!("{arranged} --minimal-s 15")).succeeds();
+    let pieces = data(&folder)["sequence"]["parts"].as_array().unwrap().clone();
+    assert!(pieces.iter().all(|part| part["samples"].as_u64().unwrap() >= 120), "{pieces:?}");
 }
 
 #[test]

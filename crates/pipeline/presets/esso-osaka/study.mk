@@ -1,4 +1,1 @@
-# Flags of the stages.
-MOMENTS_FLAGS = --campaign $(STUDY)/campaign.toml --estimator output-error
-DESIGN_FLAGS = --for output-error --tolerance 1e-4
-ESTIMATE_FLAGS = --estimator output-error
+# Flags of the stages, where they are to differ from the usual ones.

@@ -1,5 +1,1 @@
-# Flags of the stages.
-# Output error needs no variation of the thrust to tell the terms of surge apart.
-MOMENTS_FLAGS = --campaign $(STUDY)/campaign.toml --estimator output-error
-DESIGN_FLAGS = --for output-error --tolerance 1e-4
-ESTIMATE_FLAGS = --estimator output-error
+# Flags of the stages, where they are to differ from the usual ones.

@@ -25,6 +25,8 @@ pub struct Arranging<'a> {
     pub criterion: &'a Criterion,
     /// The estimate that the criterion is for.
     pub estimated: Estimated,
+    /// Shortest piece of a maneuver \[s\], if it is to be longer than 15 % of the maneuver.
+    pub minimal_s: Option<f64>,
     /// Seed of the search.
     pub seed: u64,
 }

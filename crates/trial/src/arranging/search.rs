@@ -10,36 +10,39 @@ use refusal::Invalid;
 use super::{Arranged, Arranging, Kept, generated_limits};
 use crate::campaign::{Parts, Plan, shared_out};
 
-/// Neighbours that are evaluated in one round.
-const NEIGHBOURS: usize = 48;
-/// Most rounds of the search.
-const ROUNDS: usize = 90;
+/// Neighbours that are evaluated in one round, and most rounds of the search.
+const SEARCHED: (usize, usize) = (48, 90);
+/// Of a ship with forces, of which one sequence takes ten times as long.
+const SEARCHED_OF_FORCES: (usize, usize) = (16, 24);
 /// Rounds without a better neighbour before steps are reduced.
 const PATIENCE: usize = 3;
 /// Most maneuvers that may be added, by sensitivity.
 const JOINING: usize = 12;
+/// Shortest piece of a maneuver, as a share of its own length: a crew gives no orders for seconds.
+const LEAST: f64 = 0.15;
 
 impl Arranging<'_> {
     /// The best sequence that a local search finds from the dictionary's order: segments trade samples,
-    /// change places, or make room for others. Tables are played whole, so they trade no samples. `shares` of
-    /// the maneuvers, with their `sensitivities`.
+    /// change places, or make room for others. Tables are played whole, so they trade no samples; no piece of another maneuver is
+    /// shorter than 15 % of it. `shares` of the maneuvers, with their `sensitivities`.
     ///
     /// # Errors
-    /// A generator without the dictionary's maneuvers; a motion that the model cannot hold; samples that
-    /// whole plays of tables do not fill.
+    /// A generator without the dictionary's maneuvers; a shortest piece that is longer than one of them; a motion that the model
+    /// cannot hold; samples that whole plays of tables do not fill.
     pub fn search(&self, shares: &[f64], sensitivities: &[f64], samples: usize) -> Result<Arranged, Invalid> {
         let places = self.places()?;
         let mut own = vec![0.0; self.generator.maneuvers().len()];
         places.iter().zip(shares).for_each(|(place, share)| own[*place] = *share);
-        let mut now = shared_out(&own, self.generator.tables(), samples)?;
+        let least = self.least(&places)?;
+        let mut now = self.settled(shared_out(&own, self.generator.tables(), samples)?, &least);
         let mut order: Vec<usize> = (0..places.len()).collect();
         order.sort_by(|a, b| sensitivities[*b].total_cmp(&sensitivities[*a]).then(a.cmp(b)));
         let joining: Vec<usize> = order.into_iter().take(JOINING).map(|q| places[q]).collect();
         let mut parts = Parts::default();
         let start = self.values(std::slice::from_ref(&now), &mut parts)?[0];
         let (mut value, mut step, mut idle, mut tried) = (start, samples / 8, 0, 1);
-        for round in 0..ROUNDS {
-            let neighbours = self.neighbours(&now, &joining, step, round as u32);
+        for round in 0..self.searched().1 {
+            let neighbours = self.neighbours(&now, (&joining, &least), step, round as u32);
             let values = self.values(&neighbours, &mut parts)?;
             tried += values.len();
             let best = (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b]));
@@ -58,6 +61,11 @@ impl Arranging<'_> {
         let limits = self.kept(&parts.joined(&now));
         let name = |(q, n): &(usize, usize)| (self.generator.maneuvers()[*q].name.clone(), *n);
         Ok(Arranged { parts: now.iter().map(name).collect(), value, gain, tried, limits })
+    }
+
+    /// Neighbours of a round, and rounds.
+    fn searched(&self) -> (usize, usize) {
+        if self.vessel.model.forces.is_some() { SEARCHED_OF_FORCES } else { SEARCHED }
     }
 
     /// Whether the motion from `initial` under `inputs` keeps the limits.
@@ -83,12 +91,19 @@ impl Arranging<'_> {
     }
 
     /// Plans at a distance of one to three moves.
-    fn neighbours(&self, plan: &Plan, joining: &[usize], step: usize, round: u32) -> Vec<Plan> {
+    fn neighbours(
+        &self,
+        plan: &Plan,
+        (joining, least): (&[usize], &BTreeMap<usize, usize>),
+        step: usize,
+        round: u32,
+    ) -> Vec<Plan> {
         let streams = Streams::new(self.seed, "sequence");
-        let mut bits = streams.choices(round, 0, u32::MAX, 16 * NEIGHBOURS).into_iter();
+        let neighbours = self.searched().0;
+        let mut bits = streams.choices(round, 0, u32::MAX, 16 * neighbours).into_iter();
         let mut draw = move |below: usize| bits.next().unwrap_or(0) as usize % below.max(1);
         let now = plan;
-        (0..NEIGHBOURS)
+        (0..neighbours)
             .map(|_| {
                 let mut plan = now.clone();
                 for _ in 0..1 + draw(3) {
@@ -100,8 +115,8 @@ impl Arranging<'_> {
                             plan.insert(to.min(plan.len()), part);
                         }
                         2 => {
-                            let taken = plan[from].1.min(step.max(4));
                             let new = joining[draw(joining.len())];
+                            let taken = plan[from].1.min(step.max(4).max(least[&new]));
                             plan[from].1 -= taken;
                             plan.insert(to, (new, taken));
                         }
@@ -112,7 +127,7 @@ impl Arranging<'_> {
                         }
                     }
                 }
-                let plan = self.merged(plan);
+                let plan = self.settled(plan, least);
                 if self.is_whole(&plan) { plan } else { now.clone() }
             })
             .collect()
@@ -124,9 +139,44 @@ impl Arranging<'_> {
         plan.iter().all(|(q, n)| tables.get(q).is_none_or(|table| table.samples == *n))
     }
 
-    /// Removes parts of no samples and merges neighbours of the same maneuver, except tables.
-    fn merged(&self, plan: Plan) -> Plan {
-        merged(plan, |q| self.generator.tables().contains_key(&q))
+    /// Least samples of a piece of each of the maneuvers at `places`.
+    fn least(&self, places: &[usize]) -> Result<BTreeMap<usize, usize>, Invalid> {
+        let rate_hz = self.vessel.sample_rate_hz;
+        let least = |&q: &usize| {
+            let own = self.generator.samples(q)?;
+            let asked = self.minimal_s.map_or(0, |s| (s * rate_hz).ceil() as usize);
+            if asked > own && !self.generator.tables().contains_key(&q) {
+                let found = format!("{} s", self.minimal_s.unwrap_or_default());
+                let (own_s, name) = (own as f64 / rate_hz, &self.generator.maneuvers()[q].name);
+                let expected = format!("no more than the {own_s} s of `{name}`");
+                return Err(Invalid::new("--minimal-s", found, expected, "lower it"));
+            }
+            Ok((q, asked.max((LEAST * own as f64).ceil() as usize)))
+        };
+        places.iter().map(least).collect()
+    }
+
+    /// `plan` without parts of no samples, its neighbours of the same maneuver merged, except tables, and pieces that are too short
+    /// lengthened or given to the longest of the others.
+    fn settled(&self, plan: Plan, least: &BTreeMap<usize, usize>) -> Plan {
+        let is_table = |q: usize| self.generator.tables().contains_key(&q);
+        let mut plan = merged(plan, is_table);
+        let too_short = |plan: &Plan| plan.iter().position(|(q, n)| !is_table(*q) && *n < least[q]);
+        while let Some(short) = too_short(&plan) {
+            let spare = |i: &usize| plan[*i].1.saturating_sub(least[&plan[*i].0]);
+            let others = (0..plan.len()).filter(|i| *i != short && !is_table(plan[*i].0));
+            let Some(longest) = others.max_by_key(spare) else { break };
+            let missing = least[&plan[short].0] - plan[short].1;
+            if missing <= plan[short].1.min(spare(&longest)) {
+                plan[longest].1 -= missing;
+                plan[short].1 += missing;
+            } else {
+                plan[longest].1 += plan[short].1;
+                plan.remove(short);
+            }
+            plan = merged(plan, is_table);
+        }
+        plan
     }
 
     /// The criterion's value of every plan; minus infinity where it is undefined.

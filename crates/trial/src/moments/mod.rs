@@ -118,20 +118,26 @@ pub struct Expected {
     pub std_r_rad_s: f64,
     /// Standard deviation of each component of the current in body axes \[m/s\].
     pub current_std_m_s: f64,
+    /// Whether the campaign has a current that lasts, whose effect is not predicted.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub lasting_current_left_out: bool,
     /// Which parameters the residual was linearised with.
     pub linearised_at: Source,
     /// These parameters, in units of the state's increment per unit of the term.
     pub parameters: BTreeMap<String, f64>,
     /// The nominal parameters, in the same units.
     pub nominal: BTreeMap<String, f64>,
+    /// Duration of a trial of the campaign \[s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trial_s: Option<f64>,
 }
 
 impl Expected {
-    /// `noise`, and the best known parameters of `vessel`.
+    /// `noise` over trials of `trial_s` seconds, and the best known parameters of `vessel`.
     ///
     /// # Errors
     /// A vessel without parameters.
-    pub fn new(vessel: &Vessel, noise: Noise) -> Result<Self, Invalid> {
+    pub fn new(vessel: &Vessel, noise: Noise, trial_s: f64) -> Result<Self, Invalid> {
         let linearised_at = vessel.best_known();
         let parameters = by_name(&vessel.model, &vessel.parameters(linearised_at)?);
         let [std_u_m_s, std_v_m_s, std_r_rad_s] = noise.measurement;
@@ -140,9 +146,11 @@ impl Expected {
             std_v_m_s,
             std_r_rad_s,
             current_std_m_s: noise.current,
+            lasting_current_left_out: false,
             linearised_at,
             parameters,
             nominal: by_name(&vessel.model, &vessel.nominal),
+            trial_s: Some(trial_s),
         })
     }
 

@@ -84,7 +84,7 @@ fn simulated(vessel: &Vessel, generator: &Generator) -> Vec<SimulatedRun> {
 
 /// The moments of `runs`, with what disturbances do to estimates by instruments and by output error.
 fn moments(vessel: &Vessel, generator: &Generator, runs: &[Run]) -> Moments {
-    let expected = Expected::new(vessel, NOISE).unwrap();
+    let expected = Expected::new(vessel, NOISE, 20.0).unwrap();
     let free = FreeRunModel::new(vessel, generator).unwrap();
     let prediction = Prediction::new(&vessel.model, Some(&expected), Some(&free));
     let (parts, mut pool) = (prediction.runs(runs), Pool::default());
@@ -624,10 +624,16 @@ fn golden_arranged_experiments() {
             dictionary,
             criterion,
             estimated,
+            minimal_s: None,
             seed: 1,
         };
         let found = arranging.search(&design.shares, &design.sensitivities, 160).unwrap();
         assert_eq!(found.parts.iter().map(|(_, samples)| samples).sum::<usize>(), 160);
+        let least = |name: &str| {
+            let place = generator.maneuvers().iter().position(|own| own.name == name).unwrap();
+            (0.15 * generator.samples(place).unwrap() as f64).ceil() as usize
+        };
+        assert!(found.parts.iter().all(|(name, samples)| *samples >= least(name)), "{found:?}");
         assert!(found.gain >= 0.0, "the search begins with the shares in order: {found:?}");
         table.row(format!("{name:?}"), [found.value, found.gain, found.tried as f64]);
         for (maneuver, samples) in &found.parts {
@@ -641,28 +647,22 @@ fn golden_arranged_experiments() {
     }
     table.assert(
         "
-        DHessian 4.08165584 2.87849383 2353
-        combined-00000 17
-        combined 19
-        combined-00009 56
-        accelerate-00005 1
-        steady-turn-00008 41
-        combined 24
-        combined-00009 2
+        DHessian 0.85355767 2.03771649 721
+        combined-00000 36
+        steady-turn-00008 38
+        combined-00009 36
+        combined 50
         within
-        D 104.617695 1.40447343 2017
-        accelerate-00005 1
-        combined-00000 37
-        steady-turn-00008 73
-        combined 26
-        combined-00009 23
+        D 102.918488 0.32962214 865
+        combined 49
+        combined-00000 36
+        steady-turn-00008 75
         within
-        ARelative -5.20986638 22.1847236 1489
-        surge 36
-        combined 34
-        combined-00000 21
-        steady-turn-00008 17
-        combined-00009 52
+        ARelative -5.67988784 3.85240376 721
+        combined-00000 36
+        surge 48
+        zig-zag-00001 36
+        combined-00009 40
         within
         ",
     );
