@@ -328,7 +328,7 @@ fn what_is_no_file_or_too_long_is_refused_by_name_and_without_waiting() {
     fs::File::create(folder.path().join("study.mk")).unwrap().set_len(2 << 30).unwrap();
     run(&folder, "run . --out out --quiet --stage design").refuses(3, &["study.mk", "2147483648 bytes"]);
     // A text that names a path is no input.
-    fs::remove_file(folder.path().join("study.mk")).unwrap();
+    put(&folder, "study.mk", "MOMENTS_FLAGS = --instruments nominal\nDESIGN_FLAGS = --for iv\n");
     edit(&folder, "campaign.toml", "seed = 1", "name = \"/proc/self\"\nseed = 1");
     run(&folder, "run . --out out --quiet --stage design").succeeds();
 }
