@@ -10,7 +10,7 @@ use crate::roles::Roles;
 
 /// `model` with a core of terms in place of its own, or of its forces: resistance and drive in surge, `v` and `u r` in sway, `r` and
 /// what steers in yaw; with the channels and roles of [`with_channels`]. Propellers of the numbers `reversing` act apart ahead and
-/// astern. A model with terms whose channels do not say what drives and what steers keeps them.
+/// astern. A model with terms whose channels do not say what steers keeps them.
 ///
 /// # Errors
 /// A channel that cannot be computed.
@@ -18,8 +18,7 @@ pub fn core(model: &Model, roles: &Roles, reversing: &[usize]) -> Result<(Model,
     let (model, roles) = with_astern(model, roles.clone(), reversing)?;
     let (model, roles) = with_channels(&model, &roles)?;
     let steered = [&roles.rudders[..], &roles.differences].concat();
-    let driven = [&roles.propellers[..], &roles.thrusts].concat();
-    if model.forces.is_none() && (steered.is_empty() || driven.is_empty()) {
+    if model.forces.is_none() && steered.is_empty() {
         return Ok((model, roles));
     }
     let name = |variable: &usize| model.variables[*variable].name.as_str();
@@ -27,7 +26,10 @@ pub fn core(model: &Model, roles: &Roles, reversing: &[usize]) -> Result<(Model,
         first.iter().map(|&own| own.to_owned()).chain(more).collect::<Vec<_>>()
     };
     let speeds = roles.propellers.iter().map(|n| format!("{0} |{0}|", name(n)));
-    let thrusts = roles.thrusts.iter().map(|own| name(own).to_owned());
+    // Inputs of which nothing is known may drive.
+    let inputs = 3..3 + model.inputs;
+    let thrusts = roles.thrusts.iter().chain(roles.even.iter().filter(|own| inputs.contains(own)));
+    let thrusts = thrusts.map(|own| name(own).to_owned());
     let rudders = roles.rudders.iter().map(|own| format!("u^2 {}", name(own)));
     let differences = roles.differences.iter().map(|own| name(own).to_owned());
     let surge = with(&["u", "u |u|"], speeds.chain(thrusts).collect());

@@ -62,12 +62,15 @@ pub(super) fn flags(looked: &Looked, preset: &Preset) -> String {
         folder.display()
     );
     let rate_hz = preset.sample_rate_hz();
-    text += &match (looked.files.len() < SEARCHED, preset.is_of_forces()) {
-        (false, _) => flags_of_search(window_s(looked, rate_hz)),
-        (true, true) => {
-            let usual_s = or(looked.usual_s, FORCES_WINDOW_S);
-            flags_of_forces(rounded(usual_s.clamp(2.0 / rate_hz, FORCES_WINDOW_S)))
-        }
+    let is_of_forces = preset.is_of_forces();
+    let forces_s = |part: f64| {
+        let usual_s = part * or(looked.usual_s, FORCES_WINDOW_S);
+        rounded(usual_s.clamp(2.0 / rate_hz, FORCES_WINDOW_S))
+    };
+    text += &match (looked.files.len() < SEARCHED, is_of_forces) {
+        (false, true) => flags_of_search(forces_s(PART)),
+        (false, false) => flags_of_search(window_s(looked, rate_hz)),
+        (true, true) => flags_of_forces(forces_s(1.0)),
         (true, false) => flags_of_terms(window_s(looked, rate_hz)),
     };
     let test = looked.kept_apart();
@@ -85,8 +88,8 @@ pub(super) fn flags(looked: &Looked, preset: &Preset) -> String {
 fn flags_of_search(window_s: f64) -> String {
     format!(
         "# Models are found by a search, and averaged with the fitted forces of a ship that has these; `ESTIMATOR = <name>` fits the model\n\
-         # of vessel.toml alone. They predict windows of this length [s] on recordings that they were not fitted to.\n\
-         SEARCH_FLAGS ?= --window-s {window_s}\nTEST_FLAGS ?= --window-s {window_s}\n"
+         # of vessel.toml alone. They are fitted over windows of this length [s], and predict these on recordings left out.\n\
+         SEARCH_FLAGS ?= --fitted-window-s {window_s} --window-s {window_s}\nTEST_FLAGS ?= --window-s {window_s}\n"
     )
 }
 
