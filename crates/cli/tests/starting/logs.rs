@@ -194,7 +194,8 @@ fn logs_of_a_ship_with_forces_come_to_their_page_by_two_commands() {
     logs_of_runs(&folder, &[("n1_radps", "n1"), ("n2_rps", "n2")]);
     let ran = run(&folder, "new mine --vessel otter --logs logs").succeeds();
     assert!(ran.stdout.contains("8 logs") && ran.stdout.contains("0 channels missing"), "{ran}");
-    run(&folder, "run mine --out out --quiet").succeeds();
+    run(&folder, "run mine --out out --quiet --setting SEARCH_FLAGS=--window-s=10 --setting TEST=")
+        .succeeds();
     let model = json(&folder, "out/measured/model.json");
     assert_eq!(model["data"]["estimator"], "output-error");
     let page = String::from_utf8(bytes(&folder, "out/measured/report.html")).unwrap();
