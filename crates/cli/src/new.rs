@@ -77,13 +77,12 @@ impl Task for Arguments {
             Some(logs) => {
                 let (files, looked) = measured(preset, logs)?;
                 let (guessed, missing) = (looked.guessed(), looked.missing().len());
-                (
-                    files,
-                    format!(
-                        "; {} logs, {guessed} lines guessed, {missing} channels missing",
-                        looked.files.len()
-                    ),
-                )
+                let half = looked.half_a_wind().map(|[channel, what]| {
+                    format!("; `{channel}` is not used: no {what} of the wind was found")
+                });
+                let logs = looked.files.len();
+                let said = format!("; {logs} logs, {guessed} lines guessed, {missing} channels missing");
+                (files, said + &half.unwrap_or_default())
             }
         };
         let schemas = schemas();

@@ -10,6 +10,7 @@ use identification::pooled::Pool;
 use model::Vessel;
 use regression::MeanRemoval;
 use regression::pooled::{NominalModel, NominalSource, PooledRuns, Recorded};
+use seatrial::{NamedRoles, core_of};
 use serde_json::{Value, json};
 use study::Doubtful;
 use study::documents::{EstimateDocument, IngestDocument};
@@ -128,6 +129,9 @@ pub struct PoolFlags {
     /// The vessel
     #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     pub vessel: PathBuf,
+    /// Takes a core of some seven terms instead of the vessel's: resistance, drive and what steers
+    #[arg(long)]
+    core: bool,
     /// Which runs
     #[command(flatten)]
     pub of: RunFlags,
@@ -156,10 +160,23 @@ impl PoolFlags {
             ("part_s", json!(self.part_s)),
             ("mean_removal", json!(self.mean_removal)),
             ("prior", json!(self.strength())),
+            ("core", json!(Some(true).filter(|_| self.core))),
         ];
         let given = |(_, value): &(&str, Value)| *value != json!([]) && !value.is_null();
         let all = own.into_iter().chain(pooled).filter(given);
         provenance.settings.extend(all.map(|(key, value)| (key.to_owned(), value)));
+    }
+
+    /// `vessel`, or her core of terms per sample where that is asked for.
+    ///
+    /// # Errors
+    /// A core of a ship with forces, which are fitted themselves.
+    pub fn cored(&self, vessel: Vessel) -> Result<Vessel, Failure> {
+        if !self.core {
+            return Ok(vessel);
+        }
+        none_given([("--core", vessel.model.forces.is_some())], "a ship with forces", "terms per sample")?;
+        core_of(&vessel, &NamedRoles::default()).map_err(|e| Failure::invalid(&self.vessel, &e))
     }
 
     /// The files that are read.

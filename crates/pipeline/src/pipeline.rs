@@ -3,10 +3,12 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use artifact::{Error, read_hand_written, trace};
+use artifact::{Error, Provenance, read_hand_written, trace};
 use model::VesselFile;
 use refusal::{Invalid, foreign};
 
+use study::files::read_ingest;
+use study::ingest_file::recordings::find;
 use study::refuse;
 
 use crate::folders::Folders;
@@ -40,14 +42,28 @@ impl Pipeline {
     pub fn read(study: &Path, out: &Path, settings: &Settings, logs: Option<&Path>) -> Result<Self, Error> {
         let has = |name: &str| study.join(name).is_file();
         check_study(study)?;
-        let shape = Shape {
+        let mut shape = Shape {
             plans: plans(study)?,
             has_reference: has("reference.toml"),
             next_is_charted: has("next/plan.toml"),
             is_of_forces: is_of_forces(study),
+            recordings: 0,
         };
         let from_instruments = has("logs.toml");
-        let steps = if from_instruments {
+        let folders = Folders { study: study.to_owned(), out: out.to_owned() };
+        let mut pipeline =
+            Self { folders, dictionary: PathBuf::new(), logs: PathBuf::new(), steps: Vec::new() };
+        pipeline.dictionary = pipeline.resolved(settings.or("DICTIONARY", "\0study/dictionary.toml")).into();
+        let own = || pipeline.resolved(settings.or("LOGS", "\0study/logs")).into();
+        pipeline.logs = match logs {
+            _ if from_instruments => out.join("logs"),
+            Some(logs) => logs.to_owned(),
+            None => own(),
+        };
+        if !from_instruments && has("ingest.toml") {
+            shape.recordings = recordings(study, &pipeline.logs);
+        }
+        pipeline.steps = if from_instruments {
             let selection = "--estimator iv --nominal least-squares --realizations 500";
             let settings = settings.selecting();
             [simulated_logs().to_vec(), measured(&settings, &shape, selection)].concat()
@@ -55,15 +71,6 @@ impl Pipeline {
             measured(settings, &shape, "--estimator iv --nominal least-squares")
         } else {
             simulated(settings, &shape)
-        };
-        let folders = Folders { study: study.to_owned(), out: out.to_owned() };
-        let mut pipeline = Self { folders, dictionary: PathBuf::new(), logs: PathBuf::new(), steps };
-        pipeline.dictionary = pipeline.resolved(settings.or("DICTIONARY", "\0study/dictionary.toml")).into();
-        let own = || pipeline.resolved(settings.or("LOGS", "\0study/logs")).into();
-        pipeline.logs = match logs {
-            _ if from_instruments => out.join("logs"),
-            Some(logs) => logs.to_owned(),
-            None => own(),
         };
         pipeline.check()?;
         Ok(pipeline)
@@ -185,6 +192,16 @@ fn lacking(path: &Path) -> Error {
 fn is_of_forces(study: &Path) -> bool {
     let vessel = read_hand_written(study.join("vessel.toml"));
     vessel.is_ok_and(|text| text.parse::<VesselFile>().is_ok_and(|vessel| vessel.is_of_forces()))
+}
+
+/// How many recordings the `logs` of a study are; none where a file is refused, as by the stage that needs it.
+fn recordings(study: &Path, logs: &Path) -> usize {
+    let file = study.join("ingest.toml");
+    let read = || {
+        let config = read_ingest(&file, &mut Provenance::default()).ok()?;
+        Some(find(&config, &config.naming().ok()?, &file, logs).ok()?.len())
+    };
+    read().unwrap_or(0)
 }
 
 /// Names of the files `plan.toml` and `plan-<name>.toml` in `study`, without `.toml`, sorted.

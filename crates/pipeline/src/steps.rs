@@ -39,7 +39,12 @@ pub struct Shape {
     pub next_is_charted: bool,
     /// Whether its ship is described by forces, which are fitted by output error, with priors.
     pub is_of_forces: bool,
+    /// How many recordings its logs are.
+    pub recordings: usize,
 }
+
+/// Fewest recordings for a search, as many as it has folds.
+pub(crate) const SEARCHED: usize = 6;
 
 const SHIP: &str = "--vessel \0study/vessel.toml";
 const HELM: &str = "--dictionary \0dictionary";
@@ -138,17 +143,12 @@ const RECORDED: &str = "--recordings \0out/measured/ingest.json";
 /// The stages of a study with logs.
 pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Vec<Step> {
     let ingest = format!("ingest --config \0study/ingest.toml {SHIP} --logs \0logs");
-    let fit = Fit::of(settings, shape);
-    let cross = format!("validate cross {LOGGED} {RECORDED} {}", fit.in_turns);
-    let mut steps = vec![
-        Step::new("ingest", &ingest, "", &["measured/trajectories.parquet", "measured/ingest.json"]),
-        fit.step("pool", "", &fit.bootstrap),
-        Step::new("cross", &cross, settings.get("CROSS_FLAGS"), &["measured/crossval.json"]),
-    ];
-    let test = settings.get("TEST");
-    if !test.is_empty() {
-        steps.extend(tested(settings, test, &fit));
-    }
+    let recordings = ["measured/trajectories.parquet", "measured/ingest.json"];
+    let mut steps = vec![Step::new("ingest", &ingest, "", &recordings)];
+    steps.extend(match settings.get("ESTIMATOR").is_empty() && shape.recordings >= SEARCHED {
+        true => searched(settings, shape),
+        false => pooled(settings, shape),
+    });
     if !settings.get("SELECTED").is_empty() {
         steps.extend(selected(settings, shape, usual_selection));
     }
@@ -165,35 +165,86 @@ pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Ve
     steps
 }
 
+/// The model that recordings are searched for; of a ship with forces the average with these.
+fn searched(settings: &Settings, shape: &Shape) -> Vec<Step> {
+    let (core, delivered) = match shape.is_of_forces {
+        true => ("--core", "average.json"),
+        false => ("", "model.json"),
+    };
+    let model = |name: &str, below: &str, more: &str| {
+        let file = |own: &str| format!("measured/{below}{own}");
+        let files = ["search.json", "model.json", "average.json"].map(file);
+        let outputs: Vec<&str> =
+            files.iter().take(if shape.is_of_forces { 3 } else { 2 }).map(String::as_str).collect();
+        let line = format!("estimate search {LOGGED} {RECORDED} {core} {more}");
+        Step::new(name, &line, settings.get("SEARCH_FLAGS"), &outputs)
+    };
+    let mut steps = vec![model("model", "", "")];
+    let test = settings.get("TEST");
+    let left = shape.recordings.saturating_sub(test.split(',').count());
+    // The second model is not judged by itself: fewer folds do.
+    if !test.is_empty() && left >= SEARCHED {
+        steps.push(model("test-model", "test/", &format!("--folds 3 --leave-out {test}")));
+        steps.push(compared(settings, test, delivered));
+    }
+    steps
+}
+
+/// The vessel's own model of recordings; by its core, where no estimator is set.
+fn pooled(settings: &Settings, shape: &Shape) -> Vec<Step> {
+    let fit = Fit::of(settings, shape);
+    let cross = Step::new(
+        "cross",
+        &format!("validate cross {LOGGED} {RECORDED} {}", fit.in_turns),
+        settings.get("CROSS_FLAGS"),
+        &["measured/crossval.json"],
+    );
+    let mut steps = vec![fit.step("pool", "", &fit.bootstrap), cross];
+    let test = settings.get("TEST");
+    if !test.is_empty() {
+        steps.push(fit.step("test-pool", "test/", &format!("--leave-out {test}")));
+        steps.push(compared(settings, test, "model.json"));
+    }
+    steps
+}
+
 /// How recordings are fitted.
-struct Fit<'s> {
-    estimator: &'s str,
-    flags: &'s str,
+struct Fit {
+    estimator: String,
+    flags: String,
     /// Those of `flags` that fits without a recording take, too.
-    in_turns: &'s str,
+    in_turns: String,
     bootstrap: String,
     /// Whether the model alone is written, without a table of estimates.
     is_model_alone: bool,
 }
 
-impl<'s> Fit<'s> {
-    fn of(settings: &'s Settings, shape: &Shape) -> Self {
+impl Fit {
+    fn of(settings: &Settings, shape: &Shape) -> Self {
         if shape.is_of_forces {
             return Self {
-                estimator: settings.or("ESTIMATOR", "output-error"),
-                flags: settings.get("POOL_FLAGS"),
-                in_turns: "",
+                estimator: settings.or("ESTIMATOR", "output-error").to_owned(),
+                flags: settings.get("POOL_FLAGS").to_owned(),
+                in_turns: String::new(),
                 bootstrap: String::new(),
                 is_model_alone: true,
             };
         }
-        let flags = settings.or("POOL_FLAGS", "--nominal least-squares");
-        Self {
-            estimator: settings.or("ESTIMATOR", "auto"),
-            flags,
-            in_turns: flags,
-            bootstrap: format!("--bootstrap {}", settings.or("BOOTSTRAP", "1000")),
-            is_model_alone: false,
+        let flags = settings.or("POOL_FLAGS", "--nominal least-squares").to_owned();
+        let bootstrap = format!("--bootstrap {}", settings.or("BOOTSTRAP", "1000"));
+        match settings.get("ESTIMATOR") {
+            "" => {
+                let flags = format!("--core {flags}");
+                let in_turns = format!("{flags} --estimators {FEW}");
+                Self { estimator: FEW.to_owned(), flags, in_turns, bootstrap, is_model_alone: false }
+            }
+            own => Self {
+                estimator: own.to_owned(),
+                in_turns: flags.clone(),
+                flags,
+                bootstrap,
+                is_model_alone: false,
+            },
         }
     }
 
@@ -206,16 +257,16 @@ impl<'s> Fit<'s> {
     }
 }
 
-/// A model of the recordings that are not in `test`, tried on those that are.
-fn tested(settings: &Settings, test: &str, fit: &Fit) -> [Step; 2] {
+/// The estimator of a core from few recordings.
+const FEW: &str = "prediction-error";
+
+/// The `model` of the recordings that are not in `test`, tried on those that are.
+fn compared(settings: &Settings, test: &str, model: &str) -> Step {
     let line = format!(
-        "validate compare --model \0out/measured/test/model.json --trajectories \0out/measured/trajectories.parquet {RECORDED} \
-         --runs {test}"
+        "validate compare --model \0out/measured/test/{model} --trajectories \0out/measured/trajectories.parquet {RECORDED} --runs \
+         {test}"
     );
-    [
-        fit.step("test-pool", "test/", &format!("--leave-out {test}")),
-        Step::new("compare", &line, settings.get("TEST_FLAGS"), &["measured/compare.json"]),
-    ]
+    Step::new("compare", &line, settings.get("TEST_FLAGS"), &["measured/compare.json"])
 }
 
 /// Sub-experiments that are designed, picked and compared.

@@ -7,7 +7,9 @@ use super::parts::{Section, missing};
 use super::table::Table;
 use crate::figures::text::signed;
 use refusal::listed;
-use study::documents::{CrossvalDocument, Estimator, ModelDegree, ModelDocument, ModelParameter};
+use study::documents::{
+    CrossvalDocument, DeliveredKind, Estimator, ModelDegree, ModelDocument, ModelParameter, SearchDocument,
+};
 
 /// Parameters of the resulting model, and whether its estimator is the recommended one.
 pub(super) fn delivered(measured: &Measured) -> Section {
@@ -17,7 +19,10 @@ pub(super) fn delivered(measured: &Measured) -> Section {
         },
         None => missing("The model is", "model.json", "estimate pool"),
         Some(model) => html! {
-            (chosen(model.estimator, measured.crossval.as_ref()))
+            @match measured.searched.as_ref().filter(|_| measured.crossval.is_none()) {
+                Some(found) => (by_search(found)),
+                None => (chosen(model.estimator, measured.crossval.as_ref())),
+            }
             @match &model.forces {
                 Some(forces) => (derivatives(forces)),
                 None => {
@@ -29,6 +34,30 @@ pub(super) fn delivered(measured: &Measured) -> Section {
         },
     };
     Section::new("model", "Model", &heading(measured.model.as_ref()), body)
+}
+
+/// Which model of a search this is.
+fn by_search(found: &SearchDocument) -> Markup {
+    let average = code("average.json");
+    match found.beside.as_ref().map(|own| own.delivered) {
+        Some(DeliveredKind::Average) => html! {
+            p {
+                "The delivered model is the mean trajectory of two, which are in " (average) ": the terms that the search found, and these \
+                 forces. Stages that take a single model take these."
+            }
+        },
+        Some(DeliveredKind::Forces) => {
+            html! { p { "The forces alone are delivered, in " (average) " too." } }
+        }
+        Some(DeliveredKind::Search) => {
+            html! { p { "The searched terms alone are delivered, in " (average) " too." } }
+        }
+        None => html! { p { "Found by the search above." } },
+    }
+}
+
+fn code(text: &str) -> Markup {
+    html! { code { (text) } }
 }
 
 fn heading(model: Option<&ModelDocument>) -> String {

@@ -9,8 +9,8 @@ use super::table::Table;
 use artifact::Error;
 use refusal::listed;
 use study::documents::{
-    COLLINEAR, CompareDocument, CrossvalDocument, DegreeTrust, EstimatorScore, FreeRunErrors, IngestDocument,
-    ModelDocument, SearchDocument, SelectionScores, Traced, TrustDocument,
+    COLLINEAR, CompareDocument, CrossvalDocument, DegreeTrust, DeliveredKind, EstimatorScore, FreeRunErrors,
+    IngestDocument, ModelDocument, SearchDocument, SelectionScores, Traced, TrustDocument,
 };
 
 /// The results from measured logs.
@@ -80,6 +80,49 @@ impl Measured {
         Some((score, score.errors?))
     }
 
+    /// Whether the estimate of all recordings is judged: how far it can be trusted, or what is wrong with forces.
+    pub(super) fn is_judged(&self) -> bool {
+        let forces = self.model.as_ref().and_then(|own| own.forces.as_ref());
+        self.trust.is_some() || forces.is_some_and(|own| own.criticism.is_some())
+    }
+
+    /// The search whose model is delivered, with its errors where recordings were left out.
+    fn found(&self) -> Option<(&SearchDocument, FreeRunErrors)> {
+        let found = self.searched.as_ref().filter(|_| self.crossval.is_none())?;
+        Some((found, found.delivered_errors()?))
+    }
+
+    /// What the delivered model of a search predicts, and beside it the others.
+    fn delivered(&self) -> Option<String> {
+        let (found, errors) = self.found()?;
+        let over = found.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {s} s"));
+        let beside = found.beside.as_ref();
+        let kind = beside.map(|own| own.delivered);
+        let what = match kind {
+            Some(DeliveredKind::Average) => "the average of searched terms and of forces",
+            Some(DeliveredKind::Forces) => "of forces",
+            _ => "found by a search",
+        };
+        let others = [
+            ("the searched terms", found.nested.search, kind == Some(DeliveredKind::Average)),
+            ("the forces", beside.and_then(|own| own.errors), kind != Some(DeliveredKind::Forces)),
+            ("the terms that the search began with", found.nested.base, true),
+        ];
+        let other = |(name, errors, _): (&str, Option<FreeRunErrors>, bool)| {
+            Some(format!("{} by {name}", mean_fit(&errors?)))
+        };
+        let others: Vec<String> = others.into_iter().filter(|(.., is)| *is).filter_map(other).collect();
+        Some(format!(
+            "The delivered model, {what}, follows recordings that were left out of all of its making, over {over}, with a fit of {} in \
+             surge, {} in sway and {} in yaw rate: {} on average{}.",
+            fit(errors.fit_u),
+            fit(errors.fit_v),
+            fit(errors.fit_r),
+            mean_fit(&errors),
+            if others.is_empty() { String::new() } else { format!(", and {}", listed(&others)) },
+        ))
+    }
+
     /// The answer in a few sentences.
     pub(super) fn answer(&self, selection: Option<&SelectionStudy>) -> String {
         let mut sentences = Vec::new();
@@ -95,7 +138,9 @@ impl Measured {
                 fit(errors.fit_r)
             ));
         }
-        if let Some((found, errors)) =
+        if let Some(delivered) = self.delivered() {
+            sentences.push(delivered);
+        } else if let Some((found, errors)) =
             self.searched.as_ref().and_then(|own| Some((own, own.delivered_errors()?)))
         {
             let what = match &found.forces {
@@ -139,6 +184,16 @@ impl Measured {
                     (card(&format!("Fit of {what}, left out"), fit(own), display(score.name), &[]))
                 }
             }
+            @if let Some((found, errors)) = self.found() {
+                @let name = match found.beside.as_ref().map(|own| own.delivered) {
+                    Some(DeliveredKind::Average) => "average",
+                    Some(DeliveredKind::Forces) => "forces",
+                    _ => "search",
+                };
+                @for (what, own) in [("surge", errors.fit_u), ("sway", errors.fit_v), ("yaw rate", errors.fit_r)] {
+                    (card(&format!("Fit of {what}, left out"), fit(own), name, &[]))
+                }
+            }
             @if let Some(found) = selection { (selection_card(found)) }
             @if let Some(trust) = &self.trust {
                 @let cut = format!("{} sub-experiments, {} samples", trust.parts, trust.samples);
@@ -146,6 +201,12 @@ impl Measured {
             }
         }
     }
+}
+
+/// Mean fit of the states that vary.
+fn mean_fit(errors: &FreeRunErrors) -> String {
+    let fits: Vec<f64> = errors.fits().into_iter().flatten().collect();
+    fit((!fits.is_empty()).then(|| fits.iter().sum::<f64>() / fits.len() as f64))
 }
 
 fn selection_card(found: &SelectionStudy) -> Markup {

@@ -69,7 +69,10 @@ fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
 fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Section> {
     let mut sections: Vec<Section> = compared(measured.compared.as_ref(), figures).into_iter().collect();
     sections.extend(searched(measured.searched.as_ref(), figures));
-    sections.extend([cross_validation(measured), delivered(measured), trust(measured)]);
+    let is_searched = measured.searched.is_some();
+    sections.extend((measured.crossval.is_some() || !is_searched).then(|| cross_validation(measured)));
+    sections.push(delivered(measured));
+    sections.extend((measured.is_judged() || !is_searched).then(|| trust(measured)));
     sections.extend(merit(study, figures));
     sections.extend(selection(study.selection.as_ref(), figures));
     sections.extend(published_selection(study, figures));

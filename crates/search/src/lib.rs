@@ -9,8 +9,10 @@
 #![warn(missing_docs)]
 
 mod average;
+mod beside;
 mod bootstrap;
 mod compact;
+mod core_terms;
 mod deliver;
 mod folds;
 mod gram;
@@ -31,8 +33,10 @@ mod wind;
 mod words;
 
 pub use average::{AverageOptions, Averaged, Member, draw_most};
+pub use beside::{Alone, Dealt, Kind};
 pub use bootstrap::{BootstrapOptions, Resampled, ResampledParameter, draw_again, folds_of_drawn};
 pub use compact::SizeScore;
+pub use core_terms::core;
 pub use folds::folds;
 pub use judged::{Margin, NestedAverage, NestedRecording, NestedScore};
 pub use library::{library, with_channels};
@@ -41,4 +45,4 @@ pub use physical::{FittedShip, JudgedShips, ShipsWithoutFold, judged_ships};
 pub use recording::{Cut, Recording};
 pub use roles::{NamedRoles, Roles};
 pub use searched::{SearchError, SearchOptions, Searched, search};
-pub use words::left_out;
+pub use words::{averaged, fits, left_out};

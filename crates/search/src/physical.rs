@@ -9,8 +9,8 @@ use crate::left_out::{LeftOut, nested_score};
 use crate::recording::{Laid, Recording};
 use crate::scores::varying;
 
-/// A ship with forces as she was fitted.
-#[derive(Clone, Debug)]
+/// A ship as she was fitted.
+#[derive(Clone, Debug, PartialEq)]
 pub struct FittedShip {
     /// Her model.
     pub model: Model,

@@ -15,6 +15,7 @@ use crate::folds::folds;
 use crate::judged::NestedScore;
 use crate::left_out::Judged;
 use crate::nested::{Candidate, Choice, Fitted, Nested, Study};
+use crate::physical::FittedShip;
 use crate::recording::{Cut, Laid, Recording};
 use crate::scores::{scores, varying};
 use crate::words;
@@ -81,6 +82,8 @@ pub struct Searched {
     pub combined: Vec<String>,
     /// Several models of few terms, if an average is requested.
     pub average: Option<Averaged>,
+    /// What was found without each fold, with intercepts; `None` where nothing was.
+    pub without: Vec<Option<FittedShip>>,
     /// Remarks on the result, in words.
     pub statements: Vec<String>,
 }
@@ -190,6 +193,8 @@ pub fn search(
         None => None,
     };
     let nested_score = setting.judged(&found.by_folds, averages.as_ref().map(|own| own.by_folds.as_slice()));
+    let ship = |own: &Fitted| FittedShip { model: own.model.clone(), theta: own.theta.clone() };
+    let without = found.by_folds.iter().map(|own| own.model.as_ref().map(ship)).collect();
     let candidates = nested.all.candidates;
     let mut statements =
         words::statements(&candidates, chosen, score, &found.sizes, &found.all, &nested_score);
@@ -216,6 +221,7 @@ pub fn search(
         resampled,
         combined,
         average: averages.map(|own| own.delivered(&recordings, &parts)),
+        without,
     })
 }
 

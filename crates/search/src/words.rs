@@ -147,7 +147,7 @@ fn contradicting(nested: &NestedScore) -> Option<String> {
 }
 
 /// The gain of averaging on recordings that were left out.
-fn averaged(found: &NestedAverage) -> Vec<String> {
+pub fn averaged(found: &NestedAverage) -> Vec<String> {
     let mut out = vec![match &found.errors {
         Some(own) => format!("the average with recordings left out: fit {}", fits(own)),
         None => format!(
@@ -181,7 +181,8 @@ fn against(margin: &Margin, than: &str) -> String {
     )
 }
 
-fn fits(errors: &FreeRunErrors) -> String {
+/// Fits of u, v, r and their mean, in words.
+pub fn fits(errors: &FreeRunErrors) -> String {
     let one = |(name, fit): (&str, Option<f64>)| match fit {
         Some(fit) => format!("{name} {fit:.1} %"),
         None => format!("{name} –"),

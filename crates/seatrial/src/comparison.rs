@@ -110,7 +110,9 @@ impl<'a> Comparison<'a> {
         let one = |standing, ships: &[Ship<'b>]| Contestant { standing, place: None, ships: ships.to_vec() };
         let standing = if averaged.is_empty() { model.standing() } else { Standing::Average };
         let mut contestants = vec![one(standing, several)];
-        let alone = several.iter().enumerate().filter(|_| !averaged.is_empty());
+        // Models of several kinds, not of one search
+        let kinds = several.len() > 1 && several.iter().any(|ship| ship.model.forces.is_some());
+        let alone = several.iter().enumerate().filter(|_| kinds || !averaged.is_empty());
         contestants.extend(alone.map(|(i, ship)| Contestant {
             place: Some(i as u64 + 1),
             ..one(Standing::Averaged, std::slice::from_ref(ship))

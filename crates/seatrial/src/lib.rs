@@ -18,6 +18,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod averaged_search;
 mod charted;
 mod comparison;
 mod criticism;
@@ -36,6 +37,7 @@ mod simulation;
 mod structure;
 mod updating;
 
+pub use averaged_search::AveragedSearch;
 pub use charted::{ChartedTrial, PlanError, Planned};
 pub use comparison::{Comparison, ComparisonError, channels_within, widest};
 pub use derivatives::check_captive;
@@ -49,7 +51,7 @@ pub use physical::{Physical, PhysicalError};
 pub use pooling::Pooling;
 pub use sampling::sampled_ships;
 pub use simulation::{Optimum, Study, StudyError, undisturbed};
-pub use structure::{FoundStructure, StructureSearch};
+pub use structure::{FoundStructure, StructureSearch, core_of};
 pub use updating::{UpdateError, Updating};
 pub use validation::merit::Unsimulated;
 

@@ -115,8 +115,21 @@ impl Physical<'_> {
     /// # Errors
     /// As [`Self::model`].
     pub(crate) fn theta_of(&self, sources: &[Recorded], held: bool) -> Result<Vec<f64>, PhysicalError> {
+        self.theta_from(self.former.unwrap_or(&self.vessel.nominal), sources, held)
+    }
+
+    /// The same, searched for from `theta` on.
+    ///
+    /// # Errors
+    /// As [`Self::model`].
+    pub(crate) fn theta_from(
+        &self,
+        theta: &[f64],
+        sources: &[Recorded],
+        held: bool,
+    ) -> Result<Vec<f64>, PhysicalError> {
         let problem = self.problem(self.forces()?, sources, held)?;
-        Ok(problem.fit_from(self.former.unwrap_or(&self.vessel.nominal))?.theta)
+        Ok(problem.fit_from(theta)?.theta)
     }
 
     /// Leaves runs or recordings out, fits the others, and simulates those left out over windows of so many samples, or whole.

@@ -1,10 +1,10 @@
 //! The structure of a model, found from recordings.
 
 use model::terms::listed;
-use model::{Model, Vessel};
+use model::{Actuator, Model, Vessel};
 use refusal::Invalid;
 use regression::pooled::PooledRuns;
-use search::{NamedRoles, Roles, SearchError, SearchOptions, library, search, with_channels};
+use search::{NamedRoles, Roles, SearchError, SearchOptions, Searched, core, library, search, with_channels};
 use study::TermLists;
 use study::documents::{AverageDocument, ModelDocument, SearchDocument};
 use validation::comparison::Magnitudes;
@@ -41,6 +41,16 @@ impl StructureSearch {
         Ok(Self { vessel: Vessel { model, ..vessel }, library })
     }
 
+    /// A search over the same library that begins with a core of terms ([`core_of`]) instead of those of `vessel`, or of her forces.
+    ///
+    /// # Errors
+    /// As [`Self::by_roles`].
+    pub fn by_core(vessel: &Vessel, roles: &NamedRoles) -> Result<Self, Invalid> {
+        let (vessel, roles) = with_core(vessel, roles)?;
+        let library = library(&vessel.model, &roles);
+        Ok(Self { vessel, library })
+    }
+
     /// A search over these terms.
     ///
     /// # Errors
@@ -63,14 +73,42 @@ impl StructureSearch {
     ) -> Result<FoundStructure, SearchError> {
         let vessel = &self.vessel;
         let found = search(&vessel.model, &self.library, runs, options, done)?;
-        let Ok(magnitudes) = Magnitudes::of(&vessel.model, runs, vessel.sample_rate_hz);
-        let averaged = |all| AverageDocument::new(vessel, all, found.samples, magnitudes.as_ref());
+        let model = self.model(runs, &found);
+        let averaged = |all| AverageDocument::new(vessel, all, found.samples, model.magnitudes.as_ref());
         Ok(FoundStructure {
             search: SearchDocument::new(vessel, options, &found),
             average: found.average.as_ref().map(averaged),
-            model: ModelDocument { magnitudes, ..ModelDocument::searched(vessel, &found) },
+            model,
         })
     }
+
+    /// The model that was found in `runs`.
+    pub(crate) fn model(&self, runs: &PooledRuns, found: &Searched) -> ModelDocument {
+        let Ok(magnitudes) = Magnitudes::of(&self.vessel.model, runs, self.vessel.sample_rate_hz);
+        ModelDocument { magnitudes, ..ModelDocument::searched(&self.vessel, found) }
+    }
+}
+
+/// `vessel` with a core of terms per sample in place of her own, or of her forces: [`search::core`]. Nothing is known of their values.
+///
+/// # Errors
+/// Roles of channels that do not exist.
+pub fn core_of(vessel: &Vessel, roles: &NamedRoles) -> Result<Vessel, Invalid> {
+    with_core(vessel, roles).map(|(vessel, _)| vessel)
+}
+
+fn with_core(vessel: &Vessel, roles: &NamedRoles) -> Result<(Vessel, Roles), Invalid> {
+    let roles = Roles::new(&vessel.model, roles)?;
+    let astern = |own: &Actuator| own.range.is_some_and(|[low, _]| low < 0.0);
+    let reversing: Vec<usize> =
+        (3..).zip(&vessel.actuators).filter(|(_, own)| astern(own)).map(|(i, _)| i).collect();
+    let (model, roles) = core(&vessel.model, &roles, &reversing)?;
+    if model.degrees == vessel.model.degrees && vessel.model.forces.is_none() {
+        return Ok((Vessel { model, ..vessel.clone() }, roles));
+    }
+    let count = model.parameters();
+    let (value, nominal) = (vec![None; count], vec![0.0; count]);
+    Ok((Vessel { model, value, nominal, constrained: Vec::new(), ..vessel.clone() }, roles))
 }
 
 /// The result of a search.

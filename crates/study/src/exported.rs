@@ -2,16 +2,17 @@
 
 use std::path::Path;
 
-use artifact::{Error, Provenance};
+use artifact::{Error, Provenance, read_document};
 use export::{Knowledge, Origin, Portable};
-use model::Source;
+use model::{Source, Vessel};
 
-use crate::documents::ModelDocument;
+use crate::documents::{AverageDocument, AverageMember, ModelDocument};
 use crate::files::{read_any_vessel, read_model};
 use crate::rate::{at_rate, tried};
+use crate::tried::is_average;
 
 /// Reads the model in `path` for other tools and notes its digest: with the values of `source`, or the best
-/// available, at its own rate or at `rate_hz`.
+/// available, at its own rate or at `rate_hz`. An average gives several, whose trajectories are to be averaged.
 ///
 /// # Errors
 /// See [`read_any_vessel`]; a parameter without such a value; a dead time; a rate that the model cannot have.
@@ -20,9 +21,28 @@ pub fn read_portable(
     source: Option<Source>,
     rate_hz: Option<f64>,
     provenance: &mut Provenance,
+) -> Result<Vec<Portable>, Error> {
+    if !is_average(path) {
+        let vessel = read_any_vessel(path, provenance)?;
+        return Ok(vec![portable(path, (vessel, read_model(path)?), (source, rate_hz), provenance)?]);
+    }
+    let average = read_document::<AverageDocument>(path)?;
+    provenance.written("vessel", path, average.digest)?;
+    let one = |member: AverageMember| {
+        let vessel = member.model.vessel().map_err(|e| crate::invalid(path, &e))?;
+        portable(path, (vessel, Some(member.model)), (source, rate_hz), provenance)
+    };
+    average.data.members.into_iter().map(one).collect()
+}
+
+/// `vessel`, or what is known of its `model`, read from `path`.
+fn portable(
+    path: &Path,
+    (vessel, model): (Vessel, Option<ModelDocument>),
+    (source, rate_hz): (Option<Source>, Option<f64>),
+    provenance: &mut Provenance,
 ) -> Result<Portable, Error> {
-    let vessel = at_rate(path, read_any_vessel(path, provenance)?, rate_hz, provenance)?;
-    let model = read_model(path)?;
+    let vessel = at_rate(path, vessel, rate_hz, provenance)?;
     // A fit of simulated runs knows the true values, too; a model is its estimates.
     let best = if model.is_some() { Source::Nominal } else { vessel.best_known() };
     let source = source.unwrap_or(best);

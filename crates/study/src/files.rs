@@ -8,7 +8,7 @@ use model::{Source, VesselFile};
 use refusal::Invalid;
 
 use crate::campaign_file::CampaignFile;
-use crate::documents::{ModelDocument, Reference};
+use crate::documents::{AverageDocument, AverageMember, ModelDocument, Reference};
 use crate::ingest_file::IngestFile;
 use crate::plan::PlanFile;
 use crate::sequential::SequentialFile;
@@ -77,9 +77,9 @@ impl StageOfTerms {
 /// inputs are not part of that. The model may have terms per sample or forces.
 pub fn read_any_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
     if is_model(path) {
-        let model = read_document::<ModelDocument>(path).map_err(|e| not_one(path).unwrap_or(e))?;
-        provenance.written("vessel", path, model.digest)?;
-        return model.data.vessel().map_err(|e| crate::invalid(path, &e));
+        let (model, digest) = read_single(path)?;
+        provenance.written("vessel", path, digest)?;
+        return model.vessel().map_err(|e| crate::invalid(path, &e));
     }
     let file: VesselFile = provenance.read_toml("vessel", "vessel", path)?;
     Vessel::from_file(file).map_err(|e| crate::invalid(path, &e))
@@ -137,7 +137,19 @@ pub fn kept_to_data(path: &Path, vessel: Vessel, beyond: bool) -> Result<Vessel,
 
 /// The `model.json` in a vessel's place; `None` for a `vessel.toml`.
 pub fn read_model(path: &Path) -> Result<Option<ModelDocument>, Error> {
-    is_model(path).then(|| read_document(path).map(|read| read.data)).transpose()
+    is_model(path).then(|| read_single(path).map(|(model, _)| model)).transpose()
+}
+
+/// The model at `path`, or the only one of an average.
+fn read_single(path: &Path) -> Result<(ModelDocument, Digest), Error> {
+    if !is_average(path) {
+        return read_document(path).map(|read| (read.data, read.digest));
+    }
+    let read = read_document::<AverageDocument>(path)?;
+    match <[AverageMember; 1]>::try_from(read.data.members) {
+        Ok([only]) => Ok((only.model, read.digest)),
+        Err(_) => Err(not_one(path)),
+    }
 }
 
 /// Whether the best known parameters of `vessel`, read from `path`, are a guess: nominal ones, no true ones and no estimates.
@@ -146,12 +158,10 @@ pub fn is_guess(path: &Path, vessel: &Vessel) -> bool {
 }
 
 /// Refuses an average, whose models do not have one structure.
-fn not_one(path: &Path) -> Option<Error> {
-    is_average(path).then(|| {
-        let found = "average/1, several models whose trajectories are averaged";
-        let remedy = "take the `model.json` of the same search, or try the average by `validate compare`";
-        Error::refuse(path, "schema", found, "model/1, a single model", remedy)
-    })
+fn not_one(path: &Path) -> Error {
+    let found = "average/1, several models whose trajectories are averaged";
+    let remedy = "take the `model.json` of the same search, or try the average by `validate compare`";
+    Error::refuse(path, "schema", found, "model/1, a single model", remedy)
 }
 
 fn is_model(path: &Path) -> bool {

@@ -20,6 +20,8 @@ CostUnit = Literal["basic-moves", "seconds", "cost"]
 CriterionName = Literal["d-hessian", "d", "a", "a-relative", "v", "figures"]
 #: What data are labelled as where they are not those of a real ship.
 DataLabel = Literal["simulated logs"]
+#: What is delivered of a search and of forces beside it.
+DeliveredKind = Literal["average", "search", "forces"]
 #: What is known of a design.
 DesignStatus = Literal["optimal", "stationary", "stalled", "restricted", "least largest", "refined"]
 #: The BLAKE3 digest of a file's bytes, what `b3sum FILE` prints; as text `blake3:<64 hex digits>`.
@@ -282,7 +284,7 @@ class AverageDocument:
     output_rmse_v: float | None = None
     #: Of r.
     output_rmse_r: float | None = None
-    #: The models, two at least.
+    #: The models; a single one where another of the two that were to be averaged was left out.
     members: list[AverageMember]
 
 
@@ -347,6 +349,20 @@ class Bands:
     inside_v: float
     #: Of r.
     inside_r: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class BesideForces:
+    """Forces of the ship that were fitted beside a search, and what `average.json` delivers of the two."""
+
+    #: What `average.json` has.
+    delivered: DeliveredKind
+    #: How the forces may be fitted.
+    tried: list[TriedFit]
+    #: The forces alone on recordings that were left out of them; none where a fold lacks a fit, or a window diverged.
+    errors: FreeRunErrors | None = None
+    #: The same over windows of which one begins at every quarter of another.
+    overlapping: FreeRunErrors | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -3224,6 +3240,8 @@ class SearchDocument:
     average: AverageSummary | None = None
     #: The forces that were found, where the vessel has forces.
     forces: SearchedForces | None = None
+    #: The forces that were fitted beside, where the search began with a core for a ship with forces.
+    beside: BesideForces | None = None
     #: What was found, in words.
     statements: list[str]
 
@@ -3824,6 +3842,21 @@ class Tide:
     stream_m_s: tuple[float, float]
     #: Farthest that the stream is from its middle \[m/s\]: it joins the unknown current.
     spread_m_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class TriedFit:
+    """A way to fit forces."""
+
+    #: The longest windows that are fitted \[s\].
+    window_s: float
+    #: Whether windows start at their first measured sample.
+    measured_starts: bool
+    #: Mean fit of u, v, r of recordings that were left out of it \[%\]; null where a fold lacks a fit, or a window
+    #: diverged.
+    score: float | None = None
+    #: Whether it is the delivered one.
+    chosen: bool
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -46,7 +46,7 @@ pub struct Arguments {
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
-        let vessel = read_any_vessel(&self.flags.vessel, &mut provenance)?;
+        let vessel = self.flags.cored(read_any_vessel(&self.flags.vessel, &mut provenance)?)?;
         let window = self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
         let out = common.main_output("crossval.json", self.flags.inputs())?;
         let count = || self.folds.map_or(usize::MAX, usize::from);

@@ -65,7 +65,7 @@ pub struct Arguments {
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
-        let vessel = read_any_vessel(&self.flags.vessel, &mut provenance)?;
+        let vessel = self.flags.cored(read_any_vessel(&self.flags.vessel, &mut provenance)?)?;
         if vessel.model.forces.is_some() {
             self.check_forces()?;
             let flags = (&self.flags, &self.physical);

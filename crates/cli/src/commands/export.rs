@@ -1,13 +1,13 @@
 //! `export`: a model for other tools.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::compiler::compiled;
 use artifact::{Staged, commit};
 use clap::Parser;
-use export::{COMPILED_WITH, PLATFORM, Target};
+use export::{COMPILED_WITH, PLATFORM, Portable, Target};
 use model::Source;
-use serde_json::json;
+use serde_json::{Value, json};
 use study::exported::read_portable;
 
 use crate::choice::choice;
@@ -19,8 +19,8 @@ use crate::stage::{Summary, Task};
 #[derive(Parser)]
 #[command(name = "export", after_help = "Example:\n  export --model model.json --to fmu --out exported/")]
 pub struct Arguments {
-    /// The model, or a vessel
-    #[arg(long, visible_alias = "vessel", value_name = "model.json|vessel.toml")]
+    /// The model, or a vessel; of an average each model, into a folder of its own
+    #[arg(long, visible_alias = "vessel", value_name = "model.json|average.json|vessel.toml")]
     model: PathBuf,
     /// What for
     #[arg(long, value_parser = choice(&Target::ALL, Target::name, Target::description))]
@@ -40,9 +40,32 @@ impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         check_positive("--rate", self.rate)?;
         let mut provenance = common.provenance("export");
-        let portable = read_portable(&self.model, self.parameters, self.rate, &mut provenance)?;
+        let all = read_portable(&self.model, self.parameters, self.rate, &mut provenance)?;
+        let out = &common.out;
+        if let [portable] = all.as_slice() {
+            let (said, details) = self.written(portable, out)?;
+            return Ok(Summary::of(out, said, details));
+        }
+        let names: Vec<String> = (1..=all.len()).map(|i| format!("model-{i}")).collect();
+        only_folder_of(out, &names)?;
+        let each = in_folder(out, || {
+            all.iter()
+                .zip(&names)
+                .map(|(own, name)| self.written(own, &out.join(name)))
+                .collect::<Result<Vec<_>, _>>()
+        })?;
+        let (said, details): (Vec<String>, Vec<Value>) = each.into_iter().unzip();
+        let said =
+            format!("{} models, whose trajectories are to be averaged: {}", all.len(), said.join("; "));
+        Ok(Summary::of(out, said, json!({"models": details})))
+    }
+}
+
+impl Arguments {
+    /// Writes `portable` into the folder `out`.
+    fn written(&self, portable: &Portable, out: &Path) -> Result<(String, Value), Failure> {
         let refused = |e| Failure::invalid(&self.model, &e);
-        let (out, names) = (&common.out, portable.file_names(self.to));
+        let names = portable.file_names(self.to);
         only_folder_of(out, &names)?;
         let unit = self.to == Target::Fmu;
         let build = || compiled(&self.compiler, &COMPILED_WITH, &portable.unit_sources());
@@ -60,6 +83,6 @@ impl Task for Arguments {
             let staged = names.iter().zip(&files).map(|(name, bytes)| Staged::bytes(out.join(name), bytes));
             Ok(commit(staged.collect::<Result<_, _>>()?)?)
         })?;
-        Ok(Summary::of(out, format!("{}{built}", portable.summary()), details))
+        Ok((format!("{}{built}", portable.summary()), details))
     }
 }

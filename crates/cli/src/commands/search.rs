@@ -6,7 +6,7 @@ use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::{Args, Parser};
 use model::Vessel;
 use search::{AverageOptions, BootstrapOptions, Cut, NamedRoles, SearchError, SearchOptions};
-use seatrial::{ForceSearch, ForceSearchError, FoundStructure, StructureSearch};
+use seatrial::{AveragedSearch, ForceSearch, ForceSearchError, FoundStructure, PooledRuns, StructureSearch};
 use serde_json::json;
 use study::TermLists;
 use study::documents::SearchDocument;
@@ -35,11 +35,15 @@ pub struct Arguments {
     vessel: PathBuf,
     #[command(flatten)]
     of: RunFlags,
+    /// Begins with a core of some seven terms instead of the vessel's: resistance, drive and what steers. Of a ship with forces these are
+    /// fitted too, and the average of both is written as average.json; one that diverges, or is far worse, is left out of it
+    #[arg(long)]
+    core: bool,
     #[command(flatten)]
     roles: RoleFlags,
     /// Terms to search through instead of the library, or of the products that a ship with forces may lack: lists `surge`, `sway`
     /// and `yaw`
-    #[arg(long, value_name = "terms.toml")]
+    #[arg(long, value_name = "terms.toml", conflicts_with = "core")]
     terms: Option<PathBuf>,
     /// Length of the windows that are fitted [s] [default: 60; of a ship with forces 100, at most]
     #[arg(long, value_name = "S")]
@@ -123,11 +127,15 @@ impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
         let given = read_any_vessel(&self.vessel, &mut provenance)?;
-        if given.model.forces.is_some() {
-            return self.forces(&given, (common, provenance));
+        let of_forces = Some(&given).filter(|own| own.model.forces.is_some()).cloned();
+        match &of_forces {
+            Some(ship) if !self.core => return self.forces(ship, (common, provenance)),
+            Some(_) => self.check_averaged()?,
+            None => {
+                absent([("--add-terms", self.add_terms.is_some())])?;
+                self.weights.check_absent()?;
+            }
         }
-        absent([("--add-terms", self.add_terms.is_some())])?;
-        self.weights.check_absent()?;
         let read = || [&self.vessel].into_iter().chain(&self.terms).chain(self.of.inputs());
         let out = common.main_output(MAIN, read())?;
         let [single, several] = ["model.json", "average.json"].map(|name| member(&out, MAIN, name, read()));
@@ -151,8 +159,13 @@ impl Task for Arguments {
             average: self.average.map(|models| AverageOptions { models, seed: common.seed.unwrap_or(1) }),
             rate_hz: begun.vessel.sample_rate_hz,
         };
-        let progress = Progress::new("fits, at most", options.fits(), common.quiet);
-        let found = begun.find(&runs, &options, &|count| progress.advance(count));
+        let found = match &of_forces {
+            None => {
+                let progress = Progress::new("fits, at most", options.fits(), common.quiet);
+                begun.find(&runs, &options, &|count| progress.advance(count))
+            }
+            Some(ship) => self.averaged((ship, &begun, &runs), &options, (common, &mut provenance))?,
+        };
         let FoundStructure { search, model, average: averaged } =
             found.map_err(|e| refused(self.of.file(), &e))?;
         let settings = [
@@ -167,7 +180,8 @@ impl Task for Arguments {
         let bootstrap =
             options.bootstrap.map(|own| [("bootstrap", json!(own.resamples)), ("seed", json!(own.seed))]);
         let average = options.average.map(|own| [("average", json!(own.models)), ("seed", json!(own.seed))]);
-        let settings = settings.into_iter().chain(bootstrap.into_iter().chain(average).flatten());
+        let core = self.core.then_some([("core", json!(true))]).into_iter().flatten();
+        let settings = settings.into_iter().chain(core).chain(bootstrap.into_iter().chain(average).flatten());
         provenance.settings.extend(settings.map(|(key, value)| (key.to_owned(), value)));
         let mut members = vec![stage_document(single, &provenance, &model)?];
         if let Some(average) = &averaged {
@@ -239,6 +253,32 @@ impl Arguments {
         Ok(summary(&out, &document))
     }
 
+    /// Searches from the core of `ship`, and fits her forces to the same runs.
+    fn averaged(
+        &self,
+        (ship, begun, runs): (&Vessel, &StructureSearch, &PooledRuns),
+        options: &SearchOptions,
+        (common, provenance): (&Common, &mut Provenance),
+    ) -> Result<Result<FoundStructure, SearchError>, Failure> {
+        let window = ("--fitted-window-s", None);
+        let settings = self.weights.settings(1.0 / ship.sample_rate_hz, window, None)?;
+        let of_forces = self.of.read_of_forces(ship, provenance)?;
+        note([("prior_weight", json!(settings.prior_weight))], provenance);
+        let own = AveragedSearch { search: begun, options, vessel: ship, settings };
+        let progress = Progress::new("fits, at most", own.fits(), common.quiet);
+        Ok(own.find([runs, &of_forces], &|count| progress.advance(count)))
+    }
+
+    /// Refuses flags of an average of other models, and what the folds choose.
+    fn check_averaged(&self) -> Result<(), Failure> {
+        let flags = [
+            ("--average", self.average.is_some()),
+            ("--add-terms", self.add_terms.is_some()),
+            ("--measured-starts", self.weights.measured_starts),
+        ];
+        none_given(flags, "the core of a ship with forces, which is averaged with these", "it without --core")
+    }
+
     /// Refuses flags that need terms per sample.
     fn check_forces(&self) -> Result<(), Failure> {
         let flags = [
@@ -278,7 +318,10 @@ impl Arguments {
     /// The start of the search, and its candidate terms.
     fn begun(&self, vessel: Vessel, provenance: &mut Provenance) -> Result<StructureSearch, Failure> {
         let Some(path) = &self.terms else {
-            let begun = StructureSearch::by_roles(vessel, &self.roles.named());
+            let begun = match self.core {
+                true => StructureSearch::by_core(&vessel, &self.roles.named()),
+                false => StructureSearch::by_roles(vessel, &self.roles.named()),
+            };
             return begun.map_err(|e| Failure::invalid(&self.vessel, &e));
         };
         let terms: TermLists = inputs::toml(path, "terms", provenance)?;

@@ -60,7 +60,7 @@ const MAIN: &str = "selection.parquet";
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
-        let vessel = StageOfTerms::Selection.read(&self.flags.vessel, &mut provenance)?;
+        let vessel = self.flags.cored(StageOfTerms::Selection.read(&self.flags.vessel, &mut provenance)?)?;
         if !ESTIMATORS.contains(&self.estimator) {
             let found = format!("--estimator: found {}, expected ls, iv or auto", self.estimator);
             return Err(Failure::Usage(format!(

@@ -49,7 +49,7 @@ fn logs_come_to_their_page_by_two_commands() {
     assert!(samples(&folder) > 55 * 70, "{}", samples(&folder));
     // What is there is up to date, and a changed log is not
     let again = run(&folder, "run mine --out out --quiet").succeeds();
-    assert!(again.stdout.contains(": 0 of 6 stages run"), "{again}");
+    assert!(again.stdout.contains(": 0 of 5 stages run"), "{again}");
     let log = fs::read_dir(folder.path().join("logs")).unwrap().next().unwrap().unwrap().path();
     let text = fs::read_to_string(&log).unwrap();
     fs::write(&log, text.trim_end().rsplit_once('\n').unwrap().0).unwrap();
@@ -145,7 +145,6 @@ fn published_logs_come_to_their_page_by_two_commands() {
     let folder = tempfile::tempdir().unwrap();
     let ran = run(&folder, &format!("new mine --vessel kvlcc2 --logs {}", logs.display())).succeeds();
     assert!(ran.stdout.contains("13 logs") && ran.stdout.contains("0 channels missing"), "{ran}");
-    edit(&folder, "mine/study.mk", "BOOTSTRAP ?= 100", "BOOTSTRAP ?= 8");
     run(&folder, "run mine --out out --quiet").succeeds();
     let page = String::from_utf8(bytes(&folder, "out/measured/report.html")).unwrap();
     assert!(page.contains("KVLCC2") && page.contains("<svg"));
@@ -156,13 +155,14 @@ fn published_logs_come_to_their_page_by_two_commands() {
     );
 }
 
-/// The runs of `table.parquet` as logs in CSV, one file each, their propellers in rad/s and in revolutions per second.
-fn otter_logs(folder: &TempDir) {
+/// The runs of `table.parquet` as logs in CSV, one file each, of the motion and of these `inputs`, by column and channel. Columns in
+/// `rps` are those of propellers in rad/s.
+fn logs_of_runs(folder: &TempDir, inputs: &[(&str, &str)]) {
     let table = craft::read(&folder.path().join("table.parquet"), "trajectories");
     let place = |name: &str| table.schema.columns.iter().position(|own| own.name == name).unwrap();
     let logged =
         [("t_s", "t"), ("x_m", "x"), ("y_m", "y"), ("psi_rad", "psi"), ("u_mps", "u"), ("v_mps", "v")];
-    let logged = logged.into_iter().chain([("r_radps", "r"), ("n1_radps", "n1"), ("n2_rps", "n2")]);
+    let logged = logged.into_iter().chain([("r_radps", "r")]).chain(inputs.iter().copied());
     let (names, places): (Vec<&str>, Vec<usize>) = logged.map(|(own, name)| (own, place(name))).unzip();
     fs::create_dir(folder.path().join("logs")).unwrap();
     for block in &table.blocks {
@@ -191,13 +191,63 @@ fn logs_of_a_ship_with_forces_come_to_their_page_by_two_commands() {
     run(&folder, "new otter --vessel otter").succeeds();
     let simulate = "simulate dictionary --vessel otter/vessel.toml --dictionary otter/dictionary.toml";
     run(&folder, &format!("{simulate} --out table.parquet")).succeeds();
-    otter_logs(&folder);
+    logs_of_runs(&folder, &[("n1_radps", "n1"), ("n2_rps", "n2")]);
     let ran = run(&folder, "new mine --vessel otter --logs logs").succeeds();
     assert!(ran.stdout.contains("8 logs") && ran.stdout.contains("0 channels missing"), "{ran}");
-    run(&folder, "run mine --out out --quiet").succeeds();
+    run(&folder, "run mine --out out --quiet --setting SEARCH_FLAGS=--window-s=10 --setting TEST=")
+        .succeeds();
     let model = json(&folder, "out/measured/model.json");
     assert_eq!(model["data"]["estimator"], "output-error");
-    assert!(String::from_utf8(bytes(&folder, "out/measured/report.html")).unwrap().contains("<svg"));
+    let page = String::from_utf8(bytes(&folder, "out/measured/report.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("The delivered model"), "{page}");
+    // The search diverges where it never saw her stop: it is named, and the forces are delivered.
+    let (average, found) = ("out/measured/average.json", "out/measured/search.json");
+    let searched = json(&folder, found)["data"].clone();
+    assert_eq!(searched["beside"]["delivered"], "forces", "{}", searched["statements"]);
+    let said = searched["statements"][1].as_str().unwrap();
+    assert!(
+        said.starts_with("the searched terms are left out of the average: ") && said.contains("`stop`"),
+        "{said}"
+    );
+    assert!(page.contains("the searched terms are left out of the average"), "{page}");
+    // The only model of an average stands for a vessel.
+    run(&folder, &format!("export --model {average} --to python --out alone/")).succeeds();
+}
+
+#[test]
+fn five_logs_and_a_wind_without_direction_give_the_core_of_a_ship_without_forces() {
+    let folder = tempfile::tempdir().unwrap();
+    run(&folder, "new coaster --vessel coaster").succeeds();
+    let simulate = "simulate dictionary --vessel coaster/vessel.toml --dictionary coaster/dictionary.toml";
+    run(&folder, &format!("{simulate} --out table.parquet")).succeeds();
+    logs_of_runs(&folder, &[("n", "n"), ("delta_rad", "delta")]);
+    let mut logs: Vec<_> =
+        fs::read_dir(folder.path().join("logs")).unwrap().map(|own| own.unwrap().path()).collect();
+    logs.sort();
+    logs.drain(5..).for_each(|path| fs::remove_file(path).unwrap());
+    for path in logs {
+        let text = fs::read_to_string(&path).unwrap();
+        let mut lines = text.lines();
+        let mut blown = format!("{},relative_wind_mps\n", lines.next().unwrap());
+        for (i, line) in lines.enumerate() {
+            blown += &format!("{line},{}\n", 3 + i % 2);
+        }
+        fs::write(&path, blown).unwrap();
+    }
+    let ran = run(&folder, "new mine --vessel coaster --logs logs").succeeds();
+    let said = "`wind` is not used: no direction of the wind was found";
+    assert!(ran.stdout.contains("5 logs") && ran.stdout.contains(said), "{ran}");
+    let ingest = String::from_utf8(bytes(&folder, "mine/ingest.toml")).unwrap();
+    assert!(ingest.contains("not used: no direction of the wind is logged"), "{ingest}");
+    run(&folder, "run mine --out out --quiet").succeeds();
+    let model = json(&folder, "out/measured/model.json")["data"].clone();
+    assert_eq!(model["estimator"], "prediction-error");
+    let terms = |d: usize| -> Vec<String> {
+        let all = model["degrees"][d]["parameters"].as_array().unwrap();
+        all.iter().map(|own| own["term"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!([terms(1), terms(2)].concat(), ["v", "u r", "r", "u^2 delta"]);
+    assert!(!folder.path().join("out/measured/search.json").exists());
 }
 
 #[test]

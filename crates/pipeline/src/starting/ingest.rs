@@ -11,6 +11,7 @@ use super::presets::Preset;
 use super::sentences;
 use super::table::PARQUET;
 use super::text::{MARK, quoted};
+use crate::steps::SEARCHED;
 
 /// Rows that a gap may be as long as.
 const GAP_ROWS: f64 = 5.0;
@@ -20,7 +21,8 @@ pub(super) fn written(looked: &Looked, preset: &Preset) -> String {
     let rate_hz = preset.sample_rate_hz();
     let mut text = match &looked.found {
         Found::Table(head, guess) => {
-            let placed: String = guess.placed.iter().map(channel).collect();
+            let lacks = looked.half_a_wind();
+            let placed: String = guess.placed.iter().map(|own| channel(own, lacks)).collect();
             let step_s = guess.clock.as_ref().map_or(1.0, |clock| clock.step_s);
             general(looked, rate_hz, step_s) + &files(looked, head, guess) + &placed
         }
@@ -59,12 +61,17 @@ pub(super) fn flags(looked: &Looked, preset: &Preset) -> String {
          # The folder of the logs.\nLOGS ?= {}\n",
         folder.display()
     );
-    text += &match preset.is_of_forces() {
-        true => {
-            let usual_s = or(looked.usual_s, FORCES_WINDOW_S);
-            flags_of_forces(rounded(usual_s.clamp(2.0 / preset.sample_rate_hz(), FORCES_WINDOW_S)))
-        }
-        false => flags_of_terms(window_s(looked, preset.sample_rate_hz())),
+    let rate_hz = preset.sample_rate_hz();
+    let is_of_forces = preset.is_of_forces();
+    let forces_s = |part: f64| {
+        let usual_s = part * or(looked.usual_s, FORCES_WINDOW_S);
+        rounded(usual_s.clamp(2.0 / rate_hz, FORCES_WINDOW_S))
+    };
+    text += &match (looked.files.len() < SEARCHED, is_of_forces) {
+        (false, true) => flags_of_search(forces_s(PART)),
+        (false, false) => flags_of_search(window_s(looked, rate_hz)),
+        (true, true) => flags_of_forces(forces_s(1.0)),
+        (true, false) => flags_of_terms(window_s(looked, rate_hz)),
     };
     let test = looked.kept_apart();
     if !test.is_empty() {
@@ -76,6 +83,14 @@ pub(super) fn flags(looked: &Looked, preset: &Preset) -> String {
         );
     }
     text
+}
+
+fn flags_of_search(window_s: f64) -> String {
+    format!(
+        "# Models are found by a search, and averaged with the fitted forces of a ship that has these; `ESTIMATOR = <name>` fits the model\n\
+         # of vessel.toml alone. They are fitted over windows of this length [s], and predict these on recordings left out.\n\
+         SEARCH_FLAGS ?= --fitted-window-s {window_s} --window-s {window_s}\nTEST_FLAGS ?= --window-s {window_s}\n"
+    )
 }
 
 fn flags_of_forces(window_s: f64) -> String {
@@ -218,7 +233,7 @@ fn files(looked: &Looked, head: &Head, guess: &Guess) -> String {
     text
 }
 
-fn channel(own: &Placed) -> String {
+fn channel(own: &Placed, lacks: Option<[&str; 2]>) -> String {
     let mark = |guessed: bool, why: &str| if guessed { format!("{MARK}: {why}") } else { String::new() };
     let mut text = format!(
         "\n[[file.channel]]\ncolumn = {}\nchannel = {}{}\nunit = {}{}\n",
@@ -229,7 +244,13 @@ fn channel(own: &Placed) -> String {
         mark(own.is_unit_guessed, "the column's name says none"),
     );
     if own.is_optional {
-        text += "optional = true            # the model does without it\n";
+        let why = match lacks {
+            Some([channel, what]) if channel == own.channel => {
+                format!("not used: no {what} of the wind is logged")
+            }
+            _ => "the model does without it".to_owned(),
+        };
+        let _ = writeln!(text, "optional = true            # {why}");
     }
     text
 }

@@ -20,6 +20,9 @@ use super::table::{self, PARQUET};
 /// Bytes of a log that are looked at.
 const LOOKED: u64 = 1 << 17;
 
+/// Channels of the relative wind, of which a model needs both.
+const WIND: [&str; 2] = ["wind", "wind_from"];
+
 /// Endings of files in CSV.
 const CSV: [&str; 3] = [".csv", ".csv.gz", ".tsv"];
 
@@ -175,6 +178,38 @@ impl Looked {
                     + usize::from(guess.is_unchecked)
                     + usize::from(!guess.prefer.is_empty())
             }
+        }
+    }
+
+    /// Whether the relative wind's speed and direction are logged: then the model takes both.
+    pub(super) fn take_wind(&mut self) -> bool {
+        let is_whole = WIND.iter().all(|channel| self.placed().any(|own| own.channel == *channel));
+        let placed: Vec<&mut Placed> = match &mut self.found {
+            Found::Table(_, guess) => guess.placed.iter_mut().collect(),
+            Found::Bag(guess) => guess.topics.iter_mut().flat_map(|topic| &mut topic.placed).collect(),
+            Found::Sentences(guess) => guess.placed.iter_mut().collect(),
+        };
+        for own in placed.into_iter().filter(|own| is_whole && WIND.contains(&own.channel.as_str())) {
+            own.is_optional = false;
+        }
+        is_whole
+    }
+
+    /// The channel of the wind that is not used, for the other is not logged, and what it lacks.
+    pub fn half_a_wind(&self) -> Option<[&'static str; 2]> {
+        let has = |channel: &str| self.placed().any(|own| own.channel == channel);
+        match WIND.map(has) {
+            [true, false] => Some([WIND[0], "direction"]),
+            [false, true] => Some([WIND[1], "speed"]),
+            _ => None,
+        }
+    }
+
+    fn placed(&self) -> Box<dyn Iterator<Item = &Placed> + '_> {
+        match &self.found {
+            Found::Table(_, guess) => Box::new(guess.placed.iter()),
+            Found::Bag(guess) => Box::new(guess.topics.iter().flat_map(|topic| &topic.placed)),
+            Found::Sentences(guess) => Box::new(guess.placed.iter()),
         }
     }
 

@@ -42,9 +42,10 @@ pub fn simulated(preset: &Preset, name: &str, charted: Option<&Charted>) -> Resu
 /// # Errors
 /// A folder without logs, or with those of several ships; a log whose columns cannot be read.
 pub fn measured(preset: &Preset, logs: &Path) -> Result<(Vec<NewFile>, Looked), Error> {
-    let looked = Looked::at(logs, &preset.needed())?;
+    let mut looked = Looked::at(logs, &preset.needed())?;
+    let is_wind_logged = looked.take_wind();
     let files = vec![
-        ("vessel.toml".to_owned(), preset.without_truth()),
+        ("vessel.toml".to_owned(), preset.without_truth(is_wind_logged)),
         ("ingest.toml".to_owned(), ingest::written(&looked, preset)),
         ("study.mk".to_owned(), ingest::flags(&looked, preset)),
     ];

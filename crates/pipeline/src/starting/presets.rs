@@ -40,7 +40,7 @@ macro_rules! preset {
 }
 
 /// All of them.
-pub const PRESETS: [Preset; 8] = [
+pub const PRESETS: [Preset; 9] = [
     preset!(
         "model-ship",
         "a model ship of 1 m with two azimuth thrusters aft",
@@ -70,6 +70,7 @@ pub const PRESETS: [Preset; 8] = [
         None,
         None
     ),
+    preset!("esso-osaka-3m", "a 3 m model of the tanker Esso Osaka, by forces", None, None, None),
     preset!("mariner", "the cargo ship Mariner of 160.93 m, by hydrodynamic derivatives", None, None, None),
     preset!("kvlcc2-l7", "a 7 m model of the tanker KVLCC2, by the MMG standard method", None, None, None),
     preset!(
@@ -124,10 +125,23 @@ impl Preset {
         })
     }
 
-    /// `vessel.toml` without true parameters, which no real ship has.
-    pub(super) fn without_truth(&self) -> String {
+    /// `vessel.toml` without true parameters, which no real ship has, and with the relative wind where that `is_logged`.
+    pub(super) fn without_truth(&self, is_wind_logged: bool) -> String {
         let lines = self.vessel.lines().filter(|line| !line.starts_with("value = "));
-        lines.map(|line| format!("{}\n", without_value(line))).collect()
+        let mut text: String = lines.map(|line| format!("{}\n", without_value(line))).collect();
+        for (degree, asymmetry) in STRAIGHT_AHEAD {
+            let name = &asymmetry[..3];
+            let has_primes = self.is_of_forces() && text.contains("prime = ");
+            if has_primes && !text.contains(&format!("\"{name}\"")) {
+                let line = format!("  {{ parameter = \"{name}\", term = \"U^2\", {} }},", &asymmetry[4..]);
+                text = text.replacen(&format!("\n{degree} = [\n"), &format!("\n{degree} = [\n{line}\n"), 1);
+            }
+        }
+        if is_wind_logged {
+            text += MEASURED_WIND;
+            text += if self.is_of_forces() { WIND_FORCES } else { "" };
+        }
+        text
     }
 
     /// The channels that logs of it must have: speeds and angles of its thrusters, or else its inputs.
@@ -158,6 +172,37 @@ impl Preset {
         self.vessel.parse::<VesselFile>().ok().and_then(|vessel| vessel.sample_rate_hz).unwrap_or(1.0)
     }
 }
+
+/// The force and the moment straight ahead, which logs show and a symmetric hull does not have.
+const STRAIGHT_AHEAD: [(&str, &str); 2] =
+    [("sway", "Y_0 prime = 0.0, prior = 0.003"), ("yaw", "N_0 prime = 0.0, prior = 0.001")];
+
+/// Channels of a logged wind, as `vessel.toml` has them.
+const MEASURED_WIND: &str = r#"
+# Speed of the relative wind, and where it comes from, from the bow to starboard. Simulated trials have none.
+[[measured]]
+name = "wind"
+unit = "m/s"
+simulated = 0.0
+
+[[measured]]
+name = "wind_from"
+unit = "rad"
+simulated = 0.0
+"#;
+
+/// Its forces on a ship of which nothing above water is known: areas as parts of length times draught, usual coefficients of a bluff body.
+const WIND_FORCES: &str = r#"
+[[wind]]
+name = "air"
+speed = "wind"
+direction = "wind_from"
+frontal_area_m2 = { prime = 0.2, fixed = true }
+lateral_area_m2 = { prime = 0.5, fixed = true }
+surge = [{ nominal = 0.7, prior = 0.5 }]
+sway = [{ nominal = 0.8, prior = 0.5 }]
+yaw = [{ nominal = 0.0, prior = 0.1 }, { nominal = 0.0, prior = 0.1 }]
+"#;
 
 /// A line of tables without the true values in them.
 fn without_value(line: &str) -> String {

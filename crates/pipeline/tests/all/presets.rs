@@ -38,18 +38,24 @@ fn law_presets_have_the_parameters_of_the_shipped_studies() {
 }
 
 /// Ships with forces, and how many of their numbers a trial is to find.
-const FORCES: [(&str, usize); 3] = [("mariner", 16), ("kvlcc2-l7", 26), ("otter", 5)];
+const FORCES: [(&str, usize); 4] = [("mariner", 16), ("kvlcc2-l7", 26), ("esso-osaka-3m", 32), ("otter", 5)];
 
 #[test]
 fn law_presets_with_forces_know_what_the_published_ships_are() {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     for (name, free) in FORCES {
-        let file = repository.join(format!("crates/model/presets/{name}.toml"));
+        // Her published ship has no wind and no thrust astern, which her logs need.
+        let file = match name {
+            "esso-osaka-3m" => "pipelines/esso-osaka/vessel-forces.toml".to_owned(),
+            _ => format!("crates/model/presets/{name}.toml"),
+        };
+        let file = repository.join(file);
         let published: VesselFile = std::fs::read_to_string(file).unwrap().parse().unwrap();
         let own = vessel_of(name);
         let terms = |file: &VesselFile| -> Vec<(String, String, Option<f64>)> {
             let all = file.surge.iter().chain(&file.sway).chain(&file.yaw);
-            all.map(|own| (own.parameter.clone(), own.term.clone(), own.prime)).collect()
+            let still = all.filter(|own| !own.parameter.ends_with("wind"));
+            still.map(|own| (own.parameter.clone(), own.term.clone(), own.prime)).collect()
         };
         assert_eq!(terms(&own), terms(&published), "{name}");
         let vessel = Vessel::from_file(own).unwrap();

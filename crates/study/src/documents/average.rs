@@ -24,7 +24,7 @@ pub struct AverageDocument {
     pub output_rmse_v: Option<f64>,
     /// Of r.
     pub output_rmse_r: Option<f64>,
-    /// The models, two at least.
+    /// The models; a single one where another of the two that were to be averaged was left out.
     pub members: Vec<AverageMember>,
 }
 
@@ -97,6 +97,17 @@ impl AverageDocument {
         Self { vessel: vessel.name.clone(), output_rmse_u, output_rmse_v, output_rmse_r, members }
     }
 
+    /// The average of `models`, whose mean trajectory has `output_rmse` over the recordings that they were fitted to.
+    pub fn of(vessel: &Vessel, models: Vec<ModelDocument>, output_rmse: Option<[f64; 3]>) -> Self {
+        let [output_rmse_u, output_rmse_v, output_rmse_r] =
+            output_rmse.map_or([None; 3], |rmse| rmse.map(Some));
+        let found_on =
+            |model: &ModelDocument| model.recordings.iter().map(|own| own.source.clone()).collect();
+        let members =
+            models.into_iter().map(|model| AverageMember { found_on: found_on(&model), model }).collect();
+        Self { vessel: vessel.name.clone(), output_rmse_u, output_rmse_v, output_rmse_r, members }
+    }
+
     /// RMSE of u, v, r of the mean trajectory over the recordings that were fitted.
     pub fn output_rmse(&self) -> Option<[f64; 3]> {
         Some([self.output_rmse_u?, self.output_rmse_v?, self.output_rmse_r?])
@@ -122,12 +133,16 @@ impl Document for AverageDocument {
     const VERSION: u32 = 1;
     const UNITS: Units = &[
         ("Hz", "sample_rate_hz"),
-        ("1", "samples stretches factor"),
-        ("s", "stretch_s"),
-        ("the parameter's unit", "value standard_error least_squares truth bounds"),
+        (
+            "1",
+            "samples stretches factor part condition windows pieces prior_weight cost steps prior_share inflation",
+        ),
+        ("s", "stretch_s lag_s hold_s window_s"),
+        ("the channel's unit a second", "rate_per_s"),
+        ("the parameter's unit", "value standard_error least_squares truth bounds prior prior_deviation"),
         ("the unit of the row's name times that of the column's", "entries"),
         ("the state's unit", "constant constant_least_squares increment_std output_rmse"),
-        ("the channel's unit", "simulated range"),
+        ("the channel's unit", "simulated range dead_band"),
         ("the unit of what it belongs to", "low high"),
         ("m/s, m/s, rad/s", "left_out_rmse"),
         ("m/s", "constant_u constant_v output_rmse_u output_rmse_v"),
@@ -135,14 +150,9 @@ impl Document for AverageDocument {
     ];
 
     fn check(&self) -> Result<(), Invalid> {
-        let (true, Some(first)) = (self.members.len() > 1, self.members.first()) else {
-            let found = format!("{} models", self.members.len());
-            return Err(Invalid::new(
-                "data.members",
-                found,
-                "two models at least",
-                "search for an average again",
-            ));
+        let Some(first) = self.members.first() else {
+            let remedy = "search for an average again";
+            return Err(Invalid::new("data.members", "none", "a model at least", remedy));
         };
         let expected = shared(&first.model);
         for (i, AverageMember { model, .. }) in self.members.iter().enumerate() {

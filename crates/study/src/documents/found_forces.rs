@@ -55,6 +55,7 @@ impl SearchDocument {
             terms: terms(delivered, numbers, &forces.found),
             average: None,
             forces: Some(forces),
+            beside: None,
             statements,
         }
     }

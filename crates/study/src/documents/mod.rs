@@ -1,6 +1,7 @@
 //! The documents that the stages exchange, as in the files.
 
 mod average;
+mod beside;
 mod cells;
 mod compare;
 mod constrained;
@@ -64,6 +65,7 @@ pub use trial::voyage::{
 pub use trial::{Ability, DerivedHandling, Handling, Side};
 
 pub use average::{AverageDocument, AverageMember, AverageSummary, AverageTerm};
+pub use beside::{BesideForces, DeliveredKind, TriedFit};
 pub use cells::{CellsDocument, SweepAxis, SweepCell, SweepDesign, SweepLine};
 pub use compare::{CompareDocument, traces};
 pub use constrained::ConstrainedParameter;

@@ -6,6 +6,7 @@ use search::{Candidate, NestedScore, SearchOptions, Searched, SizeScore};
 use serde::{Deserialize, Serialize};
 
 use super::average::AverageSummary;
+use super::beside::{BesideForces, DeliveredKind};
 use super::force_search::SearchedForces;
 use super::found::{parameters, resampled};
 
@@ -53,6 +54,9 @@ pub struct SearchDocument {
     /// The forces that were found, where the vessel has forces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forces: Option<SearchedForces>,
+    /// The forces that were fitted beside, where the search began with a core for a ship with forces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beside: Option<BesideForces>,
     /// What was found, in words.
     pub statements: Vec<String>,
 }
@@ -129,12 +133,50 @@ impl SearchDocument {
                 .zip(seed)
                 .map(|(own, seed)| AverageSummary::new(vessel, seed, own)),
             forces: None,
+            beside: None,
             statements: found.statements.clone(),
+        }
+    }
+
+    /// That of a search for `vessel` over recordings with so many `windows` and `samples` that found none; `nested` scores nothing.
+    pub fn unfound(
+        vessel: &Vessel,
+        options: &SearchOptions,
+        [windows, samples]: [u64; 2],
+        nested: NestedScore,
+    ) -> Self {
+        let seconds = |samples: usize| samples as f64 / vessel.sample_rate_hz;
+        Self {
+            vessel: vessel.name.clone(),
+            fitted_window_s: seconds(options.cut.window),
+            every_s: seconds(options.cut.every),
+            window_s: options.cut.scored.map(seconds),
+            windows,
+            samples,
+            folds: options.folds as u64,
+            std_u: 0.0,
+            std_v: 0.0,
+            std_r: 0.0,
+            ridge: None,
+            candidates: Vec::new(),
+            sizes: Vec::new(),
+            nested,
+            resamples: None,
+            terms: Vec::new(),
+            average: None,
+            forces: None,
+            beside: None,
+            statements: Vec::new(),
         }
     }
 
     /// Errors of the delivered model's kind on recordings that were left out of finding and fitting it.
     pub fn delivered_errors(&self) -> Option<FreeRunErrors> {
+        match self.beside.as_ref().map(|own| (own.delivered, own)) {
+            Some((DeliveredKind::Average, _)) => return self.nested.average.as_ref()?.errors,
+            Some((DeliveredKind::Forces, own)) => return own.errors,
+            _ => {}
+        }
         let as_she_was = self.forces.as_ref().is_some_and(|own| !own.delivered);
         if as_she_was { self.nested.base } else { self.nested.search }
     }
