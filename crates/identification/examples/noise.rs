@@ -327,6 +327,9 @@ impl Ship {
             .flatten_iter()
             .filter_map(|row| row.estimate)
             .collect();
+        let found = rows.len();
+        let rows: Vec<_> = rows.into_iter().filter(|(_, errors)| !errors[0].is_nan()).collect();
+        let none = share(found - rows.len(), found);
         let holds =
             |(theta, error): &(Vec<f64>, Vec<f64>), i: usize| (theta[i] - truth[i]).abs() <= 1.96 * error[i];
         let held = |i: usize| rows.iter().filter(|row| holds(row, i)).count();
@@ -337,7 +340,7 @@ impl Ship {
         let [low, high] = clustered_share(&shares).unwrap_or([0.0, 1.0]).map(|end| 100.0 * end);
         let mean = 100.0 * shares.iter().sum::<f64>() / shares.len() as f64;
         vec![format!(
-            "{estimator}: held {mean:.1} ({low:.1}–{high:.1}) of {} runs, worst parameter {}",
+            "{estimator}: held {mean:.1} ({low:.1}–{high:.1}) of {} runs, no standard errors {none}, worst parameter {}",
             rows.len(),
             share(worst, rows.len())
         )]

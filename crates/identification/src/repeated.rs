@@ -29,7 +29,10 @@ impl RepeatedEstimates {
         Self {
             mean,
             spread,
-            predicted_se: quantile(&sorted(standard_errors.iter().copied().map(Some)), 0.5),
+            predicted_se: quantile(
+                &sorted(standard_errors.iter().copied().filter(|error| !error.is_nan()).map(Some)),
+                0.5,
+            ),
             relative_bias: mean.zip(known).map(|(mean, truth)| (mean - truth) / truth.abs()),
             relative_spread: spread.zip(known).map(|(spread, truth)| spread / truth.abs()),
         }

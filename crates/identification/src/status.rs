@@ -9,6 +9,8 @@ refusal::choices! {
         Diverges = "estimated, simulation diverges",
         /// There is an estimate, whose errors follow no noise that is known here: its standard errors are approximate.
         Approximate = "identified, errors approximate",
+        /// There is an estimate without standard errors: waves move the ship.
+        Waves = "identified, waves: no errors",
         /// There is an estimate by instruments of the run's own model of least output error: the nominal one diverges.
         OwnInstruments = "identified, instruments by output error",
         /// There is one that could not be refined further: a simulation with it diverged.

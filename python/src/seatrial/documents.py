@@ -29,7 +29,7 @@ ErrorKind = Literal["one-step residual", "free-run error"]
 #: What states the errors of a vessel's parameters.
 ErrorsFrom = Literal["covariance", "priors"]
 #: What became of the estimate of a run, or of a degree of freedom.
-EstimateStatus = Literal["identified", "identified, model rejected", "estimated, simulation diverges", "identified, errors approximate", "identified, instruments by output error", "kept", "not identifiable", "not converged"]
+EstimateStatus = Literal["identified", "identified, model rejected", "estimated, simulation diverges", "identified, errors approximate", "identified, waves: no errors", "identified, instruments by output error", "kept", "not identifiable", "not converged"]
 #: How parameters are estimated.
 Estimator = Literal["ls", "iv", "refined-iv", "output-error", "prediction-error", "auto"]
 #: A sum of numbers, each rounded to a multiple of 2⁻⁴⁰: whole numbers are added, so any order gives the same. Written

@@ -329,19 +329,21 @@ fn publish(
     let (runs, identified) = (rows.len(), rows.iter().filter(|r| r.estimate.is_some()).count());
     let asked = estimates::criticised(&provenance);
     let count = |status: EstimateStatus| rows.iter().filter(|r| r.status == status).count();
-    let (unexcited, unconverged, kept, rejected, approximate) = (
+    let (unexcited, unconverged, kept, rejected, approximate, waves) = (
         count(EstimateStatus::NotIdentifiable),
         count(EstimateStatus::NotConverged),
         count(EstimateStatus::Kept),
         count(EstimateStatus::Rejected),
         count(EstimateStatus::Approximate),
+        count(EstimateStatus::Waves),
     );
     let own_instruments = count(EstimateStatus::OwnInstruments);
     let also = |count: usize, what: &str| if count > 0 { format!(", {count} {what}") } else { String::new() };
     let searched = also(unconverged, EstimateStatus::NotConverged.name())
         + &also(kept, "kept unrefined")
         + &also(own_instruments, "with instruments by output error: the nominal model diverges")
-        + &also(approximate, "with approximate standard errors: these errors follow no noise known here");
+        + &also(approximate, "with approximate standard errors: these errors follow no noise known here")
+        + &also(waves, "without standard errors: waves move the ship");
     let verdict =
         if asked { format!(", {rejected} reject the model") } else { ", model not criticised".to_owned() };
     let turned = turned(vessel, &rows).map_or(String::new(), |turned| format!("; {turned}"));
@@ -366,7 +368,8 @@ fn publish(
 
 /// The means of all runs with another sign than the nominal value, in words; standard errors are those of a run.
 fn turned(vessel: &Vessel, rows: &[Row]) -> Option<String> {
-    let known = || rows.iter().filter_map(|row| row.estimate.as_ref());
+    let with_errors = || rows.iter().filter(|row| row.status != EstimateStatus::Waves);
+    let known = || with_errors().filter_map(|row| row.estimate.as_ref());
     let count = known().count() as f64;
     let parameter = |i: usize| {
         let [estimate, error] = known().fold([0.0, 0.0], |sum, own| [sum[0] + own.0[i], sum[1] + own.1[i]]);

@@ -151,12 +151,20 @@ fn a_log_without_noise_gives_the_ship_itself() {
 }
 
 #[test]
-fn waves_that_no_noise_known_here_describes_get_no_verdict_and_approximate_errors() {
+fn waves_that_no_noise_known_here_describes_get_no_verdict_and_no_standard_errors() {
     let folder = ingested(&[Log { waves: 0.01, ..HEALTHY }]);
     let ran = run(&folder, EACH).succeeds();
-    assert!(ran.stdout.contains("1 with approximate standard errors"), "{ran}");
+    assert!(ran.stdout.contains("1 without standard errors: waves move the ship"), "{ran}");
     let said = statements(&folder);
-    assert!(said.contains("no verdict on the model: these errors follow no noise known here"), "{said}");
+    assert!(said.contains("no verdict on the model: its errors oscillate"), "{said}");
+    assert!(said.contains("no standard errors are given; choose a calm day"), "{said}");
+    let trust = &json(&folder, "trust.json")["data"];
+    let own = trust["degrees"].as_array().unwrap().iter().flat_map(|d| d["parameters"].as_array().unwrap());
+    assert!(
+        own.clone().count() > 0
+            && own.into_iter().all(|p| p.get("standard_error").is_none_or(|e| e.is_null())),
+        "{trust}"
+    );
 }
 
 /// Logs of the paper's ship and of others, by their drag.

@@ -37,6 +37,8 @@ pub(crate) struct Calibrated {
     pub factor: f64,
     /// Whether the errors follow this noise.
     pub white: bool,
+    /// Whether waves move the ship, so that no standard errors hold.
+    pub waves: bool,
     /// All kinds of noise, the likeliest first.
     pub kinds: Kinds,
 }
@@ -69,7 +71,8 @@ pub(crate) fn calibrated(
         widest: short.then(|| noise.widest.clone()),
         near,
         factor,
-        white: verdict.is_some_and(|found| found.verdict != Verdict::None),
+        white: verdict.as_ref().is_some_and(|found| found.verdict != Verdict::None),
+        waves: verdict.is_some_and(|found| found.waves_s.is_some()),
         kinds,
     })
 }

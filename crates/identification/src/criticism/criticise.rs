@@ -11,6 +11,7 @@ use super::problems::{Problems, Series, State, Subject};
 use super::refinement::Refinement;
 use super::score::Projected;
 use super::tested::{LEVEL, tested};
+use super::waves::waves;
 use super::white_noise::{reject_under_white, under_white};
 use super::with_noise::each_with_noise;
 use super::words::statements;
@@ -65,6 +66,9 @@ pub(super) fn verdicts(subject: &Subject, problems: &Problems, states: Vec<State
             let rejected = found.rejected && white_once_named(problems, problem, &state, &lifted, &found);
             found.verdict = if rejected { Verdict::Rejected } else { Verdict::None };
             found.rejected = rejected;
+            if !rejected {
+                found.waves_s = waves(subject, &series);
+            }
         }
         let known = found.verdict != Verdict::None;
         if known && !subject.names.is_empty() {
@@ -110,6 +114,7 @@ fn judged(
         whiteness: whiteness.to_vec(),
         apart: Vec::new(),
         feedback: feedback(subject.model, subject.runs, series),
+        waves_s: None,
         absent: found,
         hidden,
         statements: Vec::new(),

@@ -124,6 +124,9 @@ pub struct Criticism {
     /// An input that answers what was measured at the same sample; absent where none does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub feedback: Option<Feedback>,
+    /// The period of waves that move the ship \[s\], where errors follow no noise known here and oscillate.
+    #[serde(skip)]
+    pub waves_s: Option<f64>,
     /// What was looked for, the most likely first.
     pub absent: Vec<Absent>,
     /// What could not be told from the terms that there are.

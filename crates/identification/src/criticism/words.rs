@@ -43,6 +43,11 @@ pub(super) fn statements(found: &Criticism, under_white: bool) -> Vec<String> {
                 out.push(format!("cannot be told from: {}", listed(&others)));
             }
         }
+        (Verdict::None, _) if found.waves_s.is_some() => out.push(format!(
+            "no verdict on the model: its errors oscillate with a period of about {:.1} s, as where waves move the ship, so that \
+             tests and standard errors do not hold",
+            found.waves_s.unwrap_or_default()
+        )),
         (Verdict::None, _) => out.push(
             "no verdict on the model: these errors follow no noise known here, so that tests and standard errors do not hold"
                 .to_owned(),

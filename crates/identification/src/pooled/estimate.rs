@@ -139,9 +139,19 @@ fn estimate_any(
     let found = solved(pool, parts, estimator)?;
     let judge = Judge { pool, found: &found, parts, judgement, resampling };
     let mut degrees = judge.degrees().map_err(PoolError::Unread)?;
+    let mut criticism = criticism(pool, &found, runs).map_err(PoolError::Unread)?;
+    let waves = criticism.as_mut().filter(|found| found.waves_s.is_some());
+    let no_errors = waves.is_some();
+    if let Some(found) = waves {
+        degrees.iter_mut().for_each(DegreeTrust::without_errors);
+        found.statements.push("no standard errors are given; choose a calm day".to_owned());
+    }
     let sources = judge.sources(runs).map_err(PoolError::Unread)?;
     let diverging = diverging(&sources);
     let mut delivered = Delivered::new(pool, &found, parts, &degrees, &sources).map_err(PoolError::Unread)?;
+    if let Some(own) = delivered.as_mut().filter(|_| no_errors) {
+        own.covariance = None;
+    }
     if diverging.is_some() {
         delivered = None;
         let identified = degrees.iter_mut().filter(|degree| degree.status == EstimateStatus::Identified);
@@ -151,7 +161,6 @@ fn estimate_any(
         Estimator::RefinedIv => format!("`refined-iv` was not refined any more: {lost}"),
         _ => lost.to_string(),
     });
-    let criticism = criticism(pool, &found, runs).map_err(PoolError::Unread)?;
     let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
     let alike = delivered.iter().flat_map(|own| entangled(own, pool.model.layout()));
     let stalled = stalled(&found).map(str::to_owned);

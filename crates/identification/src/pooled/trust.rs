@@ -54,6 +54,15 @@ pub struct DegreeTrust {
 }
 
 impl DegreeTrust {
+    /// Takes away what says how far estimates scatter.
+    pub(super) fn without_errors(&mut self) {
+        self.correlation = None;
+        for own in &mut self.parameters {
+            (own.standard_error, own.bootstrap_std) = (None, None);
+            (own.bootstrap_low, own.bootstrap_high) = (None, None);
+        }
+    }
+
     /// The parameter with the largest relative standard error.
     pub fn weakest_parameter(&self) -> &str {
         let relative = |p: &ParameterTrust| match (p.estimate, p.spread()) {

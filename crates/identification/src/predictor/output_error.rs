@@ -33,6 +33,8 @@ pub struct FoundSpread {
     pub levels: Vec<Levels>,
     /// Factor on standard errors.
     pub factor: f64,
+    /// Whether waves move the ship, so that there are no standard errors.
+    pub waves: bool,
 }
 
 /// The outcome for one run.
@@ -539,7 +541,11 @@ impl Simulations<'_> {
                 self.of_levels(minimum, weights[lane], meat, lane, levels)
             }
             Spread::Found(of) if minimum.status == Ended::Converged => {
-                let FoundSpread { levels, factor } = of(group[lane], &minimum.point[..parameters]);
+                let FoundSpread { levels, factor, waves } = of(group[lane], &minimum.point[..parameters]);
+                if waves {
+                    let each = vec![f64::NAN; self.free.len()];
+                    return Some(Errors { each, covariance: None, approximate: true });
+                }
                 let of_one = |levels: &Levels| {
                     let meat = self.meats(&weights, levels, kept);
                     self.of_levels(minimum, weights[lane], &meat, lane, levels)

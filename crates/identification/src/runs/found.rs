@@ -52,7 +52,9 @@ impl From<&Fit> for Found {
     fn from(fit: &Fit) -> Self {
         match fit {
             Fit::Converged(found) => Self {
-                status: if found.approximate {
+                status: if found.standard_errors.iter().any(|error| error.is_nan()) {
+                    EstimateStatus::Waves
+                } else if found.approximate {
                     EstimateStatus::Approximate
                 } else {
                     EstimateStatus::Identified

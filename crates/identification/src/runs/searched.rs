@@ -24,9 +24,11 @@ impl RunEstimators<'_> {
         let starts: Vec<Vec<Vec<f64>>> = near.iter().zip(iv).map(starts).collect();
         let (model, views) = (self.lifted(), views(runs));
         let of = |run: usize, theta: &[f64]| {
-            let noise = self.noise(&model, views[run], &[theta.to_vec()]).filter(|noise| noise.white);
-            let found = |noise: Calibrated| FoundSpread { levels: noise.near, factor: noise.factor };
-            noise.map_or(FoundSpread { levels: Vec::new(), factor: 1.0 }, found)
+            let noise = self.noise(&model, views[run], &[theta.to_vec()]);
+            let waves = noise.as_ref().is_some_and(|noise| noise.waves);
+            let found = |noise: Calibrated| FoundSpread { levels: noise.near, factor: noise.factor, waves };
+            let blocks = FoundSpread { levels: Vec::new(), factor: 1.0, waves };
+            noise.filter(|noise| noise.white).map_or(blocks, found)
         };
         let spread = match &self.levels {
             Some(levels) => Spread::Stated(levels),
@@ -100,7 +102,9 @@ impl RunEstimators<'_> {
         let layout = model.layout();
         let theta = layout.woven(&found.parameters, found.intercepts);
         let found_ones = || (found.standard_errors.clone(), found.covariance.clone());
-        let (own, covariance) = if noise.white {
+        let (own, covariance) = if noise.waves {
+            (vec![f64::NAN; found.standard_errors.len()], None)
+        } else if noise.white {
             let widest = noise.widest.as_ref().map(|errors| (layout.theta(errors), None));
             let (all, covariance) = widest.unwrap_or_else(found_ones);
             let all = all.into_iter().map(|error| noise.factor * error).collect();

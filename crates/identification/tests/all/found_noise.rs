@@ -1,8 +1,10 @@
 //! Noise that is not stated: which kind is found, and the verdicts on right and wrong models under it. Few runs of
 //! each; for more, `cargo run --release -p identification --example noise`.
 
-use engine::{Compiled, Run, RunView, Segment};
-use identification::criticism::{Criticism, NoiseKind, Subject, Verdict, criticise, criticise_each};
+use engine::{Compiled, Run, RunView, Segment, Streams};
+use identification::criticism::{
+    Criticism, NoiseKind, Subject, Verdict, criticise, criticise_each, oscillation,
+};
 use identification::predictor::InitialState;
 use identification::runs::{AdditionalUnknowns, RunEstimators};
 use identification::{EstimateStatus, Estimator};
@@ -167,7 +169,7 @@ fn missing_terms_are_found_under_noise_that_is_found() {
     }
 }
 
-/// Waves are no known kind of noise: there is no verdict on the model, and intervals are marked as approximate.
+/// Waves are no known kind of noise: there is no verdict on the model, and there are no standard errors.
 #[test]
 fn a_disturbance_that_no_kind_describes_gets_no_verdict() {
     let vessel = paper();
@@ -175,7 +177,9 @@ fn a_disturbance_that_no_kind_describes_gets_no_verdict() {
     for own in criticised(&vessel, &runs) {
         assert!(own.verdict == Verdict::None && !own.rejected, "{:?}", own.statements);
         assert!(
-            own.statements[0].starts_with("no verdict on the model: these errors follow no noise known here")
+            own.statements[0].starts_with("no verdict on the model: its errors oscillate"),
+            "{:?}",
+            own.statements
         );
     }
     let estimators = RunEstimators {
@@ -187,7 +191,9 @@ fn a_disturbance_that_no_kind_describes_gets_no_verdict() {
         levels: None,
     };
     let rows = estimators.estimates(&runs[..1]).unwrap();
-    assert!(rows.iter().all(|row| row.status == EstimateStatus::Approximate), "{rows:?}");
+    assert!(rows.iter().all(|row| row.status == EstimateStatus::Waves), "{rows:?}");
+    let errors = rows.iter().flat_map(|row| &row.estimate.as_ref().unwrap().1);
+    assert!(errors.clone().count() > 0 && errors.into_iter().all(|error| error.is_nan()));
 }
 
 /// At convergence the result does not depend on the start.
@@ -245,4 +251,29 @@ fn law_recordings_of_one_ship_seldom_contradict_each_other_and_another_ship_does
 #[ignore = "long: `make nightly` runs it"]
 fn law_recordings_of_one_ship_seldom_contradict_each_other_in_any_sea() {
     contradicted(&[CALM, CURRENT, GUSTS], 4);
+}
+
+/// Errors of neighbours that are alike have no period, those of waves have theirs.
+#[test]
+fn law_only_errors_that_oscillate_have_a_period() {
+    let drawn = |channel: u32, a: f64, b: f64| -> Vec<f64> {
+        let mut all = vec![0.0; 1000];
+        Streams::new(5, "oscillation").normals(0, channel, &mut all);
+        for k in 2..all.len() {
+            all[k] += a * all[k - 1] + b * all[k - 2];
+        }
+        all
+    };
+    for channel in 0..20 {
+        for keep in [0.0, 0.3, 0.9, -0.5] {
+            assert_eq!(oscillation(&[drawn(channel, keep, 0.0)], 8.0), None, "{channel} {keep}");
+        }
+        for period in [3.0, 8.0] {
+            let samples: f64 = 8.0 * period;
+            let keep = (-1.0 / (3.0 * samples)).exp();
+            let wave = drawn(channel, 2.0 * keep * (std::f64::consts::TAU / samples).cos(), -keep * keep);
+            let (found, _) = oscillation(&[wave], 8.0).unwrap();
+            assert!((found / period - 1.0).abs() < 0.3, "{channel}: {found} for {period}");
+        }
+    }
 }

@@ -153,7 +153,8 @@ impl ModelDocument {
     /// The model in `delivered`, from the estimate `found` of one run.
     pub fn of_run(vessel: &Vessel, removal: MeanRemoval, found: &RunEstimate, delivered: &Delivered) -> Self {
         let errors = found.estimate.as_ref().map_or(&[][..], |(_, errors)| errors);
-        let errors: Vec<Option<f64>> = errors.iter().copied().map(Some).collect();
+        let errors: Vec<Option<f64>> =
+            errors.iter().map(|error| Some(*error).filter(|error| !error.is_nan())).collect();
         let model = Self::of(vessel, (found.estimator, removal), delivered, &errors);
         let sources: Vec<&str> = model.recordings.iter().map(|own| own.source.as_str()).collect();
         let statement = format!(

@@ -49,7 +49,7 @@ pub fn columns(vessel: &Vessel) -> Columns<Row> {
             .optional(
                 format!("{name}_se"),
                 &unit,
-                move |r| r.estimate.as_ref().map(|(_, se)| se[i]),
+                move |r| r.estimate.as_ref().map(|(_, se)| se[i]).filter(|se| !se.is_nan()),
                 move |r, value| {
                     r.estimate.iter_mut().for_each(|(_, se)| se[i] = value.unwrap_or(f64::NAN));
                 },
@@ -108,6 +108,8 @@ pub fn rows(reader: &TableReader, vessel: &Vessel, file: &Path, i: usize) -> Res
             row.estimate = None;
         }
         let Some((theta, se)) = &row.estimate else { continue };
+        let waves = row.status == EstimateStatus::Waves;
+        let se: &[f64] = if waves { &[] } else { se };
         if theta.iter().chain(se).any(|value| !value.is_finite()) {
             return Err(incomplete(file, number));
         }

@@ -49,6 +49,7 @@ impl From<EstimateStatus> for Outcome {
             EstimateStatus::Identified
             | EstimateStatus::Rejected
             | EstimateStatus::Approximate
+            | EstimateStatus::Waves
             | EstimateStatus::Diverges
             | EstimateStatus::OwnInstruments
             | EstimateStatus::Kept => Self::Identified,

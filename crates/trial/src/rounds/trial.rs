@@ -175,6 +175,7 @@ impl<'a> Trial<'a> {
         let found = self.estimated(round, arms)?;
         let row = |((realization, found), shared): ((&mut Realization, Option<RunEstimate>), _)| {
             let estimate = found.as_ref().and_then(|found| found.estimate.as_ref());
+            let predicted = estimate.map(|(t, errors)| self.learn(realization, t, errors));
             realization.latest = estimate.map(|(theta, _)| theta.clone()).or(realization.latest.take());
             Row {
                 arm: realization.arm,
@@ -184,7 +185,7 @@ impl<'a> Trial<'a> {
                 shared,
                 outcome: found.as_ref().map_or(Outcome::Diverged, |found| found.status.into()),
                 parameter_error: estimate.map(|(t, _)| parameter_error(t, &self.truth)),
-                predicted_error: estimate.map(|(t, errors)| self.learn(realization, t, errors)),
+                predicted_error: predicted.filter(|error| !error.is_nan()),
                 expected_error: None,
             }
         };
