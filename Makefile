@@ -194,6 +194,7 @@ ELEVEN           := out/sequential-eleven
 results: build
 	$(MAKE) study
 	$(MAKE) helsinki
+	$(MAKE) STUDY=pipelines/helsinki OUT=out/trials/helsinki STAGE=monte-carlo MONTE_CARLO=yes ESTIMATE_FLAGS="--realizations 10000" study
 	$(MAKE) STUDY=pipelines/generated study
 	$(MAKE) scenarios
 	$(MAKE) ROUNDS_FLAGS="--set sequential.realizations=10000" sequential
@@ -207,7 +208,7 @@ results: build
 
 .PHONY: docs
 docs: $(BIN)/report
-	$(BIN)/report results --written pipelines --studies out/paper out/generated out/helsinki out/helsinki/planned \
+	$(BIN)/report results --written pipelines --studies out/paper out/generated out/trials/helsinki out/helsinki/planned \
 	  --scenarios $(SCENARIOS:%=$(SCENARIO_OUT)/%) --unknown $(UNKNOWN) --rounds out/sequential $(ELEVEN) \
 	  --selections $(foreach name,$(SELECTED_STUDIES),$(foreach seed,1 2 3 4 5 6 7 8 9 10,out/$(name)/seeds/$(seed)/measured)) \
 	  --logs out/esso-osaka/measured out/kvlcc2/measured --out docs/results.md

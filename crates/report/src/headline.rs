@@ -11,6 +11,13 @@ use study::documents::{
     ValidationDocument, Voyage, WorstVessels,
 };
 
+/// Name of the design that is today's practice.
+const PRACTICE: &str = "practice";
+
+/// What that design is.
+const PRACTISED: &str = "Practice is today's practice: the maneuvers of the dictionary, one after another, repeated or shortened \
+     alike to the same length (all that are written by hand, where none is of a standard).";
+
 /// The kind of the page.
 pub(super) fn kind(study: &Study) -> &'static str {
     if study.data.is_some() {
@@ -45,6 +52,7 @@ pub(super) fn headline(study: &Study) -> Markup {
             }
             p.about { a href=(EXPLORE) { "Explore" } " trials, motion over time and plans: zoom, filter, sort." }
             p.answer { (answer(study)) }
+            @if study.scored().iter().any(|d| d.design == PRACTICE) { p.note { (PRACTISED) } }
             (cards(study))
         }
     }

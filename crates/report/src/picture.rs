@@ -4,9 +4,9 @@ use study::documents::MeritDocument;
 
 use super::merit::first_tracks;
 
-/// Width and height of the map, of a histogram, and the gap between, in units of the picture.
+/// Width and height of the map, of histograms of three designs, and the gap between, in units of the picture.
 const MAP: [u32; 2] = [1140, 760];
-const HISTOGRAM: [u32; 2] = [560, 470];
+const HISTOGRAM: [u32; 2] = [560, 670];
 const GAP: u32 = 20;
 
 /// `map` above, `histograms` side by side below, on white: whole `<svg>` elements as this crate draws them.

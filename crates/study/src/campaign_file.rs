@@ -27,7 +27,7 @@ pub struct CampaignFile {
     pub measurement: Measurement,
     /// A wind-like force, if any.
     pub wind: Option<Wind>,
-    /// The random design, if any.
+    /// The random design, if any; with it there is one of today's practice, too.
     pub random: Option<RandomSpec>,
     /// The validation of estimates.
     pub validation: ValidationSpec,

@@ -182,13 +182,14 @@ impl Arguments {
         let layout = Layout::new(&vessel.model);
         let runs = if self.until.is_some() { 0.0 } else { study.campaign.runs() as f64 };
         let rows = study.campaign.samples() as f64 + 1.0;
+        let designs = study.campaign.designs() as f64;
         let each = (BLOCK * LANES) as f64;
         let at_once = 2.0 * each * rayon::current_num_threads() as f64;
         let estimators = study.estimators.estimators.len() as f64;
         let kept =
             if self.keep.keeps(Keep::Scores) { 2.0 * estimates::row_bytes(vessel) * estimators } else { 0.0 };
         let trajectories = match self.keep {
-            Keep::Trajectories => self.keep_first.map_or(runs, |first| f64::from(first) * 2.0).min(runs),
+            Keep::Trajectories => self.keep_first.map_or(runs, |first| f64::from(first) * designs).min(runs),
             _ => 0.0,
         };
         let found = format!("{runs} runs of {} samples", study.campaign.samples());

@@ -165,7 +165,7 @@ fn scores_of_two_estimates_have_two_documents() {
 #[test]
 fn shards_tell_how_many_runs_they_hold() {
     let folder = with(&["design.json", "campaign.parquet", "estimates.parquet", "validation.parquet"]);
-    for (stage, all) in [(CAMPAIGN, 2 * RUNS), (ESTIMATE, 2 * RUNS), (VALIDATE, 2 * RUNS)] {
+    for (stage, all) in [(CAMPAIGN, 3 * RUNS), (ESTIMATE, 3 * RUNS), (VALIDATE, 3 * RUNS)] {
         let (line, _) = stage.rsplit_once(" --out ").unwrap();
         let told = |shard: &str| -> u64 {
             let ran = run(&folder, &format!("{line} --out part.parquet --shard {shard} --json")).succeeds();

@@ -30,9 +30,13 @@ fn path() -> PathBuf {
 
 fn numbers() -> Map<String, Value> {
     let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{POOL} --bootstrap 20 --out estimates.parquet")).succeeds();
+    // Those that the numbers were frozen of.
+    let numbered = |design| (0..RUNS).map(move |run| format!("{design}/{run}"));
+    let runs: Vec<String> = ["optimized", "random"].into_iter().flat_map(numbered).collect();
+    let runs = format!("--runs {}", runs.join(","));
+    run(&folder, &format!("{POOL} {runs} --bootstrap 20 --out estimates.parquet")).succeeds();
     run(&folder, &format!("{CROSS} --estimators ls,iv --out crossval.json")).succeeds();
-    run(&folder, &format!("{SELECTION} --estimator ls --out selection.parquet")).succeeds();
+    run(&folder, &format!("{SELECTION} {runs} --estimator ls --out selection.parquet")).succeeds();
     let pointed = |(name, file, pointer): (&str, &str, &str)| {
         let found = json(&folder, file);
         (name.to_owned(), found.pointer(pointer).unwrap_or_else(|| panic!("{file}: {pointer}")).clone())

@@ -19,7 +19,7 @@ fn segments_of_many_runs_are_pooled_by_maneuver() {
     names.sort_unstable();
     names.dedup();
     assert_eq!(names.len(), found.len());
-    assert_eq!(found.iter().map(|m| m["samples"].as_u64().unwrap()).sum::<u64>(), 2 * RUNS * 1000);
+    assert_eq!(found.iter().map(|m| m["samples"].as_u64().unwrap()).sum::<u64>(), 3 * RUNS * 1000);
     for (d, _) in ["surge", "sway", "yaw"].iter().enumerate() {
         let matrix = found[0]["degrees"][d]["M"].as_array().unwrap();
         assert!((matrix.last().unwrap().as_f64().unwrap() - 1.0).abs() < 1e-12);

@@ -55,7 +55,7 @@ fn a_nominal_file_that_is_none_is_refused() {
     let folder = with(&["campaign.parquet", "estimate.json"]);
     let line = |nominal: &str| format!("{POOL} --runs random/0 --nominal {nominal} --out estimates.parquet");
     refused(&folder, 1, &line("least-sqares"), &["least-sqares", "existing file"]);
-    refused(&folder, 3, &line("estimate.json"), &["estimate.json", "data.designs", "2 designs"]);
+    refused(&folder, 3, &line("estimate.json"), &["estimate.json", "data.designs", "3 designs"]);
     run(&folder, &format!("{POOL} --runs random/0,random/1 --out estimates.parquet")).succeeds();
     put(&folder, "vessel.toml", include_str!("../../../../pipelines/kvlcc2/vessel.toml"));
     let mixed = format!("{} --allow-mixed", line("estimate.json"));

@@ -90,7 +90,7 @@ fn of_many_runs_the_one_that_is_asked_for_is_delivered() {
         &line.replace("ed/3", "ed/333"),
         &["campaign.parquet", "run `optimized/333`", "did you mean"],
     );
-    refused(&folder, 3, &line.replace("optimized/3", "3"), &["run `3`", "2 of that number"]);
+    refused(&folder, 3, &line.replace("optimized/3", "3"), &["run `3`", "3 of that number"]);
     refused(&folder, 2, &format!("{line} --shard 1/2"), &["--model-of", "--shard"]);
     // The model of an earlier estimate does not belong to the next.
     run(&folder, ESTIMATE).succeeds();

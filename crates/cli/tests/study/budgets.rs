@@ -15,7 +15,7 @@ fn edited(name: &str, from: &str, to: &str, line: &str, pieces: &[&str]) {
 #[test]
 fn campaigns_that_no_disk_holds_are_refused() {
     let (many, pieces) =
-        ("realizations = 1000000000", ["`realizations`", "2000000000 runs", "TiB", "free there"]);
+        ("realizations = 1000000000", ["`realizations`", "3000000000 runs", "TiB", "free there"]);
     edited("campaign.toml", "realizations = 24", many, CAMPAIGN, &pieces);
 }
 

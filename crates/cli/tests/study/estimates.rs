@@ -119,7 +119,7 @@ fn every_run_has_its_row_in_order() {
             let (design, run) = (&block.columns[0], block.columns[1].as_i32().unwrap());
             (0..run.len()).map(|row| (design.text_at(row).unwrap().to_owned(), run[row])).collect::<Vec<_>>()
         });
-        let expected = ["optimized", "random"]
+        let expected = ["optimized", "random", "practice"]
             .into_iter()
             .flat_map(|d| (0..RUNS as i32).map(move |r| (d.to_owned(), r)));
         assert_eq!(rows.collect::<Vec<_>>(), expected.collect::<Vec<_>>(), "{file}");

@@ -46,7 +46,7 @@ fn compare_has_a_row_per_run_and_estimator_and_alone_each_gives_the_same() {
     let folder = compared();
     for (file, id) in [("estimates.parquet", "estimates"), ("scores.parquet", "scores")] {
         let estimators = texts(&folder, file, id, 2);
-        assert_eq!(estimators.len(), 2 * RUNS as usize * NAMES.len(), "{file}");
+        assert_eq!(estimators.len(), 3 * RUNS as usize * NAMES.len(), "{file}");
         assert!(estimators.chunks(NAMES.len()).all(|own| own == NAMES), "{file}");
     }
     let whole = craft::read(&folder.path().join("estimates.parquet"), "estimates");
@@ -56,7 +56,7 @@ fn compare_has_a_row_per_run_and_estimator_and_alone_each_gives_the_same() {
             .replace("estimates.parquet", "alone.parquet");
         run(&folder, &line).succeeds();
         let alone = craft::read(&folder.path().join("alone.parquet"), "estimates");
-        for row in 0..2 * RUNS as usize {
+        for row in 0..3 * RUNS as usize {
             let (a, b) =
                 (parameter(&alone.blocks[0], row), parameter(&whole.blocks[0], row * NAMES.len() + i));
             assert_eq!(a, b, "{name}, row {row}");

@@ -28,7 +28,7 @@ fn fixtures(part: &str) -> PathBuf {
 }
 
 /// A number of a document by its JSON pointer, and its name in the golden file.
-const NUMBERS: [(&str, &str, &str); 10] = [
+const NUMBERS: [(&str, &str, &str); 12] = [
     ("design log det", "design.json", "/data/log_det"),
     ("design efficiency of equal shares", "design.json", "/data/efficiency/equal_shares"),
     ("design sensitivity accelerate", "design.json", "/data/sensitivities/accelerate"),
@@ -46,6 +46,12 @@ const NUMBERS: [(&str, &str, &str); 10] = [
     ("validation optimized simulation error q90", "validation.json", "/data/designs/0/simulation_error/q90"),
     ("validation random parameter error median", "validation.json", "/data/designs/1/parameter_error/median"),
     ("validation random simulation error q10", "validation.json", "/data/designs/1/simulation_error/q10"),
+    (
+        "validation practice parameter error median",
+        "validation.json",
+        "/data/designs/2/parameter_error/median",
+    ),
+    ("validation practice simulation error q90", "validation.json", "/data/designs/2/simulation_error/q90"),
     ("estimate random sway condition median", "estimate.json", "/data/designs/1/degrees/1/condition_median"),
 ];
 

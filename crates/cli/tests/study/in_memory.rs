@@ -22,7 +22,7 @@ fn law_a_study_in_memory_has_the_rows_of_the_programs() {
     let runs = study.simulate(&study.design(&moments).unwrap().designed()).unwrap();
     let estimated = study.estimate(&runs, Estimator::Iv).unwrap();
     let scored = study.score(&estimated).unwrap();
-    assert_eq!(scored.len() as u64, 2 * RUNS);
+    assert_eq!(scored.len() as u64, 3 * RUNS);
 
     let file = folder.path().join("estimates.parquet");
     let table = TableReader::open(&file, estimates::ID, estimates::VERSION).unwrap();

@@ -72,7 +72,7 @@ fn law_scores_are_the_same_whether_runs_are_kept_or_not() {
         run(&folder, &format!("{LINE} --keep {keep} --out {keep}/tally.json")).succeeds();
     }
     let rows = scored(&folder, "scores/scores.parquet");
-    assert_eq!(rows.len(), 86);
+    assert_eq!(rows.len(), 129);
     assert!(rows == scored(&folder, "estimates/scores.parquet"));
     let tallies = ["scores", "estimates"].map(|keep| tally(&folder, &format!("{keep}/tally.json")).tally);
     assert!(tallies[0] == tallies[1]);
@@ -133,20 +133,20 @@ fn law_a_tally_counts_what_the_scores_say() {
 fn law_shards_merge_to_the_bytes_of_the_whole_in_any_order_and_on_any_threads() {
     let folder = designed(20);
     run(&folder, &format!("{LINE} --estimator iv,ls --threads 1 --out whole.json")).succeeds();
-    // 2 designs of 3 groups of at most 8 runs.
-    for k in 1..=6 {
-        run(&folder, &format!("{LINE} --estimator iv,ls --shard {k}/6 --threads 3 --out part-{k}.json"))
+    // 3 designs of 3 groups of at most 8 runs.
+    for k in 1..=9 {
+        run(&folder, &format!("{LINE} --estimator iv,ls --shard {k}/9 --threads 3 --out part-{k}.json"))
             .succeeds();
         let part = artifact::read_part::<TallyDocument>(&folder.path().join(format!("part-{k}.json")));
         let runs: u64 = part.unwrap().data.tally.counted.iter().map(|c| c.runs).sum();
         assert!(runs > 0, "shard {k} is empty");
     }
-    let gather = |order: [u32; 6], out: &str| {
+    let gather = |order: [u32; 9], out: &str| {
         let names = order.map(|k| format!("part-{k}.json")).join(" ");
         run(&folder, &format!("monte-carlo --gather {names} --out {out}")).succeeds();
     };
-    gather([1, 2, 3, 4, 5, 6], "ascending.json");
-    gather([5, 2, 6, 1, 4, 3], "mixed.json");
+    gather([1, 2, 3, 4, 5, 6, 7, 8, 9], "ascending.json");
+    gather([5, 2, 8, 6, 1, 9, 4, 3, 7], "mixed.json");
     assert!(bytes(&folder, "whole.json") == bytes(&folder, "ascending.json"));
     assert!(bytes(&folder, "whole.json") == bytes(&folder, "mixed.json"));
 }
@@ -176,8 +176,8 @@ fn only_the_first_trajectories_are_kept() {
     let numbers = runs.blocks.iter().flat_map(|block| block.columns[column].as_i32().unwrap().to_vec());
     let mut numbers: Vec<i32> = numbers.collect();
     numbers.dedup();
-    assert_eq!(numbers, [0, 1, 2, 0, 1, 2]);
-    assert_eq!(scored(&folder, "scores.parquet").len(), 40);
+    assert_eq!(numbers, [0, 1, 2].repeat(3));
+    assert_eq!(scored(&folder, "scores.parquet").len(), 60);
 }
 
 #[test]

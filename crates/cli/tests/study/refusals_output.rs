@@ -229,7 +229,7 @@ fn estimates_without_a_known_truth_are_scored_by_simulation_alone() {
     let scores = craft::read(&folder.path().join("scores.parquet"), "scores");
     let columns = &scores.blocks[0].columns;
     let place = |name: &str| scores.schema.columns.iter().position(|c| c.name == name).unwrap();
-    assert_eq!(columns[place("parameter_error")].nulls(), 2 * RUNS as usize);
+    assert_eq!(columns[place("parameter_error")].nulls(), 3 * RUNS as usize);
     let validation = json(&folder, "validation.json");
     let designs = validation["data"]["designs"].as_array().unwrap();
     let diverged: u64 = designs.iter().map(|design| design["diverged"].as_u64().unwrap()).sum();

@@ -110,6 +110,46 @@ fn random_trials_go_without_tables_of_another_length_and_say_so() {
 }
 
 #[test]
+fn a_practice_that_the_ship_cannot_sail_is_named_and_left_out() {
+    // A round of practice that fits into a run, with a table that random trials go without.
+    let mild = rows(300);
+    let folder = with_table(&timed(&mild, 0.125), "");
+    edit(&folder, "dictionary.toml", "duration_s = 37.5", "duration_s = 6.0");
+    stages(&folder, &[DICTIONARY, MOMENTS, DESIGN]);
+    shared(&folder, 0.0);
+    let sailed = run(&folder, CAMPAIGN).succeeds().stdout;
+    assert!(sailed.starts_with(&format!("campaign.parquet: {} runs", 3 * RUNS)), "{sailed}");
+    assert_eq!(played(&folder, "campaign.parquet"), vec![mild.clone(); RUNS as usize]);
+    let wild: Vec<[f64; 3]> = mild.iter().map(|row| row.map(|force| 1e6 * force)).collect();
+    put(&folder, "log.csv", &timed(&wild, 0.125));
+    let said = run(&folder, &format!("{CAMPAIGN} --allow-mixed")).succeeds().stdout;
+    assert!(said.starts_with(&format!("campaign.parquet: {} runs", 2 * RUNS)), "{said}");
+    assert!(
+        said.contains(
+            "no practice trials, since the ship diverges in maneuver `recorded`, 66.1 s after their start"
+        ),
+        "{said}"
+    );
+    let noted = craft::read(&folder.path().join("campaign.parquet"), "trajectories");
+    assert!(!noted.blocks.iter().any(|block| block.columns[0].text_at(0) == Some("practice")));
+}
+
+#[test]
+fn a_dictionary_of_one_maneuver_has_no_practice_and_says_so() {
+    let folder = with(&["design.json"]);
+    let dictionary = String::from_utf8(bytes(&folder, "dictionary.toml")).unwrap();
+    let first = dictionary.match_indices("[[maneuver]]").nth(1).unwrap().0;
+    put(&folder, "dictionary.toml", &dictionary[..first]);
+    stages(&folder, &[DICTIONARY]);
+    let mut design = json(&folder, "design.json");
+    design["data"]["shares"] = serde_json::json!({"decelerate": 1.0});
+    design["seal"] = serde_json::Value::Null;
+    put(&folder, "design.json", &design.to_string());
+    let said = run(&folder, &format!("{CAMPAIGN} --allow-mixed")).succeeds().stdout;
+    assert!(said.contains("no practice trials, since they take two hand-written maneuvers or more, and the dictionary has only `decelerate`"), "{said}");
+}
+
+#[test]
 fn a_run_that_whole_plays_do_not_fill_is_refused_unless_others_have_a_share() {
     let folder = with_table(&timed(&rows(90), 0.125), "");
     stages(&folder, &[DICTIONARY, MOMENTS, DESIGN]);

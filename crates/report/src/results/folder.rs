@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use artifact::{Document, Error, Loaded, Provenance, TableReader};
 use serde_json::Value;
 use study::documents::{Reference, ValidationDocument};
-use study::files::read_reference;
+use study::files::{read_campaign, read_reference};
 use study::trajectories;
 
 use crate::loader::{document_at, existing};
@@ -36,7 +36,7 @@ pub(super) fn label(folder: &Path) -> String {
         Component::Normal(name) => name.to_str(),
         _ => None,
     });
-    names.filter(|name| !["out", "seeds", "measured"].contains(name)).collect::<Vec<_>>().join(" ")
+    names.filter(|name| !["out", "trials", "seeds", "measured"].contains(name)).collect::<Vec<_>>().join(" ")
 }
 
 /// The seed of the simulated trials in `folder`.
@@ -53,6 +53,13 @@ pub(super) fn seed(folder: &Path) -> Result<Option<u64>, Error> {
 /// The seed in the provenance of a file.
 pub(super) fn seed_of(provenance: &Provenance) -> Option<u64> {
     provenance.settings.get("seed").and_then(Value::as_u64)
+}
+
+/// The length \[s\] of the trials of the study `name`, whose folder is in `written`; `None` of a plan's, which are of another length.
+pub(super) fn length_s(written: Option<&Path>, name: &str) -> Result<Option<f64>, Error> {
+    let path = written.and_then(|written| existing(written.join(name).join("campaign.toml")));
+    let campaign = path.map(|path| read_campaign(&path, &mut Provenance::default())).transpose()?;
+    Ok(campaign.map(|campaign| campaign.duration_s))
 }
 
 /// The published results of the study `name`, whose folder is in `written`.

@@ -46,7 +46,7 @@ const PARAMETERS: [Parameter; 10] = [
 ];
 
 pub fn study() -> Study {
-    let scores = [scores("optimized", 1.9, 0.42), scores("random", 3.9, 1.35)];
+    let scores = [scores("optimized", 1.9, 0.42), scores("random", 3.9, 1.35), scores("practice", 2.9, 0.9)];
     Study {
         merit: None,
         update: None,
@@ -209,7 +209,11 @@ fn estimate() -> EstimateDocument {
     EstimateDocument {
         estimator: Estimator::Iv,
         mean_removal: MeanRemoval::Complete,
-        designs: vec![summary("optimized", |p| p.4, 1.0), summary("random", |p| p.5, 40.0)],
+        designs: vec![
+            summary("optimized", |p| p.4, 1.0),
+            summary("random", |p| p.5, 40.0),
+            summary("practice", |p| 0.5 * (p.4 + p.5), 8.0),
+        ],
         seed: Some(1),
         trusted_within: Some(0.15),
         compared: None,
@@ -260,6 +264,7 @@ fn validation() -> ValidationDocument {
         designs: vec![
             design_scores("optimized", 0.986, 0.971, 1.0),
             design_scores("random", 0.52, 0.604, 2.4),
+            design_scores("practice", 0.75, 0.81, 1.5),
         ],
         compared: None,
     }

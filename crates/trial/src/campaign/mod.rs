@@ -4,6 +4,7 @@ mod designed;
 mod maneuvers;
 mod own_loop;
 mod plays;
+mod practice;
 mod realizations;
 mod refusal;
 mod sea;

@@ -13,6 +13,7 @@ use super::Refusal;
 use super::designed::{Designed, Parts, too_short};
 use super::own_loop::OwnLoop;
 use super::plays::{Plan, drawable, left_out};
+use super::practice::{not_sailed, practice};
 use super::sea::{Group, Sea, SimulatedRun, States, Wanted};
 use super::together::{Experiment, Together};
 
@@ -26,7 +27,7 @@ pub struct Settings {
     pub duration_s: f64,
     /// Runs per design.
     pub realizations: u32,
-    /// Segments of the random design, if there is one.
+    /// Segments of the random design, if there is one; then there is one of today's practice, too.
     pub random_segments: Option<u32>,
     /// Seed of all random numbers.
     pub seed: u64,
@@ -43,9 +44,9 @@ impl Settings {
         Ok(samples)
     }
 
-    /// Runs of all designs.
+    /// Runs of all designs, at most.
     pub fn runs(&self) -> f64 {
-        f64::from(self.realizations) * if self.random_segments.is_some() { 2.0 } else { 1.0 }
+        f64::from(self.realizations) * if self.random_segments.is_some() { 3.0 } else { 1.0 }
     }
 }
 
@@ -58,7 +59,7 @@ pub struct Campaign<'a> {
     /// Every maneuver at every length that occurs.
     parts: Parts,
     names: Vec<String>,
-    /// Statements about maneuvers with tables of inputs.
+    /// Statements about maneuvers with tables of inputs, and about designs that are left out.
     statements: Vec<String>,
     /// What the maneuvers react by.
     reacting: Reacting,
@@ -135,7 +136,8 @@ pub fn random_segments(streams: &Streams, run: u32, maneuvers: &[usize], lengths
 }
 
 impl<'a> Campaign<'a> {
-    /// Runs of `design` (`optimized`) and of maneuvers drawn at random (`random`).
+    /// Runs of `design` (`optimized`), of maneuvers drawn at random (`random`) and of the standard maneuvers one after
+    /// another, as in today's practice (`practice`). A practice that the undisturbed ship cannot sail is left out, with a statement.
     ///
     /// # Errors
     /// A design of other maneuvers, a run shorter than its segments, a maneuver that the model cannot hold.
@@ -172,7 +174,25 @@ impl<'a> Campaign<'a> {
         }
         let realizations = settings.realizations;
         let reacting = generator.reacting();
-        Ok(Self { sea, samples, realizations, designs, parts, names, statements, reacting }.prepared())
+        let own = Self { sea, samples, realizations, designs, parts, names, statements, reacting }.prepared();
+        Ok(if settings.random_segments.is_some() { own.practised(generator, settings.seed) } else { own })
+    }
+
+    /// Adds today's practice, or says why it is left out.
+    fn practised(mut self, generator: &Generator, seed: u64) -> Self {
+        // Parts of its own: by others' that react, these designs would react.
+        let made = practice(generator, self.samples).and_then(|(plan, parts)| {
+            let all = self.experiment(&parts, &plan);
+            not_sailed(self.vessel(), &all).map_or(Ok((plan, all)), Err)
+        });
+        match made {
+            Ok((plan, all)) => {
+                let design = Design::new("practice", seed, Rule::Fixed(plan));
+                self.designs.push(Design { all: Some(Arc::new(all)), ..design });
+            }
+            Err(why) => self.statements.push(format!("no practice trials, since {why}")),
+        }
+        self
     }
 
     /// Repeats `inputs` (N × inputs) from `initial`, open loop, as design `planned`.
@@ -202,7 +222,7 @@ impl<'a> Campaign<'a> {
     /// Prepares the common experiment of all runs of a design once.
     fn prepared(mut self) -> Self {
         let all = |design: &Design| match &design.rule {
-            Rule::Fixed(plan) => Some(Arc::new(self.experiment(plan))),
+            Rule::Fixed(plan) => Some(Arc::new(self.experiment(&self.parts, plan))),
             Rule::Drawn { .. } => None,
         };
         let all: Vec<_> = self.designs.iter().map(all).collect();
@@ -210,11 +230,11 @@ impl<'a> Campaign<'a> {
         self
     }
 
-    fn experiment(&self, plan: &[(usize, usize)]) -> Experiment {
-        let (initial, inputs) = self.parts.joined(plan);
+    fn experiment(&self, parts: &Parts, plan: &[(usize, usize)]) -> Experiment {
+        let (initial, inputs) = parts.joined(plan);
         let model = &self.sea.vessel().model;
         let exogenous = if model.exogenous() == model.inputs { inputs } else { model.undisturbed(&inputs) };
-        let helms = self.parts.react().then(|| self.parts.helms(plan));
+        let helms = parts.react().then(|| parts.helms(plan));
         let own_loop = helms.as_deref().and_then(|helms| OwnLoop::new(self.vessel(), initial, helms));
         let helm = helms.map(Helm::sequence);
         Experiment { segments: self.segments(plan), initial, exogenous, helm, own_loop }
@@ -225,7 +245,7 @@ impl<'a> Campaign<'a> {
         self.sea.vessel()
     }
 
-    /// Statements about maneuvers with tables of inputs, one line each.
+    /// Statements about maneuvers with tables of inputs, and about designs that are left out, one line each.
     pub fn statements(&self) -> &[String] {
         &self.statements
     }
@@ -338,7 +358,7 @@ impl<'a> Campaign<'a> {
         let numbers: Vec<u32> = runs.map(|run| run as u32).collect();
         let own = |run: &u32| match &design.all {
             Some(all) => Arc::clone(all),
-            None => Arc::new(self.experiment(&design.plan(*run))),
+            None => Arc::new(self.experiment(&self.parts, &design.plan(*run))),
         };
         Doing { experiments: numbers.iter().map(own).collect(), numbers }
     }

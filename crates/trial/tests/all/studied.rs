@@ -200,11 +200,11 @@ fn campaign(realizations: u32) -> Vec<SimulatedRun> {
         Wind { std_surge_m_s2: 0.01, std_sway_m_s2: 0.02, std_yaw_rad_s2: 0.01, time_constant_s: Some(8.0) };
     let sea = Sea::new(&vessel, Disturbances { current, measurement }, Some(wind)).unwrap();
     let settings = Settings { duration_s: 50.0, realizations, random_segments: Some(3), seed: 5 };
-    assert_eq!(settings.runs(), 2.0 * f64::from(realizations));
+    assert_eq!(settings.runs(), 3.0 * f64::from(realizations));
     let shares = [("zig-zag", 0.2), ("combined", 0.5), ("surge", 0.3)];
     let shares = shares.map(|(name, share)| (name.to_owned(), share)).into();
     let campaign = Campaign::new(sea, &generator, &Designed { shares, order: None }, &settings).unwrap();
-    assert_eq!((campaign.names(), campaign.samples()), (vec!["optimized", "random"], 400));
+    assert_eq!((campaign.names(), campaign.samples()), (vec!["optimized", "random", "practice"], 400));
     campaign.simulate_all().unwrap()
 }
 
@@ -245,6 +245,18 @@ fn golden_campaign() {
         random_2_inputs 1200 1078759.56 1325988.4 8477.24075
         random_2_states 1203 200.550936 273.189541 1.75393655
         random_2_measured 1203 200.625985 275.78268 1.76775375
+        practice_0_starts 0 134 267
+        practice_0_inputs 1200 1297512.71 1472994.49 8702.55563
+        practice_0_states 1203 297.308339 340.835911 2.05416363
+        practice_0_measured 1203 297.310477 343.75653 2.0053671
+        practice_1_starts 0 134 267
+        practice_1_inputs 1200 1297512.71 1472994.49 8702.55563
+        practice_1_states 1203 267.371274 320.117905 1.85596567
+        practice_1_measured 1203 267.210472 324.871893 1.91961965
+        practice_2_starts 0 134 267
+        practice_2_inputs 1200 1297512.71 1472994.49 8702.55563
+        practice_2_states 1203 274.341426 330.864575 1.86628489
+        practice_2_measured 1203 274.841724 335.995995 1.88542719
         ",
     );
 }
@@ -252,7 +264,7 @@ fn golden_campaign() {
 #[test]
 fn law_runs_are_measured_with_the_stated_noise_and_last_by_their_shares() {
     let runs = campaign(64);
-    assert_eq!(runs.len(), 128);
+    assert_eq!(runs.len(), 192);
     for (d, std) in NOISE.measurement.into_iter().enumerate() {
         let off = runs.iter().flat_map(|own| {
             let both = own.run.measured.iter().zip(&own.states).skip(d).step_by(3);
@@ -264,10 +276,13 @@ fn law_runs_are_measured_with_the_stated_noise_and_last_by_their_shares() {
     for own in &runs {
         let starts: Vec<usize> = own.run.segments.iter().map(|segment| segment.start).collect();
         let optimized = own.run.design == "optimized";
+        // A round of practice is longer than the run: its three maneuvers of one length are shortened alike.
         assert_eq!(starts, if optimized { [0, 80, 280] } else { [0, 134, 267] }, "{:?}", own.run.segments);
     }
-    let names: std::collections::BTreeSet<&str> =
-        runs[64..].iter().flat_map(|own| own.run.segments.iter().map(|own| own.maneuver.as_str())).collect();
+    let names: std::collections::BTreeSet<&str> = runs[64..128]
+        .iter()
+        .flat_map(|own| own.run.segments.iter().map(|own| own.maneuver.as_str()))
+        .collect();
     assert_eq!(names.len(), 3, "generated ones are of no design here: {names:?}");
 }
 
