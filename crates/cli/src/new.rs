@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use artifact::{Staged, commit, whole_folder};
 use clap::Parser;
-use pipeline::starting::{Charted, PRESETS, Preset, measured, schemas, simulated};
+use pipeline::starting::{Charted, PRESETS, Preset, measured, of_ship, schemas, simulated};
 use serde_json::json;
 
 use crate::cli::{Common, folder_of};
@@ -18,8 +18,8 @@ pub struct Arguments {
     /// Folder of the study; made here
     #[arg(value_name = "FOLDER")]
     out: PathBuf,
-    /// The ship to begin with: its model, and what it may be asked for
-    #[arg(long, value_name = "PRESET")]
+    /// The ship to begin with: a preset, or a vessel.toml with forces as `guess` and `scale` write it
+    #[arg(long, value_name = "PRESET|vessel.toml")]
     vessel: String,
     /// Folder of logs in CSV: what is in them is guessed, and what was guessed is marked
     #[arg(long, value_name = "FOLDER")]
@@ -43,20 +43,24 @@ fn place(text: &str) -> Result<[f64; 2], String> {
 /// The presets and an example.
 fn help() -> String {
     let presets = PRESETS.iter().map(|own| format!("{}: {}\n", own.name, own.about));
-    format!("Presets:\n{}\nExample:\n  new my-study --vessel model-ship", presets.collect::<String>())
+    format!(
+        "Presets:\n{}\nExample:\n  new my-study --vessel model-ship\n  new my-study --vessel guessed.toml",
+        presets.collect::<String>()
+    )
 }
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let out = &common.out;
-        let preset = Preset::named(&self.vessel).map_err(|mut e| {
-            if Path::new(&self.vessel).is_file() {
-                e.remedy = "`new` takes no file: name one to begin with; `simulate dictionary`, `validate merit` and `estimate pool` \
-                            take this file as their --vessel"
-                    .to_owned();
-            }
-            Failure::Usage(format!("--vessel: {e}"))
-        })?;
+        let preset = || {
+            Preset::named(&self.vessel)
+                .map_err(|e| Failure::Usage(format!("--vessel: {e}, or a vessel.toml")))
+        };
+        let own = Some(Path::new(&self.vessel)).filter(|file| file.is_file());
+        let with = |flag: &str| {
+            let expected = "a preset with it; name the preset that the ship is most like";
+            Failure::Usage(format!("--vessel: found a file together with {flag}, expected {expected}"))
+        };
         if out.symlink_metadata().is_ok() {
             let found = "it there already";
             return Err(Failure::refuse(
@@ -67,15 +71,18 @@ impl Task for Arguments {
                 "name another, or run this one",
             ));
         }
-        let (files, said) = match &self.logs {
-            None => {
+        let (files, said) = match (own, &self.logs) {
+            (Some(_), Some(_)) => return Err(with("--logs")),
+            (Some(_), None) if self.chart.is_some() => return Err(with("--chart")),
+            (Some(file), None) => (of_ship(file, common.seed)?, String::new()),
+            (None, None) => {
                 let charted =
                     self.chart.as_deref().zip(self.place).map(|(file, place)| Charted { file, place });
                 let name = out.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-                (simulated(preset, &name, charted.as_ref())?, String::new())
+                (simulated(preset()?, &name, charted.as_ref())?, String::new())
             }
-            Some(logs) => {
-                let (files, looked) = measured(preset, logs)?;
+            (None, Some(logs)) => {
+                let (files, looked) = measured(preset()?, logs)?;
                 let (guessed, missing) = (looked.guessed(), looked.missing().len());
                 let half = looked.half_a_wind().map(|[channel, what]| {
                     format!("; `{channel}` is not used: no {what} of the wind was found")

@@ -12,7 +12,7 @@ const RUDDER_RATE: f64 = 0.0405;
 /// Length of the ships whose rudder has that rate \[m\]; those of shorter ones are faster, as those of models are.
 const FULL_SCALE_M: f64 = 100.0;
 /// Samples per length sailed, at least.
-const SAMPLES: f64 = 40.0;
+const SAMPLES: f64 = 20.0;
 /// Highest revolutions over those that hold the speed.
 const MOST_REVOLUTIONS: f64 = 1.3;
 /// Proportions of the ships that the formulas were made for: name, and between which they are.

@@ -4,6 +4,7 @@ mod bags;
 mod chart;
 mod ingest;
 mod looking;
+mod own;
 mod presets;
 mod reading;
 mod sentences;
@@ -17,6 +18,7 @@ use study::hand_written;
 
 pub use chart::Charted;
 pub use looking::{Found, Looked};
+pub use own::of_ship;
 
 pub use presets::{PRESETS, Preset};
 

@@ -103,6 +103,16 @@ impl Preset {
         own.into_iter().chain(self.table)
     }
 
+    /// Its maneuvers.
+    pub(super) fn dictionary(&self) -> &'static str {
+        self.dictionary
+    }
+
+    /// Its simulated trials.
+    pub(super) fn campaign(&self) -> &'static str {
+        self.campaign
+    }
+
     /// The thrusters that its forces are made by, as `ingest.toml` has them; empty if its inputs are logged.
     pub(super) fn thrusters(&self) -> &'static str {
         self.thrusters.unwrap_or_default()
