@@ -45,17 +45,12 @@ impl Figure {
     pub fn passes(&self) -> Option<bool> {
         self.most.map(|most| self.corrected.unwrap_or(self.value) <= most)
     }
-}
 
-impl Figure {
     /// A figure of a spiral, in the unit of the helm's greatest input.
     pub(super) fn of_helm(name: &'static str, what: &'static str, value: f64, unit: &str) -> Self {
         match unit {
             "rad" => Self::new(name, what, value.to_degrees(), "deg"),
             unit => Self::new(name, what, value, unit),
         }
-    }
-    pub(super) fn per_second(self) -> Self {
-        Self { unit: format!("{}/s", self.unit), ..self }
     }
 }

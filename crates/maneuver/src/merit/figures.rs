@@ -1,11 +1,12 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use numerics::statistics::mean;
 use refusal::Invalid;
 
 use super::figure::{Figure, Hull};
 use super::helm::Held;
-use super::record::{Record, Smoother};
-use super::sailed::{Sailed, Sort, board};
+use super::record::{Record, Smoother, least_squares};
+use super::sailed::{Sailed, Sort, degrees};
 use super::{criteria, spirals};
 use crate::standard::{Board, INERTIAL_END, Standard};
 
@@ -44,27 +45,19 @@ pub fn figures(standard: Option<Standard>, record: &Record, hull: &Hull) -> Resu
         _ => Sailed::logged(standard, record, hull)?,
     };
     let speed_m_s = sailed.speed_m_s;
-    let own = Measured { record, smoother: sailed.smoother, hull, sailed: &sailed, speed_m_s };
+    let own = Measured { record, hull, sailed: &sailed, speed_m_s };
     let (mut figures, mut remarks) = (own.all()?, sailed.remarks.clone());
     if !record.is_held {
         remarks.extend(own.unjudged(&figures));
     }
     if !record.is_held && record.is_placed && sailed.sort != Sort::PullOut {
-        match sailed.current(record) {
-            Ok(Some(current)) => {
-                let [north, east] = current.to;
-                let speed = libm::hypot(north, east);
-                let to = libm::atan2(east, north).to_degrees().rem_euclid(360.0);
-                remarks.push(format!(
-                    "the track drifts at {speed:.2} m/s to {to:03.0}°, {}: figures are corrected for it as for a steady \
-                     current (MSC/Circ.1053)",
-                    current.by
-                ));
-                let still = record.without(current.to, sailed.order, current.over_ground);
+        match sailed.without_current(record) {
+            Ok(Some((remark, still))) => {
+                remarks.push(remark);
                 let corrected = Measured { record: &still, speed_m_s: sailed.speed(&still), ..own }.all()?;
                 for figure in &mut figures {
-                    figure.corrected =
-                        corrected.iter().find(|own| own.name == figure.name).map(|own| own.value);
+                    let same = corrected.iter().find(|own| own.name == figure.name);
+                    figure.corrected = same.map(|own| own.value);
                 }
             }
             Ok(None) => {}
@@ -76,7 +69,6 @@ pub fn figures(standard: Option<Standard>, record: &Record, hull: &Hull) -> Resu
 
 struct Measured<'a> {
     record: &'a Record,
-    smoother: Smoother,
     hull: &'a Hull<'a>,
     sailed: &'a Sailed,
     /// Speed of the approach \[m/s\].
@@ -89,7 +81,7 @@ fn unreached(what: &str, turned: &[f64], expected: f64, to: Board) -> Invalid {
     if let Some(wrong) = to.turned_away(found, other) {
         return wrong;
     }
-    let [found, expected] = [found, expected].map(|rad| format!("{:.1}°", rad.to_degrees()));
+    let [found, expected] = [found, expected].map(degrees);
     Invalid::new(what, format!("{found} at the most"), expected, "run it longer, or with more helm")
 }
 
@@ -100,6 +92,15 @@ fn is_degrees(angle: f64, degrees: f64) -> bool {
 
 /// Steps in which a track is measured, in half windows of the smoother.
 const PER_TRACK: f64 = 3.0;
+
+/// Overshoots and times to check, of the first swings of a zig-zag: names, and what they are.
+const SWINGS: [[(&str, &str); 2]; 2] = [
+    [("overshoot_1", "first overshoot"), ("check_time_1", "time to check the first swing")],
+    [("overshoot_2", "second overshoot"), ("check_time_2", "time to check the second swing")],
+];
+/// Headings at which its helm went over.
+const EXECUTES: [(&str, &str); 2] =
+    [("execute_1", "heading at the second execute"), ("execute_2", "heading at the third execute")];
 
 impl Measured<'_> {
     fn all(&self) -> Result<Vec<Figure>, Invalid> {
@@ -123,20 +124,25 @@ impl Measured<'_> {
         (!is_judged).then(|| format!("{}: IMO has limits for {expected} only", self.sailed.words()))
     }
 
-    /// Distance along and across the course of the approach, to `side`, at a time in samples.
-    fn run(&self, side: f64, time: f64) -> [f64; 2] {
+    /// Distance along and across the course of the approach, to the side of the turn, at a time in samples.
+    fn run(&self, time: f64) -> [f64; 2] {
         let (sin, cos) = libm::sincos(self.sailed.course);
         let [to, from] = [time, self.sailed.order].map(|time| self.sailed.place(self.record, time));
         let [north, east] = [to[0] - from[0], to[1] - from[1]];
-        [north * cos + east * sin, side * (east * cos - north * sin)]
+        [north * cos + east * sin, self.sailed.to.sign() * (east * cos - north * sin)]
+    }
+
+    /// Times in samples from one to another, by which a track is measured.
+    fn times(&self, from: f64, to: f64) -> impl Iterator<Item = f64> {
+        let count = ((to - from) / self.sailed.smoother.half as f64 * PER_TRACK).ceil().max(1.0);
+        (0..=count as usize).map(move |k| from + k as f64 / count * (to - from))
     }
 
     /// Length of the track from the order to a time in samples, through smoothed places.
     fn track(&self, time: f64) -> f64 {
         let from = self.sailed.order;
-        let count = ((time - from) / self.smoother.half() * PER_TRACK).ceil().max(1.0);
-        let at = |k: f64| self.sailed.place(self.record, from + k / count * (time - from));
-        let places: Vec<[f64; 2]> = (0..=count as usize).map(|k| at(k as f64)).collect();
+        let places: Vec<[f64; 2]> =
+            self.times(from, time).map(|time| self.sailed.place(self.record, time)).collect();
         places.windows(2).map(|two| libm::hypot(two[1][0] - two[0][0], two[1][1] - two[0][1])).sum()
     }
 
@@ -145,24 +151,18 @@ impl Measured<'_> {
         (to - from) / self.record.rate_hz
     }
 
-    /// The side to which she was ordered, or turned.
-    fn to(&self) -> Board {
-        if self.sailed.side < 0.0 { Board::Port } else { Board::Starboard }
-    }
-
     fn is_helm(&self, degrees: f64) -> bool {
         self.sailed.helm.is_some_and(|helm| helm.iter().any(|own| is_degrees(*own, degrees)))
     }
 
     fn zig_zag(&self) -> Result<Vec<Figure>, Invalid> {
-        let Sailed { side, heading, course, order, .. } = *self.sailed;
+        let Sailed { to, heading, course, order, .. } = *self.sailed;
         let length = self.hull.length_m;
-        let turned = self.record.turned(course, side);
+        let turned = self.record.turned(course, to);
         let begin = order.ceil() as usize;
         // The helm goes over at this heading, so the samples after it follow another law.
-        let first = self.smoother.reached(&turned[begin..], heading);
-        let first =
-            first.ok_or_else(|| unreached("heading", &turned[begin..], heading, self.to()))? + begin as f64;
+        let first = self.sailed.smoother.reached(&turned[begin..], heading);
+        let first = first.ok_or_else(|| unreached("heading", &turned[begin..], heading, to))? + begin as f64;
         let seconds = length / self.speed_m_s;
         let is = |degrees: f64| is_degrees(heading, degrees) && self.is_helm(degrees);
         let initial =
@@ -171,11 +171,11 @@ impl Measured<'_> {
         let executes = &self.sailed.orders[1.min(self.sailed.orders.len())..];
         let values = |sign: f64| turned.iter().map(|psi| sign * psi).collect::<Vec<f64>>();
         let mut late = Vec::new();
-        for (number, execute) in executes.iter().take(2).enumerate() {
-            let sign = [1.0, -1.0][number];
+        for (number, (execute, sign)) in executes.iter().zip([1.0, -1.0]).enumerate() {
             let values = values(sign);
             let end = (execute.to.ceil() as usize).min(values.len());
-            let Some((time, peak)) = self.smoother.peak(&values, execute.from.floor() as usize..end) else {
+            let Some((time, peak)) = self.sailed.smoother.peak(&values, execute.from.floor() as usize..end)
+            else {
                 break;
             };
             let allowed = match number {
@@ -184,27 +184,21 @@ impl Measured<'_> {
                 0 if is(20.0) => Some(criteria::OVERSHOOT_20),
                 _ => None,
             };
-            let (name, what) =
-                [("overshoot_1", "first overshoot"), ("overshoot_2", "second overshoot")][number];
+            let [(overshoot, what), (check_time, time_what)] = SWINGS[number];
             let from = self.executed(&values, execute);
-            all.push(Figure::new(name, what, (peak - from).to_degrees(), "deg").at_most(allowed));
-            let (name, what) = [
-                ("check_time_1", "time to check the first swing"),
-                ("check_time_2", "time to check the second swing"),
-            ][number];
-            late.push(Figure::aside(name, what, self.seconds(execute.from, time), "s"));
+            all.push(Figure::new(overshoot, what, (peak - from).to_degrees(), "deg").at_most(allowed));
+            late.push(Figure::aside(check_time, time_what, self.seconds(execute.from, time), "s"));
         }
         if all.len() < 2 {
             return Err(Invalid::new("overshoot", "a heading that still grows", "its peak", "run it longer"));
         }
         all.extend(late);
         // A simulated helm goes over at the heading itself.
-        let gone =
-            [("execute_1", "heading at the second execute"), ("execute_2", "heading at the third execute")];
-        for ((own, sign), (name, what)) in
-            executes.iter().zip([1.0, -1.0]).zip(gone).filter(|_| !self.sailed.is_exact)
-        {
-            all.push(Figure::aside(name, what, self.executed(&values(sign), own).to_degrees(), "deg"));
+        for ((own, sign), (name, what)) in executes.iter().zip([1.0, -1.0]).zip(EXECUTES) {
+            if !self.sailed.is_exact {
+                let heading = self.executed(&values(sign), own);
+                all.push(Figure::aside(name, what, heading.to_degrees(), "deg"));
+            }
         }
         if let (Some(one), Some(three)) = (executes.first(), executes.get(2)) {
             all.push(Figure::aside("period", "period", self.seconds(one.from, three.from), "s"));
@@ -220,8 +214,8 @@ impl Measured<'_> {
             return heading;
         }
         // An order changes the second derivative, which the curve through both sides does not mind in its middle.
-        let own = self.smoother.at(at, turned.len(), |k| turned[k]);
-        let [_, change] = self.smoother.slope((at.round() as usize).min(turned.len() - 1), turned);
+        let own = self.sailed.smoother.at(at, turned.len(), |k| turned[k]);
+        let [_, change] = self.sailed.smoother.slope((at.round() as usize).min(turned.len() - 1), turned);
         let within = order.doubt * change.abs();
         if (own - heading).abs() <= within { heading } else { own }
     }
@@ -230,56 +224,52 @@ impl Measured<'_> {
     fn nomoto(&self) -> Vec<Figure> {
         let Some(helm) = &self.sailed.angle else { return Vec::new() };
         let (from, last) = (self.sailed.order.ceil() as usize, self.record.last() - 1);
-        let (mut turn, mut sums, mut right) = (0.0, [0.0; 9], [0.0; 3]);
-        let at = |k: usize| self.smoother.slope(k, &self.record.heading);
-        let [[start, rate]] = [at(from)];
+        let at = |k: usize| self.sailed.smoother.slope(k, &self.record.heading);
+        let [start, rate] = at(from);
         let step = ((last - from) / 400).max(1);
-        for k in from + 1..=last {
+        let mut turn = 0.0;
+        let row = |k: usize| {
             let next = helm.smooth[k.min(helm.smooth.len() - 1)];
             let over =
                 if self.record.is_held { helm.smooth[k - 1] } else { 0.5 * (helm.smooth[k - 1] + next) };
             turn += over / self.record.rate_hz;
-            if (k - from) % step == 0 {
+            (k - from).is_multiple_of(step).then(|| {
                 let [psi, r] = at(k);
-                let row = [turn, (rate - r) * self.record.rate_hz, self.seconds(from as f64, k as f64)];
-                for i in 0..3 {
-                    right[i] += row[i] * (psi - start);
-                    (0..3).for_each(|j| sums[3 * i + j] += row[i] * row[j]);
-                }
-            }
-        }
-        match numerics::solve(3, &mut sums, &mut right) {
-            Some(()) if right.iter().all(|own| own.is_finite()) => vec![
-                Figure::aside("nomoto_gain", "Nomoto's K", right[0].abs(), "1/s"),
-                Figure::aside("nomoto_time", "Nomoto's T", right[1], "s"),
+                let passed_s = self.seconds(from as f64, k as f64);
+                ([turn, (rate - r) * self.record.rate_hz, passed_s], psi - start)
+            })
+        };
+        match least_squares((from + 1..=last).filter_map(row)) {
+            Some(own) if own.iter().all(|own| own.is_finite()) => vec![
+                Figure::aside("nomoto_gain", "Nomoto's K", own[0].abs(), "1/s"),
+                Figure::aside("nomoto_time", "Nomoto's T", own[1], "s"),
             ],
             _ => Vec::new(),
         }
     }
 
     fn circle(&self) -> Result<Vec<Figure>, Invalid> {
-        let Sailed { side, course, order, .. } = *self.sailed;
+        let Sailed { to, course, order, .. } = *self.sailed;
         let length = self.hull.length_m;
         let (begin, end) = (order.ceil() as usize, self.sailed.end(self.record));
-        let turned = &self.record.turned(course, side)[begin..=end.max(begin)];
+        let turned = &self.record.turned(course, to)[begin..=end.max(begin)];
         let most = turned.iter().copied().fold(0.0, f64::max);
         let at = |angle: f64| {
-            let time = self.smoother.crossing(turned, angle);
-            time.map(|time| time + begin as f64).ok_or_else(|| match end < self.record.last() {
-                true => Invalid::new(
-                    "helm",
-                    format!("taken off after {:.1}° of turn to {}", most.to_degrees(), board(side)),
-                    format!("held until {:.0}°", angle.to_degrees()),
-                    "hold it longer",
-                ),
-                false => unreached("change of heading", turned, angle, self.to()),
+            let time = self.sailed.smoother.crossing(turned, angle);
+            time.map(|time| time + begin as f64).ok_or_else(|| {
+                if end >= self.record.last() {
+                    return unreached("change of heading", turned, angle, to);
+                }
+                let found = format!("taken off after {} of turn to {to}", degrees(most));
+                let expected = format!("held until {:.0}°", angle.to_degrees());
+                Invalid::new("helm", found, expected, "hold it longer")
             })
         };
         let [quarter, half] = [at(FRAC_PI_2)?, at(PI)?];
         let is_most = self.sailed.is_most || self.is_helm(35.0);
         let criterion = |most: f64| is_most.then_some(most);
-        let [advance, transfer] = self.run(side, quarter);
-        let [_, across] = self.run(side, half);
+        let [advance, transfer] = self.run(quarter);
+        let [_, across] = self.run(half);
         let mut all = vec![
             Figure::new("advance", "advance", advance / length, "L").at_most(criterion(criteria::ADVANCE)),
             Figure::new("transfer", "transfer", transfer / length, "L"),
@@ -289,10 +279,8 @@ impl Measured<'_> {
             Figure::new("time_180", "time to 180°", self.seconds(order, half), "s"),
         ];
         let greatest = |axis: usize, from: f64, to: f64| {
-            let count = ((to - from) / self.smoother.half() * PER_TRACK).ceil().max(1.0);
-            let time = |k: usize| from + k as f64 / count * (to - from);
-            (0..=count as usize).map(|k| self.run(side, time(k))[axis]).fold(f64::NEG_INFINITY, f64::max)
-                / length
+            let runs = self.times(from, to).map(|time| self.run(time)[axis]);
+            runs.fold(f64::NEG_INFINITY, f64::max) / length
         };
         all.push(Figure::aside("greatest_advance", "greatest advance", greatest(0, order, half), "L"));
         if let Ok(three_quarters) = at(1.5 * PI) {
@@ -301,15 +289,16 @@ impl Measured<'_> {
         }
         // The steady turn: from a whole turn on, at least half a turn of it.
         if let (Ok(from), true) = (at(TAU), most >= TAU + PI) {
-            let range = (from.ceil() as usize)..end + 1;
-            let mean = |of: &[f64]| range.clone().map(|k| of[k]).sum::<f64>() / range.len() as f64;
-            let (speed, rate) = (mean(&self.record.speed), side * mean(&self.record.yaw_rate));
+            let range = from.ceil() as usize..end + 1;
+            let mean = |of: &[f64]| mean(&of[range.clone()]).unwrap_or(f64::NAN);
+            let (speed, rate) = (mean(&self.record.speed), to.sign() * mean(&self.record.yaw_rate));
             let diameter = 2.0 * speed / rate / length;
             all.push(Figure::new("steady_diameter", "steady turning diameter", diameter, "L"));
             all.push(Figure::new("steady_yaw_rate", "steady yaw rate", rate.to_degrees(), "deg/s"));
             let loss = speed / self.speed_m_s;
             all.push(Figure::new("speed_loss", "speed in the turn over that of the approach", loss, "1"));
-            let drift = libm::atan2(-side * mean(&self.record.sway), mean(&self.record.surge)).to_degrees();
+            let drift =
+                libm::atan2(-to.sign() * mean(&self.record.sway), mean(&self.record.surge)).to_degrees();
             all.push(Figure::aside("drift_angle", "drift angle in the turn", drift, "deg"));
         }
         Ok(all)
@@ -318,30 +307,23 @@ impl Measured<'_> {
     fn pull_out(&self) -> Result<Vec<Figure>, Invalid> {
         let amidships = self.sailed.orders.get(1).map_or(self.sailed.orders[0].to, |own| own.from);
         let over = amidships.round() as usize;
-        if !self.smoother.is_inside(over, self.record.last()) {
+        if !self.sailed.smoother.is_inside(over, self.record.last()) {
             let found = format!("{:.1} s", self.record.last() as f64 / self.record.rate_hz);
-            let expected =
-                format!("more than {} s, until the helm is amidships", self.seconds(0.0, amidships));
+            let until_s = self.seconds(0.0, amidships);
+            let expected = format!("more than {until_s} s, until the helm is amidships");
             return Err(Invalid::new("pull-out", found, expected, "run it longer"));
         }
         let tail = self.record.last() - (self.record.last() - over) / 5;
-        let mean = |range: std::ops::Range<usize>| {
-            range.clone().map(|k| self.record.yaw_rate[k]).sum::<f64>() / range.len().max(1) as f64
-        };
+        let mean = |range| mean(&self.record.yaw_rate[range]).unwrap_or(0.0).to_degrees();
         let begin = over - ((over as f64 - self.sailed.order) / 5.0).max(1.0).min(over as f64) as usize;
         let (before, after) = (mean(begin..over.max(begin + 1)), mean(tail..self.record.last() + 1));
-        let turned = self.record.turned(self.sailed.course, self.sailed.side)[over];
-        if let Some(wrong) = self.to().turned_away(turned.max(0.0), (-turned).max(0.0)) {
+        let turned = self.record.turned(self.sailed.course, self.sailed.to)[over];
+        if let Some(wrong) = self.sailed.to.turned_away(turned.max(0.0), (-turned).max(0.0)) {
             return Err(wrong);
         }
         Ok(vec![
-            Figure::new(
-                "turning_yaw_rate",
-                "yaw rate before the helm is amidships",
-                before.to_degrees(),
-                "deg/s",
-            ),
-            Figure::new("residual_yaw_rate", "yaw rate that remains", after.to_degrees(), "deg/s"),
+            Figure::new("turning_yaw_rate", "yaw rate before the helm is amidships", before, "deg/s"),
+            Figure::new("residual_yaw_rate", "yaw rate that remains", after, "deg/s"),
         ])
     }
 
@@ -352,15 +334,15 @@ impl Measured<'_> {
         let slowed: Vec<f64> = self.record.surge[begin..].iter().map(|u| -u).collect();
         // A crash stop ends there. An inertial stop goes on, so the samples after it count, too.
         let end = match is_inertial {
-            true => self.smoother.crossing(&slowed, -until),
-            false => self.smoother.end(&slowed, -until, 1e-5 * speed_m_s),
+            true => self.sailed.smoother.crossing(&slowed, -until),
+            false => self.sailed.smoother.end(&slowed, -until, 1e-5 * speed_m_s),
         };
         let end = end.ok_or_else(|| {
             let least = self.record.surge[begin..].iter().copied().fold(f64::INFINITY, f64::min);
             let (found, expected) = (format!("{least:.3} m/s at the least"), format!("{until:.3} m/s"));
             Invalid::new("speed", found, expected, "run it longer")
         })? + begin as f64;
-        let [ahead, across] = self.run(1.0, end);
+        let [ahead, across] = self.run(end);
         let reach = self.track(end);
         let criterion = is_full_astern.then_some(criteria::STOPPING);
         Ok(vec![

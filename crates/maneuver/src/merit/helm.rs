@@ -1,5 +1,7 @@
+use std::ops::RangeInclusive;
+
 use model::Vessel;
-use numerics::statistics::quantile;
+use numerics::statistics::{self, quantile};
 
 use super::figure::Hull;
 use super::record::Record;
@@ -35,13 +37,7 @@ pub(super) fn radians(unit: &str) -> Option<f64> {
 
 /// The median of `values`; 0 of none.
 pub(super) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
-    part(values, 0.5)
-}
-
-fn part(values: impl IntoIterator<Item = f64>, part: f64) -> f64 {
-    let mut sorted: Vec<f64> = values.into_iter().collect();
-    sorted.sort_by(f64::total_cmp);
-    quantile(&sorted, part).unwrap_or(0.0)
+    statistics::median(values.into_iter().collect()).unwrap_or(0.0)
 }
 
 /// An input or several over time: the helm, or an engine.
@@ -104,13 +100,11 @@ impl Helm {
 
     /// The mean of all rudders: what turns in angles, and follows no other input.
     pub fn of_rudders(record: &Record, hull: &Hull, window: f64) -> Option<Self> {
-        let vessel = hull.vessel;
-        let inputs = vessel.model.input_variables().iter().zip(&vessel.couplings);
-        let rudders = inputs.filter(|(own, follows)| follows.is_none() && radians(&own.unit).is_some());
-        let equal = rudders.map(|(own, _)| (own.name.clone(), 1.0 / radians(&own.unit).unwrap_or(1.0)));
+        let inputs = hull.vessel.model.input_variables().iter().zip(&hull.vessel.couplings);
+        let rudders = inputs.filter(|(_, follows)| follows.is_none());
         // Equal angles of all are one of that size.
-        let settings: Settings = equal.collect();
-        Self::of(record, vessel, &settings, window)
+        let equal = rudders.filter_map(|(own, _)| Some((own.name.clone(), 1.0 / radians(&own.unit)?)));
+        Self::of(record, hull.vessel, &equal.collect(), window)
     }
 
     /// How far it departs from `level` from sample `from` on, at the most.
@@ -160,6 +154,11 @@ impl Helm {
         (from..self.smooth.len()).find(|k| (self.smooth[*k] - level).abs() >= OVER * most)
     }
 
+    /// The last of `samples` that is within `near` of `level`.
+    pub fn last_near(&self, level: f64, near: f64, samples: RangeInclusive<usize>) -> Option<usize> {
+        samples.rev().find(|k| (self.smooth[*k] - level).abs() <= near)
+    }
+
     /// The orders from sample `from` on, by how far the helm is from `amidships` in parts of the first one's `helm`. `window` is
     /// the number of samples in which the ship covers her length.
     pub fn orders(&self, from: usize, amidships: f64, helm: f64, window: f64) -> Vec<Held> {
@@ -187,9 +186,11 @@ impl Helm {
         let ends = |i: usize| kept.get(i + 1).map_or(end, |(_, k)| *k);
         let level = |i: usize| match kept[i].0 {
             0 => median(self.smooth[kept[i].1..ends(i)].iter().copied()),
+            // Where it moves to and stays: most of the time it is there, and never much beyond.
             side => {
                 let toward = f64::from(side) * helm.signum();
-                toward * part_of(&self.smooth[kept[i].1..ends(i)], toward)
+                let all = self.smooth[kept[i].1..ends(i)].iter().map(|own| Some(toward * own));
+                toward * quantile(&statistics::sorted(all), 0.7).unwrap_or(0.0)
             }
         };
         let levels: Vec<f64> = (0..kept.len()).map(level).collect();
@@ -205,9 +206,4 @@ impl Helm {
         };
         (0..kept.len()).map(one).collect()
     }
-}
-
-/// Where a helm that moves to `toward` and stays is: most of the time it is there, and never much beyond.
-fn part_of(helm: &[f64], toward: f64) -> f64 {
-    part(helm.iter().map(|own| toward * own), 0.7)
 }

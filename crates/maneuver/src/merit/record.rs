@@ -1,6 +1,8 @@
 use engine::track;
 use refusal::Invalid;
 
+use crate::standard::Board;
+
 /// Half the time over which a heading is smoothed, as a part of the time in which the ship covers her length.
 const HALF: f64 = 0.3;
 
@@ -106,9 +108,9 @@ impl Record {
         ((seconds * self.rate_hz).round() as usize).min(self.last())
     }
 
-    /// Changes of heading from `course`, to `side` (1 starboard, −1 port).
-    pub(super) fn turned(&self, course: f64, side: f64) -> Vec<f64> {
-        self.heading.iter().map(|psi| side * (psi - course)).collect()
+    /// Changes of heading from `course`, to a side.
+    pub(super) fn turned(&self, course: f64, to: Board) -> Vec<f64> {
+        self.heading.iter().map(|psi| to.sign() * (psi - course)).collect()
     }
 }
 
@@ -116,9 +118,9 @@ impl Record {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Smoother {
     /// Samples to either side.
-    half: usize,
+    pub half: usize,
     /// In which the ship covers her length.
-    length: f64,
+    pub length: f64,
 }
 
 impl Smoother {
@@ -145,11 +147,6 @@ impl Smoother {
         let whole = 2 * self.half + 1;
         let end = (at.saturating_sub(self.half) + whole).min(samples);
         end.saturating_sub(whole)..end
-    }
-
-    /// Samples in which the ship covers her length.
-    pub fn length(&self) -> f64 {
-        self.length
     }
 
     /// Whether there is a whole window around `at`.
@@ -220,11 +217,6 @@ impl Smoother {
         Some(found)
     }
 
-    /// Samples to either side.
-    pub fn half(&self) -> f64 {
-        self.half as f64
-    }
-
     /// A value, and its change in a sample.
     pub fn slope(&self, at: usize, values: &[f64]) -> [f64; 2] {
         let [a, b, _] = parabola(self.window(at, values.len()), at, |k| values[k]);
@@ -234,15 +226,21 @@ impl Smoother {
 
 /// a + b t + c t² of least squares, t from `at`.
 fn parabola(range: std::ops::Range<usize>, at: usize, of: impl Fn(usize) -> f64) -> [f64; 3] {
-    let mut rows = [0.0; 9];
-    let mut right = [0.0; 3];
-    for k in range {
+    let row = |k: usize| {
         let t = k as f64 - at as f64;
-        let powers = [1.0, t, t * t];
+        ([1.0, t, t * t], of(k))
+    };
+    least_squares(range.map(row)).unwrap_or_else(|| [of(at), 0.0, 0.0])
+}
+
+/// The factors of three columns by which rows sum to values, of least squares.
+pub(super) fn least_squares(all: impl Iterator<Item = ([f64; 3], f64)>) -> Option<[f64; 3]> {
+    let (mut sums, mut right) = ([0.0; 9], [0.0; 3]);
+    for (row, value) in all {
         for i in 0..3 {
-            right[i] += powers[i] * of(k);
-            (0..3).for_each(|j| rows[3 * i + j] += powers[i] * powers[j]);
+            right[i] += row[i] * value;
+            (0..3).for_each(|j| sums[3 * i + j] += row[i] * row[j]);
         }
     }
-    numerics::solve(3, &mut rows, &mut right).map_or([of(at), 0.0, 0.0], |()| right)
+    numerics::solve(3, &mut sums, &mut right).map(|()| right)
 }

@@ -56,7 +56,7 @@ pub(super) fn direct(spiral: &SpiralTest, record: &Record, hull: &Hull) -> Resul
     Ok(vec![
         Figure::of_helm("loop_width", "width of the loop", (one - two).abs(), &unit),
         Figure::of_helm("neutral_helm", "helm in the middle of it", 0.5 * (one + two), &unit),
-        Figure::of_helm("greatest_yaw_rate", "greatest yaw rate", rates, "rad").per_second(),
+        Figure::new("greatest_yaw_rate", "greatest yaw rate", rates.to_degrees(), "deg/s"),
     ])
 }
 

@@ -1,5 +1,6 @@
 //! A ship along a track: where she came along it, and how far off.
 
+use super::super::drafts::distance;
 use super::alignment::aligned;
 use super::track::{PlannedTrack, ShipPosition, TrackPoint};
 
@@ -130,11 +131,9 @@ impl<'a> Along<'a> {
     /// Course and speed over the ground at the last position \[deg, m/s\]: since she was so far away that it gives a course.
     pub(super) fn course(&self) -> Option<[f64; 2]> {
         let ship = &self.ship;
-        let way = |own: &ShipPosition| [0, 1].map(|c: usize| ship.place[c] - own.place[c]);
-        let far = |own: &&ShipPosition| libm::hypot(way(own)[0], way(own)[1]) >= COURSE_M;
-        let from = self.positions.iter().rev().find(far)?;
-        let [east, north] = way(from);
-        let speed_m_s = libm::hypot(east, north) / (ship.at_s - from.at_s);
+        let from = self.positions.iter().rfind(|own| distance(ship.place, own.place) >= COURSE_M)?;
+        let [east, north] = [0, 1].map(|c: usize| ship.place[c] - from.place[c]);
+        let speed_m_s = distance(ship.place, from.place) / (ship.at_s - from.at_s);
         Some([libm::atan2(east, north).to_degrees().rem_euclid(360.0), speed_m_s])
     }
 }

@@ -2,6 +2,7 @@
 
 use refusal::Invalid;
 
+use super::super::drafts::distance;
 use super::along::Along;
 use super::limits::FollowLimits;
 use super::track::{ShipPosition, median, turned_deg};
@@ -36,13 +37,8 @@ const AT_REST_M_S: f64 = 0.3;
 /// Part of the way in which a ship of the plan stops that is too short for her.
 const ABRUPT: f64 = 0.5;
 
-/// A straight part of the way.
-struct Part {
-    /// Its first position, its last, and one between.
-    rows: [usize; 3],
-    /// North and east \[m/s\].
-    velocity: [f64; 2],
-}
+/// A straight part of the way: its first position, one between and its last; and its velocity to north and east \[m/s\].
+type Part = ([usize; 3], [f64; 2]);
 
 /// Refuses columns that contradict the positions, and positions that stand still; says what else is odd.
 pub(super) fn check(along: &Along, limits: &FollowLimits) -> Result<Option<String>, Invalid> {
@@ -52,14 +48,6 @@ pub(super) fn check(along: &Along, limits: &FollowLimits) -> Result<Option<Strin
     check_heading(along, &parts)?;
     check_still(along, limits)?;
     Ok(odd)
-}
-
-fn way(from: &ShipPosition, to: &ShipPosition) -> [f64; 2] {
-    [1, 0].map(|c: usize| to.place[c] - from.place[c])
-}
-
-fn metres([a, b]: [f64; 2]) -> f64 {
-    libm::hypot(a, b)
 }
 
 fn parts(along: &Along) -> Vec<Part> {
@@ -72,18 +60,19 @@ fn parts(along: &Along) -> Vec<Part> {
     }
     let part = |rows: &[usize]| {
         let [a, b, c] = [0, 1, 2].map(|k: usize| &all[rows[k]]);
-        let (chord, elapsed_s) = (way(a, c), c.at_s - a.at_s);
-        let is_straight = metres(chord) >= STRAIGHT * (metres(way(a, b)) + metres(way(b, c)));
-        (is_straight && metres(chord) >= PART_M)
-            .then(|| Part { rows: [rows[0], rows[1], rows[2]], velocity: chord.map(|own| own / elapsed_s) })
+        let way_m = distance(a.place, b.place) + distance(b.place, c.place);
+        let chord_m = distance(a.place, c.place);
+        let velocity = [1, 0].map(|k: usize| (c.place[k] - a.place[k]) / (c.at_s - a.at_s));
+        let part = ([rows[0], rows[1], rows[2]], velocity);
+        (chord_m >= STRAIGHT * way_m && chord_m >= PART_M).then_some(part)
     };
     picked.windows(3).filter_map(part).collect()
 }
 
 fn check_speed(along: &Along, parts: &[Part]) -> Result<Option<String>, Invalid> {
-    let ratio = |part: &Part| {
-        let logged = part.rows.iter().map(|row| along.positions[*row].speed_m_s).sum::<Option<f64>>()?;
-        Some(logged / 3.0 / metres(part.velocity))
+    let ratio = |(rows, velocity): &Part| {
+        let logged = rows.iter().map(|row| along.positions[*row].speed_m_s).sum::<Option<f64>>()?;
+        Some(logged / 3.0 / libm::hypot(velocity[0], velocity[1]))
     };
     let ratios: Vec<f64> = parts.iter().filter_map(ratio).collect();
     let (count, ratio) = (ratios.len(), median(ratios.into_iter()));
@@ -92,9 +81,8 @@ fn check_speed(along: &Along, parts: &[Part]) -> Result<Option<String>, Invalid>
     }
     let mut logged = along.positions.iter().filter_map(|own| own.speed_m_s);
     if let Some(first) = logged.next().filter(|first| logged.all(|own| own == *first)) {
-        return Ok(Some(format!(
-            "the logged speed is {first:.1} m/s throughout, and not that of the positions"
-        )));
+        let words = format!("the logged speed is {first:.1} m/s throughout, and not that of the positions");
+        return Ok(Some(words));
     }
     let unit = SPEEDS.into_iter().find(|(own, _)| (ratio / own - 1.0).abs() < 0.08);
     let unit = unit.map_or(String::new(), |(_, unit)| format!(", as in {unit}"));
@@ -106,17 +94,15 @@ fn check_speed(along: &Along, parts: &[Part]) -> Result<Option<String>, Invalid>
 /// Refuses headings that jump, as courses over ground do where a ship hardly moves.
 fn check_swing(all: &[ShipPosition]) -> Result<(), Invalid> {
     let swings = |pair: &&[ShipPosition]| {
-        let turned =
-            pair[1].heading_deg.zip(pair[0].heading_deg).map_or(0.0, |(to, from)| turned_deg(to, from));
-        turned > SWING_DEG && pair[1].at_s - pair[0].at_s <= NEXT_S
+        let headings = pair[1].heading_deg.zip(pair[0].heading_deg);
+        headings.is_some_and(|(to, from)| turned_deg(to, from) > SWING_DEG)
+            && pair[1].at_s - pair[0].at_s <= NEXT_S
     };
     let mut jumps = all.windows(2).filter(swings);
-    let first = jumps.next().filter(|_| jumps.count() >= FEW);
-    first.map_or(Ok(()), |pair| {
-        let found = format!("jumps from one position to the next, the first by more than {SWING_DEG} deg");
-        let expected = "a heading: a course over ground is none, and jumps where she hardly moves";
-        Err(refused_heading(&format!("line {}, heading", pair[1].line), found, expected))
-    })
+    let Some(pair) = jumps.next().filter(|_| jumps.count() >= FEW) else { return Ok(()) };
+    let found = format!("jumps from one position to the next, the first by more than {SWING_DEG} deg");
+    let expected = "a heading: a course over ground is none, and jumps where she hardly moves";
+    Err(refused_heading(&format!("line {}, heading", pair[1].line), found, expected))
 }
 
 fn refused_heading(thing: &str, found: String, expected: &str) -> Invalid {
@@ -126,14 +112,14 @@ fn refused_heading(thing: &str, found: String, expected: &str) -> Invalid {
 
 /// Refuses headings that are off the courses over ground: least squares of velocities = turn · headings + a current.
 fn check_heading(along: &Along, parts: &[Part]) -> Result<(), Invalid> {
-    let pair = |part: &Part| {
-        let [a, b, c] = part.rows.map(|row| &along.track.points[along.at[row]]);
-        let heading = along.positions[part.rows[1]].heading_deg?.to_radians();
+    let pair = |(rows, velocity): &Part| {
+        let [a, b, c] = rows.map(|row| &along.track.points[along.at[row]]);
+        let heading = along.positions[rows[1]].heading_deg?.to_radians();
         // Where the plan goes astern or aside, the heading is no course.
         let course = libm::atan2(c.place[0] - a.place[0], c.place[1] - a.place[1]).to_degrees();
         let is_ahead = [a, b, c].iter().all(|own| turned_deg(course, own.heading_deg) < AHEAD_DEG);
         let ahead = [libm::cos(heading), libm::sin(heading)].map(|own| b.speed_m_s * own);
-        is_ahead.then(|| [part.velocity[0], part.velocity[1], ahead[0], ahead[1]])
+        is_ahead.then(|| [velocity[0], velocity[1], ahead[0], ahead[1]])
     };
     let pairs: Vec<[f64; 4]> = parts.iter().filter_map(pair).collect();
     let (count, none) = (pairs.len() as f64, sums(&pairs, [0.0; 4]));
@@ -180,11 +166,10 @@ fn check_still(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
     };
     let recent = all.iter().rev().take_while(|own| last.at_s - own.at_s <= PART_S[0]).count();
     let center = mean(&all[all.len() - recent..]);
-    let away_m = |own: [f64; 2], from: [f64; 2]| libm::hypot(own[0] - from[0], own[1] - from[1]);
-    let from =
-        all.iter().rposition(|own| away_m(own.place, center) > limits.uncertain_m).map_or(0, |k| k + 1);
+    let leaves = all.iter().rposition(|own| distance(own.place, center) > limits.uncertain_m);
+    let from = leaves.map_or(0, |k| k + 1);
     let (before, after) = all[from..].split_at((all.len() - from) / 2);
-    if before.is_empty() || away_m(mean(after), mean(before)) > STILL * limits.uncertain_m {
+    if before.is_empty() || distance(mean(after), mean(before)) > STILL * limits.uncertain_m {
         return Ok(());
     }
     let (lasts_s, missed_m) = (last.at_s - all[from].at_s, MISSED * limits.uncertain_m);
@@ -198,11 +183,9 @@ fn check_still(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
     let at_s = points[along.at[from]].at_s;
     let end = &points[along.last()];
     // A plan that turns on a small circle here moves as far, and stays near.
-    let is_circle = {
-        let own = points.iter().filter(|own| (own.at_s - end.at_s).abs() <= lasts_s);
-        own.map(|own| own.away_m(end.place)).fold(0.0, f64::max) <= 2.0 * limits.uncertain_m
-            && planned_m(end.at_s - lasts_s, end.at_s) > missed_m
-    };
+    let near = points.iter().filter(|own| (own.at_s - end.at_s).abs() <= lasts_s);
+    let is_circle = near.map(|own| own.away_m(end.place)).fold(0.0, f64::max) <= 2.0 * limits.uncertain_m
+        && planned_m(end.at_s - lasts_s, end.at_s) > missed_m;
     let moves = speed_m_s > AT_REST_M_S && speed_m_s * lasts_s > missed_m && !is_circle;
     let why = match logged.is_empty() {
         false if moves => format!("her speed is {speed_m_s:.1} m/s"),
@@ -222,7 +205,7 @@ fn stops_abruptly(along: &Along, from: usize) -> bool {
     let (all, points) = (along.positions, &along.track.points);
     let [start, before] =
         [from, all[..from].partition_point(|own| own.at_s < all[from].at_s - 20.0)].map(|k| &all[k]);
-    let speed_m_s = metres(way(before, start)) / (start.at_s - before.at_s);
+    let speed_m_s = distance(before.place, start.place) / (start.at_s - before.at_s);
     if from == 0 || speed_m_s < 0.5 * points[along.at[from]].speed_m_s {
         return false;
     }
@@ -231,5 +214,5 @@ fn stops_abruptly(along: &Along, from: usize) -> bool {
     let stops_m = speed_m_s * speed_m_s / (2.0 * slows.fold(0.0, f64::max));
     let last = &all[all.len() - 1];
     let is_same = all.iter().rev().take_while(|own| own.place == last.place).count() >= FEW;
-    is_same || ABRUPT * stops_m > metres(way(last, start))
+    is_same || ABRUPT * stops_m > distance(last.place, start.place)
 }

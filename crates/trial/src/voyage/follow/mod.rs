@@ -114,55 +114,45 @@ impl PlannedTrack {
         check_alignment(&along, limits)?;
         let shifted = shift.map(|own| format!("{}: their datum, or the antenna's place", own.words()));
         let odd = shifted.into_iter().chain(doubt::check(&along, limits)?).collect();
-        let mut followed = along.followed();
-        for step in 0..track.steps.len() {
-            let is_done = followed.states[step] == StepState::Done;
-            match is_done.then(|| along.sailed(step, inputs)) {
-                Some(Sailed::Otherwise(why)) => {
-                    (followed.states[step], followed.why[step]) = (StepState::Spoiled, Some(why));
-                }
-                Some(Sailed::Unknown) => followed.unknown.push(step),
-                Some(Sailed::Planned) | None => {}
+        let (last, ship) = (along.last(), &along.ship);
+        let (point, end) = (&track.points[last], along.reached_end());
+        let finished = end.is_some();
+        let steps = 0..track.steps.len();
+        let mut states: Vec<StepState> = steps.clone().map(|step| along.state(step, finished)).collect();
+        let (mut why, mut unknown) = (vec![None; track.steps.len()], Vec::new());
+        for (step, state) in states.iter_mut().enumerate().filter(|(_, state)| **state == StepState::Done) {
+            match along.sailed(step, inputs) {
+                Sailed::Otherwise(words) => (*state, why[step]) = (StepState::Spoiled, Some(words)),
+                Sailed::Unknown => unknown.push(step),
+                Sailed::Planned => {}
             }
         }
-        Ok(Followed { positions, spikes, odd, ..followed })
+        Ok(Followed {
+            states,
+            deviations_m: steps.map(|step| along.deviation_m(step)).collect(),
+            step: point.step,
+            in_maneuver: point.informative && !finished,
+            finished,
+            at_s: ship.at_s,
+            deviation_m: point.away_m(ship.place),
+            delay_s: along.delay_s(end.unwrap_or(along.positions.len() - 1)),
+            motion: along.motion(),
+            positions,
+            spikes,
+            odd,
+            usual_delay_s: track::median((0..along.positions.len()).map(|k| along.delay_s(k))),
+            why,
+            unknown,
+        })
     }
 }
 
 impl Along<'_> {
-    fn followed(&self) -> Followed {
-        let (track, last) = (self.track, self.last());
-        let (point, ship) = (&track.points[last], &self.ship);
-        let end = self.reached_end();
-        let finished = end.is_some();
-        let at_s = ship.at_s;
-        let steps = 0..track.steps.len();
-        Followed {
-            states: steps.clone().map(|step| self.state(step, finished)).collect(),
-            deviations_m: steps.map(|step| self.deviation_m(step)).collect(),
-            step: point.step,
-            in_maneuver: point.informative && !finished,
-            finished,
-            at_s,
-            deviation_m: point.away_m(ship.place),
-            delay_s: self.delay_s(end.unwrap_or(self.positions.len() - 1)),
-            motion: self.motion(),
-            positions: Vec::new(),
-            spikes: 0,
-            odd: Vec::new(),
-            usual_delay_s: track::median((0..self.positions.len()).map(|k| self.delay_s(k))),
-            why: vec![None; track.steps.len()],
-            unknown: Vec::new(),
-        }
-    }
-
     fn state(&self, step: usize, finished: bool) -> StepState {
         let now = self.track.points[self.last()].step;
         match step.cmp(&now) {
-            _ if finished || step < now => match self.is_covered(step) {
-                true => StepState::Done,
-                false => StepState::Missed,
-            },
+            _ if (finished || step < now) && self.is_covered(step) => StepState::Done,
+            _ if finished || step < now => StepState::Missed,
             std::cmp::Ordering::Equal => StepState::UnderWay,
             _ => StepState::Ahead,
         }

@@ -2,6 +2,7 @@
 
 use refusal::Invalid;
 
+use super::super::drafts::distance;
 use super::along::Along;
 use super::limits::FollowLimits;
 use super::shift::Shift;
@@ -71,7 +72,7 @@ fn check_pace(
 ) -> Result<(), Invalid> {
     let (mut from, mut speeds) = (&positions[0], Vec::new());
     for own in positions {
-        let way_m = libm::hypot(own.place[0] - from.place[0], own.place[1] - from.place[1]);
+        let way_m = distance(own.place, from.place);
         if way_m >= 10.0 * limits.uncertain_m {
             speeds.push(way_m / (own.at_s - from.at_s));
             from = own;
@@ -84,10 +85,8 @@ fn check_pace(
     if speeds.is_empty() || speed_m_s <= limits.fastest_m_s && !is_slow {
         return Ok(());
     }
-    let found = format!(
-        "a ship at {speed_m_s:.3} m/s{}",
-        unit.map_or(String::new(), |(_, unit)| format!(", as of {unit} in place of seconds"))
-    );
+    let unit = unit.map_or(String::new(), |(_, unit)| format!(", as of {unit} in place of seconds"));
+    let found = format!("a ship at {speed_m_s:.3} m/s{unit}");
     let expected = format!("about {:.1} m/s, as planned", track.usual_m_s());
     Err(Invalid::new("`time`", found, expected, "write times in seconds, or as dates with a time"))
 }
@@ -110,8 +109,7 @@ fn check_day(track: &PlannedTrack, [first, last]: [&ShipPosition; 2]) -> Result<
 }
 
 fn check_jump(pair: &[ShipPosition], limits: &FollowLimits) -> Result<(), Invalid> {
-    let [east, north] = [0, 1].map(|c: usize| pair[1].place[c] - pair[0].place[c]);
-    let (way_m, elapsed_s) = (libm::hypot(east, north), pair[1].at_s - pair[0].at_s);
+    let (way_m, elapsed_s) = (distance(pair[0].place, pair[1].place), pair[1].at_s - pair[0].at_s);
     let most_m = limits.fastest_m_s * elapsed_s + 2.0 * limits.uncertain_m;
     if way_m <= most_m {
         return Ok(());
@@ -140,12 +138,10 @@ pub(super) fn check_shift(track: &PlannedTrack, shift: &Shift) -> Result<(), Inv
 pub(super) fn check_alignment(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
     let (nearest_m, within_m) = (along.nearest_m(), along.least_within_m());
     if nearest_m > within_m {
-        return Err(Invalid::new(
-            "positions",
-            format!("none nearer to the plan's track than {nearest_m:.0} m"),
-            format!("positions along it, within {within_m:.0} m"),
-            "name the plan that is sailed, or widen --within-m",
-        ));
+        let found = format!("none nearer to the plan's track than {nearest_m:.0} m");
+        let expected = format!("positions along it, within {within_m:.0} m");
+        let remedy = "name the plan that is sailed, or widen --within-m";
+        return Err(Invalid::new("positions", found, expected, remedy));
     }
     check_beginning(along, limits)?;
     check_gaps(along, limits)?;
@@ -157,16 +153,11 @@ fn check_beginning(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> 
     let first = &along.track.points[along.at[0]];
     let before = &along.track.points[..along.at[0]];
     let maneuver = before.iter().rfind(|point| point.informative);
-    match maneuver.filter(|_| first.at_s > limits.max_gap_s) {
-        None => Ok(()),
-        Some(point) => {
-            let name = &along.track.steps[point.step].name;
-            let found =
-                format!("a beginning at step {}, after `{name}` in step {}", first.step + 1, point.step + 1);
-            let expected = "positions since the departure of the plan";
-            Err(Invalid::new(line(&along.positions[0]), found, expected, "give the whole log"))
-        }
-    }
+    let Some(point) = maneuver.filter(|_| first.at_s > limits.max_gap_s) else { return Ok(()) };
+    let name = &along.track.steps[point.step].name;
+    let found = format!("a beginning at step {}, after `{name}` in step {}", first.step + 1, point.step + 1);
+    let expected = "positions since the departure of the plan";
+    Err(Invalid::new(line(&along.positions[0]), found, expected, "give the whole log"))
 }
 
 fn check_gaps(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {

@@ -54,10 +54,10 @@ impl Shift {
         for widened in WIDENED {
             let mut wide = track.clone();
             wide.steps.iter_mut().for_each(|step| step.within_m *= widened);
-            let Some(found) = displacement(&offs(&wide, &less(&few, moved))) else { break };
+            let Some(found) = displacement(&offs(&wide, &Self::Earth(moved).without(&few))) else { break };
             moved = [0, 1].map(|c| moved[c] + found[c]);
         }
-        let after_m = away_m(&offs(track, &less(&few, moved)), Self::Ship(0.0));
+        let after_m = away_m(&offs(track, &Self::Earth(moved).without(&few)), Self::Ship(0.0));
         let moving = own.iter().filter(|own| own.2);
         let aside = Self::Ship(median(moving.map(|own| Self::Ship(0.0).across_m(own))));
         let (found, after_m) = match away_m(&own, aside) {
@@ -70,11 +70,11 @@ impl Shift {
     /// How far a position is to starboard of its course without the displacement \[m\].
     fn across_m(&self, (off, side, _): &Off) -> f64 {
         let across = |own: &[f64; 2]| own[0] * side[0] + own[1] * side[1];
-        across(off)
-            - match self {
-                Self::Earth(own) => across(own),
-                Self::Ship(own) => *own,
-            }
+        let displaced = match self {
+            Self::Earth(own) => across(own),
+            Self::Ship(own) => *own,
+        };
+        across(off) - displaced
     }
 
     pub(super) fn metres(&self) -> f64 {
@@ -86,10 +86,9 @@ impl Shift {
 
     /// Positions without it.
     pub(super) fn without(&self, positions: &[ShipPosition]) -> Vec<ShipPosition> {
-        match self {
-            Self::Earth(own) => less(positions, *own),
-            Self::Ship(_) => positions.to_vec(),
-        }
+        let Self::Earth(by) = self else { return positions.to_vec() };
+        let moved = |own: &ShipPosition| ShipPosition { place: [0, 1].map(|c| own.place[c] - by[c]), ..*own };
+        positions.iter().map(moved).collect()
     }
 
     pub(super) fn words(&self) -> String {
@@ -104,11 +103,6 @@ impl Shift {
             }
         }
     }
-}
-
-fn less(positions: &[ShipPosition], by: [f64; 2]) -> Vec<ShipPosition> {
-    let moved = |own: &ShipPosition| ShipPosition { place: [0, 1].map(|c| own.place[c] - by[c]), ..*own };
-    positions.iter().map(moved).collect()
 }
 
 /// Positions against the points that they belong to.

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use numerics::statistics::sorted;
+
 use super::along::Along;
 use super::track::{ShipPosition, TrackPoint, median};
 
@@ -32,23 +34,19 @@ pub(super) enum Sailed {
 }
 
 /// A position in a maneuver, and the point of the plan that it belongs to.
-struct Fix {
-    ship: ShipPosition,
-    plan: TrackPoint,
-}
+type Fix = (ShipPosition, TrackPoint);
 
 impl Along<'_> {
     /// How the maneuver of `step` was sailed, by motion and by the inputs that were planned and logged.
     pub(super) fn sailed(&self, step: usize, [planned, logged]: [&Inputs; 2]) -> Sailed {
-        let fix = |(ship, k): (&ShipPosition, &usize)| Fix { ship: *ship, plan: self.track.points[*k] };
-        let own = |fix: &Fix| fix.plan.step == step && fix.plan.informative;
+        let fix = |(ship, k): (&ShipPosition, &usize)| (*ship, self.track.points[*k]);
+        let own = |(_, plan): &Fix| plan.step == step && plan.informative;
         let fixes: Vec<Fix> = self.positions.iter().zip(&self.at).map(fix).filter(own).collect();
         if fixes.is_empty() {
             return Sailed::Planned;
         }
-        let inputs = planned.iter().filter_map(|(name, own)| Some((name, own, logged.get(name)?)));
-        let inputs: Vec<Option<String>> =
-            inputs.filter_map(|(name, own, logged)| input(&fixes, name, [own, logged])).collect();
+        let of = |(name, own): (&String, &Vec<[f64; 2]>)| input(&fixes, name, [own, logged.get(name)?]);
+        let inputs: Vec<Option<String>> = planned.iter().filter_map(of).collect();
         let known = !inputs.is_empty();
         match inputs.into_iter().flatten().next().or_else(|| broken_off(&fixes)) {
             Some(why) => Sailed::Otherwise(why),
@@ -59,30 +57,26 @@ impl Along<'_> {
 
 /// Where the ship waited in a maneuver, sailed part of it again, or left part of it out.
 fn broken_off(fixes: &[Fix]) -> Option<String> {
-    let (first, last) = (fixes.first()?, fixes.last()?);
-    let usual = fixes.iter().map(|own| own.plan.speed_m_s).sum::<f64>() / fixes.len() as f64;
-    let is_inner = |own: &Fix| {
-        own.plan.at_s >= first.plan.at_s + ENDS_S
-            && own.plan.at_s <= last.plan.at_s - ENDS_S
-            && own.plan.speed_m_s >= 0.5 * usual
+    let [begins_s, ends_s] = [fixes.first()?, fixes.last()?].map(|(_, plan)| plan.at_s);
+    let usual = fixes.iter().map(|(_, plan)| plan.speed_m_s).sum::<f64>() / fixes.len() as f64;
+    let is_inner = |(_, plan): &&Fix| {
+        (begins_s + ENDS_S..=ends_s - ENDS_S).contains(&plan.at_s) && plan.speed_m_s >= 0.5 * usual
     };
-    let inner: Vec<&Fix> = fixes.iter().filter(|own| is_inner(own)).collect();
+    let inner: Vec<&Fix> = fixes.iter().filter(is_inner).collect();
     let pairs = inner.iter().enumerate().flat_map(|(k, from)| inner[k..].iter().map(move |to| (*from, *to)));
     // By how much the log, or the plan, goes on while the other hardly does.
-    let stands = |(from, to): &(&Fix, &Fix)| {
-        let [took_s, planned_s] = [to.ship.at_s - from.ship.at_s, to.plan.at_s - from.plan.at_s];
+    let times = |(from, to): &(&Fix, &Fix)| [to.0.at_s - from.0.at_s, to.1.at_s - from.1.at_s];
+    let stands = |pair: &(&Fix, &Fix)| {
+        let [took_s, planned_s] = times(pair);
         let [least, most] = [took_s.min(planned_s), took_s.max(planned_s)];
         (most - least >= BROKEN_S).then_some(GOES_ON * most - least)
     };
-    let (from, to) = pairs.max_by(|a, b| stands(a).unwrap_or(-1.0).total_cmp(&stands(b).unwrap_or(-1.0)))?;
-    stands(&(from, to)).filter(|by| *by >= 0.0)?;
-    let [after_s, took_s] = [from.plan.at_s - first.plan.at_s, to.ship.at_s - from.ship.at_s];
-    Some(match took_s > to.plan.at_s - from.plan.at_s {
+    let pair = pairs.max_by(|a, b| stands(a).unwrap_or(-1.0).total_cmp(&stands(b).unwrap_or(-1.0)))?;
+    stands(&pair).filter(|by| *by >= 0.0)?;
+    let ([took_s, planned_s], after_s) = (times(&pair), pair.0.1.at_s - begins_s);
+    Some(match took_s > planned_s {
         true => format!("broken off {after_s:.0} s after its beginning, and resumed {took_s:.0} s later"),
-        false => format!(
-            "{:.0} s of it are left out, {after_s:.0} s after its beginning",
-            to.plan.at_s - from.plan.at_s
-        ),
+        false => format!("{planned_s:.0} s of it are left out, {after_s:.0} s after its beginning"),
     })
 }
 
@@ -96,9 +90,8 @@ fn shape(fixes: &[Fix], known: bool) -> Sailed {
         Some([own, _]) if *own < -LEAST => Sailed::Otherwise("to the other side".to_owned()),
         Some([own, _]) => {
             let percent = 100.0 * own.max(0.0);
-            Sailed::Otherwise(format!(
-                "its motion has {percent:.0} % of the planned one, or a part of it has"
-            ))
+            let words = format!("its motion has {percent:.0} % of the planned one, or a part of it has");
+            Sailed::Otherwise(words)
         }
         None if known || tells().next().is_some() => Sailed::Planned,
         None => Sailed::Unknown,
@@ -107,21 +100,18 @@ fn shape(fixes: &[Fix], known: bool) -> Sailed {
 
 /// The part of the planned way aside of a straight line that was sailed, and its standard error.
 fn gain(fixes: &[Fix]) -> Option<[f64; 2]> {
+    let mean = |of: &dyn Fn(&Fix) -> f64| fixes.iter().map(of).sum::<f64>() / fixes.len() as f64;
+    let at_s = mean(&|(_, plan)| plan.at_s);
+    let later_s = |(_, plan): &Fix| plan.at_s - at_s;
+    let squares = mean(&|own| later_s(own) * later_s(own));
     let aside = |place: fn(&Fix) -> [f64; 2]| -> Vec<[f64; 2]> {
-        let count = fixes.len() as f64;
-        let mean = |of: &dyn Fn(&Fix) -> f64| fixes.iter().map(of).sum::<f64>() / count;
-        let at = mean(&|own| own.plan.at_s);
-        let squares = mean(&|own| (own.plan.at_s - at) * (own.plan.at_s - at));
         let line = [0, 1].map(|c: usize| {
-            let slope = mean(&|own| (own.plan.at_s - at) * place(own)[c]) / squares;
-            [mean(&|own| place(own)[c]), slope]
+            [mean(&|own| place(own)[c]), mean(&|own| later_s(own) * place(own)[c]) / squares]
         });
-        fixes
-            .iter()
-            .map(|own| [0, 1].map(|c: usize| place(own)[c] - line[c][0] - line[c][1] * (own.plan.at_s - at)))
-            .collect()
+        let off = |own: &Fix| [0, 1].map(|c: usize| place(own)[c] - line[c][0] - line[c][1] * later_s(own));
+        fixes.iter().map(off).collect()
     };
-    let (planned, sailed) = (aside(|own| own.plan.place), aside(|own| own.ship.place));
+    let (planned, sailed) = (aside(|(_, plan)| plan.place), aside(|(ship, _)| ship.place));
     let dot =
         |a: &[[f64; 2]], b: &[[f64; 2]]| a.iter().zip(b).map(|(a, b)| a[0] * b[0] + a[1] * b[1]).sum::<f64>();
     let squares = dot(&planned, &planned);
@@ -137,19 +127,16 @@ fn input(fixes: &[Fix], name: &str, series: [&[[f64; 2]]; 2]) -> Option<Option<S
         let next = series.partition_point(|own| own[0] <= at_s + 1e-6);
         series.get(next.checked_sub(1)?).filter(|own| at_s - own[0] <= BROKEN_S).map(|own| own[1])
     };
-    let pair = |own: &Fix| Some([value(series[0], own.plan.at_s)?, value(series[1], own.ship.at_s)?]);
+    let pair = |(ship, plan): &Fix| Some([value(series[0], plan.at_s)?, value(series[1], ship.at_s)?]);
     let pairs: Vec<[f64; 2]> = fixes.iter().filter_map(pair).collect();
     let middle = median(pairs.iter().map(|own| own[0]));
-    let mut amplitudes: Vec<f64> = pairs.iter().map(|own| (own[0] - middle).abs()).collect();
-    amplitudes.sort_by(f64::total_cmp);
+    let amplitudes = sorted(pairs.iter().map(|own| Some((own[0] - middle).abs())));
     let amplitude =
         amplitudes.get(amplitudes.len() * 9 / 10).copied().filter(|own| *own > 1e-6 * middle.abs())?;
     let sum = |of: fn(&[f64; 2]) -> f64| pairs.iter().map(of).sum::<f64>();
     let gain = (sum(|own| own[0] * own[1]) / sum(|own| own[0] * own[0])).clamp(LEAST, 1.0 / LEAST);
     let differs = pairs.iter().filter(|own| (own[1] / gain - own[0]).abs() > DIFFERS * amplitude).count();
     let part = differs as f64 / pairs.len() as f64;
-    Some(
-        (part > FEW)
-            .then(|| format!("`{name}` differs from the planned one for {:.0} % of it", 100.0 * part)),
-    )
+    let words = || format!("`{name}` differs from the planned one for {:.0} % of it", 100.0 * part);
+    Some((part > FEW).then(words))
 }

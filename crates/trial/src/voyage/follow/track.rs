@@ -83,8 +83,9 @@ impl PlannedTrack {
         let step = |(index, leg): (usize, &VoyageLeg)| {
             let own = primitives.iter().filter(|own| leg.informative && own.maneuver == leg.name);
             let spread_m = own.map(|own| own.spread_m).fold(0.0, f64::max);
-            let most_m = SPREAD * maneuver_m(&points, index);
-            PlannedStep { name: leg.name.clone(), within_m: least_m + spread_m.min(most_m) }
+            let pairs = points.windows(2).filter(|pair| pair[0].step == index && pair[0].informative);
+            let way_m: f64 = pairs.map(|pair| pair[0].away_m(pair[1].place)).sum();
+            PlannedStep { name: leg.name.clone(), within_m: least_m + spread_m.min(SPREAD * way_m) }
         };
         let steps = legs.iter().enumerate().map(step).collect();
         Self { points, steps }
@@ -148,12 +149,6 @@ pub(super) fn thinned_positions(all: &[ShipPosition], max_gap_s: f64) -> Vec<Shi
         }
     }
     kept
-}
-
-/// The way of the maneuver of a step \[m\].
-fn maneuver_m(points: &[TrackPoint], step: usize) -> f64 {
-    let pairs = points.windows(2).filter(|pair| pair[0].step == step && pair[0].informative);
-    pairs.map(|pair| pair[0].away_m(pair[1].place)).sum()
 }
 
 /// How far positions may be off \[m\], where sensors state a standard deviation of `position_m`, or 0.
