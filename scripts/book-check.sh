@@ -29,13 +29,12 @@ while read -r line; do
     || { echo "$page: text block: found no such line printed, expected: $line; mend the page" >&2; exit 1; }
 done < out/book-check/said
 
-# The table of the design: a row per maneuver in use, its share in whole per cent, its count
-awk '/"shares": \{/ { shares = 1 } /"counts": \{/ { counts = 1 } /\}/ { shares = counts = 0 }
-  shares && /: [0-9]/ { gsub(/[",]/, ""); if ($2 > 0.001) share[$1] = sprintf("%.0f %%", 100 * $2) }
-  counts && /: [0-9]/ { gsub(/[",]/, ""); count[$1] = $2 }
-  END { for (name in share) { sub(/:$/, "", name); print "| " name " | " share[name ":"] " | " count[name ":"] " |" } }' \
+# The table of the design: a row per piece, with its seconds at 8 Hz
+awk '/"sequence": \{/ { inside = 1 } /"statement":/ { inside = 0 }
+  inside && /"maneuver":/ { gsub(/[",]/, ""); name = $2 }
+  inside && name && /"samples":/ { gsub(/[",]/, ""); printf "| %s | %.1f s |\n", name, $2 / 8; name = "" }' \
   out/book-check/out/tutorial/results/design.json > out/book-check/rows
-[ -s out/book-check/rows ] || { echo "design.json: shares: found none, expected some; look at this script" >&2; exit 1; }
+[ -s out/book-check/rows ] || { echo "design.json: sequence: found none, expected some; look at this script" >&2; exit 1; }
 while read -r row; do
   grep -qxF "$row" "$page" || { echo "$page: table of the design: found no such row, expected: $row; mend the page" >&2; exit 1; }
 done < out/book-check/rows

@@ -24,8 +24,14 @@ fn a_preset_that_is_not() {
     let folder = with(&[]);
     let pieces = ["--vessel: preset: found `coster`", "model-ship", "did you mean `coaster`?"];
     refused(&folder, 2, "new mine --vessel coster", &pieces);
-    let pieces = ["found `vessel.toml`", "`new` takes no file", "take this file as their --vessel"];
-    refused(&folder, 2, "new mine --vessel vessel.toml", &pieces);
+    let pieces =
+        ["vessel.toml: [ship]: found none", "forces and a rudder", "seatrial new <folder> --vessel <preset>"];
+    refused(&folder, 3, "new mine --vessel vessel.toml", &pieces);
+    let pieces = ["found a file together with --logs", "name the preset"];
+    refused(&folder, 2, "new mine --vessel vessel.toml --logs .", &pieces);
+    put(&folder, "otter.toml", "preset = \"otter\"\n");
+    refused(&folder, 3, "new mine --vessel otter.toml", &["otter.toml: [ship]: found none"]);
+    assert!(!folder.path().join("mine").exists());
 }
 
 #[test]

@@ -202,3 +202,31 @@ fn what_cannot_be_scaled_or_guessed_is_refused_in_one_line() {
     run(&folder, "scale --vessel mariner --length 40 --out ship.toml").succeeds();
     refused(&folder, 2, "scale --vessel ship.toml --length 80 --out ship.toml", &["--out", "also an input"]);
 }
+
+#[test]
+fn a_guess_comes_to_its_page_by_two_commands() {
+    let folder = TempDir::new().unwrap();
+    run(&folder, "guess --length 3 --beam 0.5 --draught 0.2 --block 0.75 --out guessed.toml").succeeds();
+    run(&folder, "new mine --vessel guessed.toml").succeeds();
+    let number = |name: &str, key: &str| number(&folder, name, key);
+    assert_eq!(number("mine/dictionary.toml", "speed_m_s"), number("guessed.toml", "speed_m_s"));
+    assert_eq!(number("mine/vessel.toml", "\"X_0\""), -number("mine/vessel.toml", "\"X_0\"").abs());
+    let ran = run(&folder, "run mine --quiet --set campaign.realizations=1").succeeds();
+    assert!(ran.stdout.starts_with("out/mine/report.html: "), "{ran}");
+    let merit = json(&folder, "out/mine/merit.json");
+    assert!(merit["data"]["maneuvers"].as_array().unwrap().len() >= 8, "{merit}");
+    // With a seed she is another ship of the same priors, and the same one again.
+    let drawn = |seed: u64| {
+        let made = format!("new of-{seed} --vessel guessed.toml --seed {seed}");
+        run(&folder, &made).succeeds();
+        String::from_utf8(bytes(&folder, &format!("of-{seed}/vessel.toml"))).unwrap()
+    };
+    let first = drawn(1);
+    assert!(
+        first.contains("drawn from the priors with seed 1") && !first.contains("\"hull.drag\" = 0.8\n"),
+        "{first}"
+    );
+    assert_ne!(first.split("[value]").nth(1), drawn(2).split("[value]").nth(1));
+    std::fs::remove_dir_all(folder.path().join("of-1")).unwrap();
+    assert_eq!(first, drawn(1));
+}
