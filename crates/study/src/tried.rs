@@ -9,6 +9,7 @@ use refusal::Invalid;
 use validation::comparison::{Known, Magnitudes, Standing};
 
 use crate::documents::{AverageDocument, ModelDocument};
+use crate::files::read_any_vessel;
 
 /// Whether a file is an average; false for a damaged one, which its reader refuses.
 pub(crate) fn is_average(path: &Path) -> bool {
@@ -25,11 +26,23 @@ pub struct Tried {
 }
 
 impl Tried {
-    /// Reads it as the input `model`.
+    /// Reads it as the input `model`; of a vessel.toml the nominal numbers are tried.
     ///
     /// # Errors
     /// A file of another kind, or a damaged one; models that do not belong together.
     pub fn read(path: &Path, provenance: &mut Provenance) -> Result<Self, Error> {
+        if path.extension().is_some_and(|own| own == "toml") {
+            let mut own = Provenance { changes: provenance.changes.clone(), ..Provenance::default() };
+            let vessel = read_any_vessel(path, &mut own)?;
+            provenance.inputs.extend(own.inputs.into_values().map(|digest| ("model".to_owned(), digest)));
+            provenance.read.extend(own.read);
+            return Ok(Self {
+                models: Vec::new(),
+                vessels: vec![vessel],
+                output_rmse: None,
+                by_least_squares: None,
+            });
+        }
         let (models, output_rmse) = if is_average(path) {
             let average = read_document::<AverageDocument>(path)?;
             provenance.made("model", path, average.digest, &average.provenance)?;
@@ -98,11 +111,11 @@ impl Tried {
 
     /// The ranges that it was fitted on; all models of an average were fitted to the same data.
     pub fn covered(&self) -> &[Covered] {
-        &self.models[0].covered
+        self.models.first().map_or(&[], |own| own.covered.as_slice())
     }
 
     /// The magnitudes of the motions that it was fitted to.
     pub fn magnitudes(&self) -> Option<&Magnitudes> {
-        self.models[0].magnitudes.as_ref()
+        self.models.first()?.magnitudes.as_ref()
     }
 }

@@ -1305,12 +1305,16 @@ class Expected:
     std_r_rad_s: float
     #: Standard deviation of each component of the current in body axes \[m/s\].
     current_std_m_s: float
+    #: Whether the campaign has a current that lasts, whose effect is not predicted.
+    lasting_current_left_out: bool = False
     #: Which parameters the residual was linearised with.
     linearised_at: Source
     #: These parameters, in units of the state's increment per unit of the term.
     parameters: dict[str, float]
     #: The nominal parameters, in the same units.
     nominal: dict[str, float]
+    #: Duration of a trial of the campaign \[s\].
+    trial_s: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -26,8 +26,8 @@ use crate::stage::{Summary, Task};
     --out compare.json"
 )]
 pub struct Arguments {
-    /// The model, or several whose trajectories are averaged
-    #[arg(long, value_name = "model.json|average.json")]
+    /// The model, or several whose trajectories are averaged, or a ship before her first fit
+    #[arg(long, value_name = "model.json|average.json|vessel.toml")]
     model: PathBuf,
     #[command(flatten)]
     of: RunFlags,

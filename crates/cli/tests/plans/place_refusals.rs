@@ -122,7 +122,7 @@ fn more_states_than_memory_allows_are_told_with_what_to_reduce() {
         ("count = 1 }, {", "count = 200 }, {"),
         ("\"sway-zig-zag\", count = 1", "\"sway-zig-zag\", count = 200"),
     ]);
-    let line = format!("{PLAN} --engine exhaustive --memory-mib 200");
+    let line = format!("{PLAN} --memory-mib 200");
     refused(
         &folder,
         4,

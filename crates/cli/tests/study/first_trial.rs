@@ -156,17 +156,18 @@ fn what_forces_do_not_have_is_refused_by_name() {
         let name = flag.split(' ').next().unwrap();
         refused(&folder, 2, &format!("{MOMENTS} {flag}"), &[name, "a vessel with forces"]);
     }
-    let calm = |from: &str, to: &str| {
-        edit(&folder, "campaign.toml", from, to);
-        let (code, words): (i32, &[&str]) = match to.contains("0.0") {
-            true => (3, &["campaign.toml", "`measurement.std_u_m_s`", "noise in every state"]),
-            false => (3, &["campaign.toml", "`current.kind`"]),
-        };
-        refused(&folder, code, MOMENTS, words);
-        edit(&folder, "campaign.toml", to, from);
-    };
-    calm("std_u_m_s = 0.03", "std_u_m_s = 0.0");
-    calm("kind = \"white\"", "kind = \"constant\"\naxes = \"earth\"");
+    let (noisy, calm) = ("std_u_m_s = 0.03", "std_u_m_s = 0.0");
+    edit(&folder, "campaign.toml", noisy, calm);
+    refused(&folder, 3, MOMENTS, &["campaign.toml", "`measurement.std_u_m_s`", "noise in every state"]);
+    edit(&folder, "campaign.toml", calm, noisy);
+    // Of a current that lasts nothing is predicted, and that is said.
+    let (white, lasting) = ("kind = \"white\"", "kind = \"constant\"\naxes = \"earth\"");
+    edit(&folder, "campaign.toml", white, lasting);
+    let said = run(&folder, MOMENTS).succeeds();
+    assert!(said.stdout.contains("of measurement errors alone, not of the current that lasts"), "{said}");
+    let expected = &json(&folder, "moments.json")["data"]["disturbances"];
+    assert!(expected["current_std_m_s"] == 0.0 && expected["lasting_current_left_out"] == true, "{expected}");
+    edit(&folder, "campaign.toml", lasting, white);
     run(&folder, MOMENTS).succeeds();
     refused(
         &folder,

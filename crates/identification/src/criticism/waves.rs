@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use libm::cos;
 use numerics::distributions::chi_square_tail;
 
 use super::problems::{Series, Subject};
@@ -61,8 +62,8 @@ fn spectrum(errors: &[Vec<f64>], period: f64) -> f64 {
     let lagged = |lag: usize| -> f64 { errors.iter().map(|e| lagged(e, lag)).sum() };
     let last = LAGS as f64 * period;
     let term = |lag: usize| {
-        let window = 0.5 + 0.5 * (TAU * 0.5 * lag as f64 / last).cos();
-        2.0 * window * (TAU * lag as f64 / period).cos() * lagged(lag)
+        let window = 0.5 + 0.5 * cos(TAU * 0.5 * lag as f64 / last);
+        2.0 * window * cos(TAU * lag as f64 / period) * lagged(lag)
     };
     let power = lagged(0);
     if power > 0.0 { 1.0 + (1..last as usize).map(term).sum::<f64>() / power } else { 0.0 }

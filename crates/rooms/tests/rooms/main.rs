@@ -115,7 +115,7 @@ const DEPENDENCIES: [(&[&str], &[&str], &str); 5] = [
 ];
 
 /// Most lines below `src/` that a crate may have.
-const LINES: [(&str, usize); 1] = [("cli", 7_990)];
+const LINES: [(&str, usize); 1] = [("cli", 8_110)];
 
 /// The largest share of all lines below `src/` that a crate may have.
 const SHARE: f64 = 0.12;
