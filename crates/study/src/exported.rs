@@ -7,9 +7,9 @@ use export::{Knowledge, Origin, Portable};
 use model::{Source, Vessel};
 
 use crate::documents::{AverageDocument, AverageMember, ModelDocument};
+use crate::files::is_average;
 use crate::files::{read_any_vessel, read_model};
 use crate::rate::{at_rate, tried};
-use crate::tried::is_average;
 
 /// Reads the model in `path` for other tools and notes its digest: with the values of `source`, or the best
 /// available, at its own rate or at `rate_hz`. An average gives several, whose trajectories are to be averaged.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Digest, Error, Provenance, read_document};
+use artifact::{Digest, Document, Error, Provenance, inspect, read_document};
 use maneuver::Generator;
 use model::{Source, VesselFile};
 use refusal::Invalid;
@@ -12,7 +12,6 @@ use crate::documents::{AverageDocument, AverageMember, ModelDocument, Reference}
 use crate::ingest_file::IngestFile;
 use crate::plan::PlanFile;
 use crate::sequential::SequentialFile;
-use crate::tried::is_average;
 
 // Types of the hand-written files.
 pub use maneuver::DictionaryFile;
@@ -295,4 +294,10 @@ pub fn check_kind(out: &Path, usual: &str) -> Result<(), Invalid> {
         }
         _ => Ok(()),
     }
+}
+
+/// Whether a file is an average; false for a damaged one, which its reader refuses.
+pub(crate) fn is_average(path: &Path) -> bool {
+    let average = |kind: &str| kind.starts_with(&format!("{}/", AverageDocument::ID));
+    inspect(path).ok().flatten().is_some_and(|own| average(&own.schema))
 }

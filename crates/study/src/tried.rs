@@ -2,20 +2,14 @@
 
 use std::path::Path;
 
-use artifact::{Document, Error, Provenance, inspect, read_document};
+use artifact::{Error, Provenance, read_document};
 use identification::pooled::Covered;
 use model::Vessel;
 use refusal::Invalid;
 use validation::comparison::{Known, Magnitudes, Standing};
 
 use crate::documents::{AverageDocument, ModelDocument};
-use crate::files::read_any_vessel;
-
-/// Whether a file is an average; false for a damaged one, which its reader refuses.
-pub(crate) fn is_average(path: &Path) -> bool {
-    let average = |kind: &str| kind.starts_with(&format!("{}/", AverageDocument::ID));
-    inspect(path).ok().flatten().is_some_and(|own| average(&own.schema))
-}
+use crate::files::{is_average, read_any_vessel};
 
 /// A `model.json` or an `average.json`, with its models.
 pub struct Tried {
