@@ -30,7 +30,8 @@ pub(super) fn waves(subject: &Subject, errors: &Series) -> Option<f64> {
             centred(own.copied().collect())
         };
         let own: Vec<Vec<f64>> = errors.iter().map(of).collect();
-        peak(&own, period * subject.rate_hz).is_some()
+        let period = period * subject.rate_hz;
+        peak(&covariances(&own, period), period).is_some()
     });
     (!steered).then_some(period)
 }
@@ -44,7 +45,8 @@ pub fn oscillation(errors: &[Vec<f64>], rate_hz: f64) -> Option<(f64, f64)> {
     let most = (PERIODS[1] * rate_hz).min(longest as f64 / 4.0);
     let steps = (most / PERIODS[0]).log2() * TRIED;
     let tried = (0..=steps.max(-1.0) as i64).map(|i| PERIODS[0] * (i as f64 / TRIED).exp2());
-    let found = tried.filter_map(|period| Some((period, peak(errors, period)?)));
+    let covariances = covariances(errors, most);
+    let found = tried.filter_map(|period| Some((period, peak(&covariances, period)?)));
     let (period, height) = found.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let freedom = 8.0 * samples / (3.0 * LAGS as f64 * period);
     (chi_square_tail(freedom * height, freedom) < CHANCE / steps.max(1.0))
@@ -52,33 +54,38 @@ pub fn oscillation(errors: &[Vec<f64>], rate_hz: f64) -> Option<(f64, f64)> {
 }
 
 /// The spectrum at `period` \[samples\] over its mean, if it is narrow.
-fn peak(errors: &[Vec<f64>], period: f64) -> Option<f64> {
-    let [low, own, high] = [2.0, 1.0, 0.5].map(|factor| spectrum(errors, factor * period));
+fn peak(covariances: &[f64], period: f64) -> Option<f64> {
+    let [low, own, high] = [2.0, 1.0, 0.5].map(|factor| spectrum(covariances, factor * period));
     (own > NARROW * low.max(high)).then_some(own)
 }
 
-/// By the window of Hann over the autocorrelations.
-fn spectrum(errors: &[Vec<f64>], period: f64) -> f64 {
-    let lagged = |lag: usize| -> f64 { errors.iter().map(|e| lagged(e, lag)).sum() };
+/// By the window of Hann over the autocovariances.
+fn spectrum(covariances: &[f64], period: f64) -> f64 {
     let last = LAGS as f64 * period;
     let term = |lag: usize| {
         let window = 0.5 + 0.5 * cos(TAU * 0.5 * lag as f64 / last);
-        2.0 * window * cos(TAU * lag as f64 / period) * lagged(lag)
+        2.0 * window * cos(TAU * lag as f64 / period) * covariances[lag]
     };
-    let power = lagged(0);
+    let power = covariances[0];
     if power > 0.0 { 1.0 + (1..last as usize).map(term).sum::<f64>() / power } else { 0.0 }
 }
 
 /// What is left after the autocorrelation of neighbours.
 fn without_trend(errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let sum = |lag: usize| -> f64 { errors.iter().map(|e| lagged(e, lag)).sum() };
-    let keep = if sum(0) > 0.0 { sum(1) / sum(0) } else { 0.0 };
+    let [power, next] = [0, 1].map(|lag| covariance(errors, lag));
+    let keep = if power > 0.0 { next / power } else { 0.0 };
     errors.iter().map(|e| e.windows(2).map(|pair| pair[1] - keep * pair[0]).collect()).collect()
 }
 
-/// Σ e(k) e(k − lag).
-fn lagged(errors: &[f64], lag: usize) -> f64 {
-    errors.iter().skip(lag).zip(errors).map(|(a, b)| a * b).sum()
+/// By lag, as many as the spectra about periods of up to `longest` samples take.
+fn covariances(errors: &[Vec<f64>], longest: f64) -> Vec<f64> {
+    (0..=(2.0 * LAGS as f64 * longest) as usize).map(|lag| covariance(errors, lag)).collect()
+}
+
+/// Σ e(k) e(k − lag) over all recordings.
+fn covariance(errors: &[Vec<f64>], lag: usize) -> f64 {
+    let one = |e: &Vec<f64>| -> f64 { e.iter().skip(lag).zip(e).map(|(a, b)| a * b).sum() };
+    errors.iter().map(one).sum()
 }
 
 fn centred(mut all: Vec<f64>) -> Vec<f64> {
