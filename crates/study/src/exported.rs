@@ -7,8 +7,7 @@ use export::{Knowledge, Origin, Portable};
 use model::{Source, Vessel};
 
 use crate::documents::{AverageDocument, AverageMember, ModelDocument};
-use crate::files::is_average;
-use crate::files::{read_any_vessel, read_model};
+use crate::files::{is_average, read_any_vessel, read_model};
 use crate::rate::{at_rate, tried};
 
 /// Reads the model in `path` for other tools and notes its digest: with the values of `source`, or the best

@@ -84,6 +84,16 @@ pub fn read_any_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vesse
     Vessel::from_file(file).map_err(|e| crate::invalid(path, &e))
 }
 
+/// As [`read_any_vessel`], noted as the input `role`: for stages that read several vessels.
+pub fn read_any_vessel_as(role: &str, path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
+    let mut own = Provenance { changes: provenance.changes.clone(), ..Provenance::default() };
+    let vessel = read_any_vessel(path, &mut own)?;
+    provenance.inputs.extend(own.inputs.into_values().map(|digest| (role.to_owned(), digest)));
+    provenance.read.extend(own.read);
+    provenance.settings.extend(own.settings);
+    Ok(vessel)
+}
+
 /// As [`read_any_vessel`], for stages whose runs may be simulated: those of a model follow the model.
 pub fn read_any_followed(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
     read_any_vessel(path, provenance).map(|vessel| followed(path, vessel))

@@ -9,7 +9,7 @@ use refusal::Invalid;
 use validation::comparison::{Known, Magnitudes, Standing};
 
 use crate::documents::{AverageDocument, ModelDocument};
-use crate::files::{is_average, read_any_vessel};
+use crate::files::{is_average, read_any_vessel_as};
 
 /// A `model.json` or an `average.json`, with its models.
 pub struct Tried {
@@ -26,10 +26,7 @@ impl Tried {
     /// A file of another kind, or a damaged one; models that do not belong together.
     pub fn read(path: &Path, provenance: &mut Provenance) -> Result<Self, Error> {
         if path.extension().is_some_and(|own| own == "toml") {
-            let mut own = Provenance { changes: provenance.changes.clone(), ..Provenance::default() };
-            let vessel = read_any_vessel(path, &mut own)?;
-            provenance.inputs.extend(own.inputs.into_values().map(|digest| ("model".to_owned(), digest)));
-            provenance.read.extend(own.read);
+            let vessel = read_any_vessel_as("model", path, provenance)?;
             return Ok(Self {
                 models: Vec::new(),
                 vessels: vec![vessel],

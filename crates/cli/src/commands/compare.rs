@@ -10,7 +10,7 @@ use seatrial::{Comparison, channels_within, widest};
 use serde_json::json;
 use study::Tried;
 use study::documents::traces;
-use study::files::read_any_vessel;
+use study::files::read_any_vessel_as;
 
 use crate::cli::{Common, member, samples};
 use crate::failure::Failure;
@@ -108,13 +108,8 @@ impl Arguments {
 
     /// The model to compare with.
     fn against(&self, provenance: &mut Provenance) -> Result<Option<Vessel>, Failure> {
-        let Some(path) = &self.against else { return Ok(None) };
-        let mut own = Provenance { changes: provenance.changes.clone(), ..Provenance::default() };
-        let other = read_any_vessel(path, &mut own)?;
-        provenance.inputs.extend(own.inputs.into_values().map(|digest| ("against".to_owned(), digest)));
-        provenance.read.extend(own.read);
-        provenance.settings.extend(own.settings);
-        Ok(Some(other))
+        let read = |path: &PathBuf| read_any_vessel_as("against", path, provenance);
+        Ok(self.against.as_ref().map(read).transpose()?)
     }
 
     /// The vessel whose channels the runs are read with; all others have some of them.
