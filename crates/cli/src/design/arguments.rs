@@ -219,7 +219,7 @@ impl Arguments {
         Length { samples: duration_s.map(|s| s * moments.sample_rate_hz).or(counted), segments }
     }
 
-    /// --duration-s, or the campaign's where a length is needed and nothing else tells one \[s\].
+    /// The length of the trial \[s\]: --duration-s, or that of the campaign where only the campaign says one and one is needed.
     fn trial_s(&self, moments: &Moments) -> Option<f64> {
         let is_told = self.segments.is_some() || !self.accuracy.is_empty();
         let is_needed = self.arrange || self.minimal_s.is_some() || self.counts_priors(moments);
