@@ -1,6 +1,6 @@
 use maud::{Markup, html};
 
-use super::number::{exact, median, parameter_share, published, q90, simulation_share};
+use super::number::{exact, median, parameter_share, published, q90, simulation_share, three};
 use super::parts::{Section, missing};
 use super::sample::{INTERVALS, drawn_from};
 use super::study::Study;
@@ -12,7 +12,7 @@ pub(super) fn comparison(study: &Study) -> Section {
     let heading = if study.reference.is_some() { "Result beside the published one" } else { "Result" };
     let body = html! {
         @match &study.validation {
-            Some(validation) => (table(&study.scored(), validation, study.reference.as_ref())),
+            Some(validation) => (table(study, validation)),
             None => (missing("The comparison of designs is", "validation.json", "validate")),
         }
         @if let Some(reference) = &study.reference {
@@ -31,7 +31,8 @@ pub(super) fn use_of_published(reference: &Reference) -> &str {
 /// A row's value for a design, and the published one.
 type Line<'a> = (&'a str, fn(&DesignScores) -> String, Option<fn(&Published) -> PublishedShare>);
 
-fn table(scored: &[&DesignScores], validation: &ValidationDocument, reference: Option<&Reference>) -> Markup {
+fn table(study: &Study, validation: &ValidationDocument) -> Markup {
+    let (scored, reference) = (study.scored(), study.reference.as_ref());
     let bounds = validation.bounds;
     let parameter = format!("Runs with parameter error below {}", exact(bounds.parameter_error));
     let simulation = format!("Runs with simulation error below {}", exact(bounds.simulation_error));
@@ -61,8 +62,27 @@ fn table(scored: &[&DesignScores], validation: &ValidationDocument, reference: O
     });
     html! {
         (table)
+        @if let Some(foretold) = foretold(study) { p { (foretold) } }
         p.note { "A run without an estimate, or whose free simulation diverged, counts as above every bound and as infinite in the quantiles (a dash). " (drawn_from(validation)) ". " (INTERVALS) }
     }
+}
+
+/// What the design foretold of the trial, beside what its simulations found.
+fn foretold(study: &Study) -> Option<String> {
+    let foretold = study.design.as_ref()?.sequence.as_ref()?.foretold?;
+    let found = *study.scored().first()?;
+    let (parameters, simulations) = (found.parameter_error.median?, found.simulation_error.median?);
+    let (parameter, simulation) = (foretold.parameter_error, foretold.simulation_error?);
+    Some(format!(
+        "Before the trial the design foretold, as medians, a parameter error of {} and a simulation error of {}; found were {} and {}, \
+         {:.2} and {:.2} times as much.",
+        three(parameter),
+        three(simulation),
+        three(parameters),
+        three(simulations),
+        parameters / parameter,
+        simulations / simulation,
+    ))
 }
 
 fn printed(share: Option<PublishedShare>) -> String {

@@ -16,7 +16,7 @@ use seatrial::sampled_ships;
 use serde_json::json;
 use study::campaign_file::CampaignFile;
 use study::documents::MomentsDocument;
-use study::files::{generator, read_any_vessel, read_campaign};
+use study::files::{generator, read_any_vessel, read_campaign, read_model};
 use study::moments_table::{self, table_of};
 use study::parts;
 use study::trajectories::{TrajectoryReader, label};
@@ -97,9 +97,11 @@ impl Task for Arguments {
         let sampled = is_own.then(|| sampled_ships(&self.vessel, &vessel, &reader)).transpose()?.flatten();
         let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);
         let out = common.main_output("moments.json", inputs.chain(&self.sharding.gather))?;
+        let known = read_model(&self.vessel)?.and_then(|model| model.known());
         let mut held = Vec::new();
         let document = loop {
-            let (disturbances, output_error) = predicted(self, &vessel, &mut provenance)?;
+            let mut beyond = beyond.clone();
+            let (disturbances, output_error) = predicted(self, &vessel, &mut beyond, &mut provenance)?;
             let prediction = Prediction::new(&vessel.model, disturbances.as_ref(), output_error.as_ref());
             let (a, quiet) = (self, common.quiet);
             let reading = Reading { a, vessel: &vessel, prediction, forces: None, reader: &reader, quiet };
@@ -113,7 +115,7 @@ impl Task for Arguments {
                 beyond: beyond.clone(),
                 disturbances: disturbances.clone(),
                 output_error: output_error.clone(),
-                prior: None,
+                prior: known.clone(),
                 sampled: sampled.clone(),
             };
             if self.table {
@@ -171,7 +173,6 @@ impl Arguments {
             ("--nominal", self.nominal.is_some()),
             ("--instruments", self.instruments != InstrumentKind::Nominal),
             ("--table", self.table),
-            ("--hold-unexcited", self.hold_unexcited),
         ];
         none_given(flags, "a vessel with forces, which has no instruments", "one with terms per sample")?;
         let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);
@@ -201,7 +202,7 @@ impl Arguments {
             beyond: study::beyond(&self.vessel, &self.trajectories, None)?,
             disturbances: Some(expected),
             output_error: Some(model),
-            prior: forces.prior(),
+            prior: read_model(&self.vessel)?.and_then(|model| model.known()).or_else(|| forces.prior()),
             sampled: None,
         });
         published(&out, &provenance, &document)
@@ -333,6 +334,7 @@ impl Reading<'_> {
 fn predicted(
     a: &Arguments,
     vessel: &Vessel,
+    beyond: &mut Vec<String>,
     provenance: &mut Provenance,
 ) -> Result<(Option<Expected>, Option<FreeRunModel>), Failure> {
     let Some(campaign) = &a.campaign else { return Ok((None, None)) };
@@ -347,8 +349,17 @@ fn predicted(
         return Ok((Some(expected), None));
     }
     let validation = generator(campaign, vessel, &config.validation_dictionary(), provenance)?;
-    let model = FreeRunModel::new(vessel, &validation).map_err(|e| a.unpredictable(campaign, e))?;
-    Ok((Some(expected), Some(model)))
+    let model = match FreeRunModel::new(vessel, Some(&validation)) {
+        // A model of logs may not hold what its ship does.
+        Err(Unpredictable::Maneuver(why)) if read_model(&a.vessel)?.is_some() => {
+            beyond.push(format!(
+                "no simulation errors are predicted, as the model cannot hold a validation maneuver: {why}"
+            ));
+            FreeRunModel::new(vessel, None)
+        }
+        found => found,
+    };
+    Ok((Some(expected), Some(model.map_err(|e| a.unpredictable(campaign, e))?)))
 }
 
 /// The disturbances to expect of trials of `campaign`, of which `noise` is predicted.

@@ -152,7 +152,7 @@ fn what_forces_do_not_have_is_refused_by_name() {
     run(&folder, SIMULATE).succeeds();
     let iv = MOMENTS.replace("--estimator output-error", "");
     refused(&folder, 3, &iv, &["vessel.toml", "`iv` computes", "add --estimator output-error"]);
-    for flag in ["--nominal least-squares", "--instruments regressors", "--hold-unexcited"] {
+    for flag in ["--nominal least-squares", "--instruments regressors"] {
         let name = flag.split(' ').next().unwrap();
         refused(&folder, 2, &format!("{MOMENTS} {flag}"), &[name, "a vessel with forces"]);
     }

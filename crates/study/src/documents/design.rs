@@ -7,6 +7,7 @@ use refusal::{Invalid, check_numbers};
 use regression::MeanRemoval;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use trial::arranging::Foretold;
 use trial::campaign::{Designed, check_shares};
 use trial::moments::{HeldParameter, SampledFrom, UnreachedMotion};
 
@@ -93,7 +94,7 @@ pub struct DesignDocument {
     /// `output-error` where the covariance is that of an output-error estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimator: Option<Estimator>,
-    /// Of a ship with forces what her priors contribute.
+    /// What is known before contributes, by the priors of a ship's forces or the fit of her model.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prior: Option<DesignPrior>,
     /// About few or long maneuvers, where they were asked for.
@@ -205,6 +206,9 @@ pub struct Sequence {
     pub value: f64,
     /// How it was found, in words.
     pub statement: String,
+    /// The errors that its estimate is to have, where that is by output error.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub foretold: Option<Foretold>,
 }
 
 /// One maneuver of a sequence.

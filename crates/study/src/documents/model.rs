@@ -10,6 +10,7 @@ use refusal::{Invalid, check_numbers};
 use regression::MeanRemoval;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use trial::moments::PriorInformation;
 use validation::comparison::Magnitudes;
 
 use super::forces::{FittedForces, own_lag};
@@ -239,6 +240,21 @@ impl ModelDocument {
             measured: (3 + model.inputs..).zip(model.measured()).map(measured).collect(),
             derived: written.into_iter().map(derived).collect(),
             ..self
+        }
+    }
+
+    /// What its fit knows of the parameters before another trial; `None` where it has no covariance.
+    pub fn known(&self) -> Option<PriorInformation> {
+        match &self.forces {
+            Some(forces) => {
+                let of = |name: &str| forces.parameters.iter().find(|own| own.name == name)?.prior_deviation;
+                let names = forces.parameters.iter().map(|own| own.name.as_str());
+                PriorInformation::new(names, Some(&forces.covariance), of)
+            }
+            None => {
+                let names = self.degrees.iter().flat_map(|own| &own.parameters).map(|own| own.name.as_str());
+                PriorInformation::new(names, Some(self.covariance.as_ref()?), |_| None)
+            }
         }
     }
 

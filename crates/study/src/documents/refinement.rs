@@ -146,6 +146,7 @@ impl RefinedFiles<'_> {
             figures: None,
             accuracy: None,
             sequence: Some(Sequence {
+                foretold: None,
                 parts: vec![SequencePart { maneuver: NAME.into(), samples }],
                 samples,
                 value: forward.log_value(samples),

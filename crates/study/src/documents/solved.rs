@@ -266,6 +266,7 @@ impl From<Arranged> for Sequence {
             samples: arranged.parts.iter().map(|(_, n)| *n as u64).sum(),
             value: arranged.value,
             statement: statements::sequence(&arranged),
+            foretold: arranged.foretold,
         }
     }
 }

@@ -165,9 +165,14 @@ pub(super) fn sequence(arranged: &Arranged) -> String {
     };
     format!(
         "The best of {} sequences that a local search judged with the state carried over: worth {:.1} % more time than \
-         the same shares in the dictionary's order; not proved best{limits}.",
+         the same shares in the dictionary's order; not proved best{limits}.{}",
         arranged.tried,
-        100.0 * arranged.gain
+        100.0 * arranged.gain,
+        arranged.foretold.map_or(String::new(), |own| format!(
+            " Foretold: a median parameter error of {:.3}{}.",
+            own.parameter_error,
+            own.simulation_error.map_or(String::new(), |e| format!(", a median simulation error of {e:.3}"))
+        ))
     )
 }
 

@@ -39,6 +39,7 @@ pub use map::map_of;
 pub use programs::programs;
 pub use resume::{place, read_begun, resumed};
 pub use routes::{NamedFile, Routes};
+pub use task::second;
 pub use tide::in_tide;
 pub use uncertain::uncertain;
 pub use unplanned::{Unplanned, no_plan, out_of_time, too_large, unplanned, unsafe_plan};

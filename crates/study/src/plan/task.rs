@@ -81,7 +81,7 @@ pub(super) fn kept(vessel: &Vessel, deviations: Deviations) -> Deviations {
 }
 
 /// A time of day with its offset, the value of `key`, as seconds since 1970 in UTC.
-pub(super) fn second(key: &str, text: &str) -> Result<i64, Invalid> {
+pub fn second(key: &str, text: &str) -> Result<i64, Invalid> {
     let refused = |_| {
         let expected = "date, time and offset, such as 2026-06-01T08:00:00Z or 2026-06-01T11:00:00+03:00";
         Invalid::new(format!("`{key}`"), format!("`{text}`"), expected, "write it so")

@@ -1,5 +1,6 @@
 //! The order and lengths of a design's maneuvers, evaluated with the state carried over between them.
 
+mod foretold;
 mod search;
 mod whole;
 
@@ -9,6 +10,7 @@ use model::Vessel;
 
 use crate::moments::{Estimated, Moments};
 
+pub use foretold::Foretold;
 pub use search::merged;
 
 /// The data for evaluating a sequence of maneuvers.
@@ -44,6 +46,8 @@ pub struct Arranged {
     pub tried: usize,
     /// Whether the motion keeps the limits of generated maneuvers.
     pub limits: Kept,
+    /// The errors that its output-error estimate is to have; none of other estimates, or in a current that lasts.
+    pub foretold: Option<Foretold>,
 }
 
 /// Whether the limits are kept between maneuvers.

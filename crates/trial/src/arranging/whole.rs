@@ -12,6 +12,12 @@ use regression::{Batch, MeanRemoval, Noise, middle, moments};
 use super::{Arranging, generated_limits};
 use crate::moments::{Estimated, Expected, ForcesPrediction, OutputErrorMoments, leading};
 
+/// F and the middle matrix of an estimate's covariance, n × n, per sample, with what is known before.
+pub(super) struct Information {
+    pub information: Vec<f64>,
+    pub middle: Vec<f64>,
+}
+
 /// Penalty in the criterion's value for exceeding a limit by 100 %.
 const PENALTY: f64 = 20.0;
 
@@ -41,32 +47,42 @@ impl Arranging<'_> {
     }
 
     /// θ in the model's order.
-    fn ordered(&self, by_name: &BTreeMap<String, f64>) -> Option<Vec<f64>> {
+    pub(super) fn ordered(&self, by_name: &BTreeMap<String, f64>) -> Option<Vec<f64>> {
         self.vessel.model.parameter_names().map(|name| by_name.get(name).copied()).collect()
     }
 
     fn output_error(&self, initial: [f64; 3], exogenous: &[f64], current: bool) -> Option<f64> {
+        let Information { information, middle } = self.informed(initial, exogenous, current)?;
+        self.judge(vec![information.len().isqrt()], &information, Some(&middle))
+    }
+
+    /// What an output-error estimate of the experiment knows, per sample.
+    pub(super) fn informed(
+        &self,
+        initial: [f64; 3],
+        exogenous: &[f64],
+        current: bool,
+    ) -> Option<Information> {
         let noise = self.noise()?;
         let theta = self.ordered(&self.moments.output_error.as_ref()?.parameters)?;
         let noise = if current { noise } else { Noise { current: 0.0, ..noise } };
-        if self.vessel.model.forces.is_some() {
-            return self.physical(theta, initial, exogenous, noise);
-        }
-        let found = output_information(&self.vessel.model, &theta, initial, exogenous, &noise)?;
-        self.judge(vec![found.information.len().isqrt()], &found.information, Some(&found.middle()))
-    }
-
-    /// Of a ship with forces, whose priors count once for the experiment.
-    fn physical(&self, theta: Vec<f64>, initial: [f64; 3], exogenous: &[f64], noise: Noise) -> Option<f64> {
-        let own = ForcesPrediction::with(self.vessel, theta, noise).ok()?;
         let samples = exogenous.len() / self.vessel.model.exogenous().max(1);
-        let OutputErrorMoments { f: mut information, p, .. } = own.of_experiment(initial, exogenous)?;
-        let known = own.prior_information();
-        let n = known.len();
-        (0..n).for_each(|i| information[i * n + i] += known[i] / samples.max(1) as f64);
-        let current = p.unwrap_or_else(|| vec![0.0; n * n]);
-        let middle: Vec<f64> = information.iter().zip(&current).map(|(own, more)| own + more).collect();
-        self.judge(vec![n], &information, Some(&middle))
+        let mut found = if self.vessel.model.forces.is_some() {
+            let own = ForcesPrediction::with(self.vessel, theta, noise).ok()?;
+            let OutputErrorMoments { f, p, .. } = own.of_experiment(initial, exogenous)?;
+            let middle = p.map_or_else(|| f.clone(), |p| f.iter().zip(&p).map(|(f, p)| f + p).collect());
+            Information { information: f, middle }
+        } else {
+            let own = output_information(&self.vessel.model, &theta, initial, exogenous, &noise)?;
+            Information { middle: own.middle(), information: own.information }
+        };
+        if let Some(prior) = &self.moments.prior {
+            // Priors count once for the experiment.
+            let rows = &self.moments.output_error.as_ref()?.rows;
+            prior.add_to(&mut found.information, rows, samples as f64);
+            prior.add_to(&mut found.middle, rows, samples as f64);
+        }
+        Some(found)
     }
 
     fn instrumental(

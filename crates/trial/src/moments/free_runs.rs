@@ -27,14 +27,14 @@ pub struct FreeRunModel {
 }
 
 impl FreeRunModel {
-    /// The model with the best known parameters of `vessel`, and the maneuvers of `validation`.
+    /// The model with the best known parameters of `vessel`, and the maneuvers of `validation`, if there are some.
     ///
     /// # Errors
     /// A maneuver that the model cannot hold, or that diverges.
-    pub fn new(vessel: &Vessel, validation: &Generator) -> Result<Self, Unpredictable> {
+    pub fn new(vessel: &Vessel, validation: Option<&Generator>) -> Result<Self, Unpredictable> {
         let (model, simulated_with) = (&vessel.model, vessel.best_known());
         let theta = vessel.parameters(simulated_with).map_err(Unpredictable::Vessel)?;
-        let g = validation_weights(model, &theta, validation)?;
+        let g = validation.map(|own| validation_weights(model, &theta, own)).transpose()?.flatten();
         Ok(Self { simulated_with, parameters: by_name(model, &theta), rows: rows(model), g })
     }
 }

@@ -18,6 +18,7 @@ pub use dictionary::{Estimated, leading, malformed};
 pub use free_runs::{FreeRunModel, Unpredictable};
 pub use matrices::{DegreeMoments, ManeuverMoments, OutputErrorMoments, Pool};
 use model::{DegreeOfFreedom, Model, Source, Vessel};
+pub(crate) use physical::scaled_inverse;
 pub use physical::{ForcesPrediction, PriorInformation, numbers};
 pub use prediction::Prediction;
 use refusal::Invalid;
@@ -57,7 +58,7 @@ pub struct Moments {
     /// What the matrices `F` and `P` of an output-error estimate are about, where there are any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_error: Option<FreeRunModel>,
-    /// What is known of a ship with forces before the trial.
+    /// What is known of the ship before the trial: by the fit of her model, or by the priors of her forces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prior: Option<PriorInformation>,
     /// What ships with other parameters do, where the true ones are not known and the maneuvers were simulated.

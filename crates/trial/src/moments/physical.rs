@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use design::Degree;
 use engine::Run;
 use fitting::{SimulatedRun, WhiteNoise};
+use identification::pooled::Covariance;
 use maneuver::Generator;
 use model::{Moved, Vessel};
 use refusal::Invalid;
@@ -16,12 +17,70 @@ use super::free_runs::{Unpredictable, diverges};
 use super::prediction::DICTIONARY;
 use super::{FreeRunModel, ManeuverMoments, Moments, OutputErrorMoments, by_name};
 
-/// What is known of a ship's numbers before the trial.
+/// What is known of parameters before the trial: it counts once for the whole trial, as `F` times samples does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PriorInformation {
-    /// By parameter with a prior 1/σ², σ its standard deviation: it counts once for the whole trial, as `F` times samples does.
-    pub information: BTreeMap<String, f64>,
+    /// The parameters that something is known of.
+    pub parameters: Vec<String>,
+    /// The inverse of their covariance, row-major: that of a fit, or 1/σ² of each by its prior, σ its standard deviation.
+    pub information: Vec<f64>,
+}
+
+impl PriorInformation {
+    /// The information in `covariance` about the parameters of `names` that it knows, whatever others are; what else `known` has
+    /// is 1/σ². `None` where there is nothing.
+    pub fn new<'n>(
+        names: impl Iterator<Item = &'n str>,
+        covariance: Option<&Covariance>,
+        known: impl Fn(&str) -> Option<f64>,
+    ) -> Option<Self> {
+        let place = |name: &str| {
+            let own = covariance?;
+            let place = own.names.iter().position(|other| other == name)?;
+            // Estimates at bounds have no variance.
+            (own.entries[place * (own.names.len() + 1)] > 0.0).then_some(place)
+        };
+        let all: Vec<(&str, Option<usize>)> = names
+            .map(|name| (name, place(name)))
+            .filter(|(name, place)| place.is_some() || known(name).is_some())
+            .collect();
+        let n = all.len();
+        let variances = |k: usize| match (all[k / n], all[k % n]) {
+            ((_, Some(row)), (_, Some(column))) => {
+                covariance.map_or(0.0, |own| own.entries[row * own.names.len() + column])
+            }
+            ((name, None), _) if k / n == k % n => known(name).map_or(0.0, |sigma| sigma * sigma),
+            _ => 0.0,
+        };
+        let variances: Vec<f64> = (0..n * n).map(variances).collect();
+        let information = scaled_inverse(&variances)?;
+        let parameters = all.into_iter().map(|(name, _)| name.to_owned()).collect();
+        (n > 0).then_some(Self { parameters, information })
+    }
+
+    /// Adds its part in each of `samples` to `matrix`, whose rows and columns are `rows`.
+    pub(crate) fn add_to(&self, matrix: &mut [f64], rows: &[String], samples: f64) {
+        let place = |name: &String| rows.iter().position(|own| own == name);
+        let (n, places) = (rows.len(), self.parameters.iter().map(place).collect::<Vec<_>>());
+        let of = |k: usize| Some((places[k / places.len()]?, places[k % places.len()]?));
+        for (k, known) in self.information.iter().enumerate() {
+            if let Some((row, column)) = of(k) {
+                matrix[row * n + column] += known / samples;
+            }
+        }
+    }
+}
+
+/// The inverse of a symmetric positive definite matrix, whose rows and columns are scaled first; `None` where it is singular.
+pub(crate) fn scaled_inverse(matrix: &[f64]) -> Option<Vec<f64>> {
+    let n = matrix.len().isqrt();
+    let scale: Vec<f64> = (0..n).map(|i| matrix[i * n + i].sqrt()).collect();
+    let scaled = |entry: f64, k: usize| entry / (scale[k / n] * scale[k % n]);
+    let mut own: Vec<f64> = matrix.iter().enumerate().map(|(k, entry)| scaled(*entry, k)).collect();
+    let mut inverse = vec![0.0; n * n];
+    numerics::inverse(n, &mut own, &mut inverse)?;
+    Some(inverse.into_iter().enumerate().map(|(k, entry)| scaled(entry, k)).collect())
 }
 
 /// A ship with forces whose maneuvers are simulated, and what disturbs the measured ones.
@@ -89,8 +148,9 @@ impl<'a> ForcesPrediction<'a> {
 
     /// 1/σ² of every number's prior, in their order; 0 without one.
     pub(crate) fn prior_information(&self) -> Vec<f64> {
-        let own = |own: &forces::Parameter| prior(own).map_or(0.0, |(_, known)| known);
-        self.moved.forces.parameters().iter().map(own).collect()
+        let known =
+            |own: &forces::Parameter| own.prior.map_or(0.0, |deviation| 1.0 / (deviation * deviation));
+        self.moved.forces.parameters().iter().map(known).collect()
     }
 
     fn simulated<'r>(&self, initial: [f64; 3], inputs: &'r [f64]) -> SimulatedRun<'r> {
@@ -158,16 +218,10 @@ impl<'a> ForcesPrediction<'a> {
 
     /// What the priors of the numbers know; `None` without any.
     pub fn prior(&self) -> Option<PriorInformation> {
-        let own = |own: &_| prior(own);
-        let information: BTreeMap<String, f64> =
-            self.moved.forces.parameters().iter().filter_map(own).collect();
-        (!information.is_empty()).then_some(PriorInformation { information })
+        let all = self.moved.forces.parameters();
+        let known = |name: &str| all.iter().find(|own| own.name == name)?.prior;
+        PriorInformation::new(all.iter().map(|own| own.name.as_str()), None, known)
     }
-}
-
-/// A number's name and 1/σ² of its prior.
-fn prior(own: &forces::Parameter) -> Option<(String, f64)> {
-    own.prior.map(|deviation| (own.name.clone(), 1.0 / (deviation * deviation)))
 }
 
 impl Moments {
@@ -177,42 +231,36 @@ impl Moments {
         !self.degrees.is_empty() && self.degrees.iter().all(bare)
     }
 
-    /// The same for a trial of `samples`, to each sample of which the priors add their part.
+    /// The same for a trial of `samples`, to each sample of which adds its part what is known before.
     #[must_use]
     pub fn with_prior(mut self, samples: f64) -> Self {
-        let information = self.prior_information();
-        let n = information.len();
+        let (Some(prior), Some(model)) = (&self.prior, &self.output_error) else { return self };
         for own in self.maneuvers.iter_mut().filter_map(|own| own.output_error.as_mut()) {
-            if own.f.len() == n * n {
-                (0..n).for_each(|i| own.f[i * n + i] += information[i] / samples);
+            for matrix in [Some(&mut own.f), own.e.as_mut()].into_iter().flatten() {
+                if matrix.len() == model.rows.len() * model.rows.len() {
+                    prior.add_to(matrix, &model.rows, samples);
+                }
             }
         }
         self
     }
 
-    /// 1/σ² of each parameter's prior, 0 without one, in the order of the matrices.
-    fn prior_information(&self) -> Vec<f64> {
-        let known = |name: &String| self.prior.as_ref()?.information.get(name).copied();
-        self.degrees.iter().flat_map(|own| &own.parameters).map(|name| known(name).unwrap_or(0.0)).collect()
-    }
-
-    /// How much of each estimate is the prior's after `samples` of these `shares` of the maneuvers, from 0 to 1, of moments
-    /// with their prior; `None` where there is none, or the information is singular.
+    /// How much of each estimate is known before, from 0 to 1, after `samples` of these `shares` of the maneuvers, of moments
+    /// with that; `None` where nothing is, or the information is singular.
     pub fn prior_shares(&self, shares: &[f64], samples: f64) -> Option<BTreeMap<String, f64>> {
-        self.prior.as_ref()?;
-        let information = self.prior_information();
-        let n = information.len();
+        let (prior, rows) = (self.prior.as_ref()?, &self.output_error.as_ref()?.rows);
+        let n = rows.len();
         let mut sum = vec![0.0; n * n];
         for (share, own) in shares.iter().zip(&self.maneuvers) {
             let f = &own.output_error.as_ref()?.f;
             sum.iter_mut().zip(f).for_each(|(sum, own)| *sum += share * samples * own);
         }
-        let scale: Vec<f64> = (0..n).map(|i| sum[i * n + i].sqrt()).collect();
-        let mut scaled: Vec<f64> = (0..n * n).map(|k| sum[k] / (scale[k / n] * scale[k % n])).collect();
-        let mut inverse = vec![0.0; n * n];
-        numerics::inverse(n, &mut scaled, &mut inverse)?;
-        let share = |i: usize| (inverse[i * n + i] / sum[i * n + i] * information[i]).clamp(0.0, 1.0);
-        let names = self.degrees.iter().flat_map(|own| &own.parameters).cloned();
-        Some(names.enumerate().map(|(i, name)| (name, share(i))).collect())
+        let mut known = vec![0.0; n * n];
+        prior.add_to(&mut known, rows, 1.0);
+        let inverse = scaled_inverse(&sum)?;
+        let share = |i: usize| (0..n).map(|j| inverse[i * n + j] * known[j * n + i]).sum::<f64>();
+        let parameters = self.degrees.iter().flat_map(|own| &own.parameters);
+        let place = |name: &String| rows.iter().position(|own| own == name);
+        parameters.map(|name| Some((name.clone(), share(place(name)?).clamp(0.0, 1.0)))).collect()
     }
 }

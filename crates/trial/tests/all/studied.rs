@@ -85,7 +85,7 @@ fn simulated(vessel: &Vessel, generator: &Generator) -> Vec<SimulatedRun> {
 /// The moments of `runs`, with what disturbances do to estimates by instruments and by output error.
 fn moments(vessel: &Vessel, generator: &Generator, runs: &[Run]) -> Moments {
     let expected = Expected::new(vessel, NOISE, 20.0).unwrap();
-    let free = FreeRunModel::new(vessel, generator).unwrap();
+    let free = FreeRunModel::new(vessel, Some(generator)).unwrap();
     let prediction = Prediction::new(&vessel.model, Some(&expected), Some(&free));
     let (parts, mut pool) = (prediction.runs(runs), Pool::default());
     for batch in RunInstruments::new(vessel, InstrumentKind::Nominal).batches(&parts) {
