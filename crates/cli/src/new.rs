@@ -6,6 +6,7 @@ use artifact::{Staged, commit, whole_folder};
 use clap::Parser;
 use pipeline::starting::{Charted, PRESETS, Preset, measured, of_ship, schemas, simulated};
 use serde_json::json;
+use study::plan::second;
 
 use crate::cli::{Common, folder_of};
 use crate::failure::Failure;
@@ -25,11 +26,26 @@ pub struct Arguments {
     #[arg(long, value_name = "FOLDER")]
     logs: Option<PathBuf>,
     /// A chart, or the folder of an exchange set: the trial is planned on it
-    #[arg(long, value_name = "PATH", requires = "place", conflicts_with = "logs")]
+    #[arg(long, value_name = "PATH", requires = "place")]
     chart: Option<PathBuf>,
     /// Where the trial is to be, such as 24.97,60.12
     #[arg(long, value_name = "LONGITUDE,LATITUDE", requires = "chart", allow_hyphen_values = true, value_parser = place)]
     place: Option<[f64; 2]>,
+    /// When it may be, such as 2026-06-01T08:00:00Z/2026-06-01T18:00:00Z
+    #[arg(long, value_name = "FROM/UNTIL", requires = "chart", value_parser = slot)]
+    slot: Option<[String; 2]>,
+}
+
+/// Two times.
+fn slot(text: &str) -> Result<[String; 2], String> {
+    let expected = || {
+        "expected FROM/UNTIL, the earlier time first, such as 2026-06-01T08:00:00Z/2026-06-01T18:00:00Z"
+            .to_owned()
+    };
+    let (from, until) = text.split_once('/').ok_or_else(expected)?;
+    let [at, end] = [from, until].map(|time| second("--slot", time));
+    let is_in_order = at.and_then(|at| Ok(at < end?)).map_err(|_| expected())?;
+    is_in_order.then(|| [from.to_owned(), until.to_owned()]).ok_or_else(expected)
 }
 
 /// A longitude and a latitude \[deg\].
@@ -71,18 +87,17 @@ impl Task for Arguments {
                 "name another, or run this one",
             ));
         }
+        let slot = self.slot.as_ref();
+        let charted =
+            self.chart.as_deref().zip(self.place).map(|(file, place)| Charted { file, place, slot });
+        let name = out.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
         let (files, said) = match (own, &self.logs) {
             (Some(_), Some(_)) => return Err(with("--logs")),
             (Some(_), None) if self.chart.is_some() => return Err(with("--chart")),
             (Some(file), None) => (of_ship(file, common.seed)?, String::new()),
-            (None, None) => {
-                let charted =
-                    self.chart.as_deref().zip(self.place).map(|(file, place)| Charted { file, place });
-                let name = out.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-                (simulated(preset()?, &name, charted.as_ref())?, String::new())
-            }
+            (None, None) => (simulated(preset()?, &name, charted.as_ref())?, String::new()),
             (None, Some(logs)) => {
-                let (files, looked) = measured(preset()?, logs)?;
+                let (files, looked) = measured(preset()?, logs, charted.as_ref())?;
                 let (guessed, missing) = (looked.guessed(), looked.missing().len());
                 let half = looked.half_a_wind().map(|[channel, what]| {
                     format!("; `{channel}` is not used: no {what} of the wind was found")
@@ -94,7 +109,9 @@ impl Task for Arguments {
         };
         let schemas = schemas();
         std::fs::create_dir_all(folder_of(out)).map_err(|e| artifact::Error::io(out, "create", e))?;
-        whole_folder(out, &["schemas"], |folder| {
+        let has_next = files.iter().any(|(name, _)| name.starts_with("next/"));
+        let within: &[&str] = if has_next { &["schemas", "next"] } else { &["schemas"] };
+        whole_folder(out, within, |folder| {
             // One by one: this process holds the folder, which a set would wait for.
             let mut all = files.iter().chain(&schemas);
             all.try_for_each(|(name, text)| commit(vec![Staged::bytes(folder.join(name), text.as_bytes())?]))

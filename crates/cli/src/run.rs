@@ -57,23 +57,42 @@ impl Task for Arguments {
         std::fs::create_dir_all(&out).map_err(|e| Error::io(&out, "create", e))?;
         let Provenance { producer, .. } = common.provenance("seatrial");
         let program = std::env::current_exe().ok().and_then(|file| Digest::of_file(file).ok());
-        let (mut record, mut ran) = (Record::read(&out, producer, program), Vec::new());
+        let (mut record, mut ran, mut without) =
+            (Record::read(&out, producer, program), Vec::new(), Vec::new());
         for (i, (step, words)) in pipeline.steps.iter().zip(&commands).enumerate() {
+            if step.is_optional && !without.is_empty() {
+                record.forget(&pipeline, step)?;
+                without.push(step.name.as_str());
+                continue;
+            }
             let is_current = record.is_current(&pipeline, step, words);
             if !common.quiet {
                 let state = if is_current { "up to date".to_owned() } else { shown(&pipeline, words) };
                 on_stderr(format_args!("[{}/{}] {}: {state}", i + 1, commands.len(), step.name));
             }
-            if !is_current {
-                let trace = run_one(&pipeline, step, words, common)?;
-                record.note(&pipeline, step, words, &trace)?;
-                ran.push(step.name.as_str());
+            if is_current {
+                continue;
             }
+            match run_one(&pipeline, step, words, common) {
+                Ok(trace) => record.note(&pipeline, step, words, &trace)?,
+                Err(Failure::Refused(why) | Failure::NoAnswer(why)) if step.is_optional => {
+                    on_stderr(format_args!("without {}: {why}", step.name));
+                    without.push(step.name.as_str());
+                    record.forget(&pipeline, step)?;
+                    continue;
+                }
+                Err(failure) => return Err(failure),
+            }
+            ran.push(step.name.as_str());
         }
         let all = pipeline.steps.len();
-        let said = format!("{} of {all} stages run, {} up to date", ran.len(), all - ran.len());
+        let current = all - ran.len() - without.len();
+        let mut said = format!("{} of {all} stages run, {current} up to date", ran.len());
+        if !without.is_empty() {
+            said += &format!(", without {}", without.join(", "));
+        }
         let last = pipeline.steps.last().map_or(out, |step| pipeline.main(step));
-        Ok(Summary::of(&last, said, json!({"stages": all, "run": ran})))
+        Ok(Summary::of(&last, said, json!({"stages": all, "run": ran, "without": without})))
     }
 }
 

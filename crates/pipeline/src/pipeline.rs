@@ -45,6 +45,7 @@ impl Pipeline {
         let mut shape = Shape {
             plans: plans(study)?,
             has_reference: has("reference.toml"),
+            has_next: has("next/dictionary.toml") && has("next/campaign.toml"),
             next_is_charted: has("next/plan.toml"),
             is_of_forces: is_of_forces(study),
             recordings: 0,

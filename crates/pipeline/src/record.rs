@@ -103,6 +103,23 @@ impl Record {
             outputs,
         };
         self.document.stages.insert(step.name.clone(), ran);
+        self.write()
+    }
+
+    /// Forgets `step`, and removes what it wrote.
+    ///
+    /// # Errors
+    /// A file that cannot be removed; a record that cannot be written.
+    pub fn forget(&mut self, pipeline: &Pipeline, step: &Step) -> Result<(), Error> {
+        let written = step.outputs.iter().map(|own| PathBuf::from(pipeline.resolved(own)));
+        for file in written.filter(|own| own.exists()) {
+            std::fs::remove_file(&file).map_err(|e| Error::io(&file, "remove", e))?;
+        }
+        self.document.stages.remove(&step.name);
+        self.write()
+    }
+
+    fn write(&self) -> Result<(), Error> {
         let provenance = Provenance { producer: self.program.clone(), ..Provenance::default() };
         commit(vec![stage_document(&self.file, &provenance, &self.document)?])
     }

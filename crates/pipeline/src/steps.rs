@@ -12,6 +12,8 @@ pub struct Step {
     pub words: Vec<String>,
     /// What it writes, its main file first.
     pub outputs: Vec<String>,
+    /// Whether the study goes on where it is refused.
+    pub is_optional: bool,
 }
 
 impl Step {
@@ -19,7 +21,7 @@ impl Step {
     fn new(name: &str, line: &str, flags: &str, outputs: &[&str]) -> Self {
         let outputs: Vec<String> = outputs.iter().map(|name| format!("\0out/{name}")).collect();
         let words = line.split_whitespace().chain(flags.split_whitespace()).chain(["--out", &outputs[0]]);
-        Self { name: name.to_owned(), words: words.map(str::to_owned).collect(), outputs }
+        Self { name: name.to_owned(), words: words.map(str::to_owned).collect(), outputs, is_optional: false }
     }
 
     /// The paths that it reads.
@@ -35,6 +37,8 @@ pub struct Shape {
     pub plans: Vec<String>,
     /// Whether it has published results to compare with.
     pub has_reference: bool,
+    /// Whether `new` wrote what its next trial may consist of.
+    pub has_next: bool,
     /// Whether its next trial is planned on a chart.
     pub next_is_charted: bool,
     /// Whether its ship is described by forces, which are fitted by output error, with priors.
@@ -56,12 +60,8 @@ const DESIGN: &str = "--design \0out/design.json";
 pub fn simulated(settings: &Settings, shape: &Shape) -> Vec<Step> {
     let get = |key| settings.get(key);
     // Where a study does not say others: the best in nine of ten cases measured.
-    let usual = [
-        format!("{SEA} --estimator output-error"),
-        format!("--for output-error --criterion d --arrange {SHIP} {HELM}"),
-    ];
-    let (information, arranged) =
-        (settings.or("MOMENTS_FLAGS", &usual[0]), settings.or("DESIGN_FLAGS", &usual[1]));
+    let usual = format!("{SEA} --estimator output-error");
+    let (information, arranged) = (settings.or("MOMENTS_FLAGS", &usual), &design_flags(settings));
     let mut steps = vec![
         Step::new("dictionary", &format!("simulate dictionary {SHIP} {HELM}"), "", &["dictionary.parquet"]),
         Step::new("moments", &format!("moments {SHIP} {MADE}"), information, &["moments.json"]),
@@ -93,6 +93,21 @@ pub fn simulated(settings: &Settings, shape: &Shape) -> Vec<Step> {
     let line = format!("report --study \0study {HELM} --results \0out");
     steps.push(Step::new("report", &line, "", &["report.html", "explore.html"]));
     steps
+}
+
+/// Flags of the design: those of the study beside the usual ones, unless it says what moments or design are for. What the search for
+/// an order does not keep takes its place.
+fn design_flags(settings: &Settings) -> String {
+    let own = settings.get("DESIGN_FLAGS");
+    let has = |flags: &[&str]| own.split([' ', '=']).any(|word| flags.contains(&word));
+    if !settings.get("MOMENTS_FLAGS").is_empty() || has(&["--for", "--criterion", "--figures"]) {
+        return own.to_owned();
+    }
+    let order = match has(&["--segments", "--available", "--most-maneuvers", "--mean-removal", "--arrange"]) {
+        true => String::new(),
+        false => format!("--arrange {SHIP} {HELM} "),
+    };
+    format!("--for output-error --criterion d {order}{own}")
 }
 
 /// Estimates of the runs in `table` by `usual`, below the results' folder `below`, and their scores.
@@ -153,7 +168,7 @@ pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Ve
     if !settings.get("SELECTED").is_empty() {
         steps.extend(selected(settings, shape, usual_selection));
     }
-    if !settings.get("NEXT").is_empty() {
+    if shape.has_next || !settings.get("NEXT").is_empty() {
         steps.extend(next_trial(settings, shape));
     }
     let length_m = settings.get("LENGTH_M");
@@ -288,29 +303,45 @@ fn selected(settings: &Settings, shape: &Shape, usual_selection: &str) -> [Step;
     ]
 }
 
-/// The trial after this one: its model, what the helmsman may be asked for, its design and what it promises.
+/// The trial after this one: its design by the model that is delivered, what it promises and its plan. Of files that `new` wrote the
+/// study goes on where a stage is refused.
 fn next_trial(settings: &Settings, shape: &Shape) -> Vec<Step> {
-    const MODEL: &str = "--vessel \0out/measured/next/model.json";
     const HELM: &str = "--dictionary \0study/next/dictionary.toml";
     const SEA: &str = "--campaign \0study/next/campaign.toml";
     const MADE: &str = "--trajectories \0out/measured/next/dictionary.parquet";
     const DESIGN: &str = "--design \0out/measured/next/design.json";
+    // A model that is searched for anew has few terms, and keeps to what was logged.
+    let is_searched = !settings.get("NEXT").is_empty();
+    let (model, allowed) = match is_searched {
+        true => ("--vessel \0out/measured/next/model.json", ""),
+        false => ("--vessel \0out/measured/model.json", "--beyond-range"),
+    };
     let search = format!("estimate search {LOGGED} {RECORDED}");
-    let dictionary = format!("simulate dictionary {MODEL} {HELM}");
-    let moments = format!("moments {MODEL} {MADE} {SEA} --estimator output-error --hold-unexcited");
+    let dictionary = format!("simulate dictionary {model} {HELM} {allowed}");
+    let moments = format!("moments {model} {MADE} {SEA} --estimator output-error --hold-unexcited");
     let design = "design --moments \0out/measured/next/moments.json --for output-error";
-    let promised = format!("monte-carlo {MODEL} {HELM} {SEA} {DESIGN} --estimator output-error");
+    let arranged = format!("--criterion d --arrange {model} {HELM}");
+    let usual = match (is_searched, shape.is_of_forces) {
+        (true, _) => "",
+        // Sequences of maneuvers take long to judge.
+        (false, true) => "--criterion d",
+        (false, false) => &arranged,
+    };
+    let promised = format!("monte-carlo {model} {HELM} {SEA} {DESIGN} --estimator output-error");
     let found = ["measured/next/search.json", "measured/next/model.json"];
     let mut steps = vec![
-        Step::new("search", &search, settings.get("SEARCH_FLAGS"), &found),
         Step::new("next-dictionary", &dictionary, "", &["measured/next/dictionary.parquet"]),
         Step::new("next-moments", &moments, "", &["measured/next/moments.json"]),
-        Step::new("next-design", design, settings.get("NEXT_FLAGS"), &["measured/next/design.json"]),
-        Step::new("next-monte-carlo", &promised, "", &["measured/next/tally.json"]),
+        Step::new("next-design", design, settings.or("NEXT_FLAGS", usual), &["measured/next/design.json"]),
     ];
+    if is_searched {
+        steps.insert(0, Step::new("search", &search, settings.get("SEARCH_FLAGS"), &found));
+        steps.push(Step::new("next-monte-carlo", &promised, "", &["measured/next/tally.json"]));
+    }
     if shape.next_is_charted {
-        let line = format!("plan {MODEL} {MADE} {HELM} {DESIGN} --config \0study/next/plan.toml");
+        let line = format!("plan {model} {MADE} {HELM} {DESIGN} --config \0study/next/plan.toml {allowed}");
         steps.push(Step::new("next-plan", &line, "", &["measured/next/plan.json"]));
     }
+    steps.iter_mut().for_each(|step| step.is_optional = !is_searched);
     steps
 }

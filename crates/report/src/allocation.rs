@@ -48,13 +48,16 @@ fn designed(study: &Study, design: &DesignDocument, figures: &mut Figures) -> Ma
         (accuracy_of(design, figures))
         (figure_errors(design))
         (updated(study.update.as_ref()))
-        @if let Some(sequence) = &design.sequence { p.note { "Order: " (order(sequence)) ". " (sequence.statement) } }
+        @if let Some(sequence) = &design.sequence {
+            p.note { "Order, with seconds: " (order(sequence, study.experiment_s)) ". " (sequence.statement) }
+        }
     }
 }
 
-/// `spiral-slow 50, accelerate 4, …` in samples.
-fn order(sequence: &Sequence) -> String {
-    let part = |part: &SequencePart| format!("{} {}", part.maneuver, part.samples);
+/// `spiral-slow 50, accelerate 4, …` in seconds, or in samples where the length of the experiment is not known.
+fn order(sequence: &Sequence, experiment_s: Option<f64>) -> String {
+    let sample_s = experiment_s.map_or(1.0, |whole| whole / sequence.samples as f64);
+    let part = |part: &SequencePart| format!("{} {}", part.maneuver, exact(part.samples as f64 * sample_s));
     sequence.parts.iter().map(part).collect::<Vec<_>>().join(", ")
 }
 
@@ -117,7 +120,13 @@ fn share_of(design: &DesignDocument, name: &str) -> String {
     or_dash(design.shares.get(name).map(printed))
 }
 
+/// As it is sailed: where maneuvers are arranged, their pieces.
 fn time_of(design: &DesignDocument, name: &str, length: f64) -> String {
+    if let Some(sequence) = &design.sequence {
+        let pieces = sequence.parts.iter().filter(|part| part.maneuver == name);
+        let samples: u64 = pieces.map(|part| part.samples).sum();
+        return three_or_dash((samples > 0).then_some(length * samples as f64 / sequence.samples as f64));
+    }
     let share = design.shares.get(name).filter(|_| used(design, name));
     three_or_dash(share.map(|share| share * length))
 }

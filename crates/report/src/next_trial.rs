@@ -5,13 +5,12 @@ use std::fmt::Display;
 use artifact::{Error, Provenance, read_document};
 use maud::{Markup, html};
 use study::documents::{
-    DesignDocument, DesignScores, FreeRunErrors, ModelDegree, ModelDocument, ModelParameter, Quantiles,
-    SearchDocument, TallyDocument,
+    DesignDocument, DesignScores, FreeRunErrors, ModelDocument, Quantiles, SearchDocument, TallyDocument,
 };
 
 use super::loader::{Loader, existing};
 use super::number::{exact, fit, interval, median, or_dash, percent, q90, three, three_or_dash, unit};
-use super::parts::{Section, coded, missing};
+use super::parts::{Section, coded};
 use super::planned_trial::{PlannedTrial, map};
 use super::table::Table;
 
@@ -41,12 +40,17 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<NextTrial>, Error> {
         return Ok(None);
     };
     let tally = read(loader, &mut known, "tally", "what is estimated from the next trial")?;
-    let Some(path) = existing(loader.sources.results.join(FOLDER).join("model.json")) else {
+    // Its own, or the one that the logs' model is.
+    let results = &loader.sources.results;
+    let own = existing(results.join(FOLDER).join("model.json")).map(|path| (path, "next/model.json"));
+    let Some((path, name)) =
+        own.or_else(|| existing(results.join("model.json")).map(|path| (path, "model.json")))
+    else {
         return Ok(None);
     };
     let model = read_document::<ModelDocument>(&path)?;
     known.written("vessel", &path, model.digest)?;
-    loader.note("next/model.json", "the model that the next trial is designed with", model.digest);
+    loader.note(name, "the model that the next trial is designed with", model.digest);
     let plan = read(loader, &mut known, "plan", "the next trial's trajectory")?;
     let (map, document) = map(loader, &format!("{FOLDER}/map"))?;
     let planned =
@@ -142,9 +146,7 @@ impl Followed<'_> {
 
 /// The effect of parameter errors on free simulations, next to the errors of the model itself.
 fn free_runs(next: &NextTrial) -> Markup {
-    let Some(tally) = &next.tally else {
-        return missing("What the trial's estimates are worth is", "next/tally.json", "monte-carlo");
-    };
+    let Some(tally) = &next.tally else { return html! {} };
     let measured = next.searched.as_ref().and_then(SearchDocument::delivered_errors);
     let model =
         Followed { what: "this model, on recordings left out of the search", measured, simulated: None };
@@ -184,44 +186,63 @@ fn free_runs(next: &NextTrial) -> Markup {
     }
 }
 
+/// A parameter before the trial.
+struct Known<'a> {
+    name: &'a str,
+    degree: &'a str,
+    unit: &'a str,
+    value: f64,
+    interval: Option<[f64; 2]>,
+}
+
 fn parameters(next: &NextTrial) -> Markup {
     let predicted = next.design.covariance.as_ref().map(|own| &own.standard_errors);
-    let rows: Vec<(&ModelDegree, &ModelParameter)> = next
-        .model
-        .degrees
-        .iter()
-        .flat_map(|degree| degree.parameters.iter().map(move |parameter| (degree, parameter)))
-        .collect();
     let half_width = next.model.half_width();
-    let after = |p: &ModelParameter| three_or_dash(predicted.and_then(|own| own.get(&p.name)).copied());
+    let within = |value: f64, error: Option<f64>| {
+        let half = half_width * error?;
+        Some([value - half, value + half])
+    };
+    let terms = next.model.degrees.iter().flat_map(|d| d.parameters.iter().map(move |p| (d, p)));
+    let terms = terms.map(|(degree, p)| Known {
+        name: &p.name,
+        degree: &degree.name,
+        unit: &p.unit,
+        value: p.value,
+        interval: p
+            .low
+            .zip(p.high)
+            .map(|(low, high)| [low, high])
+            .or_else(|| within(p.value, p.standard_error)),
+    });
+    let forces = next.model.forces.iter().flat_map(|own| &own.parameters).map(|p| Known {
+        name: &p.name,
+        degree: "forces",
+        unit: &p.unit,
+        value: p.value,
+        interval: within(p.value, p.standard_error),
+    });
+    let rows: Vec<Known> = terms.chain(forces).collect();
+    let after = |p: &Known| three_or_dash(predicted.and_then(|own| own.get(p.name)).copied());
     let table = Table::of(&rows)
         .compact()
-        .name("Parameter", |(_, p)| html! { code { (p.name) } })
-        .text("Of", |(degree, _)| &degree.name)
-        .text("Unit", |(_, p)| unit(&p.unit))
-        .number("Value", |(_, p)| three(p.value))
-        .number("Interval, logs", |(_, p)| by_logs(p, half_width))
-        .number("Predicted, this trial", |(_, p)| after(p));
+        .name("Parameter", |p| html! { code { (p.name) } })
+        .text("Of", |p| p.degree)
+        .text("Unit", |p| unit(p.unit))
+        .number("Value", |p| three(p.value))
+        .number("Interval, logs", |p| interval(p.interval))
+        .number("Predicted, this trial", after);
     let duration = duration_s(next).map(|s| format!(" of {} s", exact(s)));
+    let alone = if next.design.prior.is_some() { " and the logs together" } else { " alone" };
     html! {
         h3 { "What the parameters would be known to" }
         (table)
         p.note {
-            "Predicted standard errors are those of estimates from this trial" (or_nothing(duration))
-            " alone, under the noise that its campaign states; – where it holds constant what they stand before. Intervals from \
+            "Predicted standard errors are those of estimates from this trial" (or_nothing(duration)) (alone)
+            ", under the noise that its campaign states; – where it holds constant what they stand before. Intervals from \
              the logs hold 95\u{a0}% of the searches over recordings drawn again, or are " (format!("{half_width:.2}")) " standard errors wide on either side; – \
              where parameters have no errors."
         }
     }
-}
-
-/// The interval of a parameter from the logs.
-fn by_logs(p: &ModelParameter, half_width: f64) -> String {
-    let by_errors = || {
-        let half = half_width * p.standard_error?;
-        Some([p.value - half, p.value + half])
-    };
-    interval(p.low.zip(p.high).map(|(low, high)| [low, high]).or_else(by_errors))
 }
 
 fn or_nothing(text: Option<impl Display>) -> String {

@@ -46,10 +46,25 @@ fn logs_come_to_their_page_by_two_commands() {
     run(&folder, "run mine --out out --quiet").succeeds();
     let page = String::from_utf8(bytes(&folder, "out/measured/report.html")).unwrap();
     assert!(page.contains("<svg"), "measured is shown against simulated");
+    // The next trial needs no file by hand; one that cannot be sailed is named, and takes nothing else away.
+    assert!(page.contains("The next trial") && page.contains("Predicted, this trial"));
+    let whole = bytes(&folder, "mine/next/campaign.toml");
+    edit(&folder, "mine/next/campaign.toml", "std_u_m_s = ", "std_u_m_s = -");
+    let without = run(&folder, "run mine --out out --quiet").succeeds();
+    assert!(without.stdout.contains("without next-moments, next-design"), "{without}");
+    assert!(
+        without.stderr.contains("without next-moments: ") && without.stderr.contains("std_u_m_s"),
+        "{without}"
+    );
+    let page = String::from_utf8(bytes(&folder, "out/measured/report.html")).unwrap();
+    assert!(!page.contains("Predicted, this trial"));
+    run(&folder, "verify out --study mine").succeeds();
+    fs::write(folder.path().join("mine/next/campaign.toml"), whole).unwrap();
+    run(&folder, "run mine --out out --quiet").succeeds();
     assert!(samples(&folder) > 55 * 70, "{}", samples(&folder));
     // What is there is up to date, and a changed log is not
     let again = run(&folder, "run mine --out out --quiet").succeeds();
-    assert!(again.stdout.contains(": 0 of 5 stages run"), "{again}");
+    assert!(again.stdout.contains(": 0 of 8 stages run"), "{again}");
     let log = fs::read_dir(folder.path().join("logs")).unwrap().next().unwrap().unwrap().path();
     let text = fs::read_to_string(&log).unwrap();
     fs::write(&log, text.trim_end().rsplit_once('\n').unwrap().0).unwrap();
@@ -210,6 +225,16 @@ fn logs_of_a_ship_with_forces_come_to_their_page_by_two_commands() {
         "{said}"
     );
     assert!(page.contains("the searched terms are left out of the average"), "{page}");
+    // What the fit knows counts for the next trial.
+    let next = json(&folder, "out/measured/next/design.json")["data"].clone();
+    let shares = next["prior"]["shares"].as_object().unwrap();
+    assert!(shares.values().all(|own| (0.0..=1.0).contains(&own.as_f64().unwrap())), "{shares:?}");
+    let forces = &model["data"]["forces"]["parameters"];
+    for own in forces.as_array().unwrap() {
+        let after = next["covariance"]["standard_errors"][own["name"].as_str().unwrap()].as_f64().unwrap();
+        // Better known than by the logs alone.
+        assert!(own["standard_error"].as_f64().is_none_or(|before| after < before), "{own} after {after}");
+    }
     // The only model of an average stands for a vessel.
     run(&folder, &format!("export --model {average} --to python --out alone/")).succeeds();
 }
@@ -234,7 +259,9 @@ fn five_logs_and_a_wind_without_direction_give_the_core_of_a_ship_without_forces
         }
         fs::write(&path, blown).unwrap();
     }
-    let ran = run(&folder, "new mine --vessel coaster --logs logs").succeeds();
+    let chart = repository().join("fixtures/charts/helsinki_land_gshhg.geojson").display().to_string();
+    let new = format!("new mine --vessel coaster --logs logs --place 24.97,60.05 --chart {chart}");
+    let ran = run(&folder, &new).succeeds();
     let said = "`wind` is not used: no direction of the wind was found";
     assert!(ran.stdout.contains("5 logs") && ran.stdout.contains(said), "{ran}");
     let ingest = String::from_utf8(bytes(&folder, "mine/ingest.toml")).unwrap();
@@ -248,6 +275,10 @@ fn five_logs_and_a_wind_without_direction_give_the_core_of_a_ship_without_forces
     };
     assert_eq!([terms(1), terms(2)].concat(), ["v", "u r", "r", "u^2 delta"]);
     assert!(!folder.path().join("out/measured/search.json").exists());
+    // What they taught counts for the next trial, which the chart has room for.
+    let next = json(&folder, "out/measured/next/design.json")["data"].clone();
+    assert!(next["prior"]["shares"].is_object() && next["sequence"]["foretold"].is_object(), "{next}");
+    assert!(json(&folder, "out/measured/next/plan.json")["data"]["steps"].is_array());
 }
 
 #[test]

@@ -74,10 +74,22 @@ fn charts_that_a_study_cannot_begin_with() {
             ["nowhere.geojson", "no such file"],
         ),
         (
-            "kvlcc2",
+            "mariner",
             format!("--chart {chart} --place 24.97,60.12"),
             3,
-            ["kvlcc2, a 7 m model", "coaster, full-scale"],
+            ["mariner, the cargo ship", "coaster, full-scale"],
+        ),
+        (
+            "full-scale",
+            format!("--chart {chart} --place 24.97,60.12 --slot 2026-06-01T08:00:00Z"),
+            2,
+            ["--slot", "expected FROM/UNTIL"],
+        ),
+        (
+            "full-scale",
+            format!("--chart {chart} --place 24.97,60.12 --slot 2026-06-01T18:00:00Z/2026-06-01T08:00:00Z"),
+            2,
+            ["--slot", "the earlier time first"],
         ),
     ] {
         refused(&folder, code, &new(vessel, &flags), &pieces);

@@ -6,8 +6,17 @@ use study::documents::RunDocument;
 
 use crate::support::*;
 
-const PRESETS: [&str; 8] =
-    ["model-ship", "coaster", "full-scale", "kvlcc2", "esso-osaka", "mariner", "kvlcc2-l7", "otter"];
+const PRESETS: [&str; 9] = [
+    "model-ship",
+    "coaster",
+    "full-scale",
+    "kvlcc2",
+    "esso-osaka",
+    "esso-osaka-3m",
+    "mariner",
+    "kvlcc2-l7",
+    "otter",
+];
 
 /// What `run` with `flags` says of the stages that it ran.
 fn stages(folder: &tempfile::TempDir, line: &str) -> Vec<String> {
@@ -26,6 +35,30 @@ fn every_preset_comes_to_its_page_by_two_commands() {
         let page = String::from_utf8(bytes(&folder, "out/mine/report.html")).unwrap();
         assert!(page.contains("<svg") && page.contains("mine"), "{preset}");
         run(&folder, "verify out/mine").succeeds();
+    }
+}
+
+/// Of terms, and of forces, whose priors pull every estimate the same way: medians of 60 trials lie within a quarter of the medians
+/// that the design foretold.
+#[test]
+fn law_trials_have_the_errors_that_their_design_foretold() {
+    for preset in ["model-ship", "mariner"] {
+        let folder = tempfile::tempdir().unwrap();
+        run(&folder, &format!("new mine --vessel {preset}")).succeeds();
+        run(&folder, "run mine --quiet --set campaign.realizations=60").succeeds();
+        let foretold = json(&folder, "out/mine/design.json")["data"]["sequence"]["foretold"].clone();
+        let found = json(&folder, "out/mine/validation.json")["data"]["designs"][0].clone();
+        assert_eq!(found["design"], "optimized");
+        for error in ["parameter_error", "simulation_error"] {
+            let [foretold, found] =
+                [&foretold[error], &found[error]["median"]].map(|own| own.as_f64().unwrap());
+            assert!(
+                (0.75..1.3).contains(&(found / foretold)),
+                "{preset}: {error} {found}, foretold {foretold}"
+            );
+        }
+        let page = String::from_utf8(bytes(&folder, "out/mine/report.html")).unwrap();
+        assert!(page.contains("Before the trial the design foretold"), "{preset}");
     }
 }
 
@@ -50,7 +83,9 @@ fn helsinki() -> String {
 #[test]
 fn a_chart_and_a_place_come_to_a_plan_by_two_commands() {
     let folder = tempfile::tempdir().unwrap();
-    let line = format!("new mine --vessel full-scale --place 24.97,60.12 --chart {}", helsinki());
+    let slot = "2026-06-01T06:00:00Z/2026-06-01T18:00:00Z";
+    let line =
+        format!("new mine --vessel full-scale --place 24.97,60.12 --slot {slot} --chart {}", helsinki());
     run(&folder, &line).succeeds();
     let text = String::from_utf8(bytes(&folder, "mine/plan.toml")).unwrap();
     assert!(
@@ -62,7 +97,12 @@ fn a_chart_and_a_place_come_to_a_plan_by_two_commands() {
     assert!(ran.stdout.starts_with("out/mine/report.html: "), "{ran}");
     let plan: Value = serde_json::from_slice(&bytes(&folder, "out/mine/plan.json")).unwrap();
     assert_eq!(plan["data"]["status"], "optimal");
+    assert_eq!(plan["data"]["passage"]["departure"], "2026-06-01T06:00:00Z");
     run(&folder, "verify out/mine").succeeds();
+    // A ship of 3 m finds room where her maneuvers fit, too.
+    let line = format!("new small --vessel esso-osaka --place 24.97,60.05 --chart {}", helsinki());
+    run(&folder, &line).succeeds();
+    run(&folder, &format!("run small --quiet --stage plan {few}")).succeeds();
 }
 
 #[test]
@@ -184,12 +224,24 @@ fn a_stage_brings_those_that_it_needs_and_no_more() {
 fn a_setting_on_the_command_line_replaces_that_of_the_study() {
     let folder = written(4);
     put(&folder, "study.mk", "DESIGN_FLAGS = --tolerance 1e-9\n");
-    run(&folder, "run . --out out --stage design --setting DESIGN_FLAGS=--tolerance=1e-7").succeeds();
-    let document = json(&folder, "out/run.json");
-    let command = &document["data"]["stages"]["design"]["command"];
-    let words =
-        ["design", "--moments", "{out}/moments.json", "--tolerance=1e-7", "--out", "{out}/design.json"];
-    assert_eq!(*command, json!(words));
+    // The usual flags stay, as far as they go together.
+    let usual = "--for output-error --criterion d";
+    for (own, whole) in [
+        (
+            "--tolerance=1e-7",
+            format!(
+                "{usual} --arrange --vessel {{study}}/vessel.toml --dictionary {{study}}/dictionary.toml --tolerance=1e-7"
+            ),
+        ),
+        ("--segments=5", format!("{usual} --segments=5")),
+        ("--criterion=a", "--criterion=a".to_owned()),
+    ] {
+        run(&folder, &format!("run . --out out --stage design --setting DESIGN_FLAGS={own}")).succeeds();
+        let document = json(&folder, "out/run.json");
+        let command = &document["data"]["stages"]["design"]["command"];
+        let words = format!("design --moments {{out}}/moments.json {whole} --out {{out}}/design.json");
+        assert_eq!(*command, json!(words.split(' ').collect::<Vec<_>>()));
+    }
 }
 
 #[test]

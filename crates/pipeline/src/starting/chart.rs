@@ -16,6 +16,8 @@ pub struct Charted<'a> {
     pub file: &'a Path,
     /// Longitude and latitude of the trial \[deg\].
     pub place: [f64; 2],
+    /// When it may take place, from and until: it departs at the beginning.
+    pub slot: Option<&'a [String; 2]>,
 }
 
 /// `plan.toml` from a preset's `template`, for the study `name` in an area of `side_m` on a side.
@@ -27,7 +29,7 @@ pub(super) fn planned(
     name: &str,
     (template, side_m): (&str, f64),
 ) -> Result<String, Error> {
-    let Charted { file, place: [longitude, latitude] } = *charted;
+    let Charted { file, place: [longitude, latitude], slot } = *charted;
     let at =
         |why| Error::refuse(file, "--place", format!("{longitude},{latitude}"), why, "name another place");
     let whole = file.canonicalize().map_err(|_| {
@@ -37,6 +39,16 @@ pub(super) fn planned(
         Plane::new(longitude, latitude).map_err(|_| at("a longitude, then a latitude, in degrees"))?;
     let edge = side_m / 2.0;
     let square = Bounds::new([-edge, -edge], [edge, edge]).map_err(|why| Error::invalid(file, why))?;
+    let (template, in_slot) = match slot {
+        None => (template.to_owned(), String::new()),
+        Some([from, until]) => {
+            let departs = format!("departure = \"{from}\"\ncell_m");
+            let slot = format!(
+                "\n# When the trial may take place.\n[slot]\nfrom = \"{from}\"\nuntil = \"{until}\"\n"
+            );
+            (template.replacen("cell_m", &departs, 1), slot)
+        }
+    };
     let name = if refusal::check_name("name", name).is_ok() { name } else { "trial" };
     let filled = |bounds: &Bounds, [longitude, latitude]: [f64; 2], found: &str| {
         let start =
@@ -47,6 +59,7 @@ pub(super) fn planned(
             .replace("{charts}", &charts(&whole))
             .replace("{found}", found)
             .replace("{start}", &start)
+            + &in_slot
     };
     // The file is read as the stages read it, with the place as its start.
     let draft = filled(&square, charted.place, "");

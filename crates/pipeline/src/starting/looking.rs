@@ -57,6 +57,9 @@ pub struct Looked {
     pub others: Vec<String>,
 }
 
+/// Least size of the file of a recording that is kept apart, as a part of a usual one: windows are up to 0.9 as long as that.
+const LONG: f64 = 0.95;
+
 impl Looked {
     /// Looks at the logs in `folder` and in its subfolders, for a model that needs the channels `needed`.
     ///
@@ -144,8 +147,8 @@ impl Looked {
         Ok(Self { folder, patterns, files, usual_s, found, others })
     }
 
-    /// Recordings that a model may be tried on: every fifth of them, none of fewer than three. Names that study.mk cannot hold
-    /// are passed over.
+    /// Recordings that a model may be tried on: one of every five, none of fewer than three. Names that study.mk cannot hold
+    /// are passed over, and recordings whose file is shorter than a usual one, which may have no window.
     pub(super) fn kept_apart(&self) -> Vec<&str> {
         let is_plain = |name: &&str| name.chars().all(|c| c.is_alphanumeric() || "-_.+".contains(c));
         let name = |file: &'_ String| {
@@ -154,8 +157,18 @@ impl Looked {
             let end = known.filter(|end| lower.ends_with(*end)).map(|end| end.len()).max().unwrap_or(0);
             file.rfind('/').map_or(0, |slash| slash + 1)..file.len() - end
         };
-        let every = self.files.iter().skip(2).step_by(5);
-        every.map(|file| &file[name(file)]).filter(is_plain).collect()
+        let size = |file: &String| std::fs::metadata(self.folder.join(file)).map_or(0, |own| own.len());
+        let mut sizes: Vec<u64> = self.files.iter().map(size).collect();
+        sizes.sort_unstable();
+        let usual = sizes[sizes.len() / 2] as f64;
+        let is_long = |file: &&String| size(file) as f64 > LONG * usual;
+        let five = self.files.chunks(5).filter(|own| own.len() > 2);
+        let one = five.filter_map(|own| {
+            let (before, after) = own.split_at(2);
+            let all = after.iter().chain(before).filter(is_long);
+            all.map(|file| &file[name(file)]).find(is_plain)
+        });
+        one.collect()
     }
 
     /// How many lines of `ingest.toml` are guessed.

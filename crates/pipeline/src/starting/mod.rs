@@ -4,6 +4,7 @@ mod bags;
 mod chart;
 mod ingest;
 mod looking;
+mod next;
 mod own;
 mod presets;
 mod reading;
@@ -39,18 +40,23 @@ pub fn simulated(preset: &Preset, name: &str, charted: Option<&Charted>) -> Resu
     Ok(files.into_iter().map(with_schema).collect())
 }
 
-/// The files of a study of `preset` with the logs in the folder `logs`, and what was found there.
+/// The files of a study of `preset` with the logs in the folder `logs`, and what was found there. On a chart its next trial is planned.
 ///
 /// # Errors
-/// A folder without logs, or with those of several ships; a log whose columns cannot be read.
-pub fn measured(preset: &Preset, logs: &Path) -> Result<(Vec<NewFile>, Looked), Error> {
+/// A folder without logs, or with those of several ships; a log whose columns cannot be read; a chart as of [`simulated`].
+pub fn measured(
+    preset: &Preset,
+    logs: &Path,
+    charted: Option<&Charted>,
+) -> Result<(Vec<NewFile>, Looked), Error> {
     let mut looked = Looked::at(logs, &preset.needed())?;
     let is_wind_logged = looked.take_wind();
-    let files = vec![
+    let mut files = vec![
         ("vessel.toml".to_owned(), preset.without_truth(is_wind_logged)),
         ("ingest.toml".to_owned(), ingest::written(&looked, preset)),
         ("study.mk".to_owned(), ingest::flags(&looked, preset)),
     ];
+    files.extend(next::trial(preset, charted)?);
     Ok((files.into_iter().map(with_schema).collect(), looked))
 }
 
@@ -63,10 +69,11 @@ pub fn schemas() -> Vec<NewFile> {
 
 /// A file with the line that editors find its schema by.
 fn with_schema((name, text): NewFile) -> NewFile {
-    match hand_written::kind_of(&name) {
+    let (up, own) = name.rsplit_once('/').map_or(("", name.as_str()), |(_, own)| ("../", own));
+    match hand_written::kind_of(own) {
         None => (name, text),
         Some(kind) => {
-            let text = format!("#:schema schemas/{}\n{text}", hand_written::file_name(kind));
+            let text = format!("#:schema {up}schemas/{}\n{text}", hand_written::file_name(kind));
             (name, text)
         }
     }

@@ -19,7 +19,7 @@ pub struct Preset {
     table: Option<(&'static str, &'static str)>,
     /// The thrusters that its forces are made by, as `ingest.toml` has them.
     thrusters: Option<&'static str>,
-    /// `plan.toml` with places to be filled in, and the side of its area \[m\]; none for ships that sail in tanks.
+    /// `plan.toml` with places to be filled in, and the side of its area \[m\]; none for a ship whose speed nothing commands.
     plan: Option<(&'static str, f64)>,
 }
 
@@ -46,7 +46,7 @@ pub const PRESETS: [Preset; 9] = [
         "a model ship of 1 m with two azimuth thrusters aft",
         None,
         Some(include_str!("../../presets/model-ship/thrusters.toml")),
-        None
+        Some((include_str!("../../presets/model-ship/plan.toml.in"), 300.0))
     ),
     preset!(
         "coaster",
@@ -62,17 +62,35 @@ pub const PRESETS: [Preset; 9] = [
         Some(include_str!("../../presets/full-scale/thrusters.toml")),
         Some((include_str!("../../presets/full-scale/plan.toml.in"), 7_000.0))
     ),
-    preset!("kvlcc2", "a 7 m model of the tanker KVLCC2, with rudder and measured thrust", None, None, None),
+    preset!(
+        "kvlcc2",
+        "a 7 m model of the tanker KVLCC2, with rudder and measured thrust",
+        None,
+        None,
+        Some((include_str!("../../presets/kvlcc2/plan.toml.in"), 2_800.0))
+    ),
     preset!(
         "esso-osaka",
         "a 3 m model of the tanker Esso Osaka, with rudder and propeller",
         Some(("crash-stop.csv", include_str!("../../presets/esso-osaka/crash-stop.csv"))),
         None,
-        None
+        Some((include_str!("../../presets/esso-osaka/plan.toml.in"), 600.0))
     ),
-    preset!("esso-osaka-3m", "a 3 m model of the tanker Esso Osaka, by forces", None, None, None),
+    preset!(
+        "esso-osaka-3m",
+        "a 3 m model of the tanker Esso Osaka, by forces",
+        None,
+        None,
+        Some((include_str!("../../presets/esso-osaka-3m/plan.toml.in"), 900.0))
+    ),
     preset!("mariner", "the cargo ship Mariner of 160.93 m, by hydrodynamic derivatives", None, None, None),
-    preset!("kvlcc2-l7", "a 7 m model of the tanker KVLCC2, by the MMG standard method", None, None, None),
+    preset!(
+        "kvlcc2-l7",
+        "a 7 m model of the tanker KVLCC2, by the MMG standard method",
+        None,
+        None,
+        Some((include_str!("../../presets/kvlcc2-l7/plan.toml.in"), 2_100.0))
+    ),
     preset!(
         "otter",
         "the uncrewed vessel Otter of 2 m with two propellers, by forces",
@@ -121,17 +139,14 @@ impl Preset {
     /// Its `plan.toml` with places to be filled in, and the side of the area \[m\].
     ///
     /// # Errors
-    /// A ship that sails in tanks: names those that have one.
+    /// A ship whose speed nothing commands: names those that have one.
     pub(super) fn plan(&self) -> Result<(&'static str, f64), Invalid> {
         self.plan.ok_or_else(|| {
             let others = PRESETS.iter().filter(|own| own.plan.is_some()).map(|own| own.name);
-            let expected = format!("a ship that sails on charts: {}", others.collect::<Vec<_>>().join(", "));
-            Invalid::new(
-                "--chart",
-                format!("{}, {}", self.name, self.about),
-                expected,
-                "begin with one of them",
-            )
+            let expected =
+                format!("a ship whose speed can be commanded: {}", others.collect::<Vec<_>>().join(", "));
+            let found = format!("{}, {}", self.name, self.about);
+            Invalid::new("--chart", found, expected, "begin with one of them")
         })
     }
 
