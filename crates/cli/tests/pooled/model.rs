@@ -365,6 +365,19 @@ fn unknown_currents_are_told_of_run_by_run() {
 }
 
 #[test]
+fn drifting_and_body_currents_and_unknown_winds_are_refused_with_what_to_do() {
+    let folder = with(&["campaign.parquet"]);
+    let drifts = "it is gone: take `--estimator prediction-error`, or `--unknown-current earth`";
+    for (flag, pieces) in [
+        ("--unknown-current drifting", ["'drifting'", "none, earth]", drifts]),
+        ("--unknown-current body", ["'body'", "none, earth]", drifts]),
+        ("--unknown-wind earth", ["'--unknown-wind'", "`[[measured]]`", "`--estimator prediction-error`"]),
+    ] {
+        refused(&folder, 2, &format!("{MODEL} --estimator output-error {flag}"), &pieces);
+    }
+}
+
+#[test]
 fn pooled_predictions_say_what_disturbances_they_found() {
     let folder = with(&["campaign.parquet"]);
     run(&folder, &format!("{MODEL} --estimator prediction-error")).succeeds();
