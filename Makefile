@@ -127,21 +127,18 @@ scenarios: build
 	@echo
 	@echo "Report: $(SCENARIO_OUT)/report.html"
 
-# The same trials, estimated with what the study does not tell: water and wind as unknowns, no forces that stay, the noise.
-WAYS := current current-alone drifting drifting-alone wind no-intercepts undeclared
-WAY_current        := --estimator output-error --unknown-current earth
-WAY_current-alone  := $(WAY_current) --intercepts none
-WAY_drifting       := --estimator output-error --unknown-current drifting
-WAY_drifting-alone := $(WAY_drifting) --intercepts none
-WAY_wind           := --estimator output-error --unknown-wind earth
-WAY_no-intercepts  := --estimator output-error --intercepts none
-WAY_undeclared     := --estimator prediction-error
+# The same trials, estimated with what the study does not tell: a current as an unknown, no forces that stay, the noise.
+WAYS := current current-alone no-intercepts undeclared
+WAY_current       := --estimator output-error --unknown-current earth
+WAY_current-alone := $(WAY_current) --intercepts none
+WAY_no-intercepts := --estimator output-error --intercepts none
+WAY_undeclared    := --estimator prediction-error
 UNKNOWN := $(foreach name,$(SCENARIOS),$(WAYS:%=$(SCENARIO_OUT)/$(name)/unknown/%))
 
 .PHONY: unknown
 unknown: $(UNKNOWN:%=%/scores.parquet)
 
-# Of the stem white/unknown/wind, the first word is the scenario's name and the last the way's
+# Of the stem white/unknown/current, the first word is the scenario's name and the last the way's
 .SECONDEXPANSION:
 $(UNKNOWN:%=%/scores.parquet): $(SCENARIO_OUT)/%/scores.parquet: $(SCENARIO_OUT)/$$(*D:/unknown=)/campaign.parquet $(BIN)/estimate $(BIN)/validate
 	@mkdir -p $(@D)

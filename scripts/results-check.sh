@@ -52,7 +52,7 @@ for name in white current-constant current-gauss-markov wind-bias; do
   made "$out/studies/$name" validate "scenarios/$name"
   scenarios="$scenarios $out/scenarios/$name"
 done
-run scenarios "water and wind as unknowns" make --no-print-directory -s BIN="$bin" FLAGS=--quiet \
+run scenarios "a current as an unknown" make --no-print-directory -s BIN="$bin" FLAGS=--quiet \
   SCENARIO_STUDIES="$out/studies" SCENARIO_OUT="$out/scenarios" unknown
 for name in "$out"/scenarios/*/unknown/*; do
   unknown="$unknown $name"

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use clap::Args;
 use identification::Estimator;
-use identification::runs::{AdditionalUnknowns, Intercepts, UnknownCurrent, UnknownWind};
+use identification::runs::{AdditionalUnknowns, Intercepts, UnknownCurrent};
 use serde_json::{Value, json};
 
 use crate::choice::choice;
@@ -16,22 +16,15 @@ pub struct AdditionalFlags {
     /// Forces that stay, as unknowns of `output-error` and `prediction-error`
     #[arg(long, value_parser = choice(&Intercepts::ALL, Intercepts::name, Intercepts::description), default_value_t = Intercepts::Each)]
     intercepts: Intercepts,
-    /// A current of every run, as two more unknowns of `output-error`, or four where it drifts
+    /// A current of every run, as two more unknowns of `output-error`
     #[arg(long, value_name = "AXES", value_parser = choice(&UnknownCurrent::ALL, UnknownCurrent::name, UnknownCurrent::description), default_value_t = UnknownCurrent::None)]
     unknown_current: UnknownCurrent,
-    /// A wind of every run, whose direction no channel tells, as two more unknowns of `output-error`
-    #[arg(long, value_name = "AXES", value_parser = choice(&UnknownWind::ALL, UnknownWind::name, UnknownWind::description), default_value_t = UnknownWind::None)]
-    unknown_wind: UnknownWind,
 }
 
 impl AdditionalFlags {
     /// The unknowns of the flags.
     pub fn unknown(self) -> AdditionalUnknowns {
-        AdditionalUnknowns {
-            intercepts: self.intercepts,
-            current: self.unknown_current,
-            wind: self.unknown_wind,
-        }
+        AdditionalUnknowns { intercepts: self.intercepts, current: self.unknown_current }
     }
 
     /// Refuses flags that none of the `estimators` uses.
@@ -42,21 +35,10 @@ impl AdditionalFlags {
         let simulated = estimators.contains(&Estimator::OutputError);
         let searched = estimators.iter().any(|estimator| estimator.searches());
         let asked = estimators.iter().map(|e| e.name()).collect::<Vec<_>>().join(", ");
-        let flag = match (self.unknown_current, self.unknown_wind) {
-            (UnknownCurrent::None, UnknownWind::None) => None,
-            (UnknownCurrent::Body, UnknownWind::Earth) => {
-                return Err(Failure::Usage(
-                    "--unknown-current body beside --unknown-wind earth: one turns with the vessel and the other does not; take \
-                     --unknown-current earth or drifting"
-                        .to_owned(),
-                ));
-            }
-            (UnknownCurrent::None, wind) => Some(format!("--unknown-wind {wind}")),
-            (current, _) => Some(format!("--unknown-current {current}")),
-        };
-        if let Some(flag) = flag.filter(|_| !simulated) {
+        if self.unknown_current != UnknownCurrent::None && !simulated {
             return Err(Failure::Usage(format!(
-                "{flag} is for `output-error`: found {asked}; add it to --estimator or leave the flag out"
+                "--unknown-current {} is for `output-error`: found {asked}; add it to --estimator or leave the flag out",
+                self.unknown_current
             )));
         }
         if self.intercepts != Intercepts::Each && !searched {
@@ -70,16 +52,13 @@ impl AdditionalFlags {
 
     /// Notes values that are not the default.
     pub fn note(self, settings: &mut BTreeMap<String, Value>) {
-        let (usual, AdditionalUnknowns { intercepts, current, wind }) =
+        let (usual, AdditionalUnknowns { intercepts, current }) =
             (AdditionalUnknowns::default(), self.unknown());
         if intercepts != usual.intercepts {
             settings.insert("intercepts".into(), json!(intercepts));
         }
         if current != usual.current {
             settings.insert("unknown_current".into(), json!(current));
-        }
-        if wind != usual.wind {
-            settings.insert("unknown_wind".into(), json!(wind));
         }
     }
 }

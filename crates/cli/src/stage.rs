@@ -250,12 +250,14 @@ pub fn misused(error: &clap::Error) -> Failure {
         }
         _ => {
             let line = one_line(&error.render().to_string());
-            let named =
+            let [flag, value] =
                 [ContextKind::InvalidArg, ContextKind::InvalidValue].map(|kind| match error.get(kind) {
-                    Some(ContextValue::String(named)) => refusal::gone(named),
-                    _ => None,
+                    Some(ContextValue::String(named)) => named.as_str(),
+                    _ => "",
                 });
-            Failure::Usage(match named.into_iter().flatten().next() {
+            let flag = flag.split(' ').next().unwrap_or_default();
+            let named = [flag, value, &format!("{flag} {value}")];
+            Failure::Usage(match named.into_iter().find_map(refusal::gone) {
                 Some(remedy) => {
                     let above = line.split(" tip: ").next().unwrap_or_default();
                     format!("{}; {remedy}", above.trim_end_matches("; see --help"))

@@ -7,8 +7,6 @@ pub struct AdditionalUnknowns {
     pub intercepts: Intercepts,
     /// A current, for output error only.
     pub current: UnknownCurrent,
-    /// A wind, for output error only.
-    pub wind: UnknownWind,
 }
 
 refusal::choices! {
@@ -28,25 +26,11 @@ refusal::choices! {
         None = "none",
         /// It stays, and keeps its direction over ground.
         Earth = "earth",
-        /// It stays, and keeps its direction from the bow.
-        Body = "body",
-        /// It changes evenly with time, over ground.
-        Drifting = "drifting",
-    }
-}
-
-refusal::choices! {
-    /// A wind of unknown direction.
-    pub enum UnknownWind {
-        /// None, or one that terms of measured channels tell of.
-        None = "none",
-        /// It pushes steadily in one direction over ground, along and across the vessel as she turns.
-        Earth = "earth",
     }
 }
 
 impl Default for AdditionalUnknowns {
     fn default() -> Self {
-        Self { intercepts: Intercepts::Each, current: UnknownCurrent::None, wind: UnknownWind::None }
+        Self { intercepts: Intercepts::Each, current: UnknownCurrent::None }
     }
 }

@@ -18,10 +18,18 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     best.map(|(_, candidate)| candidate)
 }
 
+const NO_DRIFT: &str = "it is gone: take `--estimator prediction-error`, or `--unknown-current earth`";
+
 /// Names that are known no more, each with the remedy.
-const GONE: [(&str, &str); 2] = [
+const GONE: [(&str, &str); 5] = [
     ("refined-iv", "it is gone: take `output-error`"),
     ("--engine", "it is gone: leave it out, since every search is exhaustive"),
+    ("--unknown-current body", NO_DRIFT),
+    ("--unknown-current drifting", NO_DRIFT),
+    (
+        "--unknown-wind",
+        "it is gone: log the wind as a `[[measured]]` channel, or take `--estimator prediction-error`",
+    ),
 ];
 
 /// The remedy for `word`, if that is known no more.

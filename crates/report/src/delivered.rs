@@ -162,7 +162,7 @@ impl<'a> Row<'a> {
     }
 }
 
-/// Water and wind that were found with the model, if any were unknown, a row per part.
+/// The current that was found with the model, if it was unknown, a row per part.
 fn surroundings(model: &ModelDocument) -> Markup {
     let Some(first) = model.surroundings.first() else { return html! {} };
     let named = Table::of(&model.surroundings)
@@ -175,16 +175,12 @@ fn surroundings(model: &ModelDocument) -> Markup {
             or_dash(told.map(|(value, error)| format!("{value} ±\u{a0}{error}")))
         })
     });
-    let turns = match first.axes.as_str() {
-        "body" => "It keeps its direction from the bow.",
-        _ => "It keeps its direction over ground as the vessel turns.",
-    };
     html! {
-        h3 { "Unknown water and wind" }
+        h3 { "Unknown current" }
         (table)
         p.note {
-            "With standard errors; along and across the vessel as she heads where the part starts. " (turns)
-            " Simulations on this page go without it."
+            "With standard errors; along and across the vessel as she heads where the part starts. It keeps its direction over \
+             ground as the vessel turns. Simulations on this page go without it."
         }
     }
 }

@@ -2257,7 +2257,7 @@ class ModelDocument:
     samples: int
     #: What each run or recording gains beside the terms.
     recordings: list[RecordingConstant]
-    #: Water and wind that were found with it, where they were unknown.
+    #: The current that was found with it, where one was unknown.
     surroundings: list[Surroundings] = field(default_factory=list)
     #: What the data covered: the model is known to hold within.
     covered: list[Covered]
@@ -3675,16 +3675,13 @@ class Stopping:
 
 @dataclass(frozen=True, kw_only=True)
 class Surroundings:
-    """Water and wind that were found with a model in one run, or in a part of one."""
+    """A current over ground that was found with a model in one run, or in a part of one."""
 
     #: The run or recording.
     source: str
     #: Which of the parts that simulations start anew with, from 0.
     part: int
-    #: `earth`: it keeps its direction over ground as the vessel turns; `body`: from the bow.
-    axes: str
-    #: What was found, along and across the vessel as she heads where the part starts: a current, its change with time
-    #: (drift), and a wind's push.
+    #: What was found, along and across the vessel as she heads where the part starts.
     found: list[FoundUnknown]
 
 

@@ -120,7 +120,7 @@ impl Arguments {
         let flags = [
             ("--bootstrap", self.bootstrap.is_some()),
             ("--add-terms beside a former fit", self.add_terms > 0 && self.flags.former().is_some()),
-            ("unknown water or wind", self.additional.unknown() != AdditionalUnknowns::default()),
+            ("--unknown-current or --intercepts", self.additional.unknown() != AdditionalUnknowns::default()),
         ];
         none_given(flags, "a ship with forces", "terms per sample")
     }

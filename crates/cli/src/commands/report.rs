@@ -28,7 +28,7 @@ pub struct Results {
     /// Studies that compare estimators (validation.json)
     #[arg(long, value_name = "FOLDER", num_args = 1..)]
     scenarios: Vec<PathBuf>,
-    /// The same with water and wind as unknowns (validation.json, estimate.json)
+    /// The same with a current as an unknown (validation.json, estimate.json)
     #[arg(long, value_name = "FOLDER", num_args = 1..)]
     unknown: Vec<PathBuf>,
     /// Trials in rounds (sequential.json)

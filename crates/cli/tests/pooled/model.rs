@@ -331,46 +331,49 @@ fn law_estimates_that_correlate_and_are_badly_known_are_told_and_no_others() {
     assert!(expected > 0 && told == expected.min(4), "{expected} {told} {statements}");
 }
 
-/// Every run in its own water and wind, whose estimates are in the model and on the page.
+/// Every run in its own current, whose estimates are in the model and on the page.
 #[test]
-fn unknown_water_and_wind_are_told_of_run_by_run() {
+fn unknown_currents_are_told_of_run_by_run() {
     let folder = with(&["campaign.parquet"]);
     let line = format!("{MODEL} --estimator output-error");
-    run(&folder, &format!("{line} --unknown-current drifting --unknown-wind earth --intercepts none"))
-        .succeeds();
+    run(&folder, &format!("{line} --unknown-current earth --intercepts none")).succeeds();
     let model = json(&folder, "model.json");
-    assert_eq!(model["settings"]["unknown_current"], "drifting");
-    assert_eq!(model["settings"]["unknown_wind"], "earth");
+    assert_eq!(model["settings"]["unknown_current"], "earth");
     let around = model["data"]["surroundings"].as_array().unwrap();
     let sources: Vec<&str> = around.iter().map(|own| own["source"].as_str().unwrap()).collect();
     assert_eq!(sources, ["optimized/2", "optimized/3", "random/1"]);
     for own in around {
-        assert_eq!((&own["axes"], own["found"].as_array().unwrap().len()), (&"earth".into(), 6));
-        assert_eq!(
-            (&own["found"][0]["name"], &own["found"][0]["unit"]),
-            (&"current along".into(), &"m/s".into())
-        );
-        assert_eq!(
-            (&own["found"][5]["name"], &own["found"][5]["unit"]),
-            (&"wind across".into(), &"m/s^2".into())
-        );
-        let errors = own["found"].as_array().unwrap().iter().map(|one| &one["standard_error"]);
-        assert!(errors.into_iter().all(|error| error.as_f64().unwrap() > 0.0), "{own}");
+        let found = own["found"].as_array().unwrap();
+        let names: Vec<&str> = found.iter().map(|one| one["name"].as_str().unwrap()).collect();
+        assert_eq!(names, ["current along", "current across"]);
+        for one in found {
+            assert_eq!(one["unit"], "m/s");
+            assert!(one["standard_error"].as_f64().unwrap() > 0.0, "{own}");
+        }
     }
     assert!(model["data"]["degrees"][0]["constant"] == 0.0, "no intercepts");
     let told = |piece: &str| {
         model["data"]["statements"].as_array().unwrap().iter().any(|s| s.as_str().unwrap().contains(piece))
     };
-    assert!(told("water and wind of its own in every run"), "{}", model["data"]["statements"]);
-    for (flags, pieces) in [
-        ("--estimator iv --unknown-wind earth", ["--unknown-wind earth", "`output-error`"]),
-        ("--estimator ls --unknown-current earth", ["--unknown-current earth", "`output-error`"]),
-        (
-            "--estimator output-error --unknown-current body --unknown-wind earth",
-            ["--unknown-current body beside --unknown-wind earth", "drifting"],
-        ),
+    assert!(told("a current of its own in every run"), "{}", model["data"]["statements"]);
+    refused(
+        &folder,
+        2,
+        &format!("{MODEL} --estimator ls --unknown-current earth"),
+        &["--unknown-current earth", "`output-error`"],
+    );
+}
+
+#[test]
+fn drifting_and_body_currents_and_unknown_winds_are_refused_with_what_to_do() {
+    let folder = with(&["campaign.parquet"]);
+    let drifts = "it is gone: take `--estimator prediction-error`, or `--unknown-current earth`";
+    for (flag, pieces) in [
+        ("--unknown-current drifting", ["'drifting'", "none, earth]", drifts]),
+        ("--unknown-current body", ["'body'", "none, earth]", drifts]),
+        ("--unknown-wind earth", ["'--unknown-wind'", "`[[measured]]`", "`--estimator prediction-error`"]),
     ] {
-        refused(&folder, 2, &format!("{MODEL} {flags}"), &pieces);
+        refused(&folder, 2, &format!("{MODEL} --estimator output-error {flag}"), &pieces);
     }
 }
 

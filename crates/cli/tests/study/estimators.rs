@@ -267,7 +267,7 @@ fn runs_are_asked_what_the_model_lacks_where_disturbances_are_stated() {
     assert!(ran.stdout.contains(" reject the model"), "{ran}");
 }
 
-/// Estimates with unknown water and wind are among the results, each with its unknowns.
+/// Estimates with an unknown current are among the results, each with its unknowns.
 #[test]
 fn results_name_what_was_unknown() {
     let folder = with(&["campaign.parquet", "validation.parquet"]);
@@ -280,11 +280,11 @@ fn results_name_what_was_unknown() {
     };
     run(&folder, &there(&format!("{ESTIMATE} --estimator output-error {flags}"))).succeeds();
     run(&folder, &there(VALIDATE)).succeeds();
-    let missing = way.replace("current", "wind");
+    let missing = way.replace("current", "undeclared");
     run(&folder, &format!("report results --unknown {way} {missing} --out results.md")).succeeds();
     let text = std::fs::read_to_string(folder.path().join("results.md")).unwrap();
     let row = format!("| scenarios white | {RUNS} | 1 | `output-error {flags}` |");
-    for piece in [row.as_str(), "Not here: scenarios white unknown wind"] {
+    for piece in [row.as_str(), "Not here: scenarios white unknown undeclared"] {
         assert!(text.contains(piece), "{piece}: {text}");
     }
 }

@@ -1,5 +1,5 @@
-//! The start of each part and its ambient water and wind: minimised out for any parameters, so that the errors depend
-//! on the parameters alone (variable projection).
+//! The start of each part and its current: minimised out for any parameters, so that the errors depend on the parameters
+//! alone (variable projection).
 
 use std::convert::Infallible;
 
@@ -8,14 +8,14 @@ use numerics::{LANES, Lane, quadratic, times};
 use regression::jackknife;
 
 use crate::predictor::{
-    AMBIENT, Asked, Linear, Recordings, Residuals, STEPS, Unknown, Weighting, minimize, scaled_inverse,
+    Asked, Linear, Recordings, Residuals, STEPS, Unknown, Weighting, minimize, scaled_inverse,
 };
 
-/// A part with its ambient unknowns minimised out.
+/// A part with its own unknowns minimised out.
 pub(super) struct Settled {
-    /// Its errors by the parameters alone: the ambient unknowns follow them.
+    /// Its errors by the parameters alone: its own unknowns follow them.
     pub linear: Linear,
-    /// The offset of its start and the ambient unknowns, in the order of [`Unknown::own`].
+    /// The offset of its start and the current, in the order of [`Unknown::own`].
     pub ambient: Vec<f64>,
     /// Derivatives of these by the parameters, a row for each unknown; and their covariance at known parameters.
     follows: Vec<f64>,
@@ -34,20 +34,16 @@ impl Settled {
         Self { linear: Linear::default(), ..self }
     }
 
-    /// The ambient unknowns and their standard errors, with the parameters' `covariance`, for all [`AMBIENT`].
-    pub(super) fn ambient(&self, unknown: Unknown, covariance: &[f64]) -> [[f64; AMBIENT]; 2] {
+    /// The current, the last two of the unknowns, and its standard errors, with the parameters' `covariance`.
+    pub(super) fn current(&self, covariance: &[f64]) -> [[f64; 2]; 2] {
         let q = self.ambient.len();
-        let free = self.follows.len() / q.max(1);
-        let mut all = [[0.0; AMBIENT]; 2];
-        let places = unknown.own().enumerate().filter_map(|(i, own)| Some((i, own.checked_sub(3)?)));
-        for (i, place) in places {
-            all[0][place] = self.ambient[i];
-            if free > 0 {
-                let through = quadratic(&self.follows[i * free..(i + 1) * free], covariance);
-                all[1][place] = (self.known[i * q + i] + through).max(0.0).sqrt();
-            }
-        }
-        all
+        let free = self.follows.len() / q;
+        let error = |i: usize| {
+            let through = quadratic(&self.follows[i * free..(i + 1) * free], covariance);
+            (self.known[i * q + i] + through).max(0.0).sqrt()
+        };
+        let places = [q - 2, q - 1];
+        [places.map(|i| self.ambient[i]), places.map(|i| if free > 0 { error(i) } else { 0.0 })]
     }
 }
 
@@ -86,7 +82,7 @@ impl<'a> Ambient<'a> {
         Self { recordings, unknown, own, parameters, weights }
     }
 
-    /// Minimises the errors of the parts over their ambient unknowns, and linearises them by the `free` parameters.
+    /// Minimises the errors of the parts over their own unknowns, and linearises them by the `free` parameters.
     /// Searches begin at `starts`, one per part, which are empty at first. Unknowns without effect, or of a diverging
     /// simulation, stay. Computes their `spread` if requested.
     pub(super) fn settled(mut self, free: &[usize], starts: &[Vec<f64>], spread: bool) -> Vec<Settled> {
@@ -111,7 +107,7 @@ impl<'a> Ambient<'a> {
 
     fn unknowns(&self, points: &[impl AsRef<[f64]>]) -> Vec<Lane> {
         let mut unknowns: Vec<Lane> = self.parameters.iter().copied().map(Lane::splat).collect();
-        unknowns.resize(self.parameters.len() + 3 + AMBIENT, Lane::ZERO);
+        unknowns.resize(self.parameters.len() + 3 + 2, Lane::ZERO);
         for (i, place) in self.own.iter().enumerate() {
             unknowns[*place] = lane(points.len(), |run| points[run].as_ref()[i]);
         }
@@ -123,9 +119,9 @@ impl<'a> Ambient<'a> {
     }
 }
 
-/// The errors of a part by its parameters alone, with the ambient unknowns projected out: with A B; Bᵀ N the weighted
+/// The errors of a part by its parameters alone, with its own unknowns projected out: with A B; Bᵀ N the weighted
 /// normal matrix of both and g, h the gradients, A − B N⁻¹ Bᵀ and g − B N⁻¹ h. `blocks`: sums over blocks of samples
-/// by the ambient unknowns, if their covariance is requested, see [`jackknife`].
+/// by these unknowns, if their covariance is requested, see [`jackknife`].
 fn projected(
     linear: &Linear,
     ambient: Vec<f64>,

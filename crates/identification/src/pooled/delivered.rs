@@ -9,9 +9,7 @@ use regression::pooled::{AnyParts, Part, PartView, Regression, Unread};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{
-    DegreeTrust, Estimated, ParameterTrust, Pool, Scales, Score, Searched, SourceErrors, Surroundings,
-};
+use super::{DegreeTrust, Estimated, ParameterTrust, Pool, Score, SourceErrors, Surroundings};
 
 /// The model that an estimate delivers, whole: with it others simulate what was validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +29,7 @@ pub struct Delivered {
     pub output_rmse: Option<[f64; 3]>,
     /// One entry per run or recording.
     pub recordings: Vec<RecordingConstant>,
-    /// Water and wind that were found with it, part by part; empty where nothing is unknown of them.
+    /// The current that was found with it, part by part; empty where none is unknown.
     pub surroundings: Vec<Surroundings>,
     /// What the data covered: states, inputs, measured disturbances.
     pub covered: Vec<Covered>,
@@ -110,22 +108,23 @@ impl Delivered {
         let beyond = |intercepts| beyond(&pool.model, intercepts);
         let mut account = Account::new(&pool.vessel.model, &theta, intercepts);
         parts.each(&mut |part| account.add(&part))?;
-        let ambient = |(own, scales): &(Searched, Scales)| Surroundings::all(parts, own, scales.follow());
+        let surroundings =
+            found.searched.as_ref().map(|(own, _)| Surroundings::all(parts, own)).transpose()?;
         Ok(Some(Self {
             constant: beyond(intercepts),
             covariance: covariance(&pool.model, found, degrees, parts.count()),
             least_squares: pool.least_squares(found).map(|(theta, own)| (theta, beyond(own))),
             increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
             output_rmse: pooled_rmse(sources),
-            surroundings: found.searched.as_ref().map_or(Ok(Vec::new()), ambient)?,
+            surroundings: surroundings.unwrap_or_default(),
             covered: account.ranges.covered(),
             recordings: account.recordings(),
             theta,
         }))
     }
 
-    /// The model from an estimate of one run, θ̂ and intercepts, with those by least squares and the ambient
-    /// unknowns. Its covariance is not known: single runs only have standard errors.
+    /// The model from an estimate of one run, θ̂ and intercepts, with those by least squares and its
+    /// current. Its covariance is not known: single runs only have standard errors.
     pub(crate) fn of_run(
         model: &Model,
         part: &PartView,

@@ -13,9 +13,8 @@ use super::trust::Judge;
 use super::{
     DegreeTrust, Delivered, Estimated, Follow, Judgement, NoEstimate, Pool, Resample, SourceErrors, Unfound,
 };
-use crate::additional::UnknownCurrent;
 use crate::criticism::{Criticism, Subject, Verdict, criticise_after};
-use crate::predictor::InitialState;
+use crate::predictor::{InitialState, Unknown};
 use crate::sensitivity::Flow;
 use crate::signs::against_nominal;
 use crate::{EstimateStatus, Estimator, RunEstimate};
@@ -162,7 +161,7 @@ fn estimate_any(
     let alike = delivered.iter().flat_map(|own| entangled(own, pool.model.layout()));
     let stalled = stalled(&found).map(str::to_owned);
     let spread =
-        stalled.into_iter().chain(few_informative(pool, &found, parts.count())).chain(ambient(pool, &found));
+        stalled.into_iter().chain(few_informative(pool, &found, parts.count())).chain(beside(pool, &found));
     let parameters = degrees.iter().flat_map(|degree| &degree.parameters);
     let estimates: Vec<_> = parameters.map(|own| Some([own.estimate?, own.standard_error?])).collect();
     let turned = against_nominal(&pool.vessel.model, &pool.vessel.nominal, &estimates);
@@ -205,7 +204,7 @@ pub fn resampled<R: Recorded, T>(
 fn allows_for_current(found: &Estimated) -> bool {
     let follow = found.searched.as_ref().map(|(_, scales)| scales.follow());
     let allows = match follow {
-        Some(Follow::Simulated(unknown)) => unknown.current != UnknownCurrent::None,
+        Some(Follow::Simulated(unknown)) => unknown.current.is_some(),
         Some(Follow::Predicted(levels, _)) => matches!(levels.current, Flow::Markov { .. }),
         None => false,
     };
@@ -235,21 +234,21 @@ fn diverging(sources: &[SourceErrors]) -> Option<String> {
     })
 }
 
-/// The remark that a model was found with starts, ambient water or a filter that free simulations of the recordings
-/// do not use.
-fn ambient(pool: &Pool, found: &Estimated) -> Option<String> {
-    let (own, scales) = found.searched.as_ref()?;
+/// The remark that a model was found with starts, currents or a filter that free simulations of the recordings do not
+/// use.
+fn beside(pool: &Pool, found: &Estimated) -> Option<String> {
+    let (_, scales) = found.searched.as_ref()?;
     match scales.follow() {
-        Follow::Simulated(unknown) if unknown.ambient().next().is_none() => {
-            (unknown.initial == InitialState::Estimated).then(|| {
+        Follow::Simulated(Unknown { current: None, initial }) => {
+            (*initial == InitialState::Estimated).then(|| {
                 "found with the start of every sub-experiment as an unknown: sensors' noise makes up much of the errors".to_owned()
             })
         }
-        Follow::Simulated(_) => (!own.ambient.is_empty()).then(|| {
-            "found with water and wind of its own in every run: free simulations of the recordings go in still water, \
-             without wind, and err by what these do"
-                .to_owned()
-        }),
+        Follow::Simulated(_) => Some(
+            "found with a current of its own in every run: free simulations of the recordings go in still water, and err by \
+             what it does"
+                .to_owned(),
+        ),
         Follow::Predicted(levels, _) => Some(levels.words(1.0 / pool.vessel.sample_rate_hz)),
     }
 }

@@ -143,7 +143,7 @@ impl<'a> Pool<'a> {
 
 impl Pool<'_> {
     /// The default estimator; `None` if the noise decides, see [`super::unstated`]. A prior only applies to
-    /// regressions, and unknown water and wind only to simulations. `simulated`: the runs are those of simulated
+    /// regressions, and an unknown current only to simulations. `simulated`: the runs are those of simulated
     /// trials.
     pub fn usual(&self, simulated: bool) -> Option<Estimator> {
         match simulated || self.strength > 0.0 {
@@ -176,10 +176,10 @@ impl Pool<'_> {
         Pool { vessel, model: vessel.model.with_intercepts(), nominal, constant, ..*self }
     }
 
-    /// Cuts `runs` into segments, or takes whole runs if ambient water or wind are unknown, which are the same
-    /// throughout a run.
+    /// Cuts `runs` into segments, or takes whole runs if a current is unknown, which is the same throughout a
+    /// run.
     pub fn cut<'r, R: Recorded>(&self, runs: &'r PooledRuns<R>) -> CutRuns<'r, R> {
-        match self.unknown().ambient().next() {
+        match self.unknown().current {
             None => runs.cut(self.part_samples),
             Some(_) => runs.whole(self.part_samples),
         }

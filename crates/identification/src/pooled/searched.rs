@@ -8,8 +8,8 @@ use regression::pooled::{AnyParts, Faults, Part, Parts, Unread};
 
 use super::ambient::{Ambient, Settled};
 use crate::predictor::{
-    AMBIENT, Asked, Ended, Levels, Linear, Minimum, Recordings, Residuals, STEPS, Unknown, Weighting,
-    linearize, minimize,
+    Asked, Ended, Levels, Linear, Minimum, Recordings, Residuals, STEPS, Unknown, Weighting, linearize,
+    minimize,
 };
 use crate::sensitivity::{filter, with_states};
 
@@ -25,8 +25,8 @@ pub struct Searched {
     /// Per parameter the effective number of parts: how many equally informative ones would give the same
     /// information; 0 for fixed ones.
     pub effective_parts: Vec<f64>,
-    /// The ambient unknowns of every part, and their standard errors (see [`AMBIENT`]); empty without such unknowns.
-    pub ambient: Vec<[[f64; AMBIENT]; 2]>,
+    /// The current of every part \[m/s\], and its standard errors; empty if none is unknown.
+    pub currents: Vec<[[f64; 2]; 2]>,
     /// Σ (e_d/std_d)², or of squared whitened innovations.
     pub squares: f64,
     /// Steps tried.
@@ -47,8 +47,7 @@ impl Searched {
 /// Which errors of parts are minimised.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Follow {
-    /// Those of free simulations, each from its part's first measured state or one near it, in its own water and
-    /// wind.
+    /// Those of free simulations, each from its part's first measured state or one near it, in its own current.
     Simulated(Unknown),
     /// Those of one-sample predictions by a Kalman filter for these levels, with the gains along it at these
     /// parameters.
@@ -111,10 +110,10 @@ pub(super) fn least_errors_any(
     let Some(found) = found.filter(|found| matches!(found.status, Ended::Converged | Ended::Stalled)) else {
         return Ok(None);
     };
-    Ok(problem.spread(&found)?.map(|Spread { covariance, effective_parts, ambient }| Searched {
+    Ok(problem.spread(&found)?.map(|Spread { covariance, effective_parts, currents }| Searched {
         covariance,
         effective_parts,
-        ambient,
+        currents,
         squares: (0..3).map(|d| weights[d] * found.linear.squares[d]).sum(),
         parameters: problem.asked.whole(&found.point),
         steps: found.steps,
@@ -128,7 +127,7 @@ struct Problem<'a> {
     parts: &'a AnyParts<'a>,
     /// Indices of the parts: those of similar length share lanes.
     order: Vec<usize>,
-    /// The last ambient unknowns of the parts, in their order.
+    /// The parts' last own unknowns, in their order.
     ambient: Vec<Vec<f64>>,
 }
 
@@ -173,7 +172,7 @@ impl Question<'_> {
         }
     }
 
-    /// Linearises parts, [`LANES`] of them per thread, from their last ambient unknowns.
+    /// Linearises parts, [`LANES`] of them per thread, from their last own unknowns.
     fn settled(&self, parts: &[Part], ambient: &[Vec<f64>], whole: &[f64], spread: bool) -> Vec<Settled> {
         let settled = |(i, parts): (usize, &[Part])| {
             let group = SideBySide::of(&parts.iter().map(Part::view).collect::<Vec<_>>());
@@ -205,7 +204,7 @@ impl Question<'_> {
 }
 
 impl Problem<'_> {
-    /// Calls `look` with every linearised part, in order; with the spread of its ambient unknowns if requested.
+    /// Calls `look` with every linearised part, in order; with the spread of its own unknowns if requested.
     fn each(&self, point: &[f64], spread: bool, look: &mut dyn FnMut(Settled)) -> Result<(), Unread> {
         let whole = self.asked.whole(point);
         let together = LANES * rayon::current_num_threads();
@@ -227,8 +226,7 @@ impl Problem<'_> {
         Ok(())
     }
 
-    /// The covariance of all parameters, the effective number of parts for each, and the ambient unknowns of the
-    /// parts.
+    /// The covariance of all parameters, the effective number of parts for each, and the currents of the parts.
     fn spread(&self, found: &Minimum) -> Result<Option<Spread>, Unread> {
         let weights = self.asked.weighting();
         let Ok(inverse) = found.inverse(weights) else { return Ok(None) };
@@ -251,15 +249,15 @@ impl Problem<'_> {
             settled.push(own.without_sums());
         })?;
         let alike = |[sum, squares]: [f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
-        let mut ambient = Vec::new();
-        if let Some(unknown) = self.asked.unknown().filter(|unknown| unknown.ambient().next().is_some()) {
-            ambient.resize(settled.len(), [[0.0; AMBIENT]; 2]);
+        let mut currents = Vec::new();
+        if self.asked.unknown().is_some_and(|unknown| unknown.current.is_some()) {
+            currents.resize(settled.len(), [[0.0; 2]; 2]);
             let pairs = places.iter().flat_map(|i| places.iter().map(move |j| i * all + j));
             let own: Vec<f64> = pairs.map(|k| covariance[k]).collect();
             let found = self.order.iter().zip(&settled);
-            found.for_each(|(place, settled)| ambient[*place] = settled.ambient(unknown, &own));
+            found.for_each(|(place, settled)| currents[*place] = settled.current(&own));
         }
-        Ok(Some(Spread { covariance, effective_parts: shares.into_iter().map(alike).collect(), ambient }))
+        Ok(Some(Spread { covariance, effective_parts: shares.into_iter().map(alike).collect(), currents }))
     }
 }
 
@@ -279,7 +277,7 @@ fn innovations<const N: usize>(
 struct Spread {
     covariance: Vec<f64>,
     effective_parts: Vec<f64>,
-    ambient: Vec<[[f64; AMBIENT]; 2]>,
+    currents: Vec<[[f64; 2]; 2]>,
 }
 
 impl Residuals for Problem<'_> {

@@ -24,7 +24,7 @@ pub(crate) use prediction_error::errors_by_blocks;
 pub use prediction_error::{innovations, prediction_error};
 pub use sums::Linear;
 pub(crate) use sums::{linearize, linearize_each};
-pub use unknown::{AMBIENT, InitialState, Unknown};
+pub use unknown::{InitialState, Unknown};
 
 pub use crate::sensitivity::{
     Drift, Flow, Gusts, Levels, Recordings, Sensitivities, Slopes, Step, free_sweep, slopes,

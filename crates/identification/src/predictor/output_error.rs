@@ -12,7 +12,7 @@ use super::errors::{Errors, of_terms};
 use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
 use super::scores::disturbed_scores;
 use super::sums::{Linear, linearize_and_keep};
-use super::unknown::{AMBIENT, Unknown};
+use super::unknown::Unknown;
 use crate::sensitivity::{Levels, Recordings, Sensitivities, Slopes, groups, of_one_length, with_states};
 
 /// How standard errors are computed.
@@ -61,8 +61,8 @@ pub struct Fitted {
     pub intercepts: [f64; 3],
     /// Estimated minus given initial state.
     pub offset: [f64; 3],
-    /// The ambient unknowns, and their standard errors; zero if not estimated.
-    pub ambient: Box<[[f64; AMBIENT]; 2]>,
+    /// The current \[m/s\] and its standard errors, if estimated.
+    pub current: Option<[[f64; 2]; 2]>,
     /// Root mean square errors of the prediction in u, v \[m/s\], r \[rad/s\].
     pub rmse: [f64; 3],
     /// Steps of the search.
@@ -79,7 +79,7 @@ const BRIEF: usize = 24;
 
 /// Estimates every run by the errors of free simulations: minimises Σ_d N log Σ e_d², the likelihood of white errors
 /// with separate variances in u, v and r, over the model's parameters (with or without intercepts) and, if requested,
-/// the initial state, water and wind. With water or wind, standard errors use blocks, regardless of `spread`. Per run
+/// the initial state and a current. With a current, standard errors use blocks, regardless of `spread`. Per run
 /// `starts` holds starting parameters; if the first ones diverge or lead to no minimum, the next are used.
 pub fn output_error(
     model: &Model,
@@ -221,7 +221,7 @@ impl Searches<'_> {
     fn fit(&mut self, searched: Vec<usize>, spread: Spread, fits: &mut [Fit]) -> Vec<usize> {
         let mut missed = Vec::new();
         let mut kept = std::mem::take(&mut self.workspace.kept);
-        let spread = if self.unknown.ambient().next().is_some() { Spread::Blocks } else { spread };
+        let spread = if self.unknown.current.is_some() { Spread::Blocks } else { spread };
         for (group, runs) in groups(self.runs, searched.into_iter()) {
             let recordings = Recordings::of(self.model, &runs);
             let free = self.unknown.free(self.model);
@@ -320,7 +320,7 @@ pub(super) fn fit(
                 covariance: covariance.map(|own| of_terms(layout, &own)),
                 intercepts: layout.intercepts(point),
                 offset: [0, 1, 2].map(|d| entry(point, d)),
-                ambient: Box::new([point, &errors].map(|of| std::array::from_fn(|i| entry(of, 3 + i)))),
+                current: unknown.current.map(|_| [point, &errors].map(|of| [3, 4].map(|i| entry(of, i)))),
                 rmse: minimum.linear.squares.map(|s| (s / minimum.linear.samples).sqrt()),
                 steps: minimum.steps,
                 approximate,

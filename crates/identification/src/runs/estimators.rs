@@ -133,10 +133,9 @@ impl RunEstimators<'_> {
             return Ok(None);
         };
         let found = self.found(runs, None)?;
-        let (intercepts, ambient) =
-            found.first(estimator).map_or((None, None), |own| (own.intercepts, own.ambient));
-        let ambient = ambient.filter(|_| estimator == Estimator::OutputError);
-        let ambient = ambient.and_then(|own| Surroundings::of(self.unknown(), (name, 0), &own));
+        let (intercepts, current) =
+            found.first(estimator).map_or((None, None), |own| (own.intercepts, own.current));
+        let surroundings = current.map(|own| Surroundings::of((name, 0), own));
         let row = found.by(self, estimator, runs).pop().map(|(row, _)| row);
         let Some((row, theta)) = row.and_then(|row| Some((row.clone(), row.estimate?.0))) else {
             return Ok(None);
@@ -154,7 +153,7 @@ impl RunEstimators<'_> {
             (theta, own)
         });
         let own = intercepts.unwrap_or_else(|| left(&theta));
-        Ok(Some((row, Delivered::of_run(model, &part, (theta, own), simple, ambient))))
+        Ok(Some((row, Delivered::of_run(model, &part, (theta, own), simple, surroundings))))
     }
 
     /// Everything that the requested estimators need, each computed once; searches begin at `near`, if known.

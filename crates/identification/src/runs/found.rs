@@ -3,7 +3,7 @@ use model::Vessel;
 use regression::{Direction, Excitation, Outcome};
 
 use super::error::RunError;
-use crate::predictor::{AMBIENT, Fit};
+use crate::predictor::Fit;
 use crate::{EstimateStatus, Estimator, RunEstimate};
 
 /// The result of an estimator on one run.
@@ -15,8 +15,8 @@ pub(super) struct Found {
     pub covariance: Option<Vec<f64>>,
     /// Intercepts, if they were estimated with the parameters; else they are the mean residuals.
     pub intercepts: Option<[f64; 3]>,
-    /// The ambient unknowns, and their standard errors, if estimated.
-    pub ambient: Option<[[f64; AMBIENT]; 2]>,
+    /// The current, and its standard errors, if estimated.
+    pub current: Option<[[f64; 2]; 2]>,
 }
 
 /// The result of instrumental variables, or least squares, on one run, and its excitation.
@@ -35,7 +35,7 @@ impl Found {
     }
 
     fn none(status: EstimateStatus) -> Self {
-        Self { status, estimate: None, covariance: None, intercepts: None, ambient: None }
+        Self { status, estimate: None, covariance: None, intercepts: None, current: None }
     }
 }
 
@@ -53,7 +53,7 @@ impl From<&Fit> for Found {
                 estimate: Some((found.parameters.clone(), found.standard_errors.clone())),
                 covariance: found.covariance.clone(),
                 intercepts: Some(found.intercepts),
-                ambient: Some(*found.ambient),
+                current: found.current,
             },
             Fit::NotConverged(_) => Self::none(EstimateStatus::NotConverged),
             Fit::NotIdentifiable(_) => Self::none(EstimateStatus::NotIdentifiable),

@@ -5,10 +5,9 @@ use numerics::Lane;
 use super::levels::{Flow, Levels};
 use super::unknowns::Unknowns;
 
-/// The state transition of the N states: u, v, r, then the current's two components (N = 5, 8, 9), then three forces
-/// (N = 6, 8); or, for free simulations only, the change of the current's components and the wind's effect per
-/// sample, both over ground (N = 9). With drifting sensors (N = 7) the first three states are the measured ones,
-/// including drift; the last three are the drift itself, and the one between them stays zero.
+/// The state transition of the N states: u, v, r, then the current's two components (N = 5, 8), then three forces
+/// (N = 6, 8). With drifting sensors (N = 7) the first three states are the measured ones, including drift; the last
+/// three are the drift itself, and the one between them stays zero.
 #[derive(Clone, Debug)]
 pub(crate) struct Dynamics<'m, X: Stepping, const N: usize> {
     model: Compiled<'m, X>,
@@ -31,21 +30,17 @@ pub(crate) struct Local<X> {
     turn: Turn<X>,
 }
 
-/// Vectors with a fixed direction over ground rotate relative to the vessel by the change of its heading: cosine and
-/// sine, and the derivatives by r of the components of the current, of its change and of the wind.
+/// A current over ground rotates relative to the vessel by the change of its heading: cosine and sine, and the
+/// derivatives of its components by r.
 #[derive(Clone, Copy)]
 struct Turn<X> {
     cos: X,
     sin: X,
-    by_r: [[X; 2]; 3],
+    by_r: [X; 2],
 }
 
 const fn current(n: usize) -> bool {
-    n == 5 || n == 8 || n == 9
-}
-
-const fn has_ambient(n: usize) -> bool {
-    n == 9
+    n == 5 || n == 8
 }
 
 const fn force(n: usize) -> bool {
@@ -107,7 +102,7 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
         self.motion.forward(local, s)
     }
 
-    /// Aᵀ λ for a column of λ; not for the ambient unknowns of a free simulation (N = 9).
+    /// Aᵀ λ for a column of λ.
     #[inline(always)]
     pub(crate) fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
         self.motion.backward(local, adjoint)
@@ -148,24 +143,16 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
 
     #[inline(always)]
     fn turn(&self, z: &[X; N]) -> Turn<X> {
-        let still = [[X::ZERO; 2]; 3];
         if !current(N) {
-            return Turn { cos: X::ONE, sin: X::ZERO, by_r: still };
+            return Turn { cos: X::ONE, sin: X::ZERO, by_r: [X::ZERO; 2] };
         }
         // Polynomials: to 1e-9 for turns of up to 0.15 rad per sample.
         let angle = self.turning * z[2];
         let square = angle * angle;
         let cos = X::ONE + square * (X::from(-0.5) + square * X::from(1.0 / 24.0));
         let sin = angle * (X::ONE + square * (X::from(-1.0 / 6.0) + square * X::from(1.0 / 120.0)));
-        let by_r = |[along, across]: [X; 2]| {
-            let by = [cos * across - sin * along, X::ZERO - (cos * along + sin * across)];
-            by.map(|by| self.turning * by)
-        };
-        let turned = match has_ambient(N) {
-            true => [by_r([z[3] + z[5], z[4] + z[6]]), by_r([z[5], z[6]]), by_r([z[7], z[8]])],
-            false => [by_r([z[3], z[4]]), still[1], still[2]],
-        };
-        Turn { cos, sin, by_r: turned }
+        let by_r = [cos * z[4] - sin * z[3], X::ZERO - (cos * z[3] + sin * z[4])];
+        Turn { cos, sin, by_r: by_r.map(|by| self.turning * by) }
     }
 
     /// The states after `z`, where `vessel` is u, v, r.
@@ -174,13 +161,7 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
         let mut next = *z;
         next[..3].copy_from_slice(&vessel);
         if current(N) {
-            let changed = if has_ambient(N) { [z[3] + z[5], z[4] + z[6]] } else { [z[3], z[4]] };
-            [next[3], next[4]] = local.turn.of(changed).map(|c| self.current * c);
-        }
-        if has_ambient(N) {
-            (next[0], next[1]) = (next[0] + z[7], next[1] + z[8]);
-            [next[5], next[6]] = local.turn.of([z[5], z[6]]);
-            [next[7], next[8]] = local.turn.of([z[7], z[8]]);
+            [next[3], next[4]] = local.turn.of([z[3], z[4]]).map(|c| self.current * c);
         }
         for d in 0..3 {
             if force(N) {
@@ -211,13 +192,7 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
             }
         }
         if current(N) {
-            let changed = if has_ambient(N) { [s[3] + s[5], s[4] + s[6]] } else { [s[3], s[4]] };
-            [out[3], out[4]] = local.turn.forward(0, changed, s[2]).map(|c| self.current.lane() * c);
-        }
-        if has_ambient(N) {
-            (out[0], out[1]) = (out[0] + s[7], out[1] + s[8]);
-            [out[5], out[6]] = local.turn.forward(1, [s[5], s[6]], s[2]);
-            [out[7], out[8]] = local.turn.forward(2, [s[7], s[8]], s[2]);
+            [out[3], out[4]] = local.turn.forward([s[3], s[4]], s[2]).map(|c| self.current.lane() * c);
         }
         for d in 0..3 {
             if force(N) {
@@ -268,15 +243,15 @@ impl<X: Unknowns> Turn<X> {
         [self.cos * along + self.sin * across, self.cos * across - self.sin * along]
     }
 
-    /// The same for columns of sensitivities: of vector `i` of [`Turn::by_r`] and of r.
+    /// The same for columns of sensitivities, to r too.
     #[inline(always)]
-    fn forward(&self, i: usize, [along, across]: [Lane; 2], r: Lane) -> [Lane; 2] {
-        let (cos, sin, by_r) = (self.cos.lane(), self.sin.lane(), &self.by_r[i]);
-        [cos * along + sin * across + by_r[0].lane() * r, cos * across - sin * along + by_r[1].lane() * r]
+    fn forward(&self, [along, across]: [Lane; 2], r: Lane) -> [Lane; 2] {
+        let [cos, sin, by_along, by_across] = self.lanes();
+        [cos * along + sin * across + by_along * r, cos * across - sin * along + by_across * r]
     }
 
     #[inline(always)]
     fn lanes(&self) -> [Lane; 4] {
-        [self.cos.lane(), self.sin.lane(), self.by_r[0][0].lane(), self.by_r[0][1].lane()]
+        [self.cos, self.sin, self.by_r[0], self.by_r[1]].map(X::lane)
     }
 }

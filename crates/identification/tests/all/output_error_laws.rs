@@ -1,11 +1,11 @@
 //! Properties of estimates by simulation and prediction.
 
-use engine::{RunView, Weather, simulate, simulate_one};
+use engine::{RunView, Weather, simulate};
 use identification::predictor::{
     Fit, Fitted, Flow, Gusts, InitialState, Levels, Recordings, Sensitivities, Spread, Unknown, output_error,
     prediction_error,
 };
-use identification::runs::{AdditionalUnknowns, Intercepts, UnknownCurrent, UnknownWind};
+use identification::runs::{AdditionalUnknowns, UnknownCurrent};
 use model::{Model, Source, Vessel};
 use numerics::{LANES, Lane};
 use regression::{Batch, MeanRemoval, Outcome, estimate_prefiltered};
@@ -133,65 +133,8 @@ fn law_intercepts_take_a_constant_force_and_the_offset_an_unknown_start() {
     }
 }
 
-/// A current that changes evenly, or a wind that pushes in one direction over ground, while the vessel turns: their
-/// unknowns take them, and the parameters are the true ones. (If sway is linear, both at once are hardly
-/// distinguishable.)
-#[test]
-fn law_a_drifting_current_and_a_wind_are_found_with_the_parameters() {
-    let vessel = paper();
-    let experiment = experiment(&vessel);
-    let interval = 1.0 / vessel.sample_rate_hz;
-    let theta = truth(&vessel);
-    let starts = vec![vec![vessel.nominal.clone()]; LANES];
-    let (drifting, wind) = ([[0.05, -0.03], [4e-5, 6e-5], [0.0; 2]], [[0.0; 2], [0.0; 2], [3e-4, -2e-4]]);
-    for (ambient, current, blows) in [
-        (drifting, UnknownCurrent::Drifting, UnknownWind::None),
-        (wind, UnknownCurrent::None, UnknownWind::Earth),
-    ] {
-        let measured = splat(&surrounded(&vessel, &experiment, ambient));
-        let runs = runs(&experiment, &measured);
-        let fits = |current, wind| {
-            let additional = AdditionalUnknowns { current, wind, intercepts: Intercepts::None };
-            let unknown = Unknown::new(InitialState::Known, additional, interval);
-            converged(output_error(&vessel.model, &runs, &starts, unknown, Spread::Blocks)).swap_remove(0)
-        };
-        let found = fits(current, blows);
-        for (found, truth) in found.parameters.iter().zip(&theta) {
-            approx::assert_relative_eq!(*found, *truth, max_relative = 1e-4);
-        }
-        for (found, truth) in found.ambient[0].iter().zip(ambient.concat()) {
-            approx::assert_relative_eq!(*found, truth, max_relative = 1e-3);
-        }
-        let without = fits(UnknownCurrent::None, UnknownWind::None);
-        let mut pairs = without.parameters.iter().zip(&theta);
-        assert!(pairs.any(|(found, truth)| (found / truth - 1.0).abs() > 0.01));
-    }
-}
-
-/// The true vessel in a current over ground, its change per sample, and the effect of a wind: a separate loop, with
-/// sines and cosines of the heading.
-fn surrounded(vessel: &Vessel, experiment: &Experiment, [water, drift, push]: [[f64; 2]; 3]) -> Vec<f64> {
-    let lifted = vessel.model.with_intercepts();
-    let turned = |[x, y]: [f64; 2], heading: f64| {
-        let (sin, cos) = heading.sin_cos();
-        [cos * x + sin * y, cos * y - sin * x]
-    };
-    let (mut heading, mut states) = (0.0, experiment.initial.to_vec());
-    for (k, inputs) in experiment.inputs.chunks_exact(3).enumerate() {
-        let state = [0, 1, 2].map(|d| states[states.len() - 3 + d]);
-        let over_ground = [0, 1].map(|i: usize| water[i] + k as f64 * drift[i]);
-        let ([a, b], [x, y]) = (turned(over_ground, heading), turned(push, heading));
-        let through = [state[0] - a, state[1] - b, state[2]];
-        let forced = lifted.layout().woven(&truth(vessel), [x, y, 0.0]);
-        let next = simulate_one(&lifted, &forced, through, inputs);
-        states.extend([next[3] + a, next[4] + b, next[5]]);
-        heading += state[2] / vessel.sample_rate_hz;
-    }
-    states
-}
-
-/// A current that is constant over ground while the vessel turns in it, or constant in the vessel's axes: two
-/// unknowns take it, and the parameters are the true ones; no intercept does that.
+/// A current that is constant over ground while the vessel turns in it: two unknowns take it, and the parameters are
+/// the true ones; no intercept does that.
 #[test]
 fn law_a_constant_current_is_found_with_the_parameters() {
     let vessel = paper();
@@ -200,35 +143,29 @@ fn law_a_constant_current_is_found_with_the_parameters() {
     let currents: Vec<Lane> = (0..samples).flat_map(|_| water.map(Lane::splat)).collect();
     let start = [0, 1, 2].map(|d: usize| Lane::splat(experiment.initial[d]));
     let parameters = splat(&truth(&vessel));
-    let axes = [(1.0 / vessel.sample_rate_hz, UnknownCurrent::Earth), (0.0, UnknownCurrent::Body)];
-    for (turning, axes) in axes {
-        let mut measured = vec![Lane::ZERO; 3 * (samples + 1)];
-        let weather = Weather { current: &currents, turning, force: &[] };
-        simulate(&vessel.model, &parameters, start, &experiment.inputs, &weather, &mut measured);
-        let runs = runs(&experiment, &measured);
-        let starts = vec![vec![vessel.nominal.clone()]; LANES];
-        let fits = |current| {
-            let additional = AdditionalUnknowns { current, ..AdditionalUnknowns::default() };
-            let unknown = Unknown::new(InitialState::Known, additional, 1.0 / vessel.sample_rate_hz);
-            converged(output_error(&vessel.model, &runs, &starts, unknown, Spread::Blocks))
-        };
-        let found = &fits(axes)[0];
-        // Simulations turn by sines, searches by polynomials that agree with them to 1e-9.
-        for (found, truth) in found.parameters.iter().zip(truth(&vessel)) {
-            approx::assert_relative_eq!(*found, truth, max_relative = 1e-4);
-        }
-        for (found, truth) in found.ambient[0].iter().zip(water) {
-            approx::assert_relative_eq!(*found, truth, max_relative = 1e-4);
-        }
-        let without = &fits(UnknownCurrent::None)[0];
-        assert!(
-            without
-                .parameters
-                .iter()
-                .zip(truth(&vessel))
-                .any(|(found, truth)| (found / truth - 1.0).abs() > 0.05)
-        );
+    let turning = 1.0 / vessel.sample_rate_hz;
+    let mut measured = vec![Lane::ZERO; 3 * (samples + 1)];
+    let weather = Weather { current: &currents, turning, force: &[] };
+    simulate(&vessel.model, &parameters, start, &experiment.inputs, &weather, &mut measured);
+    let runs = runs(&experiment, &measured);
+    let starts = vec![vec![vessel.nominal.clone()]; LANES];
+    let fits = |current| {
+        let additional = AdditionalUnknowns { current, ..AdditionalUnknowns::default() };
+        let unknown = Unknown::new(InitialState::Known, additional, turning);
+        converged(output_error(&vessel.model, &runs, &starts, unknown, Spread::Blocks)).swap_remove(0)
+    };
+    let found = fits(UnknownCurrent::Earth);
+    // Simulations turn by sines, searches by polynomials that agree with them to 1e-9.
+    for (found, truth) in found.parameters.iter().zip(truth(&vessel)) {
+        approx::assert_relative_eq!(*found, truth, max_relative = 1e-4);
     }
+    for (found, truth) in found.current.unwrap()[0].iter().zip(water) {
+        approx::assert_relative_eq!(*found, truth, max_relative = 1e-4);
+    }
+    let without = fits(UnknownCurrent::None);
+    assert_eq!(without.current, None);
+    let mut pairs = without.parameters.iter().zip(truth(&vessel));
+    assert!(pairs.any(|(found, truth)| (found / truth - 1.0).abs() > 0.05));
 }
 
 #[test]

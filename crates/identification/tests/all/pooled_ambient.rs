@@ -1,4 +1,4 @@
-//! Properties of pooled estimates if water and wind are unknown, or found by a filter.
+//! Properties of pooled estimates if a current is unknown, or found by a filter.
 
 use approx::assert_relative_eq;
 use engine::{RunView, Weather, simulate};
@@ -16,12 +16,7 @@ use crate::support::noise::Normals;
 use crate::support::{Experiment, dictionary, paper, truth};
 
 const EARTH: AdditionalUnknowns =
-    AdditionalUnknowns { current: UnknownCurrent::Earth, intercepts: Intercepts::None, ..NOTHING };
-const NOTHING: AdditionalUnknowns = AdditionalUnknowns {
-    intercepts: Intercepts::Each,
-    current: UnknownCurrent::None,
-    wind: identification::runs::UnknownWind::None,
-};
+    AdditionalUnknowns { current: UnknownCurrent::Earth, intercepts: Intercepts::None };
 /// Maneuvers of the dictionary that are informative about every parameter, in runs of several lengths.
 const PLANS: [&[(usize, usize)]; 4] = [
     &[(0, 80), (5, 110), (7, 50), (10, 90)],
@@ -93,12 +88,12 @@ fn law_the_current_of_every_run_is_found_with_the_parameters_of_all() {
     for (found, truth) in own.parameters.iter().zip(truth(&vessel)) {
         assert_relative_eq!(*found, truth, max_relative = 1e-4);
     }
-    for ([found, _], truth) in own.ambient.iter().zip(waters) {
+    for ([found, _], truth) in own.currents.iter().zip(waters) {
         assert_relative_eq!(found[0], truth[0], max_relative = 1e-3);
         assert_relative_eq!(found[1], truth[1], max_relative = 1e-3);
     }
     let still = of(AdditionalUnknowns { current: UnknownCurrent::None, ..EARTH });
-    assert!(still.ambient.is_empty());
+    assert!(still.currents.is_empty());
     let mut pairs = still.parameters.iter().zip(truth(&vessel));
     assert!(pairs.any(|(found, truth)| (found / truth - 1.0).abs() > 0.05));
 }
@@ -124,7 +119,7 @@ fn law_of_one_run_pooled_and_single_estimates_are_the_same() {
     for (a, b) in pooled.parameters.iter().zip(&single.parameters) {
         assert_relative_eq!(*a, *b, max_relative = 1e-5);
     }
-    for (a, b) in pooled.ambient[0][0].iter().zip(single.ambient[0]) {
+    for (a, b) in pooled.currents[0][0].iter().zip(single.current.unwrap()[0]) {
         assert_relative_eq!(*a, b, max_relative = 1e-4, epsilon = 1e-9);
     }
 }
@@ -137,7 +132,7 @@ fn law_standard_errors_of_currents_are_their_spread() {
     for seed in 0..runs {
         let (parts, waters) = parts(&vessel, 0.02, 100 + seed);
         let own = found(&vessel, &parts, [0.02; 3], &truth(&vessel), &follow);
-        for (i, ([values, errors], truth)) in own.ambient.iter().zip(waters).enumerate() {
+        for (i, ([values, errors], truth)) in own.currents.iter().zip(waters).enumerate() {
             for c in 0..2 {
                 squares[i][c] += (values[c] - truth[c]).powi(2);
                 predicted[i][c] += errors[c].powi(2);

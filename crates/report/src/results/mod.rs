@@ -22,7 +22,7 @@ pub struct Folders {
     pub studies: Vec<PathBuf>,
     /// The same, with a comparison of estimators.
     pub scenarios: Vec<PathBuf>,
-    /// For each scenario, in a subfolder, estimates with water and wind as unknowns: validation.json, estimate.json.
+    /// For each scenario, in a subfolder, estimates with a current as an unknown: validation.json, estimate.json.
     pub unknown: Vec<PathBuf>,
     /// Trials in rounds: sequential.json.
     pub rounds: Vec<PathBuf>,

@@ -1,4 +1,4 @@
-//! Estimators that find water, wind and noise that are not given.
+//! Estimators that find a current and noise that are not given.
 
 use std::path::PathBuf;
 
@@ -12,11 +12,7 @@ use crate::loader::document_at;
 use crate::number::{or_dash, percent};
 
 /// Settings of estimates for unknowns, as flags of `estimate`.
-const FLAGS: [(&str, &str); 3] = [
-    ("unknown_current", "--unknown-current"),
-    ("unknown_wind", "--unknown-wind"),
-    ("intercepts", "--intercepts"),
-];
+const FLAGS: [(&str, &str); 2] = [("unknown_current", "--unknown-current"), ("intercepts", "--intercepts")];
 
 pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
     let (found, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
@@ -45,7 +41,7 @@ pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
         .column("median parameter error", |(.., own)| median(&own.parameter_error))
         .column("without an estimate", |(.., own)| or_dash(own.without_estimate_share.map(percent)));
     let note = left_out(&missing, "not computed");
-    Ok(table.text().map(|table| format!("## Water and wind as unknowns\n\n{HEAD}\n\n{table}{note}")))
+    Ok(table.text().map(|table| format!("## Current as an unknown\n\n{HEAD}\n\n{table}{note}")))
 }
 
 const HEAD: &str = "The same trials of the optimized design, estimated without being told of the disturbances (`estimate` without `--campaign`).";

@@ -49,7 +49,7 @@ pub struct ModelDocument {
     pub samples: u64,
     /// What each run or recording gains beside the terms.
     pub recordings: Vec<RecordingConstant>,
-    /// Water and wind that were found with it, where they were unknown.
+    /// The current that was found with it, where one was unknown.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub surroundings: Vec<Surroundings>,
     /// What the data covered: the model is known to hold within.
