@@ -125,17 +125,17 @@ def zig_zag(file: Path, length_m: float) -> dict[str, float]:
     gap = 0.35 * length_m / np.hypot(log["u_mps"], log["v_mps"])[:5].mean()
     knots = np.arange(t[0] + gap, t[-1] - gap, gap)
     heading, north, east = (LSQUnivariateSpline(t, y, knots, k=4) for y in (psi, log["x_m"], log["y_m"]))
-    orders, side = [], 0.0
+    orders, side, since = [], 0.0, 0
     for k, angle in enumerate(helm_deg):
         now = np.sign(angle) if abs(angle) > 0.5 * np.abs(helm_deg).max() else 0.0
         if now and now != side:
-            held = side * np.percentile(side * helm_deg[max(0, k - 200) : k], 75) if side else helm_deg[0]
+            held = side * np.percentile(side * helm_deg[since:k], 75) if side else helm_deg[0]
             first = k
             while abs(helm_deg[first - 1] - held) > 0.1:
                 first -= 1
             before, after = abs(helm_deg[first - 1] - held), abs(helm_deg[first] - held)
             orders.append(t[first - 1] + (t[first] - t[first - 1]) * (0.1 - before) / (after - before))
-            side = now
+            side, since = now, k
     course = psi[t <= orders[0]].mean()
     first = np.sign(heading(orders[1]) - course)
     signs = [first if number % 2 else -first for number in range(len(orders))]

@@ -53,8 +53,17 @@ impl Error {
         Self::Refused { file, invalid }
     }
 
-    /// An [`Error::Io`] from its parts.
+    /// An [`Error::Io`] from its parts; an [`Error::Refused`] for a name that no file can have.
     pub fn io(path: impl Into<PathBuf>, action: &'static str, source: io::Error) -> Self {
+        if source.kind() == io::ErrorKind::InvalidInput && action == "read" {
+            return Self::refuse(
+                path,
+                "file",
+                source.to_string(),
+                "a name that a file can have",
+                "correct it",
+            );
+        }
         Self::Io { path: path.into(), action, source }
     }
 }
@@ -69,7 +78,8 @@ const PATH: usize = 120;
 fn shown(path: &Path) -> String {
     let path = one_line(&path.display().to_string());
     match path.chars().count() {
-        ..=PATH => path,
+        0 => "a file without a name".to_owned(),
+        1..=PATH => path,
         length => ['…'].into_iter().chain(path.chars().skip(length - PATH + 1)).collect(),
     }
 }

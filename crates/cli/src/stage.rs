@@ -11,7 +11,7 @@ use artifact::{Change, Patience};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser};
-use refusal::shortened;
+use refusal::with_remedy;
 use serde_json::{Value, json};
 
 use crate::changed::check_changes;
@@ -292,7 +292,7 @@ const LONGEST: usize = 490;
 
 /// Reports a failure.
 pub fn ended(failure: &Failure, json: bool) -> ExitCode {
-    let message = shortened(&failure.to_string(), LONGEST);
+    let message = with_remedy(&failure.to_string(), LONGEST);
     on_stderr(format_args!("error: {message}"));
     if json {
         let _ = on_stdout(json!({"exit_code": failure.exit_code(), "error": message}));

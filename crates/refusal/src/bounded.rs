@@ -16,6 +16,13 @@ pub fn shortened(text: &str, most: usize) -> String {
     }
 }
 
+/// A message, shortened before its last `, expected `, so that it keeps its remedy.
+pub fn with_remedy(message: &str, most: usize) -> String {
+    let at = message.rfind(", expected ").unwrap_or(message.len());
+    let [found, remedy] = fitted([&message[..at], &message[at..]], most);
+    found + &remedy
+}
+
 /// `parts`, of which the longest are shortened so that all of them have at most `most` characters together.
 pub fn fitted<const N: usize>(parts: [&str; N], most: usize) -> [String; N] {
     let lengths = parts.map(|part| part.chars().count());

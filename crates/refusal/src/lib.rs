@@ -14,7 +14,7 @@ mod numbers;
 mod some_of;
 mod strict;
 
-pub use bounded::{fitted, foreign, one_line, shortened};
+pub use bounded::{fitted, foreign, one_line, shortened, with_remedy};
 pub use invalid::Invalid;
 pub use listed::{listed, names_in};
 pub use names::check_name;

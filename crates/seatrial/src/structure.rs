@@ -1,7 +1,9 @@
 //! The structure of a model, found from recordings.
 
+use identification::against_nominal;
 use model::terms::listed;
 use model::{Actuator, Model, Vessel};
+use numerics::statistics::mean;
 use refusal::Invalid;
 use regression::pooled::PooledRuns;
 use search::{NamedRoles, Roles, SearchError, SearchOptions, Searched, core, library, search, with_channels};
@@ -72,7 +74,8 @@ impl StructureSearch {
         done: &(dyn Fn(usize) + Sync),
     ) -> Result<FoundStructure, SearchError> {
         let vessel = &self.vessel;
-        let found = search(&vessel.model, &self.library, runs, options, done)?;
+        let mut found = search(&vessel.model, &self.library, runs, options, done)?;
+        found.statements.extend(self.turned(&found));
         let model = self.model(runs, &found);
         let averaged = |all| AverageDocument::new(vessel, all, found.samples, model.magnitudes.as_ref());
         Ok(FoundStructure {
@@ -80,6 +83,21 @@ impl StructureSearch {
             average: found.average.as_ref().map(averaged),
             model,
         })
+    }
+
+    /// Estimates with another sign than the nominal value, in words; standard errors are those of the jackknife over folds.
+    fn turned(&self, found: &Searched) -> Option<String> {
+        let of = |model: &Model, theta: &[f64], name: &str| {
+            theta.get(model.parameter_names().position(|own| own == name)?).copied()
+        };
+        let known = self.vessel.model.parameter_names().map(|name| {
+            let ships = found.without.iter().flatten();
+            let without: Vec<f64> = ships.filter_map(|own| of(&own.model, &own.theta, name)).collect();
+            let (count, mean) = (without.len() as f64, mean(&without)?);
+            let squares: f64 = without.iter().map(|own| (own - mean).powi(2)).sum();
+            Some([of(&found.model, &found.delivered.theta, name)?, ((count - 1.0) / count * squares).sqrt()])
+        });
+        against_nominal(&self.vessel.model, &self.vessel.nominal, &known.collect::<Vec<_>>())
     }
 
     /// The model that was found in `runs`.

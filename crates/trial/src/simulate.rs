@@ -139,7 +139,7 @@ pub fn simulate_legs<'l>(
 }
 
 /// Longest turn or line: numbers that lead to longer ones are meaningless, and would exhaust the memory.
-const LONGEST_PHASE: usize = 500_000;
+const LONGEST_PHASE: usize = 20_000;
 
 /// A vessel in progress.
 struct Way<'w, 's, 'a> {

@@ -200,9 +200,8 @@ fn summary(out: &Path, document: &IngestDocument) -> Summary {
     let names: Vec<&str> = doubtful.names().collect();
     let doubted = match names.as_slice() {
         [] => String::new(),
-        [first, more @ ..] => {
-            format!("; doubtful: `{first}` and {} more recordings, see ingest.json", more.len())
-        }
+        [one] => format!("; doubtful: `{one}`, see ingest.json"),
+        [first, more @ ..] => format!("; doubtful: `{first}` and {} more, see ingest.json", more.len()),
     };
     let label = document.data.map_or(String::new(), |label| format!("; {label}"));
     let omitted = document.omitted();

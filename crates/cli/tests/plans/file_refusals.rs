@@ -36,6 +36,12 @@ fn names_that_no_route_file_holds_are_refused() {
 }
 
 #[test]
+fn charts_by_a_name_that_no_file_has_are_refused() {
+    let folder = small_with(&[("\"land.geojson\"", "\"\\u0000\"")]);
+    refused(&folder, 3, PLAN, &["a file without a name", "a name that a file can have"]);
+}
+
+#[test]
 fn cells_without_size_are_refused() {
     for cell in ["0.0", "-120.0", "nan", "inf"] {
         edited("cell_m = 120.0", &format!("cell_m = {cell}"), &["`cell_m`", "a number above 0"]);
@@ -113,6 +119,8 @@ fn absurd_but_finite_numbers_are_refused() {
     edited("runs = 4", "runs = 0", &["safety.runs", "from 1"]);
     edited("[start]", "[approach]\nrun_in_s = 1e12\n[start]", &["run_in_s"]);
     edited("crawl_m_s = 0.5", "crawl_m_s = 1e-12", &["crawl_m_s"]);
+    // A cell would take 24,000 s.
+    edited("crawl_m_s = 0.5", "crawl_m_s = 0.005", &["over 20001 s", "at most 20000 samples", "`handling`"]);
     edited("speed_m_s = 1.5", "speed_m_s = 1e9", &["half", "50 m/s"]);
 }
 

@@ -1,6 +1,6 @@
 //! Logs without stated noise, some of them useless: statements about the model.
 
-use crate::support::{json, put, run, written};
+use crate::support::{edit, json, put, run, written};
 use tempfile::TempDir;
 
 const RATE_HZ: f64 = 8.0;
@@ -214,6 +214,16 @@ fn a_rudder_that_counts_to_the_other_side_is_named_by_the_signs_of_its_parameter
     {
         assert!(said.contains(piece) && line.contains(piece), "{line}{said}");
     }
+    let search = format!("estimate search {made} --folds 3 --out search.json");
+    let (turned, searched) = ("another sign than the nominal value", run(&folder, &search).succeeds().stdout);
+    assert!(searched.contains(turned), "{searched}");
     let (line, said) = pooled(", sign = -1");
     assert!(!said.contains("another sign") && !line.contains("another sign"), "{line}{said}");
+    let searched = run(&folder, &search).succeeds().stdout;
+    assert!(!searched.contains(turned), "{searched}");
+    // No maneuver alone tells of a thrust that never changes.
+    edit(&folder, "vessel.toml", "nominal = 0.02958", "fixed = true");
+    run(&folder, "ingest --config ingest.toml --vessel vessel.toml --out t.parquet").succeeds();
+    let single = run(&folder, &format!("estimate {made} --estimator ls --out single.parquet")).succeeds();
+    assert!(single.stdout.contains(turned), "{single}");
 }

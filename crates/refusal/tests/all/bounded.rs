@@ -1,6 +1,6 @@
 //! Text of others, shortened.
 
-use refusal::{fitted, foreign};
+use refusal::{fitted, foreign, with_remedy};
 
 #[test]
 fn foreign_text_is_short_and_turns_nothing_around() {
@@ -18,4 +18,14 @@ fn the_longest_parts_give_way() {
     let all = fitted([&long, &long, &long, "z"], 300);
     assert!(all.iter().map(|part| part.chars().count()).sum::<usize>() <= 300 && all[3] == "z");
     assert_eq!(fitted(["a", "b"], 10), ["a", "b"]);
+}
+
+#[test]
+fn a_message_that_is_too_long_keeps_its_remedy() {
+    let end = ", expected one; add runs";
+    let message = with_remedy(&format!("a: found {}{end}", "no, expected y ".repeat(100)), 100);
+    assert!(message.starts_with("a: found no") && message.ends_with(end), "{message}");
+    assert!(message.chars().count() <= 100, "{message}");
+    assert!(with_remedy(&"é".repeat(1000), 100).chars().count() <= 100);
+    assert_eq!(with_remedy("a, expected b", 100), "a, expected b");
 }

@@ -152,17 +152,9 @@ fn law_bands_of_forces_hold_most_samples_of_other_maneuvers() {
     assert!((0.90..=0.97).contains(&mean) && inside.iter().all(|own| *own >= 0.90), "{inside:?}");
 }
 
-/// Figures whose intervals were found to hold the truth in some 76 % of trials, 298 of 390.
-const LESS_SURE: [&str; 8] = [
-    "check_time_1",
-    "check_time_2",
-    "period",
-    "nomoto_gain",
-    "nomoto_time",
-    "greatest_advance",
-    "greatest_transfer",
-    "drift_angle",
-];
+/// Figures whose intervals were found to hold the truth in some 59 % of trials, 176 of 300: draws of a ship that is unstable on
+/// course overshoot more, and take longer, than the ship.
+const LESS_SURE: [&str; 5] = ["check_time_1", "check_time_2", "nomoto_time", "overshoot_2", "period"];
 
 #[test]
 fn law_intervals_of_figures_hold_the_truth() {
@@ -178,21 +170,25 @@ fn law_intervals_of_figures_hold_the_truth() {
         merit.summary(uncertain.is_some()).unwrap()
     };
     let true_figures = figures(&truth, None, 0);
-    let (mut held, mut all) = (0, 0);
+    let mut counted: BTreeMap<String, [u32; 2]> = BTreeMap::new();
     for seed in 1..=30 {
         let own = fitted(&truth, seed);
         let uncertain = Uncertain::new(&own.vessel, own.vessel.nominal.clone(), &own.covariance).unwrap();
         for (own, truth) in figures(&own.vessel, Some(&uncertain), seed).iter().zip(&true_figures) {
-            for figure in own.figures.iter().filter(|own| !LESS_SURE.contains(&own.name.as_str())) {
+            for figure in &own.figures {
                 let truth = truth.figures.iter().find(|own| own.name == figure.name).unwrap().value;
-                held += usize::from((figure.low.unwrap()..=figure.high.unwrap()).contains(&truth));
-                all += 1;
+                let [held, all] = counted.entry(figure.name.clone()).or_default();
+                *held += u32::from((figure.low.unwrap()..=figure.high.unwrap()).contains(&truth));
+                *all += 1;
             }
         }
     }
-    let coverage = f64::from(held as u32) / f64::from(all as u32);
-    println!("{held} of {all} intervals of figures hold the truth");
-    assert!((0.90..=0.97).contains(&coverage), "{held} of {all}");
+    println!("intervals of figures that hold the truth, of how many: {counted:?}");
+    let (less, sure): (Vec<_>, Vec<_>) =
+        counted.iter().partition(|(name, _)| LESS_SURE.contains(&name.as_str()));
+    assert!(sure.iter().all(|(_, [held, all])| 10 * held >= 9 * all), "{sure:?}");
+    let [held, all] = less.iter().fold([0, 0], |[held, all], (_, own)| [held + own[0], all + own[1]]);
+    assert!((50..=70).contains(&(100 * held / all)), "{less:?}");
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use identification::pooled::{Covariance, Uncertain};
 use maneuver::{DictionaryFile, Generator};
 use model::{Vessel, VesselFile};
+use refusal::Invalid;
 use serde_json::{Value, json};
 use validation::merit::{ManeuverMerit, Merit};
 
@@ -182,6 +183,14 @@ fn draws_that_diverge_are_counted_and_refuse_nothing() {
     let found = merit.summary(true).unwrap().remove(0);
     assert_eq!(found.runs + found.without, 40);
     assert!((5..=positive(&uncertain)).contains(&found.diverged), "{}", found.diverged);
+    // As many as are refused one by one for it.
+    let streams = engine::Streams::new(1, "merit");
+    let diverges = |draw: &u32| {
+        let mut one = Merit::new(&vessel, Some(&generator), 5.0).unwrap();
+        one.simulate(&uncertain.drawn(&streams, *draw), 0)
+            .is_err_and(|why| Invalid::from(why).to_string().contains("diverges"))
+    };
+    assert_eq!(found.diverged, (0..40).filter(diverges).count() as u64);
     assert!(found.lacking().unwrap().ends_with(&format!(", {} diverge", found.diverged)));
     assert!(found.figures.iter().all(|own| own.value.is_finite()));
 }
