@@ -296,7 +296,8 @@ class Repository(unittest.TestCase):
 def plain(value: object) -> object:
     """A document as its JSON: without the fields that stand for absent keys."""
     if dataclasses.is_dataclass(value):
-        pairs = {field.name.removesuffix("_"): plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
+        said = [field for field in dataclasses.fields(value) if not (field.default is False and getattr(value, field.name) is False)]
+        pairs = {field.name.removesuffix("_"): plain(getattr(value, field.name)) for field in said}
         return {key: own for key, own in pairs.items() if own is not None and own != []}
     if isinstance(value, (list, tuple)):
         return [plain(own) for own in value]

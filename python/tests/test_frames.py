@@ -152,7 +152,7 @@ class Figures(unittest.TestCase):
         self.assertEqual(figure.axes[-1].get_xlabel(), "t [s]")
         self.assertEqual(len(figure.axes[0].lines[0].get_xdata()), 1001)
         scores = seatrial.plot(results() / "scores.parquet")
-        self.assertEqual(len(scores.axes[0].lines), 2)
+        self.assertEqual(len(scores.axes[0].lines), 3)
         path = folder() / "compare.json"
         seatrial.Model.load(model()).compare(results() / "campaign.parquet", out=path, runs=["random/3"])
         compared = seatrial.plot(path.with_suffix(".parquet"))
