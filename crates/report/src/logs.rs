@@ -80,7 +80,7 @@ fn warnings(found: &IngestDocument) -> Markup {
         h3 { "Warnings" }
         ul { @for (warning, recordings) in &grouped { li {
             (warning.text) " (" (recordings[0])
-            @if recordings.len() > 1 { " and " (recordings.len() - 1) " more recordings" }
+            @if recordings.len() > 1 { " and " (recordings.len() - 1) " more" }
             ")"
         } } }
     } }
