@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Ends with this stage, after those that it needs
     #[arg(long, value_name = "STAGE")]
     stage: Option<String>,
-    /// Replaces a setting of study.mk, as in DESIGN_FLAGS="--segments 5"; may stand more than once
+    /// Replaces a setting of study.mk, as in DESIGN_FLAGS="--minimal-s 60"; may stand more than once
     #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
     setting: Vec<String>,
     /// Folder for the results

@@ -130,7 +130,7 @@ impl Settings {
 }
 
 fn not_a_setting(line: &str) -> Invalid {
-    let expected = "settings such as `DESIGN_FLAGS = --segments 5`, and comments";
+    let expected = "settings such as `DESIGN_FLAGS = --minimal-s 60`, and comments";
     Invalid::new("line", format!("`{}`", foreign(line)), expected, "correct or remove it")
 }
 

@@ -321,11 +321,11 @@ fn next_trial(settings: &Settings, shape: &Shape) -> Vec<Step> {
     let moments = format!("moments {model} {MADE} {SEA} --estimator output-error --hold-unexcited");
     let design = "design --moments \0out/measured/next/moments.json --for output-error";
     let arranged = format!("--criterion d --arrange {model} {HELM}");
-    let usual = match (is_searched, shape.is_of_forces) {
-        (true, _) => "",
-        // Sequences of maneuvers take long to judge.
-        (false, true) => "--criterion d",
-        (false, false) => &arranged,
+    let usual = match is_searched {
+        true => "",
+        // Sequences take long to judge for forces, and hardly tell the many terms of a search.
+        false if shape.is_of_forces || shape.recordings >= SEARCHED => "--criterion d",
+        false => &arranged,
     };
     let promised = format!("monte-carlo {model} {HELM} {SEA} {DESIGN} --estimator output-error");
     let found = ["measured/next/search.json", "measured/next/model.json"];

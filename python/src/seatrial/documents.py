@@ -956,7 +956,7 @@ class DesignDocument:
     promise: DesignPromise | None = None
     #: `output-error` where the covariance is that of an output-error estimate.
     estimator: Estimator | None = None
-    #: Of a ship with forces what her priors contribute.
+    #: What is known before contributes, by the priors of a ship's forces or the fit of her model.
     prior: DesignPrior | None = None
     #: About few or long maneuvers, where they were asked for.
     restricted: Restricted | None = None
@@ -1537,6 +1537,21 @@ class ForcesWithoutFold:
     ended: str | None = None
     #: Why there is no fit; null where there is one.
     failed: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Foretold:
+    """Errors that estimates of many trials of the same experiment have: medians over estimates drawn from their
+    predicted distribution, to first order in their errors. Where the true parameters are known, priors pull every
+    estimate the same way.
+    """
+
+    #: Median parameter error, as validations define it.
+    parameter_error: float
+    #: Median simulation error over the validation maneuvers; null without some.
+    simulation_error: float | None = None
+    #: How many estimates were drawn.
+    draws: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -2354,7 +2369,7 @@ class MomentsDocument:
     disturbances: Expected | None = None
     #: What the matrices `F` and `P` of an output-error estimate are about, where there are any.
     output_error: FreeRunModel | None = None
-    #: What is known of a ship with forces before the trial.
+    #: What is known of the ship before the trial: by the fit of her model, or by the priors of her forces.
     prior: PriorInformation | None = None
     #: What ships with other parameters do, where the true ones are not known and the maneuvers were simulated.
     sampled: SampledShips | None = None
@@ -2875,11 +2890,13 @@ class Primitive:
 
 @dataclass(frozen=True, kw_only=True)
 class PriorInformation:
-    """What is known of a ship's numbers before the trial."""
+    """What is known of parameters before the trial: it counts once for the whole trial, as `F` times samples does."""
 
-    #: By parameter with a prior 1/σ², σ its standard deviation: it counts once for the whole trial, as `F` times
-    #: samples does.
-    information: dict[str, float]
+    #: The parameters that something is known of.
+    parameters: list[str]
+    #: The inverse of their covariance, row-major: that of a fit, or 1/σ² of each by its prior, σ its standard
+    #: deviation.
+    information: list[float]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -3412,6 +3429,8 @@ class Sequence:
     value: float
     #: How it was found, in words.
     statement: str
+    #: The errors that its estimate is to have, where that is by output error.
+    foretold: Foretold | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

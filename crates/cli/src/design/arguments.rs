@@ -222,7 +222,8 @@ impl Arguments {
     /// The length of the trial \[s\]: --duration-s, or that of the campaign where only the campaign says one and one is needed.
     fn trial_s(&self, moments: &Moments) -> Option<f64> {
         let is_told = self.segments.is_some() || !self.accuracy.is_empty();
-        let is_needed = self.arrange || self.minimal_s.is_some() || self.counts_priors(moments);
+        let predicts = self.estimator == Estimator::OutputError && self.criterion == Some(CriterionName::D);
+        let is_needed = self.arrange || self.minimal_s.is_some() || self.counts_priors(moments) || predicts;
         let usual = || moments.disturbances.as_ref()?.trial_s.filter(|_| is_needed && !is_told);
         self.duration_s.or_else(usual)
     }

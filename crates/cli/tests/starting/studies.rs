@@ -97,7 +97,7 @@ fn a_chart_and_a_place_come_to_a_plan_by_two_commands() {
     assert!(ran.stdout.starts_with("out/mine/report.html: "), "{ran}");
     let plan: Value = serde_json::from_slice(&bytes(&folder, "out/mine/plan.json")).unwrap();
     assert_eq!(plan["data"]["status"], "optimal");
-    assert_eq!(plan["data"]["passage"]["departure"], "2026-06-01T06:00:00Z");
+    assert_eq!(plan["data"]["voyage"]["passage"]["departure"], "2026-06-01T06:00:00Z");
     run(&folder, "verify out/mine").succeeds();
     // A ship of 3 m finds room where her maneuvers fit, too.
     let line = format!("new small --vessel esso-osaka --place 24.97,60.05 --chart {}", helsinki());
@@ -233,7 +233,7 @@ fn a_setting_on_the_command_line_replaces_that_of_the_study() {
                 "{usual} --arrange --vessel {{study}}/vessel.toml --dictionary {{study}}/dictionary.toml --tolerance=1e-7"
             ),
         ),
-        ("--segments=5", format!("{usual} --segments=5")),
+        ("--most-maneuvers=3", format!("{usual} --most-maneuvers=3")),
         ("--criterion=a", "--criterion=a".to_owned()),
     ] {
         run(&folder, &format!("run . --out out --stage design --setting DESIGN_FLAGS={own}")).succeeds();

@@ -28,7 +28,7 @@ impl Arranging<'_> {
     ///
     /// # Errors
     /// A generator without the dictionary's maneuvers; a shortest piece that is longer than one of them; a motion that the model
-    /// cannot hold; samples that whole plays of tables do not fill.
+    /// cannot hold; samples that whole plays of tables do not fill, or that do not tell every parameter.
     pub fn search(&self, shares: &[f64], sensitivities: &[f64], samples: usize) -> Result<Arranged, Invalid> {
         let places = self.places()?;
         let mut own = vec![0.0; self.generator.maneuvers().len()];
@@ -56,6 +56,14 @@ impl Arranging<'_> {
                     break;
                 }
             }
+        }
+        if !value.is_finite() {
+            let found = format!(
+                "no sequence of {} s that tells every parameter",
+                samples as f64 / self.vessel.sample_rate_hz
+            );
+            let remedy = "lengthen the trial, fix parameters, or leave it out";
+            return Err(Invalid::new("--arrange", found, "one", remedy));
         }
         let gain = libm::exp((value - start) / self.criterion.degree()) - 1.0;
         let (initial, inputs) = parts.joined(&now);
