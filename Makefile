@@ -32,7 +32,7 @@ FLAGS   ?=
 # The stage that a study ends with, after those that it needs; none: its report
 STAGE   ?=
 
-STAGES  := ingest simulate moments design estimate validate monte-carlo sweep plan sequential export report
+STAGES  := ingest simulate moments design estimate validate monte-carlo plan sequential export report
 BINARIES := $(addprefix $(BIN)/,$(STAGES) seatrial)
 
 # A target is written whole or not at all by its stage, so an interrupted make resumes with the next stage.
@@ -64,7 +64,7 @@ help:
 	@echo "make helsinki          plan a trial off Helsinki and draw it, into out/helsinki/"
 	@echo "make STUDY=pipelines/esso-osaka LOGS=<folder>   a study of measured logs (docs/own-logs.md: where they are published)"
 	@echo "make sequential        trials designed in rounds against trials designed once, into out/sequential/; with STUDY=<folder> of that study"
-	@echo "make sweep             a study over a grid of its values (SWEEP=...) into out/sweep/, on a cluster with PROFILE=slurm (needs Python)"
+	@echo "make sweep             a study over a grid of its values (SWEEP=...) into out/sweep/sweep.csv, on a cluster with PROFILE=slurm (needs Python)"
 	@echo "make scenarios         compare the estimators under four kinds of disturbance, into out/scenarios/"
 	@echo "make results           run all studies, write docs/results.md and the front page's table and picture (takes a while)"
 	@echo "make smoke             the small study that the tests run, into out/smoke/"
@@ -170,7 +170,7 @@ $(ROUNDS_OUT)/report.html: $(ROUNDS_OUT)/sequential.parquet $(BIN)/report
 
 # A study over a grid of its values, on Snakemake: on this machine, or on a cluster with PROFILE=slurm. What is there already is
 # not made again.
-SWEEP       ?= pipelines/sweep/sweep.toml
+SWEEP       ?= pipelines/sweep/config.yaml
 SWEEP_OUT   ?= out/sweep
 SWEEP_FLAGS ?=
 PROFILE     ?= local
@@ -258,7 +258,7 @@ results-check: build
 explore-check: smoke readme-check
 	sh scripts/explore-check.sh out/smoke out/paper
 
-# The same sweep with a full disk and a killed master; skipped where there is no Python
+# A small sweep with a full disk and a killed master; skipped where there is no Python
 .PHONY: sweep-check
 sweep-check: build
 	bash scripts/sweep-check.sh $(BIN)

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Runs a sweep; what is there already is not made again. `make sweep` calls it.
-#   Usage: sh pipelines/sweep/run.sh SWEEP.TOML OUT PROFILE BIN [snakemake's flags]
+#   Usage: sh pipelines/sweep/run.sh CONFIG.YAML OUT PROFILE BIN [snakemake's flags]
 #   SWEEP_VENV: where Snakemake is or will be put (default: out/sweep-venv); SWEEP_PYTHON: the Python to make it with.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
@@ -17,6 +17,10 @@ refuse() {
 case $sweep$out$bin in
   *[{}]*) refuse "$sweep, $out: found a name with { or }, expected none, which Snakemake takes for a pattern; rename it" ;;
 esac
+case $sweep in
+  *.toml) refuse "$sweep: found a sweep in TOML, expected one like pipelines/sweep/config.yaml; write its study and grid into such a file" ;;
+esac
+[ -f "$sweep" ] || refuse "$sweep: found no such file, expected one like pipelines/sweep/config.yaml; write it"
 [ -d "$profile" ] || refuse "profile: found $kind, expected $(ls "$here/profiles" | paste -sd ' '); name one"
 if [ "$kind" = slurm ]; then
   for program in sbatch squeue scancel; do
@@ -31,11 +35,6 @@ mkdir -p "$out" "$(dirname "$venv")"
 out=$(realpath "$out")
 exec 9> "$out/.running"
 flock --timeout 20 9 || refuse "$out: found another run of this sweep, expected none; wait for it, or end it"
-
-# The grid is checked before anything is installed or computed.
-(cd "$out" && "$bin/sweep" cells --config "$(realpath --relative-to=. "$sweep")" --out cells.new)
-# A list that did not change is left as old as it is, so that nothing is made again for it.
-if cmp -s "$out/cells.new" "$out/cells.json"; then rm "$out/cells.new"; else mv "$out/cells.new" "$out/cells.json"; fi
 
 if ! cmp -s "$here/requirements.txt" "$venv/installed.txt"; then
   command -v "$python" > /dev/null ||
@@ -53,10 +52,10 @@ venv=$(realpath "$venv")
 PATH="$profile:$venv/bin:$PATH"
 export PATH
 run() {
-  snakemake --snakefile "$here/Snakefile" --directory "$out" --config "sweep=$sweep" "out=$out" "bin=$bin" \
+  snakemake --snakefile "$here/Snakefile" --directory "$out" --configfile "$sweep" --config "sweep=$sweep" "out=$out" "bin=$bin" \
     --profile "$profile" "$@"
 }
 # Whoever was killed has left a lock; that nobody else runs is known from above.
 if [ -n "$(ls -A "$out/.snakemake/locks" 2> /dev/null)" ]; then run --unlock --quiet all; fi
 run --keep-going --rerun-incomplete --retries 2 --scheduler greedy "$@" --quiet rules host reason
-echo "Report: $out/sweep.html"
+echo "Table: $out/sweep.csv"

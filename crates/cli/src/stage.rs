@@ -250,13 +250,13 @@ pub fn misused(error: &clap::Error) -> Failure {
         }
         _ => {
             let line = one_line(&error.render().to_string());
-            let [flag, value] =
-                [ContextKind::InvalidArg, ContextKind::InvalidValue].map(|kind| match error.get(kind) {
-                    Some(ContextValue::String(named)) => named.as_str(),
-                    _ => "",
-                });
+            let kinds = [ContextKind::InvalidArg, ContextKind::InvalidValue, ContextKind::InvalidSubcommand];
+            let [flag, value, command] = kinds.map(|kind| match error.get(kind) {
+                Some(ContextValue::String(named)) => named.as_str(),
+                _ => "",
+            });
             let flag = flag.split(' ').next().unwrap_or_default();
-            let named = [flag, value, &format!("{flag} {value}")];
+            let named = [flag, value, command, &format!("{flag} {value}")];
             Failure::Usage(match named.into_iter().find_map(refusal::gone) {
                 Some(remedy) => {
                     let above = line.split(" tip: ").next().unwrap_or_default();

@@ -7,8 +7,7 @@ mod words;
 
 pub use again::median_again;
 pub use interval::{
-    Z, clustered_share, mean_interval, paired_median, paired_share_difference, quantile_interval,
-    quantile_ranks, share_difference, wilson,
+    Z, clustered_share, mean_interval, paired_median, quantile_interval, quantile_ranks, wilson,
 };
 pub use mean_trajectory::MeanTrajectory;
 pub use words::{LEAST_FOR_MEDIAN, median_interval_in_words};

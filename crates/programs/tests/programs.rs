@@ -12,7 +12,6 @@ fn every_program_is_its_stage() {
         ("estimate", env!("CARGO_BIN_EXE_estimate")),
         ("validate", env!("CARGO_BIN_EXE_validate")),
         ("monte-carlo", env!("CARGO_BIN_EXE_monte-carlo")),
-        ("sweep", env!("CARGO_BIN_EXE_sweep")),
         ("plan", env!("CARGO_BIN_EXE_plan")),
         ("sequential", env!("CARGO_BIN_EXE_sequential")),
         ("export", env!("CARGO_BIN_EXE_export")),

@@ -20,10 +20,15 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
 
 const NO_DRIFT: &str = "it is gone: take `--estimator prediction-error`, or `--unknown-current earth`";
 
+const NO_SWEEP: &str =
+    "it is gone: `make sweep` runs every cell of a grid by `seatrial run --set`, into sweep.csv";
+
 /// Names that are known no more, each with the remedy.
-const GONE: [(&str, &str); 5] = [
+const GONE: [(&str, &str); 7] = [
     ("refined-iv", "it is gone: take `output-error`"),
     ("--engine", "it is gone: leave it out, since every search is exhaustive"),
+    ("sweep", NO_SWEEP),
+    ("--sweep", NO_SWEEP),
     ("--unknown-current body", NO_DRIFT),
     ("--unknown-current drifting", NO_DRIFT),
     (

@@ -12,18 +12,16 @@ use crate::ingest_file::IngestFile;
 use crate::logs_file::LogsFile;
 use crate::plan::PlanFile;
 use crate::sequential::SequentialFile;
-use crate::sweep::SweepFile;
 
 /// A kind of file, and what writes its schema.
 type Kind = (&'static str, fn() -> Value);
 
 /// All of them.
-const KINDS: [Kind; 10] = [
+const KINDS: [Kind; 9] = [
     ("vessel", schema::<VesselFile>),
     ("dictionary", schema::<DictionaryFile>),
     ("campaign", schema::<CampaignFile>),
     ("plan", schema::<PlanFile>),
-    ("sweep", schema::<SweepFile>),
     ("sequential", schema::<SequentialFile>),
     ("logs", schema::<LogsFile>),
     ("terms", schema::<TermLists>),
@@ -32,7 +30,7 @@ const KINDS: [Kind; 10] = [
 ];
 
 /// The kinds of files with their schemas.
-pub fn schemas() -> [(&'static str, Value); 10] {
+pub fn schemas() -> [(&'static str, Value); 9] {
     KINDS.map(|(kind, schema)| (kind, schema()))
 }
 

@@ -34,7 +34,6 @@ mod seed;
 pub mod selection;
 pub mod sequential;
 pub mod ship_file;
-pub mod sweep;
 pub mod tallies;
 mod term_lists;
 pub mod track;

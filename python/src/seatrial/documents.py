@@ -401,32 +401,6 @@ class CaptiveValue:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CellsDocument:
-    """`cells.json`: the cells of a sweep's grid, and what is set in each."""
-
-    #: Folder of the study's hand-written files, seen from that of sweep.toml.
-    study: str
-    #: The maneuvers, seen from there.
-    dictionary: str
-    #: What is varied.
-    axes: list[SweepAxis]
-    #: Parts that each cell's runs are shared between.
-    shards: int
-    #: The line that others are compared with; null for the first of each tally.
-    baseline: SweepLine | None = None
-    #: Flags of `moments`.
-    moments: list[str]
-    #: Flags of `design`.
-    design: list[str]
-    #: Flags of `monte-carlo`, for every cell.
-    monte_carlo: list[str]
-    #: Cells of the same vessel and maneuvers share a design.
-    designs: list[SweepDesign]
-    #: The cells, the last axis running fastest.
-    cells: list[SweepCell]
-
-
-@dataclass(frozen=True, kw_only=True)
 class ChannelSummary:
     """One channel of a recording."""
 
@@ -3058,18 +3032,6 @@ class RefinedLimit:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RefusedCell:
-    """A cell that was refused."""
-
-    #: Name of the cell.
-    cell: str
-    #: The place of its value on each axis, from 0.
-    at: list[int]
-    #: The refusal, in one line.
-    refusal: str
-
-
-@dataclass(frozen=True, kw_only=True)
 class Resamples:
     """Searches over recordings that were drawn again, with replacement."""
 
@@ -3482,18 +3444,6 @@ class Share:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ShareDifference:
-    """A share of runs less another."""
-
-    #: The difference.
-    share: float
-    #: Its 95 % interval (Newcombe's). One that contains 0 tells no difference.
-    interval: tuple[float, float]
-    #: Whether both are shares of the same runs, which were counted together.
-    paired: bool
-
-
-@dataclass(frozen=True, kw_only=True)
 class SharesBeyond:
     """Shares of the realizations that are at or above [`PublishedLimits`]."""
 
@@ -3702,116 +3652,6 @@ class Surroundings:
     part: int
     #: What was found, along and across the vessel as she heads where the part starts.
     found: list[FoundUnknown]
-
-
-@dataclass(frozen=True, kw_only=True)
-class SweepAxis:
-    """An axis of the grid."""
-
-    #: The dotted key, which begins with the file's name.
-    key: str
-    #: Its values.
-    values: list[Any]
-
-
-@dataclass(frozen=True, kw_only=True)
-class SweepCell:
-    """A cell of the grid."""
-
-    #: Name of its folder.
-    name: str
-    #: The place of its value on each axis, from 0.
-    at: list[int]
-    #: `--set` for the stages that read all of the study's files.
-    set: list[str]
-    #: Name of its design.
-    design: str
-    #: Digests of the study's files with what is set in them.
-    inputs: dict[str, Digest]
-    #: Why there is no such cell; null where there is.
-    refused: str | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class SweepDesign:
-    """A design that cells share."""
-
-    #: Name of its folder.
-    name: str
-    #: `--set` for `moments`: of the vessel, and of the campaign where the ship has forces.
-    vessel: list[str]
-    #: `--set` for those that read the vessel and the maneuvers.
-    dictionary: list[str]
-
-
-@dataclass(frozen=True, kw_only=True)
-class SweepDocument:
-    """`sweep.json`: what the cells of a grid say, side by side."""
-
-    #: Folder of the study, seen from that of sweep.toml.
-    study: str
-    #: What is varied.
-    axes: list[SweepAxis]
-    #: The line that others are compared with; null where no cell was counted.
-    baseline: SweepLine | None = None
-    #: Relative error of the medians at most: they are read from histograms.
-    quantile_error: float
-    #: The cells that were counted.
-    cells: list[SweptCell]
-    #: The cells that were refused.
-    refused: list[RefusedCell]
-    #: What it says, in words.
-    statements: list[str]
-
-
-@dataclass(frozen=True, kw_only=True)
-class SweepLine:
-    """What is made of runs of one design by one estimator."""
-
-    #: The design.
-    design: str
-    #: The estimator.
-    estimator: Estimator
-
-
-@dataclass(frozen=True, kw_only=True)
-class SweptCell:
-    """What a cell says."""
-
-    #: Name of the cell.
-    cell: str
-    #: The place of its value on each axis, from 0.
-    at: list[int]
-    #: The bounds that shares are counted against.
-    bounds: Bounds
-    #: Seed of all random numbers.
-    seed: int
-    #: Line by line.
-    lines: list[SweptLine]
-
-
-@dataclass(frozen=True, kw_only=True)
-class SweptLine:
-    """What a cell says of one design by one estimator."""
-
-    #: The design.
-    design: str
-    #: The estimator.
-    estimator: Estimator
-    #: Runs.
-    runs: int
-    #: Share of the runs whose parameter error lies below its bound.
-    parameter_error_share: Share
-    #: Share of the runs whose simulation error lies below its bound.
-    simulation_error_share: Share
-    #: Share of the runs without an estimate.
-    without_estimate_share: Share
-    #: Median of the parameter error; null where it is infinite.
-    parameter_error_median: float | None = None
-    #: 95 % interval of that median; null at an end that the runs do not bound.
-    parameter_error_median_interval: tuple[float | None, float | None]
-    #: The share of the parameter error less that of the baseline in the same cell; null of the baseline itself.
-    difference: ShareDifference | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -4239,7 +4079,6 @@ class WorstVessels:
 #: The class of the contents of each kind of document.
 KINDS = {
     "average/1": "AverageDocument",
-    "cells/1": "CellsDocument",
     "compare/1": "CompareDocument",
     "crossval/1": "CrossvalDocument",
     "design-update/1": "DesignUpdateDocument",
@@ -4258,7 +4097,6 @@ KINDS = {
     "selection/1": "SelectionDocument",
     "sequential/1": "SequentialDocument",
     "simulated-logs/1": "SimulatedLogsDocument",
-    "sweep/1": "SweepDocument",
     "tally/1": "TallyDocument",
     "trust/1": "TrustDocument",
     "validation/1": "ValidationDocument",

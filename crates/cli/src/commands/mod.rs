@@ -17,7 +17,6 @@ mod search;
 mod selection;
 mod sequential;
 mod simulate;
-mod sweep;
 mod validate;
 
 use crate::stage::Stage;
@@ -49,9 +48,6 @@ pub const VALIDATE: Stage = Stage::of::<validate::Arguments>().with(&[
     Stage::of::<merit::Arguments>(),
     Stage::of::<selection::Arguments>(),
 ]);
-/// A study over a grid of its values.
-pub const SWEEP: Stage =
-    Stage::group::<sweep::Arguments>(&[Stage::of::<sweep::Cells>(), Stage::of::<sweep::Collect>()]);
 /// One trajectory with every maneuver as often as the design requires.
 pub const PLAN: Stage = Stage::of::<plan::Arguments>()
     .with(&[Stage::of::<plan_begun::Resume>(), Stage::of::<plan_begun::Follow>()]);
@@ -64,7 +60,7 @@ pub const REPORT: Stage =
     Stage::of::<report::Arguments>().with(&[Stage::of::<report::Results>(), Stage::of::<report::Picture>()]);
 
 /// Every stage, in the order in which a study runs them.
-pub const STAGES: [&Stage; 12] = [
+pub const STAGES: [&Stage; 11] = [
     &SIMULATE,
     &INGEST,
     &MOMENTS,
@@ -72,7 +68,6 @@ pub const STAGES: [&Stage; 12] = [
     &ESTIMATE,
     &VALIDATE,
     &MONTE_CARLO,
-    &SWEEP,
     &PLAN,
     &SEQUENTIAL,
     &EXPORT,

@@ -8,7 +8,7 @@ use crate::stage::{Summary, Task};
 use artifact::{Staged, commit};
 use clap::Parser;
 use report::results::{Folders, tables};
-use report::{EXPLORE, Sources, explore, load, maneuvers_picture, picture, render, render_sweep};
+use report::{EXPLORE, Sources, explore, load, maneuvers_picture, picture, render};
 use serde_json::json;
 
 /// Inputs that an output could overwrite: none, since only folders are read.
@@ -71,46 +71,38 @@ pub struct Picture {
 )]
 pub struct Arguments {
     /// Folder of the study's hand-written files
-    #[arg(long, value_name = "FOLDER", required_unless_present = "sweep")]
-    study: Option<PathBuf>,
+    #[arg(long, value_name = "FOLDER")]
+    study: PathBuf,
     /// The maneuvers, where they are not in the study's folder
     #[arg(long, value_name = "dictionary.toml")]
     dictionary: Option<PathBuf>,
     /// Folder that the stages wrote into; what is missing there is said on the page
-    #[arg(long, value_name = "FOLDER", required_unless_present = "sweep")]
-    results: Option<PathBuf>,
+    #[arg(long, value_name = "FOLDER")]
+    results: PathBuf,
     /// Results of studies that compare estimators, to be put side by side
     #[arg(long, value_name = "FOLDER", num_args = 1..)]
     scenarios: Vec<PathBuf>,
-    /// A sweep, instead of a study
-    #[arg(long, value_name = "sweep.json", conflicts_with_all = ["study", "dictionary", "results", "scenarios"])]
-    sweep: Option<PathBuf>,
 }
 
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let (page, study) = match &self.sweep {
-            Some(path) => (render_sweep(&artifact::read_document(path)?), None),
-            None => {
-                let study = load(&Sources {
-                    study: given(&self.study, "study")?.to_owned(),
-                    dictionary: self.dictionary.clone(),
-                    results: given(&self.results, "results")?.to_owned(),
-                    scenarios: self.scenarios.clone(),
-                    allow_mixed: common.allow_mixed,
-                    changes: common.changes(),
-                })?;
-                (render(&study), Some(study))
-            }
-        };
-        let out = common.main_output("report.html", &self.sweep)?;
+        let study = load(&Sources {
+            study: self.study.clone(),
+            dictionary: self.dictionary.clone(),
+            results: self.results.clone(),
+            scenarios: self.scenarios.clone(),
+            allow_mixed: common.allow_mixed,
+            changes: common.changes(),
+        })?;
+        let page = render(&study);
+        let out = common.main_output("report.html", NO_FILES)?;
         let name = out.file_name().unwrap_or_default().to_string_lossy();
-        let beside = study.map(|study| explore(&study, &name));
+        let beside = explore(&study, &name);
         let folder = folder_of(&out);
         let figures = folder.join("figures");
         in_folder(&figures, || {
             let html = std::iter::once_with(|| Staged::bytes(&out, page.html.as_bytes()));
-            let beside = beside.iter().map(|html| Staged::bytes(folder.join(EXPLORE), html.as_bytes()));
+            let beside = std::iter::once_with(|| Staged::bytes(folder.join(EXPLORE), beside.as_bytes()));
             let svg =
                 page.figures.iter().map(|(name, svg)| Staged::bytes(figures.join(name), svg.as_bytes()));
             Ok(commit(html.chain(beside).chain(svg).collect::<Result<_, _>>()?)?)

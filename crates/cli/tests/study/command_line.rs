@@ -113,3 +113,15 @@ fn numbers_below_zero_are_refused_by_what_the_flag_takes() {
     assert!(said.stderr.contains("'--threads'") && !said.stderr.contains("use '-- "), "{said}");
     assert!(!run(&folder, "design -x").stderr.contains("use '-- "));
 }
+
+#[test]
+fn what_is_gone_names_what_takes_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = "it is gone: `make sweep` runs every cell of a grid by `seatrial run --set`, into sweep.csv";
+    for (line, found) in [
+        ("sweep cells --config sweep.toml --out cells.json", "unrecognized subcommand 'sweep'"),
+        ("report --sweep sweep.json --out sweep.html", "unexpected argument '--sweep'"),
+    ] {
+        refused(&folder, 2, line, &[found, sweep]);
+    }
+}

@@ -1,7 +1,6 @@
 //! The chain before the first trial of a ship with forces: information, design, campaign, estimates, scores.
 
 use serde_json::Value;
-use study::documents::CellsDocument;
 use tempfile::TempDir;
 
 use crate::support::*;
@@ -198,64 +197,6 @@ fn what_forces_do_not_have_is_refused_by_name() {
     );
     let measured = MOMENTS.replace("d.parquet", "campaign.parquet");
     refused(&folder, 3, &measured, &["campaign.parquet", "`simulate dictionary`"]);
-}
-
-/// The stages of a sweep as the pipeline calls them, up to the cells' tallies.
-fn made(folder: &TempDir, grid: &CellsDocument) {
-    let campaign = "--campaign campaign.toml";
-    let (moments, design, monte_carlo) =
-        (grid.moments.join(" "), grid.design.join(" "), grid.monte_carlo.join(" "));
-    for own in &grid.designs {
-        let name = &own.name;
-        std::fs::create_dir_all(folder.path().join(name)).unwrap();
-        let of = |flags: &[String]| flags.join(" ");
-        for line in [
-            format!(
-                "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml {} --out {name}/d.parquet",
-                of(&own.dictionary)
-            ),
-            format!(
-                "moments --vessel vessel.toml {campaign} --trajectories {name}/d.parquet {} {moments} --out {name}/moments.json",
-                of(&own.vessel)
-            ),
-            format!("design --moments {name}/moments.json {design} --out {name}/design.json"),
-        ] {
-            run(folder, &line).succeeds();
-        }
-    }
-    for cell in &grid.cells {
-        let out = format!("cells/{}", cell.name);
-        std::fs::create_dir_all(folder.path().join(&out)).unwrap();
-        let line = format!("monte-carlo --vessel vessel.toml --dictionary dictionary.toml {campaign}");
-        let (set, from) = (cell.set.join(" "), &cell.design);
-        run(
-            folder,
-            &format!("{line} --design {from}/design.json {monte_carlo} {set} --out {out}/tally.json"),
-        )
-        .succeeds();
-    }
-}
-
-#[test]
-fn a_ship_with_forces_is_swept_and_each_noise_has_its_own_design() {
-    let folder = otter(4);
-    priors(&folder);
-    let grid = "study = \".\"\nrealizations = 4\ndesign_flags = [\"--duration-s\", \"120\"]\n[grid]\n\
-        campaign.measurement.std_u_m_s = [0.03, 0.3]\n";
-    put(&folder, "sweep.toml", grid);
-    let cells = "sweep cells --config sweep.toml --out cells.json";
-    refused(&folder, 3, cells, &["vessel.toml", "`iv` computes", "take the estimator `output-error`"]);
-    put(&folder, "sweep.toml", &format!("estimators = [\"output-error\"]\n{grid}"));
-    run(&folder, cells).succeeds();
-    let grid = document::<CellsDocument>(&folder, "cells.json").data;
-    assert_eq!((grid.cells.len(), grid.designs.len()), (2, 2));
-    assert_eq!(grid.moments, ["--estimator", "output-error"]);
-    assert_eq!(grid.design, ["--duration-s", "120", "--for", "output-error"]);
-    made(&folder, &grid);
-    run(&folder, "sweep collect --cells cells.json --tallies cells --out sweep.json").succeeds();
-    let found = json(&folder, "sweep.json");
-    assert_eq!(found["data"]["refused"].as_array().unwrap().len(), 0, "{found:#}");
-    run(&folder, "report --sweep sweep.json --out sweep.html").succeeds();
 }
 
 /// Stages that compute with terms alone, and what their remedies name.

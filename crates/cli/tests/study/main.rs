@@ -39,7 +39,6 @@ mod refusals_toml;
 mod same_bytes;
 mod sequential;
 mod ships;
-mod sweep;
 mod tables;
 mod trials;
 mod unexcited;

@@ -1,4 +1,4 @@
-//! `make` and `sweep` with names that a shell or Snakemake would misinterpret.
+//! `make` with names that a shell would misinterpret.
 
 use std::process::Command;
 
@@ -103,12 +103,4 @@ fn make_runs_the_study_that_is_named() {
     // A folder that is not there is named before anything is built.
     let (code, said) = made("STUDY=pipelines/none", false);
     assert!(code == Some(2) && said.contains("pipelines/none: found no such folder"), "{said}");
-}
-
-#[test]
-fn a_sweep_of_a_study_that_snakemake_takes_for_a_pattern_is_refused_by_name() {
-    let folder = with(&[]);
-    put(&folder, "sweep.toml", "study = \"{x}\"\n[grid]\ncampaign.duration_s = [100.0]\n");
-    let line = "sweep cells --config sweep.toml --out cells.json";
-    refused(&folder, 3, line, &["sweep.toml", "`study`", "found {x}", "without { and }"]);
 }

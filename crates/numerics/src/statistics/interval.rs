@@ -38,38 +38,6 @@ pub fn clustered_share(shares: &[f64]) -> Option<[f64; 2]> {
     Some(score(share, trials, student_half_width(clusters - 1.0)).map(|end| end.clamp(0.0, 1.0)))
 }
 
-/// 95 % interval `[low, high]` of the difference of two independent shares, each a count of a total; `None`
-/// without trials.
-///
-/// Newcombe's hybrid of two score intervals (Statistics in Medicine 17, 1998, 873–890, method 10).
-pub fn share_difference(one: [u64; 2], other: [u64; 2]) -> Option<[f64; 2]> {
-    hybrid(one, other, 0.0)
-}
-
-/// As [`share_difference`], for two shares of the same `total` trials: `both` succeeded in so many of them,
-/// only one of the two in `only_one` and `only_other`.
-///
-/// Newcombe's hybrid with the correlation between the two (Statistics in Medicine 17, 1998, 2635–2650, method 10).
-pub fn paired_share_difference(both: u64, only_one: u64, only_other: u64, total: u64) -> Option<[f64; 2]> {
-    let neither = total.checked_sub(both + only_one + only_other)?;
-    let [a, b, c, d] = [both, only_one, only_other, neither].map(|count| count as f64);
-    let spread = ((a + b) * (c + d) * (a + c) * (b + d)).sqrt();
-    let agreement = a * d - b * c;
-    // Newcombe's correction for continuity, where the two agree.
-    let agreement = if agreement > 0.0 { (agreement - 0.5 * total as f64).max(0.0) } else { agreement };
-    let correlation = if spread > 0.0 { agreement / spread } else { 0.0 };
-    hybrid([both + only_one, total], [both + only_other, total], correlation)
-}
-
-/// The interval of the difference of two shares with this correlation between their estimates.
-fn hybrid(one: [u64; 2], other: [u64; 2], correlation: f64) -> Option<[f64; 2]> {
-    let [p, q] = [one, other].map(|[count, total]| count as f64 / total as f64);
-    let ([low, high], [other_low, other_high]) = (wilson(one[0], one[1])?, wilson(other[0], other[1])?);
-    let reach = |a: f64, b: f64| (a * a - 2.0 * correlation * a * b + b * b).max(0.0).sqrt();
-    let ends = [p - q - reach(p - low, other_high - q), p - q + reach(high - p, q - other_low)];
-    Some(ends.map(|end| end.clamp(-1.0, 1.0)))
-}
-
 /// 95 % interval `[low, high]` of the mean of the distribution of `values` by Student's t, if they are normal or many;
 /// `None` below two.
 pub fn mean_interval(values: &[f64]) -> Option<[f64; 2]> {

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use numerics::statistics::{
     LEAST_FOR_MEDIAN, clustered_share, mean_interval, median_interval_in_words, paired_median,
-    paired_share_difference, quantile_interval, share_difference, sorted, wilson,
+    quantile_interval, sorted, wilson,
 };
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/intervals.json");
@@ -64,55 +64,6 @@ fn law_intervals_hold_the_share_in_95_of_100_studies_and_another_studys_in_83() 
         assert!((held - 0.95).abs() < 0.012, "{n} {p}: {held}");
         assert!((fell - 0.834).abs() < 0.015, "{n} {p}: {fell}");
     }
-}
-
-#[test]
-fn oracle_differences_of_shares_are_those_that_newcombe_prints() {
-    // Statistics in Medicine 17 (1998), page 880, method 10.
-    let printed = [
-        ([56, 70], [48, 80], [0.0524, 0.3339]),
-        ([9, 10], [3, 10], [0.1705, 0.8090]),
-        ([6, 7], [2, 7], [0.0582, 0.8062]),
-        ([5, 56], [0, 29], [-0.0381, 0.1926]),
-        ([0, 10], [0, 20], [-0.1611, 0.2775]),
-        ([10, 10], [0, 20], [0.6791, 1.0]),
-    ];
-    for (one, other, expected) in printed {
-        let found = share_difference(one, other).unwrap();
-        assert!(
-            found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 5.1e-5),
-            "{one:?} {other:?}: {found:?}"
-        );
-        let [low, high] = share_difference(other, one).unwrap();
-        assert!((low + found[1]).abs() < 1e-12 && (high + found[0]).abs() < 1e-12);
-    }
-    assert_eq!(share_difference([0, 0], [1, 2]), None);
-}
-
-#[test]
-fn law_nineteen_of_twenty_paired_intervals_hold_the_difference_of_the_shares() {
-    let mut draw = draws(7);
-    // One succeeds below 0.7, the other below 0.6, of a number that they share in half of the trials.
-    let (mut held, mut narrower) = (0, 0);
-    for _ in 0..2000 {
-        let mut counts = [0_u64; 4];
-        for _ in 0..96 {
-            let (one, own) = (draw(), draw());
-            let other = if draw() < 0.5 { one } else { own };
-            counts[usize::from(one >= 0.7) + 2 * usize::from(other >= 0.6)] += 1;
-        }
-        let [both, only_other, only_one, _] = counts;
-        let [low, high] = paired_share_difference(both, only_one, only_other, 96).unwrap();
-        held += usize::from(low <= 0.1 && 0.1 <= high);
-        let [from, to] = share_difference([both + only_one, 96], [both + only_other, 96]).unwrap();
-        narrower += usize::from(high - low < to - from);
-    }
-    assert!((1860..=1960).contains(&held), "{held} of 2000");
-    assert_eq!(narrower, 2000);
-    // All agree: the only information about the difference is how rarely they differ.
-    let [low, high] = paired_share_difference(60, 0, 0, 100).unwrap();
-    assert!((low + high).abs() < 1e-12 && high < share_difference([60, 100], [60, 100]).unwrap()[1]);
-    assert_eq!(paired_share_difference(60, 30, 20, 100), None);
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Every figure is well-formed, scalable and free of numbers that cannot be drawn.
 
 use report::figures::{
-    AccuracyCurve, Curve, ErrorRow, FrontDot, Histogram, HistogramAxis, HistogramPanel, Places,
-    SensitivityRow, ShareRow, SweptCurve, TraceColumn, TraceRow, Track, TrackLine, accuracy, front, heat,
-    histogram_pair, palette, relative_errors, sensitivities, shares, swept, tick_number, traces, tracks,
+    AccuracyCurve, Curve, ErrorRow, FrontDot, Histogram, HistogramAxis, HistogramPanel, SensitivityRow,
+    ShareRow, TraceColumn, TraceRow, Track, TrackLine, accuracy, front, histogram_pair, palette,
+    relative_errors, sensitivities, shares, tick_number, traces, tracks,
 };
 use report::picture;
 
@@ -288,39 +288,4 @@ fn peaks_survive_and_gaps_are_dropped() {
     let floor = curve[0].1;
     let peaks: Vec<&(i64, i64)> = curve.iter().filter(|(_, y)| *y != floor).collect();
     assert!(curve.len() <= 604 && peaks.len() == 1 && floor - peaks[0].1 > 400, "{peaks:?}");
-}
-
-#[test]
-fn swept_curves_stand_where_their_values_belong() {
-    let labels = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>();
-    let places = |values: &[f64]| Places::new("a <key>".to_owned(), labels(values), Some(values)).at;
-    assert_eq!(places(&[0.0, 1.0, 2.5]), [0.0, 1.0, 2.5]);
-    let decades = places(&[1.0, 100.0, 10.0]);
-    assert!(decades.iter().zip([0.0, 2.0, 1.0]).all(|(found, wanted)| (found - wanted).abs() < 1e-12));
-    assert_eq!(places(&[0.0, 1.0, 100.0]), [0.0, 1.0, 2.0]);
-    let places = Places::new("a <key>".to_owned(), labels(&[1.0, 2.0]), None);
-    // An unbounded end extends to the frame; NaN is omitted.
-    let points =
-        vec![(0.0, 50.0, [40.0, f64::INFINITY]), (1.0, f64::NAN, [f64::NAN; 2]), (1.0, 60.0, [50.0, 70.0])];
-    let curve = |label: &str| SweptCurve { label: label.to_owned(), points: points.clone() };
-    let svg = swept(&places, &[curve("one & only"), curve("two")], "share [%]", Some((0.0, 100.0)));
-    crate::drawing::check(&svg);
-    assert!(svg.contains("one &amp; only") && svg.contains("a &lt;key&gt;"));
-    assert_eq!(elements(&svg, "circle").count(), 4);
-    crate::drawing::check(&swept(&places, &[], "nothing", None));
-}
-
-#[test]
-fn a_heat_map_has_every_cell_and_crosses_out_what_was_refused() {
-    let places = |title: &str, count: usize| {
-        Places::new(title.to_owned(), (0..count).map(|i| format!("value {i}")).collect(), None)
-    };
-    let cells = [(0, 0, Some(0.0)), (1, 0, Some(0.256)), (2, 0, Some(1.0)), (0, 1, None)];
-    let svg = heat(&places("across", 3), &places("up", 2), &cells, "iv");
-    crate::drawing::check(&svg);
-    assert_eq!(elements(&svg, "rect").count(), 4);
-    for number in [">0<", ">26<", ">100<"] {
-        assert!(svg.contains(number), "{number}");
-    }
-    assert_eq!(elements(&svg, "path").count(), 2, "the cross");
 }

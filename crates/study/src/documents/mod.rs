@@ -2,7 +2,6 @@
 
 mod average;
 mod beside;
-mod cells;
 mod compare;
 mod constrained;
 mod crossval;
@@ -34,7 +33,6 @@ mod sequential;
 mod simulated;
 mod solved;
 mod statements;
-mod sweep;
 mod tally;
 mod titles;
 mod trust;
@@ -50,7 +48,7 @@ pub use ::validation::comparison::{ComparedErrors, ErrorCorrelations, ErrorKind,
 pub use ::validation::crossval::{EstimatorScore, SourceScore};
 pub use ::validation::merit::{FigureMerit, ManeuverMerit};
 pub use ::validation::selection::{PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
-pub use ::validation::tally::{Bounds, ShareDifference};
+pub use ::validation::tally::Bounds;
 pub use identification::criticism::{Absent, Criticism, FoundNoise, Verdict};
 pub use identification::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
 pub use identification::{Estimator, Quantiles, ScoreStatus, Share};
@@ -66,7 +64,6 @@ pub use trial::{Ability, DerivedHandling, Handling, Side};
 
 pub use average::{AverageDocument, AverageMember, AverageSummary, AverageTerm};
 pub use beside::{BesideForces, DeliveredKind, TriedFit};
-pub use cells::{CellsDocument, SweepAxis, SweepCell, SweepDesign, SweepLine};
 pub use compare::{CompareDocument, traces};
 pub use constrained::ConstrainedParameter;
 pub use crossval::CrossvalDocument;
@@ -112,7 +109,6 @@ pub use selection::SelectionDocument;
 pub use sequential::SequentialDocument;
 pub use simulated::{SIMULATED_FILE, SimulatedLogsDocument, SimulatedRecording};
 pub use solved::{Few, Solved};
-pub use sweep::{RefusedCell, SweepDocument, SweptCell, SweptLine};
 pub use tally::{PairedRatio, TallyDocument};
 pub use trust::TrustDocument;
 pub use validation::{
@@ -131,8 +127,6 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (IngestDocument::ID, json_schema::<IngestDocument>()),
         (ValidationDocument::ID, json_schema::<ValidationDocument>()),
         (TallyDocument::ID, json_schema::<TallyDocument>()),
-        (CellsDocument::ID, json_schema::<CellsDocument>()),
-        (SweepDocument::ID, json_schema::<SweepDocument>()),
         (MeritDocument::ID, json_schema::<MeritDocument>()),
         (PlanDocument::ID, json_schema::<PlanDocument>()),
         (MapDocument::ID, json_schema::<MapDocument>()),

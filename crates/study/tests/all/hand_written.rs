@@ -164,7 +164,6 @@ fn wrong_keys_types_and_values_are_not_as_the_schemas_say() {
         ("plan", "helsinki/plan.toml", "west_deg", "west", "plan.area"),
         ("plan", "helsinki/plan.toml", "headings = 8", "headings = 8.5", "plan.headings"),
         ("sequential", "smoke/sequential.toml", "rounds =", "round =", "sequential"),
-        ("sweep", "sweep/sweep.toml", "[grid]", "[grit]", "sweep"),
         ("ingest", "kvlcc2/ingest.toml", "[[file]]", "[[files]]", "ingest"),
         ("logs", "model-ship/logs.toml", "[gnss]", "[gps]", "logs"),
     ] {

@@ -2,11 +2,9 @@
 //! their memory does not grow with the number of runs.
 
 mod counted;
-mod difference;
 mod exact;
 mod histogram;
 
 pub use counted::{Bounds, Counted, Errors, PairCounts, Tally};
-pub use difference::ShareDifference;
 pub use exact::ExactSum;
 pub use histogram::{Histogram, QUANTILE_ERROR};
