@@ -91,7 +91,8 @@ fn the_chain_of_a_ship_with_forces_goes_from_design_to_scores() {
     let own = &moments["data"]["maneuvers"][0];
     assert!(own.get("degrees").is_none() && moments["data"].get("instruments").is_none());
     assert_eq!(own["output_error"]["F"].as_array().unwrap().len(), 16);
-    assert_eq!(moments["data"]["prior"]["information"].as_object().unwrap().len(), 4);
+    let prior = &moments["data"]["prior"];
+    assert_eq!(["parameters", "information"].map(|own| prior[own].as_array().unwrap().len()), [4, 16]);
     refused(&folder, 2, &format!("{DESIGN} --accuracy 0.1"), &["--duration-s", "priors of Otter count once"]);
     // Its length is that of the campaign's trials, if none is said.
     run(&folder, DESIGN).succeeds();

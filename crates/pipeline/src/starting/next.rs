@@ -2,15 +2,15 @@
 
 use artifact::Error;
 
-use super::chart::planned;
-use super::{Charted, NewFile, Preset};
+use super::chart::{Charted, planned};
+use super::presets::Preset;
 
 /// Its maneuvers and its sea, in the folder `next`: a ship with forces sails the preset's maneuvers, of another the maneuvers are drawn
 /// that inputs and motions of the logs allow.
 ///
 /// # Errors
 /// A chart that is refused.
-pub(super) fn trial(preset: &Preset, charted: Option<&Charted>) -> Result<Vec<NewFile>, Error> {
+pub(super) fn trial(preset: &Preset, charted: Option<&Charted>) -> Result<Vec<(String, String)>, Error> {
     let plan = charted.map(|charted| preset.plan().map_err(|why| Error::invalid(charted.file, why)));
     let plan = plan.transpose()?;
     let maneuvers = match preset.is_of_forces() {

@@ -7,6 +7,7 @@ mod free_runs;
 mod matrices;
 mod physical;
 mod prediction;
+mod prior;
 mod rivals;
 mod sampled;
 
@@ -18,9 +19,10 @@ pub use dictionary::{Estimated, leading, malformed};
 pub use free_runs::{FreeRunModel, Unpredictable};
 pub use matrices::{DegreeMoments, ManeuverMoments, OutputErrorMoments, Pool};
 use model::{DegreeOfFreedom, Model, Source, Vessel};
-pub(crate) use physical::scaled_inverse;
-pub use physical::{ForcesPrediction, PriorInformation, numbers};
+pub use physical::{ForcesPrediction, numbers};
 pub use prediction::Prediction;
+pub use prior::PriorInformation;
+pub(crate) use prior::scaled_inverse;
 use refusal::Invalid;
 use regression::{InstrumentKind, Noise};
 pub use sampled::{
