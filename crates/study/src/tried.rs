@@ -10,6 +10,7 @@ use validation::comparison::{Known, Magnitudes, Standing};
 
 use crate::documents::{AverageDocument, ModelDocument};
 use crate::files::{is_average, read_any_vessel_as};
+use crate::trajectories::rate_of;
 
 /// A `model.json` or an `average.json`, with its models.
 pub struct Tried {
@@ -46,6 +47,16 @@ impl Tried {
             (vec![model.data], output_rmse)
         };
         Self::all(models, output_rmse).map_err(|e| crate::invalid(path, &e))
+    }
+
+    /// A ship with forces that was not fitted, at the rate of the trajectories at `path`; others keep theirs.
+    #[must_use]
+    pub fn at_rate_of(mut self, path: &Path) -> Self {
+        if let (true, Some(rate_hz)) = (self.models.is_empty(), rate_of(path)) {
+            let ships = self.vessels.iter_mut().filter(|own| own.model.forces.is_some());
+            ships.for_each(|own| *own = own.clone().at_rate(rate_hz).unwrap_or_else(|_| own.clone()));
+        }
+        self
     }
 
     /// From a model in memory.

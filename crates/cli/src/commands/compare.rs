@@ -49,7 +49,7 @@ const MAIN: &str = "compare.json";
 impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
-        let model = Tried::read(&self.model, &mut provenance)?;
+        let model = Tried::read(&self.model, &mut provenance)?.at_rate_of(self.of.file());
         // The files that the model was fitted to are not inputs of the comparison, but the ship is the same.
         provenance.forget(&["dictionary", "campaign", "moments", "design", "validation", "estimates"]);
         let averaged = self.averaged(&model, &mut provenance)?;

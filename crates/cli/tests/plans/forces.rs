@@ -76,11 +76,10 @@ fn by_moments(moments: &Value, counts: &Value) -> f64 {
         .iter()
         .map(|own| own.as_str().unwrap())
         .collect();
-    let n = names.len();
-    let mut sum = vec![0.0; n * n];
-    for (i, name) in names.iter().enumerate() {
-        sum[i * n + i] = moments["prior"]["information"][name].as_f64().unwrap();
-    }
+    let (n, prior) = (names.len(), &moments["prior"]);
+    assert_eq!(prior["parameters"], serde_json::json!(names));
+    let known = prior["information"].as_array().unwrap();
+    let mut sum: Vec<f64> = known.iter().map(|own| own.as_f64().unwrap()).collect();
     for own in moments["maneuvers"].as_array().unwrap() {
         let count = counts[own["name"].as_str().unwrap()].as_f64().unwrap_or(0.0);
         let samples = own["samples"].as_f64().unwrap();

@@ -227,8 +227,11 @@ fn stages_that_need_terms_per_sample_refuse_a_ship_with_forces_by_name() {
     let compare =
         "validate compare --model vessel.toml --trajectories dictionary.parquet --window-s 10 --out c.json";
     // A ship is compared by her nominal numbers before any fit, here with what she did herself.
-    let said = run(&folder, compare).succeeds();
-    assert!(said.stdout.contains("fit u 100.0 %, v 100.0 %, r 100.0 %"), "{said}");
+    // Her forces take the rate of the runs, whatever her own is.
+    for line in [compare.to_owned(), format!("{compare} --set vessel.sample_rate_hz=3")] {
+        let said = run(&folder, &line).succeeds();
+        assert!(said.stdout.contains("fit u 100.0 %, v 100.0 %, r 100.0 %"), "{said}");
+    }
 }
 
 #[test]

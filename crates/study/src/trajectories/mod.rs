@@ -12,5 +12,5 @@ pub use kept::KeptRuns;
 pub use label::{DataLabel, label};
 pub use layout::{ID, LEAST_ROW_BYTES, Layout, REACHED, SIMULATED_PER_SECOND, VERSION};
 pub use reacting::Reacting;
-pub use read::{TrajectoryReader, refuse_shard};
+pub use read::{TrajectoryReader, rate_of, refuse_shard};
 pub use write::{BlockBuilder, MeasuredBlock, rows_per_block};

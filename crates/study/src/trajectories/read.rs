@@ -30,6 +30,13 @@ pub struct TrajectoryReader {
     known: Mutex<HashMap<String, HashMap<i32, usize>>>,
 }
 
+/// Samples per second of the trajectories at `path`, by their first step; `None` of a table that has none.
+pub fn rate_of(path: &Path) -> Option<f64> {
+    let block = TableReader::open(path, ID, VERSION).ok()?.read_block(0, &["t"]).ok()?;
+    let step_s = block.columns[0].value_at(1)? - block.columns[0].value_at(0)?;
+    (step_s > 0.0).then_some(1.0 / step_s)
+}
+
 impl TrajectoryReader {
     /// Opens `path` and checks its columns and units. Derived channels without a column are computed.
     ///
