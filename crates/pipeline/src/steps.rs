@@ -317,7 +317,9 @@ fn next_trial(settings: &Settings, shape: &Shape) -> Vec<Step> {
         false => ("--vessel \0out/measured/model.json", "--beyond-range"),
     };
     let search = format!("estimate search {LOGGED} {RECORDED}");
-    let dictionary = format!("simulate dictionary {model} {HELM} {allowed}");
+    // A fitted ship may not go straight ahead: that is said.
+    let unreached = if is_searched { "" } else { "--allow-unreached" };
+    let dictionary = format!("simulate dictionary {model} {HELM} {allowed} {unreached}");
     let moments = format!("moments {model} {MADE} {SEA} --estimator output-error --hold-unexcited");
     let design = "design --moments \0out/measured/next/moments.json --for output-error";
     let arranged = format!("--criterion d --arrange {model} {HELM}");
