@@ -1,7 +1,7 @@
 //! A model on recordings that it was not fitted to.
 
 use model::Vessel;
-use refusal::Invalid;
+use refusal::{Invalid, listed};
 use regression::pooled::PooledRuns;
 use study::Tried;
 use study::documents::CompareDocument;
@@ -92,6 +92,15 @@ impl<'a> Comparison<'a> {
         found.statements.extend(unknown.filter(|_| !self.averaged.is_empty()).map(|place| {
             format!("no bands: the errors of model {} of the average are not known", place + 1)
         }));
+        let short: Vec<String> = runs
+            .windows(window)
+            .into_iter()
+            .filter(|(_, own)| own.is_empty())
+            .map(|(name, _)| name)
+            .collect();
+        if !short.is_empty() {
+            found.statements.push(format!("shorter than a window and not compared: {}", listed(&short)));
+        }
         let window_s = window.map(|samples| samples as f64 / rate_hz);
         Ok((CompareDocument::new(&self.model.vessel().name, window_s, &found), found.trace))
     }
