@@ -111,11 +111,12 @@ impl Record {
     /// # Errors
     /// A file that cannot be removed; a record that cannot be written.
     pub fn forget(&mut self, pipeline: &Pipeline, step: &Step) -> Result<(), Error> {
-        let written = step.outputs.iter().map(|own| PathBuf::from(pipeline.resolved(own)));
-        for file in written.filter(|own| own.exists()) {
+        let before = self.document.stages.remove(&step.name).map(|known| known.outputs).unwrap_or_default();
+        let recorded = before.keys().map(|key| pipeline.folders.observed(key).path().to_owned());
+        let stated = step.outputs.iter().map(|own| PathBuf::from(pipeline.resolved(own)));
+        for file in recorded.chain(stated).filter(|own| own.is_file()) {
             std::fs::remove_file(&file).map_err(|e| Error::io(&file, "remove", e))?;
         }
-        self.document.stages.remove(&step.name);
         self.write()
     }
 
