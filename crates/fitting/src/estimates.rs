@@ -1,6 +1,6 @@
 //! How well a fit is known.
 
-use numerics::{congruence, symmetric};
+use numerics::{congruence, scaled_inverse, symmetric};
 
 use crate::bounded::held;
 use crate::pass::Pass;
@@ -86,7 +86,7 @@ impl Pass<'_> {
         let information = inner(&data);
         let mut bread = information.clone();
         (0..m).for_each(|i| bread[i * m + i] += pulls[free[i]]);
-        let inverse = inverse(m, &bread).ok_or_else(|| self.undetermined(&free, &bread))?;
+        let inverse = scaled_inverse(m, &bread).ok_or_else(|| self.undetermined(&free, &bread))?;
         let shares: Vec<f64> = (0..m).map(|i| inverse[i * m + i] * pulls[free[i]]).collect();
         // Parameters that the recordings determine use up pieces.
         let used = m as f64 - shares.iter().sum::<f64>();
@@ -120,16 +120,6 @@ impl Pass<'_> {
         let weakest = numerics::weakest(m, bread).map_or(0, |own| own.dominant(m));
         Unfit::Undetermined(self.forces.parameters()[free[weakest]].name.clone())
     }
-}
-
-/// The inverse of a symmetric matrix, in correlations.
-pub(crate) fn inverse(n: usize, a: &[f64]) -> Option<Vec<f64>> {
-    let scale: Vec<f64> = (0..n).map(|i| a[i * n + i].sqrt()).collect();
-    let mut own: Vec<f64> = (0..n * n).map(|k| a[k] / (scale[k / n] * scale[k % n])).collect();
-    let mut out = vec![0.0; n * n];
-    numerics::inverse(n, &mut own, &mut out)?;
-    (0..n * n).for_each(|k| out[k] /= scale[k / n] * scale[k % n]);
-    out.iter().all(|own| own.is_finite()).then_some(out)
 }
 
 /// The condition index of an information, and by what each standard error grows because of the others.

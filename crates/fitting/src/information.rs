@@ -5,10 +5,10 @@
 //! P = σ² Σ_k λ(k+1)ᵀ C(k) C(k)ᵀ λ(k+1) to the variance of the scores, with the adjoint λ(k) = W S(k) + A(k)ᵀ λ(k+1).
 
 use forces::{Body, Dual, Forces};
-use numerics::{add_outer, congruence};
+use numerics::{add_outer, congruence, scaled_inverse};
 
 use crate::Inputs;
-use crate::estimates::{conditioned, inverse};
+use crate::estimates::conditioned;
 
 /// Parameters by which derivatives are computed at once.
 const AT_ONCE: usize = 13;
@@ -210,7 +210,7 @@ impl RunInformation {
         let own = inner(&self.measurement);
         let mut bread = own.clone();
         (0..m).for_each(|i| bread[i * m + i] += prior[places[i]]);
-        let inverted = inverse(m, &bread)?;
+        let inverted = scaled_inverse(m, &bread)?;
         let meat: Vec<f64> = bread.iter().zip(inner(&self.current)).map(|(own, more)| own + more).collect();
         let known = congruence(m, &inverted, &meat);
         let mut covariance = vec![0.0; n * n];

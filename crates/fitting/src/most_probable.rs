@@ -1,9 +1,9 @@
 //! The most probable parameters after one simulated run with known noise, by Levenberg's and Marquardt's method.
 
 use forces::Forces;
+use numerics::scaled_inverse;
 
 use crate::bounded::{distance, held, moved, pulls};
-use crate::estimates::inverse;
 use crate::{Prior, SimulatedRun, Unfit};
 
 /// The search has ended where Newton's step promises less than this, in squares of standard errors.
@@ -130,7 +130,7 @@ impl Search<'_> {
         }
         let damped = |k: usize| own(k / m, k % m) * if k / m == k % m { 1.0 + damping } else { 1.0 };
         let products: Vec<f64> = (0..m * m).map(damped).collect();
-        let inverse = inverse(m, &products).ok_or_else(|| self.undetermined(free[0]))?;
+        let inverse = scaled_inverse(m, &products).ok_or_else(|| self.undetermined(free[0]))?;
         let row = |i: usize| -> f64 { (0..m).map(|j| -inverse[i * m + j] * normal.gradient[free[j]]).sum() };
         Ok((0..m).map(row).collect())
     }

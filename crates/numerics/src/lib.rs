@@ -27,7 +27,10 @@ pub use decompositions::{Weakest, symmetric, weakest};
 pub use instructions::{dispatch, dispatch_narrow, missing_instructions};
 pub use iterations::{Watch, iterate};
 pub use lane::{Arithmetic, LANES, Lane, Number, Numbers, Row};
-pub use lu::{LogDet, condition, inverse, inverse_and_log_det, inverse_in_order, log_det, one_norm, solve};
+pub use lu::{
+    LogDet, condition, inverse, inverse_and_log_det, inverse_in_order, log_det, one_norm, scaled_inverse,
+    solve,
+};
 pub use product::{add_outer, add_rows, congruence, dot, product, quadratic, times, transposed};
 pub use semidefinite::{dependent_columns, quadratic_of_inverse};
 pub use wide::{GROUPS, Wide};

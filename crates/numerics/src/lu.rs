@@ -70,6 +70,17 @@ pub fn inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<()> {
     signed_inverse(n, a, out).map(|_| ())
 }
 
+/// The inverse of a symmetric positive definite A (n × n), in correlations: rows and columns of very different size do no harm.
+/// `None` where it is singular.
+pub fn scaled_inverse(n: usize, a: &[f64]) -> Option<Vec<f64>> {
+    let scale: Vec<f64> = (0..n).map(|i| a[i * n + i].sqrt()).collect();
+    let mut own: Vec<f64> = (0..n * n).map(|k| a[k] / (scale[k / n] * scale[k % n])).collect();
+    let mut out = vec![0.0; n * n];
+    inverse(n, &mut own, &mut out)?;
+    (0..n * n).for_each(|k| out[k] /= scale[k / n] * scale[k % n]);
+    out.iter().all(|own| own.is_finite()).then_some(out)
+}
+
 /// The inverse of A (n × n, destroyed) into `out` (n × n), with the determinant.
 pub fn inverse_and_log_det(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<LogDet> {
     signed_inverse(n, a, out).map(|sign| of_pivots(n, a, sign))

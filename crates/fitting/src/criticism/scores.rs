@@ -1,10 +1,10 @@
 //! Scores of candidates, from which fitted numbers and starts of windows are projected out.
 
+use numerics::scaled_inverse;
 use rayon::prelude::*;
 
 use super::columns::{Block, Column};
 use crate::bounded::held;
-use crate::estimates::inverse;
 use crate::normal::Reduced;
 use crate::pass::Pass;
 use crate::sums::Sums;
@@ -121,7 +121,7 @@ impl Pass<'_> {
         let m = free.len();
         let mut bread: Vec<f64> = (0..m * m).map(|k| data[free[k / m] * n + free[k % m]]).collect();
         (0..m).for_each(|i| bread[i * m + i] += KEPT * pulls[free[i]][0]);
-        let inverse = inverse(m, &bread).ok_or_else(|| self.undetermined(&free, &bread))?;
+        let inverse = scaled_inverse(m, &bread).ok_or_else(|| self.undetermined(&free, &bread))?;
         let used = m as f64 - (0..m).map(|i| KEPT * inverse[i * m + i] * pulls[free[i]][0]).sum::<f64>();
         let gradient = free.iter().map(|i| gradient[*i]).collect();
         Ok(Fitted { free, inverse, gradient, used })

@@ -5,13 +5,13 @@ use identification::parameter_error;
 use identification::pooled::{Covariance, Uncertain};
 use model::Source;
 use numerics::statistics::median;
-use numerics::times;
+use numerics::{scaled_inverse, times};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Arranging;
 use super::whole::Information;
-use crate::moments::{Estimated, scaled_inverse};
+use crate::moments::Estimated;
 
 /// Errors that estimates of many trials of the same experiment have: medians over estimates drawn from their predicted
 /// distribution, to first order in their errors. Where the true parameters are known, priors pull every estimate the same way.
@@ -43,7 +43,7 @@ impl Arranging<'_> {
         let place = |name: &String| self.vessel.model.parameter_names().position(|own| own == name);
         let places: Vec<Option<usize>> = rows.iter().map(place).collect();
         let Information { information, mut middle } = self.informed(initial, exogenous, current)?;
-        let inverse = scaled_inverse(&information)?;
+        let inverse = scaled_inverse(n, &information)?;
         let mut center = theta.clone();
         if let Some(prior) = self.moments.prior.as_ref().filter(|_| model.simulated_with == Source::Value) {
             // The ship is known: what priors say of her is off by as much as it is, in every trial.

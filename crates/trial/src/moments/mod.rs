@@ -22,7 +22,6 @@ use model::{DegreeOfFreedom, Model, Source, Vessel};
 pub use physical::{ForcesPrediction, numbers};
 pub use prediction::Prediction;
 pub use prior::PriorInformation;
-pub(crate) use prior::scaled_inverse;
 use refusal::Invalid;
 use regression::{InstrumentKind, Noise};
 pub use sampled::{

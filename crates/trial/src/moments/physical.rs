@@ -7,12 +7,13 @@ use engine::Run;
 use fitting::{SimulatedRun, WhiteNoise};
 use maneuver::Generator;
 use model::{Moved, Vessel};
+use numerics::scaled_inverse;
 use refusal::Invalid;
 use regression::Noise;
 
 use super::free_runs::{Unpredictable, diverges};
 use super::prediction::DICTIONARY;
-use super::prior::{PriorInformation, scaled_inverse};
+use super::prior::PriorInformation;
 use super::{FreeRunModel, ManeuverMoments, Moments, OutputErrorMoments, by_name};
 
 /// A ship with forces whose maneuvers are simulated, and what disturbs the measured ones.
@@ -189,7 +190,7 @@ impl Moments {
         }
         let mut known = vec![0.0; n * n];
         prior.add_to(&mut known, rows, 1.0);
-        let inverse = scaled_inverse(&sum)?;
+        let inverse = scaled_inverse(n, &sum)?;
         let share = |i: usize| (0..n).map(|j| inverse[i * n + j] * known[j * n + i]).sum::<f64>();
         let parameters = self.degrees.iter().flat_map(|own| &own.parameters);
         let place = |name: &String| rows.iter().position(|own| own == name);

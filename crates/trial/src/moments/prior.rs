@@ -1,6 +1,7 @@
 //! What is known of parameters before a trial.
 
 use identification::pooled::Covariance;
+use numerics::scaled_inverse;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -41,7 +42,7 @@ impl PriorInformation {
             _ => 0.0,
         };
         let variances: Vec<f64> = (0..n * n).map(variances).collect();
-        let information = scaled_inverse(&variances)?;
+        let information = scaled_inverse(n, &variances)?;
         let parameters = all.into_iter().map(|(name, _)| name.to_owned()).collect();
         (n > 0).then_some(Self { parameters, information })
     }
@@ -57,15 +58,4 @@ impl PriorInformation {
             }
         }
     }
-}
-
-/// The inverse of a symmetric positive definite matrix, whose rows and columns are scaled first; `None` where it is singular.
-pub(crate) fn scaled_inverse(matrix: &[f64]) -> Option<Vec<f64>> {
-    let n = matrix.len().isqrt();
-    let scale: Vec<f64> = (0..n).map(|i| matrix[i * n + i].sqrt()).collect();
-    let scaled = |entry: f64, k: usize| entry / (scale[k / n] * scale[k % n]);
-    let mut own: Vec<f64> = matrix.iter().enumerate().map(|(k, entry)| scaled(*entry, k)).collect();
-    let mut inverse = vec![0.0; n * n];
-    numerics::inverse(n, &mut own, &mut inverse)?;
-    Some(inverse.into_iter().enumerate().map(|(k, entry)| scaled(entry, k)).collect())
 }
