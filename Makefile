@@ -90,7 +90,7 @@ SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Carg
 
 # Not the examples that no test runs: clippy checks them
 TESTS := $(CARGO) test --workspace --locked --tests
-BUILD := $(if $(filter target/debug,$(BIN)),$(TESTS) --no-run,$(CARGO) build --release --locked -p cli -p programs)
+BUILD := $(if $(filter target/debug,$(BIN)),$(TESTS) --no-run,$(CARGO) build --release --locked -p cli)
 
 $(BIN)/.built: $(SOURCES)
 	$(BUILD)
@@ -278,9 +278,9 @@ nightly: test
 
 .PHONY: bench
 bench:
-	$(CARGO) build --release --locked -p bench
+	$(CARGO) build --release --locked -p cli --example bench
 	@if command -v $(PYTHON) > /dev/null; then $(PYTHON) scripts/bench.py; \
-	else echo "no $(PYTHON): our own figures only; for the peers install Python 3.11 and scripts/README.md's packages"; $(BIN)/bench; fi
+	else echo "no $(PYTHON): our own figures only; for the peers install Python 3.11 and scripts/README.md's packages"; $(BIN)/examples/bench; fi
 
 PYTHON ?= $(if $(wildcard .venv/bin/python),.venv/bin/python,python3)
 

@@ -1,6 +1,6 @@
 """Measures the workspace against what one would otherwise use, in one run on one machine. Called by `make bench`.
 
-    python scripts/bench.py [--study pipelines/paper] [--ours target/release/bench] [--rounds 2] [--tables]
+    python scripts/bench.py [--study pipelines/paper] [--ours target/release/examples/bench] [--rounds 2] [--tables]
 
 Builds nothing: `--ours` is run as it is with `--json`, or with `--tables` for writing and reading tables alone. The peers are numba (Monte Carlo loop), scipy's least_squares over
 numba (output error), scipy SLSQP (design) and pyarrow (tables), all on one thread. Peers and ours take turns and the best of each counts. Needs numpy, scipy, numba
@@ -69,7 +69,7 @@ LINES = (
 def main() -> None:
     arguments = parse_arguments()
     if not arguments.ours.is_file():
-        raise SystemExit(f"{arguments.ours}: no such program; build it with `cargo build --release --bin bench`")
+        raise SystemExit(f"{arguments.ours}: no such program; build it with `cargo build --release -p cli --example bench`")
     peers = load_peers(arguments.study, arguments.ours, arguments.tables)
     ours: list[Figures] = []
     theirs: list[Figures] = []
@@ -88,7 +88,7 @@ def main() -> None:
 def parse_arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--study", type=Path, default=Path("pipelines/paper"), help="study folder")
-    parser.add_argument("--ours", type=Path, default=Path("target/release/bench"), help="our own benchmark")
+    parser.add_argument("--ours", type=Path, default=Path("target/release/examples/bench"), help="our own benchmark")
     parser.add_argument("--rounds", type=int, default=2, help="turns of peers and ours")
     parser.add_argument("--tables", action="store_true", help="writing and reading tables alone")
     return parser.parse_args()

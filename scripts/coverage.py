@@ -19,7 +19,7 @@ from pathlib import Path
 
 import pyarrow.parquet as parquet
 
-VESSEL = Path("crates/model/presets/ljungberg-model-ship.toml")
+VESSEL = Path("crates/ship/presets/ljungberg-model-ship.toml")
 DICTIONARY = Path("pipelines/scenarios/dictionary.toml")
 Z = 1.959963984540054
 SENSORS = r"(std_(?:u_m_s|v_m_s|r_rad_s)) = \S+"

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import pyarrow.parquet
 
-PRESET = Path("crates/model/presets/ljungberg-model-ship.toml")
+PRESET = Path("crates/ship/presets/ljungberg-model-ship.toml")
 FIGURES = {
     "tactical": "turn/tactical_diameter",
     "advance": "turn/advance",

@@ -26,7 +26,7 @@ import zipfile
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parent.parent
-ROOTS = ("cli", "programs")
+ROOTS = ("cli",)
 TEXTS = ("README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE")
 LICENSE = re.compile(r"^(licen[cs]e|copying|unlicense|notice|copyright)", re.IGNORECASE)
 # Archives of the same programs have the same bytes: all files are of 1980, the first year of a zip.
@@ -62,14 +62,14 @@ def check(tag: str) -> None:
 
 
 def programs(folder: Path, target: str) -> dict[str, bytes]:
-    """The programs in `folder` by name: `seatrial`, and one for each `[[bin]]` of crates/programs."""
+    """The programs in `folder` by name: `seatrial`, and one for each `[[bin]]` of crates/cli."""
     ending = ".exe" if "windows" in target else ""
-    bins = tomllib.loads((TOP / "crates/programs/Cargo.toml").read_text(encoding="utf-8"))["bin"]
+    bins = tomllib.loads((TOP / "crates/cli/Cargo.toml").read_text(encoding="utf-8"))["bin"]
     found = {}
     for name in ["seatrial", *sorted(each["name"] for each in bins)]:
         path = folder / f"{name}{ending}"
         if not path.is_file():
-            raise Refused(f"{path}: found no such program, expected one; cargo build --release -p cli -p programs makes it")
+            raise Refused(f"{path}: found no such program, expected one; cargo build --release -p cli makes it")
         found[path.name] = path.read_bytes()
     return found
 

@@ -25,7 +25,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-PRESET = Path("crates/model/presets/ljungberg-model-ship.toml")
+PRESET = Path("crates/ship/presets/ljungberg-model-ship.toml")
 RANGES = {"tau1": 5978.0, "tau2": 2391.0, "tau3": 956.0}
 WAYS = ("inputs", "feedback")
 ERRORS = ("first order", "found")

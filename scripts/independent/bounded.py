@@ -1,4 +1,4 @@
-"""Least squares within bounds, for crates/identification/tests/all/constraints.rs.
+"""Least squares within bounds, for crates/estimation/tests/all/constraints.rs.
 
 Every combination of parameters at a lower bound, at an upper bound and free is tried: of those whose free parameters stay
 within their bounds the one with the least squares is the estimate. Its covariance for white errors of variance 1 is that of

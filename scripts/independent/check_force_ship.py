@@ -28,7 +28,7 @@ SAME = 1e-12
 def off(name: str, rows: np.ndarray) -> float:
     """The greatest difference of a preset's changes, relative to the greatest of u, v or r."""
     with tempfile.TemporaryDirectory() as folder:
-        shutil.copy(TOP / f"crates/model/presets/{name}.toml", Path(folder) / "vessel.toml")
+        shutil.copy(TOP / f"crates/ship/presets/{name}.toml", Path(folder) / "vessel.toml")
         ship = ForceShip(Path(folder))
     theta = {own.name: own.nominal for own in ship.free}
     last = 3 + len(ship.inputs)

@@ -1,4 +1,4 @@
-"""The cost of force models on windows of recordings, and its minimum, for crates/fitting/tests/all/oracle.rs.
+"""The cost of force models on windows of recordings, and its minimum, for crates/estimation/tests/all/fitting/oracle.rs.
 
     python scripts/independent/force_fit.py --out fixtures/oracle/force_fit.json
 

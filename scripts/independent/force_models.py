@@ -1,4 +1,4 @@
-"""Accelerations of three published ships in random states, for crates/forces/tests/all/published.rs.
+"""Accelerations of three published ships in random states, for crates/ship/tests/all/forces/published.rs.
 
     python scripts/independent/force_models.py --out fixtures/oracle/force_models.json
 

@@ -1,4 +1,4 @@
-"""The paper's ship at other sampling rates, for crates/engine/tests/all/pace.rs.
+"""The paper's ship at other sampling rates, for crates/ship/tests/all/engine/pace.rs.
 
     python scripts/independent/rates.py --study pipelines/paper --out fixtures/oracle/rates.json
 

@@ -3,8 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use enc::attribute::OBJNAM;
-use enc::{Feature, class_name};
+use crate::enc::attribute::OBJNAM;
+use crate::enc::{Feature, class_name};
 use geojson::JsonObject;
 
 /// Properties that hold a feature's name.

@@ -1,6 +1,6 @@
 //! What the object classes of an electronic chart mean for a trial: one table.
 
-use enc::class_name;
+use crate::enc::class_name;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

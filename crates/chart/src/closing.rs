@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use enc::class;
+use crate::enc::class;
 
 use crate::classes::{Judged, judged};
 use crate::dangers::{Gap, gap_to, is_inside};

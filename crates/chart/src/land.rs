@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use enc::{Feature, Geometry, Polygon};
+use crate::enc::{Feature, Geometry, Polygon};
 
 use crate::classes::is;
 use crate::orientation::turn;

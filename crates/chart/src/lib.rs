@@ -48,6 +48,7 @@ mod dangers;
 mod depth_unit;
 mod direction;
 mod distance;
+pub mod enc;
 mod footprint;
 mod frontier;
 mod geojson_crs;

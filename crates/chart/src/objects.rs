@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use enc::attribute::{Attribute, DRVAL1, DUNITS, HORDAT, HUNITS, VALDCO, VALSOU, WATLEV};
-use enc::{Feature, Geometry, Polygon, class_name};
+use crate::enc::attribute::{Attribute, DRVAL1, DUNITS, HORDAT, HUNITS, VALDCO, VALSOU, WATLEV};
+use crate::enc::{Feature, Geometry, Polygon, class_name};
 
 use crate::called::Called;
 use crate::classes::{is, judged};

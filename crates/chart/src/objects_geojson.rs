@@ -1,8 +1,8 @@
 //! Objects of an electronic chart that `ogr2ogr` wrote as GeoJSON: their class in `OBJL`, attributes by their
 //! acronyms.
 
-use enc::attribute::ALL;
-use enc::{Feature as Object, Geometry, class};
+use crate::enc::attribute::ALL;
+use crate::enc::{Feature as Object, Geometry, class};
 use geojson::{Feature, JsonObject, JsonValue, Position};
 
 use crate::geometries::Geometries;

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use enc::attribute::{CATDIS, RESTRN, VERCCL, VERCLR, VERCSA};
-use enc::{Feature, Geometry, class, class_name};
+use crate::enc::attribute::{CATDIS, RESTRN, VERCCL, VERCLR, VERCSA};
+use crate::enc::{Feature, Geometry, class, class_name};
 
 use crate::classes::{Ignored, Judged, Treatment, is, judged, of_class};
 use crate::land::Land;

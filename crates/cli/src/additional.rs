@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use clap::Args;
-use identification::Estimator;
-use identification::runs::{AdditionalUnknowns, Intercepts, UnknownCurrent};
+use estimation::Estimator;
+use estimation::runs::{AdditionalUnknowns, Intercepts, UnknownCurrent};
 use serde_json::{Value, json};
 
 use crate::choice::choice;

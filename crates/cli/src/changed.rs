@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use artifact::{Change, Changes};
 use clap::{Arg, ArgMatches, Command};
+use files::{Change, Changes};
 use refusal::Invalid;
 
 use crate::failure::Failure;

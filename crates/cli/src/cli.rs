@@ -3,12 +3,12 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use artifact::{Change, Changes, Provenance, Shard};
 use clap::{Args, ValueEnum};
+use files::{Change, Changes, Provenance, Shard};
 
 use crate::failure::Failure;
 
-pub use artifact::{budget, set_budget};
+pub use files::{budget, set_budget};
 pub use study::beside;
 use study::check_kind;
 
@@ -100,8 +100,8 @@ impl Common {
         let folder = if folder_of(&out).as_os_str().is_empty() { Path::new(".") } else { folder_of(&out) };
         match std::fs::metadata(folder) {
             Ok(found) if found.is_dir() => Ok(out),
-            Ok(_) => Err(artifact::Error::io(out, "create", ErrorKind::NotADirectory.into()).into()),
-            Err(error) => Err(artifact::Error::io(out, "create", error).into()),
+            Ok(_) => Err(files::Error::io(out, "create", ErrorKind::NotADirectory.into()).into()),
+            Err(error) => Err(files::Error::io(out, "create", error).into()),
         }
     }
 
@@ -170,8 +170,8 @@ pub fn in_folder<T>(folder: &Path, write: impl FnOnce() -> Result<T, Failure>) -
     if folder.as_os_str().is_empty() || folder.is_dir() {
         return write();
     }
-    artifact::check_within(folder)?;
-    std::fs::create_dir(folder).map_err(|e| artifact::Error::io(folder, "create", e))?;
+    files::check_within(folder)?;
+    std::fs::create_dir(folder).map_err(|e| files::Error::io(folder, "create", e))?;
     write().inspect_err(|_| {
         // Removes only an empty folder; the failure itself is reported.
         let _ = std::fs::remove_dir(folder);
@@ -187,7 +187,7 @@ pub fn only_folder_of(folder: &Path, names: &[String]) -> Result<(), Failure> {
     let entries = match std::fs::read_dir(folder) {
         Ok(entries) => entries,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-        Err(error) => return Err(artifact::Error::io(folder, "list", error).into()),
+        Err(error) => return Err(files::Error::io(folder, "list", error).into()),
     };
     let found = entries.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
     let mut others: Vec<String> =

@@ -23,7 +23,7 @@ pub fn compiled(
     let failed = |what: String| Failure::Failed(format!("{compiler}: {what}"));
     let work = Work::begin().map_err(|e| failed(format!("temporary folder: {e}")))?;
     let folder = work.folder.path();
-    let io = |e: io::Error| artifact::Error::io(folder, "use", e);
+    let io = |e: io::Error| files::Error::io(folder, "use", e);
     for (name, text) in files {
         fs::write(folder.join(name), text).map_err(io)?;
     }

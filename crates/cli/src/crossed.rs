@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Provenance, commit, stage_document};
+use files::{Provenance, commit, stage_document};
 use serde_json::json;
 use study::documents::CrossvalDocument;
 

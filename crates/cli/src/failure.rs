@@ -3,8 +3,8 @@
 use std::convert::Infallible;
 use std::path::Path;
 
-use identification::pooled::PoolError;
-use identification::runs::RunError;
+use estimation::pooled::PoolError;
+use estimation::runs::RunError;
 use refusal::Invalid;
 use regression::pooled::LostInstruments;
 use thiserror::Error;
@@ -39,7 +39,7 @@ impl Failure {
 
     /// A refusal of `file`.
     pub fn refuse(file: &Path, thing: &str, found: &str, expected: &str, remedy: &str) -> Self {
-        artifact::Error::refuse(file, thing, found, expected, remedy).into()
+        files::Error::refuse(file, thing, found, expected, remedy).into()
     }
 
     /// A run of `file` cannot be estimated.
@@ -97,15 +97,15 @@ impl Failure {
 
     /// Something in `file` is invalid.
     pub fn invalid(file: &Path, invalid: &Invalid) -> Self {
-        artifact::Error::invalid(file, invalid.clone()).into()
+        files::Error::invalid(file, invalid.clone()).into()
     }
 }
 
-impl From<artifact::Error> for Failure {
-    fn from(error: artifact::Error) -> Self {
+impl From<files::Error> for Failure {
+    fn from(error: files::Error) -> Self {
         match error {
-            artifact::Error::Refused { .. } => Self::Refused(error.to_string()),
-            artifact::Error::Io { .. } => Self::Failed(error.to_string()),
+            files::Error::Refused { .. } => Self::Refused(error.to_string()),
+            files::Error::Io { .. } => Self::Failed(error.to_string()),
         }
     }
 }

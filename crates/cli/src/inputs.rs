@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use artifact::{Document, Provenance, Work, read_document};
-use engine::Run;
-use model::Vessel;
+use files::{Document, Provenance, Work, read_document};
 use serde::de::DeserializeOwned;
+use ship::engine::Run;
+use ship::model::Vessel;
 use study::trajectories::{KeptRuns, Layout, TrajectoryReader};
 use study::{Doubtful, LoggedHelm};
 
@@ -49,7 +49,7 @@ fn opened(
     key: &str,
     vessel: &Vessel,
     provenance: &mut Provenance,
-    check: fn(&TrajectoryReader) -> Result<(), artifact::Error>,
+    check: fn(&TrajectoryReader) -> Result<(), files::Error>,
 ) -> Result<TrajectoryReader, Failure> {
     let reader = TrajectoryReader::open(path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
     check(&reader)?;

@@ -10,7 +10,7 @@ pub fn listen() {
     let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]) else { return };
     std::thread::spawn(move || {
         if let Some(signal) = signals.forever().next() {
-            artifact::abandon();
+            files::abandon();
             crate::compiler::abandon();
             on_stderr("error: interrupted");
             std::process::exit(128 + signal);

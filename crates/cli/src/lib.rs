@@ -20,6 +20,7 @@ pub mod monte_carlo;
 pub mod new;
 pub mod ordered;
 pub mod physical;
+pub mod pipeline;
 pub mod plan;
 pub mod pool;
 pub mod progress;

@@ -2,14 +2,14 @@
 
 use std::time::{Duration, Instant};
 
-use artifact::PROGRAM_BYTES;
 use clap::Args;
+use files::PROGRAM_BYTES;
 
 use crate::cli::{Common, budget};
 use crate::failure::Failure;
 use crate::said::on_stderr;
-use lattice::{Options, Progress};
-use trial::voyage::Watch;
+use plan::lattice::{Options, Progress};
+use plan::voyage::Watch;
 
 /// Share of the time for a search, so that the rest is left to check its plan.
 const SEARCHED: f64 = 0.7;

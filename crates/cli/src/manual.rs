@@ -3,10 +3,10 @@
 use std::io::Write;
 use std::path::Path;
 
-use artifact::{Staged, commit};
 use clap::Command;
 use clap_complete::Shell;
 use clap_mangen::Man;
+use files::{Staged, commit};
 
 use crate::failure::Failure;
 use crate::said::{on_stdout, printed};
@@ -28,7 +28,7 @@ pub fn completions(shell: Option<Shell>, mut command: Command) -> Result<(), Fai
 /// # Errors
 /// Output that fails.
 pub fn manual(folder: &Path, command: Command) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|e| artifact::Error::io(folder, "create", e))?;
+    std::fs::create_dir_all(folder).map_err(|e| files::Error::io(folder, "create", e))?;
     let mut command = without_help(command);
     command.build();
     let mut staged = Vec::new();

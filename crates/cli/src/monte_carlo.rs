@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use identification::Estimator;
+use estimation::Estimator;
 use numerics::LANES;
 use seatrial::{MonteCarlo, Realized, StudyError};
 use study::kept::Kept;

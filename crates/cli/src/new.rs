@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Staged, commit, whole_folder};
+use crate::pipeline::starting::{Charted, PRESETS, Preset, measured, of_ship, schemas, simulated};
 use clap::Parser;
-use pipeline::starting::{Charted, PRESETS, Preset, measured, of_ship, schemas, simulated};
+use files::{Staged, commit, whole_folder};
 use serde_json::json;
 use study::plan::second;
 
@@ -108,7 +108,7 @@ impl Task for Arguments {
             }
         };
         let schemas = schemas();
-        std::fs::create_dir_all(folder_of(out)).map_err(|e| artifact::Error::io(out, "create", e))?;
+        std::fs::create_dir_all(folder_of(out)).map_err(|e| files::Error::io(out, "create", e))?;
         let has_next = files.iter().any(|(name, _)| name.starts_with("next/"));
         let within: &[&str] = if has_next { &["schemas", "next"] } else { &["schemas"] };
         whole_folder(out, within, |folder| {

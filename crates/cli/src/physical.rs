@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, commit, read_document, stage_document};
 use clap::Args;
-use identification::Estimator;
-use model::Vessel;
-use seatrial::fitting::{Settings, Starts, Unfit};
+use estimation::Estimator;
+use files::{Provenance, commit, read_document, stage_document};
+use seatrial::estimation::fitting::{Settings, Starts, Unfit};
 use seatrial::validation::crossval::Folds;
 use seatrial::{Physical, PhysicalError, check_captive, former};
 use serde_json::{Value, json};
+use ship::model::Vessel;
 use study::documents::{CrossvalDocument, ModelDocument};
 use study::files::read_reference;
 

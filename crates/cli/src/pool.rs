@@ -4,14 +4,14 @@ use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use artifact::Provenance;
 use clap::Args;
-use identification::pooled::Pool;
-use model::Vessel;
+use estimation::pooled::Pool;
+use files::Provenance;
 use regression::MeanRemoval;
 use regression::pooled::{NominalModel, NominalSource, PooledRuns, Recorded};
 use seatrial::{NamedRoles, core_of};
 use serde_json::{Value, json};
+use ship::model::Vessel;
 use study::Doubtful;
 use study::documents::{EstimateDocument, IngestDocument};
 use study::trajectories::label;
@@ -83,13 +83,13 @@ impl RunFlags {
         recorded: impl FnOnce(&Path, &Vessel, &mut Provenance) -> Result<R, Failure>,
     ) -> Result<(PooledRuns<R>, Vec<String>), Failure>
     where
-        artifact::Error: From<R::Error>,
+        files::Error: From<R::Error>,
     {
         let kept = recorded(self.file(), vessel, provenance)?;
         let read = |path: &PathBuf| inputs::document::<IngestDocument>(path, "recordings", provenance);
         let recordings = self.recordings.as_ref().map(read).transpose()?;
         let named = recordings.as_ref().map(IngestDocument::recordings_by_run).unwrap_or_default();
-        let mut runs = PooledRuns::of(kept, &named).map_err(artifact::Error::from)?;
+        let mut runs = PooledRuns::of(kept, &named).map_err(files::Error::from)?;
         label(runs.designs(), provenance);
         let selected = runs.select(&self.runs, &self.leave_out);
         selected.map_err(|e| Failure::invalid(self.file(), &e.invalid()))?;
@@ -203,7 +203,7 @@ impl PoolFlags {
         recorded: impl FnOnce(&Path, &Vessel, &mut Provenance) -> Result<R, Failure>,
     ) -> Result<(PooledRuns<R>, Pool<'a>), Failure>
     where
-        artifact::Error: From<R::Error>,
+        files::Error: From<R::Error>,
     {
         if let Some(Held::Former(path)) = &self.prior {
             let found = format!("--prior: found {} for a vessel with terms per sample", path.display());

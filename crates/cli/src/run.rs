@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Digest, Error, Provenance, Trace, check_within, traced};
+use crate::pipeline::{Pipeline, Record, Settings, Step};
 use clap::{ArgMatches, Parser};
-use pipeline::{Pipeline, Record, Settings, Step};
+use files::{Digest, Error, Provenance, Trace, check_within, traced};
 use refusal::Invalid;
 use serde_json::json;
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{
+use files::{
     Columns, Document, EncodedBlock, Error, Provenance, Shard, Staged, TableReader, TableWriter, check_given,
     check_settings, commit, commit_with_document, gather, shards_of,
 };

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use artifact::{Staged, commit};
+use crate::pipeline::ships::{MainDimensions, Size, Written, guessed, scaled};
 use clap::Parser;
-use pipeline::ships::{MainDimensions, Size, Written, guessed, scaled};
+use files::{Staged, commit};
 use serde_json::json;
 use study::ship_file::read_ship;
 

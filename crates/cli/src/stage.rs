@@ -6,11 +6,11 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use artifact::fault::{Fault, inject};
-use artifact::{Change, Patience};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser};
+use files::fault::{Fault, inject};
+use files::{Change, Patience};
 use refusal::with_remedy;
 use serde_json::{Value, json};
 
@@ -208,7 +208,7 @@ pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
     inject_fault();
     tell_panics_of_our_own();
     listen();
-    artifact::set_patience(patience());
+    files::set_patience(patience());
     set_budget(common.memory_mib);
     let done = check_processor().and_then(|()| start_threads(common.threads)).and_then(|()| task.run(common));
     let print = |summary: Summary| match common.json {
@@ -304,7 +304,7 @@ pub fn ended(failure: &Failure, json: bool) -> ExitCode {
 fn tell_panics_of_our_own() {
     let default_hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        if !artifact::decoding() {
+        if !files::decoding() {
             default_hook(panic);
         }
     }));

@@ -3,8 +3,8 @@
 
 use std::path::PathBuf;
 
+use crate::pipeline::{Folders, Record};
 use clap::Parser;
-use pipeline::{Folders, Record};
 use study::folder::Folder;
 
 use crate::failure::Failure;

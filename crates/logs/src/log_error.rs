@@ -1,6 +1,6 @@
 use std::io;
 
-use bag::BagError;
+use crate::bag::BagError;
 use refusal::Invalid;
 
 /// Why bytes are not a log.

@@ -2,8 +2,8 @@
 
 use std::fmt::Display;
 
-use model::{DerivedChannel, Variable, Vessel};
 use refusal::{Invalid, nearest};
+use ship::model::{DerivedChannel, Variable, Vessel};
 
 use crate::gate::Limit;
 use crate::unassembled::MOST_ROWS;

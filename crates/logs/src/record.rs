@@ -3,12 +3,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use engine::{Run, Segment};
-use model::DerivedChannel;
 use rayon::prelude::*;
 use refusal::{Invalid, check_name};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::engine::{Run, Segment};
+use ship::model::DerivedChannel;
 
 use crate::assemble::{on_one_clock, sources};
 use crate::axes::{check_axes, drift};

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::sync::Arc;
 
-use bag::{BagError, DatabaseFile, Message, Topic, Wanted};
+use crate::bag::{BagError, DatabaseFile, Message, Topic, Wanted};
 use refusal::Invalid;
 
 use crate::{Cells, Columns, Content, FileSpec, Format, LogError, Plan, Store};
@@ -17,7 +17,7 @@ pub const PUBLISH_TIME: &str = "publish_time";
 /// numbers. Rows are numbered like the topic's messages. `format` is one of those that are read from beginning to end.
 ///
 /// # Errors
-/// What [`bag::each_message`] refuses; too many messages.
+/// What [`crate::bag::each_message`] refuses; too many messages.
 pub fn read_bag(
     mut bytes: impl Read,
     format: Format,
@@ -25,7 +25,7 @@ pub fn read_bag(
     group: usize,
     store: Option<&Arc<dyn Store>>,
 ) -> Result<Columns, LogError> {
-    read(plan, group, store, |wanted, each| bag::each_message(&mut bytes, kind(format), wanted, each))
+    read(plan, group, store, |wanted, each| crate::bag::each_message(&mut bytes, kind(format), wanted, each))
 }
 
 /// As [`read_bag`], of a bag in SQLite.
@@ -38,7 +38,7 @@ pub fn read_database(
     group: usize,
     store: Option<&Arc<dyn Store>>,
 ) -> Result<Columns, LogError> {
-    read(plan, group, store, |wanted, each| bag::each_message_of_database(file, wanted, each))
+    read(plan, group, store, |wanted, each| crate::bag::each_message_of_database(file, wanted, each))
 }
 
 /// Reads the wanted fields of a topic, whose messages `pass` passes on.
@@ -62,7 +62,7 @@ fn read(
 /// # Errors
 /// Bytes that cannot be read or are not a bag.
 pub fn bag_census(mut bytes: impl Read, format: Format, memory: f64) -> Result<Vec<Topic>, LogError> {
-    Ok(bag::census(&mut bytes, kind(format), memory)?)
+    Ok(crate::bag::census(&mut bytes, kind(format), memory)?)
 }
 
 /// As [`bag_census`], of a bag in SQLite.
@@ -70,14 +70,14 @@ pub fn bag_census(mut bytes: impl Read, format: Format, memory: f64) -> Result<V
 /// # Errors
 /// As [`bag_census`].
 pub fn database_census(file: &DatabaseFile, memory: f64) -> Result<Vec<Topic>, LogError> {
-    Ok(bag::census_of_database(file, memory)?)
+    Ok(crate::bag::census_of_database(file, memory)?)
 }
 
-fn kind(format: Format) -> bag::Format {
+fn kind(format: Format) -> crate::bag::Format {
     match format {
-        Format::Bag => bag::Format::Ros1,
-        Format::Ulg => bag::Format::ULog,
-        _ => bag::Format::Mcap,
+        Format::Bag => crate::bag::Format::Ros1,
+        Format::Ulg => crate::bag::Format::ULog,
+        _ => crate::bag::Format::Mcap,
     }
 }
 

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use engine::{Command, Helm, Program, Progress, Seen};
-use model::{Acting, Actuator, Ordered, Vessel};
+use ship::engine::{Command, Helm, Program, Progress, Seen};
+use ship::model::{Actuator, ActuatorState, SampleCommand, Vessel};
 
 /// `helm` by way of the actuators of `vessel`, which are at `settings` before its first command; itself where all of them follow at
 /// once.
@@ -28,7 +28,7 @@ impl Program for Actuated {
         Box::new(Following {
             command: self.helm.begin(),
             actuators: Arc::clone(&self.actuators),
-            acting: self.settings.iter().map(|setting| Acting::at(*setting)).collect(),
+            acting: self.settings.iter().map(|setting| ActuatorState::at(*setting)).collect(),
             commanded: Vec::new(),
             sample_s: self.sample_s,
         })
@@ -43,7 +43,7 @@ impl Program for Actuated {
 struct Following {
     command: Box<dyn Command>,
     actuators: Arc<[Actuator]>,
-    acting: Vec<Acting>,
+    acting: Vec<ActuatorState>,
     /// The commands of the last sample.
     commanded: Vec<f64>,
     sample_s: f64,
@@ -56,7 +56,7 @@ impl Command for Following {
         self.commanded.extend_from_slice(inputs);
         let ends = self.command.ends();
         for (i, (acting, own)) in self.acting.iter_mut().zip(&*self.actuators).enumerate() {
-            inputs[i] = acting.follow(own, Ordered::of(i, inputs[i], ends), self.sample_s);
+            inputs[i] = acting.follow(own, SampleCommand::of(i, inputs[i], ends), self.sample_s);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Candidates by generation: a table `[generate]` in `dictionary.toml` instead of maneuvers written by hand.
 
-use engine::Streams;
 use refusal::Invalid;
+use ship::engine::Streams;
 
 use super::draw::Draw;
 use super::generate_spec::GenerateSpec;

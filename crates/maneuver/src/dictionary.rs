@@ -1,10 +1,10 @@
 use std::collections::BTreeSet;
 use std::str::FromStr;
 
-use model::Source;
 use refusal::{Invalid, check_name};
 use schemars::JsonSchema;
 use serde::Deserialize;
+use ship::model::Source;
 
 use super::generate_spec::GenerateSpec;
 use super::spec::ManeuverSpec;

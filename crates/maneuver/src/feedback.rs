@@ -3,12 +3,12 @@
 
 use std::sync::Arc;
 
-use engine::{Command, Compiled, Program, Seen};
-use model::Vessel;
 use numerics::inverse;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::Deserialize;
+use ship::engine::{Command, Compiled, Program, Seen};
+use ship::model::Vessel;
 
 use crate::standard::Sensors;
 

@@ -1,8 +1,8 @@
 use std::collections::BTreeMap;
 
-use engine::{Helm, Streams, check_diverged, refuse_endless, simulate_command, simulate_one};
-use model::{Source, Vessel};
 use refusal::Invalid;
+use ship::engine::{Helm, Streams, check_diverged, refuse_endless, simulate_command, simulate_one};
+use ship::model::{Source, Vessel};
 
 use super::generate_spec::Limits;
 use super::played::PlayedTable;
@@ -59,7 +59,7 @@ impl Generator {
     /// Checks the dictionary and reads its tables of inputs with `read` (name → CSV).
     ///
     /// # Errors
-    /// See [`DictionaryFile::expanded`] and [`model::Model::check_simulated`]; swings that are too fast for
+    /// See [`DictionaryFile::expanded`] and [`ship::model::Model::check_simulated`]; swings that are too fast for
     /// the sampling rate; a table of inputs that is refused; missing true values.
     pub fn new(
         vessel: &Vessel,

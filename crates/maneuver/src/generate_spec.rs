@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use model::Model;
 use refusal::{Invalid, check_numbers, check_ranges};
 use schemars::JsonSchema;
 use serde::Deserialize;
+use ship::model::Model;
 
 use super::signal::{MULTISINE_SAMPLES, SWING_SAMPLES, check_period};
 use crate::InputLimit;

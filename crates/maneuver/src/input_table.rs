@@ -1,5 +1,5 @@
-use model::{DerivedChannel, Model};
 use refusal::Invalid;
+use ship::model::{DerivedChannel, Model};
 
 use super::stamps::Stamps;
 
@@ -13,7 +13,7 @@ pub struct InputTable {
 
 /// The clock by which the rows of a table are played.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pace {
+pub enum Resampling {
     /// The vessel's sample rate: the table has no column `t`.
     Samples,
     /// Its column `t`, a row per sample.
@@ -71,19 +71,24 @@ impl InputTable {
     ///
     /// # Errors
     /// Times that are not those of the samples; resampling without times.
-    pub fn played(self, width: usize, rate_hz: f64, resample: bool) -> Result<(Vec<f64>, Pace), Invalid> {
+    pub fn played(
+        self,
+        width: usize,
+        rate_hz: f64,
+        resample: bool,
+    ) -> Result<(Vec<f64>, Resampling), Invalid> {
         match (self.stamps, resample) {
-            (None, false) => Ok((self.inputs, Pace::Samples)),
+            (None, false) => Ok((self.inputs, Resampling::Samples)),
             (None, true) => Err(Invalid::new(
                 "header",
                 "no column `t`",
                 "the time of every row for `resample` [s]",
                 "add it, or remove `resample` where rows are the vessel's samples",
             )),
-            (Some(stamps), false) => stamps.check_rate(rate_hz).map(|()| (self.inputs, Pace::Stamps)),
+            (Some(stamps), false) => stamps.check_rate(rate_hz).map(|()| (self.inputs, Resampling::Stamps)),
             (Some(stamps), true) => {
                 let inputs = stamps.resampled(&self.inputs, width, rate_hz)?;
-                Ok((inputs, Pace::Resampled(stamps.rate_hz().unwrap_or(rate_hz))))
+                Ok((inputs, Resampling::Resampled(stamps.rate_hz().unwrap_or(rate_hz))))
             }
         }
     }

@@ -30,7 +30,7 @@ pub use feedback::{Controller, Executed};
 pub use generate::{Generator, Reacting, Realized};
 pub use generate_spec::{CandidateKind, Exceeded, GenerateSpec, Limits};
 pub use input_limit::InputLimit;
-pub use input_table::{InputTable, Pace};
+pub use input_table::{InputTable, Resampling};
 pub use kept::Kept;
 pub use played::PlayedTable;
 pub use reached::{Aim, Tolerance, of_motion as aims_of_motion};

@@ -1,9 +1,9 @@
 use std::fmt;
 
-use model::Vessel;
 use refusal::Invalid;
+use ship::model::Vessel;
 
-use super::input_table::{InputTable, Pace};
+use super::input_table::{InputTable, Resampling};
 use super::settings::check_range;
 use super::spec::{Kind, ManeuverSpec};
 
@@ -17,7 +17,7 @@ pub struct PlayedTable {
     /// Its length.
     pub samples: usize,
     /// The clock of its rows.
-    pub pace: Pace,
+    pub pace: Resampling,
     rate_hz: f64,
     /// Samples × inputs, row-major.
     inputs: Vec<f64>,
@@ -79,9 +79,9 @@ impl fmt::Display for PlayedTable {
         let Self { maneuver, file, rate_hz, .. } = self;
         write!(f, "{maneuver}: {file} is played in {} s, ", self.duration_s())?;
         match self.pace {
-            Pace::Samples => write!(f, "a row per sample of {rate_hz} Hz (it has no column `t`)"),
-            Pace::Stamps => write!(f, "by its column `t`"),
-            Pace::Resampled(own) => {
+            Resampling::Samples => write!(f, "a row per sample of {rate_hz} Hz (it has no column `t`)"),
+            Resampling::Stamps => write!(f, "by its column `t`"),
+            Resampling::Resampled(own) => {
                 // To three figures: stamps are rounded.
                 let own = format!("{own:.3}").parse().unwrap_or(own);
                 write!(f, "resampled from {own} to {rate_hz} Hz on straight lines")

@@ -1,5 +1,5 @@
-use model::Vessel;
 use refusal::Invalid;
+use ship::model::Vessel;
 
 /// Refuses inputs beyond the vessel's range, which `what` requires.
 pub(super) fn check_range(vessel: &Vessel, inputs: &[f64], what: impl Fn() -> String) -> Result<(), Invalid> {

@@ -1,10 +1,10 @@
 //! Signals for speed, sway speed and yaw rate in a combined maneuver.
 
-use engine::Streams;
 use rand::Rng;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::Deserialize;
+use ship::engine::Streams;
 
 use super::shape::Shape;
 

@@ -1,7 +1,7 @@
 //! The times of a table's rows.
 
-use engine::refuse_endless;
 use refusal::Invalid;
+use ship::engine::refuse_endless;
 
 /// Tolerance, as a fraction of a step, for differences between steps and between stamps and samples: stamps
 /// are rounded.

@@ -1,8 +1,8 @@
 //! Inputs that hold a wanted motion steady, or lead from one to the next: the inverse of the model.
 
-use engine::Compiled;
-use model::{Actuator, Vessel};
 use refusal::Invalid;
+use ship::engine::Compiled;
+use ship::model::{Actuator, Vessel};
 
 use crate::newton::{Rows, Workspace, damped, plain};
 

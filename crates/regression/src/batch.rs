@@ -1,7 +1,7 @@
 use std::ops::Range;
 
-use model::Model;
 use numerics::{LANES, Lane, Number, Numbers};
+use ship::model::Model;
 
 /// [`LANES`] runs of N samples side by side. All row-major. Data shared by the runs (`X` = `f64`) is one number per
 /// entry instead of a lane; the results have the same bits.

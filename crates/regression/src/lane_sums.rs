@@ -1,8 +1,8 @@
 use std::ops::Range;
 
-use model::Model;
 use numerics::Lane;
 use numerics::lanes::lane_of;
+use ship::model::Model;
 
 use crate::batch::{AnyBatch, over_batch};
 use crate::spans::{self, Kept};

@@ -1,5 +1,5 @@
-use model::{DegreeOfFreedom, Model};
 use refusal::Invalid;
+use ship::model::{DegreeOfFreedom, Model};
 
 refusal::choices! {
     /// How the instruments' mean is removed: how many intercepts a degree of freedom has, none, one per segment or

@@ -6,9 +6,9 @@
 //! over independent draws: of e_d(k) times ζ̃(k−1) − (1 + J_dd(k)) ζ̃(k), and of every other draw times J_di(k)
 //! ζ̃(k).
 
-use engine::Compiled;
 use numerics::lanes::lane_of;
 use numerics::{LANES, Lane};
+use ship::engine::Compiled;
 
 use crate::Batch;
 

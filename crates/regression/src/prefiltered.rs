@@ -8,9 +8,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use engine::Compiled;
 use numerics::lanes::lane_of;
 use numerics::{LANES, Lane, product, solve};
+use ship::engine::Compiled;
 
 use crate::estimate::{Run, Solved, ranges};
 use crate::jackknife::{BLOCKS, jackknife};

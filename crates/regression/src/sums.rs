@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
-use model::Degree;
 use numerics::Number;
+use ship::model::Degree;
 
 /// Sums over regression pairs of all degrees of freedom. The sums of two data sets add to those of both.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,7 +32,7 @@ pub struct DegreeSums<X = f64> {
 pub struct Known {
     /// Whether one of the terms is 1: then its parameter is the intercept, and no mean is removed.
     pub constant: bool,
-    /// The bounds of estimates, by index; see [`model::Degree::bounds`].
+    /// The bounds of estimates, by index; see [`ship::model::Degree::bounds`].
     pub bounds: BTreeMap<usize, [f64; 2]>,
 }
 

@@ -1,4 +1,4 @@
-use artifact::Error;
+use files::Error;
 use maud::{Markup, html};
 
 use super::loader::Loader;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use artifact::{Changes, Digest, Document, Error, Loaded, MIXED, Provenance, TableReader, read_document};
+use files::{Changes, Digest, Document, Error, Loaded, MIXED, Provenance, TableReader, read_document};
 use serde::de::DeserializeOwned;
 use study::documents::Reference;
 use study::files::{DictionaryFile, Vessel, read_any_vessel, read_reference};
@@ -27,7 +27,7 @@ pub struct Sources {
 
 /// A file that may be missing.
 pub(super) fn existing(path: PathBuf) -> Option<PathBuf> {
-    Some(path).filter(|path| artifact::is_written(path))
+    Some(path).filter(|path| files::is_written(path))
 }
 
 /// A document with its provenance; `None` if there is no file.

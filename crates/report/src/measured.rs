@@ -6,7 +6,7 @@ use super::loader::Loader;
 use super::next_trial::NextTrial;
 use super::number::{fit, or_dash, percent_within, three_or_dash};
 use super::table::Table;
-use artifact::Error;
+use files::Error;
 use refusal::listed;
 use study::documents::{
     COLLINEAR, CompareDocument, CrossvalDocument, DegreeTrust, DeliveredKind, EstimatorScore, FreeRunErrors,

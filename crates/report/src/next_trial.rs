@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use artifact::{Error, Provenance, read_document};
+use files::{Error, Provenance, read_document};
 use maud::{Markup, html};
 use study::documents::{
     DesignDocument, DesignScores, FreeRunErrors, ModelDocument, Quantiles, SearchDocument, TallyDocument,
@@ -60,7 +60,7 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<NextTrial>, Error> {
     Ok(Some(NextTrial { model: model.data, searched, design, tally, planned }))
 }
 
-fn read<D: artifact::Document>(
+fn read<D: files::Document>(
     loader: &mut Loader,
     known: &mut Provenance,
     name: &str,

@@ -1,6 +1,6 @@
 //! A planned trial with its drawing.
 
-use artifact::{Digest, Error, Work, budget, is_written, read_written};
+use files::{Digest, Error, Work, budget, is_written, read_written};
 use study::documents::{MapDocument, PlanDocument};
 
 use super::drawing::refused;

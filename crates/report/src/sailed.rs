@@ -1,5 +1,5 @@
-use engine::{Pose, track};
 use maud::{Markup, html};
+use ship::engine::{Pose, track};
 use study::documents::Traced;
 
 use super::parts::Figures;

@@ -1,4 +1,4 @@
-use artifact::Error;
+use files::Error;
 use maud::html;
 
 use super::histograms::ErrorFigure;

@@ -1,15 +1,15 @@
 //! A search that begins with a core of terms, beside the forces of the same ship: the average of both is delivered.
 
-use fitting::{Settings, Starts};
-use identification::pooled::{FreeRunErrors, Score};
-use model::Vessel;
-use numerics::statistics::mean;
-use rayon::prelude::*;
-use regression::pooled::PooledRuns;
-use search::{
+use estimation::fitting::{Settings, Starts};
+use estimation::pooled::{FreeRunErrors, Score};
+use estimation::search::{
     Alone, Dealt, FittedShip, Kind, NestedScore, Recording, SearchError, SearchOptions, ShipsWithoutFold,
     averaged, fits, folds, judged_ships, search,
 };
+use numerics::statistics::mean;
+use rayon::prelude::*;
+use regression::pooled::PooledRuns;
+use ship::model::Vessel;
 use study::documents::{
     AverageDocument, BesideForces, DeliveredKind, ModelDocument, SearchDocument, TriedFit,
 };

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Budget, Error, Provenance, budget};
-use engine::Run;
-use model::Vessel;
+use files::{Budget, Error, Provenance, budget};
+use plan::voyage::{Brief, Check, Prepared, SailedPlan, Sailing, Search, Shares, Solved, VoyageError};
+use ship::engine::Run;
+use ship::model::Vessel;
 use study::documents::{MapDocument, PlanChart, PlanDocument};
 use study::files::read_plan;
 use study::plan::{
@@ -13,7 +14,6 @@ use study::plan::{
     read_charts, uncertain,
 };
 use thiserror::Error;
-use trial::voyage::{Brief, Check, Prepared, SailedPlan, Sailing, Search, Shares, Solved, VoyageError};
 
 /// Why there is no plan.
 #[derive(Debug, Error)]

@@ -1,8 +1,8 @@
 //! A model on recordings that it was not fitted to.
 
-use model::Vessel;
 use refusal::{Invalid, listed};
 use regression::pooled::PooledRuns;
+use ship::model::Vessel;
 use study::Tried;
 use study::documents::CompareDocument;
 use validation::comparison::{CompareOptions, Contestant, Known, Ship, Standing, Traced, compare};

@@ -1,9 +1,11 @@
 //! What is wrong with a fitted ship, as documents say it.
 
-use fitting::{AbsentTerm, Channels, Criticism, Fit, LEVEL, LateInput, Lateness, Problem, TurnedSign, Unfit};
-use forces::Channel;
-use model::{DegreeOfFreedom, Vessel};
+use estimation::fitting::{
+    AbsentTerm, Channels, Criticism, Fit, LEVEL, LateInput, Lateness, Problem, TurnedSign, Unfit,
+};
 use refusal::listed;
+use ship::forces::Channel;
+use ship::model::{DegreeOfFreedom, Vessel};
 use study::documents::{AbsentForce, ForceCriticism, LateActuator, TriedSign};
 
 /// Fewer independent pieces for each number hardly show anything.
@@ -14,7 +16,7 @@ const SHOWN: usize = 20;
 /// The inputs and measured disturbances of `vessel`, in the order of a row.
 pub(crate) fn channels(vessel: &Vessel) -> Vec<Channel> {
     let own = &vessel.model.variables[3..];
-    let channel = |(i, own): (usize, &model::Variable)| Channel {
+    let channel = |(i, own): (usize, &ship::model::Variable)| Channel {
         name: own.name.clone(),
         unit: own.unit.clone(),
         range: vessel.actuators.get(i).and_then(|own| own.range),

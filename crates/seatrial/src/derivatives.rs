@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use fitting::{Estimates, Prior};
-use forces::{Forces, LateralSum, Parameter};
-use model::{DegreeOfFreedom, Vessel};
+use estimation::fitting::{Estimates, Prior};
 use numerics::distributions::student_half_width;
 use numerics::{dot, quadratic};
 use refusal::{Invalid, foreign};
+use ship::forces::{Forces, LateralSum, Parameter};
+use ship::model::{DegreeOfFreedom, Vessel};
 use study::documents::{CaptiveValue, FittedParameter, Reference, SailedSum, SailedSums};
 
 use crate::criticism::three;

@@ -2,7 +2,7 @@ use design::{
     Accuracy, AccuracyOf, Bounds, Candidates, Criterion, CriterionName, Design, Dictionary, Errors,
     FigureErrors, Options, Question, Restricted, Restriction, Stock, Wanted,
 };
-use model::Source;
+use ship::model::Source;
 use study::documents::{Few, SolvedFigures};
 use study::figure_goals::FigureGoals;
 use trial::moments::{CriterionOf, Estimated, Moments, NoCriterion};

@@ -1,11 +1,13 @@
 //! The search for forces that a ship lacks, judged by recordings that are left out of all of it.
 
-use fitting::{Channels, Settings, Starts};
-use model::Vessel;
+use estimation::fitting::{Channels, Settings, Starts};
+use estimation::search::{
+    Cut, FittedShip, JudgedShips, Recording, SearchError, ShipsWithoutFold, folds, judged_ships,
+};
 use rayon::prelude::*;
 use refusal::{Invalid, listed};
 use regression::pooled::PooledRuns;
-use search::{Cut, FittedShip, JudgedShips, Recording, SearchError, ShipsWithoutFold, folds, judged_ships};
+use ship::model::Vessel;
 use study::documents::{
     FittedParameter, ForceScores, ForcesWithoutFold, FoundForce, ModelDocument, SearchDocument,
     SearchedForces, TriedForce,
@@ -175,7 +177,7 @@ impl ForceSearch<'_> {
         recorded: (&[Recorded], bool),
         Outcome { base, grown, said, judged }: Outcome,
     ) -> Result<FoundStructure, ForceSearchError> {
-        let confirmed = judged.nested.margin.as_ref().is_some_and(search::Margin::is_above);
+        let confirmed = judged.nested.margin.as_ref().is_some_and(estimation::search::Margin::is_above);
         let any = added(&grown.tried).next().is_some();
         let delivered = any && confirmed && judged.nested.search.is_some();
         let with = self.physical(&grown.vessel, delivered);
@@ -291,5 +293,9 @@ fn statements(forces: &SearchedForces, judged: &JudgedShips, grown: &GrownShip) 
         own.failed.as_ref().map(|why| format!("without fold {} there is no fit: {why}", own.fold + 1))
     });
     let begin = [what, verdict.to_owned()].into_iter();
-    begin.chain(search::left_out(&judged.nested)).chain(failed).chain(growing::statements(grown)).collect()
+    begin
+        .chain(estimation::search::left_out(&judged.nested))
+        .chain(failed)
+        .chain(growing::statements(grown))
+        .collect()
 }

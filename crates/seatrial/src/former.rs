@@ -1,8 +1,8 @@
 //! What a former fit says of a ship's numbers.
 
-use forces::{Description, Forces, Parameter, TermSpec};
-use model::Vessel;
 use refusal::Invalid;
+use ship::forces::{Description, Forces, Parameter, TermSpec};
+use ship::model::Vessel;
 use study::documents::{FittedParameter, ModelDocument};
 
 /// The estimates of a former fit of the same ship, or of a sister of another size by the prime system, for each free
@@ -72,7 +72,7 @@ fn parts(of: &Description) -> Vec<String> {
     all.extend(of.propeller.iter().map(|own| format!("propeller `{}` of input `{}`", own.name, own.input)));
     all.extend(of.rudder.iter().map(|own| format!("rudder `{}` of input `{}`", own.name, own.input)));
     all.extend(of.thruster.iter().map(|own| format!("thruster `{}` of input `{}`", own.name, own.input)));
-    let harmonics = |own: &forces::WindSpec| [own.surge.len(), own.sway.len(), own.yaw.len()];
+    let harmonics = |own: &ship::forces::WindSpec| [own.surge.len(), own.sway.len(), own.yaw.len()];
     all.extend(of.wind.iter().map(|own| format!("wind `{}` of {:?} harmonics", own.name, harmonics(own))));
     all.extend(of.crossflow.iter().map(|own| format!("crossflow `{}`", own.name)));
     all

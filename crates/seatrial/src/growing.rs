@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use fitting::{AbsentTerm, Channels, Criticism, Fit, Problem, Recording, Settings, Unfit};
-use forces::{Channel, Description, Forces, TermSpec};
-use model::{Moved, Vessel};
+use estimation::fitting::{AbsentTerm, Channels, Criticism, Fit, Problem, Recording, Settings, Unfit};
 use refusal::Invalid;
 use regression::pooled::Part;
+use ship::forces::{Channel, Description, Forces, TermSpec};
+use ship::model::{ForceModel, Vessel};
 use study::documents::TriedForce;
 
 use crate::criticism::{channels, degree};
@@ -29,7 +29,7 @@ pub(crate) fn recordings<'r>(sources: impl IntoIterator<Item = &'r Recorded>) ->
 }
 
 /// A ship that forces are added to, and the recordings that say which.
-pub(crate) struct Growing<'a> {
+pub(crate) struct ForwardSelection<'a> {
     pub(crate) sources: &'a [Recorded],
     pub(crate) settings: Settings,
     pub(crate) most: usize,
@@ -44,7 +44,7 @@ pub(crate) struct GrownShip {
     pub(crate) ended: Option<String>,
 }
 
-impl Growing<'_> {
+impl ForwardSelection<'_> {
     /// Adds forces to `vessel` until one does not help, nothing is missing beyond chance, or there are as many as were asked for.
     ///
     /// # Errors
@@ -167,7 +167,7 @@ fn most_likely(found: &Criticism) -> Result<&AbsentTerm, String> {
     if found.has_wrong_sign() {
         return Err("no force is added while a sign is wrong".to_owned());
     }
-    let late = found.late.first().filter(|own| found.rejects() && own.p_value < fitting::LEVEL);
+    let late = found.late.first().filter(|own| found.rejects() && own.p_value < estimation::fitting::LEVEL);
     let first = found.terms.first().filter(|own| own.candidate);
     match (first, late) {
         (Some(first), Some(late)) if late.share > first.share => Err(format!(
@@ -185,7 +185,7 @@ fn forces_of(vessel: &Vessel) -> Result<&Forces, Unfit> {
 
 /// Numbers of the ship `old` for `new`, which has all of its own and others.
 fn carried(new: &Forces, old: &Forces, theta: &[f64]) -> Vec<f64> {
-    let value = |own: &forces::Parameter| {
+    let value = |own: &ship::forces::Parameter| {
         let at = old.parameters().iter().position(|known| known.name == own.name);
         at.map_or(own.nominal, |at| theta[at])
     };
@@ -202,12 +202,12 @@ fn with(vessel: &Vessel, named: (&AbsentTerm, &str), channels: &[Channel]) -> Re
     let forces = Forces::new(&description, channels)?;
     let old = moved.forces.parameters();
     let nominal = carried(&forces, &moved.forces, &vessel.nominal);
-    let truth = |own: &forces::Parameter| {
+    let truth = |own: &ship::forces::Parameter| {
         old.iter().position(|known| known.name == own.name).and_then(|at| vessel.value[at])
     };
     let value = forces.parameters().iter().map(truth).collect();
     let mut own = vessel.clone();
-    own.model.forces = Some(Arc::new(Moved { forces, sample_s: moved.sample_s }));
+    own.model.forces = Some(Arc::new(ForceModel { forces, sample_s: moved.sample_s }));
     Ok(Vessel { nominal, value, ..own })
 }
 

@@ -24,6 +24,8 @@ mod comparison;
 mod criticism;
 mod derivatives;
 mod designing;
+pub mod export;
+pub mod exported;
 mod force_search;
 mod former;
 mod growing;
@@ -56,28 +58,29 @@ pub use updating::{UpdateError, Updating};
 pub use validation::merit::Unsimulated;
 
 pub use {
-    artifact, chart, design, engine, fitting, forces, identification, lattice, logs, maneuver, model,
-    refusal, regression, search, study, trial, validation,
+    chart, design, estimation, files, logs, maneuver, plan, refusal, regression, ship, study, trial,
+    validation,
 };
 
-pub use artifact::{Budget, Error, Provenance};
 pub use design::{
     Accuracy, Bounds, Criterion, CriterionName, Design, Dictionary, NoDesign, Options, Restricted, Stock,
     Wanted,
 };
-pub use engine::Run;
-pub use fitting::{Settings, Starts, Unfit};
-pub use identification::pooled::{Covariance, Grown, Judgement, Pool, PoolError, Resampling};
-pub use identification::runs::{RunError, RunEstimators};
-pub use identification::{Estimator, RunEstimate, RunScore, ValidationRuns};
+pub use estimation::fitting::{Settings, Starts, Unfit};
+pub use estimation::pooled::{Covariance, Grown, Judgement, Pool, PoolError, Resampling};
+pub use estimation::runs::{RunError, RunEstimators};
+pub use estimation::search::{NamedRoles, SearchError, SearchOptions};
+pub use estimation::{Estimator, RunEstimate, RunScore, ValidationRuns};
+pub use files::{Budget, Error, Provenance};
 pub use logs::{Plan as LogsPlan, Source as LogsSource, Totals};
 pub use maneuver::{DictionaryFile, Generator};
-pub use model::{Model, Source, Vessel};
+pub use plan::voyage::{Brief, Check, Prepared, Sailing, Search, Shares, Solved, VoyageError};
 pub use refusal::Invalid;
 pub use regression::MeanRemoval;
 pub use regression::pooled::{NominalSource, PooledRuns, Recorded};
 pub use regression::runs::NominalDiverged;
-pub use search::{NamedRoles, SearchError, SearchOptions};
+pub use ship::engine::Run;
+pub use ship::model::{Model, Source, Vessel};
 pub use study::campaign_file::CampaignFile;
 pub use study::design_files::Promised;
 pub use study::documents::{
@@ -93,6 +96,5 @@ pub use study::trajectories::{DataLabel, TrajectoryReader};
 pub use study::{TermLists, Tried};
 pub use trial::campaign::{Campaign, Designed, Refusal, SimulatedRun};
 pub use trial::moments::{Estimated, Moments, NoCriterion, SampledShips};
-pub use trial::voyage::{Brief, Check, Prepared, Sailing, Search, Shares, Solved, VoyageError};
 pub use validation::comparison::Traced;
 pub use validation::crossval::{CrossError, CrossValidation, Folds};

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use artifact::{Error, Provenance, Scratch};
-use engine::Run;
+use files::{Error, Provenance, Scratch};
 use logs::{BLOCK, Plan, Source, Totals, check_intervals};
-use model::Vessel;
 use rayon::prelude::*;
 use regression::pooled::PooledRuns;
+use ship::engine::Run;
+use ship::model::Vessel;
 use study::Doubtful;
 use study::documents::{IngestDocument, RecordingSummary};
 use study::files::read_ingest;

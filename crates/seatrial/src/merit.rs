@@ -1,8 +1,8 @@
-use engine::Run;
-use identification::pooled::{Covariance, Uncertain};
+use estimation::pooled::{Covariance, Uncertain};
 use maneuver::Generator;
-use model::Vessel;
 use refusal::Invalid;
+use ship::engine::Run;
+use ship::model::Vessel;
 use study::documents::{MeritDocument, MeritTableRow, SlopesAt};
 use validation::merit::{Merit, Unsimulated};
 

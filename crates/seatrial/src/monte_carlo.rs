@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use engine::Run;
-use identification::runs::{RunError, RunEstimators};
-use identification::{Candidate, EstimateStatus, Estimator, RunEstimate, RunScore, ValidationRuns};
+use estimation::runs::{RunError, RunEstimators};
+use estimation::{Candidate, EstimateStatus, Estimator, RunEstimate, RunScore, ValidationRuns};
 use numerics::{GROUPS, LANES};
 use rayon::prelude::*;
-use regression::runs::{Alike, Doing, NominalDiverged, RunInstruments};
+use regression::runs::{Doing, NominalDiverged, RunInstruments, SharedInputs};
 use regression::{InstrumentKind, Outcome};
+use ship::engine::Run;
 use trial::campaign::{Campaign, SimulatedRun, Wanted};
 
 use crate::simulation::StudyError;
@@ -125,7 +125,7 @@ impl MonteCarlo<'_> {
                 initial: all.initial,
                 exogenous: &all.exogenous,
             };
-            Alike::new(vessel, &doing, removal)
+            SharedInputs::new(vessel, &doing, removal)
         });
         let found = match alike.transpose() {
             Ok(alike) => parts_of(runs.clone(), TOGETHER, |runs| {
@@ -142,7 +142,7 @@ impl MonteCarlo<'_> {
 
     fn scores_side_by_side(
         &self,
-        alike: Option<&Alike>,
+        alike: Option<&SharedInputs>,
         design: usize,
         runs: Range<usize>,
     ) -> Result<Vec<RunScore>, StudyError> {

@@ -1,19 +1,19 @@
 //! Ships as physics, fitted to runs.
 
-use engine::{Replayed, replay};
-use fitting::{Channels, Estimates, Fit, Inputs, Prior, Problem, Settings, Starts, Unfit};
-use forces::Forces;
-use identification::pooled::{Covariance, Delivered, RecordingConstant, Score, covered};
-use model::Vessel;
+use estimation::fitting::{Channels, Estimates, Fit, Inputs, Prior, Problem, Settings, Starts, Unfit};
+use estimation::pooled::{Covariance, Delivered, RecordingConstant, Score, covered};
 use refusal::Invalid;
 use regression::pooled::{Part, PooledRuns};
+use ship::engine::{Replayed, replay};
+use ship::forces::Forces;
+use ship::model::Vessel;
 use study::documents::{FittedForces, FittedParameter, ModelDocument, Reference, SailedSums};
 use validation::comparison::Magnitudes;
 use validation::crossval::{CrossError, CrossValidation, Folds, cross_validate_forces};
 
 use crate::criticism::{channels, criticised};
 use crate::derivatives::{self, Captive, beside, interval};
-use crate::growing::{self, Growing, GrownShip, Recorded};
+use crate::growing::{self, ForwardSelection, GrownShip, Recorded};
 
 /// The standard error of a parameter that grows more than this because others are unknown is none of its own.
 const ENTANGLED: f64 = 10.0;
@@ -61,7 +61,7 @@ impl Physical<'_> {
         listed: Option<&[Vec<String>; 3]>,
     ) -> Result<GrownShip, Unfit> {
         let (settings, most) = (self.settings_for(held), self.most_added);
-        Growing { sources, settings, most, listed }.grown(self.vessel)
+        ForwardSelection { sources, settings, most, listed }.grown(self.vessel)
     }
 
     /// The model of `runs`, whose recordings are `sources`, without other forces than those of the ship.
@@ -199,7 +199,7 @@ impl Physical<'_> {
     /// Priors about the ship's nominal values, or those of a former fit.
     fn priors(&self, forces: &Forces) -> Vec<Option<Prior>> {
         let means = self.former.unwrap_or(&self.vessel.nominal);
-        let prior = |(own, mean): (&forces::Parameter, &f64)| {
+        let prior = |(own, mean): (&ship::forces::Parameter, &f64)| {
             own.prior.map(|deviation| Prior { mean: *mean, deviation })
         };
         forces.parameters().iter().zip(means).map(prior).collect()
@@ -318,13 +318,13 @@ impl Physical<'_> {
     }
 }
 
-fn is_entangled(own: &fitting::Parameter) -> bool {
+fn is_entangled(own: &estimation::fitting::Parameter) -> bool {
     own.standard_error.is_some() && own.inflation.is_none_or(|own| own > ENTANGLED)
 }
 
 /// What to know before using the fit.
 fn statements(estimates: &Estimates) -> Vec<String> {
-    let named = |of: &dyn Fn(&fitting::Parameter) -> bool| -> Vec<String> {
+    let named = |of: &dyn Fn(&estimation::fitting::Parameter) -> bool| -> Vec<String> {
         let names = estimates.parameters.iter().filter(|own| of(own));
         names.map(|own| format!("`{}`", own.name)).collect()
     };

@@ -1,10 +1,10 @@
 //! Several runs to one model.
 
-use identification::Estimator;
-use identification::pooled::{Grown, Judgement, Pool, PoolError, Resampling, grown, unstated};
-use identification::runs::AdditionalUnknowns;
-use model::Vessel;
+use estimation::Estimator;
+use estimation::pooled::{Grown, Judgement, Pool, PoolError, Resampling, grown, unstated};
+use estimation::runs::AdditionalUnknowns;
 use regression::pooled::{NominalModel, NominalSource, PooledRuns, Recorded};
+use ship::model::Vessel;
 use study::pooled_set::PooledSet;
 use validation::comparison::Magnitudes;
 

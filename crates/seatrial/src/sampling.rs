@@ -1,8 +1,8 @@
 use std::path::Path;
 
-use engine::Run;
-use model::{Source, Vessel};
 use rayon::prelude::*;
+use ship::engine::Run;
+use ship::model::{Source, Vessel};
 use study::files::read_model;
 use study::trajectories::{Reacting, TrajectoryReader};
 use trial::moments::{PlayedMotion, SampledShips, ShipSampler};
@@ -16,7 +16,7 @@ pub fn sampled_ships(
     file: &Path,
     vessel: &Vessel,
     reader: &TrajectoryReader,
-) -> Result<Option<SampledShips>, artifact::Error> {
+) -> Result<Option<SampledShips>, files::Error> {
     let model = read_model(file)?;
     let is_known = vessel.best_known() == Source::Value || !reader.true_states();
     let covariance = model.as_ref().and_then(|model| model.covariance.as_ref());

@@ -1,23 +1,23 @@
 //! A whole simulation study in memory, from a vessel and its maneuvers to the scores of estimates.
 
 use design::{Bounds, Criterion, Design, NoDesign, Options};
-use engine::Run;
-use identification::predictor::InitialState;
-use identification::runs::{AdditionalUnknowns, RunError, RunEstimators};
-use identification::{Estimator, RunEstimate, RunScore, ValidationRuns};
+use estimation::predictor::InitialState;
+use estimation::runs::{AdditionalUnknowns, RunError, RunEstimators};
+use estimation::{Estimator, RunEstimate, RunScore, ValidationRuns};
 use maneuver::{DictionaryFile, Generator};
-use model::{Source, Vessel};
+use plan::voyage::Shares;
 use rayon::prelude::*;
 use refusal::Invalid;
 use regression::runs::{NominalDiverged, RunInstruments};
 use regression::{InstrumentKind, MeanRemoval};
+use ship::engine::Run;
+use ship::model::{Source, Vessel};
 use study::campaign_file::CampaignFile;
 use study::documents::DesignScores;
 use study::scores::summarize;
 use thiserror::Error;
 use trial::campaign::{Campaign, Designed, Maneuvers, Refusal, SimulatedRun};
 use trial::moments::{Estimated, Moments, Pool, Prediction, structure};
-use trial::voyage::Shares;
 
 /// Why a study has no result.
 #[derive(Clone, Debug, Error)]

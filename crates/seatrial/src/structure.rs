@@ -1,12 +1,14 @@
 //! The structure of a model, found from recordings.
 
-use identification::against_nominal;
-use model::terms::listed;
-use model::{Actuator, Model, Vessel};
+use estimation::against_nominal;
+use estimation::search::{
+    NamedRoles, Roles, SearchError, SearchOptions, Searched, core, library, search, with_channels,
+};
 use numerics::statistics::mean;
 use refusal::Invalid;
 use regression::pooled::PooledRuns;
-use search::{NamedRoles, Roles, SearchError, SearchOptions, Searched, core, library, search, with_channels};
+use ship::model::terms::listed;
+use ship::model::{Actuator, Model, Vessel};
 use study::TermLists;
 use study::documents::{AverageDocument, ModelDocument, SearchDocument};
 use validation::comparison::Magnitudes;
@@ -107,7 +109,7 @@ impl StructureSearch {
     }
 }
 
-/// `vessel` with a core of terms per sample in place of her own, or of her forces: [`search::core`]. Nothing is known of their values.
+/// `vessel` with a core of terms per sample in place of her own, or of her forces: [`estimation::search::core`]. Nothing is known of their values.
 ///
 /// # Errors
 /// Roles of channels that do not exist.

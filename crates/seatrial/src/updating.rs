@@ -1,10 +1,10 @@
 use std::ops::Range;
 
 use design::{AccuracyOf, CriterionName, Norm, error_of, promised_error};
-use identification::Estimator;
-use model::Source;
+use estimation::Estimator;
 use numerics::quadratic;
 use refusal::Invalid;
+use ship::model::Source;
 use study::design_files::Promised;
 use study::documents::{
     CovarianceCriterion, DesignDocument, DesignFigure, DesignUpdateDocument, ModelDocument, UpdatedAccuracy,

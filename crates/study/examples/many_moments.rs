@@ -3,10 +3,10 @@
 
 use std::path::PathBuf;
 
-use artifact::{Provenance, TableWriter, commit_with_document};
 use design::Degree;
-use engine::Streams;
+use files::{Provenance, TableWriter, commit_with_document};
 use regression::InstrumentKind;
+use ship::engine::Streams;
 use study::documents::MomentsDocument;
 use study::moments_table::{BLOCK, columns, table_of};
 use trial::moments::{DegreeMoments, ManeuverMoments, Moments};

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use artifact::Error;
-use engine::Run;
+use files::Error;
+use ship::engine::Run;
 use validation::comparison::{Counter, Outside, Validity};
 
 use crate::files::read_model;

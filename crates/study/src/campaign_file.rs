@@ -1,13 +1,13 @@
 //! `campaign.toml`.
 
-use engine::{Axes, Current, Disturbances, Measurement, Wind};
-use identification::predictor::{Flow, Gusts, Levels};
+use estimation::predictor::{Flow, ForceNoise, NoiseModel};
 use maneuver::{DictionaryFile, ManeuverSpec};
-use model::{Source, Vessel};
 use refusal::{Invalid, check_numbers, check_ranges};
 use regression::{InstrumentKind, Noise};
 use schemars::JsonSchema;
 use serde::Deserialize;
+use ship::engine::{Axes, Current, Disturbances, Measurement, Wind};
+use ship::model::{Source, Vessel};
 use trial::campaign::{Sea, Settings};
 use validation::tally::Bounds;
 
@@ -111,7 +111,7 @@ impl CampaignFile {
     }
 
     /// The disturbances at `rate_hz`, as estimators take them.
-    pub fn levels(&self, rate_hz: f64) -> Levels {
+    pub fn levels(&self, rate_hz: f64) -> NoiseModel {
         let turning = |axes: Axes| if axes == Axes::Earth { 1.0 / rate_hz } else { 0.0 };
         let current = match self.current {
             Current::None => Flow::Still,
@@ -122,8 +122,8 @@ impl CampaignFile {
             }
         };
         let gusts =
-            |wind: Wind| Gusts { std: wind.std_per_sample(rate_hz), factor: [wind.factor(rate_hz); 3] };
-        Levels { measurement: self.measurement.std(), current, force: self.wind.map(gusts), drift: None }
+            |wind: Wind| ForceNoise { std: wind.std_per_sample(rate_hz), factor: [wind.factor(rate_hz); 3] };
+        NoiseModel { measurement: self.measurement.std(), current, force: self.wind.map(gusts), drift: None }
     }
 
     /// The noise of every sample; `None` if the current is correlated. Without the wind.

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Digest, Error, Provenance, STUDY_ROLES, read_document, read_json};
 use design::Stock;
+use files::{Digest, Error, Provenance, STUDY_ROLES, read_document, read_json};
 use maneuver::InputLimit;
-use model::Source;
 use refusal::{Invalid, check_numbers};
 use serde::Deserialize;
+use ship::model::Source;
 use trial::moments::Moments;
 use trial::refining::{STATES, StatedLimits};
 

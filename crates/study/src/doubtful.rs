@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Error, Provenance};
+use files::{Error, Provenance};
 use serde_json::json;
 
 use crate::documents::RecordingSummary;

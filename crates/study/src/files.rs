@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Digest, Document, Error, Provenance, inspect, read_document};
+use files::{Digest, Document, Error, Provenance, inspect, read_document};
 use maneuver::Generator;
-use model::{Source, VesselFile};
 use refusal::Invalid;
+use ship::model::{Source, VesselFile};
 
 use crate::campaign_file::CampaignFile;
 use crate::documents::{AverageDocument, AverageMember, ModelDocument, Reference};
@@ -15,7 +15,7 @@ use crate::sequential::SequentialFile;
 
 // Types of the hand-written files.
 pub use maneuver::DictionaryFile;
-pub use model::{Variable, Vessel};
+pub use ship::model::{Variable, Vessel};
 
 /// A reader of vessels: which kinds of models a stage takes.
 pub type VesselReader = fn(&Path, &mut Provenance) -> Result<Vessel, Error>;
@@ -230,7 +230,7 @@ pub fn generator(
     let folder = path.parent().unwrap_or(Path::new(""));
     let digests = std::cell::RefCell::new(Vec::new());
     let read = |name: &str| {
-        let text = artifact::read_to_string(folder.join(name)).map_err(|e| {
+        let text = files::read_to_string(folder.join(name)).map_err(|e| {
             let found = match e {
                 Error::Io { source, .. } => source.to_string(),
                 Error::Refused { invalid, .. } => invalid.found,
@@ -249,7 +249,7 @@ pub fn generator(
     Ok(generator)
 }
 
-/// The role of a file of this name for files made from it: one of [`artifact::STUDY_ROLES`]; the name itself if its
+/// The role of a file of this name for files made from it: one of [`files::STUDY_ROLES`]; the name itself if its
 /// role is not unique.
 pub fn role_of(name: &str) -> &str {
     match name {
@@ -307,7 +307,7 @@ pub fn check_kind(out: &Path, usual: &str) -> Result<(), Invalid> {
 }
 
 /// Whether a file is an average; false for a damaged one, which its reader refuses.
-pub(crate) fn is_average(path: &Path) -> bool {
+pub fn is_average(path: &Path) -> bool {
     let average = |kind: &str| kind.starts_with(&format!("{}/", AverageDocument::ID));
     inspect(path).ok().flatten().is_some_and(|own| average(&own.schema))
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use artifact::{
+use files::{
     Digest, Error, Inspected, Leftovers, Provenance, STUDY_ROLES, check_members, inspect, is_unfinished,
 };
 use refusal::{foreign, one_line, shortened};

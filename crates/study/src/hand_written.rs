@@ -1,9 +1,9 @@
 //! JSON Schemas of the hand-written files of a study, from the types that read them.
 
 use maneuver::DictionaryFile;
-use model::VesselFile;
 use schemars::{JsonSchema, schema_for};
 use serde_json::Value;
+use ship::model::VesselFile;
 
 use crate::TermLists;
 use crate::campaign_file::CampaignFile;

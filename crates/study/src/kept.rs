@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use artifact::{Error, Provenance, Staged, TableWriter, stage_set_document};
-use identification::{RunEstimate, RunScore};
+use estimation::{RunEstimate, RunScore};
+use files::{Error, Provenance, Staged, TableWriter, stage_set_document};
 use maneuver::Reacting;
-use model::Vessel;
+use ship::model::Vessel;
 use trial::campaign::SimulatedRun;
 use validation::tally::Bounds;
 
@@ -57,7 +57,7 @@ impl Kept {
         provenance: &Provenance,
     ) -> Result<Self, Error> {
         let layout = Layout::new(&vessel.model).reacting(reacting);
-        let table = |least: Keep, name: &str, schema: &artifact::TableSchema, document: Option<&str>| {
+        let table = |least: Keep, name: &str, schema: &files::TableSchema, document: Option<&str>| {
             if !keep.keeps(least) {
                 return Ok::<_, Error>(None);
             }
@@ -115,7 +115,7 @@ impl Kept {
         for runs in runs.chunks(rows_per_block(first.run.samples())) {
             let mut builder = BlockBuilder::new(layout, vessel.sample_rate_hz);
             runs.iter().for_each(|run| builder.push(run));
-            writer.push(artifact::encode_block(&layout.schema(), &builder.table())?)?;
+            writer.push(files::encode_block(&layout.schema(), &builder.table())?)?;
         }
         Ok(())
     }

@@ -10,7 +10,6 @@ pub mod design_files;
 pub mod documents;
 mod doubtful;
 pub mod estimates;
-pub mod exported;
 pub mod figure_goals;
 pub mod files;
 pub mod folder;

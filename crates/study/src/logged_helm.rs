@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use artifact::{Error, Provenance};
-use identification::Estimator;
+use estimation::Estimator;
+use files::{Error, Provenance};
 use maneuver::Generator;
 use serde_json::json;
 

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use logs::chain::{Actuator, Chain, Compass, Day, Gnss, Hull, Schedule};
-use model::Vessel;
 use refusal::{Invalid, check_name, check_numbers};
 use schemars::JsonSchema;
 use serde::Deserialize;
+use ship::model::Vessel;
 
 /// `logs.toml` as written: maneuvers, days and instruments.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Columns, Error, TableReader};
 use design::{Blocks, Candidates, Degree};
+use files::{Columns, Error, TableReader};
 use refusal::Invalid;
 use trial::moments::{DegreeMoments, Estimated, ManeuverMoments, Moments};
 

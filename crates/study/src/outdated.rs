@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use artifact::{Digest, Error, Inspected, Provenance, budget};
 use chart::{Bounds, Plane};
+use files::{Digest, Error, Inspected, Provenance, budget};
 
 use crate::files::{read_ingest, read_plan};
 use crate::ingest_file::recordings::find;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Document, Error, Loaded, Provenance, check_given, check_shards, read_part};
+use files::{Document, Error, Loaded, Provenance, check_given, check_shards, read_part};
 
 use crate::documents::MomentsDocument;
 

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use artifact::{Error, Provenance, TableWriter, commit, stage_document, stage_set_document};
-use identification::pooled::{Added, Pool, Pooled};
-use identification::{Estimator, RunEstimate};
-use model::Vessel;
+use estimation::pooled::{Added, Pool, Pooled};
+use estimation::{Estimator, RunEstimate};
+use files::{Error, Provenance, TableWriter, commit, stage_document, stage_set_document};
 use regression::pooled::NominalSource;
 use serde_json::{Value, json};
+use ship::model::Vessel;
 
 use crate::documents::{EstimateDocument, ModelDocument, TrustDocument};
 use crate::{beside, estimates};

@@ -1,4 +1,4 @@
-use artifact::Provenance;
+use files::Provenance;
 use refusal::Invalid;
 use serde_json::json;
 use trial::campaign::{Maneuvers, Reached};

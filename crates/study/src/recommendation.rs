@@ -1,4 +1,4 @@
-use identification::{Contender, Estimator, MOST_WITHOUT_ESTIMATE, PairedDifference, Recommendation};
+use estimation::{Contender, Estimator, MOST_WITHOUT_ESTIMATE, PairedDifference, Recommendation};
 
 use crate::documents::{ComparedError, EstimatorRecommendation};
 use crate::estimates::distinct;

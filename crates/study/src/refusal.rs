@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use artifact::Error;
+use files::Error;
 use refusal::Invalid;
 
 /// A refusal of what is invalid in `file`.

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use artifact::{Columns, Error, TableReader};
-pub use identification::pooled::Resample as Row;
-use model::Vessel;
+pub use estimation::pooled::Resample as Row;
+use files::{Columns, Error, TableReader};
+use ship::model::Vessel;
 
 /// Schema id.
 pub const ID: &str = "resamples";

@@ -2,10 +2,10 @@
 
 use std::collections::HashSet;
 
-use artifact::{Columns, Error, TableReader};
-pub use identification::RunScore as Row;
-use identification::{Estimator, Quantiles, ScoreStatus, Share};
-use model::DegreeOfFreedom;
+pub use estimation::RunScore as Row;
+use estimation::{Estimator, Quantiles, ScoreStatus, Share};
+use files::{Columns, Error, TableReader};
+use ship::model::DegreeOfFreedom;
 
 use crate::documents::{Bounds, DesignScores, EstimatorScores};
 use crate::estimates::{distinct, implausible, is_error};

@@ -1,4 +1,4 @@
-use artifact::Provenance;
+use files::Provenance;
 
 /// Name of the setting with the seed of simulated runs.
 pub const SEED: &str = "seed";

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use artifact::{Columns, Error, TableReader};
-use identification::ScoreStatus;
-use identification::pooled::Pool;
-use model::DegreeOfFreedom;
+use estimation::ScoreStatus;
+use estimation::pooled::Pool;
+use files::{Columns, Error, TableReader};
 use refusal::{Invalid, names_in, nearest};
 use regression::pooled::NominalSource;
+use ship::model::DegreeOfFreedom;
 pub use validation::selection::Realization as Row;
 use validation::selection::{DEGENERATE, Selection, SelectionOptions};
 

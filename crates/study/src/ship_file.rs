@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use artifact::{Error, Provenance, read_document};
-use model::VesselFile;
+use files::{Error, Provenance, read_document};
+use ship::model::VesselFile;
 
 use crate::documents::{FittedParameter, ModelDocument};
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use artifact::{Error, Loaded, Provenance};
+use files::{Error, Loaded, Provenance};
 
 use crate::documents::TallyDocument;
 

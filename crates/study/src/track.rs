@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Columns, Error, Loaded, Provenance, Staged, TableReader, TableWriter, read_document};
 use chart::Plane;
-use engine::Pose;
-use model::Vessel;
-use trial::voyage::{Inputs, TrackPoint, compass_deg};
-use trial::{Sailed, Sample};
+use files::{Columns, Error, Loaded, Provenance, Staged, TableReader, TableWriter, read_document};
+use plan::voyage::{Inputs, TrackPoint, compass_deg};
+use plan::{Sailed, Sample};
+use ship::engine::Pose;
+use ship::model::Vessel;
 
 use crate::documents::PlanDocument;
 
@@ -173,7 +173,7 @@ pub fn planned_points(
         })
     };
     let points: Option<Vec<TrackPoint>> = rows.iter().map(point).collect();
-    let input = |(i, input): (usize, &model::Variable)| {
+    let input = |(i, input): (usize, &ship::model::Variable)| {
         let own = rows.iter().filter_map(|row| Some([row.floats[0], row.inputs[i]?]));
         (input.name.clone(), own.collect())
     };

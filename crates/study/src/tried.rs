@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use artifact::{Error, Provenance, read_document};
-use identification::pooled::Covered;
-use model::Vessel;
+use estimation::pooled::Covered;
+use files::{Error, Provenance, read_document};
 use refusal::Invalid;
+use ship::model::Vessel;
 use validation::comparison::{Known, Magnitudes, Standing};
 
 use crate::documents::{AverageDocument, ModelDocument};

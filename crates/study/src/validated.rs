@@ -1,4 +1,4 @@
-use artifact::Provenance;
+use files::Provenance;
 
 use crate::documents::{Bounds, ValidationDocument};
 use crate::recommendation::recommendations;

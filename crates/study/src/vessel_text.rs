@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use model::VesselFile;
 use refusal::Invalid;
 use serde::Serialize;
+use ship::model::VesselFile;
 use toml::{Table, Value};
 
 /// What comments say.

@@ -1,6 +1,6 @@
-use engine::{Command, Helm, Pose, Progress, Run, Seen, Ship};
-use model::Vessel;
 use refusal::Invalid;
+use ship::engine::{Command, Helm, Pose, Progress, Run, Seen, Ship};
+use ship::model::Vessel;
 
 /// A piece of a dictionary maneuver: the segment that is run as one use of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,12 +59,7 @@ impl Piece {
     ///
     /// # Errors
     /// It still waits for something when it is given up.
-    pub(crate) fn is_over(
-        &self,
-        command: &dyn Command,
-        samples: usize,
-        sample_s: f64,
-    ) -> Result<bool, Invalid> {
+    pub fn is_over(&self, command: &dyn Command, samples: usize, sample_s: f64) -> Result<bool, Invalid> {
         match command.progress() {
             Progress::Done => Ok(true),
             _ if samples < self.longest => Ok(false),
@@ -79,7 +74,7 @@ impl Piece {
     }
 
     /// Begins its commands.
-    pub(crate) fn begin(&self) -> Box<dyn Command> {
+    pub fn begin(&self) -> Box<dyn Command> {
         self.helm.as_ref().map_or_else(|| Helm::table(&self.inputs).begin(), Helm::begin)
     }
 

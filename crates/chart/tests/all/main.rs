@@ -3,6 +3,7 @@
 mod dangers;
 mod depth_units;
 mod directions;
+mod enc;
 mod footprints;
 mod geodesy;
 mod grid_files;

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, TableWriter, commit, encode_block, stage_set_document};
 use clap::Parser;
-use model::Vessel;
+use files::{Provenance, TableWriter, commit, encode_block, stage_set_document};
 use seatrial::validation::comparison::Standing;
 use seatrial::{Comparison, channels_within, widest};
 use serde_json::json;
+use ship::model::Vessel;
 use study::Tried;
 use study::documents::traces;
 use study::files::read_any_vessel_as;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::Provenance;
+use files::Provenance;
 use study::documents::DesignDocument;
 
 use crate::failure::Failure;

@@ -1,7 +1,7 @@
 //! `validate cross`: estimators compared over runs or recordings that are left out.
 
 use clap::Parser;
-use identification::Estimator;
+use estimation::Estimator;
 use serde_json::json;
 use study::documents::CrossvalDocument;
 use study::files::read_any_vessel;

@@ -3,16 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use crate::additional::AdditionalFlags;
-use artifact::{Provenance, Staged, stage_document};
 use clap::Parser;
-use engine::Run;
-use identification::predictor::{InitialState, Levels};
-use identification::runs::{Asked, RunEstimators};
-use identification::{EstimateStatus, Estimator, against_nominal};
-use model::Vessel;
+use estimation::predictor::{InitialState, NoiseModel};
+use estimation::runs::{Asked, RunEstimators};
+use estimation::{EstimateStatus, Estimator, against_nominal};
+use files::{Provenance, Staged, stage_document};
 use refusal::{Invalid, nearest};
 use regression::MeanRemoval;
 use serde_json::json;
+use ship::engine::Run;
+use ship::model::Vessel;
 use study::documents::ModelDocument;
 use study::estimates::covariances::{self, Covariances};
 use study::estimates::{self, Row};
@@ -123,7 +123,7 @@ impl Arguments {
     fn computed(
         &self,
         vessel: &Vessel,
-        levels: Option<Levels>,
+        levels: Option<NoiseModel>,
         mut provenance: Provenance,
         out: [&Path; 2],
         (kept, quiet): (Option<&Covariances>, bool),
@@ -301,7 +301,11 @@ fn gathered(
 }
 
 /// The disturbances of the runs, if stated.
-fn levels(a: &Arguments, vessel: &Vessel, provenance: &mut Provenance) -> Result<Option<Levels>, Failure> {
+fn levels(
+    a: &Arguments,
+    vessel: &Vessel,
+    provenance: &mut Provenance,
+) -> Result<Option<NoiseModel>, Failure> {
     let Some(file) = a.campaign.as_deref() else { return Ok(None) };
     let levels = read_campaign(file, provenance)?.levels(vessel.sample_rate_hz);
     let silent = levels.measurement.iter().position(|std| *std == 0.0);

@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use crate::additional::AdditionalFlags;
-use artifact::{Provenance, Shard, TableReader};
 use clap::Parser;
-use identification::Estimator;
-use identification::pooled::{Judgement, Pool, Resample, Resampling, grown, resampled, unstated};
-use identification::runs::AdditionalUnknowns;
-use model::Vessel;
+use estimation::Estimator;
+use estimation::pooled::{Judgement, Pool, Resample, Resampling, grown, resampled, unstated};
+use estimation::runs::AdditionalUnknowns;
+use files::{Provenance, Shard, TableReader};
 use regression::pooled::{PooledRuns, Recorded};
 use seatrial::Pooling;
 use serde_json::json;
+use ship::model::Vessel;
 use study::LoggedHelm;
 use study::files::read_any_vessel;
 use study::pooled_set::MAIN;
@@ -126,7 +126,7 @@ impl Arguments {
     }
 
     /// The requested estimator, or the default.
-    fn estimator<R: Recorded<Error = artifact::Error>>(
+    fn estimator<R: Recorded<Error = files::Error>>(
         &self,
         pool: &Pool,
         runs: &PooledRuns<R>,
@@ -157,7 +157,7 @@ impl Arguments {
     }
 
     /// Draws the resamples of `shard`.
-    fn shard<R: Recorded<Error = artifact::Error>>(
+    fn shard<R: Recorded<Error = files::Error>>(
         &self,
         shard: Shard,
         out: &Path,

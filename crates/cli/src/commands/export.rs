@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use crate::compiler::compiled;
-use artifact::{Staged, commit};
 use clap::Parser;
-use export::{COMPILED_WITH, PLATFORM, Portable, Target};
-use model::Source;
+use files::{Staged, commit};
+use seatrial::export::{COMPILED_WITH, PLATFORM, Portable, Target};
+use seatrial::exported::read_portable;
 use serde_json::{Value, json};
-use study::exported::read_portable;
+use ship::model::Source;
 
 use crate::choice::choice;
 use crate::cli::{Common, check_positive, in_folder, only_folder_of};

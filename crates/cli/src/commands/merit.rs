@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use artifact::{TableWriter, commit, encode_block, stage_set_document};
 use clap::Parser;
-use identification::pooled::Covariance;
+use estimation::pooled::Covariance;
+use files::{TableWriter, commit, encode_block, stage_set_document};
 use seatrial::{Merits, Unsimulated};
 use serde_json::json;
 use study::documents::merit_rows;

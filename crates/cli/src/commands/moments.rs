@@ -3,17 +3,17 @@
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, TableWriter, commit, commit_with_document, stage_document};
 use clap::Parser;
-use engine::Run;
-use identification::Estimator;
-use model::Vessel;
+use estimation::Estimator;
+use files::{Provenance, TableWriter, commit, commit_with_document, stage_document};
 use refusal::Invalid;
 use regression::pooled::{PooledRuns, PooledSums, Regression};
 use regression::runs::RunInstruments;
 use regression::{InstrumentKind, MeanRemoval, Noise, Sums};
 use seatrial::sampled_ships;
 use serde_json::json;
+use ship::engine::Run;
+use ship::model::Vessel;
 use study::campaign_file::CampaignFile;
 use study::documents::MomentsDocument;
 use study::files::{generator, read_any_vessel, read_campaign, read_model};

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser};
+use plan::voyage::Place;
 use study::plan::{Begun, FollowFiles, SoFar, place};
-use trial::voyage::Place;
 
 use super::plan::How;
 use crate::cli::{Common, check_positive};

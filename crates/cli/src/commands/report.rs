@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use crate::cli::{Common, folder_of, given, in_folder};
 use crate::failure::Failure;
 use crate::stage::{Summary, Task};
-use artifact::{Staged, commit};
 use clap::Parser;
+use files::{Staged, commit};
 use report::results::{Folders, tables};
 use report::{EXPLORE, Sources, explore, load, maneuvers_picture, picture, render};
 use serde_json::json;
@@ -134,10 +134,10 @@ impl Task for Picture {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let figure = |folder: &Path, name: &str| {
             let path = folder.join("figures").join(name);
-            artifact::read_to_string(&path)
+            files::read_to_string(&path)
         };
         let text = match &self.merit {
-            Some(merit) => maneuvers_picture(&artifact::read_document(merit)?.data),
+            Some(merit) => maneuvers_picture(&files::read_document(merit)?.data),
             None => {
                 let (plan, study) = (given(&self.plan, "plan")?, given(&self.study, "study")?);
                 let map = figure(plan, "map.svg")?;

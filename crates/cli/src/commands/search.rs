@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, commit, stage_document, stage_set_document};
 use clap::{Args, Parser};
-use model::Vessel;
-use search::{AverageOptions, BootstrapOptions, Cut, NamedRoles, SearchError, SearchOptions};
+use estimation::search::{AverageOptions, BootstrapOptions, Cut, NamedRoles, SearchError, SearchOptions};
+use files::{Provenance, commit, stage_document, stage_set_document};
 use seatrial::{AveragedSearch, ForceSearch, ForceSearchError, FoundStructure, PooledRuns, StructureSearch};
 use serde_json::json;
+use ship::model::Vessel;
 use study::TermLists;
 use study::documents::SearchDocument;
 use study::files::read_any_vessel;
@@ -187,7 +187,7 @@ impl Task for Arguments {
         if let Some(average) = &averaged {
             members.push(stage_document(&several, &provenance, average)?);
         }
-        let left = averaged.is_none() && artifact::is_member_of::<SearchDocument>(&out, &several);
+        let left = averaged.is_none() && files::is_member_of::<SearchDocument>(&out, &several);
         let main = stage_set_document(&out, &provenance, &search, &members)?;
         commit([main].into_iter().chain(members).collect())?;
         if left {

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::Provenance;
 use clap::Parser;
-use identification::Estimator;
+use estimation::Estimator;
+use files::Provenance;
 use serde_json::json;
 use study::documents::SelectionDocument;
 use study::files::{StageOfTerms, read_reference};

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, Work};
 use clap::Parser;
-use identification::Estimator;
-use identification::predictor::InitialState;
-use identification::runs::{AdditionalUnknowns, RunEstimators};
+use estimation::Estimator;
+use estimation::predictor::InitialState;
+use estimation::runs::{AdditionalUnknowns, RunEstimators};
+use files::{Provenance, Work};
 use numerics::LANES;
 use refusal::Invalid;
 use regression::MeanRemoval;

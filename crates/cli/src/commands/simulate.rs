@@ -11,11 +11,11 @@ use crate::simulate::{
     CampaignFlags, Files, check_campaign, check_maneuvers, logs, note_plays, write_campaign, write_maneuvers,
 };
 use crate::stage::{Summary, Task};
-use artifact::{Provenance, Shard, commit, gather};
 use clap::Parser;
-use engine::Segment;
-use model::Source;
+use files::{Provenance, Shard, commit, gather};
 use serde_json::{Value, json};
+use ship::engine::Segment;
+use ship::model::Source;
 use study::campaign_file::CampaignFile;
 use study::documents::{SIMULATED_FILE, SimulatedLogsDocument};
 use study::files::{generator, kept_to_data, read_any_simulated, read_campaign, read_dictionary};

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Provenance, TableReader};
 use clap::Parser;
-use identification::{ValidationRuns, not_relative};
-use model::Vessel;
+use estimation::{ValidationRuns, not_relative};
+use files::{Provenance, TableReader};
 use serde_json::json;
+use ship::model::Vessel;
 use study::campaign_file::CampaignFile;
 use study::estimates;
 use study::files::{read_any_simulated, read_campaign};

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use artifact::Provenance;
 use clap::{Parser, ValueEnum};
 use design::{AccuracyOf, CriterionName, Dictionary, Length, Wanted};
-use identification::Estimator;
-use model::Source;
+use estimation::Estimator;
+use files::Provenance;
 use regression::MeanRemoval;
 use serde_json::json;
+use ship::model::Source;
 use study::figure_goals::{FigureWeight, StatedAccuracy};
 use trial::moments::{Estimated, Moments};
 

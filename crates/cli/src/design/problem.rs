@@ -1,7 +1,7 @@
 //! The problem of `design`, read and checked.
 
-use artifact::Provenance;
 use design::{Accuracy, Bounds, Design, NoDesign, Options, Restricted};
+use files::Provenance;
 use regression::MeanRemoval;
 use seatrial::{Designing, Wish};
 use study::design_files::read_stock;

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use artifact::{Digest, Provenance, Staged, commit, stage_document, stage_set_document};
 use clap::Parser;
-use engine::refuse_endless;
+use files::{Digest, Provenance, Staged, commit, stage_document, stage_set_document};
 use maneuver::Generator;
-use model::Vessel;
 use numerics::Watch;
 use serde_json::json;
+use ship::engine::refuse_endless;
+use ship::model::Vessel;
 use study::campaign_file::CampaignFile;
 use study::design_files::read_limits;
 use study::documents::{DesignDocument, RefinedFiles};

@@ -1,5 +1,5 @@
-use artifact::{Provenance, commit, is_written, read_document, stage_document};
 use design::{Bounds, CountOptions, Design, Length, Options, Segments, Streamed, counted, solve_streamed};
+use files::{Provenance, commit, is_written, read_document, stage_document};
 use serde_json::json;
 
 use super::Arguments;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use artifact::{commit, stage_document};
 use clap::Parser;
+use files::{commit, stage_document};
 use seatrial::{UpdateError, Updating};
 use serde_json::json;
 use study::design_files::Promised;

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use artifact::Provenance;
+use files::Provenance;
+use plan::voyage::{Brief, Shares};
 use seatrial::PlanError;
 use study::documents::DesignDocument;
 use study::files::{kept_to_data, read_model, read_plan, read_planned};
 use study::plan::{Begun, FollowedPlan, PlanFile, in_tide, read_begun, uncertain};
-use trial::voyage::{Brief, Shares};
 
 use crate::cli::beside;
 use crate::failure::Failure;

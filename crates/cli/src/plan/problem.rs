@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use artifact::{Provenance, commit, read_json, stage_document};
-use lattice::{ProblemFile, plan};
+use files::{Provenance, commit, read_json, stage_document};
+use plan::lattice::{ProblemFile, plan};
 use serde_json::json;
 use study::documents::PlanDocument;
 use study::plan::{no_plan, of_problem, out_of_time, too_large};

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use artifact::{Provenance, Staged, commit, stage_document, stage_set_document};
-use lattice::ProblemFile;
+use files::{Provenance, Staged, commit, stage_document, stage_set_document};
+use plan::lattice::ProblemFile;
+use plan::voyage::Search;
 use report::plan_map;
 use seatrial::{ChartedTrial, Planned};
 use serde_json::json;
 use study::documents::FollowStatus;
 use study::plan::{Begun, SoFar};
 use study::track::stage_track;
-use trial::voyage::Search;
 
 use super::Limits;
 use super::files::{FOLLOWED, MAIN, VoyageFiles};
@@ -107,7 +107,7 @@ fn stage_track_and_routes(
     let (track, vessel) = (beside(out, MAIN, "track.parquet"), &planned.prepared.brief.vessel);
     let track = stage_track([&track, out], provenance, vessel, routes.plane, &names, routes.sailed)?;
     let refused = |(name, invalid)| {
-        Failure::Failed(artifact::Error::invalid(beside(out, MAIN, name), invalid).to_string())
+        Failure::Failed(files::Error::invalid(beside(out, MAIN, name), invalid).to_string())
     };
     let route = beside(out, MAIN, "route.rtz");
     let files = routes.files(&route.file_stem().unwrap_or_default().to_string_lossy()).map_err(refused)?;

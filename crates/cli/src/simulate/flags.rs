@@ -1,9 +1,9 @@
 use std::path::PathBuf;
 
-use artifact::Provenance;
 use clap::Args;
+use files::Provenance;
 use maneuver::Generator;
-use model::Vessel;
+use ship::model::Vessel;
 use study::LoggedHelm;
 use study::campaign_file::CampaignFile;
 use study::documents::DesignDocument;

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use artifact::{Provenance, Staged, Work, commit, stage_set_document};
+use files::{Provenance, Staged, Work, commit, stage_set_document};
 use logs::chain::{Entry, Fault, Logbook, NoLogs, force_factors};
 use maneuver::Generator;
-use model::{Source, Vessel};
+use ship::model::{Source, Vessel};
 use study::documents::SimulatedLogsDocument;
 use study::logs_file::LogsFile;
 

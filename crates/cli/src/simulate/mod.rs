@@ -6,9 +6,9 @@ pub mod logs;
 use std::ops::Range;
 use std::path::Path;
 
-use artifact::{EncodedBlock, Provenance, Shard, TableWriter, Work, commit, encode_block};
+use files::{EncodedBlock, Provenance, Shard, TableWriter, Work, commit, encode_block};
 pub use flags::{CampaignFlags, CampaignInputs, note_plays};
-use model::Vessel;
+use ship::model::Vessel;
 use study::trajectories::{BlockBuilder, LEAST_ROW_BYTES, Layout, SIMULATED_PER_SECOND, rows_per_block};
 use trial::campaign::{Campaign, Maneuvers, Refusal, SimulatedRun, Tally, Wanted};
 

@@ -1,6 +1,6 @@
 //! Damage that once caused a bug: it stays refused, in plain words.
 
-use artifact::Column;
+use files::Column;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, ParquetMetaDataWriter};
 
 use crate::ends::{ends, start, wait};

@@ -308,7 +308,7 @@ fn badly_said(code: i32, told: &str) -> Option<&'static str> {
 /// Reads outputs as the next stage would.
 pub fn read<'a>(place: &Place, names: impl Iterator<Item = &'a str>) -> Result<(), Fault> {
     for name in names.filter(|name| !is_unfinished(name)) {
-        let read = artifact::inspect(&place.path().join("out").join(name));
+        let read = files::inspect(&place.path().join("out").join(name));
         read.map_err(|error| (Wrong::Mixed, format!("{name} is not taken by its reader: {error}")))?;
     }
     Ok(())

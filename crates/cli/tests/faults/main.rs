@@ -2,7 +2,7 @@
 //! two writers at once. CI tries a bounded, fixed part of it; `make faults CASES=100000` tries more of the same and
 //! prints the results.
 
-#[path = "../../../enc/tests/all/made.rs"]
+#[path = "../../../chart/tests/all/enc/made.rs"]
 mod made;
 #[path = "../plans/planned.rs"]
 #[allow(dead_code)]

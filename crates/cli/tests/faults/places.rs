@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use artifact::Digest;
+use files::Digest;
 use tempfile::TempDir;
 
 use crate::grounds::{Files, Ground, files, write};

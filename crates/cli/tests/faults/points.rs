@@ -49,7 +49,7 @@ impl Watched {
     fn read(&self) -> Files {
         let names: BTreeSet<String> =
             self.place.outputs().into_keys().chain(self.after.keys().cloned()).collect();
-        let bytes = |name: &String| artifact::read_written(self.place.path().join("out").join(name)).ok();
+        let bytes = |name: &String| files::read_written(self.place.path().join("out").join(name)).ok();
         let found = names.into_iter().filter_map(|name| bytes(&name).map(|bytes| (name, bytes)));
         found.collect()
     }

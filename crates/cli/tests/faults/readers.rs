@@ -300,7 +300,7 @@ fn charts(folder: &TempDir) {
     let mut listed = vec![("CATALOG.031".to_owned(), String::new())];
     for suffix in ["000", "001", "002"] {
         let bytes = fs::read(fixtures.join(format!("enc/ZZ5BAY01.{suffix}"))).unwrap();
-        listed.push((format!("ZZ5BAY01\\ZZ5BAY01.{suffix}"), format!("{:08X}", enc::crc(&bytes))));
+        listed.push((format!("ZZ5BAY01\\ZZ5BAY01.{suffix}"), format!("{:08X}", chart::enc::crc(&bytes))));
         write(top, &format!("set/ENC_ROOT/ZZ5BAY01/ZZ5BAY01.{suffix}"), bytes);
     }
     let listed: Vec<(&str, &str)> = listed.iter().map(|(file, crc)| (file.as_str(), crc.as_str())).collect();

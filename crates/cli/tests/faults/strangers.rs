@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use artifact::Digest;
+use files::Digest;
 use tempfile::TempDir;
 
 use crate::ends::{Fault, Tally, Wrong, start, wait};

@@ -1,6 +1,6 @@
 //! Damage to tables that another program could have done: whole files with other values, columns, units or rows.
 
-use artifact::{Column, Kind, Table};
+use files::{Column, Kind, Table};
 
 use crate::damage::{Draw, damaged_bytes};
 use crate::places::unsealed;

@@ -1,6 +1,6 @@
 //! `ingest.json` as a document.
 
-use artifact::units;
+use files::units;
 use serde_json::Value;
 use study::documents::{IngestDocument, schemas};
 

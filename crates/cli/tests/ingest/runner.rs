@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use artifact::{Column, TableReader, read_document};
+use files::{Column, TableReader, read_document};
 use study::documents::IngestDocument;
 use tempfile::TempDir;
 

@@ -162,7 +162,7 @@ fn shares_that_are_no_shares_are_refused_by_the_designs_name() {
         let mut body = whole.data.clone();
         change(&mut body.shares);
         let path = folder.path().join("design.json");
-        artifact::commit(vec![artifact::stage_document(path, &whole.provenance, &body).unwrap()]).unwrap();
+        files::commit(vec![files::stage_document(path, &whole.provenance, &body).unwrap()]).unwrap();
     };
     changed(&|shares| *shares.get_mut(&first).unwrap() = -5.0);
     refused(&folder, 3, &line, &["design.json", &format!("`{first}`"), "-5", "from 0 to 1"]);

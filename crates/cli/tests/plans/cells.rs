@@ -221,14 +221,14 @@ fn a_plan_on_a_whole_cell_keeps_from_every_danger_what_its_rule_says() {
     let planned = Planned::of(&folder);
     let classes = &planned.plan["charts"][0]["classes"];
     assert_eq!((&classes["OBSTRN"]["avoided"], &classes["WRECKS"]["avoided"]), (&219.into(), &111.into()));
-    let mut read = enc::Cell::read(&base).unwrap();
+    let mut read = chart::enc::Cell::read(&base).unwrap();
     updates.iter().for_each(|update| read.update(update).unwrap());
     let mut near = 0;
     for object in read.features().unwrap() {
-        let danger =
-            ["OBSTRN", "WRECKS", "UWTROC"].contains(&enc::class_name(object.class).unwrap_or_default());
-        let enc::Geometry::Points(points) = &object.geometry else { continue };
-        let over = object.number(enc::attribute::VALSOU).unwrap();
+        let danger = ["OBSTRN", "WRECKS", "UWTROC"]
+            .contains(&chart::enc::class_name(object.class).unwrap_or_default());
+        let chart::enc::Geometry::Points(points) = &object.geometry else { continue };
+        let over = object.number(chart::enc::attribute::VALSOU).unwrap();
         if !danger || over.is_some_and(|depth| depth >= 8.0) {
             continue;
         }

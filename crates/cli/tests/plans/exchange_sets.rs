@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use artifact::{Budget, Provenance};
 use chart::{Bounds, Plane};
+use files::{Budget, Provenance};
 use serde_json::Value;
 use study::plan::{Means, PlanFile, read_charts};
 use tempfile::TempDir;
@@ -67,8 +67,10 @@ fn exchange_set(folder: &TempDir, change: impl Fn(&str, Vec<u8>) -> Vec<u8>) {
     for suffix in ["000", "001", "002"] {
         let number = suffix.trim_start_matches("00");
         let whole = of_bay(suffix);
-        listed
-            .push((format!("US\\{STEM}\\2\\{number}\\{STEM}.{suffix}"), format!("{:08X}", enc::crc(&whole))));
+        listed.push((
+            format!("US\\{STEM}\\2\\{number}\\{STEM}.{suffix}"),
+            format!("{:08X}", chart::enc::crc(&whole)),
+        ));
         stand(folder, &format!("ENC_ROOT/US/{STEM}/2/{number}/{STEM}.{suffix}"), &change(suffix, whole));
     }
     let listed: Vec<(&str, &str)> = listed.iter().map(|(file, crc)| (file.as_str(), crc.as_str())).collect();
@@ -133,7 +135,7 @@ fn law_a_shoal_of_an_update_is_seen_wherever_the_update_stands() {
                 .map(|k| {
                     (
                         files[k][root.len()..].replace('/', "\\"),
-                        format!("{:08x}", enc::crc(&of_bay(&format!("00{k}")))),
+                        format!("{:08x}", chart::enc::crc(&of_bay(&format!("00{k}")))),
                     )
                 })
                 .collect();

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use approx::assert_relative_eq;
-use artifact::TableReader;
+use files::TableReader;
 use serde_json::Value;
 use tempfile::TempDir;
 

@@ -1,7 +1,7 @@
 //! `plan`, and the use of its files, through the real binaries. The expected values are computed independently:
 //! replays of plans, the vessel's motion, its information, the chart.
 
-#[path = "../../../enc/tests/all/made.rs"]
+#[path = "../../../chart/tests/all/enc/made.rs"]
 mod made;
 #[path = "../support/mod.rs"]
 mod support;

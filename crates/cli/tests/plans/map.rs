@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use artifact::{Document, json_schema, read_document};
+use files::{Document, json_schema, read_document};
 use report::plan_map;
 use serde_json::Value;
 use study::documents::{MapClass, MapDocument, MapRaster, MapRuns};

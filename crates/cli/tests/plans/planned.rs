@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::LazyLock;
 
-use artifact::{Kind, TableReader};
+use files::{Kind, TableReader};
 use serde_json::Value;
 use tempfile::TempDir;
 

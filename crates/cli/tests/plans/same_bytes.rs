@@ -51,7 +51,7 @@ fn plan_json_tells_the_digests_of_what_it_was_made_from() {
         ("trajectories", "dictionary.parquet"),
         ("chart:land.geojson", "land.geojson"),
     ] {
-        let digest = artifact::Digest::of_bytes(&bytes(&folder, file));
+        let digest = files::Digest::of_bytes(&bytes(&folder, file));
         assert_eq!(inputs[role], serde_json::to_value(digest).unwrap(), "{role}: {inputs}");
     }
 }

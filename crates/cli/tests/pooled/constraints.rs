@@ -7,7 +7,7 @@ use crate::search::measured;
 use crate::support::*;
 use crate::{CROSS, POOL};
 
-const PRESET: &str = include_str!("../../../model/presets/ljungberg-model-ship.toml");
+const PRESET: &str = include_str!("../../../ship/presets/ljungberg-model-ship.toml");
 /// A few runs, scored with a vessel that they were not simulated with.
 const FEW: &str = "--runs random/0,random/1,optimized/2 --allow-mixed";
 

@@ -226,7 +226,7 @@ fn what_is_not_excited_is_not_answered_and_the_rest_is() {
 #[test]
 fn terms_that_the_model_lacks_are_added_and_delivered() {
     let folder = with(&["campaign.parquet"]);
-    let preset = include_str!("../../../model/presets/ljungberg-model-ship.toml");
+    let preset = include_str!("../../../ship/presets/ljungberg-model-ship.toml");
     let poorer: Vec<&str> = preset.split("\n\n").filter(|block| !block.contains("\"Y_v\"")).collect();
     std::fs::write(folder.path().join("poorer.toml"), poorer.join("\n\n")).unwrap();
     let line = format!("{POOL} --runs random/6,random/7,random/8 --estimator output-error --allow-mixed")

@@ -12,7 +12,7 @@ const SEARCH: &str = "estimate search --vessel vessel.toml --trajectories d.parq
 
 /// The tanker KVLCC2 at 1 Hz.
 fn tanker() -> String {
-    let text = std::fs::read_to_string(repository().join("crates/model/presets/kvlcc2-l7.toml")).unwrap();
+    let text = std::fs::read_to_string(repository().join("crates/ship/presets/kvlcc2-l7.toml")).unwrap();
     text.replace("sample_rate_hz = 10.0", "sample_rate_hz = 1.0")
 }
 

@@ -128,7 +128,7 @@ fn a_former_fit_and_that_of_a_sister_are_priors() {
     }
     assert_eq!(json(&folder, "model.json")["data"]["forces"]["prior_weight"], 10.0);
     // A sister of half the length: her prime numbers are the same.
-    let text = std::fs::read_to_string(repository().join("crates/model/presets/kvlcc2-l7.toml")).unwrap();
+    let text = std::fs::read_to_string(repository().join("crates/ship/presets/kvlcc2-l7.toml")).unwrap();
     let sister =
         text.replace("length_m = 7.0", "length_m = 3.5").replace("draught_m = 0.46", "draught_m = 0.23");
     // With the rudder of the longer ship.
@@ -164,7 +164,7 @@ fn fits_of_forces_that_cannot_be_are_refused_in_one_line() {
     }
     refused(&folder, 2, &format!("{POOL} --out model.parquet"), &["ends in .json", "write --out model.json"]);
     run(&folder, &format!("{POOL} --out former.json")).succeeds();
-    let text = std::fs::read_to_string(repository().join("crates/model/presets/kvlcc2-l7.toml")).unwrap();
+    let text = std::fs::read_to_string(repository().join("crates/ship/presets/kvlcc2-l7.toml")).unwrap();
     let text = text.replace("sample_rate_hz = 10.0", "sample_rate_hz = 2.0");
     put(
         &folder,
@@ -363,7 +363,7 @@ const TURNS: &str = "inputs_from = \"nominal\"\n[[maneuver]]\nname = \"a\"\nkind
 /// Otter with priors, sampled at 5 Hz.
 fn otter() -> String {
     let text =
-        file("crates/model/presets/otter.toml").replace("sample_rate_hz = 20.0", "sample_rate_hz = 5.0");
+        file("crates/ship/presets/otter.toml").replace("sample_rate_hz = 20.0", "sample_rate_hz = 5.0");
     let lines = text.lines().map(|line| match line.split_once(", value = -") {
         Some((begin, _)) => format!("{begin}, prior = 20.0 }},"),
         None => line.to_owned(),
@@ -425,7 +425,7 @@ fn exchanged_thrusters_are_named_and_a_late_rudder_is_told_with_its_time() {
 fn a_force_that_recordings_left_out_confirm_is_added() {
     let folder = long_trial();
     let text =
-        file("crates/model/presets/kvlcc2-l7.toml").replace("sample_rate_hz = 10.0", "sample_rate_hz = 2.0");
+        file("crates/ship/presets/kvlcc2-l7.toml").replace("sample_rate_hz = 10.0", "sample_rate_hz = 2.0");
     let more = "yaw = [\n  { parameter = \"N_more\", term = \"u v delta\", prime = 0.3, fixed = true },";
     put(&folder, "vessel.toml", &text.replace("yaw = [", more));
     run(&folder, DICTIONARY).succeeds();

@@ -21,7 +21,7 @@ pub fn measured(std: &str) -> TempDir {
 
 /// Writes the preset that vessel.toml names without some parameters.
 fn without(folder: &TempDir, parameters: &[&str]) {
-    let preset = include_str!("../../../model/presets/ljungberg-model-ship.toml");
+    let preset = include_str!("../../../ship/presets/ljungberg-model-ship.toml");
     let named = |table: &&str| parameters.iter().any(|p| table.contains(&format!("parameter = \"{p}\"")));
     let tables: Vec<&str> = preset.split("\n[[").collect();
     let kept: Vec<&str> = tables.iter().filter(|table| !named(table)).copied().collect();

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
-use artifact::Provenance;
 use cli::commands::counts::counts;
+use files::Provenance;
 use serde_json::Value;
 
 use crate::SELECTION;

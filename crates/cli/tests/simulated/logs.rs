@@ -21,7 +21,7 @@ fn a_log_per_repeat_is_sealed_and_labelled_as_simulated() {
     assert_eq!(recordings.len(), 22);
     for recording in recordings {
         let text = bytes(&folder, &format!("logs/{}", recording["file"].as_str().unwrap()));
-        assert_eq!(recording["digest"], artifact::Digest::of_bytes(&text).to_string());
+        assert_eq!(recording["digest"], files::Digest::of_bytes(&text).to_string());
         let text = String::from_utf8(text).unwrap();
         assert!(text.starts_with("simulated t [s],"), "{text}");
         assert_eq!(text.lines().count(), 1 + 75 + 2);
@@ -108,10 +108,10 @@ fn law_without_noise_ingest_gives_the_forces_and_the_motion_back() {
     }
 }
 
-fn rows(folder: &TempDir, name: &str) -> Vec<engine::Run> {
+fn rows(folder: &TempDir, name: &str) -> Vec<ship::engine::Run> {
     use study::trajectories::{Layout, TrajectoryReader};
     let path = folder.path().join("vessel.toml");
-    let vessel = study::files::read_vessel(&path, &mut artifact::Provenance::default()).unwrap();
+    let vessel = study::files::read_vessel(&path, &mut files::Provenance::default()).unwrap();
     let reader = TrajectoryReader::open(&folder.path().join(name), &Layout::new(&vessel.model), 8.0).unwrap();
     (0..reader.blocks()).flat_map(|block| reader.runs(block).unwrap()).collect()
 }

@@ -8,6 +8,7 @@ mod observed;
 #[allow(dead_code)]
 #[path = "../plans/planned.rs"]
 mod planned;
+mod presets;
 mod refusals;
 mod ships;
 mod studies;

@@ -1,6 +1,6 @@
 //! Studies that are simulated.
 
-use artifact::{Digest, Provenance, commit, stage_document};
+use files::{Digest, Provenance, commit, stage_document};
 use serde_json::{Value, json};
 use study::documents::RunDocument;
 

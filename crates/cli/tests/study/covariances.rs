@@ -1,7 +1,7 @@
 //! `estimate --covariance`: the covariances of every run's parameters, in a table beside the estimates.
 
-use artifact::{Provenance, TableReader};
-use model::Vessel;
+use files::{Provenance, TableReader};
+use ship::model::Vessel;
 use study::estimates::{self, covariances};
 use study::files::read_vessel;
 use tempfile::TempDir;

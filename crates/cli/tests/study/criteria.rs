@@ -120,7 +120,7 @@ fn what_ingest_cut_is_what_is_available() {
         recordings: Vec::new(),
     };
     let file = folder.path().join("ingest.json");
-    artifact::commit(vec![artifact::stage_document(file, &Default::default(), &document).unwrap()]).unwrap();
+    files::commit(vec![files::stage_document(file, &Default::default(), &document).unwrap()]).unwrap();
     let table: String = names().map(|name| format!("{name} = {}\n", segments(name))).collect();
     put(&folder, "available.toml", &format!("[segments]\n{table}"));
     let designed = |available: &str| {

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use identification::EstimateStatus;
+use estimation::EstimateStatus;
 use tempfile::TempDir;
 
 use crate::support::*;
@@ -34,7 +34,7 @@ fn compared() -> TempDir {
 /// The text column `index` of a table, row by row.
 fn texts(folder: &TempDir, file: &str, id: &'static str, index: usize) -> Vec<String> {
     let table = craft::read(&folder.path().join(file), id);
-    let of = |block: &artifact::Table| {
+    let of = |block: &files::Table| {
         let column = &block.columns[index];
         (0..column.len()).map(|row| column.text_at(row).unwrap().to_owned()).collect::<Vec<_>>()
     };
@@ -50,7 +50,7 @@ fn compare_has_a_row_per_run_and_estimator_and_alone_each_gives_the_same() {
         assert!(estimators.chunks(NAMES.len()).all(|own| own == NAMES), "{file}");
     }
     let whole = craft::read(&folder.path().join("estimates.parquet"), "estimates");
-    let parameter = |table: &artifact::Table, row: usize| table.columns[4].value_at(row);
+    let parameter = |table: &files::Table, row: usize| table.columns[4].value_at(row);
     for (i, name) in NAMES.iter().enumerate() {
         let line = format!("{ESTIMATE} --estimator {name} --campaign campaign.toml")
             .replace("estimates.parquet", "alone.parquet");
@@ -240,7 +240,7 @@ fn lasting_currents_and_wind_disturb_and_leave_other_channels_as_they_are() {
 #[test]
 fn runs_are_asked_what_the_model_lacks_where_disturbances_are_stated() {
     let folder = with(&["campaign.parquet"]);
-    let preset = include_str!("../../../model/presets/ljungberg-model-ship.toml");
+    let preset = include_str!("../../../ship/presets/ljungberg-model-ship.toml");
     let poorer: Vec<&str> = preset.split("\n\n").filter(|block| !block.contains("\"Y_v\"")).collect();
     std::fs::write(folder.path().join("poorer.toml"), poorer.join("\n\n")).unwrap();
     let rejected = |line: &str| {

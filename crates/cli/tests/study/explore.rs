@@ -1,6 +1,6 @@
 //! The page to explore, beside the report.
 
-use artifact::TableReader;
+use files::TableReader;
 
 use crate::support::*;
 

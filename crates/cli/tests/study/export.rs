@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use approx::assert_abs_diff_eq;
-use engine::simulate_one;
-use model::{Source, Vessel};
+use ship::engine::simulate_one;
+use ship::model::{Source, Vessel};
 use tempfile::TempDir;
 
 use crate::support::*;

@@ -36,7 +36,7 @@ fn otter(realizations: u32) -> TempDir {
 
 /// With half as much known of each number before as she is published with.
 fn priors(folder: &TempDir) {
-    let text = std::fs::read_to_string(repository().join("crates/model/presets/otter.toml")).unwrap();
+    let text = std::fs::read_to_string(repository().join("crates/ship/presets/otter.toml")).unwrap();
     let text = text.replace("sample_rate_hz = 20.0", "sample_rate_hz = 5.0");
     let line = |line: &str| match line.split_once("nominal = ").and_then(|(_, rest)| rest.split_once(',')) {
         Some((nominal, _)) if line.contains("parameter") => {

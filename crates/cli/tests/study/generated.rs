@@ -58,7 +58,7 @@ fn law_candidates_start_at_the_speeds_that_are_stated() {
     let table = craft::read(&folder.path().join("dictionary.parquet"), "trajectories");
     let named = |name: &str| table.schema.columns.iter().position(|column| column.name == name).unwrap();
     let [t, u] = ["t", "u"].map(named);
-    let of = |block: &artifact::Table| {
+    let of = |block: &files::Table| {
         let begins = (0..block.columns[t].len()).filter(|row| block.columns[t].value_at(*row) == Some(0.0));
         begins.map(|row| block.columns[u].value_at(row).unwrap()).collect::<Vec<_>>()
     };

@@ -100,10 +100,10 @@ fn golden_files_of_every_released_schema_are_read() {
     let layout = Layout::new(&vessel.model);
     let reader = TrajectoryReader::open(&file("validation.parquet"), &layout, vessel.sample_rate_hz).unwrap();
     assert_eq!(reader.runs(0).unwrap()[0].samples(), 1000);
-    let reader = artifact::TableReader::open(file("estimates.parquet"), estimates::ID, 1).unwrap();
+    let reader = files::TableReader::open(file("estimates.parquet"), estimates::ID, 1).unwrap();
     let rows = estimates::rows(&reader, &vessel, &file("estimates.parquet"), 0).unwrap();
     assert_eq!(rows.iter().filter(|row| row.estimate.is_some()).count(), 2 * RUNS as usize);
-    let reader = artifact::TableReader::open(file("scores.parquet"), scores::ID, 1).unwrap();
+    let reader = files::TableReader::open(file("scores.parquet"), scores::ID, 1).unwrap();
     assert_eq!(scores::rows(&reader).unwrap().len(), 2 * RUNS as usize);
     use study::documents::*;
     assert_eq!(document::<MomentsDocument>(&folder, "moments.json").data.0.maneuvers.len(), 11);

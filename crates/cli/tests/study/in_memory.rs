@@ -1,6 +1,6 @@
 //! The library in memory compared with the programs' files.
 
-use artifact::{Document, TableReader, read_document};
+use files::{Document, TableReader, read_document};
 use seatrial::{CampaignFile, DictionaryFile, Estimator, Logs, Pooling, Study as InMemory, Vessel};
 use serde_json::{Value, to_value};
 use study::documents::{IngestDocument, ModelDocument};

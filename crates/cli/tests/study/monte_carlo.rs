@@ -1,7 +1,7 @@
 //! `monte-carlo`: the stages' runs without their files, and tallies that merge.
 
-use artifact::{Column, TableReader};
-use identification::{RunEstimate, RunScore};
+use estimation::{RunEstimate, RunScore};
+use files::{Column, TableReader};
 use study::documents::{TallyDocument, ValidationDocument};
 use study::files::read_vessel;
 use study::{estimates, scores};
@@ -20,8 +20,7 @@ fn designed(runs: u64) -> TempDir {
 }
 
 fn estimated(folder: &TempDir, name: &str) -> Vec<RunEstimate> {
-    let vessel =
-        read_vessel(&folder.path().join("vessel.toml"), &mut artifact::Provenance::default()).unwrap();
+    let vessel = read_vessel(&folder.path().join("vessel.toml"), &mut files::Provenance::default()).unwrap();
     let path = folder.path().join(name);
     let reader = TableReader::open(&path, estimates::ID, estimates::VERSION).unwrap();
     let blocks = (0..reader.blocks()).map(|i| estimates::rows(&reader, &vessel, &path, i).unwrap());
@@ -137,7 +136,7 @@ fn law_shards_merge_to_the_bytes_of_the_whole_in_any_order_and_on_any_threads() 
     for k in 1..=9 {
         run(&folder, &format!("{LINE} --estimator iv,ls --shard {k}/9 --threads 3 --out part-{k}.json"))
             .succeeds();
-        let part = artifact::read_part::<TallyDocument>(&folder.path().join(format!("part-{k}.json")));
+        let part = files::read_part::<TallyDocument>(&folder.path().join(format!("part-{k}.json")));
         let runs: u64 = part.unwrap().data.tally.counted.iter().map(|c| c.runs).sum();
         assert!(runs > 0, "shard {k} is empty");
     }

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use artifact::{Provenance, TableReader, read_document};
-use model::Vessel;
+use files::{Provenance, TableReader, read_document};
 use serde_json::Value;
+use ship::model::Vessel;
 use study::documents::{DesignDocument, MomentsDocument};
 use study::estimates::{self, Row, covariances};
 use study::files::read_vessel;

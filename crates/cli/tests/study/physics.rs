@@ -133,7 +133,7 @@ fn oracle_otter_turns_and_stops_as_her_source_does() {
 /// A folder with KVLCC2's whole file, changed, and one maneuver.
 fn tanker(from: &str, to: &str, maneuver: &str) -> TempDir {
     let folder = TempDir::new().unwrap();
-    let text = std::fs::read_to_string(repository().join("crates/model/presets/kvlcc2-l7.toml")).unwrap();
+    let text = std::fs::read_to_string(repository().join("crates/ship/presets/kvlcc2-l7.toml")).unwrap();
     assert!(text.contains(from), "{from}");
     put(&folder, "vessel.toml", &text.replacen(from, to, 1));
     put(&folder, "dictionary.toml", &format!("[[maneuver]]\nname = \"m\"\n{maneuver}\n"));
@@ -237,7 +237,7 @@ fn stages_that_need_terms_per_sample_refuse_a_ship_with_forces_by_name() {
 #[test]
 fn a_dead_time_is_refused_where_trials_are_simulated() {
     let folder = TempDir::new().unwrap();
-    let text = std::fs::read_to_string(repository().join("crates/model/presets/otter.toml")).unwrap();
+    let text = std::fs::read_to_string(repository().join("crates/ship/presets/otter.toml")).unwrap();
     let lags = text.replacen("lag_s = 0.1\n", "", 1).replacen(
         "curve = ",
         "lag_s = 0.1\ndead_time_s = 0.2\ncurve = ",

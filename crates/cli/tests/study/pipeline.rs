@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use artifact::{Digest, Provenance, TableReader};
+use files::{Digest, Provenance, TableReader};
 use serde_json::Value;
 use study::documents::{DesignDocument, EstimateDocument, MomentsDocument, ValidationDocument};
 

@@ -1,6 +1,6 @@
 //! A ship with a propeller and a rudder in its slipstream, by channels that are derived from both.
 
-use engine::simulate_one;
+use ship::engine::simulate_one;
 use tempfile::TempDir;
 
 use crate::support::*;
@@ -61,9 +61,9 @@ fn inputs_from_a_table_move_the_propellers_stream_too() {
     assert!(column("r").iter().any(|r| r.abs() > 0.01), "the stream turns the ship");
 }
 
-fn read_vessel(folder: &TempDir) -> model::Vessel {
+fn read_vessel(folder: &TempDir) -> ship::model::Vessel {
     let path = folder.path().join("vessel.toml");
-    study::files::read_vessel(&path, &mut artifact::Provenance::default()).unwrap()
+    study::files::read_vessel(&path, &mut files::Provenance::default()).unwrap()
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Vessels at other sampling rates than their own, through the binaries.
 
-use model::Vessel;
+use ship::model::Vessel;
 use tempfile::TempDir;
 
 use crate::support::*;

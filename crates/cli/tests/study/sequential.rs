@@ -1,7 +1,7 @@
 //! Trials in rounds, through the binary.
 
-use artifact::TableReader;
-use model::Source;
+use files::TableReader;
+use ship::model::Source;
 use study::documents::SequentialDocument;
 use study::sequential::{ID, VERSION};
 use tempfile::TempDir;
@@ -35,7 +35,7 @@ fn rows_of(table: &TableReader, number: usize) -> Vec<(String, i32, i32, String,
     let block = table.read_block(number, &names).unwrap();
     let [arm, realization, round, status, error] = [0, 1, 2, 3, 4].map(|i| &block.columns[i]);
     let row = |i: usize| {
-        let text = |column: &artifact::Column| column.text_at(i).unwrap().to_owned();
+        let text = |column: &files::Column| column.text_at(i).unwrap().to_owned();
         (
             text(arm),
             realization.as_i32().unwrap()[i],

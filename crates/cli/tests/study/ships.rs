@@ -9,7 +9,7 @@ const MERIT: &str =
     "validate merit --vessel vessel.toml --dictionary dictionary.toml --length-m 7 --out merit.json";
 const SIMULATE: &str =
     "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml --out dictionary.parquet";
-const KVLCC2: &str = include_str!("../../../model/presets/kvlcc2-l7.toml");
+const KVLCC2: &str = include_str!("../../../ship/presets/kvlcc2-l7.toml");
 const TURN: &str = "[[maneuver]]\nname = \"circle\"\nkind = \"turning-circle\"\nspeed_m_s = 1.179\nduration_s = 300.0\n\
                     helm = { delta = 0.6 }\nto = \"starboard\"\napproach = { n = 11.85, delta = 0.0 }\n";
 
@@ -160,7 +160,7 @@ fn a_ship_that_diverges_is_refused_by_maneuver_and_second_in_every_kind_of_maneu
     let accepted = ("model = \"forces\"", "unusual = \"accepted\"\nmodel = \"forces\"");
     let forces = tanker(&[accepted, ("prime = -0.022, value = -0.022", "prime = 0.22, value = 0.22")]);
     let (terms, swung) = (TempDir::new().unwrap(), TempDir::new().unwrap());
-    let text = std::fs::read_to_string(repository().join("crates/pipeline/presets/coaster/vessel.toml"));
+    let text = std::fs::read_to_string(repository().join("crates/cli/presets/coaster/vessel.toml"));
     let text = text.unwrap();
     put(&terms, "vessel.toml", &text.replace("value = -0.000525\n", "value = 0.0525\n"));
     // She swings to the other side in every sample, further each time: a zig-zag of hers went on for ever within one.

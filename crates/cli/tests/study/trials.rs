@@ -1,7 +1,7 @@
 //! Standard maneuvers and motions by feedback, through the binaries.
 
-use artifact::TableReader;
-use model::Vessel;
+use files::TableReader;
+use ship::model::Vessel;
 use study::estimates;
 use tempfile::TempDir;
 

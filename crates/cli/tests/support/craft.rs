@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use artifact::{
+use files::{
     Column, ColumnSpec, Digest, Kind, Provenance, Table, TableReader, TableSchema, TableWriter, commit,
     encode_block,
 };

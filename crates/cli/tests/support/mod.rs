@@ -10,8 +10,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use artifact::Document;
 use assert_cmd::Command;
+use files::Document;
 use serde_json::{Map, Value};
 use tempfile::TempDir;
 
@@ -146,8 +146,8 @@ pub fn json(folder: &TempDir, name: &str) -> Value {
 }
 
 /// A file as the document that its reader makes of it.
-pub fn document<D: Document>(folder: &TempDir, name: &str) -> artifact::Loaded<D> {
-    artifact::read_document(folder.path().join(name)).unwrap()
+pub fn document<D: Document>(folder: &TempDir, name: &str) -> files::Loaded<D> {
+    files::read_document(folder.path().join(name)).unwrap()
 }
 
 /// The data in a page to explore, which is small, whole and asks the network for nothing.

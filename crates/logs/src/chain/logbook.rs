@@ -1,12 +1,12 @@
 use std::collections::BTreeMap;
 
-use engine::Helm;
 use maneuver::Generator;
-use model::Vessel;
 use rayon::prelude::*;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::Deserialize;
+use ship::engine::Helm;
+use ship::model::Vessel;
 
 use super::{Chain, Commanded, Drift, Failed, Hits, Key, Weather, Wind};
 use crate::factor;

@@ -1,4 +1,4 @@
-use engine::Pose;
+use ship::engine::Pose;
 
 /// A ship's motion over ground at two consecutive samples: u, v \[m/s\], r \[rad/s\].
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
-use engine::{Ambient, Compiled, Diverged, Helm, Origin, Pose, Seen, Streams, check_diverged};
-use model::Model;
+use ship::engine::{Ambient, Compiled, Diverged, Helm, Origin, Pose, Seen, Streams, check_diverged};
+use ship::model::Model;
 
 use super::{Actuator, Compass, GaussMarkov, Gnss, Hits, Hull, Logged, Pace, Weather, advance, quantised};
 use crate::{Allocation, Setting, Unreachable, body_velocity};

@@ -1,7 +1,7 @@
-use engine::{Streams, check_currents};
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::Deserialize;
+use ship::engine::{Streams, check_currents};
 
 use super::{Wind, above_zero, from_zero};
 

@@ -1,12 +1,12 @@
 //! What a chain of instruments logs, and that `assemble` gets the motion back from it.
 
-use engine::Helm;
 use logs::chain::{
     Actuator, Chain, Commanded, Compass, Drift, Gnss, Hull, Key, Logged, Recording, Weather, Wind,
 };
 use logs::{Channels, Conventions, Law, Method, Propulsor, Series, assemble, body_velocity};
 use maneuver::Generator;
-use model::{Source, Vessel, VesselFile};
+use ship::engine::Helm;
+use ship::model::{Source, Vessel, VesselFile};
 
 use crate::declared;
 

@@ -1,7 +1,7 @@
 //! Where a ship gets within a sample.
 
-use engine::Pose;
 use logs::chain::{Pace, advance};
+use ship::engine::Pose;
 
 #[test]
 fn law_a_steady_turn_is_a_circle() {

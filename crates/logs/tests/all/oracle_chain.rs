@@ -1,12 +1,12 @@
 //! Against numbers computed by numpy and scipy: `fixtures/oracle/chain.json`, written by `scripts/independent/chain.py`.
 
-use engine::Helm;
 use logs::Law;
 use logs::chain::{
     Actuator, Chain, Commanded, Compass, Drift, Gnss, Hull, Key, Logged, Recording, Weather, Wind,
 };
-use model::{Source, Vessel, VesselFile};
 use serde_json::Value;
+use ship::engine::Helm;
+use ship::model::{Source, Vessel, VesselFile};
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/chain.json");
 

@@ -1,7 +1,7 @@
 //! Currents and gusts.
 
-use engine::Streams;
 use logs::chain::GaussMarkov;
+use ship::engine::Streams;
 
 #[test]
 fn law_variance_and_correlation_are_those_requested() {

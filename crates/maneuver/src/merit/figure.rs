@@ -1,4 +1,4 @@
-use model::Vessel;
+use ship::model::Vessel;
 
 /// The ship that figures are measured by.
 #[derive(Clone, Copy, Debug)]

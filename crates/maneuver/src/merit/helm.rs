@@ -1,7 +1,7 @@
 use std::ops::RangeInclusive;
 
-use model::Vessel;
 use numerics::statistics::{self, quantile};
+use ship::model::Vessel;
 
 use super::figure::Hull;
 use super::record::Record;

@@ -1,5 +1,5 @@
-use engine::track;
 use refusal::Invalid;
+use ship::engine::track;
 
 use crate::standard::Board;
 

@@ -412,7 +412,7 @@ fn range(hull: &Hull, input: &str) -> Option<[f64; 2]> {
 /// Whether an angle \[rad\] is the greatest of all rudders, where their ranges are stated.
 fn is_at_stop(angle: f64, hull: &Hull) -> bool {
     let inputs = hull.vessel.model.input_variables().iter();
-    let stop = |own: &model::Variable| Some((radians(&own.unit)?, range(hull, &own.name)?));
+    let stop = |own: &ship::model::Variable| Some((radians(&own.unit)?, range(hull, &own.name)?));
     let stops = inputs.filter_map(stop).map(|(unit, [low, high])| unit * low.abs().max(high));
     stops.max_by(f64::total_cmp).is_some_and(|stop| angle >= NEARLY * stop)
 }

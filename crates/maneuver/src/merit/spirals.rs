@@ -8,7 +8,7 @@ use crate::standard::{ReverseSpiral, Settings, SpiralTest, steps};
 fn rudder(helm: &Settings, hull: &Hull) -> (usize, String) {
     let vessel = hull.vessel;
     let inputs = vessel.model.input_variables();
-    let moved = |(i, own): (usize, &model::Variable)| {
+    let moved = |(i, own): (usize, &ship::model::Variable)| {
         let change = helm.get(&own.name)?;
         let range = vessel.actuators[i].range.map_or(1.0, |[low, high]| high - low);
         Some((i, own.unit.clone(), change.abs() / range))

@@ -1,5 +1,5 @@
-use model::Vessel;
 use refusal::Invalid;
+use ship::model::Vessel;
 
 use super::spec::{Settings, Standard, steps};
 use crate::signal::LONGEST_S;

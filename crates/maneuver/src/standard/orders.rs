@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
-use engine::{Command, Program, Progress, Seen};
-use model::Vessel;
+use ship::engine::{Command, Program, Progress, Seen};
+use ship::model::Vessel;
 
 use super::spec::{Sensors, Settings, Standard, steps};
 use crate::feedback::{Gains, Loop};

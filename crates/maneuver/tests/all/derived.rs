@@ -1,9 +1,9 @@
 //! Channels that are computed from others.
 
-use engine::simulate_one;
 use maneuver::InputTable;
-use model::{Formula, Vessel, VesselFile, Written};
 use refusal::Invalid;
+use ship::engine::simulate_one;
+use ship::model::{Formula, Vessel, VesselFile, Written};
 
 const SHIP: &str = r#"
 name = "coaster"
@@ -130,7 +130,7 @@ fn law_what_trials_hold_constant_is_known_and_acts_as_before() {
     assert_eq!(whole.model.parameter_names().collect::<Vec<_>>(), ["a", "b", "c", "d", "e", "f", "g"]);
     assert_eq!(held.model.parameter_names().collect::<Vec<_>>(), ["a", "b", "c", "e", "f", "g"]);
     assert_eq!(held.nominal, [-0.01, 0.001, -0.1, -0.1, 0.0002, 0.0001]);
-    let sway = held.written(model::DegreeOfFreedom::Sway);
+    let sway = held.written(ship::model::DegreeOfFreedom::Sway);
     assert!(matches!(sway[..], [Written::Estimated(2), Written::Constrained(own)] if own.name == "d"));
     let rows = whole.model.undisturbed(&[5.0, 0.1].repeat(50));
     let states = |ship: &Vessel| simulate_one(&ship.model, &ship.nominal, [0.3, 0.0, 0.0], &rows);

@@ -1,9 +1,9 @@
 //! Steady motion of ships whose forces have no slope at rest.
 
 use approx::assert_relative_eq;
-use engine::simulate_one;
 use maneuver::{DictionaryFile, Generator, Motion, Steady};
-use model::{Vessel, VesselFile};
+use ship::engine::simulate_one;
+use ship::model::{Vessel, VesselFile};
 
 const PROPELLER: &str = include_str!("../../../../fixtures/propeller/vessel.toml");
 const DICTIONARY: &str = include_str!("../../../../fixtures/propeller/dictionary.toml");

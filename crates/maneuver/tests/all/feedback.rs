@@ -1,8 +1,8 @@
 //! Motions that are executed by feedback.
 
-use engine::{simulate_command, simulate_one};
 use maneuver::{DictionaryFile, Generator};
-use model::{Source, Vessel};
+use ship::engine::{simulate_command, simulate_one};
+use ship::model::{Source, Vessel};
 
 fn dictionary(executed: &str) -> DictionaryFile {
     let text = format!(

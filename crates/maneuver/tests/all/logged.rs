@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use maneuver::DictionaryFile;
 use maneuver::merit::{Found, Hull, Record, figures};
-use model::Vessel;
 use refusal::Invalid;
+use ship::model::Vessel;
 
 use crate::reference_ships::{Case, cases};
 

@@ -1,10 +1,10 @@
 //! The inputs of maneuvers make the vessel move as requested.
 
 use approx::assert_relative_eq;
-use engine::simulate_one;
 use maneuver::{DictionaryFile, Generator};
-use model::{Source, Vessel};
 use refusal::Invalid;
+use ship::engine::simulate_one;
+use ship::model::{Source, Vessel};
 
 const PAPER_DICTIONARY: &str = include_str!("../../../../pipelines/paper/dictionary.toml");
 /// The same maneuvers, held steady.

@@ -1,10 +1,10 @@
 //! Maneuvers and their simulation against numbers computed independently: `fixtures/oracle/oracle.json` (steady inputs
 //! by a bracketed root instead of Newton's method, states by scalar loops).
 
-use engine::simulate_one;
 use maneuver::{DictionaryFile, Generator};
-use model::{Source, Vessel, VesselFile};
 use serde_json::Value;
+use ship::engine::simulate_one;
+use ship::model::{Source, Vessel, VesselFile};
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/oracle.json");
 const VESSEL: &str = include_str!("../../../../pipelines/paper/vessel.toml");

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use maneuver::merit::{Figure, Hull, Record, figures as found};
 use maneuver::{Kind, Standard};
-use model::{Vessel, VesselFile};
 use refusal::Invalid;
 use serde::Deserialize;
+use ship::model::{Vessel, VesselFile};
 
 /// The figures of a simulated maneuver.
 fn figures(standard: Standard, record: &Record, hull: &Hull) -> Result<Vec<Figure>, Invalid> {

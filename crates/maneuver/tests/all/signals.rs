@@ -1,8 +1,8 @@
 //! Signals of combined maneuvers, as the vessel follows them exactly.
 
-use engine::simulate_one;
 use maneuver::{DictionaryFile, Generator};
-use model::Vessel;
+use ship::engine::simulate_one;
+use ship::model::Vessel;
 
 const RATE_HZ: f64 = 8.0;
 

@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-use engine::{Pose, Progress, Seen, Ship, simulate_command};
 use maneuver::merit::{Figure, Hull, Record, figures as found};
 use maneuver::{DictionaryFile, Generator, Standard};
-use model::{Actuator, Source, Vessel, VesselFile};
 use refusal::Invalid;
 use serde_json::Value;
+use ship::engine::{Pose, Progress, Seen, Ship, simulate_command};
+use ship::model::{Actuator, Source, Vessel, VesselFile};
 
 /// The figures of a simulated maneuver.
 fn figures(standard: Standard, record: &Record, hull: &Hull) -> Result<Vec<Figure>, Invalid> {

@@ -1,7 +1,7 @@
 use std::convert::Infallible;
 
-use engine::{Diverged, RunView, check_diverged, simulate_one};
-use model::{DegreeOfFreedom, Model};
+use ship::engine::{Diverged, RunView, check_diverged, simulate_one};
+use ship::model::{DegreeOfFreedom, Model};
 use thiserror::Error;
 
 use super::{PartView, Parts};

@@ -1,8 +1,8 @@
 use std::borrow::Cow;
 use std::convert::Infallible;
 
-use engine::{Run, RunView};
 use rayon::prelude::*;
+use ship::engine::{Run, RunView};
 
 /// Runs that can be read repeatedly, block by block.
 pub trait Recorded: Sync {

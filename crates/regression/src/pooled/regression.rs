@@ -1,5 +1,5 @@
-use engine::{Compiled, RunView};
-use model::Model;
+use ship::engine::{Compiled, RunView};
+use ship::model::Model;
 
 use super::PartView;
 use crate::{DegreeSums, Known, Sums};

@@ -1,8 +1,8 @@
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
-use engine::Run;
 use refusal::{Invalid, names_in, nearest};
+use ship::engine::Run;
 use thiserror::Error;
 
 use super::recorded::read;

@@ -1,7 +1,7 @@
 //! A diagnosis in words.
 
-use model::{Degree, DegreeOfFreedom};
 use refusal::listed;
+use ship::model::{Degree, DegreeOfFreedom};
 
 use super::diagnosis::{COLLINEAR, Diagnosis};
 use super::fit::Status;

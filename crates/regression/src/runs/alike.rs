@@ -1,8 +1,8 @@
 //! Runs with the same inputs, whose instruments are computed once for all of them.
 
-use engine::{Run, check_diverged, simulate_one};
-use model::Vessel;
 use numerics::{LANES, Lane};
+use ship::engine::{Run, check_diverged, simulate_one};
+use ship::model::Vessel;
 
 use super::nominal_diverged::NominalDiverged;
 use crate::{Batch, Excitation, Instruments, MeanRemoval, Outcome};
@@ -30,7 +30,7 @@ impl<'a> Doing<'a> {
 }
 
 /// The instruments of all runs with the same inputs.
-pub struct Alike<'a> {
+pub struct SharedInputs<'a> {
     vessel: &'a Vessel,
     exogenous: &'a [f64],
     starts: Vec<usize>,
@@ -38,7 +38,7 @@ pub struct Alike<'a> {
     sums: Instruments,
 }
 
-impl<'a> Alike<'a> {
+impl<'a> SharedInputs<'a> {
     /// The instruments of runs with the inputs and initial state of `one`.
     ///
     /// # Errors

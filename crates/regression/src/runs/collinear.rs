@@ -1,5 +1,5 @@
-use engine::Run;
-use model::{DegreeOfFreedom, Vessel};
+use ship::engine::Run;
+use ship::model::{DegreeOfFreedom, Vessel};
 
 use crate::MeanRemoval;
 use crate::pooled::{COLLINEAR, PartView, Regression, collinear, diagnose, first_named};

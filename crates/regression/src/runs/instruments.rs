@@ -1,9 +1,11 @@
-use engine::{Diverged, Run, SideBySide, Weather, check_diverged, diverged_lanes, simulate, simulate_groups};
-use model::Vessel;
 use numerics::lanes::{buffer, by_lane, groups, interleave, recycle};
 use numerics::{GROUPS, LANES, Lane, Wide};
+use ship::engine::{
+    Diverged, Run, SideBySide, Weather, check_diverged, diverged_lanes, simulate, simulate_groups,
+};
+use ship::model::Vessel;
 
-use super::alike::{Alike, Doing};
+use super::alike::{Doing, SharedInputs};
 use super::nominal_diverged::NominalDiverged;
 use crate::{Batch, Excitation, InstrumentKind, Instruments, MeanRemoval, Outcome};
 
@@ -54,7 +56,7 @@ impl<'a> RunInstruments<'a> {
         removal: MeanRemoval,
     ) -> Result<Vec<(Outcome, [Excitation; 3])>, NominalDiverged> {
         let lengths: Vec<usize> = runs.iter().map(Run::samples).collect();
-        let mut shared: Option<(&Run, Alike)> = None;
+        let mut shared: Option<(&Run, SharedInputs)> = None;
         let mut all = Vec::with_capacity(runs.len());
         for group in groups(&lengths) {
             let members = &runs[group];
@@ -62,7 +64,8 @@ impl<'a> RunInstruments<'a> {
                 self.kind == InstrumentKind::Nominal && members.iter().all(|run| alike(run, &members[0]));
             let outcomes = if same {
                 let known = shared.take().filter(|(run, _)| alike(run, &members[0]));
-                let share = || Ok((&members[0], Alike::new(self.vessel, &Doing::of(&members[0]), removal)?));
+                let share =
+                    || Ok((&members[0], SharedInputs::new(self.vessel, &Doing::of(&members[0]), removal)?));
                 let (_, instruments) = shared.insert(known.map_or_else(share, Ok)?);
                 let measured = interleave(&members.iter().map(|r| r.measured.as_slice()).collect::<Vec<_>>());
                 instruments.estimates_with_excitation(&measured)

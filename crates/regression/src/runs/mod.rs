@@ -5,7 +5,7 @@ mod collinear;
 mod instruments;
 mod nominal_diverged;
 
-pub use alike::{Alike, Doing};
+pub use alike::{Doing, SharedInputs};
 pub use collinear::{CollinearRun, collinear_run};
 pub use instruments::{Prepared, RunInstruments};
 pub use nominal_diverged::NominalDiverged;

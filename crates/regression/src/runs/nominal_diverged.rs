@@ -1,6 +1,6 @@
-use engine::Diverged;
-use model::DegreeOfFreedom;
 use refusal::Invalid;
+use ship::engine::Diverged;
+use ship::model::DegreeOfFreedom;
 use thiserror::Error;
 
 /// The nominal model's simulation over a run left every bound, so that there are no instruments.

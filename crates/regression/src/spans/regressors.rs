@@ -1,8 +1,8 @@
 use std::ops::Range;
 
-use model::{Factor, Model, Term};
 use numerics::{Lane, Number, Numbers};
 use pulp::{Simd, WithSimd};
+use ship::model::{Factor, Model, Term};
 
 use super::signals::{Column, Difference, Modulus, Product, SPAN, Signal, Signals};
 use crate::Batch;

@@ -1,7 +1,7 @@
 use std::ops::Range;
 
-use engine::Compiled;
 use numerics::{Lane, Number};
+use ship::engine::Compiled;
 
 use super::regressors::{Order, Products, Regressors};
 use super::signals::{SPAN, Shared, Signals};

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use model::{Degree, Factor, Model, Product, Term, Variable};
 use regression::{Batch, MeanRemoval, Outcome};
+use ship::model::{Degree, Factor, Model, Product, Term, Variable};
 
 use crate::support::explicit::{Regression, solve};
 use crate::support::noise::Normals;
@@ -40,7 +40,7 @@ pub fn model(terms: [&[&str]; 3]) -> Model {
         degrees,
         constant: [0.0; 3],
         forces: None,
-        pace: model::Pace::Own,
+        pace: ship::model::RateChange::Own,
     }
 }
 

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use engine::{Run, Segment};
 use regression::pooled::{AnyParts, AnyRuns, Faults, PartView, Parts, PooledRuns, Recorded};
+use ship::engine::{Run, Segment};
 
 /// Parts of which none can be read.
 struct Unreadable;

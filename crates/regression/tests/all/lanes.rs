@@ -1,8 +1,8 @@
 //! Runs side by side of which some are nearly singular or at a bound.
 
-use model::Model;
 use numerics::{LANES, dot};
 use regression::{Estimate, MeanRemoval, Outcome};
+use ship::model::Model;
 
 use crate::any_model::model;
 use crate::support::noise::Normals;

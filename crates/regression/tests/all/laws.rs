@@ -199,7 +199,7 @@ proptest! {
     fn law_a_channel_that_no_term_has_changes_no_bit(seed in 0u64..1000, lengths in [20usize..90, 20usize..90]) {
         let vessel = paper();
         let mut any = vessel.model.clone();
-        any.variables.push(model::Variable { name: "idle".to_owned(), unit: "1".to_owned() });
+        any.variables.push(ship::model::Variable { name: "idle".to_owned(), unit: "1".to_owned() });
         let mut normals = Normals::new(seed);
         let experiment = Experiment::random(&mut normals, &lengths);
         let runs: Vec<Recording> = (0..LANES).map(|_| experiment.record(&vessel, 0.1, &mut normals)).collect();

@@ -2,10 +2,10 @@
 
 use crate::support::explicit::{Regression, sizes};
 use crate::support::{Experiment, Recording, SideBySide, dictionary, paper};
-use model::Source;
 use numerics::LANES;
 use regression::moments;
 use serde_json::Value;
+use ship::model::Source;
 
 const ORACLE: &str = include_str!("../../../../fixtures/oracle/oracle.json");
 

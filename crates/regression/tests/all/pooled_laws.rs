@@ -1,10 +1,10 @@
 //! Properties of pooled regressions that hold by theory.
 
 use approx::assert_relative_eq;
-use engine::RunView;
 use regression::Sums;
 use regression::pooled::Options;
 use regression::pooled::{COLLINEAR, Part, Parts, Prior, Regression, Status, Windowed, fit};
+use ship::engine::RunView;
 
 use crate::support::craft::{
     COMPLETE, TRUTH, craft, errors, many, part, regressions, simulated, with_instruments,

@@ -1,13 +1,13 @@
 //! Pooled estimates against numbers computed independently: `fixtures/oracle/pooled.json`.
 
 use approx::assert_relative_eq;
-use model::Vessel;
 use numerics::distributions::chi_square_tail;
 use regression::pooled::{
     Centring, Options, Prior, Regression, diagnose, fit, residuals, sandwich, strength, whiteness,
 };
 use regression::{MeanRemoval, Sums};
 use serde_json::Value;
+use ship::model::Vessel;
 
 use crate::support::craft::{close, craft, numbers, oracle, parts, regression};
 

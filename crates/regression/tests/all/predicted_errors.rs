@@ -1,9 +1,9 @@
 //! The covariance predicted from stated disturbances against the spread of estimates, and against its definition.
 
-use engine::{Weather, simulate};
-use model::{Source, Vessel};
 use numerics::{LANES, Lane};
 use regression::{Estimate, MeanRemoval, Noise, Outcome, middle, moments};
+use ship::engine::{Weather, simulate};
+use ship::model::{Source, Vessel};
 
 use crate::support::noise::Normals;
 use crate::support::{Experiment, Recording, SideBySide, dictionary, estimate, paper, truth};
@@ -118,7 +118,7 @@ fn law_of_a_model_without_states_the_residual_is_a_difference_of_errors() {
             let states = recording.instrument_states[3 * k..3 * k + 3].iter();
             let all = states.chain(&recording.exogenous[width * k..width * (k + 1)]);
             let values: Vec<[f64; 1]> = all.map(|value| [*value]).collect();
-            let mut term = |term: &model::Term| {
+            let mut term = |term: &ship::model::Term| {
                 let mut out = [0.0];
                 term.values(&values, &mut out);
                 out[0]

@@ -3,10 +3,10 @@
 //! With u(k) = ũ(k) ± ū and ũ repeated in both halves, Σu = 0. Complete subtraction leaves ζ = u, batchwise leaves
 //! ζ = ũ. θ̂ − θ₀ = Σζe / Σζu, so its variance is σ² Σζ² / (Σζu)²: σ² / (Σũ² + N ū²) and σ² / Σũ².
 
-use model::Vessel;
 use numerics::LANES;
 use regression::{MeanRemoval, Outcome};
 use serde_json::Value;
+use ship::model::Vessel;
 
 use crate::support::noise::Normals;
 use crate::support::{Recording, SideBySide, estimate};

@@ -1,9 +1,9 @@
 //! Standard errors against the spread of estimates over many realizations.
 
-use engine::{Weather, simulate};
-use model::{Source, Vessel};
 use numerics::{LANES, Lane};
 use regression::{Estimate, MeanRemoval, Outcome};
+use ship::engine::{Weather, simulate};
+use ship::model::{Source, Vessel};
 
 use crate::support::noise::Normals;
 use crate::support::{Experiment, Recording, SideBySide, dictionary, estimate, paper, truth};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Error, Loaded};
+use files::{Error, Loaded};
 use study::documents::{Bounds, PublishedShare, ValidationDocument};
 
 use super::folder::{documents, label, left_out, length_s, reference, seed};

@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use artifact::{Document, Error, Loaded, Provenance, TableReader};
+use files::{Document, Error, Loaded, Provenance, TableReader};
 use serde_json::Value;
 use study::documents::{Reference, ValidationDocument};
 use study::files::{read_campaign, read_reference};

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use artifact::Error;
+use files::Error;
 use study::documents::{CrossvalDocument, EstimatorScore};
 
 use super::folder::{documents, label, left_out};

@@ -11,7 +11,7 @@ mod unknown;
 
 use std::path::PathBuf;
 
-use artifact::Error;
+use files::Error;
 
 /// Folders that the stages wrote into. Missing ones are reported.
 #[derive(Clone, Debug, Default)]

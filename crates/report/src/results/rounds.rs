@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use artifact::{Error, Loaded};
+use files::{Error, Loaded};
 use study::documents::{SequentialDocument, Stopping};
 
 use super::folder::{documents, label, left_out, seed_of};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use artifact::{Error, Loaded};
+use files::{Error, Loaded};
 use study::documents::{SelectionDocument, SimulatedLogsDocument};
 
 use super::folder::{documents, label, left_out, reference, seed_of};

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use artifact::Error;
+use files::Error;
 use serde_json::Value;
 use study::documents::{EstimateDocument, ValidationDocument};
 

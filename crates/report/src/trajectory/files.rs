@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Digest, Error, Loaded, is_written};
+use files::{Digest, Error, Loaded, is_written};
 
 use crate::loader::Loader;
 use crate::planned_trial::{PlannedTrial, map};
@@ -43,7 +43,7 @@ pub(crate) fn trajectory(loader: &mut Loader) -> Result<Option<Trajectory>, Erro
 fn folders(results: &Path) -> Result<Vec<String>, Error> {
     let fails = |e| Error::io(results, "list", e);
     let mut names = Vec::new();
-    artifact::observe_names(results, "plan-*");
+    files::observe_names(results, "plan-*");
     for entry in std::fs::read_dir(results).map_err(fails)? {
         let entry = entry.map_err(fails)?;
         let name = entry.file_name().into_string().unwrap_or_default();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use artifact::{Provenance, commit, stage_document};
+use files::{Provenance, commit, stage_document};
 use report::figures::map as figure;
 use report::{Sources, load, plan_map, render};
 use study::documents::*;
@@ -159,7 +159,7 @@ fn a_page_draws_the_map_from_its_document_where_there_is_one() {
     // An unused drawing need not be safe for a page.
     std::fs::write(path.join("map.svg"), "<script>alert(1)</script>").unwrap();
     let (study, results) = (path.to_owned(), path.to_owned());
-    let (scenarios, changes) = (Vec::new(), artifact::Changes::default());
+    let (scenarios, changes) = (Vec::new(), files::Changes::default());
     let sources = Sources { study, dictionary: None, results, scenarios, allow_mixed: false, changes };
     let html = render(&load(&sources).unwrap()).html;
     assert!(html.contains("<title>Planned trial, unsafe</title>") && !html.contains("<script>"));

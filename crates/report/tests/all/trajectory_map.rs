@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Provenance, commit, stage_document};
+use files::{Provenance, commit, stage_document};
 use report::figures::map::parted;
 use report::figures::map::{Area, Class, Map, Track, TrackStyle};
 use report::figures::map_figure;
@@ -32,7 +32,7 @@ fn drawn() -> String {
 fn page(folder: &Path, map: &str) -> Result<String, String> {
     std::fs::write(folder.join("map.svg"), map).unwrap();
     let (study, results) = (folder.to_owned(), folder.to_owned());
-    let (scenarios, changes) = (Vec::new(), artifact::Changes::default());
+    let (scenarios, changes) = (Vec::new(), files::Changes::default());
     let sources = Sources { study, dictionary: None, results, scenarios, allow_mixed: false, changes };
     load(&sources).map(|study| render(&study).html).map_err(|refused| refused.to_string())
 }

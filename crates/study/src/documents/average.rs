@@ -1,11 +1,11 @@
 use std::collections::BTreeMap;
 
-use artifact::{Document, Units};
-use model::{DegreeOfFreedom, Vessel};
+use estimation::search::{Averaged, Member};
+use files::{Document, Units};
 use refusal::Invalid;
 use schemars::JsonSchema;
-use search::{Averaged, Member};
 use serde::{Deserialize, Serialize};
+use ship::model::{DegreeOfFreedom, Vessel};
 use validation::comparison::Magnitudes;
 
 use super::found::parameters;

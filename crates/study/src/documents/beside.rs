@@ -1,4 +1,4 @@
-use identification::pooled::FreeRunErrors;
+use estimation::pooled::FreeRunErrors;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
-use artifact::{Columns, Document, Units};
-use model::DegreeOfFreedom;
+use files::{Columns, Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::model::DegreeOfFreedom;
 use validation::comparison::{
     Bands, Compared, ComparedModel, Difference, ErrorCorrelations, Outside, Spread, Traced, Validity,
 };

@@ -1,7 +1,7 @@
-use identification::pooled::Pooled;
-use model::{Constrained, Constraint, Vessel};
+use estimation::pooled::Pooled;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::model::{Constrained, Constraint, Vessel};
 
 /// A parameter that is not estimated by itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,11 +1,11 @@
-use artifact::{Document, Units};
+use files::{Document, Units};
 use regression::MeanRemoval;
 use regression::pooled::NominalSource;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use identification::pooled::Pool;
-use identification::{Estimator, PairedDifference, Recommendation};
+use estimation::pooled::Pool;
+use estimation::{Estimator, PairedDifference, Recommendation};
 use validation::crossval::{CrossValidation, EstimatorScore};
 
 /// `crossval.json`: free simulation over runs or recordings that were left out of the estimate.

@@ -1,8 +1,8 @@
 use std::collections::BTreeMap;
 
-use artifact::{Document, Units};
 use design::{AccuracyOf, CriterionName, Method};
-use identification::Estimator;
+use estimation::Estimator;
+use files::{Document, Units};
 use refusal::{Invalid, check_numbers};
 use regression::MeanRemoval;
 use schemars::JsonSchema;

@@ -1,6 +1,6 @@
-use artifact::{Document, Units};
 use design::{AccuracyOf, CriterionName};
-use identification::Estimator;
+use estimation::Estimator;
+use files::{Document, Units};
 use refusal::{Invalid, check_numbers};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,11 +1,11 @@
-use artifact::{Document, Units};
-use identification::Estimator;
-use identification::pooled::{DegreeTrust, ParameterTrust, Pooled};
-use model::{Model, Vessel};
+use estimation::Estimator;
+use estimation::pooled::{DegreeTrust, ParameterTrust, Pooled};
+use files::{Document, Units};
 use refusal::Invalid;
 use regression::MeanRemoval;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::model::{Model, Vessel};
 
 use super::ConstrainedParameter;
 

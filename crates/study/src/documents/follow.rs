@@ -1,8 +1,8 @@
-use artifact::{Document, Units};
+use files::{Document, Units};
+use plan::voyage::{Gathered, RestartPoint, StepState};
 use refusal::{Invalid, check_numbers};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use trial::voyage::{Gathered, GoesOn, StepState};
 
 /// `follow.json`: where a ship is in a plan, by her positions so far.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -40,7 +40,7 @@ pub struct FollowDocument {
     /// How much of the information of the plan's maneuvers those have that are done.
     pub information: Gathered,
     /// Where the ship goes on.
-    pub from: GoesOn,
+    pub from: RestartPoint,
 }
 
 refusal::choices! {
@@ -78,7 +78,7 @@ pub struct FollowedStep {
 impl FollowDocument {
     /// What to print of it.
     pub fn summary(&self) -> String {
-        let uses = |of: fn(&trial::voyage::GatheredManeuver) -> u64| -> u64 {
+        let uses = |of: fn(&plan::voyage::GatheredManeuver) -> u64| -> u64 {
             self.information.maneuvers.iter().map(of).sum()
         };
         let share = self

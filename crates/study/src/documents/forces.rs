@@ -1,9 +1,9 @@
-use forces::Description;
-use identification::pooled::Covariance;
-use model::{Vessel, VesselFile};
+use estimation::pooled::Covariance;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::forces::Description;
+use ship::model::{Vessel, VesselFile};
 
 use super::force_criticism::{ForceCriticism, TriedForce};
 

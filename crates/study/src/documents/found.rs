@@ -1,10 +1,10 @@
 //! Models from a search for their structure.
 
-use identification::Estimator;
-use identification::pooled::Delivered;
-use model::{DegreeOfFreedom, Model, Vessel, Written};
+use estimation::Estimator;
+use estimation::pooled::Delivered;
+use estimation::search::{NestedScore, Searched};
 use regression::MeanRemoval;
-use search::{NestedScore, Searched};
+use ship::model::{DegreeOfFreedom, Model, Vessel, Written};
 
 use super::model::{ModelDegree, ModelDocument, ModelParameter, bounds};
 

@@ -1,7 +1,7 @@
 //! Documents of a search for forces that a ship lacks.
 
-use model::{DegreeOfFreedom, Vessel};
-use search::NestedScore;
+use estimation::search::NestedScore;
+use ship::model::{DegreeOfFreedom, Vessel};
 
 use super::force_search::{FoundForce, SearchedForces};
 use super::forces::FittedParameter;
@@ -65,7 +65,7 @@ impl SearchDocument {
 fn terms(ship: &Vessel, numbers: &[FittedParameter], found: &[FoundForce]) -> Vec<SearchTerm> {
     let Some(moved) = &ship.model.forces else { return Vec::new() };
     let all = DegreeOfFreedom::ALL.into_iter().zip(moved.forces.description().terms());
-    let term = |degree: DegreeOfFreedom, own: &forces::TermSpec| {
+    let term = |degree: DegreeOfFreedom, own: &ship::forces::TermSpec| {
         let number = numbers.iter().find(|number| number.name == own.parameter)?;
         let found = found.iter().find(|found| found.parameter == own.parameter);
         Some(SearchTerm {

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use artifact::{Document, Units};
+use files::{Document, Units};
 pub use logs::{
     ChannelSummary, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State, WarningKind,
     WarningSummary,

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use artifact::{Document, Units};
+use files::{Document, Units};
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use artifact::{Columns, Document, Units};
+use files::{Columns, Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use validation::merit::{ManeuverMerit, MeritRow};

@@ -38,29 +38,29 @@ mod titles;
 mod trust;
 mod validation;
 
-use artifact::{Document, json_schema};
+use files::{Document, json_schema};
 
 // Types of the scientific crates that documents use.
 pub use ::design::{AccuracyOf, CriterionName, Degree};
-pub use ::model::{DegreeOfFreedom, Source};
-pub use ::search::{Candidate, NestedAverage, NestedRecording, SizeScore};
+pub use ::plan::voyage::{
+    Check, FrontPoint, Gathered, GatheredManeuver, Information, NearestDanger, Passage, PassageLeg,
+    Primitive, RestartPoint, Secondary, StepState, Tide, VoyageLeg, WorstVessel, WorstVessels,
+};
+pub use ::plan::{Ability, DerivedHandling, Handling, Side};
 pub use ::validation::comparison::{ComparedErrors, ErrorCorrelations, ErrorKind, Traced};
 pub use ::validation::crossval::{EstimatorScore, SourceScore};
 pub use ::validation::merit::{FigureMerit, ManeuverMerit};
 pub use ::validation::selection::{PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
 pub use ::validation::tally::Bounds;
-pub use identification::criticism::{Absent, Criticism, FoundNoise, Verdict};
-pub use identification::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
-pub use identification::{Estimator, Quantiles, ScoreStatus, Share};
+pub use estimation::criticism::{Absent, Criticism, FoundNoise, Verdict};
+pub use estimation::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
+pub use estimation::search::{Candidate, NestedAverage, NestedRecording, SizeScore};
+pub use estimation::{Estimator, Quantiles, ScoreStatus, Share};
 pub use regression::pooled::COLLINEAR;
 pub use regression::{InstrumentKind, MeanRemoval};
+pub use ship::model::{DegreeOfFreedom, Source};
 pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments, SampledFrom, UnreachedMotion};
 pub use trial::rounds::{Arm, ArmSummary, RoundGain, Stopping};
-pub use trial::voyage::{
-    Check, FrontPoint, Gathered, GatheredManeuver, GoesOn, Information, NearestDanger, Passage, PassageLeg,
-    Primitive, Secondary, StepState, Tide, VoyageLeg, WorstVessel, WorstVessels,
-};
-pub use trial::{Ability, DerivedHandling, Handling, Side};
 
 pub use average::{AverageDocument, AverageMember, AverageSummary, AverageTerm};
 pub use beside::{BesideForces, DeliveredKind, TriedFit};

@@ -1,15 +1,15 @@
-use artifact::{Document, Units};
-use identification::pooled::{Covariance, Covered, Delivered, Pool, Pooled, RecordingConstant, Surroundings};
-use identification::{Estimator, RunEstimate};
-use model::{
-    Constrained, Constraint, DegreeOfFreedom, DerivedChannel, DerivedSpec, InputSpec, MeasuredSpec, TermSpec,
-    Variable, Vessel, VesselFile, Written,
-};
+use estimation::pooled::{Covariance, Covered, Delivered, Pool, Pooled, RecordingConstant, Surroundings};
+use estimation::{Estimator, RunEstimate};
+use files::{Document, Units};
 use numerics::statistics::Z;
 use refusal::{Invalid, check_numbers};
 use regression::MeanRemoval;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::model::{
+    Constrained, Constraint, DegreeOfFreedom, DerivedChannel, DerivedSpec, InputSpec, MeasuredSpec, TermSpec,
+    Variable, Vessel, VesselFile, Written,
+};
 use trial::moments::PriorInformation;
 use validation::comparison::Magnitudes;
 

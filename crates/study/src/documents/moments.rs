@@ -1,4 +1,4 @@
-use artifact::{Document, Units};
+use files::{Document, Units};
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,11 +1,11 @@
 use std::collections::BTreeMap;
 
-use artifact::{Document, Units};
+use files::{Document, Units};
+use plan::voyage::{Check, FrontPoint, Information, Passage, Primary, Primitive, Secondary, VoyageLeg};
+use plan::{DerivedHandling, Handling, Side};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use trial::voyage::{Check, FrontPoint, Information, Passage, Primary, Primitive, Secondary, VoyageLeg};
-use trial::{DerivedHandling, Handling, Side};
 
 use super::plan_depths::PlanDepths;
 

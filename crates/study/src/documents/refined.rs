@@ -1,10 +1,10 @@
 use std::collections::BTreeMap;
 
-use artifact::{Document, Units};
 use design::CriterionName;
-use model::Source;
+use files::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::model::Source;
 
 use super::design::DesignPromise;
 use super::titles;

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use design::CriterionName;
-use identification::Estimator;
-use identification::refine::Forward;
-use model::Vessel;
+use estimation::Estimator;
+use estimation::refine::Forward;
+use ship::model::Vessel;
 use trial::moments::Promise;
 use trial::refining::Refinement;
 

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use artifact::{Digest, Document, Units};
+use files::{Digest, Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

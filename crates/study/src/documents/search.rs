@@ -1,9 +1,9 @@
-use artifact::{Document, Units};
-use identification::pooled::FreeRunErrors;
-use model::{DegreeOfFreedom, Vessel};
+use estimation::pooled::FreeRunErrors;
+use estimation::search::{Candidate, NestedScore, SearchOptions, Searched, SizeScore};
+use files::{Document, Units};
 use schemars::JsonSchema;
-use search::{Candidate, NestedScore, SearchOptions, Searched, SizeScore};
 use serde::{Deserialize, Serialize};
+use ship::model::{DegreeOfFreedom, Vessel};
 
 use super::average::AverageSummary;
 use super::beside::{BesideForces, DeliveredKind};

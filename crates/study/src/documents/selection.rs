@@ -1,12 +1,12 @@
 use std::collections::BTreeMap;
 
-use artifact::{Document, Units};
+use files::{Document, Units};
 use regression::MeanRemoval;
 use regression::pooled::NominalSource;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use identification::Estimator;
+use estimation::Estimator;
 use validation::selection::{PublishedLimits, SelectionScores};
 
 /// `selection.json`: models from sub-experiments picked by a design, against random picks of the same number.

@@ -1,7 +1,7 @@
-use artifact::{Document, Units};
-use model::Source;
+use files::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::model::Source;
 use trial::rounds::{ArmSummary, RoundGain, Stopping};
 
 /// `sequential.json`: trials designed in rounds against trials designed once.

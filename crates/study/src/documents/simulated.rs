@@ -1,8 +1,8 @@
-use artifact::{Digest, Document, Units};
+use files::{Digest, Document, Units};
 use logs::chain::{Entry, Hits};
-use model::Vessel;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::model::Vessel;
 
 use crate::logs_file::LogsFile;
 use crate::trajectories::DataLabel;

@@ -6,8 +6,8 @@ use design::{
     Accuracy, AccuracyOf, Available, Bounds, Criterion, CriterionName, Design, Dictionary, Predicted,
     Restricted, Segments, Status, Streamed, Whole,
 };
-use identification::Estimator;
-use model::Source;
+use estimation::Estimator;
+use ship::model::Source;
 use trial::arranging::Arranged;
 use trial::moments::{Estimated, Moments, Promise};
 

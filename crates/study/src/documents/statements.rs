@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use design::{Accuracy, Criterion, Design, Method, Restricted, Status, Whole};
-use model::Source;
+use ship::model::Source;
 use trial::arranging::{Arranged, Kept};
 use trial::moments::{Promise, SampledFrom, SampledShips, UnreachedMotion};
 use trial::refining::Refinement;

@@ -1,5 +1,5 @@
-use artifact::{Document, Units};
-use identification::{Estimator, Share};
+use estimation::{Estimator, Share};
+use files::{Document, Units};
 use numerics::statistics::median_interval_in_words;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

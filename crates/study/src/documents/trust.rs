@@ -1,7 +1,7 @@
-use artifact::{Document, Units};
-use identification::Estimator;
-use identification::criticism::Criticism;
-use identification::pooled::{Added, DegreeTrust, Pool, Pooled, SourceErrors};
+use estimation::Estimator;
+use estimation::criticism::Criticism;
+use estimation::pooled::{Added, DegreeTrust, Pool, Pooled, SourceErrors};
+use files::{Document, Units};
 use regression::MeanRemoval;
 use regression::pooled::NominalSource;
 use schemars::JsonSchema;

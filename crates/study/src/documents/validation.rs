@@ -1,5 +1,5 @@
-use artifact::{Document, Units};
-use identification::{Estimator, PairedDifference, Quantiles};
+use estimation::{Estimator, PairedDifference, Quantiles};
+use files::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

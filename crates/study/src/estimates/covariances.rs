@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use artifact::{Columns, Error, Provenance, Staged, TableReader, TableWriter};
-use identification::{EstimateCovariance, Estimator, RunEstimate};
-use model::Vessel;
+use estimation::{EstimateCovariance, Estimator, RunEstimate};
+use files::{Columns, Error, Provenance, Staged, TableReader, TableWriter};
+use ship::model::Vessel;
 
 /// Schema id of covariances.
 pub const ID: &str = "covariances";

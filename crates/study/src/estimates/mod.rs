@@ -7,12 +7,12 @@ mod unidentified;
 
 use std::path::Path;
 
-use artifact::{Columns, Error, TableReader};
-pub use identification::RunEstimate as Row;
-use identification::{EstimateStatus, Estimator};
-use model::Vessel;
+pub use estimation::RunEstimate as Row;
+use estimation::{EstimateStatus, Estimator};
+use files::{Columns, Error, TableReader};
 pub use published::publish;
 use refusal::listed;
+use ship::model::Vessel;
 pub use summary::{CRITICISED, criticised, distinct, estimators, summarize};
 pub use unidentified::unidentified;
 

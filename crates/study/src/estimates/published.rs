@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Error, Provenance, Staged, commit, is_member_of, stage_set_document};
+use files::{Error, Provenance, Staged, commit, is_member_of, stage_set_document};
 
 use crate::documents::EstimateDocument;
 

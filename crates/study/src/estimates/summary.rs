@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Error, Provenance};
-use identification::{EstimateStatus, Estimator, RepeatedEstimates, TRUSTED, relative_norms};
-use model::Vessel;
+use estimation::{EstimateStatus, Estimator, RepeatedEstimates, TRUSTED, relative_norms};
+use files::{Error, Provenance};
 use numerics::statistics::{quantile, quantile_interval, sorted, wilson};
 use serde::de::DeserializeOwned;
+use ship::model::Vessel;
 
 use super::{Row, blocks};
 use crate::documents::{

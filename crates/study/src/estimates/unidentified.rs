@@ -1,9 +1,9 @@
 //! The message if no run has an estimate.
 
-use artifact::Error;
-use identification::EstimateStatus;
-use identification::runs::RunEstimators;
-use model::{DegreeOfFreedom, Vessel};
+use estimation::EstimateStatus;
+use estimation::runs::RunEstimators;
+use files::Error;
+use ship::model::{DegreeOfFreedom, Vessel};
 
 use super::Row;
 use crate::trajectories::TrajectoryReader;

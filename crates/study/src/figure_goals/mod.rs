@@ -5,8 +5,8 @@ mod stated;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Error, Provenance, STUDY_ROLES, read_document};
 use design::WeightedFigure;
+use files::{Error, Provenance, STUDY_ROLES, read_document};
 use refusal::Invalid;
 use trial::moments::Moments;
 

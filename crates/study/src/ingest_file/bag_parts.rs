@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::Path;
 
-use artifact::{Error, is_file, observe_names, open};
+use files::{Error, is_file, observe_names, open};
 use refusal::{Invalid, foreign};
 
 use crate::invalid;

@@ -7,7 +7,7 @@ use std::io::{self, BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 use std::sync::Arc;
 
-use artifact::{Digest, Digesting, Error, Scratch, is_file, open};
+use files::{Digest, Digesting, Error, Scratch, is_file, open};
 use flate2::read::MultiGzDecoder;
 use logs::{
     Columns, DatabaseFile, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source, Store,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Error, observe_names};
+use files::{Error, observe_names};
 use logs::{Naming, Pattern, Source};
 use refusal::{Invalid, nearest};
 

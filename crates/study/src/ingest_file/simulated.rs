@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use artifact::{Digest, Error, Provenance, is_written, read_document};
+use files::{Digest, Error, Provenance, is_written, read_document};
 use logs::Source;
 
 use crate::documents::{SIMULATED_FILE, SimulatedLogsDocument};

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use artifact::{Error, ForeignTable, Timed};
+use files::{Error, ForeignTable, Timed};
 use logs::{
     Cells, ClockNotes, Columns, Content, Labels, Moments, Numbering, Plan, Samples, Store, TimeUnit, Wanted,
     places,

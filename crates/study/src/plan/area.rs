@@ -1,8 +1,8 @@
 //! Areas of `plan.toml`: boxes, and polygons by their corners.
 
 use chart::ring::{RingFault, ring_fault};
+use plan::voyage::Area;
 use refusal::Invalid;
-use trial::voyage::Area;
 
 use super::file::AreaSpec;
 

@@ -4,10 +4,10 @@ use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use artifact::{Budget, Digest, Error, PROGRAM_BYTES, Provenance, Work};
+use chart::enc::attribute::VERDAT;
+use chart::enc::{Cell, Feature, vertical_datum};
 use chart::{PolygonLayer, Rules, Tally};
-use enc::attribute::VERDAT;
-use enc::{Cell, Feature, vertical_datum};
+use files::{Budget, Digest, Error, PROGRAM_BYTES, Provenance, Work};
 
 use super::chart_file::note;
 use super::exchange_set::{CellFile, ExchangeSet, capitals, is_catalogue};
@@ -54,7 +54,7 @@ fn below(folder: &Path) -> Result<Vec<PathBuf>, Error> {
 }
 
 fn check_same(one: &Path, other: &Path) -> Result<(), Error> {
-    if artifact::read(one)? == artifact::read(other)? {
+    if files::read(one)? == files::read(other)? {
         return Ok(());
     }
     let found = format!("the same edition as {}, and other bytes", one.display());
@@ -162,7 +162,7 @@ impl CellReader<'_> {
 
 /// A note on parts of a cell whose depths have another datum than `usual`.
 fn other_datums(objects: &[Feature], usual: u8) -> Option<String> {
-    let parts = objects.iter().filter(|object| enc::class_name(object.class) == Some("M_SDAT"));
+    let parts = objects.iter().filter(|object| chart::enc::class_name(object.class) == Some("M_SDAT"));
     let codes = parts.flat_map(|object| object.list(VERDAT)).filter(|code| *code != u16::from(usual));
     let names = codes.map(|code| datum_of(u8::try_from(code).unwrap_or_default()));
     let names: BTreeSet<String> = names.collect();

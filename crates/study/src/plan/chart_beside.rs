@@ -4,8 +4,8 @@ use std::ffi::OsString;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use artifact::Error;
 use chart::{DepthUnit, GridDeclaration, GridKind};
+use files::Error;
 
 /// Maximum bytes of such a file that are read.
 const MOST: u64 = 1 << 20;
@@ -13,11 +13,11 @@ const MOST: u64 = 1 << 20;
 /// Refuses a grid with an `.aux.xml` that has a scale, or a unit that is not declared.
 pub(super) fn check_beside(path: &Path, declared: &GridDeclaration) -> Result<(), Error> {
     let beside = PathBuf::from([path.as_os_str(), ".aux.xml".as_ref()].into_iter().collect::<OsString>());
-    if !artifact::is_file(&beside) {
+    if !files::is_file(&beside) {
         return Ok(());
     }
     let mut bytes = Vec::new();
-    let read = artifact::open(&beside)?.take(MOST).read_to_end(&mut bytes);
+    let read = files::open(&beside)?.take(MOST).read_to_end(&mut bytes);
     read.map_err(|e| Error::io(&beside, "read", e))?;
     let text = String::from_utf8_lossy(&bytes);
     for (tag, usual) in [("Scale", 1.0), ("Offset", 0.0)] {

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use artifact::{Digest, Error, Provenance};
+use files::{Digest, Error, Provenance};
 
 /// Reads a chart's file, and notes its digest.
 pub(super) fn bytes(path: &Path, provenance: &mut Provenance) -> Result<Vec<u8>, Error> {
-    let bytes = artifact::read(path)?;
+    let bytes = files::read(path)?;
     note(path, Digest::of_bytes(&bytes), provenance);
     Ok(bytes)
 }

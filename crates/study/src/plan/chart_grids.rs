@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
-use artifact::{Digesting, Error, Provenance};
 use chart::{Grid, GridDeclaration, Reading, Unread};
+use files::{Digesting, Error, Provenance};
 
 use super::chart_beside::check_beside;
 use super::chart_file::{bytes, note};
@@ -56,7 +56,7 @@ impl GridFormat {
 pub(super) fn refuse_netcdf(path: &Path) -> Result<(), Error> {
     const SIGNATURES: [&[u8]; 4] = [b"CDF\x01", b"CDF\x02", b"CDF\x05", b"\x89HDF\r\n\x1A\n"];
     let mut first = Vec::new();
-    artifact::open(path)?.take(8).read_to_end(&mut first).map_err(|e| Error::io(path, "read", e))?;
+    files::open(path)?.take(8).read_to_end(&mut first).map_err(|e| Error::io(path, "read", e))?;
     if !SIGNATURES.iter().any(|own| first.starts_with(own)) {
         return Ok(());
     }
@@ -70,7 +70,7 @@ pub(super) fn refuse_netcdf(path: &Path) -> Result<(), Error> {
 /// Opens the file of a chart, and notes its digest.
 fn open(path: &Path, provenance: &mut Provenance) -> Result<File, Error> {
     let failed = |e| Error::io(path, "read", e);
-    let mut file = artifact::open(path)?;
+    let mut file = files::open(path)?;
     let digest = Digesting::new(&file).digest().map_err(failed)?;
     file.rewind().map_err(failed)?;
     note(path, digest, provenance);

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use artifact::Error;
 use chart::{Crs, GridDeclaration, GridKind, LayerKind};
+use files::Error;
 
 use super::file::{ChartKind, ChartSpec};
 

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Budget, Error, PROGRAM_BYTES, Provenance, Work};
 use chart::{
     Bounds, DANGER_M, DepthUnit, Layer, LayerKind, Measured, Plane, PolygonLayer, Reading, Rules, UnitFrom,
     Unread, read_objects,
 };
+use files::{Budget, Error, PROGRAM_BYTES, Provenance, Work};
 
 use super::cells::{CellReader, PER_BYTE, cells_of, of_objects};
 use super::chart_file::bytes;

@@ -3,10 +3,10 @@
 use std::ops::Bound::{self, Excluded, Included};
 use std::ops::RangeBounds;
 
-use engine::MOST_CURRENT_M_S;
+use plan::voyage::AT_REST;
+use plan::{Mode, Tolerance};
 use refusal::{Invalid, check_name};
-use trial::voyage::AT_REST;
-use trial::{Mode, Tolerance};
+use ship::engine::MOST_CURRENT_M_S;
 
 use super::area::check_corners;
 use super::file::PlanFile;

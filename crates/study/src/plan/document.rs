@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use chart::Uncharted;
-use lattice::{Pose, Problem, Solution, Status, Step};
-use trial::voyage::{Check, Prepared, SailedPlan, Solved};
+use plan::lattice::{Pose, Problem, Solution, Status, Step};
+use plan::voyage::{Check, Prepared, SailedPlan, Solved};
 
 use crate::documents::{
     CostUnit, DroppedMove, PlanDocument, PlanHandling, PlanLattice, PlanPose, PlanStatus, PlanStep,

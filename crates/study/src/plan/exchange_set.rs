@@ -4,7 +4,7 @@
 use std::fs::{self, DirEntry};
 use std::path::{Path, PathBuf};
 
-use artifact::{DEEPEST, Error, observe_names, place_of};
+use files::{DEEPEST, Error, observe_names, place_of};
 
 /// Names of the folder of an exchange set, and of its catalogue.
 const ENC_ROOT: &str = "ENC_ROOT";

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use engine::{Changes, ChangingCurrent, Measurement, Wind};
+use plan::voyage::{CostRule, Goal, Hull, ManeuverUse, Place, Safety, SpeedLimit};
+use plan::{Mode, Sensors, StatedHandling};
 use schemars::JsonSchema;
 use serde::Deserialize;
-use trial::voyage::{CostRule, Goal, Hull, ManeuverUse, Place, Safety, SpeedLimit};
-use trial::{Mode, Sensors, StatedHandling};
+use ship::engine::{Changes, ChangingCurrent, Measurement, Wind};
 
 /// `plan.toml` as written.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]

@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-use artifact::{Digesting, Error, Provenance, open};
 use chart::Plane;
 use chart::route::Timestamp;
+use files::{Digesting, Error, Provenance, open};
 use logs::{Format, LogError, LoggedPositions, SNIFFED, Since, foreign_format, read_positions};
-use refusal::Invalid;
-use trial::voyage::{
-    Brief, FollowLimits, Followed, Gathered, GoesOn, Place, PlannedTrack, ShipPosition, StepState, Task,
-    TrackPoint, VoyageError,
+use plan::voyage::{
+    Brief, FollowLimits, Followed, Gathered, Place, PlannedTrack, RestartPoint, ShipPosition, StepState,
+    Task, TrackPoint, VoyageError,
 };
+use refusal::Invalid;
 
 use super::resume::{maneuvers, rest_of, resumed};
 use crate::documents::{FollowDocument, FollowStatus, FollowedStep, PlanDocument, PlanStep, Voyage};
@@ -251,7 +251,7 @@ fn uses(plan: &PlanDocument, followed: &Followed) -> BTreeMap<String, u64> {
     uses
 }
 
-fn place(from: &GoesOn) -> Place {
+fn place(from: &RestartPoint) -> Place {
     Place {
         longitude_deg: from.longitude_deg,
         latitude_deg: from.latitude_deg,
@@ -347,12 +347,12 @@ fn no_voyage(plan: &Path) -> Error {
 }
 
 /// Where the ship goes on, at longitude and latitude `place`.
-fn goes_on([longitude_deg, latitude_deg]: [f64; 2], followed: &Followed, voyage: &Voyage) -> GoesOn {
+fn goes_on([longitude_deg, latitude_deg]: [f64; 2], followed: &Followed, voyage: &Voyage) -> RestartPoint {
     let [heading_deg, speed_m_s] = followed.motion;
     let off = |own: &(&String, &f64)| (own.1 - speed_m_s).abs();
     let modes = voyage.lattice.modes.iter();
     let mode = modes.min_by(|a, b| off(a).total_cmp(&off(b))).map_or(String::new(), |own| own.0.clone());
-    GoesOn { longitude_deg, latitude_deg, heading_deg, speed_m_s, mode }
+    RestartPoint { longitude_deg, latitude_deg, heading_deg, speed_m_s, mode }
 }
 
 fn states(voyage: &Voyage, track: &PlannedTrack, followed: &Followed) -> Vec<FollowedStep> {

@@ -1,7 +1,7 @@
 //! `map.json` of a plan.
 
 use chart::{Class, Polygon, Raster, Spot, Uncharted};
-use trial::voyage::{SailedPlan, TrackPart};
+use plan::voyage::{SailedPlan, TrackPart};
 
 use crate::documents::{
     MapArea, MapCellClass, MapCells, MapClass, MapContour, MapDocument, MapFrame, MapLine, MapMargin,

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Error, Provenance};
-use engine::Helm;
-use trial::voyage::Brief;
+use files::{Error, Provenance};
+use plan::voyage::Brief;
+use ship::engine::Helm;
 
 use crate::files::read_dictionary;
 

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use artifact::{Error, Provenance, read_document};
+use files::{Error, Provenance, read_document};
+use plan::voyage::{Goal, ManeuverUse, Place, Task};
 use refusal::Invalid;
-use trial::voyage::{Goal, ManeuverUse, Place, Task};
 
 use crate::documents::{PlanDocument, PlanStep};
 

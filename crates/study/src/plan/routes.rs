@@ -2,8 +2,8 @@
 
 use chart::route::{Feature, Geometry, Route, Track, Waypoint, geojson, gpx, qgroundcontrol, rtz};
 use chart::{Invalid, Plane};
+use plan::{Sailed, Sample, Side};
 use serde_json::json;
-use trial::{Sailed, Sample, Side};
 
 use crate::documents::{Passage, PlanDocument, Voyage, VoyageLeg};
 

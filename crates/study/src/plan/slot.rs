@@ -1,7 +1,7 @@
 //! The time slot of a trial in `plan.toml`.
 
+use plan::voyage::{Area, Daylight, Slot};
 use refusal::Invalid;
-use trial::voyage::{Area, Daylight, Slot};
 
 use super::file::PlanFile;
 use super::task::second;

@@ -1,10 +1,10 @@
 //! The task in `plan.toml`, as the planner takes it.
 
 use chart::route::Timestamp;
-use model::Vessel;
+use plan::voyage::{Task, current_m_s};
+use plan::{Approach, DerivedHandling, Deviations, Handling, Tolerance};
 use refusal::Invalid;
-use trial::voyage::{Task, current_m_s};
-use trial::{Approach, DerivedHandling, Deviations, Handling, Tolerance};
+use ship::model::Vessel;
 
 use super::file::PlanFile;
 

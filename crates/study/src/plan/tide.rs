@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use artifact::{Digest, Error, Provenance};
 use chart::route::Timestamp;
-use engine::MOST_CURRENT_M_S;
+use files::{Digest, Error, Provenance};
+use plan::voyage::{Task, Tide, TideRow, current_m_s};
 use refusal::Invalid;
-use trial::voyage::{Task, Tide, TideRow, current_m_s};
+use ship::engine::MOST_CURRENT_M_S;
 
 use super::file::PlanFile;
 use super::task::second;
@@ -41,7 +41,7 @@ pub fn in_tide(
         return Err(Error::refuse(config_file, "`tide.until`", found, expected, "correct it"));
     }
     let path = config_file.parent().unwrap_or(Path::new("")).join(&spec.file);
-    let bytes = artifact::read(&path)?;
+    let bytes = files::read(&path)?;
     provenance.inputs.insert("tide".to_owned(), Digest::of_bytes(&bytes));
     let table = table(&bytes).map_err(|invalid| Error::invalid(&path, invalid))?;
     let tide = Tide::worst(&table, departure as f64, (until - departure) as f64).ok_or_else(|| {

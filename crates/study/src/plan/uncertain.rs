@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use artifact::Error;
-use model::Vessel;
+use files::Error;
+use plan::Deviations;
+use plan::voyage::{ErrorsFrom, Task};
 use refusal::Invalid;
-use trial::Deviations;
-use trial::voyage::{ErrorsFrom, Task};
+use ship::model::Vessel;
 
 use super::file::PlanFile;
 use super::task::kept;

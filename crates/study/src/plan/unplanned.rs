@@ -3,10 +3,10 @@
 use std::fmt::Display;
 use std::path::Path;
 
-use artifact::Error;
-use lattice::{Demand, NoPlan};
+use files::Error;
+use plan::lattice::{Demand, NoPlan};
+use plan::voyage::{Check, VoyageError};
 use refusal::nearest;
-use trial::voyage::{Check, VoyageError};
 
 /// Why there is no plan, in one line.
 #[derive(Debug)]
@@ -80,7 +80,7 @@ pub fn no_plan(file: &Path, why: &NoPlan) -> Unplanned {
             no_answer(file, &found, remedy)
         }
         NoPlan::TooLarge { states, bytes } => {
-            let found = format!("{states} states, which take {} MiB", artifact::mib_with_program(*bytes));
+            let found = format!("{states} states, which take {} MiB", files::mib_with_program(*bytes));
             let remedy = "raise --memory-mib, take --engine auto, or reduce counts, headings, speed modes or the lattice";
             no_answer(file, &found, remedy)
         }
@@ -101,7 +101,7 @@ pub fn too_large(file: &Path, demand: &Demand) -> Unplanned {
 
 fn does_not_fit(file: &Path, what: &dyn Display, bytes: u128) -> Unplanned {
     let remedy = "raise --memory-mib, or reduce the lattice, headings, speed modes or `raster_per_cell`";
-    let found = format!("{what}, which take {} MiB", artifact::mib_with_program(bytes));
+    let found = format!("{what}, which take {} MiB", files::mib_with_program(bytes));
     Unplanned::NoAnswer(format!(
         "{}: plan: found {found}, expected at most --memory-mib; {remedy}",
         file.display()

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use artifact::{Error, Provenance};
-use enc::{Identity, Listed, Purpose, identify, listed};
+use chart::enc::{Identity, Listed, Purpose, identify, listed};
+use files::{Error, Provenance};
 use refusal::foreign;
 
 use super::chart_file::bytes;
@@ -20,7 +20,7 @@ pub(super) struct Found {
 
 impl Found {
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
-        let bytes = artifact::read(path)?;
+        let bytes = files::read(path)?;
         let identity = identify(&bytes).map_err(|e| Error::invalid(path, e))?;
         Ok(Self { path: path.to_path_buf(), bytes, identity })
     }
@@ -40,7 +40,7 @@ const HEAD: u64 = 1 << 17;
 pub(super) fn age_of(path: &Path) -> Result<Age, Error> {
     let fails = |e| Error::io(path, "read", e);
     let mut head = Vec::new();
-    artifact::open(path)?.take(HEAD).read_to_end(&mut head).map_err(fails)?;
+    files::open(path)?.take(HEAD).read_to_end(&mut head).map_err(fails)?;
     Ok(age(&identify(&head).map_err(|e| Error::invalid(path, e))?))
 }
 
@@ -147,7 +147,7 @@ impl Catalogue {
         for (file, Found { bytes, .. }) in files {
             let listed: Vec<&&Listed> = own.iter().filter(|own| stands_for(file, own)).collect();
             if !listed.is_empty() && !listed.iter().any(|own| own.agrees(bytes)) {
-                let found = format!("CRC-32 {:08X}", enc::crc(bytes));
+                let found = format!("CRC-32 {:08X}", chart::enc::crc(bytes));
                 let expected =
                     format!("{:08X}, as {} says", listed[0].crc.unwrap_or_default(), self.file.display());
                 let remedy =

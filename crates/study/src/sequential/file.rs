@@ -1,9 +1,9 @@
 use std::collections::BTreeMap;
 
-use model::{Source, Vessel};
 use refusal::{Invalid, check_numbers, check_ranges};
 use schemars::JsonSchema;
 use serde::Deserialize;
+use ship::model::{Source, Vessel};
 use trial::rounds::Knowledge;
 
 /// `sequential.toml`.

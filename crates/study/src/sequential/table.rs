@@ -1,4 +1,4 @@
-use artifact::{Columns, Error, TableReader};
+use files::{Columns, Error, TableReader};
 use trial::rounds::{Arm, Outcome, Row, Shared};
 
 /// Schema id.

@@ -1,8 +1,8 @@
 use std::borrow::Cow;
 
-use artifact::Error;
-use engine::Run;
+use files::Error;
 use regression::pooled::Recorded;
+use ship::engine::Run;
 
 use super::{Layout, TrajectoryReader};
 

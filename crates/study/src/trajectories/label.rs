@@ -1,4 +1,4 @@
-use artifact::Provenance;
+use files::Provenance;
 
 refusal::choices! {
     /// What data are labelled as where they are not those of a real ship.

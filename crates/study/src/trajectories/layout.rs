@@ -1,6 +1,6 @@
-use artifact::{ColumnSpec, Kind, TableSchema};
+use files::{ColumnSpec, Kind, TableSchema};
 use maneuver::Reacting;
-use model::{DegreeOfFreedom, DerivedChannel, Model};
+use ship::model::{DegreeOfFreedom, DerivedChannel, Model};
 
 /// Schema id of trajectories.
 pub const ID: &str = "trajectories";

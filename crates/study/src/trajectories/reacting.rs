@@ -1,6 +1,6 @@
 use std::collections::BTreeSet;
 
-use artifact::Provenance;
+use files::Provenance;
 use serde_json::json;
 use trial::campaign::Maneuvers;
 

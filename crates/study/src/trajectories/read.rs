@@ -2,10 +2,10 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use artifact::{Column, ColumnSpec, Digest, Error, Provenance, Shard, Table, TableReader};
-use engine::{Run, Segment};
-use model::DerivedChannel;
+use files::{Column, ColumnSpec, Digest, Error, Provenance, Shard, Table, TableReader};
 use refusal::check_name;
+use ship::engine::{Run, Segment};
+use ship::model::DerivedChannel;
 
 use super::layout::commanded;
 use super::{ID, Layout, VERSION};

@@ -1,5 +1,5 @@
-use artifact::{Column, Labels};
-use engine::{Run, Segment};
+use files::{Column, Labels};
+use ship::engine::{Run, Segment};
 
 use super::Layout;
 

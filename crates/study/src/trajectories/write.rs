@@ -1,8 +1,8 @@
 use std::iter::repeat_n;
 
-use artifact::{Column, Error, Labels, PIECE_ROWS, Table, TableSchema, TableWriter};
-use engine::track;
+use files::{Column, Error, Labels, PIECE_ROWS, Table, TableSchema, TableWriter};
 use logs::RecordedRun;
+use ship::engine::track;
 use trial::campaign::SimulatedRun;
 
 use super::Layout;

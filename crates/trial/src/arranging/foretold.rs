@@ -1,13 +1,13 @@
 //! What errors the estimate of an experiment foretells, from the information of the whole sequence.
 
-use engine::Streams;
-use identification::parameter_error;
-use identification::pooled::{Covariance, Uncertain};
-use model::Source;
+use estimation::parameter_error;
+use estimation::pooled::{Covariance, Uncertain};
 use numerics::statistics::median;
 use numerics::{scaled_inverse, times};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::engine::Streams;
+use ship::model::Source;
 
 use super::Arranging;
 use super::whole::Information;

@@ -6,7 +6,7 @@ mod whole;
 
 use design::{Criterion, Dictionary};
 use maneuver::{Exceeded, Generator, Limits};
-use model::Vessel;
+use ship::model::Vessel;
 
 use crate::moments::{Estimated, Moments};
 

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use engine::{Streams, simulate_one};
 use numerics::LANES;
 use rayon::prelude::*;
 use refusal::Invalid;
+use ship::engine::{Streams, simulate_one};
 
 use super::{Arranged, Arranging, Kept, generated_limits};
 use crate::campaign::{Parts, Plan, shared_out};

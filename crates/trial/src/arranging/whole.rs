@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use design::Candidates;
-use engine::{check_diverged, simulate_one};
-use identification::output_information;
+use estimation::output_information;
 use numerics::LANES;
 use numerics::lanes::interleave;
 use regression::{Batch, MeanRemoval, Noise, middle, moments};
+use ship::engine::{check_diverged, simulate_one};
 
 use super::{Arranging, generated_limits};
 use crate::moments::{Estimated, Expected, ForcesPrediction, OutputErrorMoments, leading};

@@ -2,9 +2,9 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
-use engine::Helm;
 use maneuver::{Generator, Realized};
 use refusal::Invalid;
+use ship::engine::Helm;
 
 use super::Refusal;
 use super::plays::{Plan, Tables, said, shared_out};

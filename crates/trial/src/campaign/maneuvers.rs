@@ -1,10 +1,12 @@
 use std::ops::Range;
 
-use engine::{Divided, Helm, Run, Segment, check_diverged, check_runaway, simulate_command, simulate_one};
 use maneuver::{Aim, Exceeded, Executed, Generator, Kept, Reacting, Realized, WRONG_SIGN};
-use model::{DegreeOfFreedom, Source, Vessel};
 use rayon::prelude::*;
 use refusal::Invalid;
+use ship::engine::{
+    Divided, Helm, Run, Segment, check_diverged, check_runaway, simulate_command, simulate_one,
+};
+use ship::model::{DegreeOfFreedom, Source, Vessel};
 
 use super::Refusal;
 use super::own_loop::OwnLoop;

@@ -1,7 +1,7 @@
 use std::ops::Range;
 
-use engine::{Helm, simulate_command};
-use model::{Model, Vessel};
+use ship::engine::{Helm, simulate_command};
+use ship::model::{Model, Vessel};
 
 /// The inputs of the nominal ship under the controllers of an experiment, in still water: the instruments of tracked motions. There
 /// recorded inputs follow all that the controller saw.

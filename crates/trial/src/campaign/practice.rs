@@ -1,9 +1,9 @@
 //! Today's practice: the maneuvers of a dictionary, one after another.
 
 use design::apportion;
-use engine::{check_diverged, simulate_command, simulate_one};
 use maneuver::Generator;
-use model::{Source, Vessel};
+use ship::engine::{check_diverged, simulate_command, simulate_one};
+use ship::model::{Source, Vessel};
 
 use super::designed::Parts;
 use super::plays::{Plan, Tables};

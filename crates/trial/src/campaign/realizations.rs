@@ -3,11 +3,11 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use design::apportion;
-use engine::{Helm, Segment, Streams, refuse_endless};
 use maneuver::{Generator, Reacting, Realized};
-use model::Vessel;
 use numerics::{GROUPS, LANES};
 use rayon::prelude::*;
+use ship::engine::{Helm, Segment, Streams, refuse_endless};
+use ship::model::Vessel;
 
 use super::Refusal;
 use super::designed::{Designed, Parts, too_short};

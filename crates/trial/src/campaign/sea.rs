@@ -1,11 +1,11 @@
-use engine::{
-    Current, Disturbances, Diverged, Driven, Driving, Helm, Recording, Run, Streams, Wind, diverged_lanes,
-    simulate_commanded, simulate_disturbed,
-};
-use model::{Source, Vessel};
 use numerics::lanes::{buffer, by_lane, interleave, lane, lane_of};
 use numerics::{LANES, Lane, Wide};
 use refusal::Invalid;
+use ship::engine::{
+    Current, Disturbances, Diverged, Driven, Driving, Helm, Recording, Run, Streams, Wind, diverged_lanes,
+    simulate_commanded, simulate_disturbed,
+};
+use ship::model::{Source, Vessel};
 
 use super::Refusal;
 
@@ -170,7 +170,7 @@ impl<'a> Sea<'a> {
         let lanes = |group: &Group| if alike.is_some() { Vec::new() } else { interleave(&group.exogenous) };
         let exogenous = groups.map(lanes);
         let driven = match alike {
-            Some(shared) => Driven::Alike(shared),
+            Some(shared) => Driven::SharedInputs(shared),
             None => Driven::Own(exogenous.each_ref().map(Vec::as_slice)),
         };
         let mut states = groups.map(|group| (group, self.states(group, wanted)));

@@ -1,9 +1,9 @@
 use std::sync::Arc;
 
-use engine::{Helm, Run, Segment, SideBySide};
-use model::Model;
 use numerics::lanes::{interleave, lane, lane_of, recycle};
 use numerics::{LANES, Lane};
+use ship::engine::{Helm, Run, Segment, SideBySide};
+use ship::model::Model;
 
 use super::own_loop::OwnLoop;
 use super::sea::{SimulatedRun, States};

@@ -1,6 +1,6 @@
 use design::{Candidates, Criterion, CriterionName, Dictionary, NoDesign, Norm, WeightedFigure};
-use model::Source;
 use refusal::Invalid;
+use ship::model::Source;
 
 use super::{Estimated, Moments};
 

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use design::{Candidates, CriterionName, Dictionary};
-use model::Source;
 use refusal::Invalid;
 use regression::MeanRemoval;
+use ship::model::Source;
 
 use super::{DegreeMoments, Moments, OutputErrorMoments};
 

@@ -1,11 +1,11 @@
 use std::collections::BTreeMap;
 
-use identification::prediction_weights;
+use estimation::prediction_weights;
 use maneuver::Generator;
-use model::{Model, Source, Vessel};
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::model::{Model, Source, Vessel};
 
 use super::{by_name, rows};
 

@@ -1,9 +1,9 @@
 use std::collections::HashMap;
 
-use model::Model;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::model::Model;
 
 /// The moments of one maneuver.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -18,7 +18,6 @@ use design::{Degree, NoDesign};
 pub use dictionary::{Estimated, leading, malformed};
 pub use free_runs::{FreeRunModel, Unpredictable};
 pub use matrices::{DegreeMoments, ManeuverMoments, OutputErrorMoments, Pool};
-use model::{DegreeOfFreedom, Model, Source, Vessel};
 pub use physical::{ForcesPrediction, numbers};
 pub use prediction::Prediction;
 pub use prior::PriorInformation;
@@ -29,6 +28,7 @@ pub use sampled::{
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::model::{DegreeOfFreedom, Model, Source, Vessel};
 
 /// The lifted moment matrices of every maneuver.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -174,7 +174,7 @@ fn by_name(model: &Model, values: &[f64]) -> BTreeMap<String, f64> {
 /// # Errors
 /// Names the parameter.
 pub fn check_constants(model: &Model) -> Result<(), Invalid> {
-    let constant = |degree: &model::Degree| degree.constant().map(|i| degree.parameters[i].clone());
+    let constant = |degree: &ship::model::Degree| degree.constant().map(|i| degree.parameters[i].clone());
     match model.degrees.iter().find_map(constant) {
         None => Ok(()),
         Some(name) => Err(Invalid::new(
@@ -188,7 +188,7 @@ pub fn check_constants(model: &Model) -> Result<(), Invalid> {
 
 /// The rows and columns of the moments of `model`.
 pub fn structure(model: &Model) -> Vec<Degree> {
-    let of = |(d, degree): (DegreeOfFreedom, &model::Degree)| Degree {
+    let of = |(d, degree): (DegreeOfFreedom, &ship::model::Degree)| Degree {
         name: d.name().to_owned(),
         regressors: degree.terms.iter().map(|t| t.text.clone()).chain(["1".to_owned()]).collect(),
         parameters: degree.parameters.clone(),
@@ -198,7 +198,7 @@ pub fn structure(model: &Model) -> Vec<Degree> {
 
 /// Names of the parameters with an intercept per degree of freedom, in the order of output error's matrices.
 pub(crate) fn rows(model: &Model) -> Vec<String> {
-    let of = |(d, degree): (DegreeOfFreedom, &model::Degree)| {
+    let of = |(d, degree): (DegreeOfFreedom, &ship::model::Degree)| {
         degree.parameters.iter().cloned().chain([format!("intercept ({})", d.name())]).collect::<Vec<_>>()
     };
     DegreeOfFreedom::ALL.into_iter().zip(&model.degrees).flat_map(of).collect()

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use design::Degree;
-use engine::Run;
-use fitting::{SimulatedRun, WhiteNoise};
+use estimation::fitting::{SimulatedRun, WhiteNoise};
 use maneuver::Generator;
-use model::{Moved, Vessel};
 use numerics::scaled_inverse;
 use refusal::Invalid;
 use regression::Noise;
+use ship::engine::Run;
+use ship::model::{ForceModel, Vessel};
 
 use super::free_runs::{Unpredictable, diverges};
 use super::prediction::DICTIONARY;
@@ -20,7 +20,7 @@ use super::{FreeRunModel, ManeuverMoments, Moments, OutputErrorMoments, by_name}
 #[derive(Clone, Debug)]
 pub struct ForcesPrediction<'a> {
     vessel: &'a Vessel,
-    moved: &'a Moved,
+    moved: &'a ForceModel,
     theta: Vec<f64>,
     noise: WhiteNoise,
 }
@@ -47,7 +47,7 @@ impl<'a> ForcesPrediction<'a> {
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub(crate) fn of_nominal(vessel: &'a Vessel, noise: Noise) -> Result<Self, Invalid> {
+    pub fn of_nominal(vessel: &'a Vessel, noise: Noise) -> Result<Self, Invalid> {
         Self::with(vessel, vessel.nominal.clone(), noise)
     }
 
@@ -73,16 +73,16 @@ impl<'a> ForcesPrediction<'a> {
     }
 
     /// F of a run from `initial` under `exogenous`, summed over its samples; `None` where it diverges.
-    pub(crate) fn information(&self, initial: [f64; 3], exogenous: &[f64]) -> Option<Vec<f64>> {
+    pub fn information(&self, initial: [f64; 3], exogenous: &[f64]) -> Option<Vec<f64>> {
         let still = WhiteNoise { current: 0.0, ..self.noise };
         let found = self.simulated(initial, exogenous).information(&self.moved.forces, &self.theta, &still);
         found.map(|own| own.measurement)
     }
 
     /// 1/σ² of every number's prior, in their order; 0 without one.
-    pub(crate) fn prior_information(&self) -> Vec<f64> {
+    pub fn prior_information(&self) -> Vec<f64> {
         let known =
-            |own: &forces::Parameter| own.prior.map_or(0.0, |deviation| 1.0 / (deviation * deviation));
+            |own: &ship::forces::Parameter| own.prior.map_or(0.0, |deviation| 1.0 / (deviation * deviation));
         self.moved.forces.parameters().iter().map(known).collect()
     }
 

@@ -1,10 +1,10 @@
 use std::collections::BTreeMap;
 
-use engine::{Run, Segment};
-use identification::output_information;
-use model::{DegreeOfFreedom, Model};
+use estimation::output_information;
 use refusal::Invalid;
 use regression::{Batch, Noise, middle, moments};
+use ship::engine::{Run, Segment};
+use ship::model::{DegreeOfFreedom, Model};
 
 use super::free_runs::diverges;
 use super::{DegreeMoments, Expected, FreeRunModel, ManeuverMoments, OutputErrorMoments};

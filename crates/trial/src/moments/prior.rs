@@ -1,6 +1,6 @@
 //! What is known of parameters before a trial.
 
-use identification::pooled::Covariance;
+use estimation::pooled::Covariance;
 use numerics::scaled_inverse;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

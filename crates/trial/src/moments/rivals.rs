@@ -1,6 +1,6 @@
 use design::{Bounds, Options, Rivals, solve_within};
-use engine::Streams;
 use regression::MeanRemoval;
+use ship::engine::Streams;
 
 use super::{Estimated, Moments};
 

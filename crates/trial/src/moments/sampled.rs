@@ -1,14 +1,14 @@
 //! Ships with other parameters than the maneuvers were computed with: whether inputs reach their motions, and how far
 //! promises may be off.
 
-use engine::{Run, Streams, Weather, simulate};
-use identification::Share;
-use identification::pooled::{Covariance, Uncertain};
+use estimation::Share;
+use estimation::pooled::{Covariance, Uncertain};
 use maneuver::{Tolerance, aims_of_motion};
-use model::Vessel;
 use numerics::{LANES, Lane};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::engine::{Run, Streams, Weather, simulate};
+use ship::model::Vessel;
 
 /// What is known of ships with other parameters than those of the moments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use identification::refine::{MARGIN, SignalLimits};
+use estimation::refine::{MARGIN, SignalLimits};
 use maneuver::{Generator, InputLimit};
-use model::Vessel;
 use refusal::Invalid;
+use ship::model::Vessel;
 
 use super::{Refusal, Start};
 use crate::arranging::generated_limits;

@@ -3,11 +3,11 @@
 mod limits;
 mod start;
 
-use identification::refine::{Effort, Refined, refine};
+use estimation::refine::{Effort, Refined, refine};
 pub use limits::{Limits, STATES, StatedLimits};
-use model::Vessel;
 use numerics::Watch;
 use refusal::Invalid;
+use ship::model::Vessel;
 pub use start::Start;
 use thiserror::Error;
 

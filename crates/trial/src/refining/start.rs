@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use engine::{check_diverged, simulate_one};
-use identification::output_information;
-use identification::refine::TraceCriterion;
+use estimation::output_information;
+use estimation::refine::TraceCriterion;
 use maneuver::Generator;
-use model::{Source, Vessel};
 use refusal::Invalid;
 use regression::Noise;
+use ship::engine::{check_diverged, simulate_one};
+use ship::model::{Source, Vessel};
 
 use crate::campaign::{Parts, Refusal};
 use crate::moments::rows;

@@ -1,7 +1,7 @@
-use engine::{Helm, Run, Segment};
 use maneuver::Generator;
-use model::Vessel;
 use refusal::Invalid;
+use ship::engine::{Helm, Run, Segment};
+use ship::model::Vessel;
 
 use crate::campaign::{OwnLoop, Parts};
 

@@ -1,4 +1,4 @@
-use engine::Streams;
+use ship::engine::Streams;
 
 /// The knowledge of the parameters before a trial, and its update by estimates.
 pub struct Knowledge {

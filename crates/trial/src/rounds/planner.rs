@@ -1,9 +1,9 @@
 use design::{Candidates, Covariance, Norm, Options, solve_covariance_among, solve_covariance_from};
-use identification::{OutputInformation, Simulated, output_informations};
+use estimation::{OutputInformation, Simulated, output_informations};
 use maneuver::Generator;
-use model::{ParameterLayout, Vessel};
 use refusal::Invalid;
 use regression::Noise;
+use ship::model::{ParameterLayout, Vessel};
 
 use crate::campaign::{Judged, judge};
 

@@ -1,4 +1,4 @@
-use identification::EstimateStatus;
+use estimation::EstimateStatus;
 use serde::{Deserialize, Serialize};
 
 refusal::choices! {

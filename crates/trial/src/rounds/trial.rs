@@ -1,13 +1,13 @@
 use std::sync::{Mutex, PoisonError};
 
-use engine::{Run, Streams, check_diverged, refuse_endless, simulate_one};
-use identification::runs::{RunError, RunEstimators};
-use identification::{OutputInformation, RunEstimate, Simulated, parameter_error};
+use estimation::runs::{RunError, RunEstimators};
+use estimation::{OutputInformation, RunEstimate, Simulated, parameter_error};
 use maneuver::Generator;
-use model::{Source, Vessel};
 use numerics::LANES;
 use refusal::Invalid;
 use regression::Noise;
+use ship::engine::{Run, Streams, check_diverged, refuse_endless, simulate_one};
+use ship::model::{Source, Vessel};
 
 use super::growing_run::GrowingRun;
 use super::knowledge::Knowledge;

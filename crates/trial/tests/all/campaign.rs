@@ -1,8 +1,8 @@
 //! Disturbed runs, and the experiments of designs.
 
-use engine::{Current, Disturbances, Measurement, Streams, Wind};
 use maneuver::Generator;
-use model::Vessel;
+use ship::engine::{Current, Disturbances, Measurement, Streams, Wind};
+use ship::model::Vessel;
 use trial::campaign::{Designed, Group, Refusal, Sea, Tables};
 
 #[test]

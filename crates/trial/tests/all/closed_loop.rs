@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use engine::{Current, Disturbances, Measurement, Run};
-use identification::predictor::InitialState;
-use identification::runs::{AdditionalUnknowns, RunError, RunEstimators};
-use identification::{EstimateStatus, Estimator};
+use estimation::predictor::InitialState;
+use estimation::runs::{AdditionalUnknowns, RunError, RunEstimators};
+use estimation::{EstimateStatus, Estimator};
 use maneuver::{DictionaryFile, Generator};
-use model::Vessel;
 use regression::runs::RunInstruments;
 use regression::{InstrumentKind, MeanRemoval, Outcome};
+use ship::engine::{Current, Disturbances, Measurement, Run};
+use ship::model::Vessel;
 use trial::campaign::{Campaign, Designed, Sea, Settings};
 
 /// Speeds of the approaches \[m/s\].
@@ -64,7 +64,7 @@ fn runs(vessel: &Vessel, maneuvers: &str) -> Vec<Run> {
 
 /// Per parameter the share of runs whose 95 % interval has the truth \[%\], and the mean estimate over the truth.
 fn covered(vessel: &Vessel, runs: &[Run]) -> Vec<(f64, f64)> {
-    let truth = vessel.parameters(model::Source::Value).unwrap();
+    let truth = vessel.parameters(ship::model::Source::Value).unwrap();
     let instruments = RunInstruments::new(vessel, InstrumentKind::Nominal);
     let found = instruments.estimates(runs, MeanRemoval::Complete).unwrap();
     let mut all = vec![(0.0, 0.0); truth.len()];
@@ -153,7 +153,7 @@ fn law_instruments_by_output_error_serve_where_the_nominal_model_diverges() {
     runs.truncate(160);
     let nominal = RunInstruments::new(&vessel, InstrumentKind::Nominal);
     assert!(nominal.estimates(&runs[..1], MeanRemoval::Complete).is_err());
-    let truth = truth.parameters(model::Source::Value).unwrap();
+    let truth = truth.parameters(ship::model::Source::Value).unwrap();
     let found = estimators(&vessel).estimates(&runs).unwrap();
     assert_eq!(found.len(), runs.len());
     let mut inside = vec![0.0; truth.len()];

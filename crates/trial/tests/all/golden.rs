@@ -42,6 +42,7 @@ impl Table {
 
     /// Adds a line of a square matrix in few numbers: those of its correlations, row by row, and the sum of the logarithms of
     /// its diagonal, so that large entries do not hide small ones.
+    #[allow(dead_code, reason = "rooms share this file")]
     pub fn matrix(&mut self, name: impl Into<String>, values: &[f64]) {
         let n = values.len().isqrt();
         let size = |i: usize| Some(values[i * n + i].abs().sqrt()).filter(|size| *size > 0.0).unwrap_or(1.0);

@@ -1,6 +1,6 @@
 //! Moments of several runs of a maneuver.
 
-use identification::pooled::Covariance;
+use estimation::pooled::Covariance;
 use trial::moments::{DegreeMoments, ManeuverMoments, OutputErrorMoments, Pool, PriorInformation};
 
 fn moments(samples: u64, entry: f64) -> ManeuverMoments {

@@ -1,7 +1,7 @@
 //! Maneuvers that are realized once for several plans.
 
 use maneuver::{DictionaryFile, Generator};
-use model::Vessel;
+use ship::model::Vessel;
 
 use trial::campaign::{Parts, Plan};
 

@@ -1,10 +1,10 @@
 //! Designs of the next round.
 
 use design::apportion;
-use identification::Simulated;
+use estimation::Simulated;
 use maneuver::{DictionaryFile, Generator};
-use model::{Source, Vessel};
 use regression::Noise;
+use ship::model::{Source, Vessel};
 use trial::campaign::{Parts, Plan};
 use trial::rounds::{GrowingRun, Planner, SoFar};
 

@@ -1,9 +1,9 @@
 //! Experiments whose inputs change no faster than their rates allow.
 
 use maneuver::Generator;
-use model::{Source, Vessel};
 use numerics::Watch;
 use regression::Noise;
+use ship::model::{Source, Vessel};
 use trial::refining::{Limits, Refinement, Start, StatedLimits};
 
 const NOISE: Noise = Noise { measurement: [0.1, 0.1, 0.1], current: 0.1 };
@@ -48,7 +48,10 @@ fn law_slowed_inputs_keep_their_steps_across_jumps_and_end_where_they_were_to() 
     others.for_each(|(_, (now, before))| assert_eq!(now, before));
     // Simulated with these inputs, and not slowed any more.
     let exogenous = vessel.model.undisturbed(&slow.inputs);
-    assert_eq!(slow.states, engine::simulate_one(&vessel.model, &slow.parameters, slow.initial, &exogenous));
+    assert_eq!(
+        slow.states,
+        ship::engine::simulate_one(&vessel.model, &slow.parameters, slow.initial, &exogenous)
+    );
     let again = start(&vessel, slow.inputs.clone()).within_rates(&vessel, &steps).unwrap();
     assert_eq!((again.inputs, again.slowed), (slow.inputs, Vec::<String>::new()));
 }

@@ -4,16 +4,16 @@
 use std::collections::BTreeMap;
 
 use design::{Bounds, CriterionName, Options};
-use engine::{Axes, Current, Disturbances, Measurement, Run, Streams, Wind, simulate_one};
-use identification::Estimator;
-use identification::predictor::InitialState;
-use identification::predictor::{Flow, Levels};
-use identification::runs::{AdditionalUnknowns, RunEstimators};
+use estimation::Estimator;
+use estimation::predictor::InitialState;
+use estimation::predictor::{Flow, NoiseModel};
+use estimation::runs::{AdditionalUnknowns, RunEstimators};
 use maneuver::{DictionaryFile, Generator};
-use model::{Source, Vessel};
 use numerics::Watch;
 use regression::runs::RunInstruments;
 use regression::{InstrumentKind, MeanRemoval, Noise};
+use ship::engine::{Axes, Current, Disturbances, Measurement, Run, Streams, Wind, simulate_one};
+use ship::model::{Source, Vessel};
 use trial::arranging::{Arranging, Kept};
 use trial::campaign::{Campaign, Designed, Maneuvers, Sea, Settings, SimulatedRun};
 use trial::moments::{
@@ -725,7 +725,7 @@ fn golden_refined_experiment() {
 #[test]
 fn golden_trials_in_rounds() {
     let (vessel, generator) = (vessel(), generator(&vessel()));
-    let levels = Levels {
+    let levels = NoiseModel {
         measurement: NOISE.measurement,
         current: Flow::White { std: NOISE.current },
         force: None,

@@ -1,12 +1,12 @@
-use fitting::{Inputs, SimulatedRun};
-use identification::pooled::Covariance;
-use identification::predictor::{Recordings, Sensitivities};
-use model::{Model, Moved};
+use estimation::fitting::{Inputs, SimulatedRun};
+use estimation::pooled::Covariance;
+use estimation::predictor::{Recordings, Sensitivities};
 use numerics::statistics::Z;
 use numerics::times;
 use regression::pooled::Part;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::model::{ForceModel, Model};
 
 use super::simulated::Ship;
 
@@ -84,7 +84,7 @@ enum Structure<'a> {
     /// By terms per sample, with intercepts beside the parameters; `free` are those that the covariance has.
     Terms { model: Box<Model>, unknowns: Vec<f64>, free: Vec<usize> },
     /// By forces.
-    Forces(&'a Moved),
+    Forces(&'a ForceModel),
 }
 
 impl<'a> Banded<'a> {

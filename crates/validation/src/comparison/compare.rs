@@ -9,9 +9,9 @@ use super::standing::{ComparedModel, Difference};
 use super::validity::{Magnitudes, Validity};
 use super::verdict::{differences, verdict};
 use crate::crossval::CrossError;
-use engine::RunView;
-use identification::pooled::{Covered, deviations};
+use estimation::pooled::{Covered, deviations};
 use regression::pooled::{Part, PooledRuns};
+use ship::engine::RunView;
 
 /// Options of a comparison.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,9 @@
-use engine::Replayed;
-use model::DegreeOfFreedom;
 use numerics::statistics::{MeanTrajectory, Z};
 use regression::pooled::{Part, Regression};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::engine::Replayed;
+use ship::model::DegreeOfFreedom;
 
 use super::simulated::{Contestant, Ship, Simulated};
 

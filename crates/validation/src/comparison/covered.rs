@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use identification::pooled::Covered;
+use estimation::pooled::Covered;
 
 /// How often a channel leaves the range that the model was fitted on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,10 +1,10 @@
 use std::borrow::Cow;
 
-use engine::{check_diverged, replay};
-use identification::pooled::deviations;
-use model::Model;
+use estimation::pooled::deviations;
 use numerics::statistics::MeanTrajectory;
 use regression::pooled::Part;
+use ship::engine::{check_diverged, replay};
+use ship::model::Model;
 
 use super::errors::{ComparedRecording, Sums};
 use super::standing::{ComparedModel, Standing};

@@ -1,9 +1,9 @@
-use engine::RunView;
-use identification::pooled::Covered;
-use model::{Model, Variable};
+use estimation::pooled::Covered;
 use regression::pooled::{PooledRuns, Recorded};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::engine::RunView;
+use ship::model::{Model, Variable};
 
 /// Length of a stretch \[s\]: long enough that the motion passes through zero and returns.
 pub const STRETCH_S: f64 = 60.0;

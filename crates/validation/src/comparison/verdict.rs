@@ -1,7 +1,7 @@
-use identification::pooled::lies_above;
-use model::DegreeOfFreedom;
+use estimation::pooled::lies_above;
 use numerics::statistics::paired_median;
 use refusal::listed;
+use ship::model::DegreeOfFreedom;
 
 use super::bands::Bands;
 use super::covered::Outside;

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::error::CrossError;
 use super::folds::Folds;
-use identification::pooled::{Estimated, FreeRunErrors, NoEstimate, Pool, Score, deviations};
-use identification::{Contender, Estimator, Recommendation, ScoreStatus};
+use estimation::pooled::{Estimated, FreeRunErrors, NoEstimate, Pool, Score, deviations};
+use estimation::{Contender, Estimator, Recommendation, ScoreStatus};
 
 /// Options of a cross-validation.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,8 +1,8 @@
-use identification::pooled::Score;
-use identification::{Estimator, ScoreStatus};
-use model::Model;
+use estimation::pooled::Score;
+use estimation::{Estimator, ScoreStatus};
 use rayon::prelude::*;
 use regression::pooled::{Part, PooledRuns};
+use ship::model::Model;
 
 use super::cross::{CrossValidation, Cut, Tried};
 use super::error::CrossError;

@@ -5,12 +5,12 @@ mod summary;
 
 use std::collections::BTreeMap;
 
-use engine::{Run, Streams, check_runaway, simulate_command};
-use identification::pooled::Uncertain;
+use estimation::pooled::Uncertain;
 use maneuver::merit::{Figure, Found, Hull, Record, figures};
 use maneuver::{Generator, Standard};
-use model::Vessel;
 use refusal::Invalid;
+use ship::engine::{Run, Streams, check_runaway, simulate_command};
+use ship::model::Vessel;
 
 pub use slopes::FigureSlopes;
 pub use summary::{FigureMerit, ManeuverMerit, ShipTrack};

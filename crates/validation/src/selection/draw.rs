@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use engine::Streams;
+use ship::engine::Streams;
 
 /// The random draw of a realization.
 pub(super) struct Draw {

@@ -1,5 +1,5 @@
-use identification::Estimator;
-use identification::pooled::{InstrumentFit, NoEstimate, Pool};
+use estimation::Estimator;
+use estimation::pooled::{InstrumentFit, NoEstimate, Pool};
 use refusal::listed;
 use regression::Sums;
 use regression::pooled::{Centring, LostInstruments, Part, PooledRuns, PooledSums, Strength};

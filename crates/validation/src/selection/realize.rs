@@ -1,9 +1,9 @@
-use engine::RunView;
-use identification::pooled::{Pool, Score};
-use identification::{Estimator, ScoreStatus, free_runs};
+use estimation::pooled::{Pool, Score};
+use estimation::{Estimator, ScoreStatus, free_runs};
 use numerics::lanes::interleave;
 use regression::Sums;
 use regression::pooled::{Options, Solution, fit, joined};
+use ship::engine::RunView;
 
 use super::draw::Draw;
 use super::prepared::Prepared;

@@ -2,8 +2,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Realization;
-use identification::rmse_norm;
-use identification::{Quantiles, ScoreStatus, Share};
+use estimation::rmse_norm;
+use estimation::{Quantiles, ScoreStatus, Share};
 
 /// Norm of RMSE/std, √3, from which a model is degenerate: no better than the mean of the data.
 pub const DEGENERATE: f64 = 1.732_050_807_568_877_2;

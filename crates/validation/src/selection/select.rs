@@ -1,10 +1,10 @@
 use std::collections::BTreeMap;
 
-use engine::RunView;
-use identification::Estimator;
-use identification::pooled::{Pool, deviations};
+use estimation::Estimator;
+use estimation::pooled::{Pool, deviations};
 use numerics::LANES;
 use regression::pooled::{LostInstruments, Part, PooledRuns};
+use ship::engine::RunView;
 
 use super::counts::available;
 use super::draw::Draw;

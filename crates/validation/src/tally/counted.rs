@@ -1,4 +1,4 @@
-use identification::{Estimator, RunScore, ScoreStatus};
+use estimation::{Estimator, RunScore, ScoreStatus};
 use numerics::statistics::wilson;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

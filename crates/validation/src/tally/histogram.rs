@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use identification::Quantiles;
+use estimation::Quantiles;
 use numerics::statistics::quantile_ranks;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use engine::Run;
-use model::{Vessel, VesselFile};
 use regression::pooled::PooledRuns;
 use serde_json::{Value, json};
+use ship::engine::Run;
+use ship::model::{Vessel, VesselFile};
 use validation::comparison::{CompareOptions, Compared, Contestant, Known, Ship, Standing, compare};
 
 fn oracle() -> Value {

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use engine::{Run, Streams, simulate_command, simulate_one};
-use fitting::{Inputs, Prior, Problem, Recording, Settings};
-use identification::pooled::{Covariance, Uncertain};
+use estimation::fitting::{Inputs, Prior, Problem, Recording, Settings};
+use estimation::pooled::{Covariance, Uncertain};
 use maneuver::{DictionaryFile, Generator};
-use model::{Vessel, VesselFile};
 use regression::pooled::PooledRuns;
+use ship::engine::{Run, Streams, simulate_command, simulate_one};
+use ship::model::{Vessel, VesselFile};
 use validation::comparison::{CompareOptions, Compared, Contestant, Known, Ship, Standing, compare};
 use validation::merit::Merit;
 
@@ -94,7 +94,7 @@ fn fitted(truth: &Vessel, seed: u64) -> Fitted {
         Settings { inputs: Inputs::Held, prior_weight: 0.1, ..Settings::new(1.0 / truth.sample_rate_hz) };
     let mut off = vec![0.0; truth.nominal.len()];
     streams.normals(1000, 0, &mut off);
-    let prior = |(own, z): (&forces::Parameter, &f64)| {
+    let prior = |(own, z): (&ship::forces::Parameter, &f64)| {
         own.prior.map(|deviation| Prior { mean: own.nominal + z * deviation, deviation })
     };
     let priors = forces.parameters().iter().zip(&off).map(prior).collect();

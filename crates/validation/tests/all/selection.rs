@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use engine::{Run, Segment};
-use identification::Estimator;
-use identification::pooled::Pool;
+use estimation::Estimator;
+use estimation::pooled::Pool;
 use regression::pooled::PooledRuns;
 use serde_json::json;
+use ship::engine::{Run, Segment};
 use validation::selection::{Realization, SelectionOptions, Selector};
 
 use crate::average::vessel;

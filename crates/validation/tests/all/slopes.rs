@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use identification::pooled::{Covariance, Uncertain};
+use estimation::pooled::{Covariance, Uncertain};
 use maneuver::{DictionaryFile, Generator};
-use model::{Vessel, VesselFile};
 use refusal::Invalid;
 use serde_json::{Value, json};
+use ship::model::{Vessel, VesselFile};
 use validation::merit::{ManeuverMerit, Merit};
 
 fn term(name: &str, text: &str, value: f64) -> Value {
@@ -175,7 +175,7 @@ fn draws_that_diverge_are_counted_and_refuse_nothing() {
     let covariance = Covariance { joint: true, names, entries, parts: None };
     let parameters = generator.parameters().to_vec();
     let positive = |own: &Uncertain| {
-        let streams = engine::Streams::new(1, "merit");
+        let streams = ship::engine::Streams::new(1, "merit");
         (0..40).filter(|draw| own.drawn(&streams, *draw)[0] > 0.0).count() as u64
     };
     let uncertain = Uncertain::new(&vessel, parameters, &covariance).unwrap();
@@ -184,7 +184,7 @@ fn draws_that_diverge_are_counted_and_refuse_nothing() {
     assert_eq!(found.runs + found.without, 40);
     assert!((5..=positive(&uncertain)).contains(&found.diverged), "{}", found.diverged);
     // As many as are refused one by one for it.
-    let streams = engine::Streams::new(1, "merit");
+    let streams = ship::engine::Streams::new(1, "merit");
     let diverges = |draw: &u32| {
         let mut one = Merit::new(&vessel, Some(&generator), 5.0).unwrap();
         one.simulate(&uncertain.drawn(&streams, *draw), 0)

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use engine::Run;
-use model::{Model, Vessel};
 use regression::pooled::PooledRuns;
+use ship::engine::Run;
+use ship::model::{Model, Vessel};
 use validation::comparison::{Magnitudes, STRETCH_S, Validity};
 
 /// Samples of a stretch at one sample per second.

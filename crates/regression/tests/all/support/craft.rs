@@ -1,11 +1,11 @@
 //! A small craft: parts of its motion, random or computed independently (`fixtures/oracle/pooled.json`), and their
 //! regressions.
 
-use engine::{Run, RunView, Segment, simulate_one};
-use model::{Vessel, VesselFile};
 use regression::pooled::{Centring, Options, Part, Regression, fit, sandwich};
 use regression::{MeanRemoval, Sums};
 use serde_json::Value;
+use ship::engine::{Run, RunView, Segment, simulate_one};
+use ship::model::{Vessel, VesselFile};
 
 use super::noise::Normals;
 

@@ -6,12 +6,12 @@ pub mod craft;
 pub mod explicit;
 pub mod noise;
 
-use engine::simulate_one;
 use maneuver::{DictionaryFile, Generator};
-use model::{Model, Source, Vessel};
 use noise::Normals;
 use numerics::{LANES, Lane, Number};
 use regression::{Batch, Instruments, MeanRemoval, Outcome};
+use ship::engine::simulate_one;
+use ship::model::{Model, Source, Vessel};
 
 const VESSEL: &str = include_str!("../../../../../pipelines/paper/vessel.toml");
 const DICTIONARY: &str = include_str!("../../../../../pipelines/scenarios/dictionary.toml");

@@ -1,0 +1,129 @@
+//! A file's description of itself: its cell, edition, update and units.
+
+use crate::enc::Invalid;
+use crate::enc::cursor::{Cursor, Lexical};
+use crate::enc::datum::Datums;
+use crate::enc::iso8211::Record;
+use crate::enc::layout::other_product;
+
+/// The purpose of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// A whole cell (`.000`).
+    Base,
+    /// Changes to one.
+    Update,
+}
+
+/// The cell that a file belongs to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Identity {
+    /// What the file is for.
+    pub purpose: Purpose,
+    /// Name of the file that it was issued as.
+    pub name: String,
+    /// Edition; an update is for the cell of the same one.
+    pub edition: String,
+    /// Number of the last update that it includes: 0 for a new edition.
+    pub update: u32,
+    /// Date of issue, as YYYYMMDD.
+    pub issued: String,
+}
+
+/// The units of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Parameters {
+    /// Units of coordinates per degree.
+    pub per_degree: f64,
+    /// Units of depths per metre.
+    pub per_metre: f64,
+    /// Compilation scale: 1 to this.
+    pub scale: u32,
+    /// The datums of heights and depths.
+    pub datums: Datums,
+}
+
+/// The contents of a file.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Structure {
+    /// How national text is written.
+    pub national: Lexical,
+    /// Records of objects, isolated nodes, connected nodes, edges.
+    pub records: [u32; 4],
+}
+
+/// Reads the record that identifies a file and describes its contents.
+pub(crate) fn identity(record: &Record<'_>) -> Result<(Identity, Structure), Invalid> {
+    let mut own = Cursor::needed(record, "DSID")?;
+    own.u8()?;
+    own.u32()?;
+    let purpose = own.u8()?;
+    own.u8()?;
+    let mut text = || own.text(Lexical::Latin);
+    let (name, edition, update) = (text()?, text()?, text()?);
+    own.letters::<8>()?;
+    let issued = own.letters::<8>()?;
+    let standard = own.letters::<4>()?;
+    let product = own.u8()?;
+    if product != 1 {
+        return Err(other_product(&format!("product {product} of S-57 {standard}")));
+    }
+    let refuse = |thing: &str, found: String, expected: &str| {
+        Invalid::new(thing, found, expected, "download the cell again")
+    };
+    let update = update.trim();
+    let number = if update.is_empty() { Ok(0) } else { update.parse() };
+    let update =
+        number.map_err(|_| refuse("number of the update (UPDN)", format!("`{update}`"), "a whole number"))?;
+    let purpose = match purpose {
+        1 => Purpose::Base,
+        2 => Purpose::Update,
+        other => return Err(refuse("purpose (EXPP)", other.to_string(), "1, a new cell, or 2, a revision")),
+    };
+    let identity = Identity { purpose, name, edition: edition.trim().to_owned(), update, issued };
+    Ok((identity, structure(record)?))
+}
+
+fn structure(record: &Record<'_>) -> Result<Structure, Invalid> {
+    let mut own = Cursor::needed(record, "DSSI")?;
+    let (topology, _, national) = (own.u8()?, own.u8()?, own.u8()?);
+    if topology != 2 {
+        let found = format!("structure {topology}");
+        let remedy = "take the cell of the ENC product";
+        return Err(Invalid::new("topology (DSTR)", found, "2, chain-node, as in every ENC", remedy));
+    }
+    let [meta, cartographic, geo, collections] = [own.u32()?, own.u32()?, own.u32()?, own.u32()?];
+    let objects = [cartographic, geo, collections].iter().fold(meta, |sum, n| sum.saturating_add(*n));
+    let national = if national == 2 { Lexical::Ucs2 } else { Lexical::Latin };
+    Ok(Structure { national, records: [objects, own.u32()?, own.u32()?, own.u32()?] })
+}
+
+/// The record of a cell that states its units.
+pub(crate) fn parameters(record: &Record<'_>) -> Result<Parameters, Invalid> {
+    let mut own = Cursor::needed(record, "DSPM")?;
+    own.u8()?;
+    own.u32()?;
+    let datum = own.u8()?;
+    let datums = Datums { heights: own.u8()?, depths: own.u8()? };
+    let scale = own.u32()?;
+    let [depths, heights, positions, coordinates] = [own.u8()?, own.u8()?, own.u8()?, own.u8()?];
+    let (per_degree, per_metre) = (own.u32()?, own.u32()?);
+    let one = |thing: &str, found: u8, expected: u8, what: &str| match found == expected {
+        true => Ok(()),
+        false => Err(refuse(thing, found.to_string(), &format!("{expected}, {what}"))),
+    };
+    one("horizontal datum (HDAT)", datum, 2, "WGS84, as in every ENC")?;
+    one("unit of depths (DUNI)", depths, 1, "metres")?;
+    one("unit of heights (HUNI)", heights, 1, "metres")?;
+    one("unit of positions (PUNI)", positions, 1, "metres")?;
+    one("unit of coordinates (COUN)", coordinates, 1, "longitude and latitude")?;
+    if per_degree == 0 || per_metre == 0 {
+        let found = format!("{per_degree} and {per_metre}");
+        return Err(refuse("factors of coordinates and soundings (COMF, SOMF)", found, "numbers above 0"));
+    }
+    Ok(Parameters { per_degree: per_degree.into(), per_metre: per_metre.into(), scale, datums })
+}
+
+fn refuse(thing: &str, found: String, expected: &str) -> Invalid {
+    Invalid::new(thing, found, expected, "take the cell of the ENC product")
+}

@@ -1,0 +1,181 @@
+//! From nodes and edges to geometries.
+
+use std::cell::Cell;
+use std::collections::BTreeMap;
+
+use crate::enc::attribute::QUAPOS;
+use crate::enc::dataset::Parameters;
+use crate::enc::record::{EDGE, Name, Object, Pointer, Vector};
+use crate::enc::rings::{Place, Run, polygons, rings, runs};
+use crate::enc::{Feature, Geometry, Invalid};
+
+const AGAINST: u8 = 2;
+const NEITHER: u8 = 255;
+const INSIDE: u8 = 2;
+const BEGINNING: u8 = 1;
+const END: u8 = 2;
+/// Edges of rings that may be tested for each allowed place.
+const MOST_TESTED: usize = 64;
+
+/// Nodes and edges of a cell.
+pub(crate) struct Topology<'a> {
+    vectors: &'a BTreeMap<Name, Vector>,
+    parameters: Parameters,
+    most_places: u64,
+    /// The remaining places.
+    left: Cell<u64>,
+}
+
+/// Places and ends of all nodes and edges, as stored.
+pub(crate) fn stored(vectors: &BTreeMap<Name, Vector>) -> u64 {
+    vectors.values().map(|own| (1 + own.points.items.len() + own.ends.items.len()) as u64).sum()
+}
+
+impl<'a> Topology<'a> {
+    /// For objects with at most `most_places` places, counted as often as they are used.
+    pub(crate) fn new(vectors: &'a BTreeMap<Name, Vector>, parameters: Parameters, most_places: u64) -> Self {
+        Self { vectors, parameters, most_places, left: Cell::new(most_places) }
+    }
+}
+
+impl Topology<'_> {
+    /// Counts places before they are created.
+    fn count(&self, places: usize, feature: &Feature) -> Result<(), Invalid> {
+        let Some(left) = self.left.get().checked_sub(places as u64) else {
+            let found = format!("objects of more than {} places up to it", self.most_places);
+            let expected = format!(
+                "a cell of at most {} places, each counted as often as objects use it",
+                self.most_places
+            );
+            let remedy = "allow more memory, or report the cell to its producer";
+            return Err(Invalid::new(feature.named(), found, expected, remedy));
+        };
+        self.left.set(left);
+        Ok(())
+    }
+
+    /// An object with its geometry.
+    pub(crate) fn feature(&self, object: &Object) -> Result<Feature, Invalid> {
+        let (producer, number, part) = object.id;
+        let mut feature = Feature {
+            class: object.class,
+            id: format!("{producer}-{number}-{part}"),
+            attributes: object.attributes.clone(),
+            geometry: Geometry::None,
+            position_quality: Vec::new(),
+        };
+        let pointers = &object.pointers.items;
+        feature.position_quality = self.quality(pointers, &feature)?;
+        feature.geometry = match object.primitive {
+            1 => self.points(pointers, &feature)?,
+            2 => Geometry::Lines(self.degrees(runs(self.edges(pointers, &feature)?))),
+            3 => self.area(pointers, &feature)?,
+            _ => Geometry::None,
+        };
+        Ok(feature)
+    }
+
+    fn vector(&self, name: Name, feature: &Feature) -> Result<&Vector, Invalid> {
+        self.vectors.get(&name).ok_or_else(|| {
+            Invalid::new(
+                feature.named(),
+                format!("vector record {}-{}, which the cell lacks", name.0, name.1),
+                "nodes and edges of the cell",
+                "take base cell and updates of one edition, as their producer issued them",
+            )
+        })
+    }
+
+    /// The stated quality of the positions of an object's nodes and edges.
+    fn quality(&self, pointers: &[Pointer], feature: &Feature) -> Result<Vec<u8>, Invalid> {
+        let mut all = Vec::new();
+        for pointer in pointers {
+            let own = self.vector(pointer.name, feature)?.attributes.get(&QUAPOS.0);
+            all.extend(own.and_then(|text| text.trim().parse::<u8>().ok()));
+        }
+        all.sort_unstable();
+        all.dedup();
+        Ok(all)
+    }
+
+    /// Points; those with a depth as soundings.
+    fn points(&self, pointers: &[Pointer], feature: &Feature) -> Result<Geometry, Invalid> {
+        let mut places = Vec::new();
+        for pointer in pointers {
+            let own = &self.vector(pointer.name, feature)?.points.items;
+            self.count(own.len(), feature)?;
+            places.extend(own);
+        }
+        let own = |[lat, lon, _]: [i32; 3]| self.degree([lon, lat]);
+        if feature.class != crate::enc::class("SOUNDG").unwrap_or_default() {
+            return Ok(Geometry::Points(places.into_iter().map(own).collect()));
+        }
+        let sounding = |place: [i32; 3]| {
+            let [lon, lat] = own(place);
+            [lon, lat, f64::from(place[2]) / self.parameters.per_metre]
+        };
+        Ok(Geometry::Soundings(places.into_iter().map(sounding).collect()))
+    }
+
+    fn area(&self, pointers: &[Pointer], feature: &Feature) -> Result<Geometry, Invalid> {
+        let (inside, outside): (Vec<Pointer>, Vec<Pointer>) =
+            pointers.iter().partition(|p| p.usage == INSIDE);
+        let (outside, inside) = (self.edges(&outside, feature)?, self.edges(&inside, feature)?);
+        let closed = |edges: Vec<Run>| {
+            rings(edges).map_err(|[lon, lat]| {
+                let [lon, lat] = self.degree([lon, lat]);
+                let found = format!("a boundary that ends at {lon}, {lat}");
+                let remedy = "take base cell and updates of one edition, as their producer issued them";
+                Invalid::new(feature.named(), found, "closed rings", remedy)
+            })
+        };
+        let count = |looked_at: usize| self.count(looked_at / MOST_TESTED, feature);
+        let polygons = polygons(closed(outside)?, closed(inside)?, count)?;
+        Ok(Geometry::Area(polygons.into_iter().map(|rings| self.degrees(rings)).collect()))
+    }
+
+    /// The edges that pointers refer to, in their direction.
+    fn edges(&self, pointers: &[Pointer], feature: &Feature) -> Result<Vec<Run>, Invalid> {
+        pointers.iter().map(|pointer| self.edge(pointer, feature)).collect()
+    }
+
+    fn edge(&self, pointer: &Pointer, feature: &Feature) -> Result<Run, Invalid> {
+        let edge = self.vector(pointer.name, feature)?;
+        if edge.name.0 != EDGE {
+            let found = format!("node {}-{}", edge.name.0, edge.name.1);
+            return Err(Invalid::new(feature.named(), found, "edges", "report it to the chart's producer"));
+        }
+        self.count(edge.points.items.len() + edge.ends.items.len(), feature)?;
+        let end = |topology: u8| -> Result<Option<Place>, Invalid> {
+            let Some(pointer) = edge.ends.items.iter().find(|p| p.topology == topology) else {
+                return Ok(None);
+            };
+            let node = self.vector(pointer.name, feature)?;
+            Ok(node.points.items.first().map(|[lat, lon, _]| [*lon, *lat]))
+        };
+        let between = edge.points.items.iter().map(|[lat, lon, _]| [*lon, *lat]);
+        let (first, last) = (end(BEGINNING)?, end(END)?);
+        let mut places: Vec<Place> = first.into_iter().chain(between).chain(last).collect();
+        if places.len() < 2 {
+            let found = format!("edge {}-{} of {} places", edge.name.0, edge.name.1, places.len());
+            return Err(Invalid::new(
+                feature.named(),
+                found,
+                "at least two",
+                "report it to the chart's producer",
+            ));
+        }
+        if pointer.orientation == AGAINST {
+            places.reverse();
+        }
+        Ok(Run { places, either_way: pointer.orientation == NEITHER })
+    }
+
+    fn degrees(&self, lines: Vec<Vec<Place>>) -> Vec<Vec<[f64; 2]>> {
+        lines.into_iter().map(|line| line.into_iter().map(|place| self.degree(place)).collect()).collect()
+    }
+
+    fn degree(&self, place: Place) -> [f64; 2] {
+        place.map(|units| f64::from(units) / self.parameters.per_degree)
+    }
+}

@@ -1,0 +1,227 @@
+//! A study's folders and stages.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use files::{Error, Provenance, read_hand_written, trace};
+use refusal::{Invalid, foreign};
+use ship::model::VesselFile;
+
+use study::files::read_ingest;
+use study::ingest_file::recordings::find;
+use study::refuse;
+
+use crate::pipeline::folders::Folders;
+use crate::pipeline::settings::Settings;
+use crate::pipeline::steps::{Shape, Step, measured, simulated, simulated_logs};
+
+/// The hand-written files that a study needs, what each is, and which of the two kinds of `new` write it.
+const WRITTEN: [(&str, &str, &str); 4] = [
+    ("vessel.toml", "the ship and its model", "--vessel <preset>"),
+    ("dictionary.toml", "the maneuvers", "--vessel <preset>"),
+    ("campaign.toml", "disturbances, noise and number of the simulated trials", "--vessel <preset>"),
+    ("ingest.toml", "what is in the logs", "--vessel <preset> --logs <folder>"),
+];
+
+/// A study: its folders and stages.
+#[derive(Debug)]
+pub struct Pipeline {
+    pub(crate) folders: Folders,
+    dictionary: PathBuf,
+    logs: PathBuf,
+    /// The stages in the order in which they run.
+    pub steps: Vec<Step>,
+}
+
+impl Pipeline {
+    /// The study in the folder `study` with these `settings`, whose results are in `out`, with the logs in `logs` or where its
+    /// settings say.
+    ///
+    /// # Errors
+    /// No such folder, no study in it, a missing file.
+    pub fn read(study: &Path, out: &Path, settings: &Settings, logs: Option<&Path>) -> Result<Self, Error> {
+        let has = |name: &str| study.join(name).is_file();
+        check_study(study)?;
+        let mut shape = Shape {
+            plans: plans(study)?,
+            has_reference: has("reference.toml"),
+            has_next: has("next/dictionary.toml") && has("next/campaign.toml"),
+            next_is_charted: has("next/plan.toml"),
+            is_of_forces: is_of_forces(study),
+            recordings: 0,
+        };
+        let from_instruments = has("logs.toml");
+        let folders = Folders { study: study.to_owned(), out: out.to_owned() };
+        let mut pipeline =
+            Self { folders, dictionary: PathBuf::new(), logs: PathBuf::new(), steps: Vec::new() };
+        pipeline.dictionary = pipeline.resolved(settings.or("DICTIONARY", "\0study/dictionary.toml")).into();
+        let own = || pipeline.resolved(settings.or("LOGS", "\0study/logs")).into();
+        pipeline.logs = match logs {
+            _ if from_instruments => out.join("logs"),
+            Some(logs) => logs.to_owned(),
+            None => own(),
+        };
+        if !from_instruments && has("ingest.toml") {
+            shape.recordings = recordings(study, &pipeline.logs);
+        }
+        pipeline.steps = if from_instruments {
+            let selection = "--estimator iv --nominal least-squares --realizations 500";
+            let settings = settings.selecting();
+            [simulated_logs().to_vec(), measured(&settings, &shape, selection)].concat()
+        } else if has("ingest.toml") {
+            measured(settings, &shape, "--estimator iv --nominal least-squares")
+        } else {
+            simulated(settings, &shape)
+        };
+        pipeline.check()?;
+        Ok(pipeline)
+    }
+
+    /// Keeps the stage called `name` and those that it needs.
+    ///
+    /// # Errors
+    /// No such stage.
+    pub fn until(&mut self, name: &str) -> Result<(), Invalid> {
+        let names = || self.steps.iter().map(|step| step.name.as_str());
+        let Some(last) = names().position(|own| own == name) else {
+            return Err(Invalid::unknown("stage", name, names()));
+        };
+        self.steps.truncate(last + 1);
+        let mut needed: Vec<Step> = Vec::new();
+        for step in self.steps.drain(..).rev() {
+            let is_read = |later: &Step| reads(later, &step);
+            if needed.is_empty() || needed.iter().any(is_read) {
+                needed.push(step);
+            }
+        }
+        needed.reverse();
+        self.steps = needed;
+        Ok(())
+    }
+
+    /// The path or word that `word` of a command line stands for.
+    pub fn resolved(&self, word: &str) -> OsString {
+        let Folders { study, out } = &self.folders;
+        let paths = [("study", study), ("dictionary", &self.dictionary), ("logs", &self.logs), ("out", out)];
+        let mut parts = word.split('\0');
+        let mut whole = OsString::from(parts.next().unwrap_or_default());
+        for part in parts {
+            let named = paths.iter().find_map(|(name, path)| Some((path, part.strip_prefix(name)?)));
+            let (path, rest) = named.map_or((Path::new(""), part), |(path, rest)| (path.as_path(), rest));
+            whole.push(path);
+            whole.push(rest);
+        }
+        whole
+    }
+
+    /// The main file of `step`.
+    pub fn main(&self, step: &Step) -> PathBuf {
+        PathBuf::from(self.resolved(&step.outputs[0]))
+    }
+
+    /// Traces what the next stage reads and writes.
+    ///
+    /// # Errors
+    /// No folder of results.
+    pub fn trace(&self) -> Result<(), Error> {
+        trace(&self.folders.study, &self.folders.out)
+    }
+
+    /// `words` as they stand in a record.
+    pub(crate) fn recorded(&self, words: &[String]) -> Vec<String> {
+        let key = |path: &Path| self.folders.key(path);
+        let paths = [("\0dictionary", key(&self.dictionary)), ("\0logs", key(&self.logs))];
+        let recorded = |word: &String| {
+            let own = word.replace('{', "{{").replace("\0study", "{study}").replace("\0out", "{out}");
+            paths.iter().fold(own, |word, (name, path)| word.replace(name, path))
+        };
+        words.iter().map(recorded).collect()
+    }
+
+    /// Refuses a study that lacks a file that no stage writes.
+    fn check(&self) -> Result<(), Error> {
+        let written: Vec<&String> = self.steps.iter().flat_map(|step| &step.outputs).collect();
+        let read = self.steps.iter().flat_map(Step::inputs);
+        for word in read.filter(|word| !word.starts_with("\0out") && !written.iter().any(|own| own == word)) {
+            let path = PathBuf::from(self.resolved(word));
+            if word == "\0logs" && !path.is_dir() && !written.iter().any(|own| own.starts_with("\0out/logs/"))
+            {
+                let remedy = "name it with --logs, or write LOGS = <folder> into study.mk";
+                return Err(refuse(&path, "--logs", "no such folder", "the folder of the logs", remedy));
+            }
+            if path.extension().is_some() && !path.exists() {
+                return Err(lacking(&path));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether `later` reads what `step` writes.
+fn reads(later: &Step, step: &Step) -> bool {
+    let is_page = later.words.first().is_some_and(|word| word == "report");
+    let logs = later.inputs().any(|word| word == "\0logs") && step.name == "logs";
+    is_page || logs || later.inputs().any(|word| step.outputs.iter().any(|own| own == word))
+}
+
+/// Refuses what is no folder, and a folder without any file of a study.
+fn check_study(study: &Path) -> Result<(), Error> {
+    let remedy = "`seatrial new <folder> --vessel <preset>` writes a study";
+    if !study.is_dir() {
+        return Err(refuse(study, "study", "no such folder", "a folder with vessel.toml", remedy));
+    }
+    if WRITTEN.iter().all(|(name, ..)| !study.join(name).exists()) {
+        let expected = "vessel.toml, dictionary.toml and campaign.toml, or vessel.toml and ingest.toml";
+        return Err(refuse(study, "study", "none of a study's files", expected, remedy));
+    }
+    Ok(())
+}
+
+/// A refusal of a study without the hand-written file at `path`.
+fn lacking(path: &Path) -> Error {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let (expected, remedy) = match WRITTEN.iter().find(|(own, ..)| *own == name) {
+        Some((_, what, flags)) => {
+            (*what, format!("write it; `seatrial new <folder> {flags}` writes one to begin with"))
+        }
+        None => ("the file that its stage reads", format!("write {}", foreign(&name))),
+    };
+    refuse(path, "file", "no such file", expected, &remedy)
+}
+
+/// Whether forces describe the ship in the folder `study`; a file that cannot be read is refused by the stage that needs it.
+fn is_of_forces(study: &Path) -> bool {
+    let vessel = read_hand_written(study.join("vessel.toml"));
+    vessel.is_ok_and(|text| text.parse::<VesselFile>().is_ok_and(|vessel| vessel.is_of_forces()))
+}
+
+/// How many recordings the `logs` of a study are; none where a file is refused, as by the stage that needs it.
+fn recordings(study: &Path, logs: &Path) -> usize {
+    let file = study.join("ingest.toml");
+    let read = || {
+        let config = read_ingest(&file, &mut Provenance::default()).ok()?;
+        Some(find(&config, &config.naming().ok()?, &file, logs).ok()?.len())
+    };
+    read().unwrap_or(0)
+}
+
+/// Names of the files `plan.toml` and `plan-<name>.toml` in `study`, without `.toml`, sorted.
+fn plans(study: &Path) -> Result<Vec<String>, Error> {
+    let entries = std::fs::read_dir(study).map_err(|e| Error::io(study, "list", e))?;
+    let mut plans = Vec::new();
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let text = name.to_string_lossy();
+        let Some(plan) = text.strip_suffix(".toml") else { continue };
+        if plan != "plan" && !plan.starts_with("plan-") {
+            continue;
+        }
+        if name.to_str().is_none() {
+            let (found, expected) = ("a plan whose name is not UTF-8", "a name in UTF-8");
+            return Err(refuse(&entry.path(), "file", found, expected, "rename it"));
+        }
+        plans.push(plan.to_owned());
+    }
+    plans.sort();
+    Ok(plans)
+}

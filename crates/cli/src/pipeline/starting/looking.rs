@@ -1,0 +1,370 @@
+//! Looks at a folder of logs: which files, which columns or topics, of which ship.
+
+use std::collections::BTreeSet;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use files::{Error, open};
+use flate2::read::MultiGzDecoder;
+use logs::Format;
+use logs::guess::{BagGuess, Guess, Head, Named, Needed, Placed, SentenceGuess};
+use refusal::{foreign, listed};
+
+use study::ingest_file::read::check_format;
+use study::{invalid, refuse};
+
+use super::bags::{self, BAGS};
+use super::sentences::{self, PERHAPS, SENTENCES, is_of_sentences};
+use super::table::{self, PARQUET};
+
+/// Bytes of a log that are looked at.
+const LOOKED: u64 = 1 << 17;
+
+/// Channels of the relative wind, of which a model needs both.
+const WIND: [&str; 2] = ["wind", "wind_from"];
+
+/// Endings of files in CSV.
+const CSV: [&str; 3] = [".csv", ".csv.gz", ".tsv"];
+
+/// Endings of logs that only a person can describe.
+const OTHERS: [&str; 2] = [".bin", ".mat"];
+
+/// What is in the first of the logs.
+#[derive(Debug)]
+pub enum Found {
+    /// Columns, and what they are likely to be.
+    Table(Head, Guess),
+    /// Topics, and what they are likely to be.
+    Bag(BagGuess),
+    /// Fields of sentences, and what they are likely to be.
+    Sentences(SentenceGuess),
+}
+
+/// What a folder of logs has.
+#[derive(Debug)]
+pub struct Looked {
+    /// The folder.
+    pub folder: PathBuf,
+    /// Patterns of its files, such as `zigzag/*.csv`.
+    pub patterns: Vec<String>,
+    /// The files, sorted.
+    pub files: Vec<String>,
+    /// The length of a usual one \[s\], about.
+    pub(super) usual_s: f64,
+    /// What is in the first of them.
+    pub found: Found,
+    /// Logs of other formats beside them.
+    pub others: Vec<String>,
+}
+
+/// Least size of the file of a recording that is kept apart, as a part of a usual one: windows are up to 0.9 as long as that.
+const LONG: f64 = 0.95;
+
+impl Looked {
+    /// Looks at the logs in `folder` and in its subfolders, for a model that needs the channels `needed`.
+    ///
+    /// # Errors
+    /// A folder that cannot be listed; no log in CSV or Parquet, no bag and no sentences; logs of several ships, or with different columns;
+    /// columns that fit one channel equally; bags of several formats, or that cannot be read; sentences without a time.
+    pub fn at(folder: &Path, needed: &[Needed]) -> Result<Self, Error> {
+        if !folder.is_dir() {
+            let remedy = "name the folder of the logs";
+            return Err(refuse(folder, "--logs", "no such folder", "a folder with logs", remedy));
+        }
+        let mut names = Vec::new();
+        list(folder, "", &mut names)?;
+        names.sort();
+        let all = names.clone();
+        let (mut files, mut rest): (Vec<String>, Vec<String>) =
+            names.into_iter().partition(|name| ends(name, &CSV));
+        if files.is_empty() {
+            (files, rest) = rest.into_iter().partition(|name| ends(name, &PARQUET));
+        }
+        let (bags, rest): (Vec<String>, Vec<String>) = rest.into_iter().partition(|name| ends(name, &BAGS));
+        let is_said = |name: &String| {
+            ends(name, &SENTENCES) || ends(name, &PERHAPS) && is_of_sentences(&folder.join(name))
+        };
+        let (said, rest): (Vec<String>, Vec<String>) = rest.into_iter().partition(is_said);
+        let others = rest.into_iter().filter(|name| ends(name, &OTHERS) || ends(name, &PARQUET));
+        match (files.is_empty(), bags.is_empty(), said.is_empty()) {
+            (false, ..) => {
+                let others = bags.into_iter().chain(said).chain(others).collect();
+                Self::of_tables(folder, files, others, needed)
+            }
+            (true, false, _) => Self::of_bags(folder, bags, said.into_iter().chain(others).collect(), needed),
+            (true, true, false) => Self::of_sentences(folder, said, others.collect(), needed),
+            (true, true, true) => Err(no_log(folder, &all)),
+        }
+    }
+
+    fn of_tables(
+        folder: &Path,
+        files: Vec<String>,
+        others: Vec<String>,
+        needed: &[Needed],
+    ) -> Result<Self, Error> {
+        let first = &files[0];
+        let seen: Vec<Seen> =
+            files.iter().map(|file| Seen::of(&folder.join(file))).collect::<Result<_, _>>()?;
+        for (file, own) in files.iter().zip(&seen) {
+            check_columns(folder, (first, &seen[0].head), (file, &own.head))?;
+        }
+        check_ships(folder, files.iter().zip(&seen))?;
+        let mut rows: Vec<f64> = seen.iter().map(|own| own.rows).collect();
+        rows.sort_by(f64::total_cmp);
+        let (usual_rows, head) = (rows[rows.len() / 2], seen[0].head.clone());
+        let guess = Guess::of(&head, needed);
+        let Some(clock) = &guess.clock else {
+            let found = format!("none that is called a time or increases among {}", listed(&head.columns));
+            let remedy = "write ingest.toml yourself, with its `time` (docs/own-logs.md)";
+            return Err(refuse(&folder.join(first), "time", &found, "a column with the time", remedy));
+        };
+        let usual_s = usual_rows * clock.step_s;
+        let (folder, patterns) = (folder.to_owned(), patterns(&files, &[CSV.as_slice(), &PARQUET].concat()));
+        Ok(Self { folder, patterns, files, usual_s, found: Found::Table(head, guess), others })
+    }
+
+    fn of_bags(
+        folder: &Path,
+        files: Vec<String>,
+        others: Vec<String>,
+        needed: &[Needed],
+    ) -> Result<Self, Error> {
+        let guess = bags::guessed(folder, &files, needed)?;
+        let (folder, patterns, usual_s) = (folder.to_owned(), patterns(&files, &BAGS), guess.length_s);
+        Ok(Self { folder, patterns, files, usual_s, found: Found::Bag(guess), others })
+    }
+
+    fn of_sentences(
+        folder: &Path,
+        files: Vec<String>,
+        others: Vec<String>,
+        needed: &[Needed],
+    ) -> Result<Self, Error> {
+        let guess = sentences::guessed(&folder.join(&files[0]), needed)?;
+        let patterns = patterns(&files, &[SENTENCES.as_slice(), &PERHAPS].concat());
+        let (folder, usual_s, found) = (folder.to_owned(), guess.length_s, Found::Sentences(guess));
+        Ok(Self { folder, patterns, files, usual_s, found, others })
+    }
+
+    /// Recordings that a model may be tried on: one of every five, none of fewer than three. Names that study.mk cannot hold
+    /// are passed over, and recordings whose file is shorter than a usual one, which may have no window.
+    pub(super) fn kept_apart(&self) -> Vec<&str> {
+        let is_plain = |name: &&str| name.chars().all(|c| c.is_alphanumeric() || "-_.+".contains(c));
+        let name = |file: &'_ String| {
+            let lower = file.to_lowercase();
+            let known = CSV.iter().chain(&PARQUET).chain(&BAGS).chain(&SENTENCES).chain(&PERHAPS);
+            let end = known.filter(|end| lower.ends_with(*end)).map(|end| end.len()).max().unwrap_or(0);
+            file.rfind('/').map_or(0, |slash| slash + 1)..file.len() - end
+        };
+        let size = |file: &String| std::fs::metadata(self.folder.join(file)).map_or(0, |own| own.len());
+        let mut sizes: Vec<u64> = self.files.iter().map(size).collect();
+        sizes.sort_unstable();
+        let usual = sizes[sizes.len() / 2] as f64;
+        let is_long = |file: &&String| size(file) as f64 > LONG * usual;
+        let five = self.files.chunks(5).filter(|own| own.len() > 2);
+        let one = five.filter_map(|own| {
+            let (before, after) = own.split_at(2);
+            let all = after.iter().chain(before).filter(is_long);
+            all.map(|file| &file[name(file)]).find(is_plain)
+        });
+        one.collect()
+    }
+
+    /// How many lines of `ingest.toml` are guessed.
+    pub fn guessed(&self) -> usize {
+        let marks = |placed: &[Placed]| -> usize {
+            let marks = placed
+                .iter()
+                .map(|own| usize::from(own.is_channel_guessed) + usize::from(own.is_unit_guessed));
+            marks.sum()
+        };
+        match &self.found {
+            Found::Table(_, guess) => {
+                marks(&guess.placed) + guess.clock.iter().filter(|clock| clock.is_unit_guessed).count()
+            }
+            Found::Bag(guess) => guess.topics.iter().map(|topic| marks(&topic.placed)).sum(),
+            Found::Sentences(guess) => {
+                // The clock, and what else stands on a line of its own.
+                marks(&guess.placed)
+                    + 1
+                    + usize::from(guess.is_unchecked)
+                    + usize::from(!guess.prefer.is_empty())
+            }
+        }
+    }
+
+    /// Whether the relative wind's speed and direction are logged: then the model takes both.
+    pub(super) fn take_wind(&mut self) -> bool {
+        let is_whole = WIND.iter().all(|channel| self.placed().any(|own| own.channel == *channel));
+        let placed: Vec<&mut Placed> = match &mut self.found {
+            Found::Table(_, guess) => guess.placed.iter_mut().collect(),
+            Found::Bag(guess) => guess.topics.iter_mut().flat_map(|topic| &mut topic.placed).collect(),
+            Found::Sentences(guess) => guess.placed.iter_mut().collect(),
+        };
+        for own in placed.into_iter().filter(|own| is_whole && WIND.contains(&own.channel.as_str())) {
+            own.is_optional = false;
+        }
+        is_whole
+    }
+
+    /// The channel of the wind that is not used, for the other is not logged, and what it lacks.
+    pub fn half_a_wind(&self) -> Option<[&'static str; 2]> {
+        let has = |channel: &str| self.placed().any(|own| own.channel == channel);
+        match WIND.map(has) {
+            [true, false] => Some([WIND[0], "direction"]),
+            [false, true] => Some([WIND[1], "speed"]),
+            _ => None,
+        }
+    }
+
+    fn placed(&self) -> Box<dyn Iterator<Item = &Placed> + '_> {
+        match &self.found {
+            Found::Table(_, guess) => Box::new(guess.placed.iter()),
+            Found::Bag(guess) => Box::new(guess.topics.iter().flat_map(|topic| &topic.placed)),
+            Found::Sentences(guess) => Box::new(guess.placed.iter()),
+        }
+    }
+
+    /// Channels of the model that were not found.
+    pub fn missing(&self) -> &[Needed] {
+        match &self.found {
+            Found::Table(_, guess) => &guess.missing,
+            Found::Bag(guess) => &guess.missing,
+            Found::Sentences(guess) => &guess.missing,
+        }
+    }
+}
+
+fn ends(name: &str, ends: &[&str]) -> bool {
+    ends.iter().any(|end| name.to_lowercase().ends_with(end))
+}
+
+/// Appends the files below `folder/below` to `names`.
+fn list(folder: &Path, below: &str, names: &mut Vec<String>) -> Result<(), Error> {
+    let here = folder.join(below);
+    let unreadable = |e| Error::io(&here, "list", e);
+    for entry in std::fs::read_dir(&here).map_err(unreadable)? {
+        let entry = entry.map_err(unreadable)?;
+        let Ok(name) = entry.file_name().into_string() else { continue };
+        let name = if below.is_empty() { name } else { format!("{below}/{name}") };
+        let kind = entry.file_type().map_err(unreadable)?;
+        if kind.is_dir() && !name.starts_with('.') {
+            list(folder, &name, names)?;
+        } else if !kind.is_dir() {
+            names.push(name);
+        }
+    }
+    Ok(())
+}
+
+/// What was seen of a log.
+struct Seen {
+    head: Head,
+    /// Its rows, about.
+    rows: f64,
+}
+
+impl Seen {
+    /// The columns and first rows of the log at `path`.
+    fn of(path: &Path) -> Result<Self, Error> {
+        check_format(path, Format::of(&path.to_string_lossy()), true)?;
+        if ends(&path.to_string_lossy(), &PARQUET) {
+            let (head, rows) = table::head(path)?;
+            return Ok(Self { head, rows: rows as f64 });
+        }
+        let unreadable = |e| Error::io(path, "read", e);
+        let file = open(path)?;
+        let length = file.metadata().map_err(unreadable)?.len();
+        let mut bytes = Vec::new();
+        let is_packed = path.extension().is_some_and(|end| end == "gz");
+        match is_packed {
+            // Damage is reported when the file is ingested.
+            true => drop(MultiGzDecoder::new(file).take(LOOKED).read_to_end(&mut bytes)),
+            false => drop(file.take(LOOKED).read_to_end(&mut bytes).map_err(unreadable)?),
+        }
+        let text = String::from_utf8_lossy(&bytes);
+        let head = Head::of_csv(&text).map_err(|wrong| invalid(path, &wrong))?;
+        let unseen = if is_packed { 1.0 } else { length as f64 / bytes.len() as f64 };
+        Ok(Self { head, rows: unseen * (text.lines().count() - 1) as f64 })
+    }
+}
+
+/// The refusal of a folder without a log that is read: the first of `all` whose format is known, by its name.
+fn no_log(folder: &Path, all: &[String]) -> Error {
+    let foreign_log = all.iter().find_map(|name| check_format(&folder.join(name), Format::Csv, true).err());
+    foreign_log.unwrap_or_else(|| {
+        let found = match all {
+            [] => "none".to_owned(),
+            [first, more @ ..] => {
+                format!("`{}` and {} more files, of formats that are not known", foreign(first), more.len())
+            }
+        };
+        let expected = "files that end with .csv, .csv.gz, .tsv, .parquet, .mcap, .bag, .db3, .ulg or .nmea";
+        refuse(folder, "logs", &found, expected, "name the folder of the logs, or their files so")
+    })
+}
+
+/// Refuses a file with other columns than the first one.
+fn check_columns(
+    folder: &Path,
+    (first, known): (&str, &Head),
+    (file, own): (&str, &Head),
+) -> Result<(), Error> {
+    if own.columns == known.columns && own.separator == known.separator {
+        return Ok(());
+    }
+    let lacks = |these: &Head, those: &Head| {
+        let lacking = those.columns.iter().find(|column| !these.columns.contains(column));
+        lacking.map(|column| format!("`{}`", foreign(column)))
+    };
+    let found = match (lacks(known, own), lacks(own, known)) {
+        (Some(more), _) => format!("a column {more} that {} has not", foreign(first)),
+        (None, Some(less)) => format!("no column {less}, which {} has", foreign(first)),
+        (None, None) => {
+            format!("the columns of {} in another order or with another separator", foreign(first))
+        }
+    };
+    let expected = "logs of one ship with the same columns";
+    let remedy =
+        "name a folder with those of one ship, or write a [[file]] for each kind yourself (docs/own-logs.md)";
+    Err(refuse(&folder.join(file), "columns", &found, expected, remedy))
+}
+
+/// Refuses logs that name several ships.
+fn check_ships<'a>(folder: &Path, files: impl Iterator<Item = (&'a String, &'a Seen)>) -> Result<(), Error> {
+    let mut known: Option<(String, String)> = None;
+    for (file, Seen { head, .. }) in files {
+        let Some(at) = head.columns.iter().position(|column| Named::of(column).is_identity()) else {
+            continue;
+        };
+        let ships: BTreeSet<&str> = head.texts(at).collect();
+        for ship in ships {
+            match &known {
+                None => known = Some((ship.to_owned(), file.clone())),
+                Some((other, _)) if other == ship => {}
+                Some((other, before)) => {
+                    let found =
+                        format!("`{}` beside `{}` of {}", foreign(ship), foreign(other), foreign(before));
+                    let thing = format!("column `{}`", foreign(&head.columns[at]));
+                    let remedy = "put the logs of each ship into a folder of its own";
+                    return Err(refuse(&folder.join(file), &thing, &found, "logs of one ship", remedy));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Patterns that match `files`: one for each folder and ending.
+fn patterns(files: &[String], known: &[&str]) -> Vec<String> {
+    let pattern = |name: &String| {
+        let end = known.iter().find(|end| name.to_lowercase().ends_with(*end)).map_or("", |end| {
+            // As the file writes it.
+            &name[name.len() - end.len()..]
+        });
+        let folder = name.rsplit_once('/').map_or(String::new(), |(folder, _)| format!("{folder}/"));
+        format!("{folder}*{end}")
+    };
+    files.iter().map(pattern).collect::<BTreeSet<_>>().into_iter().collect()
+}

@@ -1,0 +1,349 @@
+//! The stages of a study, in order: their command lines and what they write.
+
+use crate::pipeline::settings::Settings;
+
+/// A stage of a study. In its words and outputs `\0study`, `\0dictionary`, `\0logs` and `\0out` stand for the study's folder, its
+/// maneuvers, its logs and its results: no name and no line of a study has a byte 0, so that nothing else is ever replaced.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Its name in the study, such as `design`.
+    pub name: String,
+    /// Its command line without the program: what is a path and not an output is an input.
+    pub words: Vec<String>,
+    /// What it writes, its main file first.
+    pub outputs: Vec<String>,
+    /// Whether the study goes on where it is refused.
+    pub is_optional: bool,
+}
+
+impl Step {
+    /// A stage called `name` with this `line` and `flags`, which writes `outputs` below the folder of the results.
+    fn new(name: &str, line: &str, flags: &str, outputs: &[&str]) -> Self {
+        let outputs: Vec<String> = outputs.iter().map(|name| format!("\0out/{name}")).collect();
+        let words = line.split_whitespace().chain(flags.split_whitespace()).chain(["--out", &outputs[0]]);
+        Self { name: name.to_owned(), words: words.map(str::to_owned).collect(), outputs, is_optional: false }
+    }
+
+    /// The paths that it reads.
+    pub fn inputs(&self) -> impl Iterator<Item = &str> {
+        let words = self.words.iter().map(String::as_str);
+        words.filter(|word| word.starts_with('\0') && !self.outputs.iter().any(|own| own == word))
+    }
+}
+
+/// What is done with a study, and what it has besides the usual files.
+pub struct Shape {
+    /// Names of the files `plan.toml` and `plan-<name>.toml`, without `.toml`.
+    pub plans: Vec<String>,
+    /// Whether it has published results to compare with.
+    pub has_reference: bool,
+    /// Whether `new` wrote what its next trial may consist of.
+    pub has_next: bool,
+    /// Whether its next trial is planned on a chart.
+    pub next_is_charted: bool,
+    /// Whether its ship is described by forces, which are fitted by output error, with priors.
+    pub is_of_forces: bool,
+    /// How many recordings its logs are.
+    pub recordings: usize,
+}
+
+/// Fewest recordings for a search, as many as it has folds.
+pub(crate) const SEARCHED: usize = 6;
+
+const SHIP: &str = "--vessel \0study/vessel.toml";
+const HELM: &str = "--dictionary \0dictionary";
+const SEA: &str = "--campaign \0study/campaign.toml";
+const MADE: &str = "--trajectories \0out/dictionary.parquet";
+const DESIGN: &str = "--design \0out/design.json";
+
+/// The stages of a study that is simulated.
+pub fn simulated(settings: &Settings, shape: &Shape) -> Vec<Step> {
+    let get = |key| settings.get(key);
+    // Where a study does not say others: the best in nine of ten cases measured.
+    let usual = format!("{SEA} --estimator output-error");
+    let (information, arranged) = (settings.or("MOMENTS_FLAGS", &usual), &design_flags(settings));
+    let mut steps = vec![
+        Step::new("dictionary", &format!("simulate dictionary {SHIP} {HELM}"), "", &["dictionary.parquet"]),
+        Step::new("moments", &format!("moments {SHIP} {MADE}"), information, &["moments.json"]),
+        Step::new("design", "design --moments \0out/moments.json", arranged, &["design.json"]),
+        Step::new("validation", &format!("simulate validation {SHIP} {SEA}"), "", &["validation.parquet"]),
+    ];
+    // One-step predictions need terms per sample.
+    let estimator =
+        if shape.is_of_forces { "--estimator output-error" } else { "--estimator prediction-error" };
+    let whole = format!("{SHIP} {HELM} {SEA} {DESIGN}");
+    if get("MONTE_CARLO").is_empty() {
+        steps.push(Step::new("campaign", &format!("simulate campaign {whole}"), "", &["campaign.parquet"]));
+        steps.extend(estimated("", "campaign.parquet", settings, estimator));
+    } else {
+        let line = format!("monte-carlo {whole} --keep estimates");
+        steps.push(Step::new(
+            "monte-carlo",
+            &line,
+            settings.or("ESTIMATE_FLAGS", estimator),
+            &["tally.json"],
+        ));
+    }
+    shape.plans.iter().for_each(|name| steps.extend(planned(name, settings, estimator)));
+    let length_m = get("LENGTH_M");
+    if !length_m.is_empty() {
+        let line = format!("validate merit {SHIP} {HELM} {MADE} --length-m {length_m}");
+        steps.push(Step::new("merit", &line, "", &["merit.json"]));
+    }
+    let line = format!("report --study \0study {HELM} --results \0out");
+    steps.push(Step::new("report", &line, "", &["report.html", "explore.html"]));
+    steps
+}
+
+/// Flags of the design: those of the study beside the usual ones, unless it says what moments or design are for. What the search for
+/// an order does not keep takes its place.
+fn design_flags(settings: &Settings) -> String {
+    let own = settings.get("DESIGN_FLAGS");
+    let has = |flags: &[&str]| own.split([' ', '=']).any(|word| flags.contains(&word));
+    if !settings.get("MOMENTS_FLAGS").is_empty() || has(&["--for", "--criterion", "--figures"]) {
+        return own.to_owned();
+    }
+    let order = match has(&["--segments", "--available", "--most-maneuvers", "--mean-removal", "--arrange"]) {
+        true => String::new(),
+        false => format!("--arrange {SHIP} {HELM} "),
+    };
+    format!("--for output-error --criterion d {order}{own}")
+}
+
+/// Estimates of the runs in `table` by `usual`, below the results' folder `below`, and their scores.
+fn estimated(below: &str, table: &str, settings: &Settings, usual: &str) -> [Step; 2] {
+    let file = |name: &str| format!("{below}{name}");
+    let [estimates, estimate, scores, validation] =
+        ["estimates.parquet", "estimate.json", "scores.parquet", "validation.json"].map(file);
+    let fit = format!("estimate {SHIP} --trajectories \0out/{}", file(table));
+    let score =
+        format!("validate {SHIP} {SEA} --estimates \0out/{estimates} --validation \0out/validation.parquet");
+    let usual = format!("{SEA} {usual}");
+    let (prefix, flags) = (below.replace('/', "-"), settings.or("ESTIMATE_FLAGS", &usual));
+    [
+        Step::new(&format!("{prefix}estimate"), &fit, flags, &[&estimates, &estimate]),
+        Step::new(&format!("{prefix}validate"), &score, "", &[&scores, &validation]),
+    ]
+}
+
+/// The layout on the chart of `name`.toml; that of plan.toml is also simulated, estimated and scored.
+fn planned(name: &str, settings: &Settings, estimator: &str) -> Vec<Step> {
+    let main = if name == "plan" { "plan.json".to_owned() } else { format!("{name}/plan.json") };
+    let line = format!("plan {SHIP} {MADE} {HELM} {DESIGN}");
+    let mut plan = Step::new(name, &line, settings.get("PLAN_FLAGS"), &[&main]);
+    // The name may have blanks.
+    plan.words.extend(["--config".to_owned(), format!("\0study/{name}.toml")]);
+    let mut steps = vec![plan];
+    if name == "plan" {
+        let line = format!("simulate plan {SHIP} {SEA} --plan \0out/plan.json");
+        steps.push(Step::new("planned", &line, "", &["planned/trajectories.parquet"]));
+        steps.extend(estimated("planned/", "trajectories.parquet", settings, estimator));
+    }
+    steps
+}
+
+/// The logs of a study whose instruments are simulated.
+pub fn simulated_logs() -> [Step; 2] {
+    let logs = format!("simulate logs {SHIP} {HELM} --logs \0study/logs.toml");
+    let dictionary = format!("simulate dictionary {SHIP} {HELM}");
+    [
+        Step::new("logs", &logs, "", &["logs/simulated.json"]),
+        // The maneuvers as they are meant, for the report
+        Step::new("dictionary", &dictionary, "", &["measured/dictionary.parquet"]),
+    ]
+}
+
+const LOGGED: &str = "--vessel \0study/vessel.toml --trajectories \0out/measured/trajectories.parquet";
+const RECORDED: &str = "--recordings \0out/measured/ingest.json";
+
+/// The stages of a study with logs.
+pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Vec<Step> {
+    let ingest = format!("ingest --config \0study/ingest.toml {SHIP} --logs \0logs");
+    let recordings = ["measured/trajectories.parquet", "measured/ingest.json"];
+    let mut steps = vec![Step::new("ingest", &ingest, "", &recordings)];
+    steps.extend(match settings.get("ESTIMATOR").is_empty() && shape.recordings >= SEARCHED {
+        true => searched(settings, shape),
+        false => pooled(settings, shape),
+    });
+    if !settings.get("SELECTED").is_empty() {
+        steps.extend(selected(settings, shape, usual_selection));
+    }
+    if shape.has_next || !settings.get("NEXT").is_empty() {
+        steps.extend(next_trial(settings, shape));
+    }
+    let length_m = settings.get("LENGTH_M");
+    if shape.is_of_forces || !length_m.is_empty() {
+        let flags = if length_m.is_empty() { String::new() } else { format!("--length-m {length_m}") };
+        steps.push(Step::new("merit", &format!("validate merit {LOGGED}"), &flags, &["measured/merit.json"]));
+    }
+    let line = "report --study \0study --results \0out/measured";
+    steps.push(Step::new("report", line, "", &["measured/report.html", "measured/explore.html"]));
+    steps
+}
+
+/// The model that recordings are searched for; of a ship with forces the average with these.
+fn searched(settings: &Settings, shape: &Shape) -> Vec<Step> {
+    let (core, delivered) = match shape.is_of_forces {
+        true => ("--core", "average.json"),
+        false => ("", "model.json"),
+    };
+    let model = |name: &str, below: &str, more: &str| {
+        let file = |own: &str| format!("measured/{below}{own}");
+        let files = ["search.json", "model.json", "average.json"].map(file);
+        let outputs: Vec<&str> =
+            files.iter().take(if shape.is_of_forces { 3 } else { 2 }).map(String::as_str).collect();
+        let line = format!("estimate search {LOGGED} {RECORDED} {core} {more}");
+        Step::new(name, &line, settings.get("SEARCH_FLAGS"), &outputs)
+    };
+    let mut steps = vec![model("model", "", "")];
+    let test = settings.get("TEST");
+    let left = shape.recordings.saturating_sub(test.split(',').count());
+    // The second model is not judged by itself: fewer folds do.
+    if !test.is_empty() && left >= SEARCHED {
+        steps.push(model("test-model", "test/", &format!("--folds 3 --leave-out {test}")));
+        steps.push(compared(settings, test, delivered));
+    }
+    steps
+}
+
+/// The vessel's own model of recordings; by its core, where no estimator is set.
+fn pooled(settings: &Settings, shape: &Shape) -> Vec<Step> {
+    let fit = Fit::of(settings, shape);
+    let cross = Step::new(
+        "cross",
+        &format!("validate cross {LOGGED} {RECORDED} {}", fit.in_turns),
+        settings.get("CROSS_FLAGS"),
+        &["measured/crossval.json"],
+    );
+    let mut steps = vec![fit.step("pool", "", &fit.bootstrap), cross];
+    let test = settings.get("TEST");
+    if !test.is_empty() {
+        steps.push(fit.step("test-pool", "test/", &format!("--leave-out {test}")));
+        steps.push(compared(settings, test, "model.json"));
+    }
+    steps
+}
+
+/// How recordings are fitted.
+struct Fit {
+    estimator: String,
+    flags: String,
+    /// Those of `flags` that fits without a recording take, too.
+    in_turns: String,
+    bootstrap: String,
+    /// Whether the model alone is written, without a table of estimates.
+    is_model_alone: bool,
+}
+
+impl Fit {
+    fn of(settings: &Settings, shape: &Shape) -> Self {
+        if shape.is_of_forces {
+            return Self {
+                estimator: settings.or("ESTIMATOR", "output-error").to_owned(),
+                flags: settings.get("POOL_FLAGS").to_owned(),
+                in_turns: String::new(),
+                bootstrap: String::new(),
+                is_model_alone: true,
+            };
+        }
+        let flags = settings.or("POOL_FLAGS", "--nominal least-squares").to_owned();
+        let bootstrap = format!("--bootstrap {}", settings.or("BOOTSTRAP", "1000"));
+        match settings.get("ESTIMATOR") {
+            "" => {
+                let flags = format!("--core {flags}");
+                let in_turns = format!("{flags} --estimators {FEW}");
+                Self { estimator: FEW.to_owned(), flags, in_turns, bootstrap, is_model_alone: false }
+            }
+            own => Self {
+                estimator: own.to_owned(),
+                in_turns: flags.clone(),
+                flags,
+                bootstrap,
+                is_model_alone: false,
+            },
+        }
+    }
+
+    /// The fit with `more` flags, whose results are below the folder `below` of the measured ones.
+    fn step(&self, name: &str, below: &str, more: &str) -> Step {
+        let [table, model] = ["estimates.parquet", "model.json"].map(|own| format!("measured/{below}{own}"));
+        let outputs: &[&str] = if self.is_model_alone { &[&model] } else { &[&table, &model] };
+        let line = format!("estimate pool {LOGGED} {RECORDED} --estimator {} {}", self.estimator, self.flags);
+        Step::new(name, &line, more, outputs)
+    }
+}
+
+/// The estimator of a core from few recordings.
+const FEW: &str = "prediction-error";
+
+/// The `model` of the recordings that are not in `test`, tried on those that are.
+fn compared(settings: &Settings, test: &str, model: &str) -> Step {
+    let line = format!(
+        "validate compare --model \0out/measured/test/{model} --trajectories \0out/measured/trajectories.parquet {RECORDED} --runs \
+         {test}"
+    );
+    Step::new("compare", &line, settings.get("TEST_FLAGS"), &["measured/compare.json"])
+}
+
+/// Sub-experiments that are designed, picked and compared.
+fn selected(settings: &Settings, shape: &Shape, usual_selection: &str) -> [Step; 3] {
+    let design = settings.get("DESIGN_FLAGS");
+    // No more of a maneuver than was logged, unless the study says what is available.
+    let stated = design.contains("--available");
+    let within = if stated { "" } else { "--available \0out/measured/ingest.json" };
+    let reference = if shape.has_reference { "--reference \0study/reference.toml" } else { "" };
+    let (moments, flags) = (format!("moments {LOGGED}"), settings.get("MOMENTS_FLAGS"));
+    let designed = format!("design --moments \0out/measured/moments.json {within}");
+    let picked = format!("validate selection {LOGGED} --design \0out/measured/design.json {reference}");
+    let picks = ["measured/selection.parquet", "measured/selection.json"];
+    [
+        Step::new("moments", &moments, flags, &["measured/moments.json"]),
+        Step::new("design", &designed, design, &["measured/design.json"]),
+        Step::new("selection", &picked, settings.or("SELECTION_FLAGS", usual_selection), &picks),
+    ]
+}
+
+/// The trial after this one: its design by the model that is delivered, what it promises and its plan. Of files that `new` wrote the
+/// study goes on where a stage is refused.
+fn next_trial(settings: &Settings, shape: &Shape) -> Vec<Step> {
+    const HELM: &str = "--dictionary \0study/next/dictionary.toml";
+    const SEA: &str = "--campaign \0study/next/campaign.toml";
+    const MADE: &str = "--trajectories \0out/measured/next/dictionary.parquet";
+    const DESIGN: &str = "--design \0out/measured/next/design.json";
+    // A model that is searched for anew has few terms, and keeps to what was logged.
+    let is_searched = !settings.get("NEXT").is_empty();
+    let (model, allowed) = match is_searched {
+        true => ("--vessel \0out/measured/next/model.json", ""),
+        false => ("--vessel \0out/measured/model.json", "--beyond-range"),
+    };
+    let search = format!("estimate search {LOGGED} {RECORDED}");
+    // A fitted ship may not go straight ahead: that is said.
+    let unreached = if is_searched { "" } else { "--allow-unreached" };
+    let dictionary = format!("simulate dictionary {model} {HELM} {allowed} {unreached}");
+    let moments = format!("moments {model} {MADE} {SEA} --estimator output-error --hold-unexcited");
+    let design = "design --moments \0out/measured/next/moments.json --for output-error";
+    let arranged = format!("--criterion d --arrange {model} {HELM}");
+    let usual = match is_searched {
+        true => "",
+        // Sequences take long to judge for forces, and hardly tell the many terms of a search.
+        false if shape.is_of_forces || shape.recordings >= SEARCHED => "--criterion d",
+        false => &arranged,
+    };
+    let promised = format!("monte-carlo {model} {HELM} {SEA} {DESIGN} --estimator output-error");
+    let found = ["measured/next/search.json", "measured/next/model.json"];
+    let mut steps = vec![
+        Step::new("next-dictionary", &dictionary, "", &["measured/next/dictionary.parquet"]),
+        Step::new("next-moments", &moments, "", &["measured/next/moments.json"]),
+        Step::new("next-design", design, settings.or("NEXT_FLAGS", usual), &["measured/next/design.json"]),
+    ];
+    if is_searched {
+        steps.insert(0, Step::new("search", &search, settings.get("SEARCH_FLAGS"), &found));
+        steps.push(Step::new("next-monte-carlo", &promised, "", &["measured/next/tally.json"]));
+    }
+    if shape.next_is_charted {
+        let line = format!("plan {model} {MADE} {HELM} {DESIGN} --config \0study/next/plan.toml {allowed}");
+        steps.push(Step::new("next-plan", &line, "", &["measured/next/plan.json"]));
+    }
+    steps.iter_mut().for_each(|step| step.is_optional = !is_searched);
+    steps
+}

@@ -1,0 +1,141 @@
+use ship::model::{Degree, DegreeOfFreedom, Model, Term, Variable};
+
+use super::score::Group;
+
+/// Terms of surge to second order: even under exchange of port and starboard. Those of third order are so similar
+/// that a missing term would be misnamed.
+const EVEN: [&str; 5] = ["u", "u |u|", "v r", "v^2", "r^2"];
+/// Terms of sway and yaw: odd.
+const ODD: [&str; 8] = ["v", "r", "u v", "u r", "v |v|", "r |r|", "v |r|", "|v| r"];
+
+/// An effect on the states other than a term, with a column in each degree of freedom.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Effect {
+    /// Inputs act later by a first-order lag.
+    Lag,
+    /// Inputs act a sample later.
+    Delay,
+    /// A steady current in earth axes: north and east.
+    Current(usize),
+}
+
+impl Effect {
+    pub const ALL: [Self; 4] = [Self::Lag, Self::Delay, Self::Current(0), Self::Current(1)];
+
+    /// A plain name for its channel in degree of freedom `d`.
+    fn channel(self, d: usize) -> String {
+        let name = match self {
+            Self::Lag => "lag",
+            Self::Delay => "delay",
+            Self::Current(axis) => ["north", "east"][axis],
+        };
+        format!("_{name}_{}", DegreeOfFreedom::ALL[d].name())
+    }
+}
+
+/// Something that a model may lack.
+#[derive(Clone, Debug)]
+pub(super) struct Candidate {
+    /// The degree of freedom of a term.
+    pub degree: Option<DegreeOfFreedom>,
+    /// Its name: `r |r|`, `lag`, `current`.
+    pub name: String,
+    /// Units of its values.
+    pub unit: String,
+    /// Its columns.
+    pub group: Group,
+}
+
+impl Candidate {
+    /// The name of its degree of freedom.
+    pub fn place(&self) -> Option<&'static str> {
+        self.degree.map(DegreeOfFreedom::name)
+    }
+}
+
+/// The model with all candidates as further terms, whose parameters are zero.
+#[derive(Clone, Debug)]
+pub(super) struct Lifted {
+    /// The terms of the model, then the others, degree by degree; channels of effects follow its own.
+    pub model: Model,
+    /// Indices of the parameters of the original among those of `model`.
+    pub known: Vec<usize>,
+    /// Indices of the others.
+    pub others: Vec<usize>,
+    /// The candidates, with columns among `others`.
+    pub candidates: Vec<Candidate>,
+}
+
+impl Lifted {
+    /// Of `model`, with the effects' channels appended to its own.
+    pub fn new(model: &Model) -> Self {
+        let mut lifted = model.clone();
+        for effect in Effect::ALL {
+            let channels = (0..3).map(|d| Variable { name: effect.channel(d), unit: String::new() });
+            lifted.variables.extend(channels);
+        }
+        let names: Vec<String> = lifted.variables.iter().map(|v| v.name.clone()).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let (mut known, mut others, mut candidates) = (Vec::new(), Vec::new(), Vec::new());
+        let mut effects = Effect::ALL.map(|_| Vec::new());
+        let mut place = 0;
+        for (degree, own) in DegreeOfFreedom::ALL.into_iter().zip(&mut lifted.degrees) {
+            known.extend(place..place + own.terms.len());
+            place += own.terms.len();
+            for (name, term) in absent(model, degree, &names) {
+                candidates.push(Candidate {
+                    degree: Some(degree),
+                    unit: model.unit(degree, &term),
+                    name,
+                    group: Group { unknowns: vec![vec![others.len()]] },
+                });
+                push(own, term, &mut others, &mut place);
+            }
+            for (effect, columns) in Effect::ALL.into_iter().zip(&mut effects) {
+                let Ok(term) = Term::parse(&effect.channel(degree as usize), &names) else { continue };
+                columns.push(others.len());
+                push(own, term, &mut others, &mut place);
+            }
+        }
+        let [lag, delay, north, east] = effects;
+        let mut add = |name: &str, unit: &str, unknowns: Vec<Vec<usize>>| {
+            let (name, unit, group) = (name.to_owned(), unit.to_owned(), Group { unknowns });
+            candidates.push(Candidate { degree: None, name, unit, group });
+        };
+        if model.inputs > 0 {
+            add("lag of the inputs", "s", vec![lag]);
+            add("delay of the inputs", "samples", vec![delay]);
+        }
+        add("current", "m/s", vec![north, east]);
+        Self { model: lifted, known, others, candidates }
+    }
+
+    /// Parameters of `model` from those of the original.
+    pub fn parameters<X: Copy>(&self, known: &[X], zero: X) -> Vec<X> {
+        let mut all = vec![zero; self.model.parameters()];
+        self.known.iter().zip(known).for_each(|(place, value)| all[*place] = *value);
+        all
+    }
+}
+
+fn push(degree: &mut Degree, term: Term, others: &mut Vec<usize>, place: &mut usize) {
+    degree.parameters.push(term.text.clone());
+    degree.terms.push(term);
+    others.push(*place);
+    *place += 1;
+}
+
+/// Terms of the library that `degree` of `model` lacks; the constant if it has none.
+fn absent(model: &Model, degree: DegreeOfFreedom, names: &[&str]) -> Vec<(String, Term)> {
+    let own = &model.degrees[degree as usize].terms;
+    let texts: &[&str] = if degree == DegreeOfFreedom::Surge { &EVEN } else { &ODD };
+    let parsed = texts.iter().filter_map(|text| Some(((*text).to_owned(), Term::parse(text, names).ok()?)));
+    let sorted = |term: &Term| {
+        let mut factors: Vec<(usize, bool)> = term.factors.iter().map(|f| (f.variable, f.modulus)).collect();
+        factors.sort_unstable();
+        factors
+    };
+    // Fixed and tied terms are tested too: they may be fixed or tied wrongly.
+    let has = |term: &Term| own.iter().any(|known| known.tied.is_empty() && sorted(known) == sorted(term));
+    parsed.filter(|(_, term)| !has(term)).collect()
+}

@@ -1,0 +1,203 @@
+use numerics::{Lane, times};
+use ship::model::ParameterLayout;
+
+use super::line::{Line, Point};
+use crate::predictor::scaled_inverse;
+use crate::sensitivity::{
+    Local, Motion, NoiseModel, Products, add_noise, current_of, gain, moved, shrink, start,
+};
+
+/// Samples whose scales are multiplied before a logarithm is taken.
+const TOGETHER: usize = 4;
+
+/// Sums over runs of whitened errors w and sensitivities W, by lane for other levels.
+pub(super) struct Sums {
+    products: Products<Lane>,
+    logs: Lane,
+    terms: usize,
+}
+
+/// Per sample the product of the scales, and the squared white errors without the part that the parameters explain.
+pub(super) type Samples = Vec<[Lane; 2]>;
+
+impl Sums {
+    pub fn new(terms: usize) -> Self {
+        Self { products: Products::new(terms + 1), logs: Lane::ZERO, terms }
+    }
+
+    /// Adds the first `samples` of a run under `levels`. With `own`, a change of the parameters, the terms of each
+    /// sample are stored.
+    pub fn add<const N: usize>(
+        &mut self,
+        layout: ParameterLayout,
+        line: &Line,
+        samples: usize,
+        levels: &NoiseModel<Lane>,
+        known_start: bool,
+        own: Option<(&[f64], &mut Samples)>,
+    ) {
+        numerics::vectorized!(narrow: go_along::<N>(self, layout, line, samples, levels, known_start, own));
+    }
+
+    /// Twice the restricted log-likelihood up to a constant: −Σ log s − w⊥ᵀw⊥ − log|WᵀW|; and WᵀW, Wᵀw.
+    #[allow(clippy::needless_range_loop)] // Cholesky's, of rows and columns.
+    pub fn finish(self) -> Found {
+        let p = self.terms;
+        let all = self.products.finish().square();
+        let entry = |i: usize, j: usize| all[i * (p + 1) + j];
+        let mut lower = vec![Lane::ZERO; p * p];
+        let (mut explained, mut volume, mut solved) = (Lane::ZERO, Lane::ZERO, vec![Lane::ZERO; p]);
+        for j in 0..p {
+            for i in j..p {
+                let mut left = entry(i, j);
+                (0..j).for_each(|k| left = left - lower[i * p + k] * lower[j * p + k]);
+                lower[i * p + j] = if i == j { pivot(left, entry(i, i)) } else { left / lower[j * p + j] };
+            }
+            let mut left = entry(j, p);
+            (0..j).for_each(|k| left = left - lower[j * p + k] * solved[k]);
+            solved[j] = left / lower[j * p + j];
+            explained += solved[j] * solved[j];
+            volume += logarithm(lower[j * p + j]);
+        }
+        let likelihood = self.logs + self.logs + explained - entry(p, p) - volume - volume;
+        let first = |i: usize, j: usize| entry(i, j)[0];
+        let normal = (0..p * p).map(|k| first(k / p, k % p)).collect();
+        Found { likelihood, normal, gradient: (0..p).map(|i| first(i, p)).collect(), squares: entry(p, p)[0] }
+    }
+}
+
+/// The result of [`Sums`].
+pub(super) struct Found {
+    pub likelihood: Lane,
+    /// WᵀW, Wᵀw and wᵀw of the first lane.
+    pub normal: Vec<f64>,
+    pub gradient: Vec<f64>,
+    pub squares: f64,
+}
+
+impl Found {
+    /// The change of the parameters to the least white errors, and their standard errors.
+    pub(super) fn change(&self) -> Option<(Vec<f64>, Vec<f64>)> {
+        let p = self.gradient.len();
+        let inverse = scaled_inverse(&self.normal, p).ok()?;
+        let errors = (0..p).map(|i| inverse[i * p + i].max(0.0).sqrt()).collect();
+        Some((times(&inverse, &self.gradient), errors))
+    }
+}
+
+/// Share of a square below which the rest is rounding.
+const LEFT: f64 = 1e-13;
+
+/// The root of the rest; NaN if that is zero.
+fn pivot(left: Lane, whole: Lane) -> Lane {
+    let mut root = left.sqrt();
+    for lane in 0..numerics::LANES {
+        if left[lane].is_nan() || left[lane] <= LEFT * whole[lane] {
+            root[lane] = f64::NAN;
+        }
+    }
+    root
+}
+
+fn logarithm(mut x: Lane) -> Lane {
+    x.0.iter_mut().for_each(|x| *x = libm::log(*x));
+    x
+}
+
+#[inline(always)]
+fn go_along<const N: usize>(
+    sums: &mut Sums,
+    layout: ParameterLayout,
+    line: &Line,
+    samples: usize,
+    levels: &NoiseModel<Lane>,
+    known_start: bool,
+    mut own: Option<(&[f64], &mut Samples)>,
+) {
+    let motion = Motion::<Lane, N>::new(Some(levels));
+    let noise = levels.measurement.map(|s| s * s);
+    let mut p = start::<N>(levels, known_start);
+    let mut z = [Lane::ZERO; N];
+    (0..3).for_each(|d| z[d] = Lane::splat(line.run.initial[d]));
+    let degrees: Vec<usize> = layout.degrees().collect();
+    let mut columns = vec![[Lane::ZERO; N]; degrees.len()];
+    let mut white = vec![[Lane::ZERO; 3]; degrees.len() + 1];
+    let (mut scale, mut waiting) = (Lane::ONE, 0);
+    for k in 0..=samples {
+        let y = &line.run.measured[3 * k..3 * k + 3];
+        let error = [0, 1, 2].map(|d: usize| Lane::splat(y[d]) - z[d]);
+        let gain = gain(&p, &noise);
+        if k > 0 {
+            for (white, s) in white.iter_mut().zip(&columns) {
+                *white = gain.white(&[s[0], s[1], s[2]]);
+            }
+            white[degrees.len()] = gain.white(&error);
+            for d in 0..3 {
+                for (i, white) in white.iter().enumerate() {
+                    sums.products.set(i, white[d]);
+                }
+                sums.products.advance();
+            }
+            let [a, b, c] = gain.scales();
+            let own_scale = a * b * c;
+            if let Some((change, kept)) = &mut own {
+                kept.push([own_scale, left(&white, change)]);
+            }
+            scale = scale * own_scale;
+            waiting += 1;
+            if waiting == TOGETHER {
+                sums.logs += logarithm(scale);
+                (scale, waiting) = (Lane::ONE, 0);
+            }
+        }
+        if k == samples {
+            break;
+        }
+        gain.correct(&mut z, &error);
+        shrink(&mut p, &gain);
+        let point = &line.points[k];
+        let (middle, next, local) = about(&motion, point);
+        z.iter_mut().zip(middle).for_each(|(z, middle)| *z = *z - middle);
+        let moved_on = motion.forward(&local, &z);
+        z = std::array::from_fn(|i| next[i] + moved_on[i]);
+        let terms = &line.terms[k * degrees.len()..(k + 1) * degrees.len()];
+        for ((s, d), term) in columns.iter_mut().zip(&degrees).zip(terms) {
+            gain.correct_column(s);
+            *s = motion.forward(&local, s);
+            s[*d] += Lane::splat(*term);
+        }
+        p = moved(&motion, &local, &p);
+        add_noise(&mut p, &local, levels);
+    }
+    sums.logs += logarithm(scale);
+}
+
+/// A point's states, those after it, and the propagation of deviations there. If the current is not a state, its mean
+/// is zero.
+#[inline(always)]
+fn about<const N: usize>(motion: &Motion<Lane, N>, point: &Point) -> ([Lane; N], [Lane; N], Local<Lane>) {
+    let mut middle = [Lane::ZERO; N];
+    (0..3).for_each(|d| middle[d] = Lane::splat(point.state[d]));
+    let mut next = point.next;
+    if current_of(&middle).is_some() {
+        (middle[3], middle[4]) = (Lane::splat(point.current[0]), Lane::splat(point.current[1]));
+    } else {
+        for (next, slope) in next.iter_mut().zip(&point.slopes) {
+            *next += slope[0] * point.current[0] + slope[1] * point.current[1];
+        }
+    }
+    let local = motion.local(&middle, point.slopes.map(|own| own.map(Lane::splat)));
+    (middle, motion.next(&middle, next.map(Lane::splat), &local), local)
+}
+
+/// Squares of the white errors, the last column, without the part that a change of the parameters explains.
+#[inline(always)]
+fn left(white: &[[Lane; 3]], change: &[f64]) -> Lane {
+    let mut rest = white[change.len()];
+    for (own, change) in white.iter().zip(change) {
+        for d in 0..3 {
+            rest[d] = rest[d] - own[d] * Lane::splat(*change);
+        }
+    }
+    rest[0] * rest[0] + rest[1] * rest[1] + rest[2] * rest[2]
+}

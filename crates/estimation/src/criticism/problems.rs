@@ -1,0 +1,260 @@
+use numerics::lanes::{by_lane, lane};
+use numerics::{LANES, Lane, times};
+use ship::engine::{RunView, SideBySide};
+use ship::model::Model;
+
+use super::channels::with_effects;
+use super::library::Lifted;
+use super::noise::{Noise, NoiseKind, Turns, side_by_side};
+use crate::predictor::{Linear, linearize_each, scaled_inverse};
+use crate::sensitivity::{Flow, ForceNoise, Gain, NoiseModel, Recordings, filter_each, groups, with_states};
+
+/// A model, and runs to test it on.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// The structure, with intercepts if they were estimated.
+    pub model: &'a Model,
+    /// The runs.
+    pub runs: &'a [RunView<'a>],
+    /// The sampling rate \[Hz\].
+    pub rate_hz: f64,
+    /// Whether simulations start from the true state; else from the measured one.
+    pub known_start: bool,
+    /// The disturbances of the runs, if stated; else they are found.
+    pub levels: Option<NoiseModel>,
+    /// The recording of every run, to test whether recordings agree; empty to skip that test.
+    pub names: &'a [&'a str],
+}
+
+/// An estimate to be tested, with the noise to test it under.
+#[derive(Clone, Debug)]
+pub(super) struct State {
+    pub parameters: Vec<f64>,
+    /// The noise that was found if none is stated.
+    pub noise: Option<Noise>,
+}
+
+/// Ratio of forces to noise at which every prediction starts at the last measurement.
+const FORCE: f64 = 1e3;
+
+/// White errors by degree of freedom from sample 1 on, with the index of their run.
+pub(super) type Series = Vec<(usize, [Vec<f64>; 3])>;
+
+/// Estimates of one model, each from its own runs, in lanes.
+pub(super) struct Problems<'a> {
+    pub subject: &'a Subject<'a>,
+    groups: Vec<(Vec<usize>, SideBySide)>,
+    /// The index of each run's estimate.
+    of_run: Vec<usize>,
+}
+
+impl<'a> Problems<'a> {
+    /// One estimate for all runs, or one for every run.
+    pub fn new(subject: &'a Subject, pooled: bool) -> Self {
+        let runs = 0..subject.runs.len();
+        let of_run = runs.clone().map(|run| if pooled { 0 } else { run }).collect();
+        Self { subject, groups: groups(subject.runs, runs).collect(), of_run }
+    }
+
+    pub fn count(&self) -> usize {
+        self.of_run.last().map_or(0, |last| last + 1)
+    }
+
+    /// Number of states of the filter for the stated disturbances.
+    fn states(&self) -> usize {
+        self.subject.levels.map_or(3, |levels| levels.states())
+    }
+
+    /// The runs of one problem, with their indices.
+    pub fn runs_of(&self, problem: usize) -> impl Iterator<Item = (usize, RunView<'a>)> + '_ {
+        let own = self.subject.runs.iter().copied().enumerate().zip(&self.of_run);
+        own.filter(move |(_, of)| **of == problem).map(|(run, _)| run)
+    }
+
+    /// The search for the noise of one problem.
+    pub fn turns(&self, problem: usize) -> Turns<'a> {
+        let Subject { model, rate_hz, known_start, .. } = *self.subject;
+        Turns { model, runs: self.runs_of(problem).map(|(_, run)| run).collect(), rate_hz, known_start }
+    }
+
+    fn any(&self, group: &[usize], wanted: &[usize]) -> bool {
+        group.iter().any(|run| wanted.contains(&self.of_run[*run]))
+    }
+
+    /// White errors of the `wanted` problems at these states, and their derivatives by the model's parameters; `None`
+    /// if they are not finite.
+    pub fn white(&self, wanted: &[usize], states: &[State]) -> Vec<Option<Linear>> {
+        let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
+        let mut sums = Sums(vec![None; self.count()]);
+        for (group, runs) in self.groups.iter().filter(|(group, _)| self.any(group, wanted)) {
+            let found = with_states!(self, white(self, group, runs, states, &free));
+            sums.add(group, &self.of_run, found);
+        }
+        sums.finite()
+    }
+
+    /// The same for every run by itself, for one estimate from all, under the stated or found noise.
+    pub fn by_run(&self, state: &State) -> Vec<(usize, Linear)> {
+        let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
+        let kind = state.noise.as_ref().map(|noise| noise.guess.kind);
+        let own = Levelled(kind.map_or(self.states(), NoiseKind::states));
+        let states = vec![state.clone(); self.count()];
+        let each = self.groups.iter().flat_map(|(group, runs)| {
+            let found = with_states!(own, white(self, group, runs, &states, &free));
+            group.iter().copied().zip(found)
+        });
+        each.collect()
+    }
+
+    /// Least squares of the `wanted` problems: one-sample predictions under forces far above the noise are linear in
+    /// the parameters.
+    pub fn least_squares(&self, wanted: &[usize]) -> Vec<(usize, Vec<f64>)> {
+        let std = self.subject.levels.map_or([1.0; 3], |levels| levels.measurement).map(|std| FORCE * std);
+        let gusts = ForceNoise { std, factor: [0.0; 3] };
+        let measurement = std.map(|std| std / FORCE);
+        let levels = NoiseModel { measurement, current: Flow::Still, force: Some(gusts), drift: None };
+        let forced = Subject { levels: Some(levels), ..*self.subject };
+        let same = Problems { subject: &forced, groups: self.groups.clone(), of_run: self.of_run.clone() };
+        let zero = State { parameters: vec![0.0; self.subject.model.parameters()], noise: None };
+        let sums = same.white(wanted, &vec![zero; self.count()]);
+        let step = |problem: &usize| Some((*problem, newton_step(sums[*problem].as_ref()?)?.0));
+        wanted.iter().filter_map(step).collect()
+    }
+
+    /// White errors and all sensitivities, those by the model's own parameters first, and the errors themselves.
+    pub fn look(&self, lifted: &Lifted, states: &[State]) -> (Vec<Option<Linear>>, Vec<Series>) {
+        let mut sums = Sums(vec![None; self.count()]);
+        let mut series: Vec<Series> = vec![Vec::new(); self.count()];
+        let mut look = |group: &[usize], runs: &SideBySide, own: &Levelled| {
+            let (found, white) = with_states!(own, look_at(self, lifted, group, runs, states));
+            sums.add(group, &self.of_run, found);
+            group.iter().zip(white).for_each(|(run, white)| series[self.of_run[*run]].push((*run, white)));
+        };
+        if self.subject.levels.is_some() {
+            let own = Levelled(self.states());
+            self.groups.iter().for_each(|(group, runs)| look(group, runs, &own));
+        } else {
+            for kind in NoiseKind::ALL {
+                let of = |run: &usize| states[self.of_run[*run]].noise.as_ref().map(|noise| noise.guess.kind);
+                let chosen = (0..self.subject.runs.len()).filter(|run| of(run) == Some(kind));
+                let own = Levelled(kind.states());
+                groups(self.subject.runs, chosen).for_each(|(group, runs)| look(&group, &runs, &own));
+            }
+        }
+        (sums.finite(), series)
+    }
+
+    /// Parameters by lane.
+    fn parameters(&self, group: &[usize], states: &[State]) -> Vec<Lane> {
+        let of = |run: usize| &states[self.of_run[group[run]]].parameters;
+        (0..self.subject.model.parameters()).map(|i| lane(group.len(), |run| of(run)[i])).collect()
+    }
+
+    /// The disturbances of every lane.
+    fn levels(&self, group: &[usize], states: &[State]) -> NoiseModel<Lane> {
+        let found = |run: usize| states[self.of_run[group[run]]].noise.as_ref().map(|noise| noise.guess);
+        match (self.subject.levels, found(0)) {
+            (None, Some(first)) => {
+                let each = by_lane(group.len(), |run| found(run).unwrap_or(first));
+                side_by_side(&each, self.subject.rate_hz)
+            }
+            (stated, _) => stated.unwrap_or(WHITE).spread(),
+        }
+    }
+}
+
+/// A placeholder for problems without noise, which are not evaluated.
+const WHITE: NoiseModel =
+    NoiseModel { measurement: [1.0; 3], current: Flow::Still, force: None, drift: None };
+
+/// A number of filter states.
+struct Levelled(usize);
+
+impl Levelled {
+    fn states(&self) -> usize {
+        self.0
+    }
+}
+
+/// Sums of the runs of every estimate.
+struct Sums(Vec<Option<Linear>>);
+
+impl Sums {
+    fn add(&mut self, group: &[usize], of_run: &[usize], found: Vec<Linear>) {
+        for (run, own) in group.iter().zip(found) {
+            match &mut self.0[of_run[*run]] {
+                Some(total) => total.add(&own),
+                none => *none = Some(own),
+            }
+        }
+    }
+
+    fn finite(self) -> Vec<Option<Linear>> {
+        self.0.into_iter().map(|sum| sum.filter(Linear::finite)).collect()
+    }
+}
+
+fn white<const N: usize>(
+    problems: &Problems,
+    group: &[usize],
+    runs: &SideBySide,
+    states: &[State],
+    free: &[usize],
+) -> Vec<Linear> {
+    let (subject, levels) = (problems.subject, problems.levels(group, states));
+    let recordings = Recordings::of(subject.model, runs);
+    let unknowns = with_start(problems.parameters(group, states));
+    let (gains, _) = filter_each::<N>(&recordings, &unknowns, &levels, subject.known_start);
+    linearize_each(&recordings, &unknowns, free, Some(&levels), &gains, false)
+}
+
+fn look_at<const N: usize>(
+    problems: &Problems,
+    lifted: &Lifted,
+    group: &[usize],
+    runs: &SideBySide,
+    states: &[State],
+) -> (Vec<Linear>, Vec<[Vec<f64>; 3]>) {
+    let (subject, levels) = (problems.subject, problems.levels(group, states));
+    let parameters = problems.parameters(group, states);
+    let own = Recordings::of(subject.model, runs);
+    let (gains, innovations) =
+        filter_each::<N>(&own, &with_start(parameters.clone()), &levels, subject.known_start);
+    let predicted: Vec<Lane> = runs.measured.iter().zip(&innovations).map(|(y, e)| *y - *e).collect();
+    let exogenous = with_effects(subject.model, &parameters, &predicted, &runs.exogenous, subject.rate_hz);
+    let wider = SideBySide { exogenous, instrument_exogenous: Vec::new(), ..runs.clone() };
+    let recordings = Recordings::of(&lifted.model, &wider);
+    let free: Vec<usize> = lifted.known.iter().chain(&lifted.others).copied().collect();
+    let all = with_start(lifted.parameters(&parameters, Lane::ZERO));
+    let sums = linearize_each(&recordings, &all, &free, Some(&levels), &gains, false);
+    (sums, errors(runs, &gains, &innovations))
+}
+
+/// Parameters, and zero offsets of the initial states.
+fn with_start(parameters: Vec<Lane>) -> Vec<Lane> {
+    parameters.into_iter().chain([Lane::ZERO; 3]).collect()
+}
+
+/// Innovations made white at each sample after the first, by lane: u, v, r.
+fn errors<const N: usize>(
+    run: &SideBySide,
+    gains: &[Gain<Lane, N>],
+    innovations: &[Lane],
+) -> Vec<[Vec<f64>; 3]> {
+    let all: Vec<[Lane; 3]> =
+        gains.iter().zip(innovations.as_chunks().0).map(|(gain, error)| gain.white(error)).collect();
+    let own = |lane: usize| {
+        let rows = &all[1..=run.samples[lane].min(all.len() - 1)];
+        [0, 1, 2].map(|d: usize| rows.iter().map(|white| white[d][lane]).collect())
+    };
+    (0..run.runs.min(LANES)).map(own).collect()
+}
+
+/// The change of the unknowns to the least errors of white `sums`, and the decrease of the errors.
+pub(super) fn newton_step(sums: &Linear) -> Option<(Vec<f64>, f64)> {
+    let (normal, gradient) = sums.weighted([1.0; 3]);
+    let inverse = scaled_inverse(&normal, gradient.len()).ok()?;
+    let step = times(&inverse, &gradient);
+    let decrement = step.iter().zip(&gradient).map(|(x, g)| x * g).sum();
+    step.iter().all(|x| x.is_finite()).then_some((step, decrement))
+}

@@ -1,0 +1,330 @@
+//! The search for the minimum, by Levenberg's and Marquardt's method.
+
+use numerics::Lane;
+use rayon::prelude::*;
+
+use crate::fitting::bounded::{distance, held, moved, pulls};
+use crate::fitting::normal::{Reduced, reduced};
+use crate::fitting::pass::Pass;
+use crate::fitting::sums::{Errors, Sums};
+use crate::fitting::window::Window;
+use crate::fitting::{Problem, Starts, Unfit};
+
+/// A step that lowers the cost by a smaller share, and was to, ends the search.
+const ENOUGH: f64 = 1e-6;
+/// What no step need lower: errors of a millionth of a standard deviation.
+const LEAST: f64 = 1e-12;
+/// Damping at the beginning, and where no step helps any more.
+const DAMPING: [f64; 2] = [1e-3, 1e12];
+
+/// The minimum.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// θ, in the system that each was written in.
+    pub theta: Vec<f64>,
+    /// The mean of Huber's function of the windows' RMS errors, with what the priors add.
+    pub cost: f64,
+    /// RMS errors of u, v and r over all windows, in their standard deviations.
+    pub rms: [f64; 3],
+    /// Steps of the search.
+    pub steps: usize,
+    /// The start of each window.
+    pub(crate) starts: Vec<Vec<[f64; 3]>>,
+    /// As how many samples the first one of a window counts.
+    pub(crate) first: Option<[f64; 3]>,
+}
+
+impl Fit {
+    /// What share of the cost `gain` is. Less cost than no step need lower counts as that, as of a ship that follows simulated
+    /// runs exactly.
+    pub(crate) fn share(&self, gain: f64) -> f64 {
+        gain / self.cost.max(LEAST)
+    }
+}
+
+/// Where a search is.
+struct At {
+    theta: Vec<f64>,
+    /// By group.
+    starts: Vec<Vec<[f64; 3]>>,
+    cost: f64,
+    rms: [f64; 3],
+}
+
+impl Problem<'_> {
+    /// Fits the model, from its numbers before the fit.
+    ///
+    /// # Errors
+    /// A simulation that diverges, a parameter that nothing determines, no end of the search.
+    pub fn fit(&self) -> Result<Fit, Unfit> {
+        self.fit_from(&self.forces.nominal())
+    }
+
+    /// Fits the model, from `theta`: with windows that start at their first measured sample, and from there with starts of
+    /// their own, if these are unknown.
+    ///
+    /// # Errors
+    /// As [`Self::fit`].
+    pub fn fit_from(&self, theta: &[f64]) -> Result<Fit, Unfit> {
+        let found = Pass::new(self, None).fit(theta)?;
+        match self.settings.starts {
+            Starts::Measured => Ok(found),
+            Starts::Unknown => {
+                let own = Pass::new(self, Some(self.first(found.rms))).fit(&found.theta)?;
+                Ok(Fit { steps: own.steps + found.steps, ..own })
+            }
+        }
+    }
+
+    /// The cost of θ with windows that start at their first measured sample; infinite where one diverges.
+    pub fn cost(&self, theta: &[f64]) -> f64 {
+        Pass::new(self, None).cost_from(theta)
+    }
+
+    /// The cost of θ with windows that start at their first measured sample, and its derivatives by θ.
+    pub fn cost_and_slopes(&self, theta: &[f64]) -> (f64, Vec<f64>) {
+        Pass::new(self, None).cost(theta)
+    }
+
+    /// Derivatives by θ of the errors of windows that start at their first measured sample. Each entry has a group of windows
+    /// side by side: a row for each error, 0 after the end of a window.
+    pub fn jacobian(&self, theta: &[f64]) -> Vec<Vec<Lane>> {
+        let pass = Pass::new(self, None);
+        let groups: Vec<_> = self.groups.iter().zip(pass.measured_starts()).collect();
+        groups.par_iter().map(|(group, starts)| pass.derivatives(group, theta, starts).slopes).collect()
+    }
+}
+
+impl Pass<'_> {
+    fn fit(&self, theta: &[f64]) -> Result<Fit, Unfit> {
+        match self.search(theta, self.settings.most_steps)? {
+            (fit, true) => Ok(fit),
+            (_, false) => Err(Unfit::Unfinished(self.settings.most_steps)),
+        }
+    }
+
+    /// What at most `most` steps from `theta` lead to, and whether it is a minimum.
+    ///
+    /// # Errors
+    /// A simulation at the start that diverges, a parameter that nothing determines.
+    pub(crate) fn search(&self, theta: &[f64], most: usize) -> Result<(Fit, bool), Unfit> {
+        let mut at = self.at(theta.to_vec(), self.measured_starts());
+        if !at.cost.is_finite() {
+            return Err(self.diverged(&at));
+        }
+        let mut damping = DAMPING[0];
+        for step in 0..most {
+            let sums = self.all_sums(&at.theta, &at.starts);
+            let before = at.cost;
+            let expected = loop {
+                match self.tried(&at, &sums, damping)? {
+                    Some((next, expected)) if next.cost <= at.cost => {
+                        // A step that gains much less than the equations promise overshoots: the next one is held back.
+                        let gained = (at.cost - next.cost) / expected;
+                        damping *= if gained > 0.75 {
+                            0.1
+                        } else if gained < 0.25 {
+                            10.0
+                        } else {
+                            1.0
+                        };
+                        at = next;
+                        break expected;
+                    }
+                    _ => damping = 10.0 * damping.max(DAMPING[0]),
+                }
+                if damping > DAMPING[1] {
+                    return Ok((at.ended(self, step), true));
+                }
+            };
+            if expected.max(before - at.cost) <= ENOUGH * before + LEAST {
+                return Ok((at.ended(self, step + 1), true));
+            }
+        }
+        Ok((at.ended(self, most), false))
+    }
+
+    /// The cost of θ with windows that start at their first measured sample; infinite where one diverges.
+    pub(crate) fn cost_from(&self, theta: &[f64]) -> f64 {
+        let cost = self.at(theta.to_vec(), self.measured_starts()).cost;
+        if cost.is_finite() { cost } else { f64::INFINITY }
+    }
+
+    fn cost(&self, theta: &[f64]) -> (f64, Vec<f64>) {
+        let at = self.at(theta.to_vec(), self.measured_starts());
+        let sums = self.all_sums(&at.theta, &at.starts);
+        let mut slopes = vec![0.0; theta.len()];
+        for own in sums.iter().flatten() {
+            let weight = 2.0 * self.weight(&own.errors);
+            for piece in &own.pieces {
+                slopes.iter_mut().zip(piece).for_each(|(sum, own)| *sum += weight * own);
+            }
+        }
+        slopes.iter_mut().zip(self.pulls(theta)).for_each(|(sum, [_, own])| *sum += 2.0 * own);
+        (at.cost, slopes)
+    }
+
+    /// The first measured sample of each window.
+    fn measured_starts(&self) -> Vec<Vec<[f64; 3]>> {
+        let start = |own: &Window| {
+            let measured = self.recordings[own.recording].measured;
+            [0, 1, 2].map(|d| measured[3 * own.first + d])
+        };
+        self.groups.iter().map(|group| group.windows.iter().map(start).collect()).collect()
+    }
+
+    /// Sums of all windows, group by group.
+    pub(crate) fn all_sums(&self, theta: &[f64], starts: &[Vec<[f64; 3]>]) -> Vec<Vec<Sums>> {
+        let groups: Vec<_> = self.groups.iter().zip(starts).collect();
+        groups.par_iter().map(|(group, starts)| self.sums(group, theta, starts)).collect()
+    }
+
+    /// The cost at θ and these starts.
+    fn at(&self, theta: Vec<f64>, starts: Vec<Vec<[f64; 3]>>) -> At {
+        let groups: Vec<_> = self.groups.iter().zip(&starts).collect();
+        let all: Vec<Vec<Errors>> =
+            groups.par_iter().map(|(group, starts)| self.errors(group, &theta, starts)).collect();
+        let knee = self.settings.knee;
+        let (mut cost, mut squares) = (0.0, [0.0; 3]);
+        for own in all.iter().flatten() {
+            cost += self.share(own) * own.cost(knee);
+            squares.iter_mut().zip(own.squares).for_each(|(sum, own)| *sum += own);
+        }
+        cost += self.prior_cost() * distance(&theta, &self.priors);
+        At { theta, starts, cost, rms: squares.map(|own| (own / self.samples as f64).sqrt()) }
+    }
+
+    /// A window's share in the mean over windows, by its samples.
+    pub(crate) fn share(&self, window: &Errors) -> f64 {
+        window.samples as f64 / self.samples as f64
+    }
+
+    /// Where a step with this damping leads, and by how much it is expected to lower the cost; `None` where it cannot be
+    /// computed.
+    fn tried(&self, at: &At, sums: &[Vec<Sums>], damping: f64) -> Result<Option<(At, f64)>, Unfit> {
+        let n = at.theta.len();
+        let Some(windows) = self.reduced(sums, damping) else { return Ok(None) };
+        let (products, gradient) = self.normal(&at.theta, sums, &windows);
+        let held = held(self.forces, &at.theta, &gradient);
+        let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
+        if let Some(i) = free.iter().find(|i| products[**i * n + **i] <= 0.0) {
+            return Err(Unfit::Undetermined(self.forces.parameters()[*i].name.clone()));
+        }
+        let scale: Vec<f64> = free.iter().map(|i| products[i * n + i].sqrt()).collect();
+        let m = free.len();
+        let entry = |k: usize| {
+            let (i, j) = (k / m, k % m);
+            let damped = if i == j { damping } else { 0.0 };
+            products[free[i] * n + free[j]] / (scale[i] * scale[j]) + damped
+        };
+        let mut matrix: Vec<f64> = (0..m * m).map(entry).collect();
+        let mut step: Vec<f64> = (0..m).map(|i| -gradient[free[i]] / scale[i]).collect();
+        if numerics::solve(m, &mut matrix, &mut step).is_none() {
+            return Ok(None);
+        }
+        let steps = step.iter().zip(&scale).map(|(step, scale)| step / scale);
+        let theta = moved(self.forces, &at.theta, &free, steps);
+        let change: Vec<f64> = theta.iter().zip(&at.theta).map(|(new, old)| new - old).collect();
+        let starts = at.starts.iter().zip(&windows).map(|(starts, windows)| {
+            starts.iter().zip(windows).map(|(own, window)| window.start(*own, &change)).collect()
+        });
+        let slope = |i: usize| {
+            let row: f64 = (0..n).map(|j| products[i * n + j] * change[j]).sum();
+            -change[i] * (2.0 * gradient[i] + row)
+        };
+        let expected: f64 = (0..n).map(slope).sum();
+        let next = self.at(theta, starts.collect());
+        Ok(next.cost.is_finite().then_some((next, expected.max(f64::MIN_POSITIVE))))
+    }
+
+    /// Every window reduced to θ at a minimum.
+    ///
+    /// # Errors
+    /// A window whose start is not determined.
+    pub(crate) fn determined(&self, sums: &[Vec<Sums>]) -> Result<Vec<Vec<Reduced>>, Unfit> {
+        let n = self.forces.parameters().len();
+        let own = |(window, own)| reduced(own, n, 0.0).ok_or_else(|| self.without_start(window));
+        let all = self.groups.iter().zip(sums);
+        all.map(|(group, sums)| group.windows.iter().zip(sums).map(own).collect()).collect()
+    }
+
+    /// Every window reduced to θ.
+    fn reduced(&self, sums: &[Vec<Sums>], damping: f64) -> Option<Vec<Vec<Reduced>>> {
+        let n = self.forces.parameters().len();
+        sums.iter().map(|group| group.iter().map(|own| reduced(own, n, damping)).collect()).collect()
+    }
+
+    /// The second and first derivatives of half the cost by θ.
+    fn normal(&self, theta: &[f64], sums: &[Vec<Sums>], windows: &[Vec<Reduced>]) -> (Vec<f64>, Vec<f64>) {
+        let n = theta.len();
+        let (mut products, mut gradient) = self.information(n, sums, windows);
+        for (i, [pull, slope]) in self.pulls(theta).into_iter().enumerate() {
+            products[i * n + i] += pull;
+            gradient[i] += slope;
+        }
+        (products, gradient)
+    }
+
+    /// The same of the recordings alone, for `n` parameters.
+    pub(crate) fn information(
+        &self,
+        n: usize,
+        sums: &[Vec<Sums>],
+        windows: &[Vec<Reduced>],
+    ) -> (Vec<f64>, Vec<f64>) {
+        let (mut products, mut gradient) = (vec![0.0; n * n], vec![0.0; n]);
+        for (own, window) in sums.iter().flatten().zip(windows.iter().flatten()) {
+            let weight = self.weight(&own.errors);
+            products.iter_mut().zip(&window.products).for_each(|(sum, own)| *sum += weight * own);
+            gradient.iter_mut().zip(&window.gradient).for_each(|(sum, own)| *sum += weight * own);
+        }
+        (products, gradient)
+    }
+
+    /// What the prior of each of θ adds to the second and to the first derivative of half the cost.
+    pub(crate) fn pulls(&self, theta: &[f64]) -> Vec<[f64; 2]> {
+        pulls(theta, &self.priors, self.prior_cost())
+    }
+
+    /// What a window's sums of squares count in the cost.
+    pub(crate) fn weight(&self, window: &Errors) -> f64 {
+        self.share(window) * window.slope(self.settings.knee) / window.numbers()
+    }
+
+    /// The first window whose simulation leaves every bound.
+    fn diverged(&self, at: &At) -> Unfit {
+        for (group, starts) in self.groups.iter().zip(&at.starts) {
+            let errors = self.errors(group, &at.theta, starts);
+            let pairs = group.windows.iter().zip(&errors);
+            if let Some((own, _)) = pairs.into_iter().find(|(_, own)| !own.rms().is_finite()) {
+                let recording = self.recordings[own.recording].name.to_owned();
+                return Unfit::Diverged { recording, first_s: own.first as f64 * self.settings.sample_s };
+            }
+        }
+        Unfit::Boundless
+    }
+
+    /// Why `window` has no start of its own.
+    pub(crate) fn without_start(&self, window: &Window) -> Unfit {
+        let recording = self.recordings[window.recording].name.to_owned();
+        Unfit::Start { recording, first_s: window.first as f64 * self.settings.sample_s }
+    }
+}
+
+impl At {
+    fn ended(self, pass: &Pass, steps: usize) -> Fit {
+        let Self { theta, starts, cost, rms } = self;
+        Fit { theta, cost, rms, steps, starts, first: pass.first }
+    }
+}
+
+impl Reduced {
+    /// The start after θ has changed by `change`.
+    fn start(&self, old: [f64; 3], change: &[f64]) -> [f64; 3] {
+        let n = change.len();
+        [0, 1, 2].map(|d: usize| {
+            let followed: f64 = (0..n).map(|i| self.follows[d * n + i] * change[i]).sum();
+            old[d] + self.own[d] + followed
+        })
+    }
+}

@@ -1,0 +1,255 @@
+//! One pass over the windows of a group: errors, their derivatives, and the sums of both.
+
+use numerics::{LANES, Lane, vectorized};
+use ship::forces::{Body, Dual, Real};
+
+use crate::fitting::Inputs;
+use crate::fitting::pass::Pass;
+use crate::fitting::window::{Group, Window};
+
+/// Unknowns by which derivatives are computed at once.
+pub(crate) const AT_ONCE: usize = 13;
+
+/// Huber's function of a window's RMS error: its square up to the knee, and its tangent there beyond.
+pub fn cost_of_rms(rms: f64, knee: f64) -> f64 {
+    if rms <= knee { rms * rms } else { 2.0 * knee * rms - knee * knee }
+}
+
+/// What a window errs by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Errors {
+    /// Sums of squares in u, v and r.
+    pub squares: [f64; 3],
+    pub samples: usize,
+}
+
+impl Errors {
+    /// Numbers that are compared.
+    pub fn numbers(&self) -> f64 {
+        (3 * self.samples) as f64
+    }
+
+    /// RMS error of u, v and r together.
+    pub fn rms(&self) -> f64 {
+        (self.squares.iter().sum::<f64>() / self.numbers()).sqrt()
+    }
+
+    pub fn cost(&self, knee: f64) -> f64 {
+        cost_of_rms(self.rms(), knee)
+    }
+
+    /// The derivative of its cost by its mean square.
+    pub fn slope(&self, knee: f64) -> f64 {
+        let rms = self.rms();
+        if rms <= knee { 1.0 } else { knee / rms }
+    }
+}
+
+/// Sums of a window: of products of the derivatives of its errors, and of these with the errors, piece by piece.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Sums {
+    pub errors: Errors,
+    /// JᵀJ, square, of θ and then of the start.
+    pub products: Vec<f64>,
+    /// Jᵀe of each piece.
+    pub pieces: Vec<Vec<f64>>,
+}
+
+/// Errors of a group of windows, and their derivatives by θ and then by the start of each window.
+pub(crate) struct Derivatives {
+    /// A row for each error.
+    pub slopes: Vec<Lane>,
+    /// Three errors for each sample, 0 after the end of a window.
+    pub left: Vec<Lane>,
+}
+
+impl Pass<'_> {
+    /// Errors of the windows of `group`, which start at `starts`.
+    pub fn errors(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Errors> {
+        let theta: Vec<Lane> = theta.iter().map(|own| Lane::splat(*own)).collect();
+        let body = self.forces.body(&theta);
+        let mut squares = [Lane::ZERO; 3];
+        vectorized!(squared(self, group, &body, start(starts), &mut squares));
+        window_errors(group, squares)
+    }
+
+    /// The errors and sums of the windows of `group`, which start at `starts`.
+    pub fn sums(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Sums> {
+        self.sums_of(group, &self.derivatives(group, theta, starts))
+    }
+
+    /// The errors of the windows of `group`, which start at `starts`, and their derivatives.
+    pub fn derivatives(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Derivatives {
+        let unknowns = self.unknowns();
+        let rows = 3 * (group.samples + 1);
+        let mut slopes = vec![Lane::ZERO; rows * unknowns];
+        let mut left = vec![Lane::ZERO; rows];
+        for first in (0..unknowns).step_by(AT_ONCE) {
+            let own = |value: Lane, i: usize| Dual::<Lane, AT_ONCE>::unknown(value, i.wrapping_sub(first));
+            let parameters: Vec<_> =
+                theta.iter().enumerate().map(|(i, value)| own(Lane::splat(*value), i)).collect();
+            let begin = start(starts);
+            let begin = [0, 1, 2].map(|d: usize| own(begin[d], theta.len() + d));
+            let body = self.forces.body(&parameters);
+            let count = AT_ONCE.min(unknowns - first);
+            let out = (&mut left[..], &mut slopes[first..]);
+            vectorized!(columns(self, group, &body, begin, (count, unknowns), out));
+        }
+        Derivatives { slopes, left }
+    }
+
+    /// The sums of `own`, the derivatives of the windows of `group`.
+    pub fn sums_of(&self, group: &Group, own: &Derivatives) -> Vec<Sums> {
+        let (unknowns, Derivatives { slopes, left }) = (self.unknowns(), own);
+        let piece = self.settings.samples(self.settings.piece_s);
+        let mut products = vec![Lane::ZERO; unknowns * unknowns];
+        let mut gradients = vec![Lane::ZERO; (group.samples / piece + 1) * unknowns];
+        let mut squares = [Lane::ZERO; 3];
+        let sums = (&mut products[..], &mut gradients[..], &mut squares);
+        vectorized!(accumulate(slopes, left, unknowns, 3 * piece, sums));
+        let errors = window_errors(group, squares).into_iter().enumerate();
+        errors
+            .map(|(lane, errors)| {
+                let at = |i: usize, j: usize| products[i.min(j) * unknowns + i.max(j)][lane];
+                let pieces = gradients.chunks_exact(unknowns);
+                Sums {
+                    errors,
+                    products: (0..unknowns * unknowns).map(|k| at(k / unknowns, k % unknowns)).collect(),
+                    pieces: pieces.map(|own| own.iter().map(|own| own[lane]).collect()).collect(),
+                }
+            })
+            .collect()
+    }
+}
+
+/// The errors of the windows of `group`, from their sums of squares.
+fn window_errors(group: &Group, squares: [Lane; 3]) -> Vec<Errors> {
+    let of = |(lane, own): (usize, &Window)| Errors {
+        squares: squares.map(|own| own[lane]),
+        samples: own.samples,
+    };
+    group.windows.iter().enumerate().map(of).collect()
+}
+
+/// The starts of the windows of a group, side by side.
+pub(crate) fn start(starts: &[[f64; 3]]) -> [Lane; 3] {
+    [0, 1, 2].map(|d: usize| numerics::lanes::lane(starts.len(), |i| starts[i][d]))
+}
+
+/// Calls `look` with the state in every sample.
+#[inline(always)]
+fn follow<X: Real>(
+    pass: &Pass,
+    group: &Group,
+    body: &Body<X>,
+    state: [X; 3],
+    lift: impl Fn(Lane) -> X,
+    look: impl FnMut(usize, [X; 3]),
+) {
+    let acting = pass.late.then(|| {
+        let rows: Vec<X> = group.inputs.iter().map(|own| lift(*own)).collect();
+        body.acting(&rows, pass.width, pass.settings.sample_s)
+    });
+    let input = |at: usize| match &acting {
+        Some(rows) => rows[at],
+        None => lift(group.inputs[at]),
+    };
+    follow_acting(pass, group, body, state, input, look);
+}
+
+/// Calls `look` with the state in every sample, where `input` is what acts: an entry of the rows of inputs.
+#[inline(always)]
+pub(crate) fn follow_acting<X: Real>(
+    pass: &Pass,
+    group: &Group,
+    body: &Body<X>,
+    mut state: [X; 3],
+    input: impl Fn(usize) -> X,
+    mut look: impl FnMut(usize, [X; 3]),
+) {
+    let (width, sample_s) = (pass.width, pass.settings.sample_s);
+    let next = if pass.settings.inputs == Inputs::Held { 0 } else { width };
+    look(0, state);
+    for k in 0..group.samples {
+        let row = (group.before + k) * width;
+        let end = row + next;
+        state = body.steps(state, |i| [input(row + i), input(end + i)], sample_s);
+        look(k + 1, state);
+    }
+}
+
+/// 1 in windows that have sample `k`, else 0.
+#[inline(always)]
+pub(crate) fn counted(group: &Group, k: usize) -> [bool; LANES] {
+    std::array::from_fn(|lane| group.windows.get(lane).is_some_and(|own| k <= own.samples))
+}
+
+/// `own` where it counts, else 0.
+#[inline(always)]
+pub(crate) fn only(own: Lane, counted: [bool; LANES]) -> Lane {
+    Lane(std::array::from_fn(|lane| if counted[lane] { own[lane] } else { 0.0 }))
+}
+
+#[inline(always)]
+fn squared(pass: &Pass, group: &Group, body: &Body<Lane>, start: [Lane; 3], squares: &mut [Lane; 3]) {
+    follow(
+        pass,
+        group,
+        body,
+        start,
+        |own| own,
+        |k, state| {
+            let (counted, scales) = (counted(group, k), pass.scales(k));
+            for (d, own) in state.into_iter().enumerate() {
+                let error = (own - group.measured[3 * k + d]) * Lane::splat(scales[d]);
+                let error = only(error, counted);
+                squares[d] += error * error;
+            }
+        },
+    );
+}
+
+/// Errors, and the first `count` columns of their derivatives in rows of `width`.
+#[inline(always)]
+fn columns(
+    pass: &Pass,
+    group: &Group,
+    body: &Body<Dual<Lane, AT_ONCE>>,
+    start: [Dual<Lane, AT_ONCE>; 3],
+    (count, width): (usize, usize),
+    (left, slopes): (&mut [Lane], &mut [Lane]),
+) {
+    follow(pass, group, body, start, Dual::constant, |k, state| {
+        let (counted, scales) = (counted(group, k), pass.scales(k));
+        for (d, own) in state.into_iter().enumerate() {
+            let (row, scale) = (3 * k + d, Lane::splat(scales[d]));
+            left[row] = only((own.value - group.measured[row]) * scale, counted);
+            for i in 0..count {
+                slopes[row * width + i] = only(own.tangents[i] * scale, counted);
+            }
+        }
+    });
+}
+
+/// The sums over rows of `width` derivatives; gradients by pieces of so many rows.
+#[inline(always)]
+fn accumulate(
+    slopes: &[Lane],
+    left: &[Lane],
+    width: usize,
+    piece: usize,
+    (products, gradients, squares): (&mut [Lane], &mut [Lane], &mut [Lane; 3]),
+) {
+    for (k, (row, error)) in slopes.chunks_exact(width).zip(left).enumerate() {
+        squares[k % 3] += *error * *error;
+        let gradient = &mut gradients[k / piece * width..][..width];
+        for i in 0..width {
+            let own = row[i];
+            gradient[i] += own * *error;
+            let sums = &mut products[i * width..][..width];
+            for j in i..width {
+                sums[j] += own * row[j];
+            }
+        }
+    }
+}

@@ -1,0 +1,327 @@
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+
+use numerics::distributions::student_half_width;
+use numerics::statistics::Z;
+use regression::pooled::{AnyParts, Part, PartView, Regression, Unread};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use ship::engine::RunView;
+use ship::model::{DegreeOfFreedom, Model, Variable};
+
+use super::{DegreeTrust, Estimated, ParameterTrust, Pool, Score, SourceErrors, Surroundings};
+
+/// The model that an estimate delivers, whole: with it others simulate what was validated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Delivered {
+    /// θ̂: surge, sway, yaw.
+    pub theta: Vec<f64>,
+    /// What u, v \[m/s\], r \[rad/s\] gain in a sample whatever the vessel does: the intercepts, and the constant that was
+    /// known before.
+    pub constant: [f64; 3],
+    /// Covariance of the estimates; none where a degree of freedom has no standard errors.
+    pub covariance: Option<Covariance>,
+    /// θ̂ and constant by least squares of the same data, to be compared with.
+    pub least_squares: Option<(Vec<f64>, [f64; 3])>,
+    /// Standard deviation of what the terms leave of the increments: u, v \[m/s\], r \[rad/s\] per sample.
+    pub increment_std: [f64; 3],
+    /// RMSE of free simulations over the recordings that were fitted; none where one diverges.
+    pub output_rmse: Option<[f64; 3]>,
+    /// One entry per run or recording.
+    pub recordings: Vec<RecordingConstant>,
+    /// The current that was found with it, part by part; empty where none is unknown.
+    pub surroundings: Vec<Surroundings>,
+    /// What the data covered: states, inputs, measured disturbances.
+    pub covered: Vec<Covered>,
+}
+
+/// Covariance of estimates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Covariance {
+    /// Whether those of different degrees of freedom were estimated together; else the entries between them are 0.
+    pub joint: bool,
+    /// Names of the parameters; `surge constant` and the like where the constants are among them.
+    pub names: Vec<String>,
+    /// As many rows as names, row-major.
+    pub entries: Vec<f64>,
+    /// Sub-experiments or pieces of recordings whose differences the errors come from; absent where they do not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parts: Option<u64>,
+}
+
+/// What the increments of one recording gain on the terms: a steady force, current or sensor error of that day.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RecordingConstant {
+    /// Its name.
+    pub source: String,
+    /// Regression pairs.
+    pub samples: u64,
+    /// Mean of Δu − φᵀθ̂ per sample.
+    pub constant_u: f64,
+    /// Of sway speed.
+    pub constant_v: f64,
+    /// Of yaw rate.
+    pub constant_r: f64,
+}
+
+/// The range of a channel in the data.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Covered {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Least value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+}
+
+impl Covered {
+    /// Whether `value` lies in the range; that of an angle is an arc.
+    pub fn contains(&self, value: f64) -> bool {
+        let turned = match self.unit == "rad" && value.is_finite() {
+            true => self.low + (value - self.low).rem_euclid(TAU),
+            false => value,
+        };
+        // Rounding may turn the lower end once around.
+        (self.low..=self.high).contains(&value) || (self.low..=self.high).contains(&turned)
+    }
+}
+
+impl Delivered {
+    /// The model of `found`, which was fitted to `parts`; `None` unless all degrees of freedom have an estimate.
+    ///
+    /// # Errors
+    /// Parts that cannot be read.
+    pub(super) fn new(
+        pool: &Pool,
+        found: &Estimated,
+        parts: &AnyParts,
+        degrees: &[DegreeTrust],
+        sources: &[SourceErrors],
+    ) -> Result<Option<Self>, Unread> {
+        let Some((theta, intercepts)) = found.theta() else { return Ok(None) };
+        let beyond = |intercepts| beyond(&pool.model, intercepts);
+        let mut account = Account::new(&pool.vessel.model, &theta, intercepts);
+        parts.each(&mut |part| account.add(&part))?;
+        let surroundings =
+            found.searched.as_ref().map(|(own, _)| Surroundings::all(parts, own)).transpose()?;
+        Ok(Some(Self {
+            constant: beyond(intercepts),
+            covariance: covariance(&pool.model, found, degrees, parts.count()),
+            least_squares: pool.least_squares(found).map(|(theta, own)| (theta, beyond(own))),
+            increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
+            output_rmse: pooled_rmse(sources),
+            surroundings: surroundings.unwrap_or_default(),
+            covered: account.ranges.covered(),
+            recordings: account.recordings(),
+            theta,
+        }))
+    }
+
+    /// The model from an estimate of one run, θ̂ and intercepts, with those by least squares and its
+    /// current. Its covariance is not known: single runs only have standard errors.
+    pub(crate) fn of_run(
+        model: &Model,
+        part: &PartView,
+        (theta, intercepts): (Vec<f64>, [f64; 3]),
+        least_squares: Option<(Vec<f64>, [f64; 3])>,
+        surroundings: Option<Surroundings>,
+    ) -> Self {
+        let mut account = Account::new(model, &theta, intercepts);
+        account.add(part);
+        let lifted = model.with_intercepts();
+        let parameters = lifted.layout().woven(&theta, intercepts);
+        Self {
+            constant: beyond(model, intercepts),
+            covariance: None,
+            least_squares: least_squares.map(|(theta, own)| (theta, beyond(model, own))),
+            increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
+            output_rmse: Score::of(&lifted, &parameters, [part.run].into_iter()).rmse(),
+            surroundings: surroundings.into_iter().collect(),
+            covered: account.ranges.covered(),
+            recordings: account.recordings(),
+            theta,
+        }
+    }
+}
+
+/// The known constants, and intercepts.
+pub(super) fn beyond(model: &Model, intercepts: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|d| model.constant[d] + intercepts[d])
+}
+
+/// Statistics of the data, accumulated part by part.
+struct Account<'a> {
+    model: &'a Model,
+    theta: &'a [f64],
+    intercepts: [f64; 3],
+    /// Of Δy − φᵀθ̂ − c.
+    squares: [f64; 3],
+    samples: f64,
+    ranges: Ranges<'a>,
+    places: HashMap<String, usize>,
+    /// Sums of Δy − φᵀθ̂ by recording.
+    recordings: Vec<RecordingConstant>,
+}
+
+impl<'a> Account<'a> {
+    fn new(model: &'a Model, theta: &'a [f64], intercepts: [f64; 3]) -> Self {
+        Self {
+            model,
+            theta,
+            intercepts,
+            squares: [0.0; 3],
+            samples: 0.0,
+            ranges: Ranges::new(model),
+            places: HashMap::new(),
+            recordings: Vec::new(),
+        }
+    }
+
+    fn add(&mut self, part: &PartView) {
+        let (regression, layout) = (Regression::of(self.model, part), self.model.layout());
+        let mut left = [0.0; 3];
+        for (d, degree) in regression.degrees.iter().enumerate() {
+            for error in degree.residuals(&self.theta[layout.terms(d)]) {
+                left[d] += error;
+                self.squares[d] += (error - self.intercepts[d]).powi(2);
+            }
+        }
+        self.samples += regression.samples as f64;
+        self.gain(part.source, regression.samples as u64, left);
+        self.ranges.add(&part.run);
+    }
+
+    fn gain(&mut self, source: &str, samples: u64, [u, v, r]: [f64; 3]) {
+        let place = self.places.get(source).copied().unwrap_or(self.recordings.len());
+        if place == self.recordings.len() {
+            self.places.insert(source.to_owned(), place);
+            let source = source.to_owned();
+            self.recordings.push(RecordingConstant { source, ..RecordingConstant::default() });
+        }
+        let own = &mut self.recordings[place];
+        own.samples += samples;
+        own.constant_u += u;
+        own.constant_v += v;
+        own.constant_r += r;
+    }
+
+    /// Means instead of sums, with the known constant.
+    fn recordings(mut self) -> Vec<RecordingConstant> {
+        for own in &mut self.recordings {
+            let samples = own.samples.max(1) as f64;
+            let all = [&mut own.constant_u, &mut own.constant_v, &mut own.constant_r];
+            all.into_iter().zip(self.model.constant).for_each(|(sum, known)| *sum = *sum / samples + known);
+        }
+        self.recordings
+    }
+}
+
+/// The least and the largest value of each variable of a model.
+pub(super) struct Ranges<'a> {
+    model: &'a Model,
+    ends: Vec<[f64; 2]>,
+}
+
+impl<'a> Ranges<'a> {
+    pub fn new(model: &'a Model) -> Self {
+        Self { model, ends: vec![[f64::INFINITY, f64::NEG_INFINITY]; model.variables.len()] }
+    }
+
+    pub fn add(&mut self, run: &RunView) {
+        let mut cover = |variable: usize, value: f64| {
+            let [low, high] = &mut self.ends[variable];
+            (*low, *high) = (low.min(value), high.max(value));
+        };
+        let rows = run.measured.as_chunks::<3>().0;
+        rows.iter().for_each(|row| row.iter().enumerate().for_each(|(d, value)| cover(d, *value)));
+        for row in run.exogenous.chunks_exact(self.model.exogenous().max(1)) {
+            row.iter().enumerate().for_each(|(i, value)| cover(3 + i, *value));
+        }
+    }
+
+    pub fn covered(&self) -> Vec<Covered> {
+        let range = |(variable, [low, high]): (&Variable, &[f64; 2])| Covered {
+            name: variable.name.clone(),
+            unit: variable.unit.clone(),
+            low: *low,
+            high: *high,
+        };
+        self.model.variables.iter().zip(&self.ends).map(range).collect()
+    }
+}
+
+impl Covariance {
+    /// Half the width of a 95 % interval, in standard errors: by Student's t where few parts are compared.
+    pub fn half_width(&self) -> f64 {
+        self.parts.map_or(Z, |parts| student_half_width(parts as f64 - 1.0))
+    }
+
+    /// The standard error of the parameter `name`; `None` if it is not among them.
+    pub fn standard_error(&self, name: &str) -> Option<f64> {
+        let place = self.names.iter().position(|own| own == name)?;
+        Some(self.entries[place * (self.names.len() + 1)].max(0.0).sqrt())
+    }
+
+    /// The joint covariance of all unknowns of `model`, which has intercepts.
+    pub(crate) fn joint(model: &Model, entries: Vec<f64>, parts: usize) -> Self {
+        let name = |(d, name): (usize, &str)| match name {
+            "intercept" => format!("{} constant", DegreeOfFreedom::ALL[d].name()),
+            name => name.to_owned(),
+        };
+        let names = model.layout().degrees().zip(model.parameter_names()).map(name).collect();
+        Self { joint: true, names, entries, parts: Some(parts as u64) }
+    }
+}
+
+/// A search has a joint covariance of all unknowns; else each degree of freedom has its own.
+fn covariance(model: &Model, found: &Estimated, degrees: &[DegreeTrust], parts: usize) -> Option<Covariance> {
+    let searched = found.searched.as_ref().filter(|_| found.used.iter().all(|used| used.searches()));
+    if let Some((whole, _)) = searched {
+        return (parts > 1).then(|| Covariance::joint(model, whole.covariance.clone(), parts));
+    }
+    covariance_of(degrees)
+}
+
+/// The covariance of degrees of freedom that were estimated separately.
+pub(super) fn covariance_of(degrees: &[DegreeTrust]) -> Option<Covariance> {
+    let of = |degree: &DegreeTrust| -> Option<Vec<f64>> {
+        degree.parameters.iter().map(ParameterTrust::spread).collect()
+    };
+    let errors: Vec<Vec<f64>> = degrees.iter().map(of).collect::<Option<_>>()?;
+    let (all, mut first) = (errors.iter().map(Vec::len).sum::<usize>(), 0);
+    let mut entries = vec![0.0; all * all];
+    for (degree, errors) in degrees.iter().zip(&errors) {
+        let (correlation, p) = (degree.correlation.as_ref()?, errors.len());
+        for (k, entry) in correlation.iter().enumerate() {
+            entries[(first + k / p) * all + first + k % p] = entry * errors[k / p] * errors[k % p];
+        }
+        first += p;
+    }
+    let names = degrees.iter().flat_map(|d| &d.parameters).map(|p| p.name.clone()).collect();
+    Some(Covariance { joint: false, names, entries, parts: None })
+}
+
+fn pooled_rmse(sources: &[SourceErrors]) -> Option<[f64; 3]> {
+    let (mut squares, mut samples) = ([0.0; 3], 0.0);
+    for source in sources.iter().filter(|source| source.samples > 0) {
+        let (errors, n) = (source.errors?, source.samples as f64);
+        let rmse = [errors.rmse_u, errors.rmse_v, errors.rmse_r];
+        squares.iter_mut().zip(rmse).for_each(|(sum, rmse)| *sum += n * rmse * rmse);
+        samples += n;
+    }
+    (samples > 0.0).then(|| squares.map(|sum| (sum / samples).sqrt()))
+}
+
+/// The ranges of the channels of `model` in `parts`: its states and of its inputs and measured disturbances, in the
+/// order of its variables and in their units.
+pub fn covered(model: &Model, parts: &[Part]) -> Vec<Covered> {
+    let mut ranges = Ranges::new(model);
+    parts.iter().for_each(|part| ranges.add(&part.view()));
+    ranges.covered()
+}

@@ -1,0 +1,159 @@
+//! Pooled estimates by search: by simulations and by predictions.
+
+use regression::pooled::{AnyParts, DegreeFit, Drawn, Part, PooledSums, Status, Unread};
+use regression::{DegreeSums, MeanRemoval};
+use ship::engine::RunView;
+
+use super::{Estimated, Follow, Pool, Scales, Searched, Unfound};
+use crate::Estimator;
+use crate::additional::Intercepts;
+use crate::criticism::{ENOUGH, Kinds, calibrated};
+use crate::predictor::{InitialState, Unknown};
+
+/// Starts are estimated if noise has at least this share of the squared errors.
+const NOISY: f64 = 0.25;
+
+impl Pool<'_> {
+    /// Continues from the present estimate to the least errors of free simulations, and from there to those of
+    /// predictions if requested. If that fails there is no estimate. A model without an estimate of a degree of
+    /// freedom cannot be simulated: it is left unchanged.
+    ///
+    /// # Errors
+    /// Parts that cannot be read.
+    pub(super) fn searched(
+        &self,
+        parts: &AnyParts,
+        estimator: Estimator,
+        found: &mut Estimated,
+    ) -> Result<(), Unread> {
+        let Some((theta, intercepts)) = found.theta() else { return Ok(()) };
+        let intercepts = if self.additional.intercepts == Intercepts::None { [0.0; 3] } else { intercepts };
+        let start = self.model.layout().woven(&theta, intercepts);
+        let mut deviations = found.means().deviations();
+        parts.each(&mut |part| deviations.add(part.run.measured))?;
+        let std = deviations.found();
+        let sizes = self.sizes(found.least_squares_sums(), std);
+        let mut scales = Scales { std, sizes, follow: Follow::Simulated(self.unknown()) };
+        let simulated = self.continued(parts, &start, &scales)?;
+        let best = if estimator == Estimator::PredictionError {
+            // A filter can follow motion that a simulation cannot.
+            let from = simulated.as_ref().map_or(&start, |found| &found.parameters);
+            let predicted = self.predicted(parts, from, &scales)?;
+            predicted.map(|(follow, best, noises)| {
+                (scales.follow, found.noises) = (follow, noises);
+                best
+            })
+        } else {
+            match simulated {
+                Some(found) if self.mostly_noise(parts, &found, std)? => {
+                    let unknown = Unknown { initial: InitialState::Estimated, ..self.unknown() };
+                    scales.follow = Follow::Simulated(unknown);
+                    self.least_errors(parts, &found.parameters, &scales)?
+                }
+                found => found,
+            }
+        };
+        let Some(best) = best else {
+            let recordings = self.diverging(parts, &start)?;
+            found.unfound = Some(Unfound { estimator, recordings });
+            let none = || DegreeFit { status: Status::Unfound, solution: None };
+            found.degrees = [none(), none(), none()];
+            return Ok(());
+        };
+        for (d, (theta, intercept)) in self.split(&best.parameters).into_iter().enumerate() {
+            let model = &self.vessel.model.degrees[d];
+            if theta.iter().enumerate().all(|(i, value)| model.at_bound(i, *value)) {
+                found.degrees[d] = DegreeFit { status: Status::Bounded, solution: None };
+            }
+            if let Some(solution) = &mut found.degrees[d].solution {
+                (solution.theta, solution.intercept) = (theta, intercept);
+            }
+            found.used[d] = estimator;
+        }
+        found.searched = Some((best, scales));
+        Ok(())
+    }
+
+    /// Whether sensor noise is a large share of the errors of free simulations of `found`: then the first sample of a
+    /// part is as noisy as any other, and its start is an additional unknown. Noise is estimated from third
+    /// differences, to which smooth motion adds little.
+    fn mostly_noise(&self, parts: &AnyParts, found: &Searched, std: [f64; 3]) -> Result<bool, Unread> {
+        let (mut noise, mut counted, mut samples) = (0.0, 0_u64, 0);
+        parts.each(&mut |part| {
+            let rows = part.run.measured.as_chunks::<3>().0;
+            for four in rows.windows(4) {
+                let third = |d: usize| four[3][d] - 3.0 * (four[2][d] - four[1][d]) - four[0][d];
+                let weighed = (0..3).filter(|d| std[*d] > 0.0).map(|d| (third(d) / std[d]).powi(2));
+                // The variance of a third difference of white noise is 1 + 9 + 9 + 1 times its own.
+                noise += weighed.sum::<f64>() / 20.0;
+                counted += 1;
+            }
+            samples += part.run.samples();
+        })?;
+        Ok(noise * samples as f64 > NOISY * found.squares * counted as f64)
+    }
+
+    /// Minimises the errors of predictions by filters for the noise and drifting current that make the first parts
+    /// most likely, found alternately with the parameters.
+    fn predicted(
+        &self,
+        parts: &AnyParts,
+        from: &[f64],
+        scales: &Scales,
+    ) -> Result<Option<(Follow, Searched, Kinds)>, Unread> {
+        let (mut samples, mut first) = (0, Vec::new());
+        let enough = |i: &usize| {
+            let before = samples;
+            samples += parts.samples(*i);
+            before < ENOUGH
+        };
+        let places: Vec<usize> = (0..parts.count()).take_while(enough).collect();
+        parts.at(&places, &mut |part| first.push(Part::new("", "", part.run)))?;
+        let views: Vec<RunView> = first.iter().map(Part::view).collect();
+        let start = [from.to_vec()];
+        let Some(noise) = calibrated(&self.model, &views, self.vessel.sample_rate_hz, false, &start) else {
+            return Ok(None);
+        };
+        let follow = Follow::Predicted(noise.levels, noise.parameters.clone());
+        let scales = Scales { follow, std: scales.std, sizes: scales.sizes.clone() };
+        let found = self.least_errors(parts, &noise.parameters, &scales)?;
+        Ok(found.map(|found| (scales.follow, found, noise.kinds)))
+    }
+
+    /// The estimate of a search from the parts at `drawn`, started at that from all: θ̂ of surge, sway and yaw.
+    ///
+    /// # Errors
+    /// Parts that cannot be read.
+    pub(super) fn searched_again(
+        &self,
+        parts: &AnyParts,
+        drawn: &[usize],
+        found: &Estimated,
+    ) -> Result<Option<[Vec<f64>; 3]>, Unread> {
+        let Some((all, scales)) = &found.searched else { return Ok(None) };
+        let best = self.least_errors(&Drawn { parts, places: drawn }, &all.parameters, scales)?;
+        Ok(best.map(|best| self.split(&best.parameters).map(|(theta, _)| theta)))
+    }
+
+    /// θ and intercept of surge, sway and yaw from parameters of the model with intercepts.
+    fn split(&self, parameters: &[f64]) -> [(Vec<f64>, f64); 3] {
+        let layout = self.model.layout();
+        let intercepts = layout.intercepts(parameters);
+        [0, 1, 2].map(|d| (parameters[layout.terms(d)].to_vec(), intercepts[d]))
+    }
+
+    /// Per parameter, intercepts among them, the value with which its term alone would equal the state's deviation in
+    /// a sample; 0 for an intercept that is not estimated and a term that is always 0.
+    fn sizes(&self, sums: &PooledSums, std: [f64; 3]) -> Vec<f64> {
+        let whole = sums.total();
+        let n = whole.samples.max(1) as f64;
+        let size = |square: f64, std: f64| if square > 0.0 { std / (square / n).sqrt() } else { 0.0 };
+        let none = self.removal == MeanRemoval::None || self.additional.intercepts == Intercepts::None;
+        let intercept = |std: f64| if none { 0.0 } else { std };
+        let degree = |(degree, std): (&DegreeSums, f64)| -> Vec<f64> {
+            let own = degree.regressor_squares.iter().map(|square| size(*square, std));
+            own.chain((!degree.known.constant).then(|| intercept(std))).collect()
+        };
+        whole.degrees.iter().zip(std).flat_map(degree).collect()
+    }
+}

@@ -1,0 +1,307 @@
+use std::ops::Range;
+
+use numerics::{LANES, Lane, quadratic, times};
+use rayon::prelude::*;
+use regression::pooled::{AnyParts, Faults, Part, Parts, Unread};
+use ship::engine::SideBySide;
+use ship::model::Model;
+
+use super::ambient::{Ambient, Settled};
+use crate::predictor::{
+    Asked, Ended, Linear, Minimum, NoiseModel, Recordings, Residuals, STEPS, Unknown, Weighting, linearize,
+    minimize,
+};
+use crate::sensitivity::{filter, with_states};
+
+/// An estimate that minimises the errors of simulations or predictions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Searched {
+    /// Parameters of the model, in its order.
+    pub parameters: Vec<f64>,
+    /// Their covariance, as many rows: (G − 1)/G Σ δ δᵀ with the change δ of the estimate if one of the G parts is
+    /// left out, to first order (jackknife), so that errors may be correlated in any way within a part, and it is not
+    /// too small for few parts. Zero for fixed parameters and those at a bound.
+    pub covariance: Vec<f64>,
+    /// Per parameter the effective number of parts: how many equally informative ones would give the same
+    /// information; 0 for fixed ones.
+    pub effective_parts: Vec<f64>,
+    /// The current of every part \[m/s\], and its standard errors; empty if none is unknown.
+    pub currents: Vec<[[f64; 2]; 2]>,
+    /// Σ (e_d/std_d)², or of squared whitened innovations.
+    pub squares: f64,
+    /// Steps tried.
+    pub steps: usize,
+    /// Whether the search ended at a minimum.
+    pub converged: bool,
+}
+
+impl Searched {
+    /// The covariance of the parameters at `places`, as many rows.
+    pub(super) fn covariance_of(&self, places: Range<usize>) -> Vec<f64> {
+        let all = self.parameters.len();
+        let pairs = places.clone().flat_map(|i| places.clone().map(move |j| (i, j)));
+        pairs.map(|(i, j)| self.covariance[i * all + j]).collect()
+    }
+}
+
+/// Which errors of parts are minimised.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Follow {
+    /// Those of free simulations, each from its part's first measured state or one near it, in its own current.
+    Simulated(Unknown),
+    /// Those of one-sample predictions by a Kalman filter for these levels, with the gains along it at these
+    /// parameters.
+    Predicted(NoiseModel, Vec<f64>),
+}
+
+/// The scales of errors and steps of a search.
+pub struct Scales {
+    /// Standard deviations of the measured u, v, r.
+    pub(super) std: [f64; 3],
+    /// Per parameter, intercepts among them, the change that would matter; 0 fixes it.
+    pub(super) sizes: Vec<f64>,
+    /// Which errors are minimised.
+    pub(super) follow: Follow,
+}
+
+impl Scales {
+    /// Which errors are minimised.
+    pub fn follow(&self) -> &Follow {
+        &self.follow
+    }
+}
+
+/// Minimises Σ (e_d/std_d)² of simulations over `parts`, or Σ of squared whitened innovations, by Levenberg and
+/// Marquardt's method from `start` (parameters of `model`). `std`: of measured u, v, r. `sizes`: per parameter the
+/// change that would matter; 0 fixes it. `None` if the start diverges or a parameter has no effect of its own.
+///
+/// # Errors
+/// Parts that cannot be read; every step of the search reads them all.
+pub fn least_errors<P: Parts>(
+    model: &Model,
+    parts: &P,
+    start: &[f64],
+    std: [f64; 3],
+    sizes: &[f64],
+    follow: &Follow,
+) -> Result<Option<Searched>, P::Error> {
+    let faults = Faults::default();
+    let found = least_errors_any(model, &faults.erased(parts), start, std, sizes, follow);
+    found.map_err(|unread| faults.take(unread))
+}
+
+/// See [`least_errors`].
+pub(super) fn least_errors_any(
+    model: &Model,
+    parts: &AnyParts,
+    start: &[f64],
+    std: [f64; 3],
+    sizes: &[f64],
+    follow: &Follow,
+) -> Result<Option<Searched>, Unread> {
+    let free: Vec<usize> = (0..sizes.len()).filter(|i| sizes[*i] > 0.0).collect();
+    let weights = std.map(|s| if s > 0.0 { s.powi(-2) } else { 0.0 });
+    let (order, ambient) = (by_length(parts), vec![Vec::new(); parts.count()]);
+    let from = free.iter().map(|i| start[*i]).collect();
+    let asked = Question { model, held: start.to_vec(), free, weights, follow };
+    let weights = asked.weighting();
+    let mut problem = Problem { asked, parts, order, ambient };
+    let found = minimize(&mut problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop();
+    let Some(found) = found.filter(|found| matches!(found.status, Ended::Converged | Ended::Stalled)) else {
+        return Ok(None);
+    };
+    Ok(problem.spread(&found)?.map(|Spread { covariance, effective_parts, currents }| Searched {
+        covariance,
+        effective_parts,
+        currents,
+        squares: (0..3).map(|d| weights[d] * found.linear.squares[d]).sum(),
+        parameters: problem.asked.whole(&found.point),
+        steps: found.steps,
+        converged: found.status == Ended::Converged,
+    }))
+}
+
+/// One problem: all parts, [`LANES`] of them at a time.
+struct Problem<'a> {
+    asked: Question<'a>,
+    parts: &'a AnyParts<'a>,
+    /// Indices of the parts: those of similar length share lanes.
+    order: Vec<usize>,
+    /// The parts' last own unknowns, in their order.
+    ambient: Vec<Vec<f64>>,
+}
+
+/// The problem for every part.
+struct Question<'a> {
+    model: &'a Model,
+    held: Vec<f64>,
+    free: Vec<usize>,
+    /// Of squared errors in u, v, r.
+    weights: [f64; 3],
+    follow: &'a Follow,
+}
+
+/// The longest first.
+fn by_length(parts: &AnyParts) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..parts.count()).collect();
+    order.sort_by_key(|i| std::cmp::Reverse(parts.samples(*i)));
+    order
+}
+
+impl Question<'_> {
+    /// All parameters of a point.
+    fn whole(&self, point: &[f64]) -> Vec<f64> {
+        let mut whole = self.held.clone();
+        self.free.iter().zip(point).for_each(|(i, value)| whole[*i] = *value);
+        whole
+    }
+
+    /// The additional unknowns of every part, if there are any.
+    fn unknown(&self) -> Option<Unknown> {
+        match self.follow {
+            Follow::Simulated(unknown) => Some(*unknown).filter(|unknown| unknown.own().next().is_some()),
+            Follow::Predicted(..) => None,
+        }
+    }
+
+    /// The weights of the sums of parts: innovations are white, and settled parts are weighted already.
+    fn weighting(&self) -> [f64; 3] {
+        match (self.follow, self.unknown()) {
+            (Follow::Simulated(_), None) => self.weights,
+            _ => [1.0; 3],
+        }
+    }
+
+    /// Linearises parts, [`LANES`] of them per thread, from their last own unknowns.
+    fn settled(&self, parts: &[Part], ambient: &[Vec<f64>], whole: &[f64], spread: bool) -> Vec<Settled> {
+        let settled = |(i, parts): (usize, &[Part])| {
+            let group = SideBySide::of(&parts.iter().map(Part::view).collect::<Vec<_>>());
+            let recordings = Recordings::of(self.model, &group);
+            let mut found: Vec<Settled> = match self.unknown() {
+                None => self.linears(&recordings, whole).into_iter().map(Settled::from).collect(),
+                Some(unknown) => {
+                    let starts = &ambient[i * LANES..][..parts.len()];
+                    let own = Ambient::new(&recordings, unknown, whole, self.weights);
+                    own.settled(&self.free, starts, spread)
+                }
+            };
+            found.truncate(group.runs);
+            found
+        };
+        parts.par_chunks(LANES).enumerate().flat_map_iter(settled).collect()
+    }
+
+    fn linears(&self, recordings: &Recordings, whole: &[f64]) -> Vec<Linear> {
+        let lanes =
+            |whole: &[f64]| -> Vec<Lane> { whole.iter().copied().chain([0.0; 3]).map(Lane::splat).collect() };
+        match self.follow {
+            Follow::Simulated(_) => linearize::<3>(recordings, &lanes(whole), &self.free, None, &[], false),
+            Follow::Predicted(levels, at) => {
+                with_states!(levels, innovations(recordings, &lanes(whole), &lanes(at), &self.free, levels))
+            }
+        }
+    }
+}
+
+impl Problem<'_> {
+    /// Calls `look` with every linearised part, in order; with the spread of its own unknowns if requested.
+    fn each(&self, point: &[f64], spread: bool, look: &mut dyn FnMut(Settled)) -> Result<(), Unread> {
+        let whole = self.asked.whole(point);
+        let together = LANES * rayon::current_num_threads();
+        let mut waiting: Vec<Part> = Vec::with_capacity(together);
+        let mut first = 0;
+        let mut pass = |waiting: &mut Vec<Part>| {
+            let ambient = &self.ambient[first..first + waiting.len()];
+            self.asked.settled(waiting, ambient, &whole, spread).into_iter().for_each(&mut *look);
+            first += waiting.len();
+            waiting.clear();
+        };
+        self.parts.at(&self.order, &mut |part| {
+            waiting.push(Part::new("", "", part.run));
+            if waiting.len() == together {
+                pass(&mut waiting);
+            }
+        })?;
+        pass(&mut waiting);
+        Ok(())
+    }
+
+    /// The covariance of all parameters, the effective number of parts for each, and the currents of the parts.
+    fn spread(&self, found: &Minimum) -> Result<Option<Spread>, Unread> {
+        let weights = self.asked.weighting();
+        let Ok(inverse) = found.inverse(weights) else { return Ok(None) };
+        let places = &self.asked.free;
+        let (all, free, parts) = (self.asked.held.len(), places.len(), self.parts.count() as f64);
+        let (mut covariance, mut shares) = (vec![0.0; all * all], vec![[0.0; 2]; all]);
+        let mut settled = Vec::new();
+        self.each(&found.point, true, &mut |own| {
+            let (normal, gradient) = own.linear.weighted(weights);
+            // Without a part that alone determines a parameter there is no estimate: it is treated as hardly
+            // informative.
+            let moved = found.without(&own.linear, weights).unwrap_or_else(|_| times(&inverse, &gradient));
+            for (i, (row, a)) in places.iter().zip(&moved).enumerate() {
+                for (column, b) in places.iter().zip(&moved) {
+                    covariance[row * all + column] += (parts - 1.0) / parts * a * b;
+                }
+                let share = quadratic(&inverse[i * free..(i + 1) * free], &normal);
+                shares[*row] = [shares[*row][0] + share, shares[*row][1] + share * share];
+            }
+            settled.push(own.without_sums());
+        })?;
+        let alike = |[sum, squares]: [f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
+        let mut currents = Vec::new();
+        if self.asked.unknown().is_some_and(|unknown| unknown.current.is_some()) {
+            currents.resize(settled.len(), [[0.0; 2]; 2]);
+            let pairs = places.iter().flat_map(|i| places.iter().map(move |j| i * all + j));
+            let own: Vec<f64> = pairs.map(|k| covariance[k]).collect();
+            let found = self.order.iter().zip(&settled);
+            found.for_each(|(place, settled)| currents[*place] = settled.current(&own));
+        }
+        Ok(Some(Spread { covariance, effective_parts: shares.into_iter().map(alike).collect(), currents }))
+    }
+}
+
+/// Whitened innovations of a filter for `levels`, linearised at `unknowns` with its gains along `at`.
+fn innovations<const N: usize>(
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    at: &[Lane],
+    free: &[usize],
+    levels: &NoiseModel,
+) -> Vec<Linear> {
+    let (gains, _) = filter::<N>(recordings, at, levels, false);
+    linearize(recordings, unknowns, free, Some(levels), &gains, true)
+}
+
+/// See the fields of [`Searched`].
+struct Spread {
+    covariance: Vec<f64>,
+    effective_parts: Vec<f64>,
+    currents: Vec<[[f64; 2]; 2]>,
+}
+
+impl Residuals for Problem<'_> {
+    type Error = Unread;
+
+    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Unread> {
+        let mut totals = Vec::new();
+        for Asked { point, .. } in asked {
+            let (mut total, mut ambient): (Option<Linear>, _) = (None, Vec::new());
+            self.each(point, false, &mut |part| {
+                match &mut total {
+                    Some(total) => total.add(&part.linear),
+                    None => total = Some(part.linear),
+                }
+                ambient.push(part.ambient);
+            })?;
+            totals.extend(total);
+            self.ambient = ambient;
+        }
+        Ok(totals)
+    }
+
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        let all = self.asked.model.bounds();
+        all.map_or(Vec::new(), |all| self.asked.free.iter().map(|i| all[*i]).collect())
+    }
+}

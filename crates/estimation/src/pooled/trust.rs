@@ -1,0 +1,406 @@
+use std::borrow::Cow;
+use std::ops::Range;
+
+use regression::pooled::{
+    AnyParts, AnyRuns, Centring, CrossCorrelation, DegreeFit, Diagnosis, Meat, Part, PartView, Regression,
+    ResidualTests, Solution, Status, Strength, Unread, Whiteness, default_bandwidth, residuals_of,
+    unidentified, weakest,
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use ship::model::DegreeOfFreedom;
+
+use super::resampler::{Resampler, Resampling};
+use super::{Bootstrap, Estimated, FreeRunErrors, InstrumentFit, Pool, Resample, Score, deviations};
+use crate::{EstimateStatus, Estimator};
+
+/// Options for judging an estimate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Judgement {
+    /// Resamples of the bootstrap over parts.
+    pub replicates: u32,
+    /// Seed of the bootstrap.
+    pub seed: u64,
+}
+
+/// How far the estimate of one degree of freedom can be trusted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DegreeTrust {
+    /// `surge`, `sway` or `yaw`.
+    pub name: String,
+    /// Whether there is an estimate.
+    pub status: EstimateStatus,
+    /// Why it is not identifiable.
+    pub reason: Option<String>,
+    /// What the estimate was made with: `auto` takes one for each degree of freedom.
+    pub estimator: Estimator,
+    /// Condition number of the correlations between instruments and regressors; null where singular.
+    pub condition: Option<f64>,
+    /// Condition index of instruments and regressors with the intercept; from 30 on collinear. Null where singular.
+    pub condition_index: Option<f64>,
+    /// The direction that the data tell least about.
+    pub weakest: String,
+    /// Its parameters.
+    pub parameters: Vec<ParameterTrust>,
+    /// Correlations between the estimates: row-major, as many rows as parameters.
+    pub correlation: Option<Vec<f64>>,
+    /// Whether the residuals are white: Ljung and Box.
+    pub whiteness: Option<Whiteness>,
+    /// The largest correlation of residuals with instruments at other times.
+    pub instrument_residual: Option<InstrumentResidual>,
+    /// How well the instruments follow the measured state: 100 (1 − RMSE/std) over the sub-experiments.
+    pub instrument_fit: Option<f64>,
+}
+
+impl DegreeTrust {
+    /// Takes away what says how far estimates scatter.
+    pub(super) fn without_errors(&mut self) {
+        self.correlation = None;
+        for own in &mut self.parameters {
+            (own.standard_error, own.bootstrap_std) = (None, None);
+            (own.bootstrap_low, own.bootstrap_high) = (None, None);
+        }
+    }
+
+    /// The parameter with the largest relative standard error.
+    pub fn weakest_parameter(&self) -> &str {
+        let relative = |p: &ParameterTrust| match (p.estimate, p.spread()) {
+            (Some(estimate), Some(error)) if estimate != 0.0 => (error / estimate).abs(),
+            _ => 1.0 / p.variation.max(1e-300),
+        };
+        let largest = self.parameters.iter().max_by(|a, b| relative(a).total_cmp(&relative(b)));
+        largest.map_or("", |p| p.name.as_str())
+    }
+}
+
+/// How far the estimate of one parameter can be trusted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterTrust {
+    /// Name as in `vessel.toml`.
+    pub name: String,
+    /// Its term.
+    pub term: String,
+    /// Its unit.
+    pub unit: String,
+    /// The estimate.
+    pub estimate: Option<f64>,
+    /// Its standard error: sandwich with autocorrelation; of `output-error` with any correlation within a sub-experiment.
+    /// None at a bound, and where there is only one.
+    pub standard_error: Option<f64>,
+    /// Whether it lies at a bound beyond which the data pull it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub at_bound: bool,
+    /// Its standard deviation over the resamples.
+    pub bootstrap_std: Option<f64>,
+    /// 2.5 % of the resamples are below.
+    pub bootstrap_low: Option<f64>,
+    /// 2.5 % are above.
+    pub bootstrap_high: Option<f64>,
+    /// Size of the term without its mean over its size: 0 for a constant.
+    pub variation: f64,
+    /// Shea's partial R² of the instruments: 1 least squares, near 0 instruments that have lost the motion.
+    pub instrument_strength: Option<f64>,
+}
+
+impl ParameterTrust {
+    /// Its standard error, 0 at a bound.
+    pub(super) fn spread(&self) -> Option<f64> {
+        self.standard_error.or(self.at_bound.then_some(0.0))
+    }
+}
+
+/// A correlation of residuals with an instrument.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InstrumentResidual {
+    /// The instrument's term.
+    pub instrument: String,
+    /// Samples by which the instrument comes earlier; below 0 later.
+    pub lag: i64,
+    /// The correlation.
+    pub strongest: f64,
+    /// Probability of a larger one, of all lags and instruments tried, under independence.
+    pub p_value: f64,
+}
+
+/// Free simulation over one run or recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SourceErrors {
+    /// Its name.
+    pub source: String,
+    /// Samples simulated.
+    pub samples: u64,
+    /// Simulations that diverged.
+    pub diverged: u64,
+    /// Root mean square errors and fits; null where a simulation diverged or there is no model.
+    pub errors: Option<FreeRunErrors>,
+}
+
+/// The data for judging an estimate.
+pub(super) struct Judge<'a> {
+    pub pool: &'a Pool<'a>,
+    pub found: &'a Estimated,
+    pub parts: &'a AnyParts<'a>,
+    pub judgement: &'a Judgement,
+    pub resampling: Resampling<'a>,
+}
+
+/// Numbers of one degree of freedom.
+pub(super) struct Degree {
+    pub covariance: Option<Vec<f64>>,
+    pub whiteness: Option<Whiteness>,
+    pub crossed: Option<CrossCorrelation>,
+    pub strength: Option<Vec<f64>>,
+    pub diagnosis: Diagnosis,
+    pub instrument_fit: Option<f64>,
+    pub bootstrap: Option<Bootstrap>,
+}
+
+impl Judge<'_> {
+    /// Regression pairs.
+    pub(super) fn samples(&self) -> usize {
+        (0..self.parts.count()).map(|i| self.parts.samples(i)).sum()
+    }
+
+    /// Lags of Bartlett's weights.
+    pub(super) fn bandwidth(&self) -> usize {
+        default_bandwidth(self.samples())
+    }
+
+    /// Surge, sway, yaw.
+    ///
+    /// # Errors
+    /// Parts that cannot be read.
+    pub(super) fn degrees(&self) -> Result<Vec<DegreeTrust>, Unread> {
+        let mut accounts =
+            DegreeOfFreedom::ALL.map(|d| Account::new(self.found, d as usize, self.bandwidth()));
+        let mut fit = InstrumentFit::new(self.found);
+        let mut i = 0;
+        self.parts.each(&mut |part| {
+            self.account(i, &part, &mut accounts, &mut fit);
+            i += 1;
+        })?;
+        let (fits, mut degrees) = (fit.found(), Vec::new());
+        let (resamples, layout) = (self.resamples()?, self.pool.vessel.model.layout());
+        for (d, account) in DegreeOfFreedom::ALL.into_iter().zip(accounts) {
+            let bootstrap = Bootstrap::of_resamples(&resamples, &layout.terms(d as usize));
+            let places = self.pool.model.layout().terms(d as usize);
+            let mut degree = account.closed(self.found, places, fits.map(|fits| fits[d as usize]), bootstrap);
+            // Errors of a search compare parts.
+            degree.covariance = degree
+                .covariance
+                .filter(|_| self.parts.count() > 1 || !self.found.used[d as usize].searches());
+            let fit = &self.found.degrees[d as usize];
+            degrees.push(judged(self.pool, d, fit, self.found.used[d as usize], &degree));
+        }
+        Ok(degrees)
+    }
+
+    /// Adds a part to the accounts of all degrees of freedom.
+    fn account(&self, i: usize, part: &PartView, accounts: &mut [Account; 3], fit: &mut InstrumentFit) {
+        let instruments = self.found.instruments.as_deref();
+        // Parts that diverge were refused before.
+        let simulated = instruments.and_then(|model| self.pool.regression(part, Some(model)).ok());
+        if let Some((_, states)) = &simulated {
+            fit.add(states, part.run.measured);
+        }
+        let by = |account: &&mut Account| self.found.simulated(account.d).is_some();
+        let (own, others): (Vec<_>, Vec<_>) = accounts.iter_mut().partition(by);
+        if let Some((regression, _)) = simulated {
+            own.into_iter().for_each(|account| account.add(i, &regression));
+        }
+        if !others.is_empty() {
+            let regression = Regression::of(&self.pool.vessel.model, part);
+            others.into_iter().for_each(|account| account.add(i, &regression));
+        }
+    }
+
+    /// The resamples of the bootstrap: drawn now, or before.
+    fn resamples(&self) -> Result<Cow<'_, [Resample]>, Unread> {
+        let Judgement { replicates, seed, .. } = *self.judgement;
+        match self.resampling {
+            Resampling::Given(resamples) => Ok(Cow::Borrowed(resamples)),
+            Resampling::Drawn(_) if replicates == 0 => Ok(Cow::Borrowed(&[])),
+            Resampling::Drawn(done) => {
+                let resampler = Resampler::new(self.pool, self.found, self.parts, seed)?;
+                Ok(Cow::Owned(resampler.first(replicates, done)?))
+            }
+        }
+    }
+
+    /// Free simulation over every source.
+    ///
+    /// # Errors
+    /// Runs that cannot be read.
+    pub(super) fn sources(&self, runs: &dyn AnyRuns) -> Result<Vec<SourceErrors>, Unread> {
+        let model = self.found.parameters(&self.pool.model);
+        let mut sources = Vec::with_capacity(runs.sources());
+        runs.each_source(&mut |source, windows| {
+            sources.push(self.source(source, &windows, model.as_deref()))
+        })?;
+        Ok(sources)
+    }
+
+    fn source(&self, source: &str, windows: &[Part], model: Option<&[f64]>) -> SourceErrors {
+        let std = deviations(windows.iter().map(|w| w.measured.as_slice()));
+        let views = || windows.iter().map(Part::view);
+        let score = model.map(|model| Score::of(&self.pool.model, model, views()));
+        SourceErrors {
+            source: source.to_owned(),
+            samples: windows.iter().map(|w| w.samples() as u64).sum(),
+            diverged: score.map_or(0, |score| score.diverged),
+            errors: score.and_then(|score| score.errors(std)),
+        }
+    }
+}
+
+/// Judges `fit`, the estimate of degree of freedom `d` by `used`.
+pub(super) fn judged(
+    pool: &Pool,
+    d: DegreeOfFreedom,
+    fit: &DegreeFit,
+    used: Estimator,
+    degree: &Degree,
+) -> DegreeTrust {
+    let covariance = degree.covariance.as_deref();
+    let model = &pool.vessel.model.degrees[d as usize];
+    let instrument_residual = degree.crossed.map(|c| InstrumentResidual {
+        instrument: model.terms[c.instrument].text.clone(),
+        lag: c.lag,
+        strongest: c.correlation,
+        p_value: c.p_value,
+    });
+    let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+    DegreeTrust {
+        name: d.name().to_owned(),
+        status: match fit.status {
+            Status::Identified => EstimateStatus::Identified,
+            _ => EstimateStatus::NotIdentifiable,
+        },
+        reason: unidentified(d, model, &fit.status, &pool.constant),
+        estimator: used,
+        condition: finite(degree.diagnosis.condition),
+        condition_index: finite(degree.diagnosis.index),
+        weakest: weakest(d, model, &degree.diagnosis, &pool.constant),
+        parameters: parameters(pool, d, degree, fit.solution.as_ref()),
+        correlation: covariance.and_then(|c| {
+            let held = |i: usize| fit.solution.as_ref().is_some_and(|s| model.at_bound(i, s.theta[i]));
+            correlation(c, model.terms.len(), held)
+        }),
+        whiteness: degree.whiteness,
+        instrument_residual,
+        instrument_fit: degree.instrument_fit,
+    }
+}
+
+fn parameters(
+    pool: &Pool,
+    d: DegreeOfFreedom,
+    degree: &Degree,
+    solution: Option<&Solution>,
+) -> Vec<ParameterTrust> {
+    let whole = &pool.vessel.model;
+    let model = &whole.degrees[d as usize];
+    let p = model.terms.len();
+    let units = &whole.parameter_units()[whole.layout().degree(d as usize)];
+    let resampled = |i: usize| degree.bootstrap.as_ref().map(|b| b.parameters[i]);
+    let at_bound = |i: usize| solution.is_some_and(|s| model.at_bound(i, s.theta[i]));
+    let error = |i: usize| degree.covariance.as_ref().map(|c| c[i * p + i].max(0.0).sqrt());
+    let parameter = |i: usize| ParameterTrust {
+        name: model.parameters[i].clone(),
+        term: model.terms[i].text.clone(),
+        unit: units[i].clone(),
+        estimate: solution.map(|s| s.theta[i]),
+        standard_error: error(i).filter(|_| !at_bound(i)),
+        at_bound: at_bound(i),
+        bootstrap_std: resampled(i).map(|r| r.std),
+        bootstrap_low: resampled(i).map(|r| r.low),
+        bootstrap_high: resampled(i).map(|r| r.high),
+        variation: degree.diagnosis.variation[i],
+        instrument_strength: degree.strength.as_ref().map(|s| s[i]),
+    };
+    (0..p).map(parameter).collect()
+}
+
+/// The statistics of one degree of freedom, accumulated part by part.
+struct Account<'a> {
+    d: usize,
+    centring: Centring,
+    solution: Option<&'a Solution>,
+    meat: Option<Meat>,
+    tests: ResidualTests,
+    strength: Strength,
+}
+
+impl<'a> Account<'a> {
+    fn new(found: &'a Estimated, d: usize, bandwidth: usize) -> Self {
+        let (sums, solution) = (found.data(d), found.degrees[d].solution.as_ref());
+        let p = sums.total().degrees[d].parameters();
+        // An estimate of a search has a covariance of its own.
+        let own = found.searched.is_some() && found.used[d].searches();
+        Self {
+            d,
+            centring: sums.centring(),
+            solution,
+            meat: solution.filter(|_| !own).map(|_| Meat::new(p, bandwidth)),
+            tests: ResidualTests::new(bandwidth.max(1), p),
+            strength: Strength::default(),
+        }
+    }
+
+    /// Adds part number `i`.
+    fn add(&mut self, i: usize, part: &Regression) {
+        let (d, degree, centring) = (self.d, &part.degrees[self.d], &self.centring);
+        self.strength.add(i, degree, centring, d);
+        let Some(solution) = self.solution else { return };
+        let residuals = residuals_of(part, i, centring, solution, d);
+        let (mut columns, mut row) = (vec![Vec::with_capacity(part.samples); degree.parameters], Vec::new());
+        for k in 0..part.samples {
+            centring.zeta(i, d, degree.zeta(k), &mut row);
+            columns.iter_mut().zip(&row).for_each(|(column, z)| column.push(*z));
+        }
+        self.tests.add(&residuals, &columns);
+        if let Some(meat) = &mut self.meat {
+            meat.add(degree, &residuals, |row, out| centring.zeta(i, d, row, out));
+        }
+    }
+
+    /// The result over all parts for the parameters at `places` of the model with intercepts.
+    fn closed(
+        self,
+        found: &Estimated,
+        places: Range<usize>,
+        instrument_fit: Option<f64>,
+        bootstrap: Option<Bootstrap>,
+    ) -> Degree {
+        let (d, centring) = (self.d, self.centring);
+        let searched = || found.searched.as_ref().map(|(searched, _)| searched.covariance_of(places));
+        let covariance = self.solution.and_then(|solution| match self.meat {
+            Some(meat) => Some(meat.covariance(&centring, solution, d)),
+            None => searched(),
+        });
+        Degree {
+            covariance,
+            whiteness: self.solution.map(|_| self.tests.whiteness()),
+            crossed: self.solution.and_then(|_| self.tests.strongest()),
+            strength: self.strength.partial(),
+            diagnosis: found.data(d).diagnose(d),
+            instrument_fit,
+            bootstrap,
+        }
+    }
+}
+
+/// 0 with parameters that are `held` at a bound.
+fn correlation(covariance: &[f64], p: usize, held: impl Fn(usize) -> bool) -> Option<Vec<f64>> {
+    let size = |i: usize| covariance[i * p + i].sqrt();
+    let entry = |k: usize| match held(k / p) || held(k % p) {
+        true => 0.0,
+        false => covariance[k] / (size(k / p) * size(k % p)),
+    };
+    let entries: Vec<f64> = (0..p * p).map(entry).collect();
+    entries.iter().all(|x| x.is_finite()).then_some(entries)
+}

@@ -1,0 +1,217 @@
+use regression::pooled::{PartView, Regression};
+use regression::runs::{CollinearRun, RunInstruments, collinear_run};
+use regression::{InstrumentKind, MeanRemoval};
+use ship::engine::{Run, RunView};
+use ship::model::Vessel;
+
+use super::error::RunError;
+use super::found::{Found, Regressed};
+use super::refined::refined;
+use crate::additional::AdditionalUnknowns;
+use crate::pooled::{Delivered, Surroundings};
+use crate::predictor::{InitialState, NoiseModel};
+use crate::{EstimateCovariance, Estimator, RunEstimate};
+
+/// Estimates runs one by one, each by every requested estimator.
+pub struct RunEstimators<'a> {
+    /// The vessel.
+    pub vessel: &'a Vessel,
+    /// In the order of the estimates.
+    pub estimators: Vec<Estimator>,
+    /// How the instruments' mean is removed.
+    pub removal: MeanRemoval,
+    /// The start of simulations.
+    pub initial: InitialState,
+    /// Additional unknowns of searches.
+    pub additional: AdditionalUnknowns,
+    /// The disturbances of the runs, if stated.
+    pub levels: Option<NoiseModel>,
+}
+
+/// The results of all estimators on some runs; empty for those not needed.
+#[derive(Default)]
+struct Everything {
+    ls: Vec<Regressed>,
+    iv: Vec<Regressed>,
+    simulated: Vec<Found>,
+    predicted: Vec<Found>,
+}
+
+impl Everything {
+    /// The result of an estimator on the first run.
+    fn first(&self, estimator: Estimator) -> Option<&Found> {
+        match estimator {
+            Estimator::Ls => self.ls.first().map(|own| &own.found),
+            Estimator::Iv | Estimator::Auto => self.iv.first().map(|own| &own.found),
+            Estimator::OutputError => self.simulated.first(),
+            Estimator::PredictionError => self.predicted.first(),
+        }
+    }
+
+    /// The estimates by one estimator, with their covariances.
+    fn by<'f>(
+        &'f self,
+        all: &RunEstimators,
+        estimator: Estimator,
+        runs: &[Run],
+    ) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
+        let rows = |found: &mut dyn Iterator<Item = &'f Found>, excited: &[Regressed]| {
+            let each = found.zip(excited).zip(runs);
+            let row = |((found, excited), run): ((&'f Found, &Regressed), &Run)| {
+                let row = all.estimate(estimator, run, found, excited);
+                let covariance = found.covariance.as_deref().filter(|_| row.estimate.is_some());
+                (row, covariance)
+            };
+            each.map(row).collect()
+        };
+        match estimator {
+            Estimator::Ls => rows(&mut self.ls.iter().map(|r| &r.found), &self.ls),
+            Estimator::Iv | Estimator::Auto => rows(&mut self.iv.iter().map(|r| &r.found), &self.iv),
+            Estimator::OutputError => rows(&mut self.simulated.iter(), &self.iv),
+            Estimator::PredictionError => rows(&mut self.predicted.iter(), &self.iv),
+        }
+    }
+}
+
+impl RunEstimators<'_> {
+    /// One estimate per run and estimator, run by run.
+    ///
+    /// # Errors
+    /// A diverging nominal simulation, a run that is too short.
+    pub fn estimates(&self, runs: &[Run]) -> Result<Vec<RunEstimate>, RunError> {
+        self.estimates_from(runs, None)
+    }
+
+    /// The same, with searches from the estimates `near`, if known, by run.
+    ///
+    /// # Errors
+    /// See [`RunEstimators::estimates`].
+    pub fn estimates_from(
+        &self,
+        runs: &[Run],
+        near: Option<&[Option<Vec<f64>>]>,
+    ) -> Result<Vec<RunEstimate>, RunError> {
+        if let Some(moved) = &self.vessel.model.forces {
+            return Ok(self.by_forces(moved, runs)?.into_iter().map(|(row, _)| row).collect());
+        }
+        let found = self.found(runs, near)?;
+        Ok(self.rows(&found, runs).into_iter().map(|(row, _)| row).collect())
+    }
+
+    /// The same, each with its covariance.
+    ///
+    /// # Errors
+    /// See [`RunEstimators::estimates`].
+    pub fn estimates_with_covariances(
+        &self,
+        runs: &[Run],
+    ) -> Result<Vec<(RunEstimate, EstimateCovariance)>, RunError> {
+        if let Some(moved) = &self.vessel.model.forces {
+            return self.by_forces(moved, runs);
+        }
+        let found = self.found(runs, None)?;
+        let rows = self.rows(&found, runs).into_iter();
+        Ok(rows.map(|(row, covariance)| (row, covariance.map(<[f64]>::to_vec))).collect())
+    }
+
+    /// All estimates with their covariances, run by run.
+    fn rows<'f>(&self, found: &'f Everything, runs: &[Run]) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
+        let columns = self.estimators.iter().map(|e| found.by(self, *e, runs).into_iter());
+        let mut columns: Vec<_> = columns.collect();
+        let row = |_| columns.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
+        runs.iter().flat_map(row).collect()
+    }
+
+    /// The model of the first estimator from `run`, which is called `name`, with that by least squares; `None`
+    /// without an estimate, and of a ship with forces, whose model `estimate pool` delivers.
+    ///
+    /// # Errors
+    /// See [`RunEstimators::estimates`].
+    pub fn delivered(&self, run: &Run, name: &str) -> Result<Option<(RunEstimate, Delivered)>, RunError> {
+        let (runs, model) = (std::slice::from_ref(run), &self.vessel.model);
+        let Some(estimator) = self.estimators.first().copied().filter(|_| model.forces.is_none()) else {
+            return Ok(None);
+        };
+        let found = self.found(runs, None)?;
+        let (intercepts, current) =
+            found.first(estimator).map_or((None, None), |own| (own.intercepts, own.current));
+        let surroundings = current.map(|own| Surroundings::of((name, 0), own));
+        let row = found.by(self, estimator, runs).pop().map(|(row, _)| row);
+        let Some((row, theta)) = row.and_then(|row| Some((row.clone(), row.estimate?.0))) else {
+            return Ok(None);
+        };
+        let simple = self.regressed(InstrumentKind::Regressors, runs)?;
+        let simple = simple.first().and_then(|own| own.found.theta()).map(<[f64]>::to_vec);
+        let whole = RunView::measured(&run.measured, &run.exogenous);
+        let part = PartView { label: "", source: name, run: whole };
+        let left = |theta: &[f64]| match self.removal {
+            MeanRemoval::None => [0.0; 3],
+            _ => Regression::of(model, &part).left(theta),
+        };
+        let simple = simple.map(|theta| {
+            let own = left(&theta);
+            (theta, own)
+        });
+        let own = intercepts.unwrap_or_else(|| left(&theta));
+        Ok(Some((row, Delivered::of_run(model, &part, (theta, own), simple, surroundings))))
+    }
+
+    /// Everything that the requested estimators need, each computed once; searches begin at `near`, if known.
+    fn found(&self, runs: &[Run], near: Option<&[Option<Vec<f64>>]>) -> Result<Everything, RunError> {
+        use Estimator::{Ls, OutputError, PredictionError};
+        let wanted = |any: &[Estimator]| self.estimators.iter().any(|e| any.contains(e));
+        let mut found = Everything::default();
+        if wanted(&[Ls]) {
+            found.ls = self.regressed(InstrumentKind::Regressors, runs)?;
+        }
+        if self.estimators.iter().any(|e| *e != Ls) {
+            found.iv = self.instrumented(runs)?;
+        }
+        if wanted(&[OutputError, PredictionError]) {
+            let levels = self.levels.as_ref();
+            let near = match near {
+                Some(near) => {
+                    let or_iv = |(near, iv): (&Option<Vec<f64>>, &Regressed)| {
+                        near.as_deref().or(iv.found.theta()).map(<[f64]>::to_vec)
+                    };
+                    near.iter().zip(&found.iv).map(or_iv).collect()
+                }
+                None => refined(self.vessel, runs, &found.iv, self.removal, levels),
+            };
+            let free = self.output_error(runs, &near, &found.iv, wanted(&[OutputError]));
+            found.simulated = free.iter().map(Found::from).collect();
+            if wanted(&[PredictionError]) {
+                let fits = match levels {
+                    Some(levels) => self.prediction_error(runs, &free, &near, levels),
+                    None => self.calibrated(runs, &free, &near),
+                };
+                found.predicted = fits.iter().map(Found::from).collect();
+            }
+        }
+        Ok(found)
+    }
+
+    pub(super) fn regressed(&self, kind: InstrumentKind, runs: &[Run]) -> Result<Vec<Regressed>, RunError> {
+        let outcomes = RunInstruments::new(self.vessel, kind).estimates(runs, self.removal)?;
+        let each = runs.iter().zip(outcomes);
+        each.map(|(run, (outcome, excitation))| Regressed::new(run, outcome, excitation)).collect()
+    }
+
+    /// The terms that a measured run's instruments cannot distinguish; for estimators that need instruments. Others
+    /// work with collinear columns.
+    pub fn collinear(&self, run: &Run) -> Option<CollinearRun> {
+        let instrumented = self.estimators.iter().any(|e| e.by_instruments());
+        instrumented.then(|| collinear_run(self.vessel, run, self.removal)).flatten()
+    }
+
+    fn estimate(&self, estimator: Estimator, run: &Run, found: &Found, excited: &Regressed) -> RunEstimate {
+        let collinear = estimator.by_instruments().then(|| self.collinear(run)).flatten();
+        match collinear {
+            Some(at) => {
+                let none = excited.clone().unidentified(at.degree, at.parameter);
+                none.estimate(self.vessel, run, estimator, &none.found)
+            }
+            None => excited.estimate(self.vessel, run, estimator, found),
+        }
+    }
+}

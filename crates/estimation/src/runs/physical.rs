@@ -1,0 +1,202 @@
+//! Output error of single runs of a ship with forces.
+
+use crate::fitting::{MeasuredRun, PredictedErrors, Prior, SimulatedRun, Unfit, WhiteNoise};
+use rayon::prelude::*;
+use refusal::Invalid;
+use ship::engine::Run;
+use ship::model::{ForceModel, Vessel};
+
+use super::error::RunError;
+use super::estimators::RunEstimators;
+use crate::additional::AdditionalUnknowns;
+use crate::predictor::{Flow, InitialState, NoiseModel};
+use crate::{EstimateCovariance, EstimateStatus, Estimator, RunEstimate};
+
+impl Estimator {
+    /// Refuses an estimator from terms per sample for a `vessel` with forces.
+    ///
+    /// # Errors
+    /// Names the estimator.
+    pub fn check(self, vessel: &Vessel) -> Result<(), Invalid> {
+        if self == Self::OutputError {
+            return Ok(());
+        }
+        let remedy = "take the estimator `output-error`, which fits forces".to_owned();
+        vessel.check_terms(self.name()).map_err(|e| Invalid { remedy, ..e })
+    }
+}
+
+/// The noise that errors of a ship with forces are predicted from.
+///
+/// # Errors
+/// Noise that is not stated, not white, or 0 in a state.
+fn white(levels: Option<&NoiseModel>) -> Result<WhiteNoise, Invalid> {
+    let refused = |found: &str, remedy: &str| {
+        let expected =
+            "white noise in u, v and r and at most a white current, which errors of forces are weighed by";
+        Err(Invalid::new("disturbances", found, expected, remedy))
+    };
+    let Some(levels) = levels else {
+        return refused("none stated", "add --campaign campaign.toml, or fit the run by `estimate pool`");
+    };
+    let current = match levels.current {
+        Flow::Still => 0.0,
+        Flow::White { std } => std,
+        Flow::Markov { .. } => return refused("a current that lasts", "fit the run by `estimate pool`"),
+    };
+    if levels.force.is_some() || levels.drift.is_some() {
+        return refused("wind, or errors that drift", "fit the run by `estimate pool`");
+    }
+    match levels.measurement.contains(&0.0) {
+        true => refused("no noise in a state", "state what the sensor has, however little"),
+        false => Ok(WhiteNoise { measurement: levels.measurement, current }),
+    }
+}
+
+impl RunEstimators<'_> {
+    /// Refuses what estimates of runs of a ship with forces cannot do.
+    ///
+    /// # Errors
+    /// Another estimator than output error; noise that is not stated or not white; a start that is not known; unknowns besides
+    /// her numbers.
+    pub fn check_forces(&self) -> Result<(), Invalid> {
+        if self.vessel.model.forces.is_none() {
+            return Ok(());
+        }
+        self.estimators.iter().try_for_each(|own| own.check(self.vessel))?;
+        if self.initial != InitialState::Known {
+            let (found, expected) =
+                ("measured ones", "simulated runs, whose start is known, of a ship with forces");
+            return Err(Invalid::new("runs", found, expected, "fit them by `estimate pool`"));
+        }
+        if self.additional != AdditionalUnknowns::default() {
+            let expected = "the numbers of a ship with forces alone";
+            return Err(Invalid::new("unknowns", "additional ones", expected, "leave out their flags"));
+        }
+        white(self.levels.as_ref()).map(|_| ())
+    }
+
+    /// Estimates of `runs` of a ship with forces, each with its covariance.
+    ///
+    /// # Errors
+    /// See [`Self::check_forces`].
+    pub(super) fn by_forces(
+        &self,
+        moved: &ForceModel,
+        runs: &[Run],
+    ) -> Result<Vec<(RunEstimate, EstimateCovariance)>, RunError> {
+        self.check_forces().map_err(RunError::Forces)?;
+        let noise = white(self.levels.as_ref()).map_err(RunError::Forces)?;
+        let one = Single { vessel: self.vessel, moved, noise };
+        let found: Vec<Found> = runs.par_iter().map(|run| one.found(run)).collect();
+        let row = |(run, found): (&Run, &Found)| {
+            let own = self
+                .estimators
+                .iter()
+                .map(|estimator| (found.row(run, *estimator), found.covariance.clone()));
+            own.collect::<Vec<_>>()
+        };
+        Ok(runs.iter().zip(&found).flat_map(row).collect())
+    }
+}
+
+/// A ship, and the noise of a run of hers.
+struct Single<'a> {
+    vessel: &'a Vessel,
+    moved: &'a ForceModel,
+    noise: WhiteNoise,
+}
+
+/// What became of a run.
+struct Found {
+    status: EstimateStatus,
+    estimate: Option<(Vec<f64>, Vec<f64>)>,
+    covariance: EstimateCovariance,
+    /// Condition index of the run's information about all numbers together.
+    condition: f64,
+    weakest: String,
+}
+
+impl Single<'_> {
+    fn found(&self, run: &Run) -> Found {
+        let Self { vessel, moved, noise } = self;
+        let simulated = SimulatedRun {
+            initial: run.initial,
+            inputs: &run.exogenous,
+            width: vessel.model.exogenous(),
+            sample_s: moved.sample_s,
+        };
+        let own = MeasuredRun { run: simulated, measured: &run.measured, noise: noise.measurement };
+        let found = own.most_probable(&moved.forces, &self.priors(), &vessel.nominal);
+        let theta = match found {
+            Ok(theta) => theta,
+            Err(Unfit::Undetermined(name)) => return Found::none(EstimateStatus::NotIdentifiable, name),
+            Err(_) => return Found::none(EstimateStatus::NotConverged, self.first()),
+        };
+        let information = simulated.information(&moved.forces, &theta, noise);
+        let free = self.free(&theta);
+        let errors = information.and_then(|own| own.errors(&self.known(), &free));
+        match errors {
+            Some(errors) => self.identified(theta, errors),
+            None => Found::none(EstimateStatus::NotIdentifiable, self.first()),
+        }
+    }
+
+    fn identified(&self, theta: Vec<f64>, errors: PredictedErrors) -> Found {
+        let PredictedErrors { covariance, condition, weakest } = errors;
+        let n = theta.len();
+        let standard_errors = (0..n).map(|i| covariance[i * n + i].sqrt()).collect();
+        let weakest = self.moved.forces.parameters()[weakest].name.clone();
+        let estimate = Some((theta, standard_errors));
+        Found {
+            status: EstimateStatus::Identified,
+            estimate,
+            covariance: Some(covariance),
+            condition,
+            weakest,
+        }
+    }
+
+    /// Priors about the nominal numbers.
+    fn priors(&self) -> Vec<Option<Prior>> {
+        let prior = |(own, mean): (Option<f64>, &f64)| own.map(|deviation| Prior { mean: *mean, deviation });
+        self.deviations().zip(&self.vessel.nominal).map(prior).collect()
+    }
+
+    fn deviations(&self) -> impl Iterator<Item = Option<f64>> {
+        self.moved.forces.parameters().iter().map(|own| own.prior)
+    }
+
+    /// 1/σ² of each prior, 0 without one.
+    fn known(&self) -> Vec<f64> {
+        self.deviations().map(|own| own.map_or(0.0, |deviation| deviation.powi(-2))).collect()
+    }
+
+    /// Which numbers are not at a bound.
+    fn free(&self, theta: &[f64]) -> Vec<bool> {
+        let parameters = self.moved.forces.parameters().iter();
+        theta.iter().zip(parameters).map(|(own, parameter)| !parameter.bounds.contains(own)).collect()
+    }
+
+    fn first(&self) -> String {
+        self.moved.forces.parameters().first().map_or(String::new(), |own| own.name.clone())
+    }
+}
+
+impl Found {
+    fn none(status: EstimateStatus, weakest: String) -> Self {
+        Self { status, estimate: None, covariance: None, condition: f64::INFINITY, weakest }
+    }
+
+    fn row(&self, run: &Run, estimator: Estimator) -> RunEstimate {
+        RunEstimate {
+            design: run.design.clone(),
+            run: run.run,
+            estimator,
+            status: self.status,
+            estimate: self.estimate.clone(),
+            condition: [self.condition; 3],
+            weakest: [0, 1, 2].map(|_| self.weakest.clone()),
+        }
+    }
+}

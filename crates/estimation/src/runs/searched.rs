@@ -1,0 +1,170 @@
+//! Output error and prediction error of single runs.
+
+use std::borrow::Cow;
+
+use rayon::prelude::*;
+use ship::engine::{Run, RunView};
+use ship::model::Model;
+
+use super::estimators::RunEstimators;
+use super::found::Regressed;
+use crate::additional::Intercepts;
+use crate::criticism::{Calibrated, calibrated};
+use crate::predictor::{
+    Fit, Fitted, FoundSpread, InitialState, NoiseModel, Spread, Unknown, errors_by_blocks, held, of_terms,
+    output_error, prediction_error, roots, scaled,
+};
+
+/// Parameters near those of a run, if known.
+type Near = Option<Vec<f64>>;
+
+impl RunEstimators<'_> {
+    /// Minimises the errors of free simulations of `runs`. Searches begin at the estimates `near`; if there is none
+    /// or it fails, at those of `iv`, then at the nominal model. Without standard errors no noise is needed.
+    pub(super) fn output_error(
+        &self,
+        runs: &[Run],
+        near: &[Near],
+        iv: &[Regressed],
+        errors: bool,
+    ) -> Vec<Fit> {
+        let starts = |(near, iv): (&Near, &Regressed)| {
+            self.starts([near.as_deref(), iv.found.theta()].map(|theta| theta.map(without)))
+        };
+        let starts: Vec<Vec<Vec<f64>>> = near.iter().zip(iv).map(starts).collect();
+        let (model, views) = (self.lifted(), views(runs));
+        let of = |run: usize, theta: &[f64]| {
+            let noise = self.noise(&model, views[run], &[theta.to_vec()]);
+            let waves = noise.as_ref().is_some_and(|noise| noise.waves);
+            let found = |noise: Calibrated| FoundSpread { levels: noise.near, factor: noise.factor, waves };
+            let blocks = FoundSpread { levels: Vec::new(), factor: 1.0, waves };
+            noise.filter(|noise| noise.white).map_or(blocks, found)
+        };
+        let spread = match &self.levels {
+            Some(levels) => Spread::Stated(levels),
+            None if errors => Spread::Found(&of),
+            None => Spread::Blocks,
+        };
+        output_error(&model, &views, &starts, self.unknown(), spread)
+    }
+
+    /// The unknowns of free simulations.
+    pub(super) fn unknown(&self) -> Unknown {
+        Unknown::new(self.initial, self.additional, 1.0 / self.vessel.sample_rate_hz)
+    }
+
+    /// Minimises the errors of predictions of `runs` by a filter for `levels`, from the minima of free simulations.
+    pub(super) fn prediction_error(
+        &self,
+        runs: &[Run],
+        free: &[Fit],
+        near: &[Near],
+        levels: &NoiseModel,
+    ) -> Vec<Fit> {
+        let starts = |(free, near): (&Fit, &Near)| {
+            self.starts([converged(free).map(with_intercepts), near.as_deref().map(without)])
+        };
+        let starts: Vec<Vec<Vec<f64>>> = free.iter().zip(near).map(starts).collect();
+        prediction_error(&self.lifted(), &views(runs), &starts, self.initial, levels)
+    }
+
+    /// Seconds of the search for the noise per row and thread, order of magnitude; see
+    /// [`crate::Estimator::seconds_per_row`].
+    pub fn seconds_per_row_calibrated(&self) -> f64 {
+        let searched = self.estimators.iter().filter(|estimator| estimator.searches()).count();
+        if self.levels.is_none() { 1e-3 * searched as f64 } else { 0.0 }
+    }
+
+    /// The same without stated noise: it is found by the likelihood of each run by itself, alternately with its
+    /// parameters, from the minimum of free simulations, else from the estimates `near` or the nominal model.
+    pub(super) fn calibrated(&self, runs: &[Run], free: &[Fit], near: &[Near]) -> Vec<Fit> {
+        let each = runs.par_iter().zip(free).zip(near);
+        each.map(|((run, free), near)| self.calibrated_to(run, free, near)).collect()
+    }
+
+    fn calibrated_to(&self, run: &Run, free: &Fit, near: &Near) -> Fit {
+        let (model, view) = (self.lifted(), run.view());
+        let starts = self.starts([converged(free).map(with_intercepts), near.as_deref().map(without)]);
+        // An estimate by simulations is a different one: it does not replace a failed estimate by a filter.
+        let none = || match free {
+            Fit::NotIdentifiable(_) => free.clone(),
+            Fit::Converged(found) => Fit::NotConverged(found.steps),
+            Fit::NotConverged(steps) => Fit::NotConverged(*steps),
+        };
+        let Some(noise) = self.noise(&model, view, &starts) else { return none() };
+        let starts = [vec![noise.parameters.clone()]];
+        let fit = prediction_error(&model, &[view], &starts, self.initial, &noise.levels).pop();
+        match fit {
+            Some(Fit::Converged(found)) => Fit::Converged(self.with_errors_of(found, &model, view, &noise)),
+            other => other.unwrap_or_else(none),
+        }
+    }
+
+    /// The noise of a run, found alternately with its parameters from the first of `starts` that succeeds.
+    fn noise(&self, model: &Model, run: RunView, starts: &[Vec<f64>]) -> Option<Calibrated> {
+        let known = self.initial == InitialState::Known;
+        calibrated(model, &[run], self.vessel.sample_rate_hz, known, starts)
+    }
+
+    /// An estimate under noise that was found, with standard errors that allow for it, or marked as approximate if
+    /// the errors follow no known kind of noise.
+    fn with_errors_of(&self, found: Fitted, model: &Model, run: RunView, noise: &Calibrated) -> Fitted {
+        let layout = model.layout();
+        let theta = layout.woven(&found.parameters, found.intercepts);
+        let found_ones = || (found.standard_errors.clone(), found.covariance.clone());
+        let (own, covariance) = if noise.waves {
+            (vec![f64::NAN; found.standard_errors.len()], None)
+        } else if noise.white {
+            let widest = noise.widest.as_ref().map(|errors| (layout.theta(errors), None));
+            let (all, covariance) = widest.unwrap_or_else(found_ones);
+            let all = all.into_iter().map(|error| noise.factor * error).collect();
+            (all, covariance.map(|own| scaled(own, noise.factor)))
+        } else {
+            let blocks = errors_by_blocks(model, run, &theta, self.initial, &noise.levels);
+            let own = blocks.map(|own| of_terms(layout, &own)).map(|own| (roots(&own), Some(own)));
+            own.unwrap_or_else(found_ones)
+        };
+        // A parameter at a bound has no error.
+        let zero = |(before, own): (&f64, f64)| if *before == 0.0 { 0.0 } else { own };
+        let covariance = covariance.map(|own| held(own, &found.standard_errors));
+        let standard_errors = found.standard_errors.iter().zip(own).map(zero).collect();
+        Fitted { standard_errors, covariance, approximate: !noise.white, ..found }
+    }
+
+    /// The model with its intercepts, if it is to have any.
+    fn lifted(&self) -> Cow<'_, Model> {
+        match self.additional.intercepts {
+            Intercepts::Each => Cow::Owned(self.vessel.model.with_intercepts()),
+            Intercepts::None => Cow::Borrowed(&self.vessel.model),
+        }
+    }
+
+    /// The starts of `known` that exist, and the nominal model.
+    fn starts(&self, known: [Option<Start>; 2]) -> Vec<Vec<f64>> {
+        let layout = self.lifted().layout();
+        let all = known.into_iter().flatten().chain([without(&self.vessel.nominal)]);
+        all.map(|(theta, intercepts)| layout.woven(theta, intercepts)).collect()
+    }
+}
+
+/// Parameters of the terms, and intercepts.
+type Start<'a> = (&'a [f64], [f64; 3]);
+
+fn converged(fit: &Fit) -> Option<&Fitted> {
+    match fit {
+        Fit::Converged(found) => Some(found),
+        _ => None,
+    }
+}
+
+fn with_intercepts(found: &Fitted) -> Start<'_> {
+    (&found.parameters, found.intercepts)
+}
+
+fn without(theta: &[f64]) -> Start<'_> {
+    (theta, [0.0; 3])
+}
+
+fn views(runs: &[Run]) -> Vec<RunView<'_>> {
+    runs.iter().map(Run::view).collect()
+}

@@ -1,0 +1,250 @@
+use numerics::statistics::spread;
+use numerics::{dot, times};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use ship::model::Model;
+
+use crate::search::minimum::{Ending, minimum};
+use crate::search::nested::{Fitted, Study, widened};
+use crate::search::problem::{Problem, Slopes};
+use crate::search::recording::Recording;
+
+/// For refits during the search.
+const REFIT: Ending = Ending { steps: 2, enough: 1e-3 };
+/// For the model with the chosen terms, when it is scored.
+const JUDGED: Ending = Ending { steps: 12, enough: 1e-4 };
+/// Terms that are added before the model is linearised again.
+const BEFORE: usize = 3;
+/// The search ends after this many additions without a lower loss.
+const PATIENCE: usize = 12;
+/// A smaller relative decrease of the loss does not count.
+const NONE: f64 = 1e-4;
+
+/// A number of terms and how folds that are left out are followed with that many.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SizeScore {
+    /// Number of terms, constants among them.
+    pub terms: u64,
+    /// The term that was added last.
+    pub added: String,
+    /// Mean loss of the folds left out, by a quadratic model of the errors.
+    pub loss: f64,
+    /// How far it lies above the least.
+    pub excess: f64,
+    /// Standard error of that, by fold.
+    pub standard_error: f64,
+}
+
+/// A model of few terms.
+pub(crate) struct Compact {
+    /// Numbers of terms in the order of additions.
+    pub sizes: Vec<SizeScore>,
+    /// Indices in the library of the chosen terms.
+    pub places: Vec<usize>,
+}
+
+/// The terms after an addition.
+struct Size {
+    places: Vec<usize>,
+    added: usize,
+    /// Loss of each fold by the quadratic fitted to the others.
+    losses: Vec<f64>,
+}
+
+impl Size {
+    fn total(&self) -> f64 {
+        self.losses.iter().sum()
+    }
+}
+
+/// The loss of one fold, linearised in all terms, per error.
+struct Linearised {
+    errors: f64,
+    loss: f64,
+    slopes: Slopes,
+}
+
+impl Study<'_> {
+    /// The fewest terms whose loss on left-out folds is within a standard error of the least; base terms stay. Only
+    /// recordings of `folds` are used. `None` if nothing can be fitted.
+    pub fn compact(&self, base: &[f64], folds: &[Vec<&Recording>], ridge: f64) -> Option<Compact> {
+        let wide = widened(self.base, self.library, base);
+        let sizes = self.forward(folds, self.base_places(), &wide, ridge);
+        let best = sizes.iter().min_by(|a, b| a.total().total_cmp(&b.total()))?;
+        let names: Vec<&str> = self.library.parameter_names().collect();
+        let errors: f64 = folds.iter().flatten().map(|r| r.errors()).sum();
+        let scores: Vec<SizeScore> = sizes
+            .iter()
+            .map(|size| {
+                let more: Vec<f64> =
+                    size.losses.iter().zip(&best.losses).map(|(own, best)| own - best).collect();
+                SizeScore {
+                    terms: size.places.len() as u64,
+                    added: names[size.added].to_owned(),
+                    loss: size.total() / errors,
+                    excess: more.iter().sum::<f64>() / errors,
+                    standard_error: spread(&more).unwrap_or(0.0) * (more.len() as f64).sqrt() / errors,
+                }
+            })
+            .collect();
+        let chosen = scores.iter().position(|size| size.excess <= size.standard_error)?;
+        let places = sizes[chosen].places.clone();
+        Some(Compact { sizes: scores, places })
+    }
+
+    /// The model of the terms at `places`, fitted to all of `folds`.
+    pub fn fitted(
+        &self,
+        places: &[usize],
+        base: &[f64],
+        folds: &[Vec<&Recording>],
+        ridge: f64,
+    ) -> Option<Fitted> {
+        let recordings: Vec<&Recording> = folds.iter().flatten().copied().collect();
+        let model = subset(self.library, places);
+        let wide = widened(self.base, self.library, base);
+        let start: Vec<f64> = places.iter().map(|i| wide[*i]).collect();
+        let known: Vec<bool> = places.iter().map(|i| self.known()[*i]).collect();
+        let problem = Problem::new(&model, &recordings, self.rate_hz).by_effect(&start, &known);
+        let beta = minimum(&problem, problem.beta(&start), ridge, JUDGED)?;
+        problem.look(&beta)?;
+        let theta = problem.theta(&beta);
+        Some(Fitted { model, theta })
+    }
+
+    /// Forward selection: adds terms to those at `start` one by one, each time the one with the least loss of the
+    /// left-out folds, by a quadratic model of the errors that is renewed every few terms. It starts at `theta`.
+    fn forward(&self, folds: &[Vec<&Recording>], start: Vec<usize>, theta: &[f64], ridge: f64) -> Vec<Size> {
+        let all: Vec<&Recording> = folds.iter().flatten().copied().collect();
+        let whole = Problem::new(self.library, &all, self.rate_hz).by_effect(theta, &self.known());
+        let (mut places, mut beta) = (start, whole.beta(theta));
+        let mut sizes: Vec<Size> = Vec::new();
+        let mut best = (f64::INFINITY, 0);
+        while places.len() < whole.sizes.len() && sizes.len() <= best.1 + PATIENCE {
+            let model = subset(self.library, &places);
+            let own = places.iter().map(|i| whole.sizes[*i]).collect();
+            let problem = Problem::new(&model, &all, self.rate_hz).sized(own);
+            let from: Vec<f64> = places.iter().map(|i| beta[*i]).collect();
+            let Some(fitted) = minimum(&problem, from, ridge, REFIT) else { break };
+            beta = vec![0.0; whole.sizes.len()];
+            places.iter().zip(&fitted).for_each(|(i, b)| beta[*i] = *b);
+            let linearised: Option<Vec<Linearised>> =
+                folds.iter().map(|own| linearise(&whole.only(own), &beta)).collect();
+            let Some(linearised) = linearised else { break };
+            let held = whole.held(&beta);
+            for _ in 0..BEFORE {
+                let Some(size) = addition(&linearised, &places, &beta, &held, ridge) else { return sizes };
+                places = size.places.clone();
+                if size.total() < best.0 * (1.0 - NONE) {
+                    best = (size.total(), sizes.len() + 1);
+                }
+                sizes.push(size);
+            }
+        }
+        sizes
+    }
+}
+
+fn linearise(problem: &Problem, beta: &[f64]) -> Option<Linearised> {
+    let looked = problem.look(beta)?;
+    let slopes = problem.slopes(beta, &looked)?;
+    Some(Linearised { errors: problem.errors(), loss: looked.loss, slopes })
+}
+
+/// `places` with the term that gives the least loss of the left-out folds; `None` if there is no other term.
+/// Parameters `held` at a bound stay there.
+fn addition(
+    linearised: &[Linearised],
+    places: &[usize],
+    beta: &[f64],
+    held: &[bool],
+    ridge: f64,
+) -> Option<Size> {
+    let p = beta.len();
+    let moving: Vec<usize> = places.iter().copied().filter(|i| !held[*i]).collect();
+    let mut candidates: Vec<Size> = (0..p)
+        .filter(|i| !places.contains(i))
+        .map(|added| Size { places: Vec::new(), added, losses: Vec::with_capacity(linearised.len()) })
+        .collect();
+    for (fold, own) in linearised.iter().enumerate() {
+        let others = Others::new(linearised, fold, &moving, beta, ridge)?;
+        for size in &mut candidates {
+            size.losses.push(others.loss(own, &moving, size.added));
+        }
+    }
+    let mut best = candidates.into_iter().min_by(|a, b| a.total().total_cmp(&b.total()))?;
+    best.places = [places, &[best.added]].concat();
+    best.places.sort_unstable();
+    Some(best)
+}
+
+/// All folds but one: their curvature H with the ridge, and the solution with the present terms.
+struct Others {
+    p: usize,
+    curvature: Vec<f64>,
+    descent: Vec<f64>,
+    /// H⁻¹ of the present terms.
+    inverse: Vec<f64>,
+    /// Their step.
+    step: Vec<f64>,
+}
+
+impl Others {
+    fn new(
+        linearised: &[Linearised],
+        fold: usize,
+        places: &[usize],
+        beta: &[f64],
+        ridge: f64,
+    ) -> Option<Self> {
+        let (p, m) = (beta.len(), places.len());
+        let (mut curvature, mut descent) = (vec![0.0; p * p], vec![0.0; p]);
+        for (_, other) in linearised.iter().enumerate().filter(|(i, _)| *i != fold) {
+            let Linearised { errors, slopes, .. } = other;
+            curvature.iter_mut().zip(&slopes.curvature).for_each(|(sum, own)| *sum += errors * own);
+            descent.iter_mut().zip(&slopes.descent).for_each(|(sum, own)| *sum += errors * own);
+            (0..p).for_each(|i| curvature[i * p + i] += errors * ridge);
+            descent.iter_mut().zip(beta).for_each(|(sum, beta)| *sum -= errors * ridge * beta);
+        }
+        let mut own: Vec<f64> = (0..m * m).map(|k| curvature[places[k / m] * p + places[k % m]]).collect();
+        let mut inverse = vec![0.0; m * m];
+        numerics::inverse(m, &mut own, &mut inverse)?;
+        let right: Vec<f64> = places.iter().map(|i| descent[*i]).collect();
+        let step = times(&inverse, &right);
+        Some(Self { p, curvature, descent, inverse, step })
+    }
+
+    /// Loss of the fold `own` with the terms at `places` and `added`, by the bordered inverse.
+    fn loss(&self, own: &Linearised, places: &[usize], added: usize) -> f64 {
+        let p = self.p;
+        let border: Vec<f64> = places.iter().map(|i| self.curvature[i * p + added]).collect();
+        let moved = times(&self.inverse, &border);
+        let schur = self.curvature[added * p + added] - dot(&border, &moved);
+        let step = (self.descent[added] - dot(&border, &self.step)) / schur;
+        let step = if step.is_finite() { step } else { 0.0 };
+        let Slopes { curvature, descent } = &own.slopes;
+        let mut loss = own.loss + step * (curvature[added * p + added] * step - 2.0 * descent[added]);
+        let change: Vec<f64> = self.step.iter().zip(&moved).map(|(own, moved)| own - moved * step).collect();
+        for (i, change_i) in places.iter().zip(&change) {
+            let row = &curvature[i * p..(i + 1) * p];
+            let along: f64 = places.iter().zip(&change).map(|(j, change)| row[*j] * change).sum();
+            loss += change_i * (along + 2.0 * row[added] * step - 2.0 * descent[*i]);
+        }
+        own.errors * loss
+    }
+}
+
+/// `library` with the terms at `places` only.
+fn subset(library: &Model, places: &[usize]) -> Model {
+    let mut model = library.clone();
+    let layout = library.layout();
+    for (d, degree) in model.degrees.iter_mut().enumerate() {
+        let first = layout.degree(d).start;
+        let kept = |i: &usize| places.contains(&(first + i));
+        let own: Vec<usize> = (0..degree.terms.len()).filter(kept).collect();
+        degree.terms = own.iter().map(|i| degree.terms[*i].clone()).collect();
+        degree.parameters = own.iter().map(|i| degree.parameters[*i].clone()).collect();
+    }
+    model
+}

@@ -1,0 +1,342 @@
+use crate::pooled::deviations;
+use crate::predictor::{Recordings, Step, free_sweep};
+use numerics::statistics::MeanTrajectory;
+use numerics::{LANES, Lane};
+use rayon::prelude::*;
+use regression::pooled::Part;
+use ship::engine::{Compiled, RunView, SideBySide, Weather, simulate};
+use ship::model::Model;
+
+use crate::search::gram::Gram;
+use crate::search::recording::Recording;
+
+/// If the RMS of a window's errors over the states' standard deviations exceeds this, they count linearly instead of
+/// squared: a single window may have a quarter of all squared errors.
+const USUAL: f64 = 0.2;
+/// A simulation has failed if it exceeds the largest measured state times this.
+const BEYOND: f64 = 5.0;
+/// Factor by which parameters of the base structure are penalised less than others; its square multiplies the ridge.
+const KNOWN: f64 = 0.03;
+/// Maximum number of chunks of windows for Jacobians: more than threads, and the same for any number of threads.
+const CHUNKS: usize = 16;
+
+/// Output errors of free simulations over windows, as a function of scaled parameters β: θ = β · size.
+#[derive(Clone)]
+pub(crate) struct Problem<'a> {
+    pub model: &'a Model,
+    /// Longest first, so that neighbours are about equally long.
+    windows: Vec<RunView<'a>>,
+    std: [f64; 3],
+    limit: [f64; 3],
+    /// 0 for a term that is always 0.
+    pub sizes: Vec<f64>,
+    /// Bounds of θ, infinite at open ends; empty without bounds.
+    bounds: Vec<[f64; 2]>,
+    /// Number of errors.
+    residuals: f64,
+    /// Interval in samples at which the curvature is summed.
+    thin: usize,
+}
+
+/// A point after simulation.
+#[derive(Clone, Debug)]
+pub(crate) struct Looked {
+    /// Mean over all errors of the Huber loss of their window.
+    pub loss: f64,
+    /// By window.
+    weights: Vec<f64>,
+}
+
+/// Curvature and descent at a point, per error: H ≈ ∂²loss/∂β² / 2 and g = −∂loss/∂β / 2, of the free β.
+pub(crate) struct Slopes {
+    pub curvature: Vec<f64>,
+    pub descent: Vec<f64>,
+}
+
+impl<'a> Problem<'a> {
+    pub fn new(model: &'a Model, recordings: &[&'a Recording], rate_hz: f64) -> Self {
+        let mut windows: Vec<RunView> = recordings.iter().flat_map(|r| r.overlapping()).collect();
+        windows.sort_by_key(|window| std::cmp::Reverse(window.samples()));
+        let longest = windows.first().map_or(1, RunView::samples);
+        let std = deviations(recordings.iter().flat_map(|r| &r.whole).map(|p| p.measured.as_slice()));
+        let samples: usize = windows.iter().map(RunView::samples).sum();
+        Self {
+            model,
+            limit: limit(recordings),
+            sizes: sizes(model, recordings, rate_hz),
+            bounds: model.bounds().unwrap_or_default(),
+            residuals: (3 * samples).max(1) as f64,
+            // States change little within a twentieth of a window.
+            thin: (longest / 20).max(1),
+            windows,
+            std,
+        }
+    }
+
+    /// The errors of single steps, whose minimum is the least-squares fit of the increments.
+    pub fn increments(model: &'a Model, recordings: &[&'a Recording], rate_hz: f64) -> Self {
+        let whole = recordings.iter().flat_map(|r| &r.whole).map(Part::view);
+        let samples = whole.flat_map(|whole| (0..whole.samples()).map(move |k| whole.part(k..k + 1)));
+        let windows: Vec<RunView> = samples.collect();
+        let residuals = (3 * windows.len()).max(1) as f64;
+        Self { windows, residuals, thin: 1, ..Self::new(model, recordings, rate_hz) }
+    }
+
+    /// The same errors over some `recordings` alone.
+    pub fn only(&self, recordings: &[&'a Recording]) -> Self {
+        let own = Self::new(self.model, recordings, 1.0);
+        Self { sizes: self.sizes.clone(), std: self.std, limit: self.limit, thin: self.thin, ..own }
+    }
+
+    /// The same errors as a function of parameters scaled by their effect: at `theta` the curvature along each of
+    /// them alone is 1, so that a ridge Λ would shrink it by 1/(1 + Λ). For `known` ones it is larger, so that they
+    /// are hardly penalised. Unchanged if the simulation at `theta` fails.
+    pub fn by_effect(mut self, theta: &[f64], known: &[bool]) -> Self {
+        let beta = self.beta(theta);
+        let Some(slopes) = self.look(&beta).and_then(|looked| self.slopes(&beta, &looked)) else {
+            return self;
+        };
+        let p = self.sizes.len();
+        for (i, size) in self.sizes.iter_mut().enumerate() {
+            let own = slopes.curvature[i * p + i].sqrt();
+            let held = if known[i] { KNOWN } else { 1.0 };
+            *size = if own > 0.0 { *size / (own * held) } else { 0.0 };
+        }
+        self
+    }
+
+    /// The same with `sizes`.
+    pub fn sized(self, sizes: Vec<f64>) -> Self {
+        Self { sizes, ..self }
+    }
+
+    /// Number of errors.
+    pub fn errors(&self) -> f64 {
+        self.residuals
+    }
+
+    /// θ, within its bounds: exactly at a bound if β is.
+    pub fn theta(&self, beta: &[f64]) -> Vec<f64> {
+        let mut theta: Vec<f64> = beta.iter().zip(&self.sizes).map(|(beta, size)| beta * size).collect();
+        for (i, [low, high]) in self.bounds.iter().enumerate() {
+            let [least, most] = self.ends(i);
+            theta[i] = match beta[i] {
+                beta if beta <= least => *low,
+                beta if beta >= most => *high,
+                _ => theta[i].clamp(*low, *high),
+            };
+        }
+        theta
+    }
+
+    /// Bounds of scaled parameter `i`. A term without effect cannot move.
+    fn ends(&self, i: usize) -> [f64; 2] {
+        let open = [f64::NEG_INFINITY, f64::INFINITY];
+        let bounds = self.bounds.get(i).filter(|_| self.sizes[i] > 0.0);
+        bounds.map_or(open, |bounds| bounds.map(|end| end / self.sizes[i]))
+    }
+
+    /// The bounded scaled parameters.
+    pub fn bounded(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
+        let all = (0..self.bounds.len()).map(|i| (i, self.ends(i)));
+        all.filter(|(_, ends)| ends.iter().any(|end| end.is_finite()))
+    }
+
+    /// β within its bounds.
+    pub fn within(&self, mut beta: Vec<f64>) -> Vec<f64> {
+        self.bounded().for_each(|(i, [low, high])| beta[i] = beta[i].clamp(low, high));
+        beta
+    }
+
+    /// Which of β lie at a bound.
+    pub fn held(&self, beta: &[f64]) -> Vec<bool> {
+        let mut held = vec![false; beta.len()];
+        self.bounded().for_each(|(i, ends)| held[i] = ends.contains(&beta[i]));
+        held
+    }
+
+    pub fn beta(&self, theta: &[f64]) -> Vec<f64> {
+        let scaled = |(theta, size): (&f64, &f64)| if *size > 0.0 { theta / size } else { 0.0 };
+        theta.iter().zip(&self.sizes).map(scaled).collect()
+    }
+
+    /// Simulates; `None` if a simulation exceeds the limits.
+    pub fn look(&self, beta: &[f64]) -> Option<Looked> {
+        let theta: Vec<Lane> = self.theta(beta).into_iter().map(Lane::splat).collect();
+        let groups: Vec<&[RunView]> = self.windows.chunks(LANES).collect();
+        let errors = |group: &&[RunView]| squares(self.model, &theta, group, self.limit);
+        let found: Vec<Vec<Option<[f64; 3]>>> = groups.par_iter().map(errors).collect();
+        let (mut loss, mut weights) = (0.0, Vec::with_capacity(self.windows.len()));
+        for (group, squares) in groups.into_iter().zip(found) {
+            for (window, squares) in group.iter().zip(squares) {
+                let squares = squares?;
+                let n = (3 * window.samples()) as f64;
+                let sum: f64 =
+                    (0..3).filter(|d| self.std[*d] > 0.0).map(|d| squares[d] / self.std[d].powi(2)).sum();
+                let rms = (sum / n).sqrt();
+                let usual = rms <= USUAL;
+                loss += if usual { sum } else { n * USUAL * (2.0 * rms - USUAL) };
+                weights.push(if usual { 1.0 } else { USUAL / rms });
+            }
+        }
+        loss /= self.residuals;
+        loss.is_finite().then_some(Looked { loss, weights })
+    }
+
+    /// Curvature and descent at the point `looked`.
+    pub fn slopes(&self, beta: &[f64], looked: &Looked) -> Option<Slopes> {
+        let p = beta.len();
+        let theta: Vec<Lane> = self.theta(beta).into_iter().map(Lane::splat).collect();
+        let groups: Vec<(&[RunView], &[f64])> =
+            self.windows.chunks(LANES).zip(looked.weights.chunks(LANES)).collect();
+        let chunks: Vec<_> = groups.chunks(groups.len().div_ceil(CHUNKS).max(1)).collect();
+        let parts: Vec<_> = chunks.par_iter().map(|groups| self.chunk_sums(&theta, groups)).collect();
+        let (mut curvature, mut descent) = (vec![0.0; p * p], vec![0.0; p]);
+        for (own, slope) in parts {
+            curvature.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+            descent.iter_mut().zip(slope).for_each(|(sum, own)| *sum += total(own));
+        }
+        for i in 0..p {
+            let size = self.sizes[i] / self.residuals;
+            descent[i] *= size;
+            (0..p).for_each(|j| curvature[i * p + j] *= size * self.sizes[j]);
+        }
+        let finite = curvature.iter().chain(&descent).all(|x| x.is_finite());
+        finite.then_some(Slopes { curvature, descent })
+    }
+
+    /// Σ s sᵀ, at some samples, and Σ s e of `groups`, by θ.
+    fn chunk_sums(&self, theta: &[Lane], groups: &[(&[RunView], &[f64])]) -> (Vec<f64>, Vec<Lane>) {
+        let p = theta.len();
+        let unknowns = [theta, &[Lane::ZERO; 3]].concat();
+        let free: Vec<usize> = (0..p).collect();
+        let mut products = Gram::new(p);
+        let mut descent = vec![Lane::ZERO; p];
+        for (windows, weights) in groups {
+            let runs = SideBySide::of(windows);
+            let recordings = Recordings::of(self.model, &runs);
+            // Unused lanes repeat the last window.
+            let weight = Lane(std::array::from_fn(|lane| weights.get(lane).map_or(0.0, |w| w.sqrt())));
+            let scales = self.std.map(|std| if std > 0.0 { std.recip() } else { 0.0 });
+            free_sweep(
+                &recordings,
+                &unknowns,
+                &free,
+                #[inline(always)]
+                |step: Step<'_, Lane, 3>| {
+                    if step.k == 0 {
+                        return;
+                    }
+                    let counts = recordings.lasting(step.k) * weight;
+                    let counted = step.k.is_multiple_of(self.thin);
+                    for d in 0..3 {
+                        let by = counts * Lane::splat(scales[d]);
+                        let error = step.error[d] * by * by;
+                        for (sum, s) in descent.iter_mut().zip(step.sensitivities) {
+                            *sum += s[d] * error;
+                        }
+                        if counted {
+                            for (i, s) in step.sensitivities.iter().enumerate() {
+                                products.set(i, s[d] * by);
+                            }
+                            products.advance();
+                        }
+                    }
+                },
+            );
+        }
+        let curvature = products.finish().into_iter().map(|sum| self.thin as f64 * sum).collect();
+        (curvature, descent)
+    }
+}
+
+fn total(lane: Lane) -> f64 {
+    lane.0.iter().sum()
+}
+
+/// Squared errors of u, v, r of up to [`LANES`] windows; `None` for one that exceeds `limit`.
+pub(crate) fn squares(
+    model: &Model,
+    theta: &[Lane],
+    windows: &[RunView],
+    limit: [f64; 3],
+) -> Vec<Option<[f64; 3]>> {
+    let runs = SideBySide::of(windows);
+    errors(&states(model, theta, &runs), &runs, limit)
+}
+
+/// Squared errors of the mean trajectory of several models; `None` for a window in which one of them exceeds `limit`.
+pub(crate) fn squares_of_mean(
+    models: &[(&Model, Vec<Lane>)],
+    windows: &[RunView],
+    limit: [f64; 3],
+) -> Vec<Option<[f64; 3]>> {
+    let runs = SideBySide::of(windows);
+    let mut within = vec![true; windows.len()];
+    let mut mean = MeanTrajectory::default();
+    for (model, theta) in models {
+        let own = states(model, theta, &runs);
+        let found = errors(&own, &runs, limit);
+        within.iter_mut().zip(found).for_each(|(within, own)| *within &= own.is_some());
+        mean.add(&own);
+    }
+    let found = errors(mean.mean(), &runs, limit);
+    found.into_iter().zip(within).map(|(own, within)| own.filter(|_| within)).collect()
+}
+
+fn states(model: &Model, theta: &[Lane], runs: &SideBySide) -> Vec<Lane> {
+    let mut states = vec![Lane::ZERO; runs.measured.len()];
+    simulate(model, theta, runs.initial, &runs.exogenous, &Weather::CALM, &mut states);
+    states
+}
+
+fn errors(states: &[Lane], runs: &SideBySide, limit: [f64; 3]) -> Vec<Option<[f64; 3]>> {
+    let mut sums = vec![Some([0.0; 3]); runs.runs];
+    for (i, (state, measured)) in states.iter().zip(&runs.measured).enumerate().skip(3) {
+        let (k, d) = (i / 3, i % 3);
+        for (lane, sum) in sums.iter_mut().enumerate().filter(|(lane, _)| k <= runs.samples[*lane]) {
+            // NaN exceeds it too.
+            let within = state[lane].abs() <= limit[d];
+            *sum = sum.filter(|_| within).map(|mut sum: [f64; 3]| {
+                sum[d] += (measured[lane] - state[lane]).powi(2);
+                sum
+            });
+        }
+    }
+    sums
+}
+
+/// The limits of the states.
+pub(crate) fn limit(recordings: &[&Recording]) -> [f64; 3] {
+    let mut largest = [0.0_f64; 3];
+    for row in recordings.iter().flat_map(|r| &r.whole).flat_map(|p| p.measured.as_chunks::<3>().0) {
+        (0..3).for_each(|d| largest[d] = largest[d].max(row[d].abs()));
+    }
+    largest.map(|largest| BEYOND * largest)
+}
+
+/// rms(increment over 1 s) / rms(term), per parameter; 0 for a term that is always 0.
+fn sizes(model: &Model, recordings: &[&Recording], rate_hz: f64) -> Vec<f64> {
+    let second = (rate_hz.round() as usize).max(1);
+    let (mut gained, mut pairs) = ([0.0; 3], 0.0_f64);
+    let (mut squares, mut samples) = (vec![0.0; model.parameters()], 0.0_f64);
+    let mut compiled = Compiled::new(model, &vec![0.0; model.parameters()]);
+    let width = model.exogenous().max(1);
+    for part in recordings.iter().flat_map(|r| &r.whole) {
+        let states = part.measured.as_chunks::<3>().0;
+        for (before, after) in states.iter().zip(states.iter().skip(second)) {
+            (0..3).for_each(|d| gained[d] += (after[d] - before[d]).powi(2));
+            pairs += 1.0;
+        }
+        for (state, exogenous) in states.iter().zip(part.exogenous.chunks_exact(width)) {
+            compiled.look(*state, exogenous, None);
+            squares.iter_mut().enumerate().for_each(|(i, sum)| *sum += compiled.term(i).powi(2));
+            samples += 1.0;
+        }
+    }
+    let gained = gained.map(|sum: f64| (sum / pairs.max(1.0)).sqrt());
+    let size = |(square, d): (f64, usize)| {
+        if square > 0.0 { gained[d] / (square / samples.max(1.0)).sqrt() } else { 0.0 }
+    };
+    squares.into_iter().zip(model.layout().degrees()).map(size).collect()
+}

@@ -1,0 +1,315 @@
+use std::collections::BTreeMap;
+
+use crate::pooled::Delivered;
+use rayon::prelude::*;
+use refusal::listed;
+use regression::pooled::{Part, PooledRuns};
+use ship::model::Model;
+use thiserror::Error;
+
+use crate::search::average::{AverageOptions, Averaged, share};
+use crate::search::bootstrap::{BootstrapOptions, Resampled};
+use crate::search::compact::{Compact, SizeScore};
+use crate::search::deliver::{combined, delivered, without_intercepts, without_zeros};
+use crate::search::folds::folds;
+use crate::search::judged::NestedScore;
+use crate::search::left_out::Judged;
+use crate::search::nested::{Candidate, Choice, Fitted, Nested, Study};
+use crate::search::physical::FittedShip;
+use crate::search::recording::{Cut, Laid, Recording};
+use crate::search::scores::{scores, varying};
+use crate::search::words;
+
+/// Options of a search for a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SearchOptions {
+    /// Windows that are fitted and scored.
+    pub cut: Cut,
+    /// Number of folds.
+    pub folds: usize,
+    /// Ridges Λ from the largest on.
+    pub ridges: Vec<f64>,
+    /// Whether few terms are selected instead of penalising all by the ridge.
+    pub compact: bool,
+    /// The bootstrap over recordings, with few terms.
+    pub bootstrap: Option<BootstrapOptions>,
+    /// Several additional models of few terms, to be averaged.
+    pub average: Option<AverageOptions>,
+    /// The sampling rate \[Hz\].
+    pub rate_hz: f64,
+}
+
+impl SearchOptions {
+    /// Maximum number of fits of a search.
+    pub fn fits(&self) -> usize {
+        let each = 1 + self.average.map_or(0, |own| own.models as usize);
+        let resamples = self.bootstrap.map_or(0, |own| own.resamples as usize);
+        resamples + self.folds * (self.folds + 1) / 2 * self.ridges.len() + each * (self.folds + 1)
+    }
+
+    /// Ridges from 0.3 to 1e-6 in half decades.
+    pub fn half_decades() -> Vec<f64> {
+        (0..=11).map(|i| libm::pow(10.0, -0.5 - 0.5 * f64::from(i))).collect()
+    }
+}
+
+/// The result of a search.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Searched {
+    /// The structure: the base's terms, then those of the library that are not always 0.
+    pub model: Model,
+    /// The model with this structure.
+    pub delivered: Delivered,
+    /// The number of samples it was fitted to.
+    pub samples: u64,
+    /// Windows that models were scored on.
+    pub windows: u64,
+    /// Standard deviations of u, v, r over these.
+    pub std: [f64; 3],
+    /// Candidates in the order in which they were tried.
+    pub candidates: Vec<Candidate>,
+    /// The index of the chosen one.
+    pub chosen: usize,
+    /// Numbers of terms in the order of additions, with few terms.
+    pub sizes: Vec<SizeScore>,
+    /// By name, the number of searches without a fold that chose each parameter too, with few terms.
+    pub chosen_by_folds: BTreeMap<String, u64>,
+    /// The whole search and the base structure on recordings that were left out of both.
+    pub nested: NestedScore,
+    /// The bootstrap, if requested.
+    pub resampled: Option<Resampled>,
+    /// Names of parameters whose terms no recording distinguishes from others.
+    pub combined: Vec<String>,
+    /// Several models of few terms, if an average is requested.
+    pub average: Option<Averaged>,
+    /// What was found without each fold, with intercepts; `None` where nothing was.
+    pub without: Vec<Option<FittedShip>>,
+    /// Remarks on the result, in words.
+    pub statements: Vec<String>,
+}
+
+/// Why there is no model.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SearchError {
+    /// Too few recordings to leave one out.
+    #[error("{recordings} recordings for {folds} folds")]
+    FewRecordings {
+        /// Number of recordings.
+        recordings: usize,
+        /// Requested folds.
+        folds: usize,
+    },
+    /// Too few to draw some of them for each model of an average.
+    #[error("{recordings} recordings for an average")]
+    FewForAverage {
+        /// Number of recordings.
+        recordings: usize,
+        /// Least number of recordings.
+        needed: usize,
+    },
+    /// A model of the average diverges.
+    #[error("a model of the average diverges, or cannot be fitted")]
+    NoAverage,
+    /// Hardly any resample of the recordings gives a model.
+    #[error("fewer than two resamples of the recordings give a model")]
+    NoResample,
+    /// No run is as long as a window.
+    #[error("no run is as long as a window")]
+    NoWindow,
+    /// All candidates were rejected.
+    #[error("all of {candidates} candidates diverge in some fold{}", left_out_in(recordings))]
+    AllDiverge {
+        /// Number of candidates that were tried.
+        candidates: usize,
+        /// Recordings on which the last of them diverges when they are left out.
+        recordings: Vec<String>,
+    },
+    /// The best model is useless.
+    #[error("the best candidate has a mean fit of {0:.1} %, no better than the mean of the data")]
+    Useless(f64),
+}
+
+fn left_out_in(recordings: &[String]) -> String {
+    let named: Vec<String> = recordings.iter().map(|name| format!("`{name}`")).collect();
+    if named.is_empty() { String::new() } else { format!(", left out in it: {}", listed(&named)) }
+}
+
+/// Finds a model of `runs`: all terms of `library` in addition to those of `base`, with a ridge penalty that is
+/// chosen by leaving out recordings. `done` is called with the number of fits that are done.
+///
+/// # Errors
+/// See [`SearchError`].
+pub fn search(
+    base: &Model,
+    library: &Model,
+    runs: &PooledRuns,
+    options: &SearchOptions,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<Searched, SearchError> {
+    let recordings = Recording::all(runs, options.cut);
+    if recordings.len() < options.folds.max(3) {
+        let (recordings, folds) = (recordings.len(), options.folds.max(3));
+        return Err(SearchError::FewRecordings { recordings, folds });
+    }
+    if let (Some(_), needed) = (options.average, needed(options.folds))
+        && recordings.len() < needed
+    {
+        return Err(SearchError::FewForAverage { recordings: recordings.len(), needed });
+    }
+    if recordings.iter().all(|r| r.scored(Laid::SideBySide).next().is_none()) {
+        return Err(SearchError::NoWindow);
+    }
+    let structure = without_zeros(base, library, &recordings);
+    let (base, library) = (base.with_intercepts(), structure.with_intercepts());
+    let setting = Study {
+        base: &base,
+        library: &library,
+        recordings: &recordings,
+        folds: &folds(&recordings.iter().collect::<Vec<_>>(), options.folds),
+        ridges: &options.ridges,
+        rate_hz: options.rate_hz,
+        std: varying(recordings.iter(), Laid::SideBySide),
+        overlapping_std: varying(recordings.iter(), Laid::Overlapping),
+        choosing_std: varying(recordings.iter(), Laid::Choosing),
+        whole_runs: options.cut.scored.is_none(),
+    };
+    let nested = setting.nested(done);
+    let lost = || SearchError::AllDiverge {
+        candidates: nested.all.candidates.len(),
+        recordings: setting.diverging(&nested),
+    };
+    let (chosen, score) = chosen(&nested.all, lost)?;
+    let mut found = setting.by_ridge(&nested, chosen).ok_or_else(lost)?;
+    if options.compact {
+        found = setting.few(&nested, chosen, done).ok_or_else(lost)?;
+    }
+    let averages = match options.average {
+        Some(wanted) => Some(setting.averages(&nested, chosen, wanted, done).ok_or(SearchError::NoAverage)?),
+        None => None,
+    };
+    let wanted = options.bootstrap.filter(|_| options.compact);
+    let resampled = match wanted {
+        Some(wanted) => Some(setting.resampled(wanted, done).ok_or(SearchError::NoResample)?),
+        None => None,
+    };
+    let nested_score = setting.judged(&found.by_folds, averages.as_ref().map(|own| own.by_folds.as_slice()));
+    let ship = |own: &Fitted| FittedShip { model: own.model.clone(), theta: own.theta.clone() };
+    let without = found.by_folds.iter().map(|own| own.model.as_ref().map(ship)).collect();
+    let candidates = nested.all.candidates;
+    let mut statements =
+        words::statements(&candidates, chosen, score, &found.sizes, &found.all, &nested_score);
+    statements.push(words::errors(resampled.as_ref(), &found.all));
+    if options.cut.scored.is_none() {
+        statements.insert(1, words::CHOSEN_ON_WINDOWS.to_owned());
+    }
+    let parts: Vec<Part> = recordings.iter().flat_map(|r| &r.whole).cloned().collect();
+    let structure = without_intercepts(&found.all.model);
+    let combined = combined(&structure, &recordings);
+    statements.extend(words::combined(&combined));
+    Ok(Searched {
+        statements,
+        delivered: delivered(&structure, &found.all, &recordings, &parts),
+        samples: parts.iter().map(|part| part.samples() as u64).sum(),
+        windows: recordings.iter().map(|r| r.scored(Laid::SideBySide).count() as u64).sum(),
+        std: setting.std,
+        candidates,
+        chosen,
+        sizes: found.sizes,
+        chosen_by_folds: found.chosen_by_folds,
+        nested: nested_score,
+        model: structure,
+        resampled,
+        combined,
+        average: averages.map(|own| own.delivered(&recordings, &parts)),
+        without,
+    })
+}
+
+/// The model of all recordings, and those without each fold.
+struct Found {
+    all: Fitted,
+    by_folds: Vec<Judged>,
+    /// With few terms, see [`Searched`].
+    sizes: Vec<SizeScore>,
+    chosen_by_folds: BTreeMap<String, u64>,
+}
+
+/// The least number of recordings from which each model of an average can draw as many as there are folds, without
+/// any fold.
+fn needed(folds: usize) -> usize {
+    let left = |recordings: usize| recordings - recordings.div_ceil(folds);
+    (folds..).find(|recordings| share(left(*recordings)) >= folds.max(3)).unwrap_or(usize::MAX)
+}
+
+fn chosen(all: &Choice, lost: impl Fn() -> SearchError) -> Result<(usize, f64), SearchError> {
+    let best = all.best().ok_or_else(lost)?;
+    match all.candidates[best].score {
+        Some(score) if score > 0.0 => Ok((best, score)),
+        score => Err(SearchError::Useless(score.unwrap_or(f64::NEG_INFINITY))),
+    }
+}
+
+impl Study<'_> {
+    /// The recordings on which the last fits without them diverge.
+    fn diverging(&self, nested: &Nested) -> Vec<String> {
+        let of = |fold: usize| {
+            let path = &nested.paths[&vec![fold]];
+            let recordings = self.within(fold);
+            let over = |laid| {
+                let theta = path.last_theta();
+                theta.map_or(Vec::new(), |theta| scores(self.library, theta, &recordings, laid, path.limit))
+            };
+            let [windows, scored] = [Laid::Choosing, Laid::SideBySide].map(over);
+            let diverges =
+                |i: &usize| [&windows, &scored].iter().any(|own| own.get(*i).is_some_and(|s| s.diverged > 0));
+            (0..recordings.len()).filter(diverges).map(|i| recordings[i].name.clone()).collect::<Vec<_>>()
+        };
+        self.all_folds().flat_map(of).collect()
+    }
+
+    /// All terms, with the ridge at `chosen`; without each fold, with the ridge that was chosen without it.
+    fn by_ridge(&self, nested: &Nested, chosen: usize) -> Option<Found> {
+        let mut whole = self.path(&[]);
+        self.ridges[..=chosen].iter().for_each(|ridge| whole.fit_next(*ridge));
+        let judged = |(fold, choice): (usize, &Choice)| {
+            let (path, best) = (&nested.paths[&vec![fold]], choice.best());
+            let theta = best.and_then(|best| path.thetas[best].clone());
+            let model = theta.map(|theta| Fitted { model: self.library.clone(), theta });
+            let ridge = best.map(|best| choice.candidates[best].ridge);
+            Judged { ridge, model, base: path.base.clone(), limit: path.limit }
+        };
+        let by_folds = nested.without.iter().enumerate().map(judged).collect();
+        let all = whole.delivered(self.ridges[chosen])?;
+        Some(Found { all, by_folds, sizes: Vec::new(), chosen_by_folds: BTreeMap::new() })
+    }
+
+    /// The same with few terms.
+    fn few(&self, nested: &Nested, chosen: usize, done: &(dyn Fn(usize) + Sync)) -> Option<Found> {
+        let ridge = |choice: &Choice| choice.best().map(|best| choice.candidates[best].ridge);
+        let search = |without: Option<usize>| {
+            let (ridge, base) = self.given(nested, chosen, without)?;
+            let folds = self.others(without);
+            let compact = self.compact(&base, &folds, ridge)?;
+            let fitted = self.fitted(&compact.places, &base, &folds, ridge);
+            done(1);
+            Some((compact, fitted?))
+        };
+        let wanted: Vec<Option<usize>> = std::iter::once(None).chain(self.all_folds().map(Some)).collect();
+        let mut found: Vec<Option<(Compact, Fitted)>> = wanted.into_par_iter().map(search).collect();
+        let (compact, all) = found.remove(0)?;
+        let mut chosen_by_folds = BTreeMap::new();
+        for (_, fitted) in found.iter().flatten() {
+            fitted
+                .model
+                .parameter_names()
+                .for_each(|name| *chosen_by_folds.entry(name.to_owned()).or_insert(0) += 1);
+        }
+        let judged = |(fold, found): (usize, Option<(Compact, Fitted)>)| {
+            let path = &nested.paths[&vec![fold]];
+            let model = found.map(|(_, fitted)| fitted);
+            Judged { ridge: ridge(&nested.without[fold]), model, base: path.base.clone(), limit: path.limit }
+        };
+        let by_folds = found.into_iter().enumerate().map(judged).collect();
+        Some(Found { all, by_folds, sizes: compact.sizes, chosen_by_folds })
+    }
+}

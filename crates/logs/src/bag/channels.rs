@@ -1,0 +1,187 @@
+//! The channels of a topic: who publishes it, and how messages are laid out.
+
+use std::collections::BTreeMap;
+
+use refusal::{Invalid, foreign};
+
+use crate::bag::decoder::Decoder;
+use crate::bag::definition::LONGEST;
+use crate::bag::effort::Effort;
+
+/// Bytes of a definition or a channel besides its texts.
+const ENTRY: usize = 256;
+
+/// Definitions by their ids.
+#[derive(Default)]
+pub(crate) struct Schemas(BTreeMap<u32, Schema>);
+
+/// Name, encoding and text of a definition.
+#[derive(Clone, PartialEq)]
+pub(crate) struct Schema {
+    name: String,
+    encoding: String,
+    text: Vec<u8>,
+}
+
+impl Schema {
+    /// Name, encoding and text.
+    pub(crate) fn parts(&self) -> (&str, &str, &[u8]) {
+        (&self.name, &self.encoding, &self.text)
+    }
+}
+
+impl Schemas {
+    /// Keeps a definition; of one that is too long, only enough to show that.
+    pub(crate) fn add(
+        &mut self,
+        id: u32,
+        [name, encoding]: [&str; 2],
+        text: &[u8],
+        effort: &Effort,
+    ) -> Result<(), Invalid> {
+        if self.0.contains_key(&id) {
+            return Ok(());
+        }
+        let text = &text[..text.len().min(LONGEST + 1)];
+        effort.keep(ENTRY + name.len() + encoding.len() + text.len())?;
+        let own = Schema { name: name.to_owned(), encoding: encoding.to_owned(), text: text.to_vec() };
+        self.0.insert(id, own);
+        Ok(())
+    }
+
+    pub(crate) fn get(&self, id: u32) -> Option<&Schema> {
+        self.0.get(&id)
+    }
+}
+
+/// A channel of the topic.
+struct Channel {
+    schema: Option<Schema>,
+    encoding: String,
+    metadata: Vec<(String, String)>,
+    decoder: Decoder,
+    /// Whether a message of it came.
+    is_heard: bool,
+}
+
+impl Channel {
+    /// Whether it continues another channel that ended: both have the same properties.
+    fn is_same(&self, other: &Self) -> bool {
+        (&self.schema, &self.encoding, &self.metadata) == (&other.schema, &other.encoding, &other.metadata)
+    }
+}
+
+/// The channels of the topic that is read.
+pub(crate) struct Channels<'a> {
+    /// The wanted publisher.
+    publisher: Option<&'a str>,
+    known: BTreeMap<u32, Channel>,
+    /// Names of all publishers of the topic, also of those that are not wanted.
+    called: BTreeMap<u32, String>,
+    /// The one whose message came last.
+    last: Option<u32>,
+    effort: &'a Effort,
+}
+
+impl<'a> Channels<'a> {
+    /// No channels yet; all of the topic count, or those of one publisher.
+    pub(crate) fn new(publisher: Option<&'a str>, effort: &'a Effort) -> Self {
+        Self { publisher, known: BTreeMap::new(), called: BTreeMap::new(), last: None, effort }
+    }
+
+    /// Adds a channel of the topic, whose messages are to yield the fields at `paths`; `number` names its publisher.
+    ///
+    /// # Errors
+    /// See [`Decoder::new`].
+    pub(crate) fn add(
+        &mut self,
+        [id, number]: [u32; 2],
+        schema: Option<&Schema>,
+        encoding: &str,
+        metadata: Vec<(&str, &str)>,
+        (topic, paths): (&str, &[String]),
+    ) -> Result<(), Invalid> {
+        if self.called.contains_key(&id) {
+            return Ok(());
+        }
+        // Qualities of service are long, and not a name.
+        let names = metadata.iter().filter(|(key, _)| !key.contains("qos") && *key != "topic_type_hash");
+        let names: Vec<String> = names.map(|(key, value)| format!("{key} {value}")).collect();
+        let called =
+            if names.is_empty() { String::new() } else { format!(" ({})", foreign(&names.join(", "))) };
+        let text = |schema: &Schema| schema.text.len();
+        self.effort.keep(ENTRY + 2 * called.len() + schema.map_or(0, text))?;
+        self.called.insert(id, format!("`{number}`{called}"));
+        let is_meant = self.publisher.is_none_or(|publisher| {
+            publisher == number.to_string() || metadata.iter().any(|(_, value)| *value == publisher)
+        });
+        if is_meant {
+            let parts = schema.map(Schema::parts);
+            let decoder = Decoder::new(topic, encoding, parts, paths, self.effort)?;
+            let owned = |(key, value): (&str, &str)| (key.to_owned(), value.to_owned());
+            let metadata = metadata.into_iter().map(owned).collect();
+            let (schema, encoding) = (schema.cloned(), encoding.to_owned());
+            self.known.insert(id, Channel { schema, encoding, metadata, decoder, is_heard: false });
+        }
+        Ok(())
+    }
+
+    /// The decoder of a message of channel `id`; `None` where that is not read.
+    ///
+    /// # Errors
+    /// Messages of several channels of which none continues another.
+    pub(crate) fn heard(&mut self, id: u32, topic: &str) -> Result<Option<&mut Decoder>, Invalid> {
+        if self.last != Some(id) {
+            let Some(next) = self.known.get(&id) else { return Ok(None) };
+            let continues = |last: &u32| !next.is_heard && self.known[last].is_same(next);
+            if !self.last.as_ref().is_none_or(continues) {
+                return Err(self.several(topic));
+            }
+            self.last = Some(id);
+        }
+        Ok(self.known.get_mut(&id).map(|channel| {
+            channel.is_heard = true;
+            &mut channel.decoder
+        }))
+    }
+
+    fn several(&self, topic: &str) -> Invalid {
+        let called: Vec<&str> = self.called.values().take(4).map(String::as_str).collect();
+        let found = format!("{} channels, {}", self.called.len(), called.join(", "));
+        let first = called.first().and_then(|called| called.split('`').nth(1)).unwrap_or_default();
+        Invalid::new(
+            format!("publishers of topic `{}`", foreign(topic)),
+            found,
+            "messages of one",
+            format!("name one by its channel or its metadata: `publisher = \"{first}\"` in its [[file]]"),
+        )
+    }
+
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.known.is_empty()
+    }
+
+    /// Refuses a publisher that the topic does not have.
+    pub(crate) fn check_named(&self, topic: &str) -> Result<(), Invalid> {
+        match self.publisher {
+            Some(publisher) if self.known.is_empty() && !self.called.is_empty() => {
+                let called: Vec<&str> = self.called.values().take(8).map(String::as_str).collect();
+                let thing = format!("`publisher` of topic `{}`", foreign(topic));
+                Err(Invalid::new(
+                    thing,
+                    format!("no `{}`", foreign(publisher)),
+                    called.join(", "),
+                    "correct it",
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses a field that none of the messages had.
+    pub(crate) fn check_found(&self, paths: &[String], messages: usize) -> Result<(), Invalid> {
+        let mut heard = self.known.values().filter(|channel| channel.is_heard);
+        heard.try_for_each(|channel| channel.decoder.check_found(paths, messages))
+    }
+}

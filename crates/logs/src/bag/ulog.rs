@@ -1,0 +1,167 @@
+//! ULog, the logs of PX4: definitions of messages, subscriptions of topics, then their messages.
+//! <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>
+
+use std::collections::BTreeMap;
+use std::io::Read;
+
+use refusal::Invalid;
+
+use crate::bag::BagError;
+use crate::bag::parts::Part;
+use crate::bag::rest::Rest;
+
+const MAGIC: &[u8; 7] = b"ULog\x01\x12\x35";
+
+/// The name of the message encoding, and of its definitions.
+pub(crate) const ENCODING: &str = "ulog";
+
+/// Bytes before the first message.
+const HEADER: u64 = 16;
+
+/// Kinds of messages that are not read: information, parameters, removals, text, synchronization, dropouts.
+const OTHERS: &[u8] = b"IMPQRLCSO";
+
+/// Most bytes of all definitions.
+const MOST_BYTES: usize = 1 << 20;
+
+/// Most sections that are appended.
+const MOST_APPENDED: usize = 3;
+
+/// Passes every subscription and message of `bytes` to `each`.
+///
+/// # Errors
+/// Bytes that cannot be read, are not a ULog, or end within a message; refusals of `each`.
+pub(crate) fn each_part(
+    bytes: &mut dyn Read,
+    each: &mut dyn FnMut(Part) -> Result<(), BagError>,
+) -> Result<(), BagError> {
+    let mut header = Vec::new();
+    bytes.take(HEADER).read_to_end(&mut header)?;
+    if !header.starts_with(MAGIC) || header.len() < HEADER as usize {
+        let remedy = "copy the file again";
+        return Err(Invalid::new("file", "bytes of another format", "a ULog of PX4", remedy).into());
+    }
+    let mut log = Log::default();
+    let mut at = HEADER;
+    while let Some((kind, message)) = log.next(bytes, &mut at)? {
+        log.take(kind, &message, at, each)?;
+    }
+    Ok(())
+}
+
+#[derive(Default)]
+struct Log {
+    /// Definitions so far, a line each: `name:type field;type field`.
+    formats: String,
+    /// Topic and instance by the number of a subscription.
+    topics: BTreeMap<u16, (String, u8)>,
+    /// Where sections begin that were appended after a crash; the message before each may be cut.
+    appended: Vec<u64>,
+}
+
+impl Log {
+    /// The next message with its kind; `None` at the end.
+    fn next(&self, bytes: &mut dyn Read, at: &mut u64) -> Result<Option<(u8, Vec<u8>)>, BagError> {
+        loop {
+            let start = *at;
+            let mut head = Vec::new();
+            // A message that an appended section cuts ends where that begins.
+            let end = self.appended.iter().copied().find(|end| *end > start).unwrap_or(u64::MAX);
+            bytes.take(3.min(end - start)).read_to_end(&mut head)?;
+            if head.is_empty() {
+                return Ok(None);
+            }
+            let (size, is_whole) = match *head.as_slice() {
+                [low, high, _] => (u64::from(u16::from_le_bytes([low, high])), true),
+                _ => (0, false),
+            };
+            let mut message = Vec::new();
+            let wanted = size.min(end - start - head.len() as u64);
+            bytes.take(wanted).read_to_end(&mut message)?;
+            *at = start + (head.len() + message.len()) as u64;
+            if is_whole && message.len() as u64 == size {
+                return Ok(Some((head[2], message)));
+            }
+            if *at != end {
+                return Err(cut(start).into());
+            }
+        }
+    }
+
+    fn take(
+        &mut self,
+        kind: u8,
+        message: &[u8],
+        at: u64,
+        each: &mut dyn FnMut(Part) -> Result<(), BagError>,
+    ) -> Result<(), BagError> {
+        let wrong = || damaged(kind, at);
+        match kind {
+            b'B' => self.flags(message).ok_or_else(wrong)?,
+            b'F' => {
+                self.formats += std::str::from_utf8(message).map_err(|_| wrong())?;
+                self.formats.push('\n');
+                if self.formats.len() > MOST_BYTES {
+                    return Err(wrong().into());
+                }
+            }
+            b'A' => {
+                let mut rest = Rest(message);
+                let number = rest.u8().ok_or_else(wrong)?;
+                let id = rest.u16().ok_or_else(wrong)?;
+                let topic = std::str::from_utf8(rest.0).map_err(|_| wrong())?;
+                let own = (topic.to_owned(), number);
+                if self.topics.insert(id, own.clone()).is_some_and(|before| before != own) {
+                    return Err(wrong().into());
+                }
+                self.subscribe(id, each)?;
+            }
+            b'D' => {
+                let mut rest = Rest(message);
+                let id = rest.u16().filter(|id| self.topics.contains_key(id)).ok_or_else(wrong)?;
+                each(Part::Message { channel: u32::from(id), log_time: 0, publish_time: 0, data: rest.0 })?;
+            }
+            kind if OTHERS.contains(&kind) => {}
+            _ => return Err(wrong().into()),
+        }
+        Ok(())
+    }
+
+    /// Notes where appended sections begin; `None` where the log has something that is not known.
+    fn flags(&mut self, message: &[u8]) -> Option<()> {
+        let mut rest = Rest(message);
+        let _compatible = rest.u64()?;
+        let incompatible = rest.u64()?;
+        // The first bit says that sections are appended.
+        if incompatible > 1 {
+            return None;
+        }
+        while let (1, Some(start)) = (incompatible, rest.u64()) {
+            self.appended.push(start);
+        }
+        (self.appended.len() <= MOST_APPENDED).then_some(())
+    }
+
+    fn subscribe(&self, id: u16, each: &mut dyn FnMut(Part) -> Result<(), BagError>) -> Result<(), BagError> {
+        let (topic, number) = &self.topics[&id];
+        let id = u32::from(id);
+        let data = self.formats.as_bytes();
+        each(Part::Schema { id, name: topic, encoding: ENCODING, data })?;
+        let (number, metadata) = (u32::from(*number), Vec::new());
+        each(Part::Channel { id, number, schema: id, topic, encoding: ENCODING, metadata })
+    }
+}
+
+/// The refusal of a log whose last whole message ends at byte `whole`.
+fn cut(whole: u64) -> Invalid {
+    let remedy = format!(
+        "copy the file again; if the logger lost its power, keep what is whole: `head -c {whole} FILE > WHOLE.ulg`"
+    );
+    Invalid::new("file", format!("an end within a message, after byte {whole}"), "a whole ULog", remedy)
+}
+
+fn damaged(kind: u8, at: u64) -> Invalid {
+    let kind = char::from(kind).escape_default();
+    let found = format!("a message `{kind}` before byte {at} that cannot be read");
+    Invalid::new("file", found, "a whole ULog", "the file is damaged: copy it again")
+}

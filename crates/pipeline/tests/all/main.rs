@@ -1,3 +1,0 @@
-//! Presets, and stages of studies.
-
-mod presets;

@@ -1,0 +1,252 @@
+use refusal::Invalid;
+use ship::engine::{Pose, Streams};
+use ship::model::Vessel;
+
+use crate::grid::wrap;
+use crate::handling::{COURSE, MEMORY, MOST_AT_ONCE, SPEED, YAW_RATE};
+use crate::inversion::{Gains, Inversion};
+use crate::{Fixed, Handling, Navigation, Phase, Sensors};
+
+/// Steers a vessel along the phases of legs: line-of-sight guidance of the course over the ground under way,
+/// position keeping at rest. Commands are accelerations, which [`Inversion`] converts to inputs.
+#[derive(Clone, Debug)]
+pub struct Autopilot<'a> {
+    inversion: Inversion<'a>,
+    handling: Handling,
+    sample_s: f64,
+    /// North and east components of the current that it accounts for \[m/s\].
+    pub known_current_m_s: [f64; 2],
+    /// How it measures the ship; exactly without it.
+    navigation: Option<Navigation>,
+    /// What it sees of the ship, unless that is exact.
+    seen: Option<Fixed>,
+}
+
+/// Time over which noisy measurements are smoothed, as a fraction of the response time.
+const SMOOTHED: f64 = 0.25;
+/// How many standard deviations of its estimate a ship at rest may seem to be off, besides what it may be.
+const SEEMS: f64 = 1.0;
+/// Speeds below this fraction of the crawl speed count as being at rest.
+const AT_REST: f64 = 0.1;
+/// The commanded motion over the ground, in body axes.
+#[derive(Clone, Copy, Debug)]
+struct Command {
+    u: f64,
+    /// The commanded change of u \[m/s²\].
+    acceleration: f64,
+    v: Option<f64>,
+    r: f64,
+}
+
+impl<'a> Autopilot<'a> {
+    /// An autopilot whose model has these `parameters`.
+    pub fn new(vessel: &'a Vessel, parameters: &[f64], handling: Handling) -> Self {
+        let inversion = Inversion::new(vessel, parameters, handling.response_s / MEMORY);
+        let sample_s = 1.0 / vessel.sample_rate_hz;
+        let (navigation, seen) = (None, None);
+        Self { inversion, handling, sample_s, known_current_m_s: [0.0; 2], navigation, seen }
+    }
+
+    /// The same with noisy sensors: run `run` of `streams`.
+    #[must_use]
+    pub fn with_sensors(mut self, sensors: Sensors, streams: Streams, run: u32) -> Self {
+        let memory = SMOOTHED * self.handling.response_s / self.sample_s;
+        self.navigation = Navigation::new(sensors, memory, streams, run);
+        if let Some(navigation) = &self.navigation {
+            self.inversion.limit_belief(navigation.most_believed());
+        }
+        self
+    }
+
+    /// What it sees of a ship that is `truly` there; `anew` if the ship has been put there.
+    pub fn see(&mut self, truly: Fixed, anew: bool) -> Fixed {
+        let Some(navigation) = &mut self.navigation else { return truly };
+        if anew {
+            (self.seen, ()) = (None, navigation.restart());
+        }
+        *self.seen.get_or_insert_with(|| navigation.estimate(truly))
+    }
+
+    /// Inputs for the next sample on `phase`, whose positions are relative to `node` (north, east); `start`
+    /// is the pose at the beginning of the phase, `seen` the ship as it sees it.
+    ///
+    /// # Errors
+    /// A vessel without the required inputs.
+    pub fn steer(
+        &mut self,
+        phase: &Phase,
+        node: [f64; 2],
+        start: Pose,
+        seen: &Fixed,
+    ) -> Result<&[f64], Invalid> {
+        let (command, sample_s) = (self.command(phase, node, start, seen), self.sample_s);
+        let part = |of: f64| (of * sample_s / self.handling.response_s).min(MOST_AT_ONCE);
+        let [u, v, r] = seen.state;
+        let gains = Gains {
+            u: command.acceleration * sample_s + part(SPEED) * (command.u - u),
+            v: part(SPEED) * (command.v.unwrap_or(0.0) - v),
+            sway: command.v.is_some(),
+            r: part(YAW_RATE) * (command.r - r),
+        };
+        let current = self.known_current(seen.pose);
+        self.inversion.inputs(seen.state, current, &gains)
+    }
+
+    /// Observes the step from `seen` to where the ship `truly` is, under `inputs`, including open-loop ones; returns
+    /// what it sees then.
+    pub fn observe(&mut self, seen: Fixed, inputs: &[f64], truly: Fixed) -> Fixed {
+        let current = self.known_current(seen.pose);
+        let next = match &mut self.navigation {
+            None => truly,
+            Some(navigation) => {
+                let state = self.inversion.predicted(seen.state, inputs, current);
+                navigation.predict(seen, state, self.sample_s);
+                let next = navigation.estimate(truly);
+                self.seen = Some(next);
+                next
+            }
+        };
+        self.inversion.observe(seen.state, inputs, current, next.state);
+        next
+    }
+
+    /// Along and across the vessel.
+    fn known_current(&self, pose: Pose) -> [f64; 2] {
+        let [north, east] = self.known_current_m_s;
+        if [north, east] == [0.0; 2] {
+            return [0.0; 2];
+        }
+        let (sin, cos) = libm::sincos(pose.psi);
+        [north * cos + east * sin, east * cos - north * sin]
+    }
+
+    /// Whether `phase` is complete; if it `is_late`, position errors are ignored.
+    pub fn is_done(&self, phase: &Phase, node: [f64; 2], seen: &Fixed, is_late: bool) -> bool {
+        let ahead = seen.state[0] * self.sample_s / 2.0;
+        match *phase {
+            Phase::Line { to, heading_rad, .. } => {
+                let left = along(offset(node, to, seen.pose), libm::sincos(heading_rad));
+                left <= ahead.max(0.0) || is_late
+            }
+            Phase::Arc { to_rad, side, .. } => {
+                side * wrap(to_rad - course(phase, node, seen.pose)) <= 0.0 || is_late
+            }
+            Phase::Hold { at, heading_rad } => {
+                let [north, east] = offset(node, at, seen.pose);
+                let (h, unsure) = (&self.handling, self.unsure());
+                let there = libm::hypot(north, east) <= h.crawl_m_s * h.response_s / 20.0 + unsure.position_m;
+                let turned = wrap(heading_rad - seen.pose.psi).abs() <= 0.01 + unsure.heading_rad;
+                let [u, v, r] = seen.state;
+                let at_rest = libm::hypot(u, v) <= AT_REST * h.crawl_m_s + unsure.speed_m_s
+                    && r.abs() <= AT_REST * h.turn_rate_rad_s + unsure.yaw_rate_rad_s;
+                (there && turned && at_rest) || is_late
+            }
+            Phase::Maneuver => true,
+        }
+    }
+
+    /// How far off a ship may seem that is where it should be.
+    fn unsure(&self) -> Sensors {
+        let smoothed = self.navigation.as_ref().map_or(Sensors::default(), Navigation::smoothed);
+        Sensors {
+            position_m: SEEMS * smoothed.position_m,
+            heading_rad: SEEMS * smoothed.heading_rad,
+            speed_m_s: SEEMS * smoothed.speed_m_s,
+            yaw_rate_rad_s: SEEMS * smoothed.yaw_rate_rad_s,
+        }
+    }
+
+    /// The time after which a phase is late and given up: its position error then remains, and is reported
+    /// \[s\].
+    pub fn patience_s(&self, phase: &Phase, node: [f64; 2], start: Pose) -> f64 {
+        let h = &self.handling;
+        match *phase {
+            Phase::Line { to, from_m_s, to_m_s, .. } => {
+                let [north, east] = offset(node, to, start);
+                let speed = ((from_m_s + to_m_s) / 2.0).max(h.crawl_m_s);
+                2.0 * libm::hypot(north, east) / speed + 5.0 * h.response_s
+            }
+            Phase::Arc { radius_m, speed_m_s, .. } => {
+                std::f64::consts::TAU * radius_m / speed_m_s.max(h.crawl_m_s) + 5.0 * h.response_s
+            }
+            Phase::Hold { at, heading_rad } => {
+                let [north, east] = offset(node, at, start);
+                let turn = wrap(heading_rad - start.psi).abs() / h.turn_rate_rad_s;
+                libm::hypot(north, east) / h.crawl_m_s + turn + 5.0 * h.response_s
+            }
+            Phase::Maneuver => 0.0,
+        }
+    }
+
+    fn command(&self, phase: &Phase, node: [f64; 2], start: Pose, seen: &Fixed) -> Command {
+        let h = &self.handling;
+        match *phase {
+            Phase::Line { to, heading_rad, from_m_s, to_m_s } => {
+                let (sin, cos) = libm::sincos(heading_rad);
+                let [north, east] = offset(node, to, seen.pose);
+                let whole = along(offset(node, to, start), (sin, cos));
+                let left = along([north, east], (sin, cos));
+                let part = if whole > 0.0 { (1.0 - left / whole).clamp(0.0, 1.0) } else { 1.0 };
+                let squares = to_m_s.powi(2) - from_m_s.powi(2);
+                let speed = (from_m_s.powi(2) + part * squares).max(0.0).sqrt().max(h.crawl_m_s);
+                let acceleration = if whole > 0.0 { squares / (2.0 * whole) } else { 0.0 };
+                let across = north * sin - east * cos;
+                let aim = heading_rad - libm::atan(across / h.lookahead_m);
+                Command { u: speed, acceleration, v: None, r: self.towards(aim, 0.0, seen) }
+            }
+            Phase::Arc { centre, radius_m, side, speed_m_s, .. } => {
+                let [north, east] = offset(node, centre, seen.pose);
+                let across = side * (radius_m - libm::hypot(north, east));
+                // Outside the arc (negative for starboard) the aim is turned inwards.
+                let aim = course(phase, node, seen.pose) - libm::atan(across / h.lookahead_m);
+                let r = self.towards(aim, side * speed_m_s / radius_m, seen);
+                Command { u: speed_m_s, acceleration: 0.0, v: None, r }
+            }
+            Phase::Hold { at, heading_rad } => {
+                let [north, east] = offset(node, at, seen.pose);
+                let (sin, cos) = libm::sincos(seen.pose.psi);
+                let limit = |x: f64| (x / h.response_s).clamp(-h.crawl_m_s, h.crawl_m_s);
+                let v = Some(limit(east * cos - north * sin));
+                let r = self.yaw(wrap(heading_rad - seen.pose.psi), 0.0);
+                Command { u: limit(north * cos + east * sin), acceleration: 0.0, v, r }
+            }
+            Phase::Maneuver => Command { u: seen.state[0], acceleration: 0.0, v: None, r: 0.0 },
+        }
+    }
+
+    /// The yaw rate that turns the course over the ground towards `aim_rad` on a path that turns by
+    /// `turn_rad_s`.
+    fn towards(&self, aim_rad: f64, turn_rad_s: f64, seen: &Fixed) -> f64 {
+        let [u, v, _] = seen.state;
+        let course = seen.pose.psi + libm::atan2(v, u.max(self.handling.crawl_m_s));
+        self.yaw(wrap(aim_rad - course), turn_rad_s)
+    }
+
+    fn yaw(&self, off_rad: f64, turn_rad_s: f64) -> f64 {
+        let h = &self.handling;
+        let limit = h.turn_rate_rad_s.max(turn_rad_s.abs() * 1.2);
+        (turn_rad_s + COURSE * off_rad / h.response_s).clamp(-limit, limit)
+    }
+}
+
+/// North and east from the vessel to `place`, which is relative to `node`.
+fn offset(node: [f64; 2], place: [f64; 2], pose: Pose) -> [f64; 2] {
+    [node[0] + place[0] - pose.x, node[1] + place[1] - pose.y]
+}
+
+/// The component of a displacement, north and east, along a heading of this sine and cosine.
+fn along([north, east]: [f64; 2], (sin, cos): (f64, f64)) -> f64 {
+    north * cos + east * sin
+}
+
+/// Course of an arc abeam of the vessel \[rad\].
+fn course(phase: &Phase, node: [f64; 2], pose: Pose) -> f64 {
+    match *phase {
+        Phase::Arc { centre, side, .. } => {
+            let [north, east] = offset(node, centre, pose);
+            // The centre lies abeam: 90° to starboard of the course on a starboard arc.
+            wrap(libm::atan2(east, north) - side * std::f64::consts::FRAC_PI_2)
+        }
+        _ => pose.psi,
+    }
+}

@@ -1,0 +1,283 @@
+//! The live poses: those that can be reached from the start and can reach a goal, by any number of moves.
+
+use std::cell::OnceCell;
+
+use crate::lattice::allowed::Arc;
+use crate::lattice::by_node::ByNode;
+use crate::lattice::radix_heap::RadixHeap;
+use crate::lattice::watch::{self, Watch, filled};
+use crate::lattice::{Goal, Limit, Problem};
+
+/// The number of a pose that is not live.
+const NONE: u32 = u32::MAX;
+
+/// Bytes of a pose in the tables of [`within`]: its least keys from the start and to a goal, and whether plans pass.
+pub(crate) const WITHIN_PER_POSE: usize = 2 * size_of::<u64>() + size_of::<bool>();
+/// Poses between two checks of the queue's memory.
+const LOOKS: u32 = 1 << 10;
+
+/// The live poses, renumbered as *nodes* in the order of their numbers, with the arcs between them.
+pub(crate) struct Graph<'a> {
+    pub problem: &'a Problem,
+    /// Pose number by node.
+    pub poses: Vec<u32>,
+    pub start: u32,
+    pub is_goal: Vec<bool>,
+    pub goals: Vec<u32>,
+    /// Node by pose number.
+    nodes: Vec<u32>,
+    /// All arcs, and the same by their ends, for engines that traverse them repeatedly.
+    arcs: OnceCell<ByNode<Arc>>,
+    back: OnceCell<ByNode<Back>>,
+}
+
+/// An arc seen from its end: the node where it starts, and its index.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Back {
+    pub from: u32,
+    pub arc: u32,
+}
+
+impl<'a> Graph<'a> {
+    /// Of the poses that are `live`. `None` if the start is not, or if cancelled.
+    pub fn new(problem: &'a Problem, live: &[bool], watch: &mut Watch) -> Option<Self> {
+        let start = problem.lattice().number(problem.start());
+        if !live[start] {
+            return None;
+        }
+        let all = problem.lattice().poses();
+        let poses: Vec<u32> = (0..all as u32).filter(|&pose| live[pose as usize]).collect();
+        let mut nodes = vec![NONE; all];
+        for (node, &pose) in poses.iter().enumerate() {
+            nodes[pose as usize] = node as u32;
+        }
+        if !watch.keep_going(all as u64) {
+            return None;
+        }
+        let is_goal: Vec<bool> = poses.iter().map(|&pose| is_goal(problem, pose)).collect();
+        let goals = (0..poses.len() as u32).filter(|&node| is_goal[node as usize]).collect();
+        let (start, arcs, back) = (nodes[start], OnceCell::new(), OnceCell::new());
+        Some(Self { problem, poses, start, is_goal, goals, nodes, arcs, back })
+    }
+
+    /// Stores the arcs; both ways for [`Self::back`]. `None` if cancelled.
+    pub fn lay_out(&self, both_ways: bool, watch: &mut Watch) -> Option<()> {
+        if self.arcs.get().is_none() {
+            let mut arcs = ByNode::with_capacity(self.len(), self.arc_count());
+            for node in 0..self.len() as u32 {
+                arcs.push(self.ways(node));
+                watch.keep_going(1).then_some(())?;
+            }
+            self.arcs.get_or_init(|| arcs);
+        }
+        if both_ways && self.back.get().is_none() {
+            let back = backward(self.laid_out(), self.len(), watch)?;
+            self.back.get_or_init(|| back);
+        }
+        watch.keep_going(self.len() as u64).then_some(())
+    }
+
+    fn laid_out(&self) -> &ByNode<Arc> {
+        self.arcs.get().unwrap_or_else(|| unreachable!("engines lay out the arcs first"))
+    }
+
+    /// The arcs from a node, computed on demand.
+    pub fn ways(&self, node: u32) -> impl Iterator<Item = Arc> + '_ {
+        let arcs = self.problem.arcs(self.poses[node as usize] as usize);
+        arcs.map(|arc| Arc { node: self.nodes[arc.node as usize], ..arc }).filter(|arc| arc.node != NONE)
+    }
+
+    /// The starts of the arcs into a node, and their moves, computed on demand.
+    pub fn ways_into(&self, node: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
+        let arcs = self.problem.arcs_into(self.poses[node as usize] as usize);
+        arcs.map(|arc| (self.nodes[arc.node as usize], arc.step)).filter(|(from, _)| *from != NONE)
+    }
+
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        self.poses.len()
+    }
+
+    /// Number of states: nodes times count vectors, saturating at 128 bits.
+    pub fn states(&self) -> u128 {
+        watch::strides(&self.problem.required()).1.saturating_mul(self.len() as u128)
+    }
+
+    /// The arc of an index.
+    pub fn arc(&self, index: u32) -> Arc {
+        self.laid_out().entries()[index as usize]
+    }
+
+    /// The arcs from a node.
+    pub fn arcs(&self, node: u32) -> &[Arc] {
+        self.laid_out().of(node as usize)
+    }
+
+    /// The arcs into a node.
+    pub fn back(&self, node: u32) -> &[Back] {
+        let back = self.back.get().unwrap_or_else(|| unreachable!("engines lay out the arcs first"));
+        back.of(node as usize)
+    }
+
+    /// Key of a move and the slot of its action.
+    pub fn price(&self, step: u32) -> (u64, Option<u32>) {
+        let known = &self.problem.moves[step as usize];
+        (known.key, known.slot)
+    }
+
+    /// Number of arcs, at most.
+    pub fn arc_count(&self) -> usize {
+        self.problem.arc_count(|_| true)
+    }
+
+    /// Approximate bytes of graph and problem, before arcs are stored.
+    pub fn bytes(&self) -> u64 {
+        (self.nodes.len() * 8 + self.poses.len() * 8) as u64
+    }
+
+    /// Approximate bytes of stored arcs.
+    pub fn arc_bytes(&self, both_ways: bool) -> u64 {
+        let one_way = (self.arc_count() * 8 + self.len() * 4) as u64;
+        if both_ways { 2 * one_way } else { one_way }
+    }
+}
+
+fn is_goal(problem: &Problem, pose: u32) -> bool {
+    problem.is_goal(problem.lattice().pose(pose as usize))
+}
+
+/// The poses that are reached from the start, and those from which a goal is reached, by any moves.
+pub(crate) struct Reach {
+    pub reached: Vec<bool>,
+    pub homing: Vec<bool>,
+}
+
+impl Reach {
+    /// `None` if cancelled.
+    pub fn new(problem: &Problem, watch: &mut Watch) -> Option<Self> {
+        Some(Self { reached: reached(problem, watch)?, homing: homing(problem, watch)? })
+    }
+
+    /// Whether walks from the start to a goal pass, by pose.
+    pub fn live(self) -> Vec<bool> {
+        self.reached.into_iter().zip(self.homing).map(|(reached, homing)| reached && homing).collect()
+    }
+}
+
+/// The poses that plans with keys of at most `most` can pass, and maybe some more: those near start and goals, however large the
+/// lattice is. Plans use informative actions no more often than required. So with a price on each use, their priced keys are at most
+/// `most` and all prices, and no priced walk through a pose is below its least one.
+///
+/// # Errors
+/// Cancelled, or its tables and queue need more than `memory` bytes.
+pub(crate) fn within(
+    problem: &Problem,
+    most: u64,
+    memory: u64,
+    watch: &mut Watch,
+) -> Result<Vec<bool>, Limit> {
+    let tables = (problem.lattice().poses() * WITHIN_PER_POSE) as u64;
+    let queued = memory.checked_sub(tables).ok_or(Limit::Memory)?;
+    let number = |pose| problem.lattice().number(pose) as u32;
+    let uses = problem.required().iter().map(|&count| u64::from(count)).sum::<u64>();
+    let price = most / uses.max(1);
+    let most = most + price * uses;
+    let start = vec![number(problem.start())];
+    let begun = least_keys(problem, start, (price, most), queued, |pose| problem.arcs(pose), watch)?;
+    let Goal::Poses(goals) = problem.goal() else {
+        return Ok(begun.into_iter().map(|key| key <= most).collect());
+    };
+    let goals = goals.iter().map(|&pose| number(pose)).collect();
+    let left = least_keys(problem, goals, (price, most), queued, |pose| problem.arcs_into(pose), watch)?;
+    Ok(begun.into_iter().zip(left).map(|(begun, left)| begun.saturating_add(left) <= most).collect())
+}
+
+/// By pose the least key of a walk along `arcs` from any of `ends`, with a price on each informative move; `u64::MAX` where it is
+/// above `most`.
+///
+/// # Errors
+/// Cancelled, or the queue needs more than `memory` bytes.
+fn least_keys<I: Iterator<Item = Arc>>(
+    problem: &Problem,
+    ends: Vec<u32>,
+    (price, most): (u64, u64),
+    memory: u64,
+    arcs: impl Fn(usize) -> I,
+    watch: &mut Watch,
+) -> Result<Vec<u64>, Limit> {
+    let mut least = filled(problem.lattice().poses(), u64::MAX, watch).ok_or(Limit::Time)?;
+    let mut queue = RadixHeap::<u64, u32>::new();
+    for pose in ends {
+        least[pose as usize] = 0;
+        queue.push(0, pose);
+    }
+    let mut popped = 0_u32;
+    while let Some((key, pose)) = queue.pop() {
+        watch.keep_going(1).then_some(()).ok_or(Limit::Time)?;
+        popped = popped.wrapping_add(1);
+        if popped.is_multiple_of(LOOKS) && queue.bytes() > memory {
+            return Err(Limit::Memory);
+        }
+        if least[pose as usize] < key {
+            continue;
+        }
+        for arc in arcs(pose as usize) {
+            let (step, known) = (&problem.moves[arc.step as usize], &mut least[arc.node as usize]);
+            let own = key + step.key + if step.slot.is_some() { price } else { 0 };
+            if own <= most && own < *known {
+                *known = own;
+                queue.push(own, arc.node);
+            }
+        }
+    }
+    Ok(least)
+}
+
+/// The poses that are reached from the start by any moves.
+pub(crate) fn reached(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>> {
+    let mut reached = vec![false; problem.lattice().poses()];
+    let start = problem.lattice().number(problem.start());
+    reached[start] = true;
+    let mut stack = vec![start as u32];
+    while let Some(pose) = stack.pop() {
+        if !watch.keep_going(1) {
+            return None;
+        }
+        for arc in problem.arcs(pose as usize) {
+            if !std::mem::replace(&mut reached[arc.node as usize], true) {
+                stack.push(arc.node);
+            }
+        }
+    }
+    Some(reached)
+}
+
+/// The poses from which any moves lead to a goal.
+fn homing(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>> {
+    let poses = problem.lattice().poses();
+    let Goal::Poses(goals) = problem.goal() else {
+        return Some(vec![true; poses]);
+    };
+    let mut homing = vec![false; poses];
+    let mut stack: Vec<u32> = goals.iter().map(|&pose| problem.lattice().number(pose) as u32).collect();
+    stack.iter().for_each(|&pose| homing[pose as usize] = true);
+    while let Some(pose) = stack.pop() {
+        if !watch.keep_going(1) {
+            return None;
+        }
+        for arc in problem.arcs_into(pose as usize) {
+            if !std::mem::replace(&mut homing[arc.node as usize], true) {
+                stack.push(arc.node);
+            }
+        }
+    }
+    Some(homing)
+}
+
+/// `None` if cancelled.
+fn backward(arcs: &ByNode<Arc>, nodes: usize, watch: &mut Watch) -> Option<ByNode<Back>> {
+    let back = |from: usize| {
+        arcs.range(from).map(move |arc| (arcs.entries()[arc as usize].node, Back { from: from as u32, arc }))
+    };
+    ByNode::sorted(nodes, || (0..nodes).flat_map(back), watch)
+}

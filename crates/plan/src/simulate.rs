@@ -1,0 +1,226 @@
+use refusal::Invalid;
+use ship::engine::{Origin, Pose, Seen, Ship};
+
+use crate::{Autopilot, Fixed, Leg, Phase, Purpose, Side};
+use trial::Piece;
+
+/// A sample of a simulated vessel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// Index of the leg.
+    pub leg: usize,
+    /// Whether an informative maneuver is being run.
+    pub informative: bool,
+    /// The vessel's pose.
+    pub pose: Pose,
+    /// u, v \[m/s\], r \[rad/s\].
+    pub state: [f64; 3],
+    /// Inputs held until the next sample.
+    pub inputs: Vec<f64>,
+}
+
+/// A vessel's pose on a leg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fix {
+    /// Index of the leg.
+    pub leg: usize,
+    /// Its pose.
+    pub pose: Pose,
+}
+
+/// The trajectory of a vessel along legs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sailed {
+    /// Every sample, in order.
+    pub samples: Vec<Sample>,
+    /// Pose and state at the end of each leg.
+    pub ends: Vec<(Pose, [f64; 3])>,
+}
+
+/// A borrowed sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Passing<'s> {
+    /// Index of the leg.
+    pub leg: usize,
+    /// Whether an informative maneuver is being run.
+    pub informative: bool,
+    /// The vessel's pose.
+    pub pose: Pose,
+    /// u, v \[m/s\], r \[rad/s\].
+    pub state: [f64; 3],
+    /// Inputs held until the next sample.
+    pub inputs: &'s [f64],
+}
+
+impl Sailed {
+    /// The poses at all samples.
+    pub fn fixes(&self) -> impl Iterator<Item = Fix> + '_ {
+        self.samples.iter().map(|sample| Fix { leg: sample.leg, pose: sample.pose })
+    }
+
+    /// Simulates `legs`, see [`simulate_legs`].
+    ///
+    /// # Errors
+    /// As [`simulate_legs`].
+    pub fn of<'l>(
+        legs: impl IntoIterator<Item = ([f64; 2], &'l Leg)>,
+        pieces: &[Piece],
+        mirror: &[f64],
+        ship: &mut Ship,
+        autopilot: &mut Autopilot,
+    ) -> Result<Self, Invalid> {
+        let mut samples = Vec::new();
+        let ends =
+            simulate_legs(legs, pieces, mirror, ship, autopilot, |passing| samples.push(passing.into()))?;
+        Ok(Self { samples, ends })
+    }
+}
+
+impl From<Passing<'_>> for Sample {
+    fn from(Passing { leg, informative, pose, state, inputs }: Passing) -> Self {
+        Self { leg, informative, pose, state, inputs: inputs.to_vec() }
+    }
+}
+
+/// Why a vessel does not come to the end of its legs.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stopped {
+    /// A maneuver that it does not complete in its time.
+    Unfinished(Invalid),
+    /// It cannot be commanded, or its simulation diverges.
+    Lost(Invalid),
+}
+
+impl From<Invalid> for Stopped {
+    fn from(invalid: Invalid) -> Self {
+        Self::Lost(invalid)
+    }
+}
+
+impl From<Stopped> for Invalid {
+    fn from(stopped: Stopped) -> Self {
+        let (Stopped::Unfinished(own) | Stopped::Lost(own)) = stopped;
+        own
+    }
+}
+
+/// Pose and state at the end of a leg.
+pub type End = (Pose, [f64; 3]);
+
+/// Simulates `legs`, each from its own node (north, east), starting with `ship` as it is. Pieces' inputs are
+/// multiplied by `mirror` where they are run to the other side. Calls `record` with every sample and returns
+/// the ends of the legs.
+///
+/// # Errors
+/// A maneuver that is not completed; a vessel that cannot be commanded; a simulation that diverges.
+pub fn simulate_legs<'l>(
+    legs: impl IntoIterator<Item = ([f64; 2], &'l Leg)>,
+    pieces: &[Piece],
+    mirror: &[f64],
+    ship: &mut Ship,
+    autopilot: &mut Autopilot,
+    mut record: impl FnMut(Passing),
+) -> Result<Vec<End>, Stopped> {
+    let mut ends = Vec::new();
+    let seen = autopilot.see(Fixed::from(&*ship), false);
+    let mut way = Way { ship, autopilot, seen, record: &mut record, inputs: Vec::new(), samples: 0 };
+    for (index, (node, leg)) in legs.into_iter().enumerate() {
+        for phase in &leg.phases {
+            match (phase, &leg.purpose) {
+                (Phase::Maneuver, Purpose::Informative { piece, side }) => {
+                    let signs = if *side == Side::Mirrored { mirror } else { &[] };
+                    way.run(index, &pieces[*piece], signs)?;
+                }
+                _ => way.follow(phase, node, index)?,
+            }
+        }
+        ends.push((way.ship.pose, way.ship.state));
+    }
+    Ok(ends)
+}
+
+/// Longest turn or line: numbers that lead to longer ones are meaningless, and would exhaust the memory.
+const LONGEST_PHASE: usize = 20_000;
+
+/// A vessel in progress.
+struct Way<'w, 's, 'a> {
+    ship: &'w mut Ship<'s>,
+    autopilot: &'w mut Autopilot<'a>,
+    /// The ship as the autopilot sees it.
+    seen: Fixed,
+    record: &'w mut dyn FnMut(Passing),
+    inputs: Vec<f64>,
+    /// So many of the voyage are simulated.
+    samples: usize,
+}
+
+impl<'s> Way<'_, 's, '_> {
+    /// Runs a piece, to the other side if there are `signs` of its inputs.
+    fn run(&mut self, leg: usize, piece: &Piece, signs: &[f64]) -> Result<(), Stopped> {
+        let (mut command, origin) = (piece.begin(), Origin::from(self.seen.pose));
+        let side = if signs.is_empty() { 1.0 } else { -1.0 };
+        self.inputs.resize(piece.inputs.len() / piece.samples, 0.0);
+        let mut samples = 0;
+        while !piece.is_over(&*command, samples, self.ship.sample_s()).map_err(Stopped::Unfinished)? {
+            let ([u, v, r], pose) = (self.seen.state, origin.sees(self.seen.pose));
+            let state = [u, side * v, side * r];
+            let pose = Pose { x: pose.x, y: side * pose.y, psi: side * pose.psi };
+            let seen = Seen { state, own: state, pose };
+            command.command(&seen, &mut self.inputs);
+            let mirror =
+                |inputs: &mut [f64]| inputs.iter_mut().zip(signs).for_each(|(input, sign)| *input *= sign);
+            mirror(&mut self.inputs);
+            let mut ends = command.ends().map(|ends| ends.map(<[f64]>::to_vec));
+            ends.iter_mut().flatten().for_each(|end| mirror(end));
+            self.advance(leg, true, |ship, inputs| {
+                ship.command(inputs, ends.as_ref().map(|ends| ends.each_ref().map(Vec::as_slice)))
+            })?;
+            samples += 1;
+        }
+        Ok(())
+    }
+
+    fn follow(&mut self, phase: &Phase, node: [f64; 2], leg: usize) -> Result<(), Invalid> {
+        let start = self.seen.pose;
+        let patience_s = self.autopilot.patience_s(phase, node, start);
+        let mut elapsed_s = 0.0;
+        while !self.autopilot.is_done(phase, node, &self.seen, elapsed_s > patience_s) {
+            if elapsed_s > LONGEST_PHASE as f64 * self.ship.sample_s() {
+                let expected = format!("at most {LONGEST_PHASE} samples of a turn or a line");
+                let remedy = "correct `cell_m`, the speeds or `handling`";
+                let found = format!("over {elapsed_s:.0} s");
+                return Err(Invalid::new("leg under way", found, expected, remedy));
+            }
+            let inputs = self.autopilot.steer(phase, node, start, &self.seen)?;
+            self.inputs.clear();
+            self.inputs.extend_from_slice(inputs);
+            self.advance(leg, false, Ship::reach)?;
+            elapsed_s += self.ship.sample_s();
+        }
+        Ok(())
+    }
+
+    /// Advances by a sample with the inputs that `set` computes.
+    fn advance(
+        &mut self,
+        leg: usize,
+        informative: bool,
+        set: impl for<'i> FnOnce(&'i mut Ship<'s>, &[f64]) -> &'i [f64],
+    ) -> Result<(), Invalid> {
+        let Self { ship, autopilot, seen, record, inputs, samples } = self;
+        *samples += 1;
+        let (pose, state) = (ship.pose, ship.state);
+        let actual = set(ship, inputs);
+        inputs.copy_from_slice(actual);
+        *seen = autopilot.observe(*seen, inputs, Fixed::from(&**ship));
+        record(Passing { leg, informative, pose, state, inputs });
+        if ship.state.iter().all(|s| s.abs() <= ship::engine::DIVERGED) {
+            return Ok(());
+        }
+        let what = if informative { "in a maneuver" } else { "under the autopilot" };
+        let seconds = *samples as f64 * ship.sample_s();
+        let found = format!("a simulation that diverges: {:.3?} after {seconds:.1} s", ship.state);
+        let remedy = "shorten the maneuver, or check the signs of the parameters in vessel.toml";
+        Err(Invalid::new(format!("model {what}, leg {}", leg + 1), found, "speeds within bounds", remedy))
+    }
+}

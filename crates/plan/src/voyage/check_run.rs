@@ -1,0 +1,256 @@
+//! Simulations of the whole plan in a check.
+
+use rayon::prelude::*;
+use refusal::Invalid;
+use ship::engine::Pose;
+
+use super::clearance::{Clearance, Cleared};
+use super::error::VoyageError;
+use super::off_nominal::parameters_in_words;
+use super::prepared::Prepared;
+use super::script::{Noise, Script};
+use super::search::Search;
+use crate::leg::turned_back;
+use crate::{Astray, End, Fix, Sailed, SampledVessel, Used};
+
+/// Share of the ends of legs that noise may leave beyond a tolerance.
+const ASTRAY_BY_NOISE: f64 = 0.01;
+
+/// A plan that is checked.
+pub(super) struct Checking<'a> {
+    pub script: &'a Script<'a>,
+    pub clearance: &'a Clearance,
+    /// The leg of every step.
+    pub legs: &'a [usize],
+    /// The trajectory of the nominal model without unknown current.
+    pub nominal: &'a Sailed,
+    /// Number of checks so far, including this one.
+    pub round: u32,
+    /// Whether all runs are simulated, even after one has failed.
+    pub is_last: bool,
+}
+
+/// A vessel in a current, to be simulated over the whole plan.
+#[derive(Clone, Debug)]
+pub(super) struct Vessel {
+    pub parameters: Vec<f64>,
+    /// Unknown current, north and east \[m/s\].
+    pub unknown_m_s: [f64; 2],
+    /// Whether its track is kept for drawing.
+    pub is_drawn: bool,
+    /// Which noise its sensors have, and which changes of current and wind it meets.
+    pub noise: u32,
+    /// Whether it comes from a search, which needs the clearance of every leg and no run without corrections.
+    pub is_searched: bool,
+}
+
+/// A run of a check.
+pub(super) struct Run {
+    pub vessel: Vessel,
+    /// Over all legs.
+    pub passage: Cleared,
+    /// Clearance of every leg; exact only below the margin and the least one so far, unless it was searched \[m\].
+    pub clearances_m: Vec<f64>,
+    /// The same of a searched run, interpolated between cells \[m\].
+    pub between_cells_m: Vec<f64>,
+    /// Whether it goes aground without corrections.
+    pub is_aground_open_loop: bool,
+    /// Ends of legs.
+    pub ends: Vec<End>,
+    /// The used part of the tolerance at each.
+    pub used: Vec<Used>,
+    pub seconds: f64,
+    pub track: Option<Vec<Fix>>,
+}
+
+impl Checking<'_> {
+    pub(super) fn prepared(&self) -> &Prepared {
+        self.script.prepared
+    }
+
+    /// The share of the ends of legs that may be beyond a tolerance: none, unless sensors are noisy, or current or
+    /// wind change.
+    pub(super) fn tolerated_astray(&self) -> f64 {
+        let task = &self.prepared().brief.task;
+        if task.sensors.are_exact() && task.changes.are_none() { 0.0 } else { ASTRAY_BY_NOISE }
+    }
+
+    /// Whether more ends of legs than that are beyond a tolerance.
+    pub(super) fn are_too_many_astray(&self, runs: &[&Run]) -> bool {
+        let astray: u64 = runs.iter().map(|run| run.ends_astray()).sum();
+        let ends: usize = runs.iter().map(|run| run.ends.len()).sum();
+        astray as f64 > self.tolerated_astray() * ends as f64
+    }
+
+    /// A run of every one of `vessels`, in their order.
+    ///
+    /// # Errors
+    /// A simulation that diverges; no time.
+    pub(super) fn all(&self, vessels: Vec<Vessel>, search: &Search) -> Result<Vec<Run>, VoyageError> {
+        let one = |vessel: Vessel| {
+            if !(search.keep_going)() {
+                return Err(VoyageError::OutOfTime("the check of the plan"));
+            }
+            let words = parameters_in_words(&self.prepared().brief.vessel, &vessel.parameters);
+            // A vessel that cannot be simulated is not the fault of a file.
+            let named = |own: Invalid| Invalid { thing: format!("{} with {words}", own.thing), ..own };
+            self.run(vessel).map_err(|own| VoyageError::NoAnswer(named(own)))
+        };
+        let all: Vec<_> = vessels.into_par_iter().map(one).collect();
+        all.into_iter().collect()
+    }
+
+    /// Simulates a vessel.
+    ///
+    /// # Errors
+    /// A vessel that cannot be commanded; a simulation that diverges.
+    pub(super) fn run(&self, vessel: Vessel) -> Result<Run, Invalid> {
+        let (clearance, brief) = (self.clearance, &self.prepared().brief);
+        let open = if vessel.is_searched { clearance.open_to_compare() } else { clearance.open() };
+        let mut passages = vec![open; self.legs.len()];
+        let (mut samples, mut leg) = (0_u64, 0);
+        let margin_m = brief.task.safety.margin_m;
+        // Some vessels take longer than the nominal one.
+        let capacity = self.nominal.samples.len() * 9 / 8;
+        let mut track = vessel.is_drawn.then(|| Vec::with_capacity(capacity));
+        let noise = self.noise(&vessel);
+        let ends = self.script.simulate(&vessel.parameters, vessel.unknown_m_s, noise, |own| {
+            if own.leg > leg {
+                if !vessel.is_searched {
+                    // Distances beyond the margin and the least one so far are irrelevant.
+                    passages[own.leg].clearance_m = passages[leg].clearance_m.max(margin_m);
+                }
+                leg = own.leg;
+            }
+            clearance.add(&mut passages[own.leg], own.pose, own.informative);
+            samples += 1;
+            if let Some(track) = &mut track {
+                track.push(Fix { leg: own.leg, pose: own.pose });
+            }
+        })?;
+        Ok(Run {
+            passage: passages.iter().fold(clearance.open(), |a, b| a.and(b)),
+            clearances_m: passages.iter().map(|own| own.clearance_m).collect(),
+            between_cells_m: passages.iter().filter_map(|own| own.between_cells_m).collect(),
+            is_aground_open_loop: !vessel.is_searched && self.is_aground_open_loop(&vessel),
+            used: self.used(&ends),
+            ends,
+            seconds: samples as f64 / brief.vessel.sample_rate_hz,
+            track,
+            vessel,
+        })
+    }
+
+    fn noise(&self, vessel: &Vessel) -> Option<Noise> {
+        let kind = if vessel.is_searched { "searched" } else { "checked" };
+        Some(Noise { kind, round: self.round, run: vessel.noise })
+    }
+
+    fn is_aground_open_loop(&self, vessel: &Vessel) -> bool {
+        let mut open_loop = self.clearance.open();
+        // Only running aground matters.
+        open_loop.clearance_m = f64::MIN_POSITIVE;
+        let noise = self.noise(vessel);
+        self.script.repeat(self.nominal, &vessel.parameters, vessel.unknown_m_s, noise, |own| {
+            self.clearance.add(&mut open_loop, own.pose, own.informative);
+            open_loop.clearance_m > 0.0
+        });
+        open_loop.clearance_m <= 0.0
+    }
+
+    /// How far off a step ends, with signs, in tolerances: north, east, heading, surge, sway, yaw rate.
+    pub(super) fn off(&self, step: usize, end: End) -> [f64; 6] {
+        let (repertoire, (layer, node)) = (self.prepared().repertoire(), self.end_of(step));
+        let (vessel, heading_rad, speed_m_s) = repertoire.at_node(layer, node, end);
+        repertoire.approach.tolerance.off(&vessel, heading_rad, speed_m_s)
+    }
+
+    /// The layer and the node (north, east) that a step ends at.
+    fn end_of(&self, step: usize) -> (usize, [f64; 2]) {
+        let (node, leg) = self.script.legs[step];
+        let [north, east] = self.prepared().grid.displacement(leg.di, leg.dj);
+        (leg.to, [node[0] + north, node[1] + east])
+    }
+
+    /// The used fractions of the tolerance at the end of every step.
+    pub(super) fn used(&self, ends: &[End]) -> Vec<Used> {
+        let repertoire = self.prepared().repertoire();
+        let tolerance = repertoire.approach.tolerance;
+        let used = |(step, end): (usize, &End)| {
+            let (layer, node) = self.end_of(step);
+            repertoire.used_at(&tolerance, layer, node, *end)
+        };
+        ends.iter().enumerate().map(used).collect()
+    }
+}
+
+/// What is kept of a drawn run.
+pub(super) struct Drawn {
+    pub passage: Cleared,
+    pub is_aground_open_loop: bool,
+    /// Ends of legs, and those beyond a tolerance.
+    pub ends: [u64; 2],
+    /// The largest used fractions at any of them.
+    pub used: Used,
+    pub seconds: f64,
+    pub track: Option<Vec<Fix>>,
+}
+
+impl From<Run> for Drawn {
+    fn from(run: Run) -> Self {
+        let ends = [run.ends.len() as u64, run.ends_astray()];
+        let used = run.most_used();
+        let Run { passage, is_aground_open_loop, seconds, track, .. } = run;
+        Self { passage, is_aground_open_loop, ends, used, seconds, track }
+    }
+}
+
+impl Run {
+    pub(super) fn ends_astray(&self) -> u64 {
+        self.used.iter().filter(|used| used.part() > 1.0).count() as u64
+    }
+
+    /// The largest used fractions at the end of any step.
+    pub(super) fn most_used(&self) -> Used {
+        self.used.iter().copied().fold(Used::NONE, Used::or_more)
+    }
+
+    /// Whether a step began within its tolerance.
+    pub(super) fn began_well(&self, step: usize) -> bool {
+        step == 0 || self.used[step - 1].part() <= 1.0
+    }
+
+    /// The steps that began within the tolerance and violated the margin or, `if_astray`, the tolerance, each with
+    /// its vessel.
+    pub(super) fn counter_examples(
+        &self,
+        checking: &Checking,
+        if_astray: bool,
+    ) -> Vec<(usize, SampledVessel)> {
+        let margin_m = checking.prepared().brief.task.safety.margin_m;
+        let failed = |step: &usize| {
+            self.clearances_m[*step] < margin_m
+                || (if_astray && self.used[*step].part() > 1.0 && self.began_well(*step))
+        };
+        let failures = (0..self.used.len()).filter(failed);
+        failures.map(|step| (step, self.sampled_vessel(checking, step))).collect()
+    }
+
+    /// The vessel of a step, with its offset at the beginning.
+    pub(super) fn sampled_vessel(&self, checking: &Checking, step: usize) -> SampledVessel {
+        let (node, leg) = checking.script.legs[step];
+        let grid = &checking.prepared().grid;
+        let (level, mode) = grid.level_and_mode(leg.from);
+        let (heading, speed) = (grid.heading_rad(level), grid.modes[mode].speed_m_s);
+        let exact = (checking.script.start, [speed, 0.0, 0.0]);
+        let (pose, [u, v, r]) = if step == 0 { exact } else { self.ends[step - 1] };
+        let Astray { pose: Pose { x, y, psi }, .. } = Astray::of(pose, [u, v, r], node);
+        let [along, across] = turned_back([x, y], heading);
+        SampledVessel {
+            parameters: self.vessel.parameters.clone(),
+            current_m_s: turned_back(self.vessel.unknown_m_s, heading),
+            off: [along, across, crate::grid::wrap(psi - heading)],
+            motion: [u - speed, v, r],
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Clearance of the hull from charted obstacles, in continuous space.
+
+use chart::{Bounds, Distances, Invalid, Polygon, Raster};
+use ship::engine::Pose;
+
+use super::error::VoyageError;
+use super::prepared::Prepared;
+use super::task::Task;
+
+/// How far beyond the lattice a hull's clearance is measured \[m\]. The chart is read farther than that.
+const BEYOND_M: f64 = 500.0;
+/// Most raster cells that distances are measured on, unless the lattice's own raster has more.
+const MOST_CELLS: f64 = 4e6;
+/// Most cells of that raster per cell of the lattice's raster.
+const FINEST: u32 = 8;
+
+/// Distance of the hull from obstacles.
+pub struct Clearance {
+    /// Outline about the reference point, x forward, y to starboard \[m\], including the midpoints of its
+    /// sides.
+    pub outline: Vec<[f64; 2]>,
+    /// Greatest distance of the outline from the reference point \[m\].
+    pub radius_m: f64,
+    /// Obstacles in transit.
+    pub transit: Distances,
+    /// Obstacles in informative maneuvers, if they differ.
+    pub trial: Option<Distances>,
+    /// The lattice's area.
+    pub area: Bounds,
+    /// The allowed part of it, if that is not all.
+    pub polygon: Option<Polygon>,
+    /// Greatest measured distance \[m\].
+    pub sight_m: f64,
+}
+
+/// The clearance along a track so far.
+#[derive(Clone, Copy, Debug)]
+pub struct Cleared {
+    /// Least distance from obstacles; 0 where the chart was not read \[m\].
+    pub clearance_m: f64,
+    /// The same, interpolated between cells; only where runs are compared \[m\].
+    pub between_cells_m: Option<f64>,
+    /// Whether the hull left the lattice's area.
+    pub left_area: bool,
+    /// Distance that the vessel can advance before its clearance can decrease \[m\].
+    unseen_m: f64,
+    /// The last position, east and north \[m\], and whether it was in an informative maneuver.
+    last: ([f64; 2], bool),
+}
+
+impl Cleared {
+    /// The combination of both.
+    pub(super) fn and(self, other: &Self) -> Self {
+        Self {
+            clearance_m: self.clearance_m.min(other.clearance_m),
+            left_area: self.left_area || other.left_area,
+            unseen_m: 0.0,
+            ..self
+        }
+    }
+}
+
+impl Clearance {
+    /// Rasters of the chart around the lattice, finer than those of the search.
+    pub(super) fn new(
+        prepared: &Prepared,
+        keep_going: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, VoyageError> {
+        let task = &prepared.brief.task;
+        let (area, sight_m) = (task.raster(&prepared.grid).bounds(), sight_m(task));
+        let raster = prepared.clearance_raster()?;
+        let corners = task.hull.outline();
+        let between = |(a, b): (&[f64; 2], &[f64; 2])| [*a, [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0]];
+        let outline: Vec<[f64; 2]> =
+            corners.iter().zip(corners.iter().cycle().skip(1)).flat_map(between).collect();
+        let radius_m = outline.iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
+        let (chart, safety) = (&prepared.chart, &task.safety);
+        let (transit, trial) = rayon::join(
+            || Distances::in_transit(chart, raster, [safety.transit_depth_m, sight_m], keep_going),
+            || {
+                let trial = || Distances::new(chart, raster, [safety.trial_depth_m, sight_m], keep_going);
+                prepared.has_waters_of_trials().then(trial).transpose()
+            },
+        );
+        let late = VoyageError::OutOfTime("the layout of the chart");
+        let polygon = task.area.polygon(chart.plane());
+        let (Some(transit), trial) = (transit?, trial?) else { return Err(late) };
+        let trial = trial.map(|own| own.ok_or(late)).transpose()?;
+        Ok(Self { outline, radius_m, transit, trial, area, polygon, sight_m })
+    }
+
+    /// A passage without samples.
+    pub fn open(&self) -> Cleared {
+        Cleared {
+            clearance_m: self.sight_m,
+            between_cells_m: None,
+            left_area: false,
+            unseen_m: 0.0,
+            last: ([0.0; 2], false),
+        }
+    }
+
+    /// The same of a run that is compared with others.
+    pub fn open_to_compare(&self) -> Cleared {
+        Cleared { between_cells_m: Some(self.sight_m), ..self.open() }
+    }
+
+    /// Distance of a place from where the hull can reach out of the area, or out of `seen` once it has left
+    /// the area; below 0 beyond it \[m\].
+    fn inside_m(&self, place: [f64; 2], seen: Option<Bounds>) -> f64 {
+        let Bounds { min, max } = seen.unwrap_or(self.area);
+        let ends = [0, 1].map(|k| (place[k] - min[k]).min(max[k] - place[k]));
+        let polygon_m = if seen.is_some() { f64::INFINITY } else { self.inside_polygon_m(place) };
+        ends[0].min(ends[1]).min(polygon_m) - self.radius_m
+    }
+
+    fn inside_polygon_m(&self, place: [f64; 2]) -> f64 {
+        self.polygon.as_ref().map_or(f64::INFINITY, |polygon| polygon.inside_m(place))
+    }
+
+    /// Adds the clearance of the hull at a sample to `passage`.
+    pub fn add(&self, passage: &mut Cleared, pose: Pose, informative: bool) {
+        let place = [pose.y, pose.x];
+        let (before, was_informative) = std::mem::replace(&mut passage.last, (place, informative));
+        let [east, north] = [0, 1].map(|k| place[k] - before[k]);
+        passage.unseen_m -= (east * east + north * north).sqrt();
+        if passage.unseen_m > 0.0 && was_informative == informative {
+            return;
+        }
+        passage.unseen_m = 0.0;
+        let obstacles = self.trial.as_ref().filter(|_| informative).unwrap_or(&self.transit);
+        // If the reference point is farther away than the hull reaches, no corner matters.
+        let cell_m = obstacles.raster().cell_m;
+        let far = obstacles.distance_m(pose.y, pose.x) - self.radius_m - 2.0 * cell_m;
+        // Interpolated distances may be a cell less.
+        let nearest =
+            passage.between_cells_m.map_or(passage.clearance_m, |own| own.max(passage.clearance_m) + cell_m);
+        let inside_m = self.inside_m(place, passage.left_area.then(|| obstacles.raster().bounds()));
+        if far > nearest && inside_m >= 0.0 {
+            passage.unseen_m = (far - nearest).min(inside_m);
+            return;
+        }
+        let (sin, cos) = libm::sincos(pose.psi);
+        for [x, y] in &self.outline {
+            let place = [pose.y + x * sin + y * cos, pose.x + x * cos - y * sin];
+            let distance_m = obstacles.distance_m(place[0], place[1]);
+            passage.clearance_m = passage.clearance_m.min(distance_m);
+            // Interpolated, it is at most a cell's diagonal less.
+            if let Some(own) =
+                passage.between_cells_m.as_mut().filter(|own| distance_m < **own + 1.5 * cell_m)
+            {
+                *own = own.min(obstacles.between_cells_m(place[0], place[1]));
+            }
+            let is_outside = || inside_m < 0.0 && self.inside_polygon_m(place) < 0.0;
+            passage.left_area |= !self.area.contains(place) || is_outside();
+        }
+    }
+}
+
+impl Prepared {
+    /// The raster that clearances are measured on.
+    fn clearance_raster(&self) -> Result<Raster, Invalid> {
+        let own = self.brief.task.raster(&self.grid);
+        fine(&own.bounds().grown(BEYOND_M), own.cell_m, sight_m(&self.brief.task))
+    }
+
+    /// Its cells, including those around it, of all rasters that are built at once.
+    pub(super) fn clearance_cells(&self) -> Result<u128, Invalid> {
+        let layers = if self.has_waters_of_trials() { 2 } else { 1 };
+        Ok(layers * cells_around(&self.clearance_raster()?, sight_m(&self.brief.task)))
+    }
+
+    /// Whether informative maneuvers keep clear of other obstacles than legs in transit.
+    fn has_waters_of_trials(&self) -> bool {
+        let safety = &self.brief.task.safety;
+        self.chart.has_transit_only() || safety.trial_depth_m != safety.transit_depth_m
+    }
+}
+
+fn sight_m(task: &Task) -> f64 {
+    BEYOND_M + task.safety.margin_m
+}
+
+/// The finest raster over `bounds`, with cells that divide `cell_m`, of a reasonable size including
+/// `around_m`.
+fn fine(bounds: &Bounds, cell_m: f64, around_m: f64) -> Result<Raster, Invalid> {
+    let wide = bounds.grown(around_m);
+    let cells =
+        |parts: u32| (0..2).map(|k| (wide.max[k] - wide.min[k]) / cell_m * f64::from(parts)).product::<f64>();
+    let parts = (2..=FINEST).rev().find(|parts| cells(*parts) <= MOST_CELLS).unwrap_or(1);
+    Raster::covering(bounds, cell_m / f64::from(parts))
+}
+
+/// Cells of a raster, including those around it for a margin.
+pub(super) fn cells_around(raster: &Raster, margin_m: f64) -> u128 {
+    let around = 2 * ((margin_m / raster.cell_m).ceil() as u128 + 1);
+    (raster.nx as u128 + around) * (raster.ny as u128 + around)
+}

@@ -1,0 +1,188 @@
+//! The information of a segment of a trajectory about the parameters: sums of lifted moments per degree of
+//! freedom, of a ship with forces that of her free numbers.
+
+use numerics::{LANES, Lane};
+use refusal::Invalid;
+use regression::{Batch, Noise, moments};
+use ship::engine::simulate_one;
+use ship::model::Vessel;
+
+use super::task::Brief;
+use trial::Piece;
+use trial::moments::ForcesPrediction;
+
+/// Σ φ̃ ζ̃ᵀ per degree of freedom, row-major; of a ship with forces one matrix Σ SᵀWS. The sums of two segments add up to
+/// those of both.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct MomentSums {
+    degrees: Vec<Vec<f64>>,
+    /// 1/σ² of every free number of a ship with forces by its prior, which counts once for the whole trial; 0 without one.
+    /// Empty of terms per sample.
+    prior: Vec<f64>,
+}
+
+/// What the sums of a vessel are made with.
+#[derive(Clone, Debug)]
+pub(super) struct Summing<'a> {
+    vessel: &'a Vessel,
+    forces: Option<ForcesPrediction<'a>>,
+}
+
+impl Brief {
+    /// How the information of its vessel is summed.
+    ///
+    /// # Errors
+    /// A ship with forces whose logs have no stated noise; noise that is stated where nothing weighs by it.
+    pub(super) fn summing(&self) -> Result<Summing<'_>, Invalid> {
+        let vessel = &self.vessel;
+        let forces = match (&vessel.model.forces, self.task.measurement) {
+            (None, None) => None,
+            (Some(_), Some(own)) => {
+                let noise = Noise { measurement: own.std(), current: 0.0 };
+                Some(ForcesPrediction::of_nominal(vessel, noise)?)
+            }
+            (Some(_), None) => {
+                let expected = "the noise of the logged u, v and r, by which a ship with forces is estimated";
+                let remedy = "add `std_u_m_s`, `std_v_m_s` and `std_r_rad_s`, as campaign.toml has them";
+                return Err(Invalid::new("[measurement]", "none", expected, remedy));
+            }
+            (None, Some(_)) => {
+                let found = "noise of logs, and a vessel with terms per sample";
+                let expected = "it of a ship with forces alone";
+                return Err(Invalid::new("[measurement]", found, expected, "leave it out"));
+            }
+        };
+        Ok(Summing { vessel, forces })
+    }
+}
+
+impl Summing<'_> {
+    /// Whether segments are simulated from a start that is known, each by itself.
+    pub(super) fn is_of_forces(&self) -> bool {
+        self.forces.is_some()
+    }
+
+    /// For N samples: `inputs` N × inputs, `states` (N+1) × 3 through the water. Instruments and derivatives come from the
+    /// nominal model with the same inputs and initial state. A ship with forces whose simulation diverges tells nothing.
+    pub(super) fn of(&self, inputs: &[f64], states: &[f64]) -> MomentSums {
+        let exogenous = self.vessel.model.undisturbed(inputs);
+        let initial = [states[0], states[1], states[2]];
+        match &self.forces {
+            Some(forces) => {
+                let prior = forces.prior_information();
+                let nothing = || vec![0.0; prior.len() * prior.len()];
+                let own = forces.information(initial, &exogenous).unwrap_or_else(nothing);
+                MomentSums { degrees: vec![own], prior }
+            }
+            None => self.lifted(initial, states, &exogenous),
+        }
+    }
+
+    fn lifted(&self, initial: [f64; 3], states: &[f64], exogenous: &[f64]) -> MomentSums {
+        let vessel = self.vessel;
+        let instruments = simulate_one(&vessel.model, &vessel.nominal, initial, exogenous);
+        let lanes = |values: &[f64]| values.iter().map(|v| Lane::splat(*v)).collect::<Vec<_>>();
+        let (measured, instruments, exogenous) = (lanes(states), lanes(&instruments), lanes(exogenous));
+        let batch = Batch {
+            model: &vessel.model,
+            measured: &measured,
+            instrument_states: &instruments,
+            exogenous: &exogenous,
+            instrument_exogenous: &exogenous,
+            segments: [&[0]; LANES],
+        };
+        let found = moments(&batch).swap_remove(0);
+        let scale = found.samples as f64;
+        let degrees =
+            found.matrices.into_iter().map(|m| m.into_iter().map(|x| x * scale).collect()).collect();
+        MomentSums { degrees, prior: Vec::new() }
+    }
+
+    /// For a piece of a maneuver run by the nominal model in still water.
+    pub(super) fn of_piece(&self, piece: &Piece) -> MomentSums {
+        let exogenous = self.vessel.model.undisturbed(&piece.inputs);
+        let initial = [piece.speed_m_s, 0.0, 0.0];
+        if self.is_of_forces() {
+            return self.of(&piece.inputs, &initial);
+        }
+        let states = simulate_one(&self.vessel.model, &self.vessel.nominal, initial, &exogenous);
+        self.of(&piece.inputs, &states)
+    }
+}
+
+impl MomentSums {
+    /// Adds `times` of another.
+    pub(super) fn add(&mut self, other: &Self, times: f64) {
+        if self.degrees.is_empty() {
+            self.degrees = other.degrees.iter().map(|m| vec![0.0; m.len()]).collect();
+            self.prior = other.prior.clone();
+        }
+        for (own, other) in self.degrees.iter_mut().zip(&other.degrees) {
+            own.iter_mut().zip(other).for_each(|(a, b)| *a += times * b);
+        }
+    }
+
+    /// The sums with what the priors know.
+    fn with_prior(&self) -> Vec<Vec<f64>> {
+        let mut all = self.degrees.clone();
+        for own in &mut all {
+            let n = own.len().isqrt();
+            self.prior.iter().enumerate().for_each(|(i, known)| own[i * n + i] += known);
+        }
+        all
+    }
+
+    /// Σ over degrees of freedom of log|det|, with the priors; −∞ where a direction is not excited.
+    pub(super) fn log_det(&self) -> f64 {
+        // Many numbers that are hardly told apart have small determinants, and are determined all the same.
+        let least = if self.prior.is_empty() { LEAST } else { LEAST_OF_FORCES * self.prior.len() as f64 };
+        let one = |m: &Vec<f64>| {
+            let n = m.len().isqrt();
+            // Rows and columns are scaled first: forces and speeds differ by many powers of ten.
+            let size: Vec<f64> = (0..n).map(|i| m[i * n + i].abs().sqrt()).collect();
+            let mut scaled: Vec<f64> = (0..n * n).map(|k| m[k] / (size[k / n] * size[k % n])).collect();
+            let shift: f64 = size.iter().map(|s| 2.0 * libm::log(*s)).sum();
+            match numerics::log_det(n, &mut scaled) {
+                Some(det) if det.log_abs.is_finite() && det.log_abs > least => det.log_abs + shift,
+                _ => f64::NEG_INFINITY,
+            }
+        };
+        if self.degrees.is_empty() { f64::NEG_INFINITY } else { self.with_prior().iter().map(one).sum() }
+    }
+
+    /// tr(M⁻¹ M_other)/p over all degrees of freedom: the share of `other` in this sum, if it is part of it. With priors M has
+    /// them, and p is tr(M⁻¹ M_own) of what was sailed alone. `None` where a direction is not excited.
+    pub(super) fn share_of(&self, other: &Self) -> Option<f64> {
+        if !self.log_det().is_finite() {
+            return None;
+        }
+        let whole = if self.prior.is_empty() { self.dimension() as f64 } else { self.trace_with(self)? };
+        Some(self.trace_with(other)? / whole)
+    }
+
+    /// tr(M⁻¹ M_other) with the priors in M.
+    fn trace_with(&self, other: &Self) -> Option<f64> {
+        let all = self.with_prior();
+        let traces = all.iter().zip(&other.degrees).map(|(own, other)| {
+            let n = own.len().isqrt();
+            // Scaled as for the determinant: that leaves the trace as it is.
+            let size: Vec<f64> = (0..n).map(|i| own[i * n + i].abs().sqrt()).collect();
+            let scaled =
+                |m: &[f64]| -> Vec<f64> { (0..n * n).map(|k| m[k] / (size[k / n] * size[k % n])).collect() };
+            let (mut a, mut solved) = (scaled(own), scaled(other));
+            numerics::solve(n, &mut a, &mut solved)?;
+            Some(solved.iter().step_by(n + 1).sum::<f64>())
+        });
+        traces.sum()
+    }
+
+    /// Number of rows of all degrees of freedom.
+    pub(super) fn dimension(&self) -> usize {
+        self.degrees.iter().map(|m| m.len().isqrt()).sum()
+    }
+}
+
+/// Least logarithm of the determinant of a matrix that is scaled to ones on its diagonal, of terms per sample; of a ship
+/// with forces for each number.
+const LEAST: f64 = -60.0;
+const LEAST_OF_FORCES: f64 = -10.0;

@@ -1,0 +1,200 @@
+//! The plan in continuous space: simulated, checked against the chart, with its information.
+
+use crate::lattice::{Problem, Solution};
+use refusal::Invalid;
+
+use super::check::{Check, Checked};
+use super::check_run::Checking;
+use super::clearance::Clearance;
+use super::error::VoyageError;
+use super::information::Information;
+use super::moves::Moves;
+use super::prepared::Prepared;
+use super::script::Script;
+use super::search::Search;
+use super::solve::Solved;
+use super::task::Slot;
+use crate::{Fix, Sailed, SampledVessel};
+
+/// Most searches for a plan that passes its check.
+const ROUNDS: u32 = 12;
+/// Most counter-examples of a round, over all legs.
+const MOST_COUNTER_EXAMPLES: usize = 400;
+
+/// A simulated plan.
+#[derive(Clone, Debug)]
+pub struct Sailing {
+    /// The leg of every step.
+    pub legs: Vec<usize>,
+    /// The trajectory of the nominal model in the known current.
+    pub sailed: Sailed,
+    /// Tracks of the first sampled vessels in unknown currents, for drawing.
+    pub runs: Vec<Vec<Fix>>,
+    /// The check against the chart.
+    pub check: Check,
+    /// Its information, against the prediction of the counts.
+    pub information: Information,
+}
+
+/// One round of search and check.
+struct Round {
+    /// Its number, from 1.
+    number: u32,
+    solved: Solved,
+    sailing: Sailing,
+    /// Steps that violated a margin or a tolerance, each with the vessel.
+    counter_examples: Vec<(usize, SampledVessel)>,
+}
+
+/// The part of a round that is kept while the next one is searched, so that its plan can be simulated again.
+struct Last {
+    number: u32,
+    moves: Moves,
+    problem: Problem,
+    solution: Solution,
+}
+
+impl Round {
+    /// The counter-examples by leg, and the rest of the round. The waters are dropped, since they need most
+    /// memory and can be computed again.
+    fn ended(self) -> (Vec<(usize, SampledVessel)>, Last) {
+        let Self { number, solved: Solved { moves, problem, solution, .. }, sailing, counter_examples } =
+            self;
+        let counter_examples = counter_examples
+            .into_iter()
+            .take(MOST_COUNTER_EXAMPLES)
+            .map(|(step, who)| (sailing.legs[step], who))
+            .collect();
+        (counter_examples, Last { number, moves, problem, solution })
+    }
+}
+
+impl Prepared {
+    /// Plans and simulates until the proved plan passes its check: vessels that violated a margin or a
+    /// tolerance become counter-examples for their leg, and the search begins again. If that leaves no plan,
+    /// the last one is returned if `keep_unsafe`; likewise if none passes after many rounds.
+    ///
+    /// # Errors
+    /// As [`Self::solve`], with the results of the checks; a simulation that diverges; the time limit.
+    pub fn plan(&mut self, search: &Search, keep_unsafe: bool) -> Result<(Solved, Sailing), VoyageError> {
+        let (clearance, solved) =
+            rayon::join(|| Clearance::new(self, search.keep_going), || self.solve(search));
+        let clearance = clearance?;
+        let solved = solved.map_err(|error| error.because(0, self.widest()))?;
+        let mut round = self.round(&clearance, (1, solved), search)?;
+        while !round.counter_examples.is_empty() && round.number < ROUNDS {
+            let next = round.number + 1;
+            let key = self.brief.task.safety.key();
+            let fault = round.sailing.check.worst.as_ref().and_then(|worst| worst.faults(0.0, key).pop());
+            let (counter_examples, last) = round.ended();
+            // It stays in memory only if it may be returned.
+            let last = keep_unsafe.then_some(last);
+            let kept = last.as_ref().map_or(0, |last| self.last_bytes(&last.moves, &counter_examples));
+            let next_round =
+                self.again(counter_examples, (next, keep_unsafe), &clearance, &search.reserving(kept));
+            round = match (next_round, last) {
+                (Ok(round), _) => round,
+                (Err(_), Some(last)) => return self.simulate_again(last, &clearance, search),
+                (Err(error), None) => return Err(error.because(next - 1, fault)),
+            };
+        }
+        Ok((round.solved, round.sailing))
+    }
+
+    /// The last plan before a round without one, with its complete check.
+    fn simulate_again(
+        &self,
+        Last { number, moves, problem, solution }: Last,
+        clearance: &Clearance,
+        search: &Search,
+    ) -> Result<(Solved, Sailing), VoyageError> {
+        let waters = self.waters(search.keep_going)?;
+        let mut solved = Solved { waters, moves, problem, solution, front: Vec::new() };
+        let (sailing, _) = self.simulate(&mut solved, clearance, (number, true), search)?;
+        Ok((solved, sailing))
+    }
+
+    /// A round after the counter-examples `counter_examples`, by leg; if it has no plan, they are removed again if
+    /// `keep`.
+    fn again(
+        &mut self,
+        counter_examples: Vec<(usize, SampledVessel)>,
+        (number, keep): (u32, bool),
+        clearance: &Clearance,
+        search: &Search,
+    ) -> Result<Round, VoyageError> {
+        let before = Some(self.learn(counter_examples, search)?).filter(|_| keep);
+        let solved = self.check_offered().and_then(|()| self.solve(search));
+        let next = solved.and_then(|solved| self.round(clearance, (number, solved), search));
+        if let (Err(_), Some(before)) = (&next, before) {
+            self.know(before);
+        }
+        next
+    }
+
+    /// Simulates a solution.
+    fn round(
+        &self,
+        clearance: &Clearance,
+        (number, mut solved): (u32, Solved),
+        search: &Search,
+    ) -> Result<Round, VoyageError> {
+        let (sailing, counter_examples) =
+            self.simulate(&mut solved, clearance, (number, number == ROUNDS), search)?;
+        Ok(Round { number, solved, sailing, counter_examples })
+    }
+
+    /// Simulates the plan in continuous space, checks it against the chart and computes its information and
+    /// counter-examples. The front is searched concurrently with the check.
+    fn simulate(
+        &self,
+        solved: &mut Solved,
+        clearance: &Clearance,
+        (round, is_last): (u32, bool),
+        search: &Search,
+    ) -> Result<(Sailing, Vec<(usize, SampledVessel)>), VoyageError> {
+        let legs: Vec<usize> =
+            solved.solution.steps.iter().map(|step| solved.moves.leg_of_step(step)).collect();
+        let script = self.script(solved, &legs);
+        let sailed = script.simulated(&self.brief.vessel.nominal, [0.0; 2])?;
+        let left = self.within_check(&solved.moves, (round, sailed.samples.len()), search)?;
+        let checking = Checking { script: &script, clearance, legs: &legs, nominal: &sailed, round, is_last };
+        let (Checked { check, tracks, counter_examples }, front) = checking
+            .check(search, || self.front(&solved.problem, Some(&solved.solution), &solved.moves, &left))?;
+        let information = self.information_of_plan(&legs, &sailed)?;
+        solved.front = front.unwrap_or_default();
+        Ok((Sailing { legs, sailed, runs: tracks, check, information }, counter_examples))
+    }
+
+    fn script<'a>(&'a self, solved: &Solved, legs: &[usize]) -> Script<'a> {
+        let steps = solved.solution.steps.iter().zip(legs);
+        let start = solved.problem.start();
+        let (level, mode) = self.grid.level_and_mode(start.layer);
+        Script {
+            prepared: self,
+            legs: steps.map(|(step, leg)| (self.node(step.from), &self.legs[*leg].leg)).collect(),
+            start: self.grid.pose(start.i, start.j, level),
+            speed_m_s: self.grid.modes[mode].speed_m_s,
+        }
+    }
+}
+
+impl Prepared {
+    /// Refuses a trial that exceeds its slot, or that of its tide.
+    ///
+    /// # Errors
+    /// Such a trial.
+    pub fn check_slot(&self, sailed: &Sailed) -> Result<(), VoyageError> {
+        let task = &self.brief.task;
+        let lasts_s = sailed.samples.len() as f64 / self.brief.vessel.sample_rate_hz;
+        let tide = task.tide.map(|tide| Slot { key: "tide.until", lasts_s: tide.slot_s });
+        let mut slots = tide.into_iter().chain(task.slot);
+        let Some(slot) = slots.find(|slot| lasts_s > slot.lasts_s) else { return Ok(()) };
+        Err(VoyageError::NoAnswer(Invalid::new(
+            format!("`{}`", slot.key),
+            format!("a slot of {:.0} s", slot.lasts_s),
+            format!("{lasts_s:.0} s or more, which the plan takes"),
+            "begin earlier, request fewer maneuvers, or minimise `seconds`",
+        )))
+    }
+}

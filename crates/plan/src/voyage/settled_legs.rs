@@ -1,0 +1,248 @@
+//! Simulates every leg before the search, by the nominal and the sampled vessels.
+
+use std::sync::Arc;
+
+use chart::Footprint;
+use rayon::prelude::*;
+use refusal::Invalid;
+use ship::engine::Pose;
+
+use super::counts::Wanted;
+use super::error::VoyageError;
+use crate::{
+    Farthest, Grid, Leg, Outcome, Purpose, Repertoire, Sailed, SampledVessel, Settled, Side, Unsettled,
+};
+
+/// Greatest distance of a track's poses in raster cells, and greatest turn between them \[rad\].
+const APART: f64 = 0.25;
+const TURNED: f64 = 0.1;
+
+/// A leg on which all sampled vessels settle.
+#[derive(Clone, Debug)]
+pub struct SettledLeg {
+    /// The leg.
+    pub leg: Leg,
+    /// The trajectory of the nominal model in the known current, from the origin.
+    pub sailed: Sailed,
+    /// Its end.
+    pub end: Pose,
+    /// The longest time that it takes the nominal or a sampled vessel \[samples\].
+    pub longest: usize,
+    /// The sampled vessel, in an unknown current and from its offset, that is farthest from the nominal one at
+    /// the same time before the recovery.
+    pub farthest: Option<Farthest>,
+    /// Name of the action.
+    pub name: String,
+    /// The area that the hull sweeps, for any of these vessels.
+    pub(super) footprint: Footprint,
+    /// Index of its group of legs.
+    pub(super) group: usize,
+}
+
+/// A leg after its simulation: to be offered, or dropped.
+type Tried = Result<Arc<SettledLeg>, Dropped>;
+
+/// A leg that is not offered to the search.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dropped {
+    /// Name of the action.
+    pub name: String,
+    /// The side, for a maneuver.
+    pub side: Option<Side>,
+    /// Heading level and mode at its beginning.
+    pub from: usize,
+    /// The reason.
+    pub why: String,
+    /// Parameters of the vessel that does not settle; `None` for the nominal one.
+    pub parameters: Option<Vec<f64>>,
+}
+
+/// Legs with the same beginning, which are simulated together.
+#[derive(Clone, Debug)]
+pub(super) struct Group {
+    level: usize,
+    what: What,
+    /// Counter-examples from checks for legs of this group.
+    counter_examples: Vec<SampledVessel>,
+    /// Results of the simulations; `None` if vessels were added since.
+    outcomes: Option<Arc<Vec<Tried>>>,
+}
+
+/// The data for simulating legs.
+pub(super) struct LegSimulation<'a> {
+    pub repertoire: Repertoire<'a>,
+    pub wanted: &'a [Wanted],
+    /// The sampled vessels of every leg.
+    pub others: &'a [SampledVessel],
+    /// Outline of the hull \[m\], and the size of the cells of its footprint \[m\].
+    pub hull: Vec<[f64; 2]>,
+    pub cell_m: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum What {
+    /// The basic moves of a mode.
+    Basic(usize),
+    /// A piece.
+    Informative(usize),
+}
+
+impl SettledLeg {
+    /// Its duration \[s\].
+    pub fn seconds(&self, rate_hz: f64) -> f64 {
+        self.sailed.samples.len() as f64 / rate_hz
+    }
+
+    /// Duration of its maneuver \[samples\].
+    pub fn maneuver(&self) -> usize {
+        self.sailed.samples.iter().filter(|s| s.informative).count()
+    }
+
+    /// The leg rotated to port by quarter turns.
+    fn turned(&self, quarters: usize, grid: &Grid) -> Self {
+        let Self { name, leg, sailed, .. } = self.clone();
+        let Settled { leg, sailed, .. } =
+            Settled { leg, sailed, tracks: Vec::new(), farthest: None }.turned(quarters, grid);
+        let footprint = self.footprint.turned(quarters);
+        let (end, farthest) = (end(&sailed), self.farthest.clone());
+        Self { name, leg, end, sailed, footprint, farthest, ..*self }
+    }
+
+    /// The largest distance of a sampled vessel from the nominal one after a maneuver \[m\].
+    pub fn spread_m(&self) -> f64 {
+        self.farthest.as_ref().map_or(0.0, |own| own.distance_m)
+    }
+
+    /// Whether it is an informative maneuver.
+    pub fn is_informative(&self) -> bool {
+        matches!(self.leg.purpose, Purpose::Informative { .. })
+    }
+}
+
+/// Poses between which a track is straight to a fraction of a raster cell, including the last.
+fn thinned(poses: &[Pose], cell_m: f64) -> impl Iterator<Item = Pose> {
+    let mut kept: Option<Pose> = None;
+    poses.iter().enumerate().filter_map(move |(index, pose)| {
+        let near = kept.is_some_and(|kept| {
+            libm::hypot(pose.x - kept.x, pose.y - kept.y) < APART * cell_m
+                && (pose.psi - kept.psi).abs() < TURNED
+        });
+        if near && index + 1 < poses.len() {
+            return None;
+        }
+        kept = Some(*pose);
+        kept
+    })
+}
+
+/// The groups of legs of a lattice: from all heading levels, or from those of a quarter turn if all
+/// directions are equivalent.
+pub(super) fn groups(repertoire: &Repertoire) -> Vec<Group> {
+    let grid = repertoire.grid;
+    let levels = if repertoire.is_isotropic() { grid.headings / 4 } else { grid.headings };
+    let basic = (0..grid.modes.len()).map(What::Basic);
+    let all = basic.chain((0..repertoire.pieces.len()).map(What::Informative));
+    all.flat_map(|what| {
+        (0..levels).map(move |level| Group { level, what, counter_examples: Vec::new(), outcomes: None })
+    })
+    .collect()
+}
+
+impl LegSimulation<'_> {
+    /// Simulates the legs of every group with the sampled vessels and the group's counter-examples, unless
+    /// done already.
+    pub fn run(
+        &self,
+        groups: &mut [Group],
+        keep_going: &(dyn Fn() -> bool + Sync),
+    ) -> Result<(Vec<Arc<SettledLeg>>, Vec<Dropped>), VoyageError> {
+        let new = groups.par_iter_mut().enumerate().filter(|(_, group)| group.outcomes.is_none());
+        new.try_for_each(|(index, group)| {
+            if !keep_going() {
+                return Err(VoyageError::OutOfTime("the simulation of legs"));
+            }
+            group.outcomes = Some(Arc::new(self.tried(group, index)?));
+            Ok(())
+        })?;
+        let (mut legs, mut dropped) = (Vec::new(), Vec::new());
+        let all = groups.iter().filter_map(|group| group.outcomes.as_deref()).flatten();
+        all.for_each(|tried| match tried {
+            Ok(own) => legs.push(own.clone()),
+            Err(own) => dropped.push(own.clone()),
+        });
+        Ok((legs, dropped))
+    }
+
+    /// The legs of a group, from its heading level and from those that lie quarter turns to port of it.
+    fn tried(&self, group: &Group, index: usize) -> Result<Vec<Tried>, Invalid> {
+        let (grid, outcomes) = (self.repertoire.grid, group.simulated(&self.repertoire, self.others)?);
+        let tried = |outcome: Outcome| match outcome {
+            Ok(settled) => self.settled_leg(settled, index).map(Ok),
+            Err(Unsettled { from, purpose, why, parameters }) => {
+                Ok(Err(Dropped { name: self.name(&purpose), side: purpose.side(), from, why, parameters }))
+            }
+        };
+        let own = outcomes.into_iter().map(tried).collect::<Result<Vec<_>, Invalid>>()?;
+        let quarters = if self.repertoire.is_isotropic() { 4 } else { 1 };
+        let all = (0..quarters).flat_map(|quarter| own.iter().map(move |own| (quarter, own)));
+        let turned = |(quarter, own): (usize, &Result<SettledLeg, Dropped>)| match own {
+            Ok(own) => Ok(Arc::new(own.turned(quarter, grid))),
+            Err(own) => Err(Dropped { from: grid.turned(own.from, quarter), ..own.clone() }),
+        };
+        Ok(all.map(turned).collect())
+    }
+
+    fn name(&self, purpose: &Purpose) -> String {
+        match purpose {
+            Purpose::Basic(name) => name.clone(),
+            Purpose::Informative { piece, .. } => self.wanted[*piece].piece.maneuver.clone(),
+        }
+    }
+
+    fn settled_leg(&self, settled: Settled, group: usize) -> Result<SettledLeg, Invalid> {
+        let footprint = self.footprint(&settled)?;
+        let Settled { leg, sailed, farthest, tracks } = settled;
+        let end = end(&sailed);
+        let longest = tracks.iter().map(|poses| poses.len() - 1).fold(sailed.samples.len(), usize::max);
+        Ok(SettledLeg {
+            name: self.name(&leg.purpose),
+            leg,
+            sailed,
+            end,
+            longest,
+            farthest,
+            footprint,
+            group,
+        })
+    }
+
+    fn footprint(&self, Settled { sailed, tracks, .. }: &Settled) -> Result<Footprint, Invalid> {
+        let swept = |poses: &[Pose]| {
+            let poses: Vec<_> = thinned(poses, self.cell_m).map(|p| (p.y, p.x, p.psi)).collect();
+            Footprint::swept(&self.hull, &poses, self.cell_m)
+        };
+        let nominal: Vec<Pose> = sailed.samples.iter().map(|s| s.pose).chain([end(sailed)]).collect();
+        tracks.iter().try_fold(swept(&nominal)?, |whole, poses| Ok(whole.union(&swept(poses)?)))
+    }
+}
+
+/// The final pose.
+fn end(sailed: &Sailed) -> Pose {
+    sailed.ends.last().map(|(pose, _)| *pose).unwrap_or_default()
+}
+
+impl Group {
+    /// Adds a counter-example.
+    pub(super) fn learn(&mut self, who: SampledVessel) {
+        self.counter_examples.push(who);
+        self.outcomes = None;
+    }
+
+    fn simulated(&self, repertoire: &Repertoire, others: &[SampledVessel]) -> Result<Vec<Outcome>, Invalid> {
+        let all: Vec<SampledVessel> = others.iter().chain(&self.counter_examples).cloned().collect();
+        match self.what {
+            What::Basic(mode) => repertoire.basic(self.level, mode, &all),
+            What::Informative(piece) => repertoire.informative(piece, self.level, &all),
+        }
+    }
+}

@@ -1,0 +1,326 @@
+//! The task of a trial on a chart.
+
+use std::collections::BTreeMap;
+
+use chart::Layer;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use ship::engine::{Changes, Helm, Measurement, Run};
+use ship::model::Vessel;
+
+use super::tide::Tide;
+use crate::{Approach, DerivedHandling, Deviations, Handling, Mode, Sensors};
+
+/// The inputs of planning a voyage.
+#[derive(Clone, Debug)]
+pub struct Brief {
+    /// The vessel.
+    pub vessel: Vessel,
+    /// The task.
+    pub task: Task,
+    /// The charts.
+    pub layers: Vec<Layer>,
+    /// Bytes of memory for reading them, of which the allocator keeps most for a while.
+    pub chart_bytes: u64,
+    /// The dictionary's maneuvers, one per run.
+    pub dictionary: Vec<Run>,
+    /// The commands of those that react to the ship, by name.
+    pub programs: BTreeMap<String, Helm>,
+    /// The design's shares, for counts that follow from them.
+    pub design: Option<Shares>,
+    /// Seed of the sampled vessels' parameters and of the currents of checks.
+    pub seed: u64,
+}
+
+/// A design's shares of the time in maneuvers.
+#[derive(Clone, Debug)]
+pub struct Shares {
+    /// The design's maneuvers, in its order.
+    pub order: Vec<String>,
+    /// N_q/N by maneuver.
+    pub share: BTreeMap<String, f64>,
+}
+
+/// The task of a trial on a chart.
+#[derive(Clone, Debug)]
+pub struct Task {
+    /// Where the ship may sail.
+    pub area: Area,
+    /// Distance of neighbouring nodes of the lattice \[m\].
+    pub cell_m: f64,
+    /// Heading levels: 4, 8 or 16.
+    pub headings: usize,
+    /// Raster cells per lattice cell, even.
+    pub raster_per_cell: usize,
+    /// How uncharted places are treated: by default as obstacles if a chart has depths, else as water.
+    pub uncharted: Option<chart::Uncharted>,
+    /// The hull.
+    pub hull: Hull,
+    /// Depths and distances to keep.
+    pub safety: Safety,
+    /// The vessels that the plan has to hold for.
+    pub deviations: Deviations,
+    /// The noise of the ship's sensors.
+    pub sensors: Sensors,
+    /// The noise of the logs, of a ship with forces.
+    pub measurement: Option<Measurement>,
+    /// What states the errors of [`Safety::standard_errors`].
+    pub errors_from: Option<ErrorsFrom>,
+    /// How current and wind change while the ship sails.
+    pub changes: Changes,
+    /// North and east components of the known current \[m/s\].
+    pub known_current_m_s: [f64; 2],
+    /// How the vessel is handled between maneuvers.
+    pub handling: Handling,
+    /// How it would be handled by default.
+    pub derived: DerivedHandling,
+    /// The parts before and after a maneuver.
+    pub approach: Approach,
+    /// Speeds that the vessel may have at a node, besides being at rest.
+    pub modes: Vec<Mode>,
+    /// Speed limits in parts of the area.
+    pub speed_limits: Vec<SpeedLimit>,
+    /// The maneuvers to place; by default those of the design.
+    pub maneuvers: Vec<ManeuverUse>,
+    /// Time in informative maneuvers, for counts that follow from the design's shares \[s\].
+    pub informative_s: Option<f64>,
+    /// The departure \[s since 1970, UTC\], if known.
+    pub departure: Option<i64>,
+    /// Where the trial begins.
+    pub start: Place,
+    /// Where it may end.
+    pub goal: Goal,
+    /// The cost to minimize.
+    pub cost: CostRule,
+    /// The tide, which is included in depths and currents already.
+    pub tide: Option<Tide>,
+    /// When it has to be over; `None` if only the tide limits it.
+    pub slot: Option<Slot>,
+    /// Whether the lattice is moved so that its start is a node.
+    pub on_node: bool,
+}
+
+impl Task {
+    /// The task in a tide.
+    pub fn with_tide(mut self, tide: Tide) -> Self {
+        self.safety.transit_depth_m -= tide.level_m;
+        self.safety.trial_depth_m -= tide.level_m;
+        self.safety.unknown_current_m_s += tide.spread_m_s;
+        for (own, stream) in self.known_current_m_s.iter_mut().zip(tide.stream_m_s) {
+            *own += stream;
+        }
+        self.tide = Some(tide);
+        self
+    }
+
+    /// The task for a ship that begins at `departure` instead \[s since 1970, UTC\]: what limits its time ends when it did.
+    #[must_use]
+    pub fn departing(mut self, departure: i64) -> Self {
+        let later_s = self.departure.map_or(0.0, |planned| (departure - planned) as f64);
+        self.departure = Some(departure);
+        self.slot = self.slot.map(|slot| Slot { lasts_s: slot.lasts_s - later_s, ..slot });
+        self.tide = self.tide.map(|tide| Tide { slot_s: tide.slot_s - later_s, ..tide });
+        self
+    }
+}
+
+/// The navigable area, in degrees: a box, or a polygon within it. The lattice covers the box.
+#[derive(Clone, Debug)]
+pub struct Area {
+    /// Western edge; east of the eastern one where the area lies across the antimeridian.
+    pub west_deg: f64,
+    /// Southern edge.
+    pub south_deg: f64,
+    /// Eastern edge.
+    pub east_deg: f64,
+    /// Northern edge.
+    pub north_deg: f64,
+    /// Longitude and latitude of the polygon's corners, in order; empty if the area is the whole box.
+    pub corners: Vec<[f64; 2]>,
+}
+
+/// The time limit of a trial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slot {
+    /// The key that states it.
+    pub key: &'static str,
+    /// After the departure \[s\].
+    pub lasts_s: f64,
+}
+
+/// A speed limit in a part of the area: faster legs are not offered where they sweep any of it.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedLimit {
+    /// Its name in messages.
+    pub name: Option<String>,
+    /// Longitude and latitude of its polygon's corners, in either sense \[deg\].
+    pub corners: Vec<[f64; 2]>,
+    /// The limit, over the ground \[m/s\].
+    pub max_speed_m_s: f64,
+}
+
+/// The hull in the horizontal plane: a rectangle with a pointed bow.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Hull {
+    /// Length over all \[m\].
+    pub length_m: f64,
+    /// Beam \[m\].
+    pub beam_m: f64,
+    /// Distance of the reference point forward of midships \[m\].
+    #[serde(default)]
+    pub reference_m: f64,
+    /// Air draught, including the required clearance \[m\]; without it no bridge of a chart is high enough.
+    pub air_draught_m: Option<f64>,
+    /// Draught \[m\], from which the passage plan computes the under-keel clearance.
+    pub draught_m: Option<f64>,
+}
+
+impl Hull {
+    /// Corners about the reference point, x forward, y to starboard \[m\].
+    pub fn outline(&self) -> Vec<[f64; 2]> {
+        let (bow, side) = (self.length_m / 2.0 - self.reference_m, self.beam_m / 2.0);
+        let stern = bow - self.length_m;
+        let shoulder = bow - self.length_m * 0.2;
+        vec![[bow, 0.0], [shoulder, side], [stern, side], [stern, -side], [shoulder, -side]]
+    }
+
+    /// Points of its rectangle about the reference point, x forward, y to starboard, at most `apart_m` apart \[m\].
+    pub fn body(&self, apart_m: f64) -> Vec<[f64; 2]> {
+        let steps = |length: f64| (length / apart_m).ceil().max(1.0) as u32;
+        let (long, wide) = (steps(self.length_m), steps(self.beam_m));
+        let stern = -self.length_m / 2.0 - self.reference_m;
+        let x = move |k: u32| stern + self.length_m * f64::from(k) / f64::from(long);
+        let y = move |k: u32| self.beam_m * (f64::from(k) / f64::from(wide) - 0.5);
+        (0..=long).flat_map(|i| (0..=wide).map(move |j| [x(i), y(j)])).collect()
+    }
+}
+
+/// Depths and distances to keep.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Safety {
+    /// Least charted depth in transit: draught and under-keel clearance \[m\].
+    #[serde(default)]
+    pub transit_depth_m: f64,
+    /// Least charted depth for informative maneuvers \[m\].
+    #[serde(default)]
+    pub trial_depth_m: f64,
+    /// Distance that the hull keeps from obstacles \[m\].
+    pub margin_m: f64,
+    /// Bound on the unknown current \[m/s\].
+    #[serde(default)]
+    pub unknown_current_m_s: f64,
+    /// Relative error of the nominal parameters: maneuvers have room for vessels with such errors.
+    #[serde(default)]
+    pub parameter_error: f64,
+    /// Instead of that: so many standard errors of the covariance of a `model.json`, jointly; for the `vessel.toml` of a
+    /// ship with forces so many standard deviations of the priors of her numbers, jointly.
+    pub standard_errors: Option<f64>,
+    /// Simulations of the finished plan with such currents and vessels; by default as many as
+    /// `aground_probability` needs.
+    pub runs: Option<u32>,
+    /// Without effect, for files that have it: every run has a vessel of its own.
+    pub vessels: Option<u32>,
+    /// The probability of running aground that the check must exclude, with 95 % confidence.
+    pub aground_probability: Option<f64>,
+}
+
+impl Safety {
+    /// The key that bounds the parameters.
+    pub(super) fn key(&self) -> &'static str {
+        key_of(self.standard_errors)
+    }
+}
+
+/// The key that bounds the parameters, by the value of `safety.standard_errors`.
+pub(super) fn key_of(standard_errors: Option<f64>) -> &'static str {
+    if standard_errors.is_some() { "safety.standard_errors" } else { "safety.parameter_error" }
+}
+
+refusal::choices! {
+    /// What states the errors of a vessel's parameters.
+    pub enum ErrorsFrom {
+        /// The covariance of a `model.json`.
+        Covariance = "covariance",
+        /// The priors of the free numbers of a ship with forces, each independent of the others.
+        Priors = "priors",
+    }
+}
+
+/// A maneuver to place.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ManeuverUse {
+    /// Its name in the dictionary.
+    pub name: String,
+    /// Number of uses; by default from the design's share.
+    pub count: Option<u32>,
+    /// Length of one piece, cut to whole periods if the maneuver is periodic; by default the whole maneuver
+    /// \[s\].
+    pub piece_s: Option<f64>,
+}
+
+/// A place and heading.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Place {
+    /// Longitude.
+    pub longitude_deg: f64,
+    /// Latitude.
+    pub latitude_deg: f64,
+    /// Compass heading.
+    pub heading_deg: f64,
+    /// Speed mode; by default at rest (or the slowest if there is no rest).
+    pub mode: Option<String>,
+}
+
+/// Where the trial may end.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Goal {
+    /// Back at the start.
+    Home {},
+    /// Anywhere.
+    Any {},
+    /// At one of these places.
+    Places {
+        /// The places.
+        places: Vec<Place>,
+    },
+}
+
+/// The objective.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct CostRule {
+    /// The primary objective.
+    pub primary: Primary,
+    /// Decides between plans of equal primary cost.
+    pub secondary: Secondary,
+}
+
+/// The primary objective.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Primary {
+    /// The number of basic moves, as in the paper.
+    #[default]
+    BasicMoves,
+    /// The time of the trial.
+    Seconds,
+}
+
+/// What is minimised among plans that are equal in that.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Secondary {
+    /// The time of the trial.
+    #[default]
+    Seconds,
+    /// The number of turns.
+    Turns,
+    /// Nearness to obstacles at the nodes.
+    Clearance,
+}

@@ -1,0 +1,269 @@
+//! Routines as text of the languages.
+
+use super::expression::{Expression, Function, Operation};
+use super::routine::{Line, Routine};
+use crate::export::text::{comment, number, wrapped};
+
+/// Characters of an expression in a line; sums that are longer have a line for each summand.
+const WIDTH: usize = 96;
+
+/// A language of the generated code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Language {
+    Python,
+    C,
+    Matlab,
+}
+
+/// How values of the model are written in a language.
+pub(crate) struct Names<'a> {
+    /// A parameter, by the index of its quantity.
+    pub parameter: &'a dyn Fn(usize) -> String,
+    /// The identifiers of the model's variables.
+    pub channels: &'a [String],
+}
+
+/// How tightly an expression is bound.
+fn level(own: &Expression) -> u8 {
+    match own {
+        Expression::Binary(Operation::Sum | Operation::Difference, _) => 1,
+        Expression::Binary(..) => 2,
+        _ => 3,
+    }
+}
+
+/// The summands of a sum, in order.
+fn summands(own: &Expression) -> Vec<&Expression> {
+    match own {
+        Expression::Binary(Operation::Sum, both) => {
+            let mut all = summands(&both[0]);
+            all.push(&both[1]);
+            all
+        }
+        _ => vec![own],
+    }
+}
+
+impl Language {
+    fn function(self, own: Function) -> &'static str {
+        match own {
+            Function::Modulus if self == Self::C => "fabs",
+            Function::Modulus => "abs",
+            Function::SquareRoot => "sqrt",
+            Function::Exponential => "exp",
+            Function::Sine => "sin",
+            Function::Cosine => "cos",
+            Function::Angle => "atan2",
+            Function::Root => "root",
+            Function::Sign => "sign",
+            Function::IfPositive => "if_positive",
+        }
+    }
+
+    /// The functions that the language does not have, where `ship` needs them.
+    pub fn helpers(self, used: &[Function]) -> String {
+        let helpers = [
+            (
+                Function::IfPositive,
+                "`then` where x is above 0, else `other`.",
+                ["x", "then", "other"].as_slice(),
+            ),
+            (Function::Root, "The square root, 0 below 0.", &["x"]),
+            (Function::Sign, "-1, 0 or 1.", &["x"]),
+        ];
+        let needed = |own: &&(Function, _, _)| used.contains(&own.0);
+        helpers.iter().filter(needed).map(|(own, says, formals)| self.helper(*own, says, formals)).collect()
+    }
+
+    fn helper(self, own: Function, says: &str, formals: &[&str]) -> String {
+        let name = self.function(own);
+        match self {
+            Self::Python => {
+                let value = match own {
+                    Function::IfPositive => "then if x > 0.0 else other",
+                    Function::Root => "sqrt(x) if x > 0.0 else 0.0",
+                    _ => "(x > 0.0) - (x < 0.0)",
+                };
+                format!(
+                    "def {name}({}):\n    \"\"\"{says}\"\"\"\n    return {value}\n\n\n",
+                    formals.join(", ")
+                )
+            }
+            Self::C => {
+                let value = match own {
+                    Function::IfPositive => "x > 0.0 ? then : other",
+                    Function::Root => "x > 0.0 ? sqrt(x) : 0.0",
+                    _ => "(x > 0.0) - (x < 0.0)",
+                };
+                let formals: Vec<String> = formals.iter().map(|own| format!("double {own}")).collect();
+                format!(
+                    "/* {says} */\nstatic double {name}({})\n{{\n    return {value};\n}}\n\n",
+                    formals.join(", ")
+                )
+            }
+            Self::Matlab => {
+                let value = match own {
+                    Function::IfPositive => "value = other;\nif x > 0\n    value = then;\nend",
+                    Function::Root => "value = sqrt(max(x, 0));",
+                    _ => return String::new(),
+                };
+                format!("function value = {name}({})\n% {says}\n{value}\nend\n\n", formals.join(", "))
+            }
+        }
+    }
+
+    /// A value.
+    pub fn value(self, own: &Expression, names: &Names) -> String {
+        match own {
+            Expression::Number(value) => number(*value),
+            Expression::Quantity(i) => (names.parameter)(*i),
+            Expression::Channel(i) => names.channels[*i].clone(),
+            Expression::Name(name) => name.clone(),
+            Expression::Item(name, i) if self == Self::Matlab => format!("{name}({})", i + 1),
+            Expression::Item(name, i) => format!("{name}[{i}]"),
+            Expression::Call(function, all) => {
+                let all: Vec<String> = all.iter().map(|own| self.value(own, names)).collect();
+                format!("{}({})", self.function(*function), all.join(", "))
+            }
+            Expression::Binary(operation, both) => {
+                let sign = ["+", "-", "*", "/"][*operation as usize];
+                let bound = level(own);
+                // Sums and products are computed from left to right, as the program does.
+                let inner = |own: &Expression, least: u8| {
+                    let text = self.value(own, names);
+                    if level(own) < least { format!("({text})") } else { text }
+                };
+                format!("{} {sign} {}", inner(&both[0], bound), inner(&both[1], bound + 1))
+            }
+        }
+    }
+
+    /// A value that is assigned, over several lines if it is a long sum.
+    fn assigned(self, own: &Expression, names: &Names, indent: &str) -> String {
+        let text = self.value(own, names);
+        if text.len() <= WIDTH {
+            return text;
+        }
+        let all: Vec<String> = summands(own)
+            .into_iter()
+            .map(|own| {
+                if level(own) < 2 { format!("({})", self.value(own, names)) } else { self.value(own, names) }
+            })
+            .collect();
+        match self {
+            Self::Python => {
+                format!("(\n{indent}    {}\n{indent})", all.join(&format!("\n{indent}    + ")))
+            }
+            Self::C => all.join(&format!("\n{indent}    + ")),
+            Self::Matlab => all.join(&format!(" ...\n{indent}    + ")),
+        }
+    }
+
+    fn lines(self, lines: &[Line], names: &Names, indent: &str) -> String {
+        lines.iter().map(|own| self.line(own, names, indent)).collect()
+    }
+
+    fn line(self, own: &Line, names: &Names, indent: &str) -> String {
+        match own {
+            Line::Let(name, value, says) => {
+                let value = self.assigned(value, names, indent);
+                match self {
+                    Self::Python => format!("{indent}{name} = {value}  # {says}\n"),
+                    Self::C => format!("{indent}const double {name} = {value}; /* {says} */\n"),
+                    Self::Matlab => format!("{indent}{name} = {value};  % {says}\n"),
+                }
+            }
+            Line::Results { name, routine, arguments, count, parameters } => {
+                let mut all: Vec<String> = arguments.iter().map(|own| self.value(own, names)).collect();
+                if *parameters {
+                    all.insert(0, "p".to_owned());
+                }
+                match self {
+                    Self::Python => format!("{indent}{name} = {routine}({})\n", all.join(", ")),
+                    Self::Matlab => format!("{indent}{name} = {routine}({});\n", all.join(", ")),
+                    Self::C => {
+                        all.push(name.clone());
+                        format!("{indent}double {name}[{count}];\n{indent}{routine}({});\n", all.join(", "))
+                    }
+                }
+            }
+            Line::Sum(name) => match self {
+                Self::Python => format!("{indent}{name} = 0.0\n"),
+                Self::C => format!("{indent}double {name} = 0.0;\n"),
+                Self::Matlab => format!("{indent}{name} = 0;\n"),
+            },
+            Line::Grow(name, value) => {
+                let value = self.value(value, names);
+                match self {
+                    Self::Python => format!("{indent}{name} += {value}\n"),
+                    Self::C => format!("{indent}{name} += {value};\n"),
+                    Self::Matlab => format!("{indent}{name} = {name} + {value};\n"),
+                }
+            }
+            Line::Repeat(count, lines) => {
+                let inner = self.lines(lines, names, &format!("{indent}    "));
+                match self {
+                    Self::Python => format!("{indent}for i in range({count}):\n{inner}"),
+                    Self::C => format!("{indent}for (int i = 0; i < {count}; i++) {{\n{inner}{indent}}}\n"),
+                    Self::Matlab => format!("{indent}for i = 0:{}\n{inner}{indent}end\n", count - 1),
+                }
+            }
+        }
+    }
+
+    /// A routine with its results.
+    pub fn routine(self, own: &Routine, names: &Names) -> String {
+        let formals: Vec<&str> = own.arguments.iter().map(|(name, _)| name.as_str()).collect();
+        let parameters = if own.has_parameters() { ["p"].as_slice() } else { &[] };
+        let formals: Vec<&str> = parameters.iter().copied().chain(formals).collect();
+        self.function_text(own, &formals, "", names)
+    }
+
+    /// The routine from state and inputs to accelerations; `unpack` names what it takes of them.
+    pub fn accelerations(self, own: &Routine, unpack: &str, names: &Names) -> String {
+        let formals = match self {
+            Self::Python => ["state", "inputs", "p"],
+            _ => ["state", "input", "p"],
+        };
+        self.function_text(own, &formals, unpack, names)
+    }
+
+    fn function_text(self, own: &Routine, formals: &[&str], unpack: &str, names: &Names) -> String {
+        let name = &own.name;
+        let results: Vec<String> = own.results.iter().map(|own| self.value(own, names)).collect();
+        let said = wrapped(&comment(&own.comment), 100);
+        match self {
+            Self::Python => {
+                let (said, lines) = (said.join("\n    "), self.lines(&own.lines, names, "    "));
+                let results = results.join(",\n        ");
+                format!(
+                    "def {name}({}):\n    \"\"\"{said}\"\"\"\n{unpack}{lines}    return (\n        {results},\n    )\n\n\n",
+                    formals.join(", ")
+                )
+            }
+            Self::Matlab => {
+                let (said, lines) = (said.join("\n% "), self.lines(&own.lines, names, ""));
+                let results = results.join(", ...\n    ");
+                format!(
+                    "function out = {name}({})\n% {said}\n{unpack}{lines}out = [{results}];\nend\n\n",
+                    formals.join(", ")
+                )
+            }
+            Self::C => {
+                let formal = |own: &&str| match *own {
+                    "p" | "state" | "input" => format!("const double *{own}"),
+                    _ => format!("double {own}"),
+                };
+                let mut formals: Vec<String> = formals.iter().map(formal).collect();
+                formals.push("double *out".to_owned());
+                let (said, lines) = (said.join("\n * "), self.lines(&own.lines, names, "    "));
+                let results: String =
+                    results.iter().enumerate().map(|(i, own)| format!("    out[{i}] = {own};\n")).collect();
+                format!(
+                    "/* {said} */\nstatic void {name}({})\n{{\n{unpack}{lines}{results}}}\n\n",
+                    formals.join(", ")
+                )
+            }
+        }
+    }
+}

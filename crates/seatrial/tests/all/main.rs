@@ -1,0 +1,3 @@
+//! Models as source text of other tools.
+
+mod export;

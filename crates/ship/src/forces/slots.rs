@@ -1,0 +1,311 @@
+//! Every number of a ship as written, with its name and what it is made of.
+
+use refusal::Invalid;
+
+use crate::forces::dimension::Dimension;
+use crate::forces::term::factors;
+use crate::forces::{
+    AddedMass, Channel, CrossflowSpec, Curve, Description, Number, PropellerSpec, Reversed, RudderSpec,
+    ShipSpec, TermSpec, ThrusterSpec, WindSpec,
+};
+
+/// Where a number is written.
+pub(crate) enum Place<'a> {
+    /// In a term.
+    Term(&'a mut TermSpec),
+    /// In a component.
+    Component(&'a mut Number),
+}
+
+/// A number as written.
+pub(crate) struct Slot<'a> {
+    /// As its parameter is called.
+    pub name: String,
+    /// Where it is written.
+    pub place: Place<'a>,
+    /// What it is made of, in SI units; else the unit of a channel that no rule scales.
+    pub dimension: Result<Dimension, String>,
+    /// Whether a plain number is in the prime system.
+    pub plain_prime: bool,
+}
+
+/// What is known about a number that is no plain one.
+pub(crate) struct Parts<'a> {
+    /// In SI units, in the prime system.
+    pub numbers: [&'a mut Option<f64>; 2],
+    /// The truth.
+    pub value: &'a mut Option<f64>,
+    /// Standard deviation of the prior.
+    pub prior: &'a mut Option<f64>,
+    /// Bounds.
+    pub bounds: &'a mut Option<[f64; 2]>,
+    /// Another number that it is tied to.
+    pub tied_to: &'a Option<String>,
+    /// By which factor.
+    pub factor: &'a mut Option<f64>,
+}
+
+impl Place<'_> {
+    /// Its parts; none for a plain number.
+    pub fn parts(&mut self) -> Option<Parts<'_>> {
+        Some(match self {
+            Self::Term(TermSpec { nominal, prime, value, prior, bounds, tied_to, factor, .. }) => {
+                Parts { numbers: [nominal, prime], value, prior, bounds, tied_to, factor }
+            }
+            Self::Component(Number::Table(own)) => Parts {
+                numbers: [&mut own.nominal, &mut own.prime],
+                value: &mut own.value,
+                prior: &mut own.prior,
+                bounds: &mut own.bounds,
+                tied_to: &own.tied_to,
+                factor: &mut own.factor,
+            },
+            Self::Component(Number::Plain(_)) => return None,
+        })
+    }
+}
+
+/// All numbers of `description`, each once.
+///
+/// # Errors
+/// A term that is none.
+pub(crate) fn slots<'a>(
+    description: &'a mut Description,
+    channels: &[Channel],
+) -> Result<Vec<Slot<'a>>, Invalid> {
+    let Description {
+        density_kg_m3: _,
+        step_s: _,
+        ship: own,
+        surge,
+        sway,
+        yaw,
+        propeller: propellers,
+        rudder: rudders,
+        thruster: thrusters,
+        wind: winds,
+        crossflow: crossflows,
+    } = description;
+    let mut walk = Walk { slots: Vec::new(), channels };
+    for (d, terms) in [surge, sway, yaw].into_iter().enumerate() {
+        for own in terms {
+            let dimension = of_term(own, d, channels)?;
+            walk.slots.push(Slot {
+                name: own.parameter.clone(),
+                place: Place::Term(own),
+                dimension,
+                plain_prime: false,
+            });
+        }
+    }
+    walk.ship(own);
+    propellers.iter_mut().for_each(|own| walk.propeller(own));
+    rudders.iter_mut().for_each(|own| walk.rudder(own));
+    thrusters.iter_mut().for_each(|own| walk.thruster(own));
+    winds.iter_mut().for_each(|own| walk.wind(own));
+    crossflows.iter_mut().for_each(|own| walk.crossflow(own));
+    Ok(walk.slots)
+}
+
+/// What the number of a term of the equation of degree of freedom `d` is made of.
+fn of_term(spec: &TermSpec, d: usize, channels: &[Channel]) -> Result<Result<Dimension, String>, Invalid> {
+    let mut sum = Dimension::FORCE.times(Dimension::length(1), i32::from(d == 2));
+    for own in factors(spec, channels)? {
+        let dimension = match own.channel() {
+            None if own.is_yaw_rate() => Dimension::RATE,
+            None => Dimension::SPEED,
+            Some(channel) => match Dimension::of_unit(&channels[channel].unit) {
+                Some(dimension) => dimension,
+                None => return Ok(Err(channels[channel].unit.clone())),
+            },
+        };
+        sum = sum.times(dimension, -own.power());
+    }
+    Ok(Ok(sum))
+}
+
+struct Walk<'a, 'c> {
+    slots: Vec<Slot<'a>>,
+    channels: &'c [Channel],
+}
+
+impl<'a> Walk<'a, '_> {
+    fn add(&mut self, owner: &str, key: &str, number: &'a mut Number, dimension: Dimension) {
+        self.put(owner, key, number, Ok(dimension));
+    }
+
+    fn put(&mut self, owner: &str, key: &str, number: &'a mut Number, dimension: Result<Dimension, String>) {
+        let place = Place::Component(number);
+        let plain_prime = owner == "ship.added_mass";
+        self.slots.push(Slot { name: format!("{owner}.{key}"), place, dimension, plain_prime });
+    }
+
+    fn maybe(&mut self, owner: &str, key: &str, number: &'a mut Option<Number>, dimension: Dimension) {
+        if let Some(number) = number {
+            self.add(owner, key, number, dimension);
+        }
+    }
+
+    /// Several numbers, counted from `first`.
+    fn all(&mut self, owner: &str, key: &str, numbers: &'a mut [Number], first: usize) {
+        for (i, number) in numbers.iter_mut().enumerate() {
+            self.add(owner, &format!("{key}.{}", i + first), number, Dimension::NONE);
+        }
+    }
+
+    fn ship(&mut self, own: &'a mut ShipSpec) {
+        let ShipSpec {
+            length_m: _,
+            draught_m: _,
+            speed_m_s: _,
+            area: _,
+            mass_kg,
+            x_g_m,
+            gyration_m,
+            inertia_kg_m2,
+            added_mass,
+            coriolis: _,
+        } = own;
+        let AddedMass { surge, sway, yaw, sway_yaw, yaw_sway } = added_mass;
+        self.add("ship", "mass_kg", mass_kg, Dimension::mass(0));
+        self.maybe("ship", "x_g_m", x_g_m, Dimension::length(1));
+        self.maybe("ship", "gyration_m", gyration_m, Dimension::length(1));
+        self.maybe("ship", "inertia_kg_m2", inertia_kg_m2, Dimension::mass(2));
+        self.add("ship.added_mass", "surge", surge, Dimension::mass(0));
+        self.add("ship.added_mass", "sway", sway, Dimension::mass(0));
+        self.add("ship.added_mass", "yaw", yaw, Dimension::mass(2));
+        self.maybe("ship.added_mass", "sway_yaw", sway_yaw, Dimension::mass(1));
+        self.maybe("ship.added_mass", "yaw_sway", yaw_sway, Dimension::mass(1));
+    }
+
+    fn propeller(&mut self, own: &'a mut PropellerSpec) {
+        let PropellerSpec {
+            name,
+            input: _,
+            diameter_m,
+            thrust,
+            deduction,
+            wake,
+            wake_change,
+            wake_ratio,
+            x_m,
+            y_m,
+            astern,
+        } = own;
+        self.all(name, "thrust", thrust, 0);
+        self.maybe(name, "deduction", deduction, Dimension::NONE);
+        self.maybe(name, "wake", wake, Dimension::NONE);
+        self.maybe(name, "wake_change", wake_change, Dimension::NONE);
+        self.all(name, "wake_ratio", wake_ratio.as_mut_slice().as_flattened_mut(), 0);
+        self.add(name, "diameter_m", diameter_m, Dimension::length(1));
+        self.maybe(name, "x_m", x_m, Dimension::length(1));
+        self.maybe(name, "y_m", y_m, Dimension::length(1));
+        if let Some(Reversed { surge, sway, yaw }) = astern {
+            self.all(name, "astern.surge", surge, 0);
+            self.all(name, "astern.sway", sway.as_mut_slice().as_flattened_mut(), 0);
+            self.all(name, "astern.yaw", yaw.as_mut_slice().as_flattened_mut(), 0);
+        }
+    }
+
+    fn rudder(&mut self, own: &'a mut RudderSpec) {
+        let RudderSpec {
+            name,
+            input: _,
+            behind: _,
+            area_m2,
+            height_m,
+            lift_slope,
+            epsilon,
+            kappa,
+            gamma,
+            ell,
+            deduction,
+            interaction,
+            interaction_x_m,
+            x_m,
+            y_m,
+            reversed_flow,
+            inflow: _,
+        } = own;
+        self.add(name, "area_m2", area_m2, Dimension::length(2));
+        self.maybe(name, "height_m", height_m, Dimension::length(1));
+        self.add(name, "lift_slope", lift_slope, Dimension::NONE);
+        self.maybe(name, "epsilon", epsilon, Dimension::NONE);
+        self.maybe(name, "kappa", kappa, Dimension::NONE);
+        self.all(name, "gamma", gamma.as_mut_slice().as_flattened_mut(), 0);
+        self.maybe(name, "ell", ell, Dimension::NONE);
+        self.maybe(name, "deduction", deduction, Dimension::NONE);
+        self.maybe(name, "interaction", interaction, Dimension::NONE);
+        self.maybe(name, "interaction_x_m", interaction_x_m, Dimension::length(1));
+        self.add(name, "x_m", x_m, Dimension::length(1));
+        self.maybe(name, "y_m", y_m, Dimension::length(1));
+        self.maybe(name, "reversed_flow", reversed_flow, Dimension::NONE);
+    }
+
+    fn thruster(&mut self, own: &'a mut ThrusterSpec) {
+        let ThrusterSpec {
+            name,
+            input,
+            x_m,
+            y_m,
+            angle: _,
+            angle_deg,
+            curve,
+            ahead,
+            astern,
+            loss,
+            lag_s,
+            dead_time_s,
+        } = own;
+        let unit = self.channels.iter().find(|own| own.name == *input).map_or("", |own| own.unit.as_str());
+        let unit = Dimension::of_unit(unit).ok_or_else(|| unit.to_owned());
+        let over = |power: i32, speeds: i32| {
+            unit.clone().map(|unit| Dimension::FORCE.times(unit, -power).times(Dimension::SPEED, -speeds))
+        };
+        let coefficient = match curve {
+            Curve::Square => over(2, 0),
+            Curve::Force => Ok(Dimension::NONE),
+        };
+        self.add(name, "x_m", x_m, Dimension::length(1));
+        self.maybe(name, "y_m", y_m, Dimension::length(1));
+        self.maybe(name, "angle_deg", angle_deg, Dimension::NONE);
+        if let Some(own) = ahead {
+            self.put(name, "ahead", own, coefficient.clone());
+        }
+        if let Some(own) = astern {
+            self.put(name, "astern", own, coefficient);
+        }
+        if let Some(own) = loss {
+            self.put(name, "loss", own, over(1, 1));
+        }
+        self.maybe(name, "lag_s", lag_s, Dimension::TIME);
+        self.maybe(name, "dead_time_s", dead_time_s, Dimension::TIME);
+    }
+
+    fn wind(&mut self, own: &'a mut WindSpec) {
+        let WindSpec {
+            name,
+            speed: _,
+            direction: _,
+            air_density_kg_m3,
+            frontal_area_m2,
+            lateral_area_m2,
+            surge,
+            sway,
+            yaw,
+        } = own;
+        self.all(name, "surge", surge, 1);
+        self.all(name, "sway", sway, 1);
+        self.all(name, "yaw", yaw, 1);
+        self.add(name, "frontal_area_m2", frontal_area_m2, Dimension::length(2));
+        self.add(name, "lateral_area_m2", lateral_area_m2, Dimension::length(2));
+        // The air stays as it is.
+        self.maybe(name, "air_density_kg_m3", air_density_kg_m3, Dimension::NONE);
+    }
+
+    fn crossflow(&mut self, own: &'a mut CrossflowSpec) {
+        let CrossflowSpec { name, draught_m, drag, strips: _ } = own;
+        self.add(name, "draught_m", draught_m, Dimension::length(1));
+        self.add(name, "drag", drag, Dimension::NONE);
+    }
+}

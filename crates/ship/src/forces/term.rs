@@ -1,0 +1,279 @@
+//! Terms of hull forces: products of motion and channels, with division.
+
+use refusal::{Invalid, foreign};
+
+use crate::forces::Channel;
+use crate::forces::grammar::{MOST_FACTORS, parse_name, parse_power};
+use crate::forces::mass::Prime;
+use crate::forces::numbers::{At, Builder, Measured};
+use crate::forces::{Real, TermSpec};
+
+/// Names of what a term can have besides channels; the last four follow from the first two.
+pub const MOTION: [&str; 6] = ["u", "v", "r", "U", "U_s", "du"];
+
+/// The motion that terms depend on: u, v, r, U, U_s, du.
+pub(crate) type Motion<X> = [X; 6];
+
+/// Added to the square of the speed \[m²/s²\], so that a ship at rest divides by no zero.
+pub const LEAST_SQUARE: f64 = 1e-18;
+
+/// The motion of a state, where `speed` is that of the approach \[m/s\].
+#[inline(always)]
+pub(crate) fn motion<X: Real>([u, v, r]: [X; 3], speed: f64) -> Motion<X> {
+    let whole = (u * u + v * v + X::from(LEAST_SQUARE)).root();
+    let slow = (0.05 * speed) * (0.05 * speed);
+    let signed = (whole * u).over((u * u + X::from(slow)).root());
+    [u, v, r, whole, signed, u - X::from(speed)]
+}
+
+/// A factor of a term.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Factor {
+    /// Its place among the motion u, v, r, U, U_s, du, then the channels.
+    pub variable: usize,
+    /// Whether it is the modulus.
+    pub modulus: bool,
+    /// Whether the term is divided by it.
+    pub divides: bool,
+}
+
+impl Factor {
+    /// The channel that it is, if it is none of the motion.
+    pub fn channel(self) -> Option<usize> {
+        self.variable.checked_sub(MOTION.len())
+    }
+
+    /// The name of the motion that it is; empty for a channel.
+    pub fn motion(self) -> &'static str {
+        MOTION.get(self.variable).copied().unwrap_or_default()
+    }
+
+    /// Whether it is the yaw rate.
+    pub fn is_yaw_rate(self) -> bool {
+        self.motion() == "r"
+    }
+
+    /// 1, or −1 where it divides.
+    pub fn power(self) -> i32 {
+        if self.divides { -1 } else { 1 }
+    }
+}
+
+/// The factors of a term, each once for every power.
+///
+/// # Errors
+/// A text that is no term, or a division by what can be 0.
+pub(crate) fn factors(spec: &TermSpec, channels: &[Channel]) -> Result<Vec<Factor>, Invalid> {
+    Parser { spec, channels }.factors()
+}
+
+/// A parameter and what it multiplies.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Term {
+    parameter: At,
+    /// What one of the prime system is in SI units.
+    prime: f64,
+    factors: Vec<Factor>,
+}
+
+impl Term {
+    /// A term of the equation of degree of freedom `d`.
+    ///
+    /// # Errors
+    /// A text that is no term, a division by what can be 0, or numbers that contradict each other.
+    pub fn new(
+        spec: &TermSpec,
+        d: usize,
+        channels: &[Channel],
+        prime: &Prime,
+        builder: &mut Builder,
+    ) -> Result<Self, Invalid> {
+        let factors = factors(spec, channels)?;
+        let measured = measured(spec, &factors, d, channels, prime)?;
+        let prime = measured.prime.unwrap_or(1.0);
+        let parameter = builder.parameter(&spec.parameter, &spec.number(), measured)?;
+        Ok(Self { parameter, prime, factors })
+    }
+
+    /// Its powers of v and r together, and what it adds to a force in the prime system where v is `drift` yaw rates and the
+    /// yaw rate is 1; none for terms with channels, with `du`, or without v and r.
+    pub fn lateral(&self, numbers: &[f64], drift: f64) -> Option<(u32, f64)> {
+        let (mut order, mut product) = (0, self.parameter.of(numbers) / self.prime);
+        for factor in &self.factors {
+            match factor.motion() {
+                "v" => {
+                    order += factor.power();
+                    product *= if factor.modulus { drift.abs() } else { drift };
+                }
+                "r" => order += factor.power(),
+                "u" | "U" | "U_s" => {}
+                _ => return None,
+            }
+        }
+        u32::try_from(order).ok().filter(|order| *order > 0).map(|order| (order, product))
+    }
+
+    /// What one of the prime system is in SI units.
+    pub fn prime(&self) -> f64 {
+        self.prime
+    }
+
+    /// Its factors, in order.
+    pub fn factors(&self) -> &[Factor] {
+        &self.factors
+    }
+
+    /// Parameter times product.
+    #[inline(always)]
+    pub fn value<X: Real>(&self, numbers: &[X], motion: &Motion<X>, channel: &impl Fn(usize) -> X) -> X {
+        let mut product = self.parameter.of(numbers);
+        for factor in &self.factors {
+            let own = match motion.get(factor.variable) {
+                Some(own) => *own,
+                None => channel(factor.variable - MOTION.len()),
+            };
+            let own = if factor.modulus { own.modulus() } else { own };
+            product = if factor.divides { product.over(own) } else { product * own };
+        }
+        product
+    }
+}
+
+/// The unit of a term's parameter, and its scale in the prime system.
+fn measured(
+    spec: &TermSpec,
+    factors: &[Factor],
+    d: usize,
+    channels: &[Channel],
+    prime: &Prime,
+) -> Result<Measured, Invalid> {
+    let (mut speeds, mut rates) = (0_i32, 0_i32);
+    let mut units = String::new();
+    for factor in factors {
+        let sign = if factor.divides { -1 } else { 1 };
+        let unit = match factor.variable.checked_sub(MOTION.len()) {
+            None => {
+                speeds += sign;
+                rates += if factor.variable == 2 { sign } else { 0 };
+                if factor.variable == 2 { "rad/s" } else { "m/s" }
+            }
+            Some(channel) => {
+                let unit = channels[channel].unit.as_str();
+                if spec.prime.is_some() && !["rad", "1", ""].contains(&unit) {
+                    let found =
+                        format!("`prime` with channel `{}` in `{}`", channels[channel].name, foreign(unit));
+                    let expected = "channels in rad or without a unit in terms of the prime system";
+                    return Err(refused(
+                        spec,
+                        &found,
+                        expected,
+                        "write the number as `nominal`, in SI units",
+                    ));
+                }
+                unit
+            }
+        };
+        let joint = if factor.divides { " / " } else { " × " };
+        units.push_str(if units.is_empty() && !factor.divides { "" } else { joint });
+        units.push_str(unit);
+    }
+    let force = ["N", "N", "N m"][d];
+    let unit = if units.is_empty() { force.to_owned() } else { format!("{force} per ({})", units.trim()) };
+    let lengths = prime.length.powi(rates + i32::from(d == 2));
+    Ok(Measured::si(&unit).or_prime(prime.force() * lengths * prime.speed.powi(2 - speeds)))
+}
+
+fn refused(spec: &TermSpec, found: &str, expected: &str, remedy: &str) -> Invalid {
+    let thing = format!("term `{}` of parameter `{}`", foreign(&spec.term), foreign(&spec.parameter));
+    Invalid::new(thing, found, expected, remedy)
+}
+
+struct Parser<'a> {
+    spec: &'a TermSpec,
+    channels: &'a [Channel],
+}
+
+impl Parser<'_> {
+    fn factors(&self) -> Result<Vec<Factor>, Invalid> {
+        let text = self.spec.term.trim();
+        let (mut factors, mut rest, mut divides) = (Vec::new(), text, false);
+        if text.is_empty() {
+            return Err(self.malformed("no factor"));
+        }
+        while !rest.is_empty() {
+            rest = self.factor(rest, divides, &mut factors)?;
+            if factors.len() > MOST_FACTORS {
+                return Err(self.malformed(&format!("more than {MOST_FACTORS} factors")));
+            }
+            divides = rest.starts_with('/');
+            let joined = rest.starts_with(['/', '*']);
+            rest = rest.strip_prefix(['/', '*']).unwrap_or(rest).trim_start();
+            if joined && rest.is_empty() {
+                return Err(self.malformed("nothing after its last `/` or `*`"));
+            }
+        }
+        Ok(factors)
+    }
+
+    /// Adds the factor at the start of `text`; returns the rest.
+    fn factor<'t>(
+        &self,
+        text: &'t str,
+        divides: bool,
+        factors: &mut Vec<Factor>,
+    ) -> Result<&'t str, Invalid> {
+        if let Some(rest) =
+            text.strip_prefix('1').filter(|rest| !rest.starts_with(|c: char| c.is_alphanumeric()))
+        {
+            return Ok(rest.trim_start());
+        }
+        let (modulus, name, rest) = parse_name(text).map_err(|found| self.malformed(&found))?;
+        let variable = self.variable(name)?;
+        let (power, rest) = parse_power(rest).map_err(|found| self.malformed(&found))?;
+        if divides {
+            self.check_division(name, variable)?;
+        }
+        factors.extend(std::iter::repeat_n(Factor { variable, modulus, divides }, power.into()));
+        Ok(rest.trim_start())
+    }
+
+    fn variable(&self, name: &str) -> Result<usize, Invalid> {
+        let known = || MOTION.into_iter().chain(self.channels.iter().map(|own| own.name.as_str()));
+        match known().position(|own| own == name) {
+            Some(variable) => Ok(variable),
+            None if name.is_empty() => Err(self.malformed("a character that begins no name")),
+            None => {
+                let thing = format!(
+                    "term `{}` of parameter `{}`",
+                    foreign(&self.spec.term),
+                    foreign(&self.spec.parameter)
+                );
+                Err(Invalid::unknown(thing, name, known()))
+            }
+        }
+    }
+
+    /// A ship's speed is kept from 0; no other motion is, and channels are only by their range.
+    fn check_division(&self, name: &str, variable: usize) -> Result<(), Invalid> {
+        if MOTION.get(variable) == Some(&"U") {
+            return Ok(());
+        }
+        let own = variable.checked_sub(MOTION.len()).and_then(|channel| self.channels.get(channel));
+        if own.and_then(|own| own.range).is_some_and(|[low, high]| low > 0.0 || high < 0.0) {
+            return Ok(());
+        }
+        let found = format!("a division by `{name}`, which can be 0");
+        let expected = "a division by `U`, or by an input whose `range` is without 0";
+        Err(refused(
+            self.spec,
+            &found,
+            expected,
+            "state such a `range`, or write the term without this division",
+        ))
+    }
+
+    fn malformed(&self, found: &str) -> Invalid {
+        let expected = "names, |names|, powers from 1 to 9 and divisions, such as `v^2 r / U`";
+        refused(self.spec, found, expected, "correct the term")
+    }
+}

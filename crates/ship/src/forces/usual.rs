@@ -1,0 +1,176 @@
+//! What is usually known of a ship's numbers before any recording: standard deviations of their priors.
+
+use refusal::{Invalid, foreign};
+
+use crate::forces::slots::slots;
+use crate::forces::term::factors;
+use crate::forces::{Area, Channel, Description, Factor, Forces, NumberSpec, Parameter, TermSpec};
+
+/// Standard deviations of derivatives in the prime system of ½ρLd, by powers of v and r: surge, sway, yaw. They are those
+/// with which free runs of tankers were fitted.
+const DERIVATIVES: [&[([usize; 2], f64)]; 3] = [
+    &[([0, 0], 0.02), ([2, 0], 0.1), ([1, 1], 0.1), ([0, 2], 0.05), ([4, 0], 0.3)],
+    &[
+        ([0, 0], 0.003),
+        ([1, 0], 0.3),
+        ([0, 1], 0.1),
+        ([2, 0], 1.0),
+        ([1, 1], 1.0),
+        ([0, 2], 0.2),
+        ([3, 0], 1.5),
+        ([2, 1], 1.0),
+        ([1, 2], 1.0),
+        ([0, 3], 0.2),
+    ],
+    &[
+        ([0, 0], 0.001),
+        ([1, 0], 0.1),
+        ([0, 1], 0.05),
+        ([2, 0], 0.3),
+        ([1, 1], 0.3),
+        ([0, 2], 0.1),
+        ([3, 0], 0.5),
+        ([2, 1], 0.5),
+        ([1, 2], 0.3),
+        ([0, 3], 0.1),
+    ],
+];
+
+/// Standard deviations of numbers of propellers and rudders, by key.
+const COMPONENTS: [(&str, f64); 8] = [
+    ("wake", 0.3),
+    ("deduction", 0.3),
+    ("epsilon", 0.4),
+    ("gamma.0", 0.4),
+    ("gamma.1", 0.4),
+    ("interaction", 0.4),
+    ("kappa", 0.3),
+    ("ell", 0.5),
+];
+
+/// That of a rudder's deduction.
+const RUDDER_DEDUCTION: f64 = 0.4;
+
+/// Standard deviation of all others, over the number itself.
+const SHARE: f64 = 0.5;
+
+impl Description {
+    /// The same ship, where every free number has a prior: its own, or else the usual one, with the names of the latter.
+    ///
+    /// # Errors
+    /// What [`Forces::new`] refuses; a number of 0 for which nothing is usual.
+    pub fn with_usual_priors(&self, channels: &[Channel]) -> Result<(Self, Vec<String>), Invalid> {
+        let forces = Forces::new(self, channels)?;
+        let without = forces.parameters().iter().filter(|own| own.prior.is_none());
+        let all = without.map(|own| Ok((own.name.clone(), self.usual(own, channels)?)));
+        let all: Vec<(String, f64)> = all.collect::<Result<_, Invalid>>()?;
+        let own = self.with_priors(&all, channels)?;
+        Ok((own, all.into_iter().map(|(name, _)| name).collect()))
+    }
+
+    /// The same ship with these standard deviations of priors, in the systems that the numbers are written in.
+    ///
+    /// # Errors
+    /// A term that is none.
+    pub fn with_priors(&self, deviations: &[(String, f64)], channels: &[Channel]) -> Result<Self, Invalid> {
+        self.changed(channels, |name, own| {
+            if let Some((_, deviation)) = deviations.iter().find(|known| known.0 == name) {
+                own.prior = Some(*deviation);
+            }
+        })
+    }
+
+    /// The same ship with other numbers: `change` is called with the name and the number of every one that is no plain one.
+    ///
+    /// # Errors
+    /// A term that is none.
+    pub fn changed(
+        &self,
+        channels: &[Channel],
+        mut change: impl FnMut(&str, &mut NumberSpec),
+    ) -> Result<Self, Invalid> {
+        let mut ship = self.clone();
+        for slot in &mut slots(&mut ship, channels)? {
+            let Some(own) = slot.place.parts() else { continue };
+            let [nominal, prime] = own.numbers;
+            let mut number = NumberSpec {
+                nominal: *nominal,
+                prime: *prime,
+                value: *own.value,
+                prior: *own.prior,
+                bounds: *own.bounds,
+                tied_to: own.tied_to.clone(),
+                factor: *own.factor,
+                fixed: false,
+            };
+            change(&slot.name, &mut number);
+            (*nominal, *prime, *own.value) = (number.nominal, number.prime, number.value);
+            (*own.prior, *own.bounds, *own.factor) = (number.prior, number.bounds, number.factor);
+        }
+        Ok(ship)
+    }
+
+    /// The usual standard deviation of a number, in the system that it is written in.
+    fn usual(&self, own: &Parameter, channels: &[Channel]) -> Result<f64, Invalid> {
+        let terms = [&self.surge, &self.sway, &self.yaw];
+        let written = |terms: &[TermSpec]| terms.iter().position(|spec| spec.parameter == own.name);
+        let place = terms.iter().enumerate().find_map(|(d, terms)| Some((d, &terms[written(terms)?])));
+        let share = SHARE * own.nominal.abs();
+        let found = match place {
+            Some((d, spec)) => {
+                // By ½ρL², where the ship's forces are, numbers are smaller.
+                let area = match self.ship.area {
+                    Some(Area::LengthSquared) => self.ship.draught_m / self.ship.length_m,
+                    _ => 1.0,
+                };
+                let one = area * own.prime.unwrap_or(own.scale) / own.scale;
+                let least = DERIVATIVES[d][0].1 * one;
+                derivative(spec, d, channels)?.map_or(share.max(least), |deviation| deviation * one)
+            }
+            None => {
+                let all = of_component(self).into_iter();
+                let own = all.filter(|(owner, key, _)| own.name == format!("{owner}.{key}"));
+                own.map(|own| own.2).next().unwrap_or(share)
+            }
+        };
+        if found > 0.0 {
+            return Ok(found);
+        }
+        let expected = "a `prior`: no standard deviation of such a number is usual";
+        Err(Invalid::new(format!("`{}`", foreign(&own.name)), "0 without a `prior`", expected, "add one"))
+    }
+}
+
+/// That of a derivative in the prime system; none where nothing is usual, as for products with `du` or a channel.
+fn derivative(spec: &TermSpec, d: usize, channels: &[Channel]) -> Result<Option<f64>, Invalid> {
+    Ok(powers(&factors(spec, channels)?).and_then(|own| of_powers(d, own)))
+}
+
+/// The powers of v and r of a product; none for products with `du` or a channel, or with a division by v or r.
+pub(crate) fn powers(factors: &[Factor]) -> Option<[usize; 2]> {
+    let mut powers = [0, 0];
+    for own in factors {
+        match own.motion() {
+            "v" => powers[0] += 1,
+            "r" => powers[1] += 1,
+            "u" | "U" | "U_s" => {}
+            _ => return None,
+        }
+    }
+    Some(powers)
+}
+
+/// The usual standard deviation of a derivative by powers of v and r, in the prime system.
+pub(crate) fn of_powers(d: usize, powers: [usize; 2]) -> Option<f64> {
+    DERIVATIVES[d].iter().find(|own| own.0 == powers).map(|own| own.1)
+}
+
+/// The names and keys of the numbers of propellers and rudders that have a usual standard deviation, with it.
+pub(crate) fn of_component(ship: &Description) -> Vec<(&str, &'static str, f64)> {
+    let rudders = ship.rudder.iter().map(|own| (own.name.as_str(), RUDDER_DEDUCTION));
+    let propellers = ship.propeller.iter().map(|own| (own.name.as_str(), COMPONENTS[1].1));
+    let of = |(name, deduction)| {
+        COMPONENTS.map(|(key, own)| (name, key, if key == "deduction" { deduction } else { own }))
+    };
+    rudders.chain(propellers).flat_map(of).collect()
+}

@@ -1,0 +1,385 @@
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+
+use crate::forces::TermSpec;
+use refusal::{Invalid, check_name, check_numbers, check_ranges};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::model::derived::derive;
+use crate::model::equation::{Equation, Reduced};
+use crate::model::parts::Parts;
+use crate::model::physics::{self, moved};
+use crate::model::presets::preset;
+use crate::model::written::{Kind, VesselFile, missing};
+use crate::model::{
+    Actuator, Constrained, DegreeOfFreedom, InputSpec, Model, RateChange, Term, Variable, Written,
+};
+
+/// Which of the two parameter sets is meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Source {
+    /// The true values.
+    #[default]
+    Value,
+    /// The nominal values.
+    Nominal,
+}
+
+impl Source {
+    /// Both of them.
+    pub const ALL: [Self; 2] = [Self::Value, Self::Nominal];
+
+    /// As in files and on the command line.
+    pub fn name(self) -> &'static str {
+        ["value", "nominal"][self as usize]
+    }
+}
+
+/// A vessel: structure, true and nominal parameters. Valid by construction. The model's parameters are the
+/// estimated ones; fixed parameters act as known terms, and tied ones are part of another parameter's term.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vessel {
+    /// Its name.
+    pub name: String,
+    /// Sampling rate \[Hz\].
+    pub sample_rate_hz: f64,
+    /// The model structure.
+    pub model: Model,
+    /// True parameters, if known.
+    pub value: Vec<Option<f64>>,
+    /// Nominal parameters.
+    pub nominal: Vec<f64>,
+    /// Per input, the input that it follows and the factor.
+    pub couplings: Vec<Option<(usize, f64)>>,
+    /// The actuator of each input.
+    pub actuators: Vec<Actuator>,
+    /// Fixed and tied parameters, in the order of the file.
+    pub constrained: Vec<Constrained>,
+    /// Ranges of u, v \[m/s\] and r \[rad/s\] that maneuvers must keep to, from the logs that a model was
+    /// fitted to; `None` where maneuvers are not limited.
+    pub motion: Option<[[f64; 2]; 3]>,
+    /// Whether what is unusual of ships passes.
+    pub accepts_unusual: bool,
+}
+
+impl VesselFile {
+    /// Whether forces describe the ship, here or in her preset; not where it is refused.
+    pub fn is_of_forces(&self) -> bool {
+        Vessel::from_file(self.clone()).is_ok_and(|vessel| vessel.model.forces.is_some())
+    }
+}
+
+impl Vessel {
+    /// Checks a file's content.
+    ///
+    /// # Errors
+    /// The first key or name that is missing, unknown or duplicate, or number that is not finite.
+    pub fn from_file(file: VesselFile) -> Result<Self, Invalid> {
+        let file = match file.preset {
+            Some(_) => preset(file)?,
+            None => file,
+        };
+        let rate = file.sample_rate_hz.ok_or_else(|| missing("sample_rate_hz"))?;
+        check_numbers([("sample_rate_hz", rate)], "a rate above 0 Hz", |rate| rate > 0.0)?;
+        check_ranges([("sample_rate_hz", rate, 1e-6..=1e6, "Hz")])?;
+        check_ranges(counts(&file))?;
+        let constant = file.constant.map(|gained| ("constant", gained));
+        check_numbers(constant, "at most 10 m/s or rad/s in a sample", |gained| gained.abs() <= 10.0)?;
+        let variables = variables(&file)?;
+        let couplings = couplings(&file.input)?;
+        let mut actuators = file.input.iter().map(Actuator::new).collect::<Result<Vec<_>, _>>()?;
+        let (forces, parts) = match file.model.unwrap_or(Kind::PerSample) {
+            Kind::Forces => {
+                let (moved, parts) = moved(&file, &variables, &mut actuators)?;
+                (Some(moved), parts)
+            }
+            Kind::PerSample => (None, parts_per_sample(&file, &variables)?),
+        };
+        let Parts { degrees, value, nominal, constrained } = parts;
+        let name = file.name.clone().ok_or_else(|| missing("name"))?;
+        check_name("`name` of the vessel", &name)?;
+        let names: Vec<&str> = variables.iter().map(|v| v.name.as_str()).collect();
+        let derived = derive(&file.derived, &names, first_derived(&file))?;
+        let simulated = simulated(&file)?;
+        let inputs = file.input.len();
+        let (constant, pace) = (file.constant, RateChange::Own);
+        let model = Model { variables, inputs, simulated, derived, degrees, constant, forces, pace };
+        let own = Self {
+            name,
+            sample_rate_hz: rate,
+            model,
+            value,
+            nominal,
+            couplings,
+            actuators,
+            constrained,
+            motion: None,
+            accepts_unusual: file.unusual.is_some() || file.fitted,
+        };
+        own.check_rudders()?;
+        Ok(own)
+    }
+
+    /// One of the built-in vessels, by name.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn preset(name: &str) -> Result<Self, Invalid> {
+        Self::from_file(VesselFile { preset: Some(name.to_owned()), ..VesselFile::default() })
+    }
+
+    /// Refuses a ship with forces: `what` computes with products of terms per sample. A caller that knows what takes her
+    /// instead puts that into the remedy.
+    ///
+    /// # Errors
+    /// Names `what`.
+    pub fn check_terms(&self, what: &str) -> Result<(), Invalid> {
+        if self.model.forces.is_none() {
+            return Ok(());
+        }
+        Err(Invalid::new(
+            "`model`",
+            "`forces`, which have no terms per sample",
+            format!("terms per sample, with whose products `{what}` computes"),
+            "give it a vessel with terms per sample",
+        ))
+    }
+
+    /// The true values where every parameter has one, else the nominal ones.
+    pub fn best_known(&self) -> Source {
+        if self.value.iter().all(Option::is_some) { Source::Value } else { Source::Nominal }
+    }
+
+    /// The parameters of `source`.
+    ///
+    /// # Errors
+    /// A parameter without a true value.
+    pub fn parameters(&self, source: Source) -> Result<Vec<f64>, Invalid> {
+        if source == Source::Nominal {
+            return Ok(self.nominal.clone());
+        }
+        let known = |(value, name): (&Option<f64>, &str)| {
+            value.ok_or_else(|| {
+                Invalid::new(
+                    format!("parameter `{name}`"),
+                    "no `value`",
+                    "a true value, which a simulated trial follows",
+                    "add `value`, or simulate the nominal model",
+                )
+            })
+        };
+        self.value.iter().zip(self.model.parameter_names()).map(known).collect()
+    }
+
+    /// The parameters of degree of freedom `d` in the order of the file.
+    pub fn written(&self, d: DegreeOfFreedom) -> Vec<Written<'_>> {
+        let mut all: Vec<Written> = self.model.layout().degree(d as usize).map(Written::Estimated).collect();
+        for own in self.constrained.iter().filter(|own| own.degree == d) {
+            all.insert(own.place, Written::Constrained(own));
+        }
+        all
+    }
+
+    /// Whether there are enough inputs to command surge, sway and yaw independently.
+    pub fn commands_sway(&self) -> bool {
+        self.model.inputs >= 3
+    }
+
+    /// The first of `inputs` that exceeds its range by more than rounding: its index and the range.
+    pub fn beyond_range(&self, inputs: &[f64]) -> Option<(usize, [f64; 2])> {
+        let beyond = |(i, (input, actuator)): (usize, (&f64, &Actuator))| {
+            let [low, high] = actuator.range?;
+            let rounding = 1e-9 * (high - low);
+            (!(low - rounding..=high + rounding).contains(input)).then_some((i, [low, high]))
+        };
+        inputs.iter().zip(&self.actuators).enumerate().find_map(beyond)
+    }
+
+    /// Which of u, v, r leaves its range in `states`, rows of three, by most of its width: its index, and the
+    /// extreme value.
+    pub fn beyond_motion(&self, states: &[f64]) -> Option<(usize, f64)> {
+        let ranges = self.motion?;
+        let beyond = |(d, state): (usize, &f64)| {
+            let [low, high] = ranges[d];
+            let share = (low - state).max(state - high) / (high - low).max(f64::MIN_POSITIVE);
+            (share > 0.0).then_some((d, *state, share))
+        };
+        let all =
+            states.as_chunks::<3>().0.iter().flat_map(|state| state.iter().enumerate().filter_map(beyond));
+        let most = all.max_by(|a, b| a.2.total_cmp(&b.2));
+        most.map(|(d, state, _)| (d, state))
+    }
+
+    /// Number of samples in `duration_s`, to the nearest.
+    pub fn samples(&self, duration_s: f64) -> usize {
+        (duration_s * self.sample_rate_hz).round() as usize
+    }
+}
+
+/// Those of terms per sample.
+fn parts_per_sample(file: &VesselFile, variables: &[Variable]) -> Result<Parts, Invalid> {
+    physics::check_absent(file)?;
+    let (written, terms) = (replaced(file)?, terms(file, variables)?);
+    check_parameters(&written)?;
+    let (all, mut terms) = (written.iter().flatten().collect::<Vec<_>>(), terms.into_iter());
+    let mut parts = Parts::default();
+    for d in DegreeOfFreedom::ALL {
+        let own = written[d as usize].iter().zip(terms.next().unwrap_or_default()).collect();
+        let Reduced { degree, value, nominal, constrained } =
+            Equation::new(d, own, &all).reduced(parts.nominal.len())?;
+        parts.degrees[d as usize] = degree;
+        parts.value.extend(value);
+        parts.nominal.extend(nominal);
+        parts.constrained.extend(constrained);
+    }
+    Ok(parts)
+}
+
+/// The numbers of channels and terms, with their limits.
+fn counts(file: &VesselFile) -> [(&'static str, f64, RangeInclusive<f64>, &'static str); 6] {
+    let channels =
+        [("input", file.input.len()), ("measured", file.measured.len()), ("derived", file.derived.len())];
+    let terms = [("surge", file.surge.len()), ("sway", file.sway.len()), ("yaw", file.yaw.len())];
+    let [a, b, c] = channels.map(|(key, count)| (key, count as f64, 0.0..=200.0, "channels"));
+    let [d, e, f] = terms.map(|(key, count)| (key, count as f64, 0.0..=2000.0, "terms"));
+    [a, b, c, d, e, f]
+}
+
+/// The terms of surge, sway and yaw as written, with the values of [value] and [nominal].
+fn replaced(file: &VesselFile) -> Result<[Vec<TermSpec>; 3], Invalid> {
+    let mut written = [&file.surge, &file.sway, &file.yaw].map(Vec::clone);
+    let values = file.value.iter().map(|(name, value)| (name, *value, true));
+    for (name, value, truth) in values.chain(file.nominal.iter().map(|(name, value)| (name, *value, false))) {
+        match written.iter_mut().flatten().find(|spec| spec.parameter == *name) {
+            Some(spec) if truth => spec.value = Some(value),
+            Some(spec) => spec.nominal = Some(value),
+            None => {
+                let found = "a name that no term has".to_owned();
+                let known = written.iter().flatten().map(|spec| spec.parameter.as_str());
+                return Err(Invalid {
+                    found,
+                    ..Invalid::unknown(format!("parameter `{name}`"), name, known)
+                });
+            }
+        }
+    }
+    Ok(written)
+}
+
+fn check_parameters(written: &[Vec<TermSpec>; 3]) -> Result<(), Invalid> {
+    for spec in written.iter().flatten() {
+        check_name("`parameter` of a term", &spec.parameter)?;
+        if let Some(number) = spec.value.iter().chain(&spec.nominal).find(|number| !number.is_finite()) {
+            let thing = format!("parameter `{}`", spec.parameter);
+            return Err(Invalid::new(thing, number.to_string(), "a finite number", "correct it"));
+        }
+    }
+    Ok(())
+}
+
+fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
+    let variable = |name: &str, unit: &str| Variable { name: name.to_owned(), unit: unit.to_owned() };
+    let states = DegreeOfFreedom::ALL.into_iter().map(|d| variable(d.state(), d.unit()));
+    let inputs = file.input.iter().map(|i| variable(&i.name, &i.unit));
+    let measured = file.measured.iter().map(|m| variable(&m.name, &m.unit));
+    let derived = file.derived.iter().map(|d| variable(&d.name, &d.unit));
+    let all: Vec<Variable> = states.chain(inputs).chain(measured).chain(derived).collect();
+    for (i, v) in all.iter().enumerate() {
+        check_name(format!("`name` of channel {}", i.saturating_sub(2)), &v.name)?;
+        if !v.unit.is_empty() {
+            check_name(format!("`unit` of channel `{}`", v.name), &v.unit)?;
+        }
+        let of_input = ["command_", "instrument_"].into_iter().find_map(|column| v.name.strip_prefix(column));
+        let of_input = of_input.is_some_and(|name| file.input.iter().any(|own| own.name == name));
+        let reserved = i >= 3 && (of_input || RESERVED.contains(&v.name.as_str()));
+        let plain = v.name.chars().all(|c| c.is_alphanumeric() || c == '_') && !v.name.is_empty();
+        if all[..i].iter().any(|w| w.name == v.name) || reserved || !plain {
+            let what =
+                if i < first_derived(file) { "input or measured disturbance" } else { "derived channel" };
+            return Err(Invalid::new(
+                format!("{what} `{}`", v.name),
+                "a name that is taken or not a plain one",
+                "letters, digits and _, each name once, no column of the trajectories",
+                "rename it",
+            ));
+        }
+    }
+    Ok(all)
+}
+
+/// The index of the first derived channel among the variables.
+fn first_derived(file: &VesselFile) -> usize {
+    3 + file.input.len() + file.measured.len()
+}
+
+/// Values of measured disturbances in simulated trials, by index among the variables.
+fn simulated(file: &VesselFile) -> Result<BTreeMap<usize, f64>, Invalid> {
+    let known =
+        file.measured.iter().filter_map(|m| Some((format!("simulated` of `{}", m.name), m.simulated?)));
+    check_numbers(known, "a finite number", f64::is_finite)?;
+    let places = (3 + file.input.len()..).zip(&file.measured);
+    Ok(places.filter_map(|(place, measured)| Some((place, measured.simulated?))).collect())
+}
+
+/// The trajectories' own columns.
+const RESERVED: [&str; 12] =
+    ["design", "run", "segment", "maneuver", "sample", "t", "y_u", "y_v", "y_r", "x", "y", "psi"];
+
+/// The terms of surge, sway and yaw, each with a parameter of its own.
+fn terms(file: &VesselFile, variables: &[Variable]) -> Result<[Vec<Term>; 3], Invalid> {
+    let names: Vec<&str> = variables.iter().map(|v| v.name.as_str()).collect();
+    let mut taken: Vec<&str> = Vec::new();
+    let degree = |d: DegreeOfFreedom, specs: &[TermSpec]| -> Result<Vec<Term>, Invalid> {
+        if specs.is_empty() {
+            return Err(Invalid::new(
+                format!("[[{}]]", d.name()),
+                "no term",
+                "at least one term per degree of freedom",
+                "add one",
+            ));
+        }
+        specs.iter().map(|s| Term::parse(&s.term, &names)).collect()
+    };
+    let all = [
+        degree(DegreeOfFreedom::Surge, &file.surge)?,
+        degree(DegreeOfFreedom::Sway, &file.sway)?,
+        degree(DegreeOfFreedom::Yaw, &file.yaw)?,
+    ];
+    for name in [&file.surge, &file.sway, &file.yaw].into_iter().flatten().map(|t| t.parameter.as_str()) {
+        if taken.contains(&name) || name.is_empty() {
+            return Err(Invalid::new(
+                format!("parameter `{name}`"),
+                "twice or empty",
+                "a name of its own",
+                "rename it",
+            ));
+        }
+        taken.push(name);
+    }
+    Ok(all)
+}
+
+fn couplings(inputs: &[InputSpec]) -> Result<Vec<Option<(usize, f64)>>, Invalid> {
+    let coupling = |input: &InputSpec| match (&input.follows, input.factor) {
+        (None, None) => Ok(None),
+        (Some(name), Some(factor)) if factor.is_finite() => {
+            match inputs.iter().position(|i| i.name == *name && i.name != input.name) {
+                Some(index) => Ok(Some((index, factor))),
+                None => Err(bad_coupling(input, &format!("`follows = \"{name}\"`"))),
+            }
+        }
+        _ => Err(bad_coupling(input, "only one of `follows` and `factor`, or no finite factor")),
+    };
+    inputs.iter().map(coupling).collect()
+}
+
+fn bad_coupling(input: &InputSpec, found: &str) -> Invalid {
+    Invalid::new(
+        format!("input `{}`", input.name),
+        found,
+        "`follows` naming another input and a finite `factor`, or neither",
+        "correct it",
+    )
+}

@@ -1,0 +1,278 @@
+use std::collections::BTreeMap;
+
+use crate::forces::grammar::{MOST_FACTORS, parse_power};
+use numerics::Arithmetic;
+use thiserror::Error;
+
+/// A function of a channel, before it is multiplied with the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Function {
+    /// The channel itself.
+    Itself,
+    /// `|n|`.
+    Modulus,
+    /// n where above 0, else 0.
+    PositivePart,
+    /// n where below 0, else 0.
+    NegativePart,
+    /// The sine.
+    Sine,
+    /// The cosine.
+    Cosine,
+}
+
+/// Names in formulas; [`Function::Itself`] and [`Function::Modulus`] have their own notation.
+const FUNCTIONS: [(&str, Function); 4] = [
+    ("positive", Function::PositivePart),
+    ("negative", Function::NegativePart),
+    ("sin", Function::Sine),
+    ("cos", Function::Cosine),
+];
+
+#[derive(Clone, Debug, PartialEq)]
+struct Factor {
+    channel: usize,
+    function: Function,
+    power: i32,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Product {
+    coefficient: f64,
+    factors: Vec<Factor>,
+}
+
+/// A channel computed from others: a product of numbers, channels (`n`), moduli (`|n|`), `positive(n)` (n where above 0,
+/// else 0), `negative(n)` (n where below 0, else 0), `sin(a)`, `cos(a)`, each with an optional power `^2`, side by side or
+/// with `*` between: `-1 wind^2 cos(gamma)`. Or a sum or difference of such, with blanks around `+` and `-`:
+/// `port |port| - starboard |starboard|`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Formula {
+    /// Its source channels, each once, in the order of appearance; at least one.
+    pub channels: Vec<String>,
+    /// The summands; at least one.
+    products: Vec<Product>,
+}
+
+/// Why a text is not a [`Formula`].
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("{0}")]
+pub struct Malformed(
+    /// What is wrong with it.
+    pub String,
+);
+
+impl Formula {
+    /// Parses `text`.
+    ///
+    /// # Errors
+    /// Why it cannot be parsed.
+    pub fn parse(text: &str) -> Result<Self, Malformed> {
+        let mut formula = Self { channels: Vec::new(), products: Vec::new() };
+        let (mut product, mut rest, mut multiplied) = (Product::of(1.0), text.trim_start(), true);
+        while !rest.is_empty() {
+            if let Some((sign, after)) = parse_sign(rest).filter(|_| !multiplied) {
+                formula.products.push(std::mem::replace(&mut product, Product::of(sign)));
+                (rest, multiplied) = (after, true);
+                continue;
+            }
+            let after = formula.parse_factor(&mut product, rest)?;
+            rest = after.trim_start();
+            multiplied = rest.starts_with('*');
+            rest = rest.strip_prefix('*').unwrap_or(rest).trim_start();
+        }
+        formula.products.push(product);
+        if formula.products.iter().any(|own| !own.coefficient.is_finite()) {
+            return Err(Malformed("numbers whose product is infinite".to_owned()));
+        }
+        if formula.products.iter().any(|own| own.factors.is_empty()) {
+            return Err(Malformed("no channel".to_owned()));
+        }
+        if formula.products.iter().map(|own| own.factors.len()).sum::<usize>() > MOST_FACTORS {
+            return Err(Malformed(format!("more than {MOST_FACTORS} factors")));
+        }
+        Ok(formula)
+    }
+
+    /// Adds the factor at the start of `text` to `product`; returns the rest.
+    fn parse_factor<'a>(&mut self, product: &mut Product, text: &'a str) -> Result<&'a str, Malformed> {
+        if text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+' || c == '.') {
+            let end = number_end(text);
+            let number = text[..end].parse::<f64>().ok().filter(|number| number.is_finite());
+            product.coefficient *= number.ok_or_else(|| Malformed(format!("`{}`", &text[..end.max(1)])))?;
+            return Ok(&text[end..]);
+        }
+        let (function, name, after) = parse_operand(text)?;
+        let (power, after) = parse_power(after).map_err(Malformed)?;
+        let channel = self.channels.iter().position(|c| c == name).unwrap_or_else(|| {
+            self.channels.push(name.to_owned());
+            self.channels.len() - 1
+        });
+        product.factors.push(Factor { channel, function, power: power.into() });
+        if product.factors.len() > MOST_FACTORS {
+            return Err(Malformed(format!("more than {MOST_FACTORS} factors")));
+        }
+        Ok(after)
+    }
+
+    /// The value for the `values` of [`Formula::channels`].
+    pub fn evaluate(&self, values: &[f64]) -> f64 {
+        self.of(|channel| values[channel])
+    }
+
+    /// The value, where `value` returns that of a channel by its index in [`Formula::channels`].
+    pub fn of(&self, value: impl Fn(usize) -> f64) -> f64 {
+        let products = self.products.iter().map(|own| own.without(usize::MAX, &value));
+        products.reduce(|sum, own| sum + own).unwrap_or(0.0)
+    }
+
+    /// Whether both are the same product of the same channels up to a constant factor; false for sums.
+    pub fn is_multiple_of(&self, other: &Self) -> bool {
+        let [own, others] = [self, other].map(|formula| formula.powers());
+        own.is_some() && own == others
+    }
+
+    /// Whether it is a sum or difference of channels, or half of one: what they measure is what it measures.
+    pub fn is_sum_of_channels(&self) -> bool {
+        let is_channel = |own: &Product| {
+            let is_plain =
+                matches!(own.factors.as_slice(), [Factor { function: Function::Itself, power: 1, .. }]);
+            is_plain && [0.5, 1.0].contains(&own.coefficient.abs())
+        };
+        self.products.len() > 1 && self.products.iter().all(is_channel)
+    }
+
+    /// Channels by name, with their functions and total powers; `None` for a sum of several products.
+    fn powers(&self) -> Option<BTreeMap<(&str, u8), i32>> {
+        let [product] = self.products.as_slice() else { return None };
+        let mut powers = BTreeMap::new();
+        for factor in &product.factors {
+            let channel = self.channels[factor.channel].as_str();
+            *powers.entry((channel, factor.function as u8)).or_insert(0) += factor.power;
+        }
+        Some(powers)
+    }
+
+    /// The formula in another language, in the order of evaluation; `operand` writes a function of the
+    /// channel with this index. A power becomes a product of its own.
+    pub fn written(&self, operand: impl Fn(Function, usize) -> String) -> String {
+        let products: Vec<String> = self.products.iter().map(|own| own.written(&operand)).collect();
+        products.join(" + ")
+    }
+
+    /// Its derivative by channel `by`, where `value` returns that of a channel by its index in
+    /// [`Formula::channels`]. The derivative of a modulus at zero is 0.
+    pub fn slope(&self, by: usize, value: impl Fn(usize) -> f64) -> f64 {
+        self.products.iter().flat_map(|own| own.slopes(by, &value)).sum()
+    }
+}
+
+impl Product {
+    fn of(coefficient: f64) -> Self {
+        Self { coefficient, factors: Vec::new() }
+    }
+
+    /// The value without one of its factors.
+    fn without(&self, left_out: usize, value: &impl Fn(usize) -> f64) -> f64 {
+        let others = self.factors.iter().enumerate().filter(|(i, _)| *i != left_out);
+        others.fold(self.coefficient, |product, (_, factor)| product * factor.value(value(factor.channel)))
+    }
+
+    /// The contributions of its factors to the derivative by channel `by`.
+    fn slopes(&self, by: usize, value: &impl Fn(usize) -> f64) -> impl Iterator<Item = f64> {
+        let own = self.factors.iter().enumerate().filter(move |(_, factor)| factor.channel == by);
+        own.map(move |(i, factor)| factor.slope(value(by)) * self.without(i, value))
+    }
+
+    fn written(&self, operand: &impl Fn(Function, usize) -> String) -> String {
+        let factor = |factor: &Factor| {
+            let one = operand(factor.function, factor.channel);
+            let all = std::iter::repeat_n(one, factor.power.unsigned_abs() as usize).collect::<Vec<_>>();
+            if let [only] = all.as_slice() { only.clone() } else { format!("({})", all.join(" * ")) }
+        };
+        let number = Some(format!("{:?}", self.coefficient)).filter(|_| self.coefficient != 1.0);
+        number.into_iter().chain(self.factors.iter().map(factor)).collect::<Vec<_>>().join(" * ")
+    }
+}
+
+impl Factor {
+    fn value(&self, x: f64) -> f64 {
+        self.function.value(x).powi(self.power)
+    }
+
+    fn slope(&self, x: f64) -> f64 {
+        f64::from(self.power) * self.function.value(x).powi(self.power - 1) * self.function.slope(x)
+    }
+}
+
+impl Function {
+    fn value(self, x: f64) -> f64 {
+        match self {
+            Self::Itself => x,
+            Self::Modulus => x.abs(),
+            // Not max or min, which would hide a missing value.
+            Self::PositivePart => 0.5 * (x + x.abs()),
+            Self::NegativePart => 0.5 * (x - x.abs()),
+            Self::Sine => libm::sin(x),
+            Self::Cosine => libm::cos(x),
+        }
+    }
+
+    fn slope(self, x: f64) -> f64 {
+        match self {
+            Self::Itself => 1.0,
+            Self::Modulus => x.sign(),
+            Self::PositivePart => 0.5 * (1.0 + x.sign()),
+            Self::NegativePart => 0.5 * (1.0 - x.sign()),
+            Self::Sine => libm::cos(x),
+            Self::Cosine => -libm::sin(x),
+        }
+    }
+}
+
+/// The sign between two products at the start of `text`, which has blanks around it, and the rest.
+fn parse_sign(text: &str) -> Option<(f64, &str)> {
+    let (sign, after) = text
+        .strip_prefix('+')
+        .map(|after| (1.0, after))
+        .or_else(|| text.strip_prefix('-').map(|after| (-1.0, after)))?;
+    after.starts_with(char::is_whitespace).then(|| (sign, after.trim_start()))
+}
+
+/// The end of the number at the start of `text`.
+fn number_end(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let continues = |i: usize| match bytes[i] {
+        b'0'..=b'9' | b'.' => true,
+        b'+' | b'-' => i == 0 || matches!(bytes[i - 1], b'e' | b'E'),
+        b'e' | b'E' => i > 0 && matches!(bytes.get(i + 1), Some(b'0'..=b'9' | b'-' | b'+')),
+        _ => false,
+    };
+    (0..bytes.len()).find(|&i| !continues(i)).unwrap_or(bytes.len())
+}
+
+/// Function, channel and the rest.
+fn parse_operand(text: &str) -> Result<(Function, &str, &str), Malformed> {
+    if let Some(inner) = text.strip_prefix('|') {
+        let (name, after) = split_name(inner)?;
+        let after = after.strip_prefix('|').ok_or_else(|| Malformed("an unclosed `|`".to_owned()))?;
+        return Ok((Function::Modulus, name, after));
+    }
+    let (name, after) = split_name(text)?;
+    let Some(inner) = after.strip_prefix('(') else { return Ok((Function::Itself, name, after)) };
+    let known = FUNCTIONS.iter().find(|(known, _)| *known == name);
+    let (_, function) = known.ok_or_else(|| Malformed(format!("the function `{name}`")))?;
+    let (channel, after) = split_name(inner)?;
+    let after = after.strip_prefix(')').ok_or_else(|| Malformed("an unclosed `(`".to_owned()))?;
+    Ok((*function, channel, after))
+}
+
+fn split_name(text: &str) -> Result<(&str, &str), Malformed> {
+    let text = text.trim_start();
+    let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
+    if end == 0 {
+        let found = text.chars().next().map_or("its end".to_owned(), |c| format!("`{c}`"));
+        return Err(Malformed(format!("{found} where a channel should be")));
+    }
+    Ok((&text[..end], text[end..].trim_start()))
+}

@@ -1,0 +1,130 @@
+//! Parameters that a trial cannot determine, because it holds disturbances constant or does not excite their terms.
+
+use std::collections::BTreeMap;
+
+use crate::model::{
+    Constrained, Constraint, Degree, DegreeOfFreedom, Factor, Product, Term, Vessel, Written,
+};
+
+impl Vessel {
+    /// The vessel as simulated trials can identify it. They hold measured disturbances at `simulated`: terms
+    /// of these are either zero or a constant that no trial can distinguish from others, so they become
+    /// known, with their values if these are known.
+    #[must_use]
+    pub fn with_disturbances_held(self) -> Self {
+        // The parameters of forces belong to no terms.
+        if self.model.forces.is_some() {
+            return self;
+        }
+        let held = self.held_variables();
+        let is_held = |term: &Term| term.products().flatten().any(|Factor { variable, .. }| held[*variable]);
+        let degrees = &self.model.degrees;
+        let all_of = |degree: &Degree| degree.terms.iter().all(is_held);
+        let of_degree = |degree: &Degree| {
+            // An equation needs at least one estimated term.
+            let none = all_of(degree);
+            degree.terms.iter().map(|term| none || !is_held(term)).collect::<Vec<bool>>()
+        };
+        let kept: Vec<bool> = degrees.iter().flat_map(of_degree).collect();
+        self.estimating(&kept)
+    }
+
+    /// The vessel with parameter `name` at its value, which is known from then on. A name that it has not changes nothing.
+    #[must_use]
+    pub fn with_held(self, name: &str) -> Self {
+        let kept: Vec<bool> = self.model.parameter_names().map(|own| own != name).collect();
+        self.estimating(&kept)
+    }
+
+    /// The vessel of which only those parameters are estimated that are `kept`.
+    fn estimating(self, kept: &[bool]) -> Self {
+        if !kept.contains(&false) {
+            return self;
+        }
+        let degrees = &self.model.degrees;
+        let constrained = self.constrained_but(kept);
+        let mut model = self.model.clone();
+        let mut first = 0;
+        for (degree, own) in model.degrees.iter_mut().zip(degrees) {
+            let values =
+                self.nominal.iter().zip(&self.value).map(|(nominal, value)| value.unwrap_or(*nominal));
+            let each = values.zip(kept.iter().copied()).skip(first).take(own.terms.len());
+            *degree = without(own, each);
+            first += own.terms.len();
+        }
+        let left = |i: &usize| kept[*i];
+        let value = (0..kept.len()).filter(left).map(|i| self.value[i]).collect();
+        let nominal = (0..kept.len()).filter(left).map(|i| self.nominal[i]).collect();
+        Self { model, value, nominal, constrained, ..self }
+    }
+
+    /// Per variable, whether simulated trials hold it constant.
+    fn held_variables(&self) -> Vec<bool> {
+        let mut held = vec![false; self.model.variables.len()];
+        self.model.simulated.keys().for_each(|variable| held[*variable] = true);
+        for own in &self.model.derived {
+            held[own.variable] = own.sources.iter().all(|source| held[*source]);
+        }
+        held
+    }
+
+    /// The constrained parameters if only those that are `kept` are estimated.
+    fn constrained_but(&self, kept: &[bool]) -> Vec<Constrained> {
+        let known = |i: usize| self.value[i].unwrap_or(self.nominal[i]);
+        let place_of = |i: usize| kept[..i].iter().filter(|kept| **kept).count();
+        let mut all = self.constrained.clone();
+        for own in &mut all {
+            own.constraint = match own.constraint {
+                Constraint::Tied { to, factor } if kept[to] => Constraint::Tied { to: place_of(to), factor },
+                Constraint::Tied { to, factor } => Constraint::Fixed(factor * known(to)),
+                fixed => fixed,
+            };
+        }
+        let terms: Vec<(&String, &Term)> = self
+            .model
+            .degrees
+            .iter()
+            .flat_map(|degree| degree.parameters.iter().zip(&degree.terms))
+            .collect();
+        for degree in DegreeOfFreedom::ALL {
+            for (place, written) in self.written(degree).into_iter().enumerate() {
+                if let Written::Estimated(i) = written
+                    && !kept[i]
+                {
+                    let (name, term) = (terms[i].0.clone(), Term { tied: Vec::new(), ..terms[i].1.clone() });
+                    all.push(Constrained {
+                        degree,
+                        place,
+                        name,
+                        term,
+                        constraint: Constraint::Fixed(known(i)),
+                    });
+                }
+            }
+        }
+        all.sort_by_key(|own| (own.degree as usize, own.place));
+        all
+    }
+}
+
+/// A degree of freedom in which some terms, with their values, are known.
+fn without(own: &Degree, each: impl Iterator<Item = (f64, bool)>) -> Degree {
+    let mut left = Degree { known: own.known.clone(), intercept: own.intercept, ..Degree::default() };
+    let mut bounds = BTreeMap::new();
+    for (i, (value, kept)) in each.enumerate() {
+        let term = &own.terms[i];
+        if kept {
+            bounds.extend(own.bounds.get(&i).map(|own| (left.terms.len(), *own)));
+            left.parameters.push(own.parameters[i].clone());
+            left.terms.push(term.clone());
+        } else {
+            left.known.push(Product { coefficient: value, factors: term.factors.clone() });
+            let tied = term.tied.iter();
+            left.known.extend(tied.map(|tied| Product {
+                coefficient: value * tied.coefficient,
+                factors: tied.factors.clone(),
+            }));
+        }
+    }
+    Degree { bounds, ..left }
+}
