@@ -153,12 +153,13 @@ impl Chart {
 
     /// Approximate bytes of memory, without its grids.
     pub fn bytes(&self) -> u64 {
-        let polygon = |own: &Polygon| {
-            let rings = own.rings.iter().map(|ring| size_of_val(&ring[..]) + size_of_val(ring));
-            size_of_val(own) + rings.sum::<usize>()
+        let polygon = |polygon: &Polygon| {
+            let rings = polygon.rings.iter().map(|ring| size_of_val(&ring[..]) + size_of_val(ring));
+            size_of_val(polygon) + rings.sum::<usize>()
         };
         let polygons = self.polygons.iter().chain(&self.charted.polygons).map(polygon);
-        let contours = self.contours.iter().map(|own| size_of_val(own) + size_of_val(&own.line[..]));
+        let contours =
+            self.contours.iter().map(|contour| size_of_val(contour) + size_of_val(&contour.line[..]));
         let places = size_of_val(&self.charted.frontier[..]) + size_of_val(&self.spots[..]);
         (polygons.chain(contours).sum::<usize>() + places) as u64
     }
@@ -238,9 +239,10 @@ impl KnownBy {
         };
         let depth = |layer: &Layer| matches!(layer, Layer::Grid(grid) if grid.has_depth);
         let land = |layer: &Layer| matches!(layer, Layer::Polygons(own) if own.open_sea);
-        if layers.iter().any(|own| depth(own) || has(own, |class| matches!(class, Class::Depth { .. }))) {
+        if layers.iter().any(|layer| depth(layer) || has(layer, |class| matches!(class, Class::Depth { .. })))
+        {
             Self::Depths
-        } else if layers.iter().any(|own| land(own) || has(own, |class| *class == Class::Land)) {
+        } else if layers.iter().any(|layer| land(layer) || has(layer, |class| *class == Class::Land)) {
             Self::Land
         } else {
             Self::Grids

@@ -34,7 +34,8 @@ impl Land {
             _ => None,
         });
         let polygons: Vec<&Polygon> = polygons.flatten().collect();
-        let edges: Vec<Edge> = polygons.iter().enumerate().flat_map(|(k, own)| edges(k, own)).collect();
+        let edges: Vec<Edge> =
+            polygons.iter().enumerate().flat_map(|(k, polygon)| edges(k, polygon)).collect();
         Self::banded(&edges)
     }
 

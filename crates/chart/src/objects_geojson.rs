@@ -76,17 +76,18 @@ fn text(value: &JsonValue) -> Option<String> {
 }
 
 fn geometry(feature: &Feature, index: usize, soundings: bool, reading: &Reading) -> Result<Geometry, Unread> {
-    let own = Geometries::of(feature);
+    let geometries = Geometries::of(feature);
     let named = || format!("feature {index}");
-    if !own.polygons.is_empty() {
-        let polygons = own.polygons.into_iter().map(|polygon| rings(polygon, index, reading));
+    if !geometries.polygons.is_empty() {
+        let polygons = geometries.polygons.into_iter().map(|polygon| rings(polygon, index, reading));
         return Ok(Geometry::Area(polygons.collect::<Result<_, _>>()?));
     }
     if soundings {
-        let all = own.lines.iter().flat_map(|line| line.iter());
+        let all = geometries.lines.iter().flat_map(|line| line.iter());
         return Ok(Geometry::Soundings(all.map(|p| sounding(p, index)).collect::<Result<_, Invalid>>()?));
     }
-    let lines = own.lines.into_iter().map(|line| positions(line, named)).collect::<Result<Vec<_>, _>>()?;
+    let lines =
+        geometries.lines.into_iter().map(|line| positions(line, named)).collect::<Result<Vec<_>, _>>()?;
     if lines.iter().all(|line| line.len() < 2) {
         let points: Vec<[f64; 2]> = lines.concat();
         return Ok(if points.is_empty() { Geometry::None } else { Geometry::Points(points) });

@@ -181,17 +181,19 @@ impl PolygonLayer {
                 layer.filtered_out += 1;
                 continue;
             }
-            let own = Geometries::of(feature);
-            placeless += usize::from(own.polygons.is_empty() && own.lines.iter().all(|line| line.is_empty()));
+            let geometries = Geometries::of(feature);
+            placeless += usize::from(
+                geometries.polygons.is_empty() && geometries.lines.iter().all(|line| line.is_empty()),
+            );
             let class = class((kind, unit), feature.properties.as_ref(), index, &mut has_depth)?;
             let called = Called::feature(class.word(), feature.properties.as_ref(), class.depth_m());
-            for polygon in own.polygons {
+            for polygon in geometries.polygons {
                 let rings = rings(polygon, index, reading)?;
                 layer.areas.push(Area { class, called: called.clone(), rings, feature: index });
             }
             let sounding = matches!(class, Class::Depth { .. });
             let class = of_mark(class);
-            for line in own.lines {
+            for line in geometries.lines {
                 let positions = positions(line, || format!("feature {index}"))?;
                 let (called, radius_m) = (called.clone(), DANGER_M);
                 layer.marks.push(Mark { class, called, sounding, positions, radius_m, feature: index });

@@ -128,8 +128,8 @@ impl Rules {
         // Opening bridges count as closed.
         let mut least: Option<f64> = None;
         for attribute in [VERCLR, VERCCL, VERCSA] {
-            let own = feature.number(attribute)?;
-            least = least.into_iter().chain(own).reduce(f64::min);
+            let number = feature.number(attribute)?;
+            least = least.into_iter().chain(number).reduce(f64::min);
         }
         Ok(self.air_draught_m.zip(least).is_some_and(|(ship, clear)| ship <= clear))
     }

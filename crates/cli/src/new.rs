@@ -58,7 +58,7 @@ fn place(text: &str) -> Result<[f64; 2], String> {
 
 /// The presets and an example.
 fn help() -> String {
-    let presets = PRESETS.iter().map(|own| format!("{}: {}\n", own.name, own.about));
+    let presets = PRESETS.iter().map(|preset| format!("{}: {}\n", preset.name, preset.about));
     format!(
         "Presets:\n{}\nExample:\n  new my-study --vessel model-ship\n  new my-study --vessel guessed.toml",
         presets.collect::<String>()

@@ -95,7 +95,7 @@ pub struct Guess {
 
 impl Task for Guess {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let own = MainDimensions {
+        let main_dimensions = MainDimensions {
             length_m: self.length,
             beam_m: self.beam,
             draught_m: self.draught,
@@ -107,7 +107,7 @@ impl Task for Guess {
             rudder_area_m2: self.rudder_area,
             rudder_height_m: self.rudder_height,
         };
-        let written = guessed(&own).map_err(|e| Failure::Usage(format!("guess: {e}")))?;
+        let written = guessed(&main_dimensions).map_err(|e| Failure::Usage(format!("guess: {e}")))?;
         write(common, &written, None)
     }
 }

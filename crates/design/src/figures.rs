@@ -56,7 +56,7 @@ impl FigureErrors {
     /// # Errors
     /// A singular covariance, naming the parameter.
     pub fn new(dictionary: &Dictionary, meat: &Candidates, slopes: &[Vec<f64>]) -> Result<Self, NoDesign> {
-        let slopes: Vec<Vec<f64>> = slopes.iter().map(|own| dictionary.by_row(own)).collect();
+        let slopes: Vec<Vec<f64>> = slopes.iter().map(|slope| dictionary.by_row(slope)).collect();
         let all = vec![1.0; dictionary.parameters()];
         let built = Covariance::new(&dictionary.information, meat, &dictionary.by_row(&all), Norm::Trace);
         Ok(Self { covariance: built.map_err(|e| dictionary.explain(e))?, slopes })

@@ -99,9 +99,9 @@ pub(crate) fn place_of(text: &str, thing: &str, found: Option<&str>) -> Option<u
 /// The item called `name` of the list of tables `kind` in `table`, or in tables below it.
 fn item<'a, 'i>(table: &'a DeTable<'i>, kind: &str, name: &str) -> Option<(usize, &'a DeTable<'i>)> {
     let called = |item: &'a Spanned<DeValue<'i>>| {
-        let own = item.get_ref().as_table()?;
-        let (start, value) = entry(own, "name")?;
-        (value.as_str() == Some(name)).then_some((start, own))
+        let as_table = item.get_ref().as_table()?;
+        let (start, value) = entry(as_table, "name")?;
+        (value.as_str() == Some(name)).then_some((start, as_table))
     };
     let list = entry(table, kind).and_then(|(_, list)| list.as_array());
     let own = list.and_then(|list| list.iter().find_map(called));
@@ -151,8 +151,8 @@ fn shows(value: &DeValue<'_>, found: &str) -> bool {
     };
     match value {
         DeValue::String(own) => plain.contains(own.as_ref()),
-        DeValue::Integer(own) => number(own.as_str()).is_none_or(|own| first.parse() == Ok(own)),
-        DeValue::Float(own) => number(own.as_str()).is_none_or(|own| first.parse() == Ok(own)),
+        DeValue::Integer(own) => number(own.as_str()).is_none_or(|number| first.parse() == Ok(number)),
+        DeValue::Float(own) => number(own.as_str()).is_none_or(|number| first.parse() == Ok(number)),
         DeValue::Boolean(own) => plain.contains(if *own { "true" } else { "false" }),
         DeValue::Datetime(_) | DeValue::Array(_) | DeValue::Table(_) => true,
     }

@@ -41,8 +41,9 @@ impl Observed {
         match self {
             Self::File(path) => Digest::of_file(path).ok(),
             Self::Names(folder, pattern) => {
-                let (pattern, depth) =
-                    pattern.strip_prefix(BELOW).map_or((&**pattern, 1), |own| (own, DEEPEST));
+                let (pattern, depth) = pattern
+                    .strip_prefix(BELOW)
+                    .map_or((&**pattern, 1), |strip_prefix| (strip_prefix, DEEPEST));
                 let mut names = BTreeSet::new();
                 names_in(folder, "", pattern, depth, &mut names).ok()?;
                 Some(Digest::of_bytes(Vec::from_iter(names).join("\n").as_bytes()))

@@ -63,8 +63,9 @@ struct Wraps {
 impl<'a> Turns<'a> {
     /// Before the first number of a column in `unit`.
     pub(crate) fn new(unit: &'a Unit) -> Self {
-        let own = TAU / unit.factor;
-        let others = TURNS.into_iter().filter(|(_, turn)| unit.si == "rad" && (turn / own - 1.0).abs() > 0.1);
+        let factor = TAU / unit.factor;
+        let others =
+            TURNS.into_iter().filter(|(_, turn)| unit.si == "rad" && (turn / factor - 1.0).abs() > 0.1);
         let wraps = others.map(|(unit, turn)| Wraps { unit, turn, first: None }).collect();
         let anchor = (f64::NEG_INFINITY, f64::NAN);
         Self { unit, largest: 0.0, before: f64::NAN, count: 0, wraps, anchor, fast: 0 }
@@ -235,7 +236,7 @@ fn angle(spec: &ChannelSpec, Seen { largest, fast }: Seen, still: bool) -> Optio
 
 /// A channel that is logged less often than the common rate.
 fn slow(common_hz: f64, channel: &ChannelSummary) -> Option<Oddity> {
-    let own_hz = channel.rate_hz.filter(|own| *own < 0.75 * common_hz)?;
+    let own_hz = channel.rate_hz.filter(|rate_hz| *rate_hz < 0.75 * common_hz)?;
     Some((WarningKind::Rate, 1, format!("is logged at {own_hz:.3} Hz and interpolated to {common_hz} Hz")))
 }
 

@@ -81,7 +81,9 @@ impl Generator {
         };
         let mut tables = BTreeMap::new();
         for (index, maneuver) in dictionary.maneuvers.iter().enumerate() {
-            for (key, speed) in maneuver.kind.numbers().into_iter().filter(|own| SPEEDS.contains(&own.0)) {
+            for (key, speed) in
+                maneuver.kind.numbers().into_iter().filter(|number| SPEEDS.contains(&number.0))
+            {
                 vessel.check_speed(speed, || format!("maneuver `{}`, `{key}`", maneuver.name))?;
             }
             if let Some(table) = PlayedTable::of(maneuver, vessel, &read)? {

@@ -167,8 +167,8 @@ impl Signals {
 
 impl Degree {
     fn new(batch: &Batch, d: usize, samples: usize) -> Self {
-        let own = &batch.model.degrees[d];
-        let p = own.terms.len();
+        let degree = &batch.model.degrees[d];
+        let p = degree.terms.len();
         let signal = |width: usize| Vec::with_capacity(samples * width);
         Self {
             parameters: p,
@@ -177,7 +177,7 @@ impl Degree {
             target: signal(1),
             poles: signal(1),
             slopes: signal(3),
-            sums: DegreeSums::of(own),
+            sums: DegreeSums::of(degree),
         }
     }
 

@@ -67,43 +67,43 @@ fn heading(model: Option<&ModelDocument>) -> String {
 }
 
 /// Whether cross-validation recommends the estimator of the model.
-fn chosen(own: Estimator, crossval: Option<&CrossvalDocument>) -> Markup {
+fn chosen(estimator: Estimator, crossval: Option<&CrossvalDocument>) -> Markup {
     let Some(found) = crossval else {
-        return html! { p { "Estimated by " (own) ". No cross-validation says which estimator to take." } };
+        return html! { p { "Estimated by " (estimator) ". No cross-validation says which estimator to take." } };
     };
     match found.recommended {
-        Some(best) if best == own => {
-            html! { p { "Estimated by " (own) ", which cross-validation recommends." } }
+        Some(best) if best == estimator => {
+            html! { p { "Estimated by " (estimator) ", which cross-validation recommends." } }
         }
         Some(best) => html! {
             p.missing {
-                "Cross-validation recommends " (best) ", but this model was estimated by " (own) ". For one by " (best)
+                "Cross-validation recommends " (best) ", but this model was estimated by " (estimator) ". For one by " (best)
                 " run " code { "estimate pool --estimator " (best) } "."
             }
         },
-        None => html! { p { (undecided(own, &found.candidates)) } },
+        None => html! { p { (undecided(estimator, &found.candidates)) } },
     }
 }
 
 /// Says that no estimator is recommended, and the rank of the model's own.
-fn undecided(own: Estimator, candidates: &[Estimator]) -> String {
+fn undecided(estimator: Estimator, candidates: &[Estimator]) -> String {
     let rest: Vec<String> = candidates.iter().skip(1).map(Estimator::to_string).collect();
-    match candidates.iter().position(|candidate| *candidate == own) {
+    match candidates.iter().position(|candidate| *candidate == estimator) {
         Some(0) => format!(
-            "No estimator is recommended. This model is by {own}, which has the least error in cross-validation, but the \
+            "No estimator is recommended. This model is by {estimator}, which has the least error in cross-validation, but the \
              recordings cannot tell it from {}.",
             listed(&rest)
         ),
         Some(_) => format!(
-            "No estimator is recommended. This model is by {own}, which the recordings cannot tell from {}, the one of \
+            "No estimator is recommended. This model is by {estimator}, which the recordings cannot tell from {}, the one of \
              least error.",
             candidates[0]
         ),
         None if candidates.is_empty() => {
-            format!("No estimator could be simulated over all folds. This model is by {own}.")
+            format!("No estimator could be simulated over all folds. This model is by {estimator}.")
         }
         None => format!(
-            "No estimator is recommended, and this model is by {own}, which is worse than {} on the recordings left out.",
+            "No estimator is recommended, and this model is by {estimator}, which is worse than {} on the recordings left out.",
             candidates[0]
         ),
     }

@@ -59,7 +59,7 @@ fn numbers(all: &[FittedParameter]) -> Markup {
 }
 
 fn sums(sailed: &SailedSums) -> Markup {
-    let order = |own: &SailedSum| match own.order {
+    let order = |sailed_sum: &SailedSum| match sailed_sum.order {
         1 => "linear".to_owned(),
         2 => "quadratic".to_owned(),
         3 => "cubic".to_owned(),
@@ -88,7 +88,7 @@ fn sums(sailed: &SailedSums) -> Markup {
 
 /// With columns for the captive value and whether the interval holds it.
 fn captive<'a, R>(table: Table<&'a R>, of: impl Fn(&'a R) -> Option<CaptiveValue>) -> Table<&'a R> {
-    let verdict = |own: CaptiveValue| match own.within {
+    let verdict = |captive_value: CaptiveValue| match captive_value.within {
         Some(true) => "within",
         Some(false) => "outside",
         None => "–",

@@ -131,11 +131,11 @@ fn track_caption() -> Markup {
 }
 
 fn descriptions(maneuvers: &[&ManeuverTrace]) -> Markup {
-    let words = |own: &ManeuverTrace| {
-        let parts = [own.description.as_str(), own.reached.as_str()];
+    let words = |maneuver_trace: &ManeuverTrace| {
+        let parts = [maneuver_trace.description.as_str(), maneuver_trace.reached.as_str()];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ")
     };
-    let described: Vec<_> = maneuvers.iter().filter(|own| !words(own).is_empty()).collect();
+    let described: Vec<_> = maneuvers.iter().filter(|maneuver| !words(maneuver).is_empty()).collect();
     html! {
         @if !described.is_empty() {
             dl.names { @for maneuver in described { (entry(&maneuver.name, words(maneuver))) } }

@@ -141,7 +141,7 @@ impl Measured {
         if let Some(delivered) = self.delivered() {
             sentences.push(delivered);
         } else if let Some((found, errors)) =
-            self.searched.as_ref().and_then(|own| Some((own, own.delivered_errors()?)))
+            self.searched.as_ref().and_then(|searched| Some((searched, searched.delivered_errors()?)))
         {
             let what = match &found.forces {
                 Some(own) if !own.delivered => "The ship as she was, without forces that a search found,",

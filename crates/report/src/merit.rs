@@ -25,7 +25,9 @@ fn table(found: &MeritDocument) -> Markup {
         .name("Maneuver", |(first, maneuver, _)| if first { maneuver.name.as_str() } else { "" })
         .text("Figure", |(.., figure)| &figure.what)
         .number("Value", |(.., figure)| value(figure.value, figure))
-        .number("Without current", |(.., figure)| or_dash(figure.corrected.map(|own| value(own, figure))))
+        .number("Without current", |(.., figure)| {
+            or_dash(figure.corrected.map(|corrected| value(corrected, figure)))
+        })
         .number("95 % interval", |(.., figure)| interval(ends(figure)))
         .number("IMO allows", |(.., figure)| or_dash(figure.most.map(three)))
         .text("Verdict", |(.., figure)| verdict(figure));
@@ -39,7 +41,7 @@ fn table(found: &MeritDocument) -> Markup {
         p.note {
             "L: ship lengths of " (three(found.length_m)) " m. Definitions and limits are those of IMO MSC.137(76), which "
             "asks for them at 90 % of the speed of 85 % of the power, in calm deep water. " (of)
-            @for (name, lacking) in found.maneuvers.iter().filter_map(|own| Some((&own.name, own.lacking()?))) {
+            @for (name, lacking) in found.maneuvers.iter().filter_map(|maneuver| Some((&maneuver.name, maneuver.lacking()?))) {
                 " " (name) ": " (lacking) "."
             }
         }
@@ -49,11 +51,11 @@ fn table(found: &MeritDocument) -> Markup {
 /// What was sailed, what is to be known of the figures, and what has none.
 fn remarks(found: &MeritDocument) -> Markup {
     html! {
-        @for own in &found.maneuvers {
-            @let sailed = own.sailed.as_ref().map(|own| format!("By the log: {own}."));
-            @let without = own.reason.as_ref().map(|own| format!("Without figures: {own}."));
-            @let all: Vec<String> = sailed.into_iter().chain(own.remarks.iter().map(|own| format!("{own}."))).chain(without).collect();
-            @if !all.is_empty() { p.note { b { (own.name) } " " (all.join(" ")) } }
+        @for maneuver in &found.maneuvers {
+            @let sailed = maneuver.sailed.as_ref().map(|sailed| format!("By the log: {sailed}."));
+            @let without = maneuver.reason.as_ref().map(|reason| format!("Without figures: {reason}."));
+            @let all: Vec<String> = sailed.into_iter().chain(maneuver.remarks.iter().map(|remark| format!("{remark}."))).chain(without).collect();
+            @if !all.is_empty() { p.note { b { (maneuver.name) } " " (all.join(" ")) } }
         }
     }
 }
@@ -93,7 +95,9 @@ fn tracks_of(maneuvers: &[&ManeuverMerit], length_m: f64) -> String {
     let metres = |of: &[f64]| of.iter().map(|lengths| lengths * length_m).collect::<Vec<_>>();
     let all: Vec<(&str, [Vec<f64>; 2])> = maneuvers
         .iter()
-        .map(|own| (own.name.as_str(), [metres(&own.track.ahead), metres(&own.track.abeam)]))
+        .map(|maneuver| {
+            (maneuver.name.as_str(), [metres(&maneuver.track.ahead), metres(&maneuver.track.abeam)])
+        })
         .collect();
     let drawn: Vec<Track<'_>> = all
         .iter()
@@ -114,15 +118,24 @@ fn tracked(found: &MeritDocument, figures: &mut Figures) -> Markup {
 fn over_time(found: &MeritDocument, figures: &mut Figures) -> Markup {
     let columns = ["heading [°]", "surge speed u [m/s]", "yaw rate r [°/s]"]
         .map(|title| TraceColumn { title, legend: Vec::new() });
-    let row = |own: &'_ ManeuverMerit| -> Vec<Vec<Curve>> {
-        let values = [&own.track.heading_deg, &own.track.surge_m_s, &own.track.yaw_rate_deg_s];
+    let row = |maneuver_merit: &'_ ManeuverMerit| -> Vec<Vec<Curve>> {
+        let values = [
+            &maneuver_merit.track.heading_deg,
+            &maneuver_merit.track.surge_m_s,
+            &maneuver_merit.track.yaw_rate_deg_s,
+        ];
         let curve = |values: &Vec<f64>| vec![Curve { values: values.clone(), ..Curve::default() }];
         values.map(curve).into()
     };
     let rows: Vec<TraceRow<'_>> = found
         .maneuvers
         .iter()
-        .map(|own| TraceRow { name: &own.name, note: None, t: &own.track.t_s, cells: row(own) })
+        .map(|maneuver| TraceRow {
+            name: &maneuver.name,
+            note: None,
+            t: &maneuver.track.t_s,
+            cells: row(maneuver),
+        })
         .collect();
     let caption = html! {
         b { "Heading, speed and yaw rate of the same runs." }

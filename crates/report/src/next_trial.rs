@@ -150,7 +150,7 @@ fn free_runs(next: &NextTrial) -> Markup {
     let measured = next.searched.as_ref().and_then(SearchDocument::delivered_errors);
     let model =
         Followed { what: "this model, on recordings left out of the search", measured, simulated: None };
-    let scores = tally.scores.iter().flat_map(|own| &own.designs);
+    let scores = tally.scores.iter().flat_map(|score| &score.designs);
     let scored = scores.flat_map(|scores| {
         let [half, most] = match scores.design.as_str() {
             "optimized" => ["estimated anew from this trial, median", "… 90 % quantile"],
@@ -196,7 +196,7 @@ struct Known<'a> {
 }
 
 fn parameters(next: &NextTrial) -> Markup {
-    let predicted = next.design.covariance.as_ref().map(|own| &own.standard_errors);
+    let predicted = next.design.covariance.as_ref().map(|covariance| &covariance.standard_errors);
     let half_width = next.model.half_width();
     let within = |value: f64, error: Option<f64>| {
         let half = half_width * error?;
@@ -214,7 +214,7 @@ fn parameters(next: &NextTrial) -> Markup {
             .map(|(low, high)| [low, high])
             .or_else(|| within(p.value, p.standard_error)),
     });
-    let forces = next.model.forces.iter().flat_map(|own| &own.parameters).map(|p| Known {
+    let forces = next.model.forces.iter().flat_map(|force| &force.parameters).map(|p| Known {
         name: &p.name,
         degree: "forces",
         unit: &p.unit,

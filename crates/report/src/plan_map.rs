@@ -31,16 +31,16 @@ fn map(document: &MapDocument) -> figure::Map {
         contours: document
             .contours
             .iter()
-            .map(|own| figure::Contour { depth_m: own.depth_m, line: points(&own.line) })
+            .map(|contour| figure::Contour { depth_m: contour.depth_m, line: points(&contour.line) })
             .collect(),
         margins: document.margins.iter().map(margin).collect(),
         maneuvers: document.counts.iter().map(|(name, count)| (name.clone(), *count)).collect(),
         spots: document.spots.iter().map(spot).collect(),
-        names: document.names.iter().map(|own| (place(own.place), own.name.clone())).collect(),
-        tube: document.swept.as_ref().map(|own| figure::Tube {
-            grid: raster(&own.raster),
-            swept: set(&own.runs),
-            vessels: own.vessels,
+        names: document.names.iter().map(|name| (place(name.place), name.name.clone())).collect(),
+        tube: document.swept.as_ref().map(|swept| figure::Tube {
+            grid: raster(&swept.raster),
+            swept: set(&swept.runs),
+            vessels: swept.vessels,
         }),
         corridors: document.corridors.iter().map(points).collect(),
         edge: document.edge.as_ref().map(points).unwrap_or_default(),
@@ -53,12 +53,12 @@ fn map(document: &MapDocument) -> figure::Map {
             x: document
                 .meridians
                 .iter()
-                .map(|own| (own.east_m, label(own.longitude_deg, ["E", "W"])))
+                .map(|meridian| (meridian.east_m, label(meridian.longitude_deg, ["E", "W"])))
                 .collect(),
             y: document
                 .parallels
                 .iter()
-                .map(|own| (own.north_m, label(own.latitude_deg, ["N", "S"])))
+                .map(|parallel| (parallel.north_m, label(parallel.latitude_deg, ["N", "S"])))
                 .collect(),
         },
     }
@@ -72,9 +72,9 @@ fn points(line: &MapLine) -> Vec<[f64; 2]> {
     line.east_m.iter().zip(&line.north_m).map(|(east, north)| [*east, *north]).collect()
 }
 
-fn raster(own: &MapRaster) -> figure::Raster {
-    let [nx, ny] = [own.columns, own.rows].map(|count| count as usize);
-    figure::Raster { origin: [own.west_m, own.south_m], cell_m: own.cell_m, nx, ny }
+fn raster(map_raster: &MapRaster) -> figure::Raster {
+    let [nx, ny] = [map_raster.columns, map_raster.rows].map(|count| count as usize);
+    figure::Raster { origin: [map_raster.west_m, map_raster.south_m], cell_m: map_raster.cell_m, nx, ny }
 }
 
 /// For each cell whether it is in the set.
@@ -91,35 +91,44 @@ fn class(class: MapClass, least_m: Option<f64>) -> Option<figure::Class> {
     }
 }
 
-fn cells(own: &MapCells) -> figure::Cells {
-    let grid = raster(&own.raster);
+fn cells(map_cells: &MapCells) -> figure::Cells {
+    let grid = raster(&map_cells.raster);
     let mut classes = vec![None; grid.nx * grid.ny];
-    for MapCellClass { class: name, least_m, runs } in &own.classes {
+    for MapCellClass { class: name, least_m, runs } in &map_cells.classes {
         let cells = classes.iter_mut().zip(set(runs)).filter(|(_, is_in)| *is_in);
         cells.for_each(|(cell, _)| *cell = class(*name, *least_m));
     }
     figure::Cells { grid, classes }
 }
 
-fn area(own: &MapArea) -> Option<figure::Area> {
-    let mut rings = own.rings.iter().map(points);
-    Some(figure::Area { class: class(own.class, own.least_m)?, ring: rings.next()?, holes: rings.collect() })
+fn area(map_area: &MapArea) -> Option<figure::Area> {
+    let mut rings = map_area.rings.iter().map(points);
+    Some(figure::Area {
+        class: class(map_area.class, map_area.least_m)?,
+        ring: rings.next()?,
+        holes: rings.collect(),
+    })
 }
 
-fn margin(own: &MapMargin) -> figure::Margin {
-    let purpose = match own.purpose {
+fn margin(map_margin: &MapMargin) -> figure::Margin {
+    let purpose = match map_margin.purpose {
         MapPurpose::Trial => figure::Purpose::Trial,
         MapPurpose::Transit => figure::Purpose::Transit,
     };
-    figure::Margin { purpose, grid: raster(&own.raster), blocked: set(&own.runs) }
+    figure::Margin { purpose, grid: raster(&map_margin.raster), blocked: set(&map_margin.runs) }
 }
 
-fn spot(own: &MapSpot) -> figure::Spot {
-    let symbol = match own.symbol {
+fn spot(map_spot: &MapSpot) -> figure::Spot {
+    let symbol = match map_spot.symbol {
         MapSymbol::Sounding => figure::Symbol::Sounding,
         MapSymbol::Danger => figure::Symbol::Danger,
     };
-    figure::Spot { at: place(own.place), symbol, depth_m: own.depth_m, title: own.title.clone() }
+    figure::Spot {
+        at: place(map_spot.place),
+        symbol,
+        depth_m: map_spot.depth_m,
+        title: map_spot.title.clone(),
+    }
 }
 
 /// A track in the colour of its maneuver among `names`.

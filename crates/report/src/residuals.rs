@@ -52,14 +52,18 @@ fn drawn(name: &str, found: &[&ErrorCorrelations], figures: &mut Figures, captio
     figures.place_wide(name, correlations(&titles, &rows), &caption)
 }
 
-fn row<'a>(own: &'a ErrorCorrelations, shown: &[&str]) -> CorrelationRow<'a> {
-    let crossed = |name: &&str| match own.inputs.iter().find(|input| input.name == *name) {
+fn row<'a>(error_correlations: &'a ErrorCorrelations, shown: &[&str]) -> CorrelationRow<'a> {
+    let crossed = |name: &&str| match error_correlations.inputs.iter().find(|input| input.name == *name) {
         Some(input) => cell(-half(input.crossed.len()), &input.crossed),
         None => cell(0, &[]),
     };
-    let name = DegreeOfFreedom::ALL.into_iter().find(|d| d.state() == own.state);
-    let cells = std::iter::once(cell(1, &own.own)).chain(shown.iter().map(crossed));
-    CorrelationRow { name: name.map_or("", DegreeOfFreedom::name), bound: own.bound, cells: cells.collect() }
+    let name = DegreeOfFreedom::ALL.into_iter().find(|d| d.state() == error_correlations.state);
+    let cells = std::iter::once(cell(1, &error_correlations.own)).chain(shown.iter().map(crossed));
+    CorrelationRow {
+        name: name.map_or("", DegreeOfFreedom::name),
+        bound: error_correlations.bound,
+        cells: cells.collect(),
+    }
 }
 
 fn cell(first: i32, values: &[f64]) -> CorrelationCell<'_> {

@@ -78,10 +78,10 @@ fn followed(start: Pose, window: &[Traced], velocities: impl Fn(&Traced) -> [f64
     let states: Vec<f64> = window.iter().flat_map(velocities).collect();
     let step = window.get(1).map_or(1.0, |row| row.t - window[0].t);
     let (sin, cos) = libm::sincos(start.psi);
-    let placed = |own: Pose| Pose {
-        x: start.x + cos * own.x - sin * own.y,
-        y: start.y + sin * own.x + cos * own.y,
-        psi: start.psi + own.psi,
+    let placed = |pose: Pose| Pose {
+        x: start.x + cos * pose.x - sin * pose.y,
+        y: start.y + sin * pose.x + cos * pose.y,
+        psi: start.psi + pose.psi,
     };
     track(&states, 1.0 / step).into_iter().map(placed).collect()
 }

@@ -77,8 +77,9 @@ fn nested(found: &SearchDocument) -> Markup {
     let overlapping =
         [("whole search", &nested.search_overlapping), ("base structure", &nested.base_overlapping)];
     let average = nested.average.as_ref();
-    let mean =
-        |of: fn(&NestedAverage) -> &Option<FreeRunErrors>| average.map(|own| ("average of models", of(own)));
+    let mean = |of: fn(&NestedAverage) -> &Option<FreeRunErrors>| {
+        average.map(|average| ("average of models", of(average)))
+    };
     let [consecutive, overlapping] =
         [(consecutive, mean(|own| &own.errors)), (overlapping, mean(|own| &own.overlapping))]
             .map(|(rows, mean)| rows.into_iter().chain(mean));

@@ -69,13 +69,15 @@ pub(super) fn without(forces: &SearchedForces) -> Markup {
 }
 
 fn tried(all: &[TriedForce]) -> String {
-    let each = |own: &TriedForce| {
-        let cost =
-            own.share_left_out.zip(own.standard_error).map_or("no fit".to_owned(), |(share, error)| {
+    let each = |tried_force: &TriedForce| {
+        let cost = tried_force
+            .share_left_out
+            .zip(tried_force.standard_error)
+            .map_or("no fit".to_owned(), |(share, error)| {
                 format!("cost {} ± {}", percent(-share), percent(error))
             });
-        let said = format!("`{}` in {}, {cost}", own.term, own.degree);
-        if own.added { said } else { format!("({said})") }
+        let said = format!("`{}` in {}, {cost}", tried_force.term, tried_force.degree);
+        if tried_force.added { said } else { format!("({said})") }
     };
     if all.is_empty() { "–".to_owned() } else { all.iter().map(each).collect::<Vec<_>>().join("; ") }
 }

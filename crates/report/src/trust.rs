@@ -127,16 +127,16 @@ fn parameters(degree: &DegreeTrust) -> Markup {
 
 /// Correlations between the estimates, `entries` as many rows as parameters; none with those at a bound.
 fn correlation(degree: &DegreeTrust, entries: &[f64]) -> Markup {
-    let own = &degree.parameters;
-    let rows = own.iter().zip(entries.chunks(own.len().max(1)));
+    let parameters = &degree.parameters;
+    let rows = parameters.iter().zip(entries.chunks(parameters.len().max(1)));
     let named = Table::of(rows).compact().name("Correlation", |(p, _)| p.name.as_str());
-    let table = own.iter().enumerate().fold(named, |table, (i, other)| {
+    let table = parameters.iter().enumerate().fold(named, |table, (i, other)| {
         table.number(&other.name, |(p, row)| {
             let entry = row.get(i).filter(|_| !p.at_bound && !other.at_bound);
             or_dash(entry.map(|x| format!("{x:.2}").replace('-', "−")))
         })
     });
-    let held: Vec<&str> = own.iter().filter(|p| p.at_bound).map(|p| p.name.as_str()).collect();
+    let held: Vec<&str> = parameters.iter().filter(|p| p.at_bound).map(|p| p.name.as_str()).collect();
     html! {
         (table)
         @if !held.is_empty() { p.note { "A dash: " (held.join(", ")) " at its bound, which correlates with nothing." } }

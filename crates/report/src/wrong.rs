@@ -38,7 +38,7 @@ fn signs(all: &[TriedSign]) -> Table<&TriedSign> {
 }
 
 fn late(all: &[LateActuator]) -> Table<&LateActuator> {
-    let best = |own: &LateActuator| match (&own.kind, own.time_s) {
+    let best = |late_actuator: &LateActuator| match (&late_actuator.kind, late_actuator.time_s) {
         (Some(kind), Some(time)) => format!("{kind} of {} s", three(time)),
         _ => "–".to_owned(),
     };

@@ -145,7 +145,8 @@ impl AveragedSearch<'_> {
         done: &(dyn Fn(usize) + Sync),
     ) -> OfForces {
         let held = dealt.are_inputs_held;
-        let all: Vec<Recorded> = recordings.iter().map(|own| (own.name.clone(), own.whole.clone())).collect();
+        let all: Vec<Recorded> =
+            recordings.iter().map(|recording| (recording.name.clone(), recording.whole.clone())).collect();
         let ship = |theta: Vec<f64>| FittedShip { model: self.vessel.model.clone(), theta };
         let fold = |fold: usize| {
             let kept = all.iter().zip(dealt.folds).filter(|(_, own)| **own != fold);
@@ -198,7 +199,7 @@ fn chosen(
             .map(|&i| Some(Kind { recordings: recordings[i], without: ships[i].as_ref()? }))
             .collect::<Option<_>>()?;
         let mut all = Score::default();
-        once.scores(&kinds).iter().flatten().for_each(|own| all.merge(own));
+        once.scores(&kinds).iter().flatten().for_each(|score| all.merge(score));
         all.rmse()
     };
     let [search, forces] = inside;

@@ -78,13 +78,15 @@ impl<'a> Comparison<'a> {
     pub fn over(&self, runs: &PooledRuns) -> Result<(CompareDocument, Vec<Traced>), ComparisonError> {
         let vessels = self.vessels();
         let lead = widest(&vessels).unwrap_or_else(|| self.model.vessel());
-        let columns = vessels.iter().map(|own| channels_within(own, lead)).collect::<Result<Vec<_>, _>>()?;
+        let columns =
+            vessels.iter().map(|vessel| channels_within(vessel, lead)).collect::<Result<Vec<_>, _>>()?;
         let contestants = self.contestants(lead, &columns);
         let tried: Vec<&Tried> = std::iter::once(self.model).chain(self.averaged).collect();
         let known: Option<Vec<Known>> = tried.iter().map(|own| own.known()).collect();
         let known = known.unwrap_or_default();
         let fitted = tried.iter().rev().max_by_key(|own| own.vessel().model.exogenous());
-        let (covered, magnitudes) = fitted.map_or((&[][..], None), |own| (own.covered(), own.magnitudes()));
+        let (covered, magnitudes) =
+            fitted.map_or((&[][..], None), |fitted| (fitted.covered(), fitted.magnitudes()));
         let (window, rate_hz) = (self.window, lead.sample_rate_hz);
         let options = CompareOptions { window, known: &known, covered, magnitudes, rate_hz };
         let mut found = compare(&contestants, runs, &options)?;

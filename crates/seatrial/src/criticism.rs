@@ -30,20 +30,20 @@ pub(crate) fn channels(vessel: &Vessel) -> Vec<Channel> {
 /// A start of a window or a number that nothing determines.
 pub(crate) fn criticised(vessel: &Vessel, problem: &Problem, fit: &Fit) -> Result<ForceCriticism, Unfit> {
     let channels = channels(vessel);
-    let own =
+    let criticise =
         problem.criticise(fit, Channels { all: &channels, inputs: vessel.model.inputs, listed: None })?;
-    let not_tested = own.has_wrong_sign().then(|| NOT_TESTED.to_owned());
+    let not_tested = criticise.has_wrong_sign().then(|| NOT_TESTED.to_owned());
     Ok(ForceCriticism {
-        rejected: own.rejects(),
-        p_value: own.p_value,
-        units: own.units as u64,
-        whole_windows: own.whole,
-        statements: statements(&own, vessel.nominal.len()),
-        signs: own.signs.iter().map(sign).collect(),
-        late: own.late.iter().map(late).collect(),
-        absent: own.terms.iter().take(SHOWN).map(absent).collect(),
-        tested: own.terms.len() as u64,
-        hidden: own.hidden,
+        rejected: criticise.rejects(),
+        p_value: criticise.p_value,
+        units: criticise.units as u64,
+        whole_windows: criticise.whole,
+        statements: statements(&criticise, vessel.nominal.len()),
+        signs: criticise.signs.iter().map(sign).collect(),
+        late: criticise.late.iter().map(late).collect(),
+        absent: criticise.terms.iter().take(SHOWN).map(absent).collect(),
+        tested: criticise.terms.len() as u64,
+        hidden: criticise.hidden,
         not_tested,
     })
 }
@@ -52,28 +52,28 @@ pub(crate) fn criticised(vessel: &Vessel, problem: &Problem, fit: &Fit) -> Resul
 const NOT_TESTED: &str =
     "lags and missing forces are not tested: with a wrong sign they would make up for it";
 
-fn sign(own: &TurnedSign) -> TriedSign {
+fn sign(turned_sign: &TurnedSign) -> TriedSign {
     TriedSign {
-        turned: own.turn.to_string(),
-        share: own.share,
-        windows_better: own.better as u64,
-        windows: own.windows as u64,
-        p_value: own.p_value,
-        wrong: own.wrong,
+        turned: turned_sign.turn.to_string(),
+        share: turned_sign.share,
+        windows_better: turned_sign.better as u64,
+        windows: turned_sign.windows as u64,
+        p_value: turned_sign.p_value,
+        wrong: turned_sign.wrong,
     }
 }
 
-fn late(own: &LateInput) -> LateActuator {
+fn late(late_input: &LateInput) -> LateActuator {
     LateActuator {
-        input: own.input.clone(),
-        late_s: own.late_s,
-        standard_error: own.standard_error,
-        share: own.share,
-        p_value: own.p_value,
-        kind: own.best.map(|(kind, _, _)| kind_in_words(kind).to_owned()),
-        time_s: own.best.map(|(_, time, _)| time),
-        share_fitted: own.best.map(|(_, _, share)| share),
-        share_of_other: own.other,
+        input: late_input.input.clone(),
+        late_s: late_input.late_s,
+        standard_error: late_input.standard_error,
+        share: late_input.share,
+        p_value: late_input.p_value,
+        kind: late_input.best.map(|(kind, _, _)| kind_in_words(kind).to_owned()),
+        time_s: late_input.best.map(|(_, time, _)| time),
+        share_fitted: late_input.best.map(|(_, _, share)| share),
+        share_of_other: late_input.other,
     }
 }
 
@@ -99,8 +99,8 @@ fn absent(own: &AbsentTerm) -> AbsentForce {
 }
 
 /// The equation that a force is missing in.
-pub(crate) fn degree(own: &AbsentTerm) -> &'static str {
-    DegreeOfFreedom::ALL[own.degree].name()
+pub(crate) fn degree(absent_term: &AbsentTerm) -> &'static str {
+    DegreeOfFreedom::ALL[absent_term.degree].name()
 }
 
 /// The verdict: signs, then lags, then missing forces.
@@ -131,22 +131,25 @@ fn statements(own: &Criticism, numbers: usize) -> Vec<String> {
     std::iter::once(begin).chain(all).collect()
 }
 
-fn wrong_sign(own: &TurnedSign) -> String {
+fn wrong_sign(turned_sign: &TurnedSign) -> String {
     format!(
         "a sign is wrong: the recordings fit better with {} (cost {}, {} of {} windows, {}): check columns and places",
-        own.turn,
-        change(own.share.unwrap_or_default()),
-        own.better,
-        own.windows,
-        probability(own.p_value)
+        turned_sign.turn,
+        change(turned_sign.share.unwrap_or_default()),
+        turned_sign.better,
+        turned_sign.windows,
+        probability(turned_sign.p_value)
     )
 }
 
-fn late_in_words(own: &LateInput) -> String {
-    let begin = format!("`{}` acts {} s ", own.input, three(own.late_s.abs()));
-    let end = match (own.best, own.other) {
-        _ if own.late_s < 0.0 => {
-            return format!("{begin}earlier than it is logged (cost {}): check clocks", change(own.share));
+fn late_in_words(late_input: &LateInput) -> String {
+    let begin = format!("`{}` acts {} s ", late_input.input, three(late_input.late_s.abs()));
+    let end = match (late_input.best, late_input.other) {
+        _ if late_input.late_s < 0.0 => {
+            return format!(
+                "{begin}earlier than it is logged (cost {}): check clocks",
+                change(late_input.share)
+            );
         }
         (Some((kind, time, share)), other) => {
             let other = other.map_or(String::new(), |other| match kind {
@@ -155,27 +158,27 @@ fn late_in_words(own: &LateInput) -> String {
             });
             format!("{} of {} s: cost {}{other}", kind_in_words(kind), three(time), change(share))
         }
-        (None, _) => format!("cost {}", change(own.share)),
+        (None, _) => format!("cost {}", change(late_input.share)),
     };
     format!("{begin}later than the model has it ({end}): check its actuator and clocks")
 }
 
-fn missing(own: &AbsentTerm) -> String {
-    let prime = own.prime.map_or(String::new(), |one| {
+fn missing(absent_term: &AbsentTerm) -> String {
+    let prime = absent_term.prime.map_or(String::new(), |one| {
         format!(
             ", {} ± {} in the prime system",
-            three(own.value / one),
-            three((own.standard_error / one).abs())
+            three(absent_term.value / one),
+            three((absent_term.standard_error / one).abs())
         )
     });
     format!(
         "most likely missing: `{}` in {}, {} ± {} {} if added{prime} (cost {})",
-        own.term,
-        degree(own),
-        three(own.value),
-        three(own.standard_error),
-        own.unit,
-        change(own.share)
+        absent_term.term,
+        degree(absent_term),
+        three(absent_term.value),
+        three(absent_term.standard_error),
+        absent_term.unit,
+        change(absent_term.share)
     )
 }
 

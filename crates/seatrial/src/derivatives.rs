@@ -42,9 +42,13 @@ pub(crate) fn interval(value: f64, error: f64, pieces: usize) -> Option<[f64; 2]
 }
 
 /// The captive value of a parameter beside its interval: in the prime system where it has one, else in SI units.
-pub(crate) fn beside(own: &FittedParameter, captive: &Captive) -> Option<CaptiveValue> {
-    let value = *captive.get(&own.name)?;
-    let interval = if own.prime_value.is_some() { own.prime_interval } else { own.si_interval };
+pub(crate) fn beside(fitted_parameter: &FittedParameter, captive: &Captive) -> Option<CaptiveValue> {
+    let value = *captive.get(&fitted_parameter.name)?;
+    let interval = if fitted_parameter.prime_value.is_some() {
+        fitted_parameter.prime_interval
+    } else {
+        fitted_parameter.si_interval
+    };
     Some(CaptiveValue { value, within: interval.map(|[low, high]| (low..=high).contains(&value)) })
 }
 
@@ -66,21 +70,21 @@ pub(crate) fn sailed(
     captive: &Captive,
     drift: f64,
 ) -> Option<SailedSums> {
-    let one = |own: LateralSum| {
-        let (value, used) = (own.of(theta), used(&own));
-        let standard_error = quadratic(&own.weights, &estimates.covariance).max(0.0).sqrt();
+    let one = |lateral_sum: LateralSum| {
+        let (value, used) = (lateral_sum.of(theta), used(&lateral_sum));
+        let standard_error = quadratic(&lateral_sum.weights, &estimates.covariance).max(0.0).sqrt();
         let variances: Option<Vec<f64>> =
-            used.iter().map(|i| Some((own.weights[*i] * priors[*i]?.deviation).powi(2))).collect();
+            used.iter().map(|i| Some((lateral_sum.weights[*i] * priors[*i]?.deviation).powi(2))).collect();
         let interval = interval(value, standard_error, estimates.pieces)?;
         Some(SailedSum {
-            degree: DegreeOfFreedom::ALL[own.degree].name().to_owned(),
-            order: own.order,
+            degree: DegreeOfFreedom::ALL[lateral_sum.degree].name().to_owned(),
+            order: lateral_sum.order,
             terms: used.iter().map(|i| forces.parameters()[*i].name.clone()).collect(),
             value,
             standard_error,
             interval,
             prior_deviation: variances.map(|all| all.iter().sum::<f64>().sqrt()),
-            captive: captive_sum(&own, forces.parameters(), captive, interval),
+            captive: captive_sum(&lateral_sum, forces.parameters(), captive, interval),
         })
     };
     let sums = forces.lateral_sums(drift).into_iter().map(one).collect::<Option<_>>()?;
@@ -94,31 +98,33 @@ fn used(own: &LateralSum) -> Vec<usize> {
 
 /// The sum of captive values, where all are given.
 fn captive_sum(
-    own: &LateralSum,
+    lateral_sum: &LateralSum,
     parameters: &[Parameter],
     captive: &Captive,
     [low, high]: [f64; 2],
 ) -> Option<CaptiveValue> {
     let written = |i: usize| {
-        if own.weights[i] == 0.0 {
+        if lateral_sum.weights[i] == 0.0 {
             return Some(0.0);
         }
         let parameter = &parameters[i];
         Some(captive.get(&parameter.name)? * parameter.prime.unwrap_or(1.0) / parameter.scale)
     };
     let theta: Vec<f64> = (0..parameters.len()).map(written).collect::<Option<_>>()?;
-    let value = own.known + dot(&own.weights, &theta);
+    let value = lateral_sum.known + dot(&lateral_sum.weights, &theta);
     Some(CaptiveValue { value, within: Some((low..=high).contains(&value)) })
 }
 
 /// What to say of sums and captive values.
 pub(crate) fn statements(sailed: Option<&SailedSums>, parameters: &[FittedParameter]) -> Vec<String> {
-    let sums = sailed.filter(|own| !own.sums.is_empty()).map(|own| {
-        let one = |own: &SailedSum| {
-            let order = ["", "linear", "quadratic", "cubic"][own.order.min(3) as usize];
-            let captive = own.captive.map_or(String::new(), |own| format!(" (captive {})", three(own.value)));
-            let [value, error] = [own.value, own.standard_error].map(three);
-            format!("{} {order} {value} ± {error}{captive}", own.degree)
+    let sums = sailed.filter(|sailed| !sailed.sums.is_empty()).map(|own| {
+        let one = |sailed_sum: &SailedSum| {
+            let order = ["", "linear", "quadratic", "cubic"][sailed_sum.order.min(3) as usize];
+            let captive = sailed_sum
+                .captive
+                .map_or(String::new(), |captive| format!(" (captive {})", three(captive.value)));
+            let [value, error] = [sailed_sum.value, sailed_sum.standard_error].map(three);
+            format!("{} {order} {value} ± {error}{captive}", sailed_sum.degree)
         };
         let all: Vec<String> = own.sums.iter().map(one).collect();
         format!("sums along v = {:.2} r L: {}", own.drift, all.join(", "))

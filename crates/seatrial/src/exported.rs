@@ -68,7 +68,7 @@ fn portable(
 fn knowledge(model: &ModelDocument) -> Knowledge {
     let terms = model.degrees.iter().flat_map(|degree| &degree.parameters);
     let terms = terms.map(|own| (&own.name, own.standard_error));
-    let forces = model.forces.iter().flat_map(|own| &own.parameters);
+    let forces = model.forces.iter().flat_map(|force| &force.parameters);
     let all = terms.chain(forces.map(|own| (&own.name, own.standard_error)));
     Knowledge {
         standard_errors: all.filter_map(|(name, error)| Some((name.clone(), error?))).collect(),

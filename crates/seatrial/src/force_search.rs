@@ -68,8 +68,8 @@ impl ForceSearch<'_> {
     /// # Errors
     /// A listed text that is no term of this ship, or lists without any that she lacks.
     pub fn check(&self) -> Result<usize, Invalid> {
-        let own = self.physical(self.vessel, false);
-        let forces = own.forces()?;
+        let physical = self.physical(self.vessel, false);
+        let forces = physical.forces()?;
         let (all, inputs) = (channels(self.vessel), self.vessel.model.inputs);
         let found = Channels { all: &all, inputs, listed: self.listed }.lacking(forces);
         match found.map_err(|e| e.invalid())? {
@@ -101,15 +101,15 @@ impl ForceSearch<'_> {
         }
         let held = runs.are_inputs_held();
         let sources: Vec<Recorded> =
-            recordings.iter().map(|own| (own.name.clone(), own.whole.clone())).collect();
+            recordings.iter().map(|recording| (recording.name.clone(), recording.whole.clone())).collect();
         // Fails at once where the ship cannot be fitted.
         let base = self.physical(self.vessel, true).fitted_model(runs, (&sources, held))?;
         let without: Vec<WithoutFold> = (0..self.folds)
             .into_par_iter()
             .map(|fold| {
-                let own = self.without(fold, &dealt, &sources, held);
+                let without = self.without(fold, &dealt, &sources, held);
                 done(1);
-                own
+                without
             })
             .collect();
         let (ships, said): (Vec<_>, Vec<_>) = without.into_iter().map(|own| (own.ships, own.said)).unzip();
@@ -159,7 +159,7 @@ impl ForceSearch<'_> {
         let base = fitted(self.vessel);
         let grown = self.physical(self.vessel, false).grown((&kept, held), self.listed);
         let (tried, ended) =
-            grown.as_ref().map_or((Vec::new(), None), |own| (own.tried.clone(), own.ended.clone()));
+            grown.as_ref().map_or((Vec::new(), None), |grown| (grown.tried.clone(), grown.ended.clone()));
         let search = match (&base, grown) {
             (Ok(base), Ok(own)) if added(&own.tried).next().is_none() => Ok(base.clone()),
             (_, Ok(own)) => fitted(&own.vessel),
@@ -259,13 +259,18 @@ fn numbers(model: &ModelDocument) -> &[FittedParameter] {
     model.forces.as_ref().map_or(&[], |own| &own.parameters)
 }
 
-fn found(own: &TriedForce, numbers: &[FittedParameter], without: &[ForcesWithoutFold]) -> Option<FoundForce> {
-    let number = numbers.iter().find(|number| number.name == own.parameter)?;
-    let too = |fold: &&ForcesWithoutFold| added(&fold.tried).any(|other| other.parameter == own.parameter);
+fn found(
+    tried_force: &TriedForce,
+    numbers: &[FittedParameter],
+    without: &[ForcesWithoutFold],
+) -> Option<FoundForce> {
+    let number = numbers.iter().find(|number| number.name == tried_force.parameter)?;
+    let too =
+        |fold: &&ForcesWithoutFold| added(&fold.tried).any(|other| other.parameter == tried_force.parameter);
     Some(FoundForce {
-        degree: own.degree.clone(),
-        term: own.term.clone(),
-        parameter: own.parameter.clone(),
+        degree: tried_force.degree.clone(),
+        term: tried_force.term.clone(),
+        parameter: tried_force.parameter.clone(),
         unit: number.unit.clone(),
         value: number.value,
         standard_error: number.standard_error,
@@ -276,8 +281,11 @@ fn found(own: &TriedForce, numbers: &[FittedParameter], without: &[ForcesWithout
 /// What was found, whether recordings left out confirm it, and what is delivered.
 fn statements(forces: &SearchedForces, judged: &JudgedShips, grown: &GrownShip) -> Vec<String> {
     let folds = forces.without.len();
-    let each = |own: &FoundForce| {
-        format!("`{}` in {} (in {} of {folds} folds too)", own.term, own.degree, own.found_by_folds)
+    let each = |found_force: &FoundForce| {
+        format!(
+            "`{}` in {} (in {} of {folds} folds too)",
+            found_force.term, found_force.degree, found_force.found_by_folds
+        )
     };
     let named: Vec<String> = forces.found.iter().map(each).collect();
     let (what, verdict) = match (named.is_empty(), forces.delivered) {

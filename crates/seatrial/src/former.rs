@@ -20,25 +20,25 @@ pub fn former(vessel: &Vessel, model: &ModelDocument) -> Result<Vec<f64>, Invali
     check_alike(forces.description(), &theirs)?;
     let sizes = [forces.description(), &theirs].map(|own| (own.ship.length_m, own.ship.draught_m));
     let same = sizes[0] == sizes[1];
-    let mean = |own: &Parameter| {
-        let found = fitted.parameters.iter().find(|found| found.name == own.name).ok_or_else(|| {
-            let (thing, found) = (format!("parameter `{}`", own.name), "a number that was known");
+    let mean = |parameter: &Parameter| {
+        let found = fitted.parameters.iter().find(|found| found.name == parameter.name).ok_or_else(|| {
+            let (thing, found) = (format!("parameter `{}`", parameter.name), "a number that was known");
             Invalid::new(thing, found, "one that was estimated", "fix it in this vessel, too")
         })?;
-        scaled(own, found, same)
+        scaled(parameter, found, same)
     };
     forces.parameters().iter().map(mean).collect()
 }
 
 /// A former estimate in the system of `own`.
-fn scaled(own: &Parameter, found: &FittedParameter, same: bool) -> Result<f64, Invalid> {
-    match (own.prime, found.prime_value) {
-        _ if same && own.unit == found.unit => Ok(found.value),
-        (Some(one), Some(prime)) => Ok(prime * one / own.scale),
-        _ if same => Ok(found.si_value / own.scale),
+fn scaled(parameter: &Parameter, found: &FittedParameter, same: bool) -> Result<f64, Invalid> {
+    match (parameter.prime, found.prime_value) {
+        _ if same && parameter.unit == found.unit => Ok(found.value),
+        (Some(one), Some(prime)) => Ok(prime * one / parameter.scale),
+        _ if same => Ok(found.si_value / parameter.scale),
         _ => {
             let (thing, found) =
-                (format!("parameter `{}`", own.name), format!("a number in {}", own.si_unit));
+                (format!("parameter `{}`", parameter.name), format!("a number in {}", parameter.si_unit));
             let expected = "numbers of the prime system: the ships differ in size";
             Err(Invalid::new(thing, found, expected, "fix it, or take a former fit of this ship"))
         }
@@ -66,13 +66,15 @@ fn parts(of: &Description) -> Vec<String> {
     let coriolis = of.ship.coriolis.map_or("without-munk", |own| own.name());
     let mut all = vec![format!("area `{area}`, coriolis `{coriolis}`")];
     for (degree, terms) in [("surge", &of.surge), ("sway", &of.sway), ("yaw", &of.yaw)] {
-        let part = |own: &TermSpec| format!("`{}` {} in {degree}", own.parameter, own.term);
+        let part = |term_spec: &TermSpec| format!("`{}` {} in {degree}", term_spec.parameter, term_spec.term);
         all.extend(terms.iter().map(part));
     }
     all.extend(of.propeller.iter().map(|own| format!("propeller `{}` of input `{}`", own.name, own.input)));
     all.extend(of.rudder.iter().map(|own| format!("rudder `{}` of input `{}`", own.name, own.input)));
     all.extend(of.thruster.iter().map(|own| format!("thruster `{}` of input `{}`", own.name, own.input)));
-    let harmonics = |own: &ship::forces::WindSpec| [own.surge.len(), own.sway.len(), own.yaw.len()];
+    let harmonics = |wind_spec: &ship::forces::WindSpec| {
+        [wind_spec.surge.len(), wind_spec.sway.len(), wind_spec.yaw.len()]
+    };
     all.extend(of.wind.iter().map(|own| format!("wind `{}` of {:?} harmonics", own.name, harmonics(own))));
     all.extend(of.crossflow.iter().map(|own| format!("crossflow `{}`", own.name)));
     all

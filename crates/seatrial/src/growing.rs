@@ -140,7 +140,7 @@ impl ForwardSelection<'_> {
         }
         let count = gains.len() as f64;
         let mean = gains.iter().sum::<f64>() / count;
-        let square: f64 = gains.iter().map(|own| (own - mean).powi(2)).sum();
+        let square: f64 = gains.iter().map(|gain| (gain - mean).powi(2)).sum();
         let (one, error) = (costs / count, (square / (count * (count - 1.0))).sqrt());
         (gains.len() > 1 && one > 0.0).then_some((mean / one, error / one))
     }
@@ -185,9 +185,9 @@ fn forces_of(vessel: &Vessel) -> Result<&Forces, Unfit> {
 
 /// Numbers of the ship `old` for `new`, which has all of its own and others.
 fn carried(new: &Forces, old: &Forces, theta: &[f64]) -> Vec<f64> {
-    let value = |own: &ship::forces::Parameter| {
-        let at = old.parameters().iter().position(|known| known.name == own.name);
-        at.map_or(own.nominal, |at| theta[at])
+    let value = |parameter: &ship::forces::Parameter| {
+        let at = old.parameters().iter().position(|known| known.name == parameter.name);
+        at.map_or(parameter.nominal, |at| theta[at])
     };
     new.parameters().iter().map(value).collect()
 }
@@ -202,8 +202,8 @@ fn with(vessel: &Vessel, named: (&AbsentTerm, &str), channels: &[Channel]) -> Re
     let forces = Forces::new(&description, channels)?;
     let old = moved.forces.parameters();
     let nominal = carried(&forces, &moved.forces, &vessel.nominal);
-    let truth = |own: &ship::forces::Parameter| {
-        old.iter().position(|known| known.name == own.name).and_then(|at| vessel.value[at])
+    let truth = |parameter: &ship::forces::Parameter| {
+        old.iter().position(|known| known.name == parameter.name).and_then(|at| vessel.value[at])
     };
     let value = forces.parameters().iter().map(truth).collect();
     let mut own = vessel.clone();
@@ -254,8 +254,11 @@ fn name(absent: &AbsentTerm, ship: &Vessel) -> String {
         Some((name, power)) => format!("abs{name}{power}"),
         None => own.replace('/', "per"),
     };
-    let parts: Vec<String> =
-        absent.term.split_whitespace().map(|own| part(own).replace(['^', '*'], "")).collect();
+    let parts: Vec<String> = absent
+        .term
+        .split_whitespace()
+        .map(|split_whitespace| part(split_whitespace).replace(['^', '*'], ""))
+        .collect();
     let mut name = format!("{}_{}", ["X", "Y", "N"][absent.degree], parts.join("_"));
     while names(ship).any(|own| own == name) {
         name.push_str("_more");

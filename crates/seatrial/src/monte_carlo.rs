@@ -156,10 +156,10 @@ impl MonteCarlo<'_> {
             let Some(alike) = alike else {
                 let before = first + outcomes.len();
                 let groups = all.into_iter().map(|own| (own.starts(), own.side_by_side()));
-                let own = instruments.nominal_side_by_side(groups, removal);
+                let nominal_side_by_side = instruments.nominal_side_by_side(groups, removal);
                 let over =
                     |(i, at)| NominalDiverged::over(name, (before + i) as i32, at, vessel.sample_rate_hz);
-                outcomes.extend(own.map_err(over)?);
+                outcomes.extend(nominal_side_by_side.map_err(over)?);
                 continue;
             };
             for own in all {

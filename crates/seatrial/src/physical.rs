@@ -325,7 +325,7 @@ fn is_entangled(own: &estimation::fitting::Parameter) -> bool {
 /// What to know before using the fit.
 fn statements(estimates: &Estimates) -> Vec<String> {
     let named = |of: &dyn Fn(&estimation::fitting::Parameter) -> bool| -> Vec<String> {
-        let names = estimates.parameters.iter().filter(|own| of(own));
+        let names = estimates.parameters.iter().filter(|parameter| of(parameter));
         names.map(|own| format!("`{}`", own.name)).collect()
     };
     let mut all = Vec::new();

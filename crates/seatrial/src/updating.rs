@@ -326,7 +326,7 @@ fn diagonal(variances: &[f64]) -> Vec<f64> {
 /// The update in words.
 fn said(found: &DesignUpdateDocument) -> String {
     let error = found.parameter_error.map(|error| ("parameter error", error));
-    let by_criterion = found.criterion.as_ref().map(|own| ("criterion", own.error));
+    let by_criterion = found.criterion.as_ref().map(|criterion| ("criterion", criterion.error));
     let errors = match error.or(by_criterion) {
         Some((what, UpdatedError { promised, now, ratio })) => {
             let over = ratio.map_or(String::new(), |ratio| format!(", {ratio:.2} of it"));
@@ -334,12 +334,12 @@ fn said(found: &DesignUpdateDocument) -> String {
         }
         None => "no error of all parameters together, as one of them is zero".to_owned(),
     };
-    let left = found.accuracy.as_ref().map(|own| match own.remaining_s > 0.0 {
+    let left = found.accuracy.as_ref().map(|accuracy| match accuracy.remaining_s > 0.0 {
         true => format!(
             "; {} is wanted ({}), which takes {:.1} s more of the same design",
-            own.wanted, own.of, own.remaining_s
+            accuracy.wanted, accuracy.of, accuracy.remaining_s
         ),
-        false => format!("; {} was wanted ({}), and is reached", own.wanted, own.of),
+        false => format!("; {} was wanted ({}), and is reached", accuracy.wanted, accuracy.of),
     });
     let another =
         found.after_another.map(|error| format!("; another trial of this length leaves {error:.3}"));

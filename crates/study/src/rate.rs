@@ -18,10 +18,10 @@ pub fn at_rate(
     provenance: &mut Provenance,
 ) -> Result<Vessel, Error> {
     let Some(rate_hz) = rate_hz else { return Ok(vessel) };
-    let own = vessel.sample_rate_hz;
+    let sample_rate_hz = vessel.sample_rate_hz;
     let vessel = vessel.at_rate(rate_hz).map_err(|e| crate::invalid(path, &e))?;
     provenance.settings.insert("rate_hz".into(), json!(rate_hz));
-    provenance.settings.insert("vessel_rate_hz".into(), json!(own));
+    provenance.settings.insert("vessel_rate_hz".into(), json!(sample_rate_hz));
     Ok(vessel)
 }
 

@@ -129,9 +129,9 @@ fn terms_text(key: &str, terms: &[Table], notes: &Notes) -> String {
     if terms.is_empty() {
         return String::new();
     }
-    let term = |own: &Table| {
-        let name = own.get("parameter").and_then(Value::as_str).unwrap_or_default();
-        format!("  {},{}\n", inline(&Value::Table(own.clone())), note(notes, &[name.to_owned()]))
+    let term = |table: &Table| {
+        let name = table.get("parameter").and_then(Value::as_str).unwrap_or_default();
+        format!("  {},{}\n", inline(&Value::Table(table.clone())), note(notes, &[name.to_owned()]))
     };
     format!("\n{key} = [\n{}]\n", terms.iter().map(term).collect::<String>())
 }
@@ -145,8 +145,8 @@ fn tables(key: &str, all: &[Table], notes: &Notes) -> String {
     all.iter().map(table).collect()
 }
 
-fn lines(owner: &str, own: &Table, notes: &Notes) -> String {
-    sorted(own).into_iter().map(|(key, value)| line(owner, key, value, notes)).collect()
+fn lines(owner: &str, table: &Table, notes: &Notes) -> String {
+    sorted(table).into_iter().map(|(key, value)| line(owner, key, value, notes)).collect()
 }
 
 fn line(owner: &str, key: &str, value: &Value, notes: &Notes) -> String {
@@ -161,8 +161,8 @@ fn note(notes: &Notes, names: &[String]) -> String {
 }
 
 /// The entries of a table in their order.
-fn sorted(own: &Table) -> Vec<(&String, &Value)> {
-    let mut all: Vec<_> = own.iter().collect();
+fn sorted(table: &Table) -> Vec<(&String, &Value)> {
+    let mut all: Vec<_> = table.iter().collect();
     all.sort_by_key(|(key, _)| ORDER.iter().position(|known| known == key).unwrap_or(ORDER.len()));
     all
 }

@@ -28,7 +28,7 @@ pub(crate) struct Topology<'a> {
 
 /// Places and ends of all nodes and edges, as stored.
 pub(crate) fn stored(vectors: &BTreeMap<Name, Vector>) -> u64 {
-    vectors.values().map(|own| (1 + own.points.items.len() + own.ends.items.len()) as u64).sum()
+    vectors.values().map(|vector| (1 + vector.points.items.len() + vector.ends.items.len()) as u64).sum()
 }
 
 impl<'a> Topology<'a> {
@@ -102,16 +102,16 @@ impl Topology<'_> {
     fn points(&self, pointers: &[Pointer], feature: &Feature) -> Result<Geometry, Invalid> {
         let mut places = Vec::new();
         for pointer in pointers {
-            let own = &self.vector(pointer.name, feature)?.points.items;
-            self.count(own.len(), feature)?;
-            places.extend(own);
+            let items = &self.vector(pointer.name, feature)?.points.items;
+            self.count(items.len(), feature)?;
+            places.extend(items);
         }
-        let own = |[lat, lon, _]: [i32; 3]| self.degree([lon, lat]);
+        let degree = |[lat, lon, _]: [i32; 3]| self.degree([lon, lat]);
         if feature.class != crate::enc::class("SOUNDG").unwrap_or_default() {
-            return Ok(Geometry::Points(places.into_iter().map(own).collect()));
+            return Ok(Geometry::Points(places.into_iter().map(degree).collect()));
         }
         let sounding = |place: [i32; 3]| {
-            let [lon, lat] = own(place);
+            let [lon, lat] = degree(place);
             [lon, lat, f64::from(place[2]) / self.parameters.per_metre]
         };
         Ok(Geometry::Soundings(places.into_iter().map(sounding).collect()))

@@ -124,11 +124,11 @@ impl Versioned for Object {
 }
 
 /// Sets attributes, and removes deleted ones.
-fn merge(own: &mut Attributes, changes: Attributes) {
+fn merge(attributes: &mut Attributes, changes: Attributes) {
     for (code, value) in changes {
         match value == DELETED {
-            true => own.remove(&code),
-            false => own.insert(code, value),
+            true => attributes.remove(&code),
+            false => attributes.insert(code, value),
         };
     }
 }

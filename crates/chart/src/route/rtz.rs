@@ -66,8 +66,9 @@ fn waypoints(xml: &mut Xml, route: &Route) -> io::Result<()> {
 /// The departure as the decided time, the times that follow as calculated ones.
 fn schedule(xml: &mut Xml, route: &Route) -> io::Result<()> {
     xml.create_element("schedules").write_inner_content(|xml| {
-        let own = xml.create_element("schedule").with_attributes([("id", "1"), ("name", "planned")]);
-        own.write_inner_content(|xml| {
+        let with_attributes =
+            xml.create_element("schedule").with_attributes([("id", "1"), ("name", "planned")]);
+        with_attributes.write_inner_content(|xml| {
             xml.create_element("manual").write_inner_content(|xml| scheduled(xml, route, 0))?;
             xml.create_element("calculated").write_inner_content(|xml| {
                 (0..route.waypoints.len()).try_for_each(|index| scheduled(xml, route, index))

@@ -55,7 +55,7 @@ impl Task for Arguments {
         let vessel = read_any_simulated(&self.vessel, &mut provenance)?;
         let of_forces = || vessel.model.forces.as_ref().map(|own| own.forces.description().ship.length_m);
         let length_m = self.length_m.or_else(of_forces);
-        let Some(length_m) = length_m.filter(|own| *own > 0.0 && *own <= 1e3) else {
+        let Some(length_m) = length_m.filter(|length_m| *length_m > 0.0 && *length_m <= 1e3) else {
             let found = length_m.map_or("none".to_owned(), |own| own.to_string());
             let expected = "more than 0, at most 1000 m";
             return Err(Failure::Usage(format!(

@@ -177,9 +177,12 @@ impl Task for Arguments {
             ("runs", json!(self.of.runs)),
             ("leave_out", json!(self.of.leave_out)),
         ];
-        let bootstrap =
-            options.bootstrap.map(|own| [("bootstrap", json!(own.resamples)), ("seed", json!(own.seed))]);
-        let average = options.average.map(|own| [("average", json!(own.models)), ("seed", json!(own.seed))]);
+        let bootstrap = options
+            .bootstrap
+            .map(|bootstrap| [("bootstrap", json!(bootstrap.resamples)), ("seed", json!(bootstrap.seed))]);
+        let average = options
+            .average
+            .map(|average| [("average", json!(average.models)), ("seed", json!(average.seed))]);
         let core = self.core.then_some([("core", json!(true))]).into_iter().flatten();
         let settings = settings.into_iter().chain(core).chain(bootstrap.into_iter().chain(average).flatten());
         provenance.settings.extend(settings.map(|(key, value)| (key.to_owned(), value)));
@@ -264,9 +267,9 @@ impl Arguments {
         let settings = self.weights.settings(1.0 / ship.sample_rate_hz, window, None)?;
         let of_forces = self.of.read_of_forces(ship, provenance)?;
         note([("prior_weight", json!(settings.prior_weight))], provenance);
-        let own = AveragedSearch { search: begun, options, vessel: ship, settings };
-        let progress = Progress::new("fits, at most", own.fits(), common.quiet);
-        Ok(own.find([runs, &of_forces], &|count| progress.advance(count)))
+        let averaged_search = AveragedSearch { search: begun, options, vessel: ship, settings };
+        let progress = Progress::new("fits, at most", averaged_search.fits(), common.quiet);
+        Ok(averaged_search.find([runs, &of_forces], &|count| progress.advance(count)))
     }
 
     /// Refuses flags of an average of other models, and what the folds choose.

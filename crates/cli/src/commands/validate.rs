@@ -98,9 +98,9 @@ impl Arguments {
         let seconds = share * reader.rows() as f64 * validation.samples() as f64 / SIMULATED_PER_SECOND;
         let progress = Progress::new("blocks of estimates", blocks, quiet).foretold(seconds);
         let score = |i: usize| {
-            let own = validation.score(&estimates::rows(&reader, vessel, file, i)?, truth.as_deref());
+            let score = validation.score(&estimates::rows(&reader, vessel, file, i)?, truth.as_deref());
             progress.advance(1);
-            Ok(own)
+            Ok(score)
         };
         let made = Made::computed(out, &scores::columns(), provenance, reader.blocks(), score)?;
         match scores::doubled(&made.rows) {

@@ -63,8 +63,8 @@ impl Arguments {
             TableError::Table(error) => error.into(),
             TableError::Design(error) => {
                 let dictionary = table.with(&[(0, 0)]).map_err(Failure::from).and_then(|moments| {
-                    let own = moments.dictionary(self.estimated());
-                    own.map_err(|e| Failure::invalid(&self.moments, &e))
+                    let dictionary = moments.dictionary(self.estimated());
+                    dictionary.map_err(|e| Failure::invalid(&self.moments, &e))
                 });
                 match dictionary {
                     Ok(dictionary) => no_design(&self.moments, None, dictionary.explain(error)),

@@ -113,7 +113,7 @@ impl Record {
     pub fn forget(&mut self, pipeline: &Pipeline, step: &Step) -> Result<(), Error> {
         let before = self.document.stages.remove(&step.name).map(|known| known.outputs).unwrap_or_default();
         let recorded = before.keys().map(|key| pipeline.folders.observed(key).path().to_owned());
-        let stated = step.outputs.iter().map(|own| PathBuf::from(pipeline.resolved(own)));
+        let stated = step.outputs.iter().map(|output| PathBuf::from(pipeline.resolved(output)));
         for file in recorded.chain(stated).filter(|own| own.is_file()) {
             std::fs::remove_file(&file).map_err(|e| Error::io(&file, "remove", e))?;
         }

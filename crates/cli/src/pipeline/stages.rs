@@ -132,8 +132,8 @@ impl Pipeline {
         let key = |path: &Path| self.folders.key(path);
         let paths = [("\0dictionary", key(&self.dictionary)), ("\0logs", key(&self.logs))];
         let recorded = |word: &String| {
-            let own = word.replace('{', "{{").replace("\0study", "{study}").replace("\0out", "{out}");
-            paths.iter().fold(own, |word, (name, path)| word.replace(name, path))
+            let replace = word.replace('{', "{{").replace("\0study", "{study}").replace("\0out", "{out}");
+            paths.iter().fold(replace, |word, (name, path)| word.replace(name, path))
         };
         words.iter().map(recorded).collect()
     }

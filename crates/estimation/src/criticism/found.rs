@@ -180,7 +180,7 @@ impl Criticism {
         let white = self.whiteness.iter().flat_map(|w| [w.statistic, w.p_value, w.first_autocorrelation]);
         let optional = [self.p_value, self.current_time_s].into_iter().flatten();
         let found = self.noise.iter().flat_map(|noise| {
-            let drifts = noise.drifts.iter().flat_map(|own| [own.std, own.time_s]);
+            let drifts = noise.drifts.iter().flat_map(|drift| [drift.std, drift.time_s]);
             drifts.chain(noise.others.iter().map(|own| own.below))
         });
         noise.into_iter().chain(found).chain(white).chain(optional).all(f64::is_finite)

@@ -81,7 +81,7 @@ impl Projected {
             let row = |a: &usize| columns.iter().map(|b| self.covariance[a * self.columns + b]).sum::<f64>();
             rows.iter().map(row).sum()
         };
-        let size: Vec<f64> = unknowns.iter().map(|own| entry(own, own).max(0.0).sqrt()).collect();
+        let size: Vec<f64> = unknowns.iter().map(|unknown| entry(unknown, unknown).max(0.0).sqrt()).collect();
         let all = || unknowns.iter().zip(&size);
         all().flat_map(|(a, s)| all().map(move |(b, t)| entry(a, b) / (s * t))).collect()
     }

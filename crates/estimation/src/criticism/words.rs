@@ -101,8 +101,8 @@ fn noise_found(found: &Criticism, noise: &FoundNoise) -> String {
     for (of, name) in [("force", "forces, in a sample"), ("sensor", "sensors that drift by")] {
         let each = noise.drifts.iter().filter(|own| own.of == of);
         let each: Vec<String> = each
-            .map(|own| {
-                format!("{} {} {} over {} s", own.state, number(own.std), own.unit, number(own.time_s))
+            .map(|each| {
+                format!("{} {} {} over {} s", each.state, number(each.std), each.unit, number(each.time_s))
             })
             .collect();
         if !each.is_empty() {

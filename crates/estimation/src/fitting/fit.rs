@@ -70,8 +70,8 @@ impl Problem<'_> {
         match self.settings.starts {
             Starts::Measured => Ok(found),
             Starts::Unknown => {
-                let own = Pass::new(self, Some(self.first(found.rms))).fit(&found.theta)?;
-                Ok(Fit { steps: own.steps + found.steps, ..own })
+                let fit = Pass::new(self, Some(self.first(found.rms))).fit(&found.theta)?;
+                Ok(Fit { steps: fit.steps + found.steps, ..fit })
             }
         }
     }
@@ -166,9 +166,9 @@ impl Pass<'_> {
 
     /// The first measured sample of each window.
     fn measured_starts(&self) -> Vec<Vec<[f64; 3]>> {
-        let start = |own: &Window| {
-            let measured = self.recordings[own.recording].measured;
-            [0, 1, 2].map(|d| measured[3 * own.first + d])
+        let start = |window: &Window| {
+            let measured = self.recordings[window.recording].measured;
+            [0, 1, 2].map(|d| measured[3 * window.first + d])
         };
         self.groups.iter().map(|group| group.windows.iter().map(start).collect()).collect()
     }

@@ -147,7 +147,7 @@ fn follow<X: Real>(
     look: impl FnMut(usize, [X; 3]),
 ) {
     let acting = pass.late.then(|| {
-        let rows: Vec<X> = group.inputs.iter().map(|own| lift(*own)).collect();
+        let rows: Vec<X> = group.inputs.iter().map(|input| lift(*input)).collect();
         body.acting(&rows, pass.width, pass.settings.sample_s)
     });
     let input = |at: usize| match &acting {

@@ -204,11 +204,11 @@ impl<'a> Account<'a> {
             let source = source.to_owned();
             self.recordings.push(RecordingConstant { source, ..RecordingConstant::default() });
         }
-        let own = &mut self.recordings[place];
-        own.samples += samples;
-        own.constant_u += u;
-        own.constant_v += v;
-        own.constant_r += r;
+        let recording = &mut self.recordings[place];
+        recording.samples += samples;
+        recording.constant_u += u;
+        recording.constant_v += v;
+        recording.constant_r += r;
     }
 
     /// Means instead of sums, with the known constant.

@@ -181,8 +181,8 @@ impl Question<'_> {
                 None => self.linears(&recordings, whole).into_iter().map(Settled::from).collect(),
                 Some(unknown) => {
                     let starts = &ambient[i * LANES..][..parts.len()];
-                    let own = Ambient::new(&recordings, unknown, whole, self.weights);
-                    own.settled(&self.free, starts, spread)
+                    let ambient = Ambient::new(&recordings, unknown, whole, self.weights);
+                    ambient.settled(&self.free, starts, spread)
                 }
             };
             found.truncate(group.runs);

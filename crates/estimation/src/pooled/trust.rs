@@ -57,9 +57,9 @@ impl DegreeTrust {
     /// Takes away what says how far estimates scatter.
     pub(super) fn without_errors(&mut self) {
         self.correlation = None;
-        for own in &mut self.parameters {
-            (own.standard_error, own.bootstrap_std) = (None, None);
-            (own.bootstrap_low, own.bootstrap_high) = (None, None);
+        for parameter in &mut self.parameters {
+            (parameter.standard_error, parameter.bootstrap_std) = (None, None);
+            (parameter.bootstrap_low, parameter.bootstrap_high) = (None, None);
         }
     }
 
@@ -340,12 +340,12 @@ impl<'a> Account<'a> {
         let (sums, solution) = (found.data(d), found.degrees[d].solution.as_ref());
         let p = sums.total().degrees[d].parameters();
         // An estimate of a search has a covariance of its own.
-        let own = found.searched.is_some() && found.used[d].searches();
+        let searches = found.searched.is_some() && found.used[d].searches();
         Self {
             d,
             centring: sums.centring(),
             solution,
-            meat: solution.filter(|_| !own).map(|_| Meat::new(p, bandwidth)),
+            meat: solution.filter(|_| !searches).map(|_| Meat::new(p, bandwidth)),
             tests: ResidualTests::new(bandwidth.max(1), p),
             strength: Strength::default(),
         }

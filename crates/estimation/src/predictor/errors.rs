@@ -28,7 +28,7 @@ impl Errors {
     /// With every error times `factor`.
     pub fn times(self, factor: f64) -> Self {
         let each = self.each.into_iter().map(|error| factor * error).collect();
-        Self { each, covariance: self.covariance.map(|own| scaled(own, factor)), ..self }
+        Self { each, covariance: self.covariance.map(|covariance| scaled(covariance, factor)), ..self }
     }
 }
 

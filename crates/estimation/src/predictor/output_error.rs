@@ -317,7 +317,7 @@ pub(super) fn fit(
             Fit::Converged(Fitted {
                 parameters: layout.theta(&point[..all]),
                 standard_errors: layout.theta(&errors[..all]),
-                covariance: covariance.map(|own| of_terms(layout, &own)),
+                covariance: covariance.map(|covariance| of_terms(layout, &covariance)),
                 intercepts: layout.intercepts(point),
                 offset: [0, 1, 2].map(|d| entry(point, d)),
                 current: unknown.current.map(|_| [point, &errors].map(|of| [3, 4].map(|i| entry(of, i)))),

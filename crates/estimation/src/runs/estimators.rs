@@ -135,7 +135,7 @@ impl RunEstimators<'_> {
         let found = self.found(runs, None)?;
         let (intercepts, current) =
             found.first(estimator).map_or((None, None), |own| (own.intercepts, own.current));
-        let surroundings = current.map(|own| Surroundings::of((name, 0), own));
+        let surroundings = current.map(|current| Surroundings::of((name, 0), current));
         let row = found.by(self, estimator, runs).pop().map(|(row, _)| row);
         let Some((row, theta)) = row.and_then(|row| Some((row.clone(), row.estimate?.0))) else {
             return Ok(None);
@@ -152,8 +152,8 @@ impl RunEstimators<'_> {
             let own = left(&theta);
             (theta, own)
         });
-        let own = intercepts.unwrap_or_else(|| left(&theta));
-        Ok(Some((row, Delivered::of_run(model, &part, (theta, own), simple, surroundings))))
+        let unwrap_or_else = intercepts.unwrap_or_else(|| left(&theta));
+        Ok(Some((row, Delivered::of_run(model, &part, (theta, unwrap_or_else), simple, surroundings))))
     }
 
     /// Everything that the requested estimators need, each computed once; searches begin at `near`, if known.

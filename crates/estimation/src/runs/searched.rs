@@ -118,7 +118,7 @@ impl RunEstimators<'_> {
             let widest = noise.widest.as_ref().map(|errors| (layout.theta(errors), None));
             let (all, covariance) = widest.unwrap_or_else(found_ones);
             let all = all.into_iter().map(|error| noise.factor * error).collect();
-            (all, covariance.map(|own| scaled(own, noise.factor)))
+            (all, covariance.map(|covariance| scaled(covariance, noise.factor)))
         } else {
             let blocks = errors_by_blocks(model, run, &theta, self.initial, &noise.levels);
             let own = blocks.map(|own| of_terms(layout, &own)).map(|own| (roots(&own), Some(own)));
@@ -126,7 +126,7 @@ impl RunEstimators<'_> {
         };
         // A parameter at a bound has no error.
         let zero = |(before, own): (&f64, f64)| if *before == 0.0 { 0.0 } else { own };
-        let covariance = covariance.map(|own| held(own, &found.standard_errors));
+        let covariance = covariance.map(|covariance| held(covariance, &found.standard_errors));
         let standard_errors = found.standard_errors.iter().zip(own).map(zero).collect();
         Fitted { standard_errors, covariance, approximate: !noise.white, ..found }
     }

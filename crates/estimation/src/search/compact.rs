@@ -130,7 +130,7 @@ impl Study<'_> {
             beta = vec![0.0; whole.sizes.len()];
             places.iter().zip(&fitted).for_each(|(i, b)| beta[*i] = *b);
             let linearised: Option<Vec<Linearised>> =
-                folds.iter().map(|own| linearise(&whole.only(own), &beta)).collect();
+                folds.iter().map(|fold| linearise(&whole.only(fold), &beta)).collect();
             let Some(linearised) = linearised else { break };
             let held = whole.held(&beta);
             for _ in 0..BEFORE {

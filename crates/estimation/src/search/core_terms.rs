@@ -30,8 +30,8 @@ pub fn core(model: &Model, roles: &Roles, reversing: &[usize]) -> Result<(Model,
     let inputs = 3..3 + model.inputs;
     let thrusts = roles.thrusts.iter().chain(roles.even.iter().filter(|own| inputs.contains(own)));
     let thrusts = thrusts.map(|own| name(own).to_owned());
-    let rudders = roles.rudders.iter().map(|own| format!("u^2 {}", name(own)));
-    let differences = roles.differences.iter().map(|own| name(own).to_owned());
+    let rudders = roles.rudders.iter().map(|rudder| format!("u^2 {}", name(rudder)));
+    let differences = roles.differences.iter().map(|difference| name(difference).to_owned());
     let surge = with(&["u", "u |u|"], speeds.chain(thrusts).collect());
     let (sway, yaw) = (with(&["v", "u r"], Vec::new()), with(&["r"], rudders.chain(differences).collect()));
     let degrees = [0, 1, 2].map(|_| Degree::default());
@@ -41,7 +41,8 @@ pub fn core(model: &Model, roles: &Roles, reversing: &[usize]) -> Result<(Model,
 
 /// The channels of propellers ahead and astern that are derived of those `reversing`, where none has these roles.
 fn with_astern(model: &Model, mut roles: Roles, reversing: &[usize]) -> Result<(Model, Roles), Invalid> {
-    let single: Vec<usize> = roles.propellers.iter().copied().filter(|own| reversing.contains(own)).collect();
+    let single: Vec<usize> =
+        roles.propellers.iter().copied().filter(|propeller| reversing.contains(propeller)).collect();
     let apart = roles.ahead.iter().any(|own| !roles.propellers.contains(own)) || !roles.astern.is_empty();
     if single.is_empty() || apart {
         return Ok((model.clone(), roles));

@@ -47,7 +47,7 @@ impl Study<'_> {
             let found = model.as_ref().map(|found| of(&found.model, &found.theta));
             let base = base.as_ref().map(|base| of(self.base, base));
             let several = averages.and_then(|all| all[fold].as_deref());
-            let average = several.map(|own| scores_of_mean(&ships(own), &recordings, laid, *limit));
+            let average = several.map(|several| scores_of_mean(&ships(several), &recordings, laid, *limit));
             for (i, recording) in recordings.iter().enumerate() {
                 let [search, base, average] =
                     [&found, &base, &average].map(|scores| scores.as_ref().map(|s| s[i]));

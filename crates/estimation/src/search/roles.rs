@@ -223,7 +223,9 @@ fn mirrored(model: &Model, port: usize, starboard: usize) -> bool {
     let tied = |d: usize, sign: f64| {
         model.degrees[d].terms.iter().any(|term| {
             let of = |factors: &[ship::model::Factor], channel| factors.iter().any(|f| f.variable == channel);
-            let other = |own: &ship::model::Product| of(&own.factors, starboard) && own.coefficient == sign;
+            let other = |product: &ship::model::Product| {
+                of(&product.factors, starboard) && product.coefficient == sign
+            };
             of(&term.factors, port) && term.tied.iter().any(other)
         })
     };

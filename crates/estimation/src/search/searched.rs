@@ -193,7 +193,7 @@ pub fn search(
         None => None,
     };
     let nested_score = setting.judged(&found.by_folds, averages.as_ref().map(|own| own.by_folds.as_slice()));
-    let ship = |own: &Fitted| FittedShip { model: own.model.clone(), theta: own.theta.clone() };
+    let ship = |fitted: &Fitted| FittedShip { model: fitted.model.clone(), theta: fitted.theta.clone() };
     let without = found.by_folds.iter().map(|own| own.model.as_ref().map(ship)).collect();
     let candidates = nested.all.candidates;
     let mut statements =

@@ -132,9 +132,9 @@ fn contradicting(nested: &NestedScore) -> Option<String> {
         Some(norm) => norm > USELESS && norm > CONTRADICTS * usual,
         None => own.search_diverged > 0,
     };
-    let named = nested.recordings.iter().filter(beyond).map(|own| match own.search_norm {
-        Some(norm) => format!("`{}` by an error norm of {norm:.2}", own.source),
-        None => format!("`{}`, where they diverge", own.source),
+    let named = nested.recordings.iter().filter(beyond).map(|recording| match recording.search_norm {
+        Some(norm) => format!("`{}` by an error norm of {norm:.2}", recording.source),
+        None => format!("`{}`, where they diverge", recording.source),
     });
     let named: Vec<String> = named.collect();
     (!named.is_empty()).then(|| {
@@ -155,8 +155,8 @@ pub fn averaged(found: &NestedAverage) -> Vec<String> {
             found.diverged
         ),
     }];
-    out.extend(found.overlapping.as_ref().map(|own| {
-        format!("the average over windows that begin at every quarter of one: fit {}", fits(own))
+    out.extend(found.overlapping.as_ref().map(|overlapping| {
+        format!("the average over windows that begin at every quarter of one: fit {}", fits(overlapping))
     }));
     let pairs = [(&found.over_search, "the single model"), (&found.over_base, "the base structure")];
     let sentence = |(margin, than): (&Option<Margin>, &str)| {

@@ -102,8 +102,8 @@ impl NoiseModel {
             let times = if a == b && b == c { a } else { format!("{a}, {b} and {c}") };
             format!(", forces that add {} in a sample and drift over {times}", three(own.std))
         });
-        let drift = self.drift.map_or(String::new(), |own| {
-            format!(", sensors that drift by {} over {}", three(own.std), over(own.factor))
+        let drift = self.drift.map_or(String::new(), |drift| {
+            format!(", sensors that drift by {} over {}", three(drift.std), over(drift.factor))
         });
         format!(
             "most likely disturbances: noise of {u:.2e}, {v:.2e} m/s and {r:.2e} rad/s, {current}{force}{drift}"

@@ -44,8 +44,8 @@ impl Schemas {
         }
         let text = &text[..text.len().min(LONGEST + 1)];
         effort.keep(ENTRY + name.len() + encoding.len() + text.len())?;
-        let own = Schema { name: name.to_owned(), encoding: encoding.to_owned(), text: text.to_vec() };
-        self.0.insert(id, own);
+        let schema = Schema { name: name.to_owned(), encoding: encoding.to_owned(), text: text.to_vec() };
+        self.0.insert(id, schema);
         Ok(())
     }
 

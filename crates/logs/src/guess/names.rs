@@ -170,8 +170,8 @@ impl Named {
         let is_other = self.words[self.field..].iter().any(|word| is_among(word, others));
         let is_exact = self.likeness(channel) == Some(0);
         (is_exact || !is_other)
-            && self.unit.is_none_or(|own| {
-                if is_of_shaft { crate::shaft_factor(own, wanted) } else { crate::factor(own, wanted) }
+            && self.unit.is_none_or(|unit| {
+                if is_of_shaft { crate::shaft_factor(unit, wanted) } else { crate::factor(unit, wanted) }
                     .is_some()
             })
     }

@@ -72,7 +72,7 @@ impl SentenceGuess {
         let missing = needed.iter().filter(is_missing).cloned().collect();
         let is_placed = |own: &&SpokenField| placed.iter().any(|known| known.column == own.column);
         let mut unused: Vec<String> =
-            spoken.fields.iter().filter(|own| !is_placed(own)).map(|own| own.column.clone()).collect();
+            spoken.fields.iter().filter(|field| !is_placed(field)).map(|own| own.column.clone()).collect();
         unused.dedup();
         let (mut fastest, mut slowest) = (f64::INFINITY, 0.0_f64);
         for field in spoken.fields.iter().filter(is_placed) {
@@ -80,8 +80,8 @@ impl SentenceGuess {
             (fastest, slowest) = (fastest.min(step_s), slowest.max(step_s));
         }
         let clocked = spoken.timed[clock] as f64;
-        let is_timed = |own: &SpokenField| CLOCKS.contains(&&own.column[..3]);
-        let untimed = spoken.fields.iter().filter(is_placed).filter(|own| !is_timed(own));
+        let is_timed = |spoken_field: &SpokenField| CLOCKS.contains(&&spoken_field.column[..3]);
+        let untimed = spoken.fields.iter().filter(is_placed).filter(|field| !is_timed(field));
         Some(Self {
             clock,
             is_spread: untimed.map(|own| own.values as f64).any(|values| values > SPREAD * clocked),

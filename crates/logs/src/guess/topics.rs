@@ -56,8 +56,8 @@ impl BagGuess {
         }
         let is_missing = |own: &&Needed| !search.placed.contains(own.channel.as_str());
         let missing = needed.iter().filter(is_missing).cloned().collect();
-        let unused = topics.iter().filter(|own| search.found.iter().all(|used| used.topic != own.name));
-        let length_s = topics.iter().map(|own| times(format, own)[1]).fold(0.0, f64::max);
+        let unused = topics.iter().filter(|topic| search.found.iter().all(|used| used.topic != topic.name));
+        let length_s = topics.iter().map(|topic| times(format, topic)[1]).fold(0.0, f64::max);
         Self {
             format,
             unused: unused.map(|own| own.name.clone()).collect(),
@@ -95,7 +95,7 @@ impl Search<'_> {
                 other => other,
             };
             if values(topic, field).next().is_some() && self.is_free(channel) {
-                let own = Placed {
+                let placed = Placed {
                     column: (*field).to_owned(),
                     channel: channel.to_owned(),
                     unit: (*unit).to_owned(),
@@ -103,7 +103,7 @@ impl Search<'_> {
                     is_unit_guessed: false,
                     is_optional: false,
                 };
-                self.place(topic, own);
+                self.place(topic, placed);
             }
         }
     }
@@ -130,7 +130,7 @@ impl Search<'_> {
         }
         let Some((_, topic, field, name)) = best else { return };
         let largest = values(topic, field).fold(0.0, |most: f64, value| most.max(value.abs()));
-        let own = Placed {
+        let placed = Placed {
             column: field.clone(),
             channel: channel.to_owned(),
             unit: name.unit.unwrap_or_else(|| usual_unit(unit, largest)).to_owned(),
@@ -138,7 +138,7 @@ impl Search<'_> {
             is_unit_guessed: name.unit.is_none(),
             is_optional: false,
         };
-        self.place(topic, own);
+        self.place(topic, placed);
     }
 
     /// Whether no channel with the same information is placed yet: positions, and velocities, are logged one way.
@@ -150,9 +150,9 @@ impl Search<'_> {
         all.iter().all(|own| !self.placed.contains(*own))
     }
 
-    fn place(&mut self, topic: &Topic, own: Placed) {
-        self.placed.insert(own.channel.clone());
-        self.topic(topic).placed.push(own);
+    fn place(&mut self, topic: &Topic, placed: Placed) {
+        self.placed.insert(placed.channel.clone());
+        self.topic(topic).placed.push(placed);
     }
 
     /// The guess for `topic`, a new one at first.

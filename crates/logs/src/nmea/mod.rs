@@ -76,12 +76,12 @@ fn column(spec: &ChannelSpec) -> Result<Column, Invalid> {
         let expected = format!("a field of a sentence: {}", known.join(", "));
         return Err(Invalid::new("column", format!("`{name}`"), expected, remedy));
     };
-    let own = column.field.unit;
-    if factor(&spec.unit, own) != Some(1.0) {
+    let unit = column.field.unit;
+    if factor(&spec.unit, unit) != Some(1.0) {
         return Err(Invalid::new(
             format!("unit of column `{name}`"),
             format!("`{}`", spec.unit),
-            format!("`{own}`, as the sentence has it"),
+            format!("`{unit}`, as the sentence has it"),
             "correct it",
         ));
     }

@@ -151,7 +151,7 @@ impl Reader {
         if let Ok(number) = self.decimal(text).parse::<f64>() {
             let unix = [1.0, 1e3, 1e6, 1e9].map(|per_s| number / per_s).into_iter();
             let unix = unix
-                .filter(|own| (1e9..1e10).contains(own))
+                .filter(|unix| (1e9..1e10).contains(unix))
                 .find_map(|own| Timestamp::from_second(own as i64).ok());
             if let Some(date) = unix {
                 let found = format!("`{}`, as of {date} counted from 1970", foreign(text));

@@ -73,7 +73,7 @@ impl Helm {
         let places: Vec<(usize, f64, Option<f64>)> = inputs
             .iter()
             .enumerate()
-            .filter_map(|(i, own)| Some((i, *settings.get(&own.name)?, radians(&own.unit))))
+            .filter_map(|(i, input)| Some((i, *settings.get(&input.name)?, radians(&input.unit))))
             .filter(|(_, change, _)| *change != 0.0)
             .collect();
         let squares: f64 = places.iter().map(|(_, change, _)| change * change).sum();

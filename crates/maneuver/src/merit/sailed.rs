@@ -270,7 +270,7 @@ impl Sailed {
         let turned = |time: f64| smoother.at(time, record.heading.len(), |k| record.heading[k]) - course;
         let end = turned(to.min(record.last() as f64));
         let is_apart = end.abs() < 2.75 * PI && record.last() as f64 - to > APPROACH * window;
-        let is_pull_out = wanted.map_or(is_apart, |own| matches!(own, Standard::PullOut(_)));
+        let is_pull_out = wanted.map_or(is_apart, |wanted| matches!(wanted, Standard::PullOut(_)));
         // A helm that goes back in steps is a spiral's.
         let back = (over..helm.smooth.len()).find(|k| sign * off(*k) <= 0.3 * first);
         let held = &helm.smooth[over..back.unwrap_or(helm.smooth.len())];
@@ -295,7 +295,7 @@ impl Sailed {
             orders.truncate(1 + orders.windows(2).take_while(is_reversal).count());
             size = orders.get(1).map_or(size, |other| 0.5 * (level - other.level).abs());
         }
-        let gone = orders.iter().skip(1).map(|own| turned(own.from).abs());
+        let gone = orders.iter().skip(1).map(|order| turned(order.from).abs());
         let wanted_heading = match wanted {
             Some(Standard::ZigZagTest(own)) => Some(own.heading_rad),
             _ => None,
@@ -412,7 +412,8 @@ fn range(hull: &Hull, input: &str) -> Option<[f64; 2]> {
 /// Whether an angle \[rad\] is the greatest of all rudders, where their ranges are stated.
 fn is_at_stop(angle: f64, hull: &Hull) -> bool {
     let inputs = hull.vessel.model.input_variables().iter();
-    let stop = |own: &ship::model::Variable| Some((radians(&own.unit)?, range(hull, &own.name)?));
+    let stop =
+        |variable: &ship::model::Variable| Some((radians(&variable.unit)?, range(hull, &variable.name)?));
     let stops = inputs.filter_map(stop).map(|(unit, [low, high])| unit * low.abs().max(high));
     stops.max_by(f64::total_cmp).is_some_and(|stop| angle >= NEARLY * stop)
 }
@@ -420,7 +421,7 @@ fn is_at_stop(angle: f64, hull: &Hull) -> bool {
 /// Whether `part` of a dictionary's helm is the most of an input.
 fn is_most(helm: &Settings, part: f64, hull: &Hull) -> bool {
     let is_end = |change: f64, [low, high]: [f64; 2]| change.abs() >= NEARLY * low.abs().max(high);
-    helm.iter().any(|(name, change)| range(hull, name).is_some_and(|own| is_end(part * change, own)))
+    helm.iter().any(|(name, change)| range(hull, name).is_some_and(|range| is_end(part * change, range)))
 }
 
 fn is_astern(hull: &Hull, input: &str, setting: f64) -> bool {

@@ -102,7 +102,7 @@ impl Orders {
     pub fn new(standard: Standard, approach: &Approach) -> Self {
         let (held, helm) = (&approach.inputs, changes(standard.settings().1, approach.vessel));
         let stopped = |i: usize, input: f64| {
-            approach.vessel.actuators[i].range.map_or(input, |own| at_stop(own, input))
+            approach.vessel.actuators[i].range.map_or(input, |range| at_stop(range, input))
         };
         let helm_of = |part: f64| {
             let inputs = held.iter().zip(&helm).enumerate();
@@ -207,7 +207,7 @@ fn at_stop([low, high]: [f64; 2], input: f64) -> f64 {
 pub(crate) fn changes(settings: &Settings, vessel: &Vessel) -> Vec<f64> {
     let inputs = vessel.model.input_variables();
     let mut row: Vec<f64> =
-        inputs.iter().map(|own| settings.get(&own.name).copied().unwrap_or(0.0)).collect();
+        inputs.iter().map(|input| settings.get(&input.name).copied().unwrap_or(0.0)).collect();
     for (i, coupling) in vessel.couplings.iter().enumerate() {
         if let Some((leader, factor)) = coupling {
             row[i] = factor * row[*leader];

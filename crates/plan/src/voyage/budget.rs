@@ -83,7 +83,7 @@ impl Prepared {
     /// again.
     pub(super) fn last_bytes(&self, moves: &Moves, counter_examples: &[(usize, SampledVessel)]) -> u128 {
         let anew: BTreeSet<usize> = counter_examples.iter().map(|(leg, _)| self.legs[*leg].group).collect();
-        let legs = self.legs.iter().filter(|own| anew.contains(&own.group));
+        let legs = self.legs.iter().filter(|leg| anew.contains(&leg.group));
         self.demand(&moves.actions).kept_bytes() + legs.map(|own| self.bytes_of(own)).sum::<u128>()
     }
 
@@ -94,12 +94,12 @@ impl Prepared {
 
     /// Bytes of the simulated legs.
     fn leg_bytes(&self) -> u128 {
-        self.legs.iter().map(|own| self.bytes_of(own)).sum()
+        self.legs.iter().map(|leg| self.bytes_of(leg)).sum()
     }
 
-    fn bytes_of(&self, own: &SettledLeg) -> u128 {
+    fn bytes_of(&self, settled_leg: &SettledLeg) -> u128 {
         let sample = size_of::<Sample>() + 8 * self.brief.vessel.model.inputs;
-        (own.sailed.samples.len() * sample + size_of_val(own.footprint.runs())) as u128
+        (settled_leg.sailed.samples.len() * sample + size_of_val(settled_leg.footprint.runs())) as u128
     }
 
     /// Bytes of a check's runs, of the tracks that are kept of them and of the nominal one.

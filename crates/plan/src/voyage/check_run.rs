@@ -93,7 +93,8 @@ impl Checking<'_> {
             }
             let words = parameters_in_words(&self.prepared().brief.vessel, &vessel.parameters);
             // A vessel that cannot be simulated is not the fault of a file.
-            let named = |own: Invalid| Invalid { thing: format!("{} with {words}", own.thing), ..own };
+            let named =
+                |invalid: Invalid| Invalid { thing: format!("{} with {words}", invalid.thing), ..invalid };
             self.run(vessel).map_err(|own| VoyageError::NoAnswer(named(own)))
         };
         let all: Vec<_> = vessels.into_par_iter().map(one).collect();

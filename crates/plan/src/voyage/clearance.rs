@@ -146,8 +146,10 @@ impl Clearance {
             let distance_m = obstacles.distance_m(place[0], place[1]);
             passage.clearance_m = passage.clearance_m.min(distance_m);
             // Interpolated, it is at most a cell's diagonal less.
-            if let Some(own) =
-                passage.between_cells_m.as_mut().filter(|own| distance_m < **own + 1.5 * cell_m)
+            if let Some(own) = passage
+                .between_cells_m
+                .as_mut()
+                .filter(|between_cells_m| distance_m < **between_cells_m + 1.5 * cell_m)
             {
                 *own = own.min(obstacles.between_cells_m(place[0], place[1]));
             }
@@ -160,8 +162,8 @@ impl Clearance {
 impl Prepared {
     /// The raster that clearances are measured on.
     fn clearance_raster(&self) -> Result<Raster, Invalid> {
-        let own = self.brief.task.raster(&self.grid);
-        fine(&own.bounds().grown(BEYOND_M), own.cell_m, sight_m(&self.brief.task))
+        let raster = self.brief.task.raster(&self.grid);
+        fine(&raster.bounds().grown(BEYOND_M), raster.cell_m, sight_m(&self.brief.task))
     }
 
     /// Its cells, including those around it, of all rasters that are built at once.

@@ -41,15 +41,15 @@ impl Prepared {
 }
 
 /// A kind of dangers, how many nodes it closes, and what would open them.
-fn words(own: &Closing, percent: f64) -> String {
-    let name = own.called.name.as_ref().map_or_else(String::new, |name| format!(" {name}"));
-    let deepest = own.called.depth_m.map_or_else(String::new, |depth| format!(" of at most {depth} m"));
-    let rule = own.rule().map(|class| format!("`rules = {{ {class} = \"ignore\" }}`"));
-    let keys = match own.cause {
+fn words(closing: &Closing, percent: f64) -> String {
+    let name = closing.called.name.as_ref().map_or_else(String::new, |name| format!(" {name}"));
+    let deepest = closing.called.depth_m.map_or_else(String::new, |depth| format!(" of at most {depth} m"));
+    let rule = closing.rule().map(|class| format!("`rules = {{ {class} = \"ignore\" }}`"));
+    let keys = match closing.cause {
         Causes::SHOAL => Some("`safety.transit_depth_m`".to_owned()).into_iter().chain(rule).collect(),
         Causes::UNCHARTED => vec!["`uncharted`".to_owned()],
         _ => rule.into_iter().collect::<Vec<_>>(),
     };
     let keys = if keys.is_empty() { String::new() } else { format!(" ({})", keys.join(" or ")) };
-    format!("{percent:.0} % by {}{name}{deepest}{keys}", own.called.what)
+    format!("{percent:.0} % by {}{name}{deepest}{keys}", closing.called.what)
 }

@@ -79,7 +79,7 @@ impl Prepared {
     pub(super) fn shortest_leg_s(&self, wanted: usize) -> f64 {
         let uses =
             |purpose: &Purpose| matches!(purpose, Purpose::Informative { piece, .. } if *piece == wanted);
-        let own = self.legs.iter().filter(|own| uses(&own.leg.purpose));
+        let own = self.legs.iter().filter(|leg| uses(&leg.leg.purpose));
         own.map(|own| own.seconds(self.brief.vessel.sample_rate_hz)).fold(f64::INFINITY, f64::min)
     }
 }

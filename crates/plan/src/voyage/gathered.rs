@@ -78,7 +78,12 @@ fn of_pieces(mut own: Vec<(MomentSums, GatheredManeuver)>) -> Gathered {
     for (moments, maneuver) in &mut own {
         maneuver.share = all.share_of(moments).map(|share| share * maneuver.planned as f64);
     }
-    let part = |own: &GatheredManeuver| Some(own.share? * own.done as f64 / own.planned.max(1) as f64);
+    let part = |gathered_maneuver: &GatheredManeuver| {
+        Some(
+            gathered_maneuver.share? * gathered_maneuver.done as f64
+                / gathered_maneuver.planned.max(1) as f64,
+        )
+    };
     let efficiency = libm::exp((so_far.log_det() - all.log_det()) / all.dimension() as f64);
     Gathered {
         share: own.iter().map(|(_, own)| part(own)).sum(),

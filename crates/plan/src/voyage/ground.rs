@@ -39,7 +39,7 @@ impl Brief {
     /// maneuver \[m\].
     pub(super) fn drift_m(&self, wanted: &[Wanted]) -> f64 {
         let longest = wanted.iter().map(|own| own.piece.samples).max().unwrap_or(0);
-        let changes_m_s = self.task.changes.current.map_or(0.0, |own| 3.0 * own.std_m_s);
+        let changes_m_s = self.task.changes.current.map_or(0.0, |current| 3.0 * current.std_m_s);
         let unknown_m_s = self.task.safety.unknown_current_m_s + changes_m_s;
         unknown_m_s * longest as f64 / self.vessel.sample_rate_hz
     }

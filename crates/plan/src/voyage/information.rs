@@ -78,32 +78,32 @@ impl Prepared {
 
     /// The information of a segment; of a ship with forces as she moves through the water, which the known current only carries.
     fn information_of(&self, summing: &Summing, sailed: &Sailed, range: Range<usize>) -> MomentSums {
-        let own = &sailed.samples[range.clone()];
-        let inputs: Vec<f64> = own.iter().flat_map(|s| s.inputs.iter().copied()).collect();
+        let sample = &sailed.samples[range.clone()];
+        let inputs: Vec<f64> = sample.iter().flat_map(|s| s.inputs.iter().copied()).collect();
         let after = sailed.samples.get(range.end).map(|s| s.state);
         let after = after.or(sailed.ends.last().map(|(_, state)| *state)).unwrap_or_default();
-        let mut states: Vec<f64> = own.iter().map(|s| s.state).chain([after]).flatten().collect();
+        let mut states: Vec<f64> = sample.iter().map(|s| s.state).chain([after]).flatten().collect();
         if summing.is_of_forces() {
             let [along, across] =
-                turned_back(self.brief.task.known_current_m_s, own.first().map_or(0.0, |s| s.pose.psi));
+                turned_back(self.brief.task.known_current_m_s, sample.first().map_or(0.0, |s| s.pose.psi));
             (states[0], states[1]) = (states[0] - along, states[1] - across);
         }
         summing.of(&inputs, &states)
     }
 
     /// The counts compared with the design's shares over the same time in maneuvers.
-    fn design_efficiency(&self, summing: &Summing, legs: &[usize], own: &MomentSums) -> Option<f64> {
+    fn design_efficiency(&self, summing: &Summing, legs: &[usize], moment_sums: &MomentSums) -> Option<f64> {
         let (design, vessel) = (self.brief.design.as_ref()?, &self.brief.vessel);
         let samples: f64 = self.pieces_of(legs).map(|piece| self.pieces[piece].samples as f64).sum();
         let mut best = MomentSums::default();
         for run in &self.brief.dictionary {
             let share = design.share.get(&run.segments[0].maneuver).copied().unwrap_or(0.0);
             if share > 0.0 {
-                let own = summing.of_piece(&Piece::whole(vessel, run));
-                best.add(&own, share * samples / run.samples() as f64);
+                let of_piece = summing.of_piece(&Piece::whole(vessel, run));
+                best.add(&of_piece, share * samples / run.samples() as f64);
             }
         }
-        let efficiency = libm::exp((own.log_det() - best.log_det()) / own.dimension() as f64);
+        let efficiency = libm::exp((moment_sums.log_det() - best.log_det()) / moment_sums.dimension() as f64);
         efficiency.is_finite().then_some(efficiency)
     }
 }

@@ -92,7 +92,7 @@ impl SailedPlan<'_> {
     fn leg(&self, index: usize, step: &Step, start: usize, samples: &[Sample]) -> VoyageLeg {
         let Prepared { brief, chart, grid, .. } = self.prepared;
         let rate_hz = brief.vessel.sample_rate_hz;
-        let own = &self.prepared.legs[self.sailing.legs[index]];
+        let leg = &self.prepared.legs[self.sailing.legs[index]];
         let (level, mode) = grid.level_and_mode(step.from.layer);
         let at = grid.pose(step.from.i, step.from.j, level);
         let (longitude_deg, latitude_deg) = chart.plane().to_geographic([at.y, at.x]);
@@ -103,9 +103,9 @@ impl SailedPlan<'_> {
         let model = &brief.vessel.model;
         let inputs = model.variables[3..3 + model.inputs].iter().enumerate();
         VoyageLeg {
-            name: own.name.clone(),
-            informative: own.is_informative(),
-            side: own.leg.purpose.side(),
+            name: leg.name.clone(),
+            informative: leg.is_informative(),
+            side: leg.leg.purpose.side(),
             start_s: start as f64 / rate_hz,
             duration_s: samples.len() as f64 / rate_hz,
             maneuver_start_s: open.map(|k| (start + k) as f64 / rate_hz),
@@ -125,25 +125,25 @@ impl SailedPlan<'_> {
         legs.filter_map(|(index, own)| self.primitive(index, own)).collect()
     }
 
-    fn primitive(&self, index: usize, own: &SettledLeg) -> Option<Primitive> {
+    fn primitive(&self, index: usize, settled_leg: &SettledLeg) -> Option<Primitive> {
         let grid = &self.prepared.grid;
         let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
-        let [north, east] = grid.displacement(own.leg.di, own.leg.dj);
-        let (from, _) = grid.level_and_mode(own.leg.from);
-        let (to, _) = grid.level_and_mode(own.leg.to);
-        let turned = compass_deg(own.end.psi - grid.heading_rad(to));
+        let [north, east] = grid.displacement(settled_leg.leg.di, settled_leg.leg.dj);
+        let (from, _) = grid.level_and_mode(settled_leg.leg.from);
+        let (to, _) = grid.level_and_mode(settled_leg.leg.to);
+        let turned = compass_deg(settled_leg.end.psi - grid.heading_rad(to));
         Some(Primitive {
-            maneuver: own.name.clone(),
-            side: own.leg.purpose.side()?,
+            maneuver: settled_leg.name.clone(),
+            side: settled_leg.leg.purpose.side()?,
             h: from as u64,
-            di: i64::from(own.leg.di),
-            dj: i64::from(own.leg.dj),
+            di: i64::from(settled_leg.leg.di),
+            dj: i64::from(settled_leg.leg.dj),
             to_h: to as u64,
-            maneuver_s: own.maneuver() as f64 / rate_hz,
-            leg_s: own.seconds(rate_hz),
-            residual_m: libm::hypot(own.end.x - north, own.end.y - east),
+            maneuver_s: settled_leg.maneuver() as f64 / rate_hz,
+            leg_s: settled_leg.seconds(rate_hz),
+            residual_m: libm::hypot(settled_leg.end.x - north, settled_leg.end.y - east),
             residual_deg: if turned > 180.0 { turned - 360.0 } else { turned },
-            spread_m: own.spread_m(),
+            spread_m: settled_leg.spread_m(),
             fits: self.solved.waters.fits_at(index) as u64,
         })
     }

@@ -71,8 +71,8 @@ impl Summing<'_> {
             Some(forces) => {
                 let prior = forces.prior_information();
                 let nothing = || vec![0.0; prior.len() * prior.len()];
-                let own = forces.information(initial, &exogenous).unwrap_or_else(nothing);
-                MomentSums { degrees: vec![own], prior }
+                let unwrap_or_else = forces.information(initial, &exogenous).unwrap_or_else(nothing);
+                MomentSums { degrees: vec![unwrap_or_else], prior }
             }
             None => self.lifted(initial, states, &exogenous),
         }

@@ -24,14 +24,14 @@ impl Moves {
     pub(super) fn new(legs: &[Arc<SettledLeg>], wanted: &[Wanted], rule: &CostRule, rate_hz: f64) -> Self {
         let mut moves = Self { actions: Vec::new(), legs: Vec::new() };
         let classes = if rule.secondary == Secondary::Clearance { CLEARANCE_CLASSES } else { 1 };
-        for (index, own) in legs.iter().enumerate() {
-            let action = moves.action(own, wanted);
+        for (index, leg) in legs.iter().enumerate() {
+            let action = moves.action(leg, wanted);
             // The time of a maneuver that reacts differs by vessel: the cost bounds it.
-            let reacts = own.leg.purpose.piece().is_some_and(|piece| wanted[piece].piece.helm.is_some());
-            let seconds = if reacts { own.longest as f64 / rate_hz } else { own.seconds(rate_hz) };
+            let reacts = leg.leg.purpose.piece().is_some_and(|piece| wanted[piece].piece.helm.is_some());
+            let seconds = if reacts { leg.longest as f64 / rate_hz } else { leg.seconds(rate_hz) };
             for class in 0..classes {
-                let cost = cost(own, rule, class, seconds);
-                let Leg { from, di, dj, to, .. } = own.leg;
+                let cost = cost(leg, rule, class, seconds);
+                let Leg { from, di, dj, to, .. } = leg.leg;
                 moves.actions[action].moves.push(Move { from, di, dj, to, cost });
                 moves.legs[action].push((index, class));
             }
@@ -39,12 +39,12 @@ impl Moves {
         moves
     }
 
-    fn action(&mut self, own: &SettledLeg, wanted: &[Wanted]) -> usize {
-        if let Some(known) = self.actions.iter().position(|a| a.name == own.name) {
+    fn action(&mut self, settled_leg: &SettledLeg, wanted: &[Wanted]) -> usize {
+        if let Some(known) = self.actions.iter().position(|a| a.name == settled_leg.name) {
             return known;
         }
-        let required = own.leg.purpose.piece().map_or(0, |piece| wanted[piece].count);
-        self.actions.push(Action { name: own.name.clone(), required, moves: Vec::new() });
+        let required = settled_leg.leg.purpose.piece().map_or(0, |piece| wanted[piece].count);
+        self.actions.push(Action { name: settled_leg.name.clone(), required, moves: Vec::new() });
         self.legs.push(Vec::new());
         self.actions.len() - 1
     }
@@ -58,15 +58,15 @@ impl Moves {
     }
 }
 
-fn cost(own: &SettledLeg, rule: &CostRule, class: usize, seconds: f64) -> Cost {
+fn cost(settled_leg: &SettledLeg, rule: &CostRule, class: usize, seconds: f64) -> Cost {
     let primary = match rule.primary {
-        Primary::BasicMoves => f64::from(u8::from(!own.is_informative())),
+        Primary::BasicMoves => f64::from(u8::from(!settled_leg.is_informative())),
         Primary::Seconds => seconds,
     };
     let secondary = match rule.secondary {
         Secondary::Seconds if rule.primary == Primary::Seconds => 0.0,
         Secondary::Seconds => seconds,
-        Secondary::Turns => f64::from(u8::from(own.name.starts_with("turn-"))),
+        Secondary::Turns => f64::from(u8::from(settled_leg.name.starts_with("turn-"))),
         Secondary::Clearance => class as f64,
     };
     Cost { primary, secondary }

@@ -56,12 +56,12 @@ impl SailedPlan<'_> {
             let samples = sample..sample + self.sailing.sailed.samples.iter().filter(|s| s.leg == k).count();
             sample = samples.end;
             let (from, to) = (self.prepared.node(step.from), self.prepared.node(step.to));
-            let own = &self.prepared.legs[self.sailing.legs[k]];
-            let side = own.leg.purpose.side();
+            let leg = &self.prepared.legs[self.sailing.legs[k]];
+            let side = leg.leg.purpose.side();
             let what = if side == Some(Side::Mirrored) {
-                format!("{} (mirrored)", own.name)
+                format!("{} (mirrored)", leg.name)
             } else {
-                own.name.clone()
+                leg.name.clone()
             };
             if distance(from, to) < ONE_PLACE_M {
                 // Deviations at a waypoint count for the leg that leads there.
@@ -77,7 +77,7 @@ impl SailedPlan<'_> {
                 }
                 continue;
             }
-            let informative = own.is_informative();
+            let informative = leg.is_informative();
             let straight = |what: &str, from, to, samples: Range<usize>| Draft {
                 what: what.to_owned(),
                 informative,
@@ -115,11 +115,11 @@ impl SailedPlan<'_> {
     /// The intersection of the courses at both ends of a step, if it turns under way, and the turn's radius.
     fn corner(&self, k: usize) -> Option<([f64; 2], f64)> {
         let (grid, step) = (&self.prepared.grid, &self.solved.solution.steps[k]);
-        let own = &self.prepared.legs[self.sailing.legs[k]].leg;
+        let leg = &self.prepared.legs[self.sailing.legs[k]].leg;
         let radius =
             |phase: &Phase| if let Phase::Arc { radius_m, .. } = phase { Some(*radius_m) } else { None };
-        let radius_m = own.phases.iter().find_map(radius)?;
-        let [a, b] = [own.from, own.to].map(|layer| grid.heading_rad(grid.level_and_mode(layer).0));
+        let radius_m = leg.phases.iter().find_map(radius)?;
+        let [a, b] = [leg.from, leg.to].map(|layer| grid.heading_rad(grid.level_and_mode(layer).0));
         let (from, to) = (self.prepared.node(step.from), self.prepared.node(step.to));
         let [north, east] = [to[0] - from[0], to[1] - from[1]];
         let ahead = (north * libm::sin(b) - east * libm::cos(b)) / libm::sin(b - a);
@@ -174,10 +174,10 @@ impl SailedPlan<'_> {
         let line = Route { waypoints: ends.into(), ..Route::default() };
         let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
         let places = self.places(&draft.samples);
-        let nearest = dangers.nearest(&places).map(|own| NearestDanger {
-            what: own.called.to_string(),
-            distance_m: own.distance_m,
-            bearing_deg: self.bearing_deg(own.between),
+        let nearest = dangers.nearest(&places).map(|nearest| NearestDanger {
+            what: nearest.called.to_string(),
+            distance_m: nearest.distance_m,
+            bearing_deg: self.bearing_deg(nearest.between),
         });
         let task = &self.prepared.brief.task;
         let least_depth_m = self.prepared.chart.least_depth_m(&places);
@@ -239,13 +239,13 @@ impl SailedPlan<'_> {
 
     /// Cross-track distances to port and starboard of each leg \[m\].
     fn widths(&self, drafts: &[Draft], dangers: &Dangers) -> Vec<[f64; 2]> {
-        let own = self.strayed(drafts, self.sailing.sailed.fixes());
+        let strayed = self.strayed(drafts, self.sailing.sailed.fixes());
         let all = self.strayed(drafts, self.sailing.runs.iter().flatten().copied());
-        let each = drafts.iter().zip(own.iter().zip(&all));
-        each.map(|(draft, (own, all))| {
+        let each = drafts.iter().zip(strayed.iter().zip(&all));
+        each.map(|(draft, (strayed, all))| {
             [0, 1].map(|side| {
-                let wanted = all[side].max(own[side]).max(self.floor_m());
-                own[side].max(self.clear_m(&draft.line(), side, wanted, dangers))
+                let wanted = all[side].max(strayed[side]).max(self.floor_m());
+                strayed[side].max(self.clear_m(&draft.line(), side, wanted, dangers))
             })
         })
         .collect()

@@ -99,7 +99,7 @@ impl Prepared {
         if self.brief.doubt().is_none() {
             return None;
         }
-        let all = self.legs.iter().filter_map(|own| Some((&own.name, own.farthest.as_ref()?)));
+        let all = self.legs.iter().filter_map(|leg| Some((&leg.name, leg.farthest.as_ref()?)));
         let (name, own) = all.max_by(|a, b| a.1.distance_m.total_cmp(&b.1.distance_m))?;
         let words = parameters_in_words(&self.brief.vessel, &own.parameters);
         Some(format!(

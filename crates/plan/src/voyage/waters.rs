@@ -142,7 +142,7 @@ impl Prepared {
         Ok(Waters {
             area,
             limits: limits.collect(),
-            exceeded: self.legs.iter().map(|own| self.exceeded(own)).collect(),
+            exceeded: self.legs.iter().map(|leg| self.exceeded(leg)).collect(),
             per_cell: task.raster_per_cell,
             layer_of_leg,
             node_distance_m,
@@ -156,12 +156,12 @@ impl Prepared {
 
     /// The speed limits that the nominal vessel exceeds on a leg: at either end, or by more than the
     /// tolerance on the way.
-    fn exceeded(&self, own: &SettledLeg) -> Vec<usize> {
+    fn exceeded(&self, settled_leg: &SettledLeg) -> Vec<usize> {
         let task = &self.brief.task;
         let mode_m_s = |layer: usize| self.grid.modes[self.grid.level_and_mode(layer).1].speed_m_s;
-        let speeds_m_s = own.sailed.samples.iter().map(|s| libm::hypot(s.state[0], s.state[1]));
+        let speeds_m_s = settled_leg.sailed.samples.iter().map(|s| libm::hypot(s.state[0], s.state[1]));
         let way_m_s = speeds_m_s.fold(0.0, f64::max) - task.approach.tolerance.surge_m_s;
-        let fastest_m_s = mode_m_s(own.leg.from).max(mode_m_s(own.leg.to)).max(way_m_s);
+        let fastest_m_s = mode_m_s(settled_leg.leg.from).max(mode_m_s(settled_leg.leg.to)).max(way_m_s);
         let limits = task.speed_limits.iter().enumerate();
         limits.filter(|(_, limit)| fastest_m_s > limit.max_speed_m_s).map(|(index, _)| index).collect()
     }
@@ -189,7 +189,7 @@ impl Prepared {
     pub(super) fn obstacle_kinds(&self) -> (Vec<(f64, f64, bool)>, Vec<usize>) {
         let safety = &self.brief.task.safety;
         let mut kinds: Vec<(f64, f64, bool)> = Vec::new();
-        let kind_of = |own: &SettledLeg| match own.is_informative() {
+        let kind_of = |settled_leg: &SettledLeg| match settled_leg.is_informative() {
             true => (safety.trial_depth_m, safety.margin_m, self.chart.has_transit_only()),
             false => (safety.transit_depth_m, safety.margin_m, false),
         };
@@ -210,7 +210,7 @@ impl Prepared {
         let (level, _) = grid.level_and_mode(pose.layer);
         let still = (0.0, 0.0, grid.heading_rad(level));
         let hull = Footprint::swept(&task.hull.outline(), &[still], task.raster(grid).cell_m)?;
-        let transit = self.legs.iter().position(|own| !own.is_informative()).unwrap_or(0);
+        let transit = self.legs.iter().position(|leg| !leg.is_informative()).unwrap_or(0);
         let layer = waters.layer_of_leg[transit];
         let is_free = |(i, j): (usize, usize)| waters.is_free(layer, &hull, i, j);
         if is_free((pose.i, pose.j)) {
@@ -236,7 +236,7 @@ impl Prepared {
         let gap = waters.obstacles[layer].distance_m(own.y, own.x);
         let dangers = self.chart.dangers(task.safety.transit_depth_m);
         let nearest = dangers.nearest(&[[own.y, own.x]]);
-        let named = nearest.map_or_else(String::new, |own| format!(" ({})", own.called));
+        let named = nearest.map_or_else(String::new, |nearest| format!(" ({})", nearest.called));
         let near = match waters.is_in_area(&hull, pose.i, pose.j) {
             true => format!("{gap:.0} m from an obstacle{named}"),
             false => "where the hull reaches out of `area`".to_owned(),

@@ -304,11 +304,11 @@ impl Searched {
     fn named(&self, checking: &Checking, Worst { index, step, .. }: Worst) -> WorstVessel {
         let (prepared, Vessel { parameters, unknown_m_s: [north, east], .. }) =
             (checking.prepared(), &self.runs[index].1.vessel);
-        let own = &prepared.legs[checking.legs[step]];
+        let leg = &prepared.legs[checking.legs[step]];
         WorstVessel {
             step: step as u64 + 1,
-            leg: own.name.clone(),
-            informative: own.is_informative(),
+            leg: leg.name.clone(),
+            informative: leg.is_informative(),
             parameters_percent: percent_off(&prepared.brief.vessel, parameters),
             numbers: numbers(&prepared.brief.vessel, parameters),
             current_m_s: libm::hypot(*north, *east),

@@ -438,8 +438,8 @@ fn joined(runs: impl Iterator<Item = (usize, Run)>) -> Vec<Run> {
             Some((before, last)) => {
                 *before = i;
                 if !(last.instrument_exogenous.is_empty() && run.instrument_exogenous.is_empty()) {
-                    let own = [last.view().instrument_exogenous, run.view().instrument_exogenous].concat();
-                    last.instrument_exogenous = own;
+                    let concat = [last.view().instrument_exogenous, run.view().instrument_exogenous].concat();
+                    last.instrument_exogenous = concat;
                 }
                 last.exogenous.extend_from_slice(&run.exogenous);
                 last.measured.extend_from_slice(&run.measured[3..]);

@@ -40,12 +40,12 @@ pub(crate) fn add_squares<X: Instrument>(
             let (end, means) = means.over(at..k + count);
             let blocks = Blocks::of(at - k..end - k);
             let mut first = 0;
-            for (d, own) in sums.iter_mut().enumerate() {
+            for (d, sum) in sums.iter_mut().enumerate() {
                 let (terms, order) = (zeta.terms(d), orders[d].terms.as_slice());
                 let range = first..first + order.len();
                 first = range.end;
                 let centred = Centred { terms, order, means: &means[range.clone()], blocks };
-                centred.add(&mut edges[range], own.each_mut().map(Vec::as_mut_slice));
+                centred.add(&mut edges[range], sum.each_mut().map(Vec::as_mut_slice));
             }
             at = end;
         }

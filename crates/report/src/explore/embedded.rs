@@ -20,9 +20,9 @@ pub(super) fn numbers(values: impl Iterator<Item = f64>) -> Value {
 }
 
 /// The places of a line in tenths of a metre: the first east and north, then differences to the place before.
-pub(super) fn line(own: &MapLine) -> Value {
+pub(super) fn line(map_line: &MapLine) -> Value {
     let mut last = [0; 2];
-    let places = own.east_m.iter().zip(&own.north_m);
+    let places = map_line.east_m.iter().zip(&map_line.north_m);
     let steps = places.flat_map(|(east, north)| {
         let place = [tenths(*east), tenths(*north)];
         let step = [place[0] - last[0], place[1] - last[1]];

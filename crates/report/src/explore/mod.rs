@@ -43,18 +43,18 @@ fn page(study: &Study, report: &str, panels: &[Panel]) -> Markup {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 title { (study.name) " – explore" }
-                style { (PreEscaped(STYLE)) @for own in &libraries { (PreEscaped(own.style())) } (PreEscaped(assets::STYLE)) }
+                style { (PreEscaped(STYLE)) @for library in &libraries { (PreEscaped(library.style())) } (PreEscaped(assets::STYLE)) }
             }
             body {
                 main {
                     (head(study, report))
-                    nav aria-label="Contents" { @for own in panels { a href={ "#" (own.id) } { (own.title) } } }
+                    nav aria-label="Contents" { @for panel in panels { a href={ "#" (panel.id) } { (panel.title) } } }
                     noscript { p.missing { "This page needs JavaScript. " (link(report, "The report")) " does without." } }
-                    @for own in panels { (section(own)) }
+                    @for panel in panels { (section(panel)) }
                     @if panels.is_empty() { (nothing()) }
                 }
                 script #data type="application/json" { (PreEscaped(embedded::script(&Value::Array(data)))) }
-                @for own in &libraries { script { (PreEscaped(own.script())) } }
+                @for library in &libraries { script { (PreEscaped(library.script())) } }
                 script { (PreEscaped(assets::SCRIPT)) }
             }
         }

@@ -67,11 +67,11 @@ fn drawn(map: &MapDocument, steps: Option<&[usize]>) -> Value {
         "bands": map.depth_limits_m.len() + 1,
         "cells": map.cells.as_ref().map(|own| cells(own, map)),
         "areas": map.areas.iter().map(|own| area(own, map)).collect::<Value>(),
-        "contours": map.contours.iter().map(|own| json!([own.depth_m, line(&own.line)])).collect::<Value>(),
-        "margins": map.margins.iter().map(|own| json!([own.purpose.name(), raster(&own.raster), own.runs])).collect::<Value>(),
-        "spots": map.spots.iter().map(|own| json!([place(own.place), own.symbol.name(), own.depth_m, own.title])).collect::<Value>(),
-        "names": map.names.iter().map(|own| json!([place(own.place), own.name])).collect::<Value>(),
-        "swept": map.swept.as_ref().map(|own| json!([own.vessels, raster(&own.raster), own.runs])),
+        "contours": map.contours.iter().map(|contour| json!([contour.depth_m, line(&contour.line)])).collect::<Value>(),
+        "margins": map.margins.iter().map(|margin| json!([margin.purpose.name(), raster(&margin.raster), margin.runs])).collect::<Value>(),
+        "spots": map.spots.iter().map(|spot| json!([place(spot.place), spot.symbol.name(), spot.depth_m, spot.title])).collect::<Value>(),
+        "names": map.names.iter().map(|name| json!([place(name.place), name.name])).collect::<Value>(),
+        "swept": map.swept.as_ref().map(|swept| json!([swept.vessels, raster(&swept.raster), swept.runs])),
         "corridors": lines(&map.corridors),
         "edge": map.edge.as_ref().map(line),
         "limits": lines(&map.speed_limits),
@@ -80,8 +80,8 @@ fn drawn(map: &MapDocument, steps: Option<&[usize]>) -> Value {
         "hulls": lines(&map.hulls),
         "start": map.start.map(place),
         "goal": map.goal.map(place),
-        "meridians": map.meridians.iter().map(|own| json!([number(own.east_m), label(own.longitude_deg, ["E", "W"])])).collect::<Value>(),
-        "parallels": map.parallels.iter().map(|own| json!([number(own.north_m), label(own.latitude_deg, ["N", "S"])])).collect::<Value>(),
+        "meridians": map.meridians.iter().map(|meridian| json!([number(meridian.east_m), label(meridian.longitude_deg, ["E", "W"])])).collect::<Value>(),
+        "parallels": map.parallels.iter().map(|parallel| json!([number(parallel.north_m), label(parallel.latitude_deg, ["N", "S"])])).collect::<Value>(),
     })
 }
 
@@ -89,12 +89,12 @@ fn lines(all: &[MapLine]) -> Value {
     all.iter().map(line).collect()
 }
 
-fn place(own: MapPlace) -> Value {
-    json!([own.east_m, own.north_m])
+fn place(map_place: MapPlace) -> Value {
+    json!([map_place.east_m, map_place.north_m])
 }
 
-fn raster(own: &MapRaster) -> Value {
-    json!([own.west_m, own.south_m, own.cell_m, own.columns, own.rows])
+fn raster(map_raster: &MapRaster) -> Value {
+    json!([map_raster.west_m, map_raster.south_m, map_raster.cell_m, map_raster.columns, map_raster.rows])
 }
 
 /// `land`, `no-go`, or the number of the band of depth, from the shoalest.
@@ -107,14 +107,14 @@ fn class(class: MapClass, least_m: Option<f64>, map: &MapDocument) -> Value {
     }
 }
 
-fn area(own: &MapArea, map: &MapDocument) -> Value {
-    json!([class(own.class, own.least_m, map), lines(&own.rings)])
+fn area(map_area: &MapArea, map: &MapDocument) -> Value {
+    json!([class(map_area.class, map_area.least_m, map), lines(&map_area.rings)])
 }
 
-fn cells(own: &MapCells, map: &MapDocument) -> Value {
+fn cells(map_cells: &MapCells, map: &MapDocument) -> Value {
     let classes: Vec<(Value, &MapRuns)> =
-        own.classes.iter().map(|cell| (class(cell.class, cell.least_m, map), &cell.runs)).collect();
-    json!([raster(&own.raster), classes])
+        map_cells.classes.iter().map(|cell| (class(cell.class, cell.least_m, map), &cell.runs)).collect();
+    json!([raster(&map_cells.raster), classes])
 }
 
 /// Kind, place of the maneuver among all, its number, the line, and the step of the plan.

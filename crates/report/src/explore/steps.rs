@@ -22,7 +22,8 @@ pub(super) fn sheet(study: &Study, plan: &PlanDocument, voyage: &Voyage) -> Valu
         column("latitude", "", "text"),
         column("longitude", "", "text"),
     ];
-    columns.extend(inputs.iter().map(|own| column(&format!("largest {}", own.name), &own.unit, "number")));
+    columns
+        .extend(inputs.iter().map(|input| column(&format!("largest {}", input.name), &input.unit, "number")));
     let mut maneuvers = 0;
     let rows = plan.steps.iter().zip(&voyage.legs).enumerate();
     let rows = rows.map(|(index, (step, leg))| {
@@ -39,7 +40,7 @@ pub(super) fn sheet(study: &Study, plan: &PlanDocument, voyage: &Voyage) -> Valu
             json!(latitude(leg.latitude_deg)),
             json!(longitude(leg.longitude_deg)),
         ];
-        row.extend(inputs.iter().map(|own| number(leg.largest_inputs.get(&own.name).copied())));
+        row.extend(inputs.iter().map(|input| number(leg.largest_inputs.get(&input.name).copied())));
         Value::Array(row)
     });
     json!({"rows": rows.collect::<Value>(), "columns": columns})

@@ -16,7 +16,11 @@ const MOST: usize = 10_000;
 /// Simulated trials by their scores, and picks of sub-experiments by their errors.
 pub(super) fn panels(study: &Study) -> Vec<Panel> {
     let scored = study.scores.as_ref().filter(|rows| !rows.is_empty()).map(|rows| scored(rows));
-    let picked = study.selection.as_ref().filter(|own| !own.rows.is_empty()).map(|own| picked(&own.rows));
+    let picked = study
+        .selection
+        .as_ref()
+        .filter(|selection| !selection.rows.is_empty())
+        .map(|selection| picked(&selection.rows));
     scored.into_iter().chain(picked).collect()
 }
 

@@ -29,7 +29,7 @@ pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
                 .data
                 .designs
                 .iter()
-                .map(|own| (scenario.clone(), way.clone(), validation.data.seed, own)),
+                .map(|design| (scenario.clone(), way.clone(), validation.data.seed, design)),
         );
     }
     rows.retain(|(.., own)| own.design == super::estimators::DESIGN);

@@ -7,7 +7,7 @@ use crate::table::Table;
 
 /// The electronic charts of the plan, remarks on their files, and the objects that were omitted, with reasons.
 pub(super) fn charts(charts: &[PlanChart]) -> Markup {
-    let rows = || charts.iter().flat_map(|chart| chart.left_out().map(move |own| (chart, own)));
+    let rows = || charts.iter().flat_map(|chart| chart.left_out().map(move |left_out| (chart, left_out)));
     html! {
         @if !charts.is_empty() {
             details {

@@ -102,8 +102,8 @@ fn stale(loader: &Loader, name: &str, loaded: &Loaded<PlanDocument>) -> Vec<Stri
     let differs = |(role, file): &(&str, &str)| {
         let Some(used) = loaded.provenance.inputs.get(*role) else { return false };
         let noted = loader.files.iter().find(|(known, ..)| known == file).map(|(.., digest)| digest.clone());
-        let own = loader.sources.study.join(file);
-        let found = noted.or_else(|| Digest::of_file(own).ok().map(|digest| digest.to_string()));
+        let join = loader.sources.study.join(file);
+        let found = noted.or_else(|| Digest::of_file(join).ok().map(|digest| digest.to_string()));
         found.is_some_and(|found| found != used.to_string())
     };
     roles.iter().filter(|role| differs(role)).map(|(_, file)| (*file).to_owned()).collect()

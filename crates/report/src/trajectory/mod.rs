@@ -32,12 +32,12 @@ pub(super) const STYLE: &str = include_str!("style.css");
 
 /// The plan on its chart, at sea, for the crew, and its value. `None` in a study without a planned trajectory.
 pub(super) fn trajectory(study: &Study, figures: &mut Figures) -> Option<Section> {
-    let own = study.trajectory.as_ref()?;
-    let body = match &own.main {
+    let trajectory = study.trajectory.as_ref()?;
+    let body = match &trajectory.main {
         Some(main) => planned(study, main, figures),
         None => missing("The planned trajectory is", "plan.json", "plan"),
     };
-    let body = html! { (body) (variants(&own.variants, figures)) (trials(study, own)) };
+    let body = html! { (body) (variants(&trajectory.variants, figures)) (trials(study, trajectory)) };
     Some(Section::new("trajectory", "Trajectory", "Trajectory", body))
 }
 

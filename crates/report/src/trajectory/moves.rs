@@ -46,13 +46,13 @@ fn dropped(dropped: &[DroppedMove]) -> Markup {
 /// The handling of the vessel between maneuvers.
 fn handling(handling: &PlanHandling) -> Markup {
     let PlanHandling { used, derived } = handling;
-    let words = |own: &Handling| {
+    let words = |handling: &Handling| {
         format!(
             "turns of up to {}\u{a0}rad/s, changes of speed by {}\u{a0}m/s², response within {}\u{a0}s, lines aimed at {}\u{a0}m ahead",
-            three(own.turn_rate_rad_s),
-            three(own.acceleration_m_s2),
-            three(own.response_s),
-            three(own.lookahead_m)
+            three(handling.turn_rate_rad_s),
+            three(handling.acceleration_m_s2),
+            three(handling.response_s),
+            three(handling.lookahead_m)
         )
     };
     html! {

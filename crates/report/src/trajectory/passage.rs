@@ -91,9 +91,9 @@ fn place(latitude_deg: f64, longitude_deg: f64) -> Markup {
 }
 
 fn nearest(leg: &PassageLeg) -> String {
-    let nearest = leg.nearest.as_ref().map(|own| {
-        let (what, distance_m) = (&own.what, own.distance_m.floor());
-        format!("{what}, {distance_m:.0} m, bearing {}", heading(own.bearing_deg))
+    let nearest = leg.nearest.as_ref().map(|nearest| {
+        let (what, distance_m) = (&nearest.what, nearest.distance_m.floor());
+        format!("{what}, {distance_m:.0} m, bearing {}", heading(nearest.bearing_deg))
     });
     or_dash(nearest)
 }

@@ -7,19 +7,19 @@ use crate::table::Table;
 use study::documents::{Bounds, DesignScores, DesignSummary, ParameterSummary};
 
 /// The planned experiment compared with the others: errors of the models that are estimated from it.
-pub(super) fn trials(study: &Study, own: &Trajectory) -> Markup {
+pub(super) fn trials(study: &Study, trajectory: &Trajectory) -> Markup {
     html! {
         h3 { "The plan as an experiment" }
-        @match &own.validation {
+        @match &trajectory.validation {
             Some(planned) => {
-                (compared(study, own))
+                (compared(study, trajectory))
                 (bounds_note(study.validation.as_ref().map(|v| v.bounds), planned.bounds))
                 (table(study, planned.bounds, &planned.designs))
                 @if study.validation.is_none() { (missing("The designs to compare with are", "validation.json", "validate")) }
             }
             None => (missing("The errors of models estimated from the planned trial are", "planned/validation.json", "validate")),
         }
-        @match &own.estimate {
+        @match &trajectory.estimate {
             Some(planned) => (spreads(study, &planned.designs)),
             None => (missing("The spread of the estimates from the planned trial is", "planned/estimate.json", "estimate")),
         }
@@ -27,8 +27,8 @@ pub(super) fn trials(study: &Study, own: &Trajectory) -> Markup {
 }
 
 /// Says what is compared, and what is not.
-fn compared(study: &Study, own: &Trajectory) -> Markup {
-    let voyage = own.main.as_ref().and_then(|main| main.plan.voyage.as_ref());
+fn compared(study: &Study, trajectory: &Trajectory) -> Markup {
+    let voyage = trajectory.main.as_ref().and_then(|main| main.plan.voyage.as_ref());
     html! {
         p {
             "The planned experiment is the whole trial"

@@ -97,28 +97,35 @@ impl Portable {
     }
 
     fn c_channels(&self) -> String {
-        let line = |own: &crate::export::Channel| {
-            format!("    {{{}, {}, {}}},\n", quoted(&own.identifier), quoted(&own.name), quoted(&own.unit))
+        let line = |channel: &crate::export::Channel| {
+            format!(
+                "    {{{}, {}, {}}},\n",
+                quoted(&channel.identifier),
+                quoted(&channel.name),
+                quoted(&channel.unit)
+            )
         };
         self.given().iter().map(line).collect()
     }
 
     fn c_parameters(&self) -> String {
-        let line = |own: &Parameter| {
-            let (name, unit) = (quoted(&own.name), quoted(&own.unit));
-            let (value, error) = (number(own.value), own.standard_error.map_or("-1.0".to_owned(), number));
-            format!("    {{{}, {name}, {unit}, {value}, {error}}},\n", quoted(&own.identifier))
+        let line = |parameter: &Parameter| {
+            let (name, unit) = (quoted(&parameter.name), quoted(&parameter.unit));
+            let (value, error) =
+                (number(parameter.value), parameter.standard_error.map_or("-1.0".to_owned(), number));
+            format!("    {{{}, {name}, {unit}, {value}, {error}}},\n", quoted(&parameter.identifier))
         };
         self.parameters.iter().map(line).collect()
     }
 
     fn c_values(&self) -> String {
-        self.parameters.iter().map(|own| format!("    {},\n", number(own.value))).collect()
+        self.parameters.iter().map(|parameter| format!("    {},\n", number(parameter.value))).collect()
     }
 
     fn c_ranges(&self) -> String {
-        let line =
-            |own: &Range| format!("    {{{}, {}, {}}},\n", own.channel, number(own.low), number(own.high));
+        let line = |range: &Range| {
+            format!("    {{{}, {}, {}}},\n", range.channel, number(range.low), number(range.high))
+        };
         let nothing = "    {0, 0.0, 0.0},\n".to_owned();
         if self.ranges.is_empty() { nothing } else { self.ranges.iter().map(line).collect() }
     }

@@ -20,11 +20,11 @@ impl Syntax {
     pub fn derived<'m>(&self, model: &'m Portable) -> Vec<(&'m str, String)> {
         let used = model.used();
         let needed = model.derived.iter().filter(|own| used.contains(&own.variable));
-        let expression = |own: &'m DerivedChannel| {
-            let written = own.formula.written(|function, source| {
-                self.function(function, &model.channels[own.sources[source]].identifier)
+        let expression = |derived_channel: &'m DerivedChannel| {
+            let written = derived_channel.formula.written(|function, source| {
+                self.function(function, &model.channels[derived_channel.sources[source]].identifier)
             });
-            (model.channels[own.variable].identifier.as_str(), written)
+            (model.channels[derived_channel.variable].identifier.as_str(), written)
         };
         needed.map(expression).collect()
     }

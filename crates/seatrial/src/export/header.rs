@@ -34,7 +34,7 @@ impl Portable {
         }
         let renamed = self.unlike();
         said.extend(renamed.iter().map(|(own, name)| format!("{name} is called {own} here.")));
-        said.extend(self.parts.iter().map(|own| format!("{own}.")));
+        said.extend(self.parts.iter().map(|part| format!("{part}.")));
         said.extend(self.notes.iter().map(|note| format!("Note: {note}.")));
         said.iter().flat_map(|line| wrapped(&comment(line), WIDTH)).collect()
     }

@@ -14,7 +14,7 @@ impl Portable {
     /// The function file.
     pub(crate) fn matlab(&self) -> TextFile {
         let list = |channels: &[crate::export::Channel]| {
-            channels.iter().map(|own| single(&own.identifier)).collect::<Vec<_>>().join(", ")
+            channels.iter().map(|channel| single(&channel.identifier)).collect::<Vec<_>>().join(", ")
         };
         let text = fill(
             include_str!("templates/model.m"),
@@ -57,9 +57,11 @@ impl Portable {
     }
 
     fn matlab_parameters(&self) -> String {
-        let line = |own: &Parameter| {
-            let (name, meaning) = (&own.identifier, comment(&format!("[{}] {}", own.unit, own.meaning)));
-            let (value, error) = (number(own.value), own.standard_error.map_or("NaN".to_owned(), number));
+        let line = |parameter: &Parameter| {
+            let (name, meaning) =
+                (&parameter.identifier, comment(&format!("[{}] {}", parameter.unit, parameter.meaning)));
+            let (value, error) =
+                (number(parameter.value), parameter.standard_error.map_or("NaN".to_owned(), number));
             format!(
                 "model.parameters.{name} = {value};  % {meaning}\nmodel.standard_errors.{name} = {error};\n"
             )
@@ -68,8 +70,9 @@ impl Portable {
     }
 
     fn matlab_units(&self) -> String {
-        let channels = self.channels.iter().map(|own| (&own.identifier, &own.unit));
-        let all = channels.chain(self.parameters.iter().map(|own| (&own.identifier, &own.unit)));
+        let channels = self.channels.iter().map(|channel| (&channel.identifier, &channel.unit));
+        let all =
+            channels.chain(self.parameters.iter().map(|parameter| (&parameter.identifier, &parameter.unit)));
         all.map(|(name, unit)| format!("model.units.{name} = {};\n", single(unit))).collect()
     }
 
@@ -79,9 +82,9 @@ impl Portable {
     }
 
     fn matlab_ranges(&self) -> String {
-        let line = |own: &Range| {
-            let name = &self.channels[own.channel].identifier;
-            format!("model.ranges.{name} = [{}, {}];\n", number(own.low), number(own.high))
+        let line = |range: &Range| {
+            let name = &self.channels[range.channel].identifier;
+            format!("model.ranges.{name} = [{}, {}];\n", number(range.low), number(range.high))
         };
         self.ranges.iter().map(line).collect()
     }

@@ -270,8 +270,9 @@ impl Portable {
 
     /// The names in code that differ from the file's, with the latter.
     pub fn renamed(&self) -> BTreeMap<String, String> {
-        let channels = self.channels.iter().map(|own| (&own.name, &own.identifier));
-        let all = channels.chain(self.parameters.iter().map(|own| (&own.name, &own.identifier)));
+        let channels = self.channels.iter().map(|channel| (&channel.name, &channel.identifier));
+        let all =
+            channels.chain(self.parameters.iter().map(|parameter| (&parameter.name, &parameter.identifier)));
         let others = all.filter(|(name, identifier)| name != identifier);
         others.map(|(name, identifier)| (identifier.clone(), name.clone())).collect()
     }
@@ -286,7 +287,7 @@ impl Portable {
     pub fn summary(&self) -> String {
         let (inputs, parameters) = (self.inputs().len(), self.parameters.len());
         let renamed = self.unlike().into_iter().map(|(own, name)| format!("; {name} is called {own}"));
-        let parts = self.parts.iter().map(|own| format!("; {own}"));
+        let parts = self.parts.iter().map(|part| format!("; {part}"));
         format!(
             "{inputs} inputs, {parameters} parameters, {} Hz{}",
             self.rate_hz,
@@ -336,7 +337,8 @@ fn channels(vessel: &Vessel, names: &mut Identifiers) -> Vec<Channel> {
         1 => "speed along y, to starboard".to_owned(),
         2 => "yaw rate, bow to starboard".to_owned(),
         _ => match vessel.couplings.get(place - 3) {
-            None => derived(place).map_or("measured disturbance".to_owned(), |own| format!("= {}", own.text)),
+            None => derived(place)
+                .map_or("measured disturbance".to_owned(), |derived| format!("= {}", derived.text)),
             Some(None) => "input".to_owned(),
             Some(Some((other, factor))) => {
                 let other = &model.input_variables()[*other].name;
@@ -414,18 +416,18 @@ impl Making<'_> {
             };
             let term = ship::term(moved.forces.description(), name);
             let known = if *source == QuantitySource::Known { ", known" } else { "" };
-            let own = self.parameter(
+            let parameter = self.parameter(
                 name,
                 unit.clone(),
                 *value,
                 format!("{}{known}", term.unwrap_or_else(|| name.clone())),
             );
-            let error = &mut self.parameters[own].standard_error;
+            let error = &mut self.parameters[parameter].standard_error;
             *error = error.map(|error| error * scale.abs());
         }
-        let tied = quantities.iter().filter_map(|own| match &own.source {
+        let tied = quantities.iter().filter_map(|quantity| match &quantity.source {
             QuantitySource::Tied { to, factor } => {
-                Some(Tied { name: own.name.clone(), to: to.clone(), factor: *factor })
+                Some(Tied { name: quantity.name.clone(), to: to.clone(), factor: *factor })
             }
             _ => None,
         });

@@ -72,24 +72,26 @@ impl Portable {
     }
 
     fn python_parameters(&self) -> String {
-        let line = |own: &crate::export::Parameter| {
-            let (value, meaning) = (number(own.value), comment(&format!("[{}] {}", own.unit, own.meaning)));
-            format!("    \"{}\": {value},  # {meaning}\n", own.identifier)
+        let line = |parameter: &crate::export::Parameter| {
+            let (value, meaning) =
+                (number(parameter.value), comment(&format!("[{}] {}", parameter.unit, parameter.meaning)));
+            format!("    \"{}\": {value},  # {meaning}\n", parameter.identifier)
         };
         self.parameters.iter().map(line).collect()
     }
 
     fn python_errors(&self) -> String {
-        let line = |own: &crate::export::Parameter| {
-            let error = own.standard_error.map_or("None".to_owned(), number);
-            format!("    \"{}\": {error},\n", own.identifier)
+        let line = |parameter: &crate::export::Parameter| {
+            let error = parameter.standard_error.map_or("None".to_owned(), number);
+            format!("    \"{}\": {error},\n", parameter.identifier)
         };
         self.parameters.iter().map(line).collect()
     }
 
     fn python_units(&self) -> String {
-        let channels = self.channels.iter().map(|own| (&own.identifier, &own.unit));
-        let all = channels.chain(self.parameters.iter().map(|own| (&own.identifier, &own.unit)));
+        let channels = self.channels.iter().map(|channel| (&channel.identifier, &channel.unit));
+        let all =
+            channels.chain(self.parameters.iter().map(|parameter| (&parameter.identifier, &parameter.unit)));
         all.map(|(name, unit)| format!("    \"{name}\": {},\n", quoted(unit))).collect()
     }
 
@@ -99,9 +101,9 @@ impl Portable {
     }
 
     fn python_ranges(&self) -> String {
-        let line = |own: &crate::export::Range| {
-            let name = &self.channels[own.channel].identifier;
-            format!("    \"{name}\": ({}, {}),\n", number(own.low), number(own.high))
+        let line = |range: &crate::export::Range| {
+            let name = &self.channels[range.channel].identifier;
+            format!("    \"{name}\": ({}, {}),\n", number(range.low), number(range.high))
         };
         self.ranges.iter().map(line).collect()
     }
@@ -121,9 +123,9 @@ impl Portable {
 }
 
 fn names(channels: &[Channel]) -> String {
-    let line = |own: &Channel| {
-        let meaning = comment(&format!("[{}] {}", own.unit, own.meaning));
-        format!("    \"{}\",  # {meaning}\n", own.identifier)
+    let line = |channel: &Channel| {
+        let meaning = comment(&format!("[{}] {}", channel.unit, channel.meaning));
+        format!("    \"{}\",  # {meaning}\n", channel.identifier)
     };
     channels.iter().map(line).collect()
 }

@@ -34,8 +34,9 @@ impl Changes {
     pub fn of_run(&self, streams: Streams, run: u32, rate_hz: f64) -> Option<Changing> {
         let [u, v, r] = self.wind.map_or([0.0; 3], |wind| wind.std_per_sample(rate_hz));
         let gust = self.wind.map_or(0.0, |wind| wind.factor(rate_hz));
-        let (water, flow) =
-            self.current.map_or((0.0, 0.0), |own| (own.std_m_s, factor(own.time_constant_s, rate_hz)));
+        let (water, flow) = self
+            .current
+            .map_or((0.0, 0.0), |current| (current.std_m_s, factor(current.time_constant_s, rate_hz)));
         let (stds, factors) = ([water, water, u, v, r], [flow, flow, gust, gust, gust]);
         let noise = NormalRows::new(streams, run);
         (!self.are_none()).then_some(Changing { stds, factors, noise, at: None })

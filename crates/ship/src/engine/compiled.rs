@@ -104,11 +104,11 @@ impl Places {
 
     /// Two places whose product is `term`.
     fn term(&mut self, term: &Term) -> [usize; 2] {
-        let own = self.product(&term.factors, None);
+        let product = self.product(&term.factors, None);
         if term.tied.is_empty() {
-            return own;
+            return product;
         }
-        let mut parts = vec![own];
+        let mut parts = vec![product];
         for tied in &term.tied {
             let coefficient = self.coefficients.next();
             parts.push(self.product(&tied.factors, coefficient));
@@ -394,10 +394,10 @@ impl<'m, X: Stepping> Compiled<'m, X> {
             return [0, 1, 2].map(|d: usize| by_state.map(|own| own[d]));
         }
         let Self { model, variables, parameters, by_state, places, .. } = self;
-        let own = by_state.get_or_insert_with(|| Derivatives::once(model, places, true));
-        own.evaluate(*variables, places);
+        let get_or_insert_with = by_state.get_or_insert_with(|| Derivatives::once(model, places, true));
+        get_or_insert_with.evaluate(*variables, places);
         let mut slopes = [[X::ZERO; 3]; 3];
-        for Slope { parameter, degree, variable, places: [one, two] } in &own.parts {
+        for Slope { parameter, degree, variable, places: [one, two] } in &get_or_insert_with.parts {
             slopes[*degree][*variable] += parameters[*parameter] * (places[*one] * places[*two]);
         }
         slopes
@@ -418,9 +418,9 @@ impl<'m, X: Stepping> Compiled<'m, X> {
                 out[*variable] += terms[*parameter] * (places[*one] * places[*two]);
             }
         }
-        let own = twice.get_or_insert_with(|| Derivatives::twice(model, places));
-        own.evaluate(variables, places);
-        for Curve { parameter, degree, state, variable, places: [one, two] } in &own.parts {
+        let get_or_insert_with = twice.get_or_insert_with(|| Derivatives::twice(model, places));
+        get_or_insert_with.evaluate(variables, places);
+        for Curve { parameter, degree, state, variable, places: [one, two] } in &get_or_insert_with.parts {
             let weight = slopes[*degree][*state] * parameters[*parameter];
             out[*variable] += weight * (places[*one] * places[*two]);
         }

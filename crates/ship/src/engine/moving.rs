@@ -64,7 +64,7 @@ impl<'m, X: Real> Moving<'m, X> {
     fn gradients(&mut self, point: Point<X>, variables: Range<usize>, out: &mut [[X; 3]]) {
         let Self { forces, sample_s, parameters, with_slopes, .. } = self;
         let body = with_slopes.get_or_insert_with(|| {
-            let constants: Vec<_> = parameters.iter().map(|own| Dual::constant(*own)).collect();
+            let constants: Vec<_> = parameters.iter().map(|parameter| Dual::constant(*parameter)).collect();
             forces.body(&constants)
         });
         for first in variables.clone().step_by(AT_ONCE) {

@@ -222,7 +222,7 @@ impl<'m, const G: usize> Follow<'m, G> {
         weather: &[Weather; G],
         states: &mut [&mut [Lane]; G],
     ) {
-        let turning = Wide(weather.each_ref().map(|own| Lane::splat(own.turning)));
+        let turning = Wide(weather.each_ref().map(|weather| Lane::splat(weather.turning)));
         for (i, k) in samples.enumerate() {
             put(states, i, &self.state);
             let Ambient { current, force } = ambient(weather, i, &self.heading);

@@ -69,9 +69,9 @@ impl<'f, X: Real> Body<'f, X> {
             let wash = known.or_else(again);
             add(&mut sum, rudder.forces(numbers, &around, wash.as_ref()));
         }
-        forces.thrusters.iter().for_each(|own| add(&mut sum, own.forces(numbers, &around)));
-        forces.winds.iter().for_each(|own| add(&mut sum, own.forces(numbers, &around)));
-        forces.crossflows.iter().for_each(|own| add(&mut sum, own.forces(numbers, &around)));
+        forces.thrusters.iter().for_each(|thruster| add(&mut sum, thruster.forces(numbers, &around)));
+        forces.winds.iter().for_each(|wind| add(&mut sum, wind.forces(numbers, &around)));
+        forces.crossflows.iter().for_each(|crossflow| add(&mut sum, crossflow.forces(numbers, &around)));
         sum
     }
 

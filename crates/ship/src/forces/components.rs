@@ -17,8 +17,8 @@ pub(crate) struct Surroundings<'a, X> {
 impl<X: Real> Surroundings<'_, X> {
     /// A channel in the unit of a component.
     #[inline(always)]
-    pub fn driven(&self, own: Driven) -> X {
-        let value = (self.channel)(own.channel);
-        if own.factor == 1.0 { value } else { value.times(own.factor) }
+    pub fn driven(&self, driven: Driven) -> X {
+        let value = (self.channel)(driven.channel);
+        if driven.factor == 1.0 { value } else { value.times(driven.factor) }
     }
 }

@@ -9,7 +9,7 @@ impl<X: Real> Body<'_, X> {
     /// What acts in every sample where thrusters follow their inputs with dead time and lag: rows as `inputs`, which have
     /// `width` entries each, `sample_s` apart and linear between. Before the first row the inputs were as in it. Tangents of the inputs themselves are not followed.
     pub fn acting<E: Copy + Into<X>>(&self, inputs: &[E], width: usize, sample_s: f64) -> Vec<X> {
-        let mut rows: Vec<X> = inputs.iter().map(|own| (*own).into()).collect();
+        let mut rows: Vec<X> = inputs.iter().map(|input| (*input).into()).collect();
         for thruster in &self.forces.thrusters {
             let Some([lag, dead]) = thruster.delay else { continue };
             let (lag, dead) = (lag.of(&self.numbers), dead.of(&self.numbers));

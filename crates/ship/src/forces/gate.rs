@@ -98,10 +98,10 @@ impl Forces {
     /// The first number that no ship has, else the first unusual one, with the names of the others.
     pub fn gate(&self, theta: &[f64], accepts_unusual: bool) -> Result<(), Invalid> {
         let checks = Numbers::new(self, theta).checks(self);
-        if let Some(own) = checks.iter().find(|own| !own.is_within(0, 3)) {
+        if let Some(own) = checks.iter().find(|check| !check.is_within(0, 3)) {
             return Err(own.refused(0, 3, own.remedy.to_owned()));
         }
-        let mut unusual = checks.iter().filter(|own| !own.is_within(1, 2));
+        let mut unusual = checks.iter().filter(|check| !check.is_within(1, 2));
         let Some(first) = unusual.next().filter(|_| !accepts_unusual) else { return Ok(()) };
         let mut others: Vec<&str> = unusual.map(|own| own.thing.as_str()).collect();
         others.retain(|own| *own != first.thing);
@@ -115,8 +115,8 @@ impl Forces {
 
     /// The greatest usual Froude number of a hull as full as hers, and its speed \[m/s\].
     pub fn usual_speed(&self) -> (f64, f64) {
-        let own = Numbers::new(self, &self.nominal());
-        (own.froude(), own.froude() * (GRAVITY * own.length).sqrt())
+        let numbers = Numbers::new(self, &self.nominal());
+        (numbers.froude(), numbers.froude() * (GRAVITY * numbers.length).sqrt())
     }
 }
 
@@ -135,7 +135,7 @@ impl<'a> Numbers<'a> {
     fn new(forces: &'a Forces, theta: &[f64]) -> Self {
         let own = forces.description();
         let stated = forces.quantities(theta).into_iter().filter(|own| own.stated);
-        let all = stated.map(|own| (own.name, own.value)).collect();
+        let all = stated.map(|stated| (stated.name, stated.value)).collect();
         let (length, draught) = (own.ship.length_m, own.ship.draught_m);
         let mut numbers = Self { own, length, draught, mass: 0.0, all, checks: Vec::new() };
         numbers.mass = numbers.of("ship.mass_kg").unwrap_or_default();

@@ -77,10 +77,10 @@ impl MainDimensions {
     /// Dimensions that no ship has, that contradict each other, or for which a formula gives no ship.
     pub fn guess(&self) -> Result<Guess, Invalid> {
         self.check()?;
-        let own = Guesser::new(*self);
-        own.check()?;
-        let description = own.description();
-        let revolutions = own.revolutions();
+        let guesser = Guesser::new(*self);
+        guesser.check()?;
+        let description = guesser.description();
+        let revolutions = guesser.revolutions();
         let sources = SOURCES.iter().map(|(name, source)| ((*name).to_owned(), *source)).collect();
         Ok(Guess { description, revolutions, sources })
     }
@@ -149,19 +149,21 @@ fn rounded(own: f64) -> f64 {
 }
 
 impl Guesser {
-    fn new(own: MainDimensions) -> Self {
-        let MainDimensions { length_m, beam_m, draught_m, block, density_kg_m3, .. } = own;
+    fn new(main_dimensions: MainDimensions) -> Self {
+        let MainDimensions { length_m, beam_m, draught_m, block, density_kg_m3, .. } = main_dimensions;
         let froude = ayre(block).clamp(0.08, 0.35);
         let beams = beam_m / length_m;
-        let diameter = own.propeller_diameter_m.unwrap_or(rounded(0.6 * draught_m));
+        let diameter = main_dimensions.propeller_diameter_m.unwrap_or(rounded(0.6 * draught_m));
         let area = 0.01 * length_m * draught_m * (1.0 + 25.0 * beams * beams);
         Self {
-            speed: own.speed_m_s.unwrap_or(rounded(froude * (GRAVITY * length_m).sqrt())),
-            mass: own.mass_kg.unwrap_or(rounded(density_kg_m3 * block * length_m * beam_m * draught_m)),
+            speed: main_dimensions.speed_m_s.unwrap_or(rounded(froude * (GRAVITY * length_m).sqrt())),
+            mass: main_dimensions
+                .mass_kg
+                .unwrap_or(rounded(density_kg_m3 * block * length_m * beam_m * draught_m)),
             diameter,
-            area: own.rudder_area_m2.unwrap_or(rounded(area)),
-            height: own.rudder_height_m.unwrap_or(diameter.max(rounded(0.75 * draught_m))),
-            own,
+            area: main_dimensions.rudder_area_m2.unwrap_or(rounded(area)),
+            height: main_dimensions.rudder_height_m.unwrap_or(diameter.max(rounded(0.75 * draught_m))),
+            own: main_dimensions,
         }
     }
 

@@ -109,8 +109,8 @@ impl Mass {
         let first = mass * x_g;
         let [[m_v, m_vr], [m_rv, m_r]] = [[mass + m_y, first + a], [first + b, inertia + j]];
         let determinant = m_v * m_r - m_vr * m_rv;
-        let own = |x: X| x.over(determinant);
-        let lateral = [[own(m_r), own(m_vr).negated()], [own(m_rv).negated(), own(m_v)]];
+        let over = |x: X| x.over(determinant);
+        let lateral = [[over(m_r), over(m_vr).negated()], [over(m_rv).negated(), over(m_v)]];
         let inverse = (X::ONE.over(mass + m_x), lateral);
         Inertia {
             coriolis: self.coriolis,

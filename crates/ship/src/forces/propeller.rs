@@ -63,7 +63,8 @@ impl Propeller {
         let deduction = pure("deduction", spec.deduction.as_ref(), 0.0)?;
         let wake = pure("wake", spec.wake.as_ref(), 0.0)?;
         let wake_change = pure("wake_change", spec.wake_change.as_ref(), 0.0)?;
-        let [port, starboard] = [0, 1].map(|i: usize| spec.wake_ratio.as_ref().map(|own| &own[i]));
+        let [port, starboard] =
+            [0, 1].map(|i: usize| spec.wake_ratio.as_ref().map(|wake_ratio| &wake_ratio[i]));
         let wake_ratio = [pure("wake_ratio.0", port, 1.0)?, pure("wake_ratio.1", starboard, 1.0)?];
         let astern = astern(spec, &mut pure)?;
         let diameter =

@@ -52,7 +52,7 @@ impl Rudder {
             let measured = if key == "height_m" { measured.above_zero() } else { measured };
             builder.number(name, key, number, default, measured)
         };
-        let gamma = |i: usize| spec.gamma.as_ref().map(|own| &own[i]);
+        let gamma = |i: usize| spec.gamma.as_ref().map(|gamma| &gamma[i]);
         Ok(Self {
             angle,
             behind,

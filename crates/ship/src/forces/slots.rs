@@ -88,22 +88,22 @@ pub(crate) fn slots<'a>(
     } = description;
     let mut walk = Walk { slots: Vec::new(), channels };
     for (d, terms) in [surge, sway, yaw].into_iter().enumerate() {
-        for own in terms {
-            let dimension = of_term(own, d, channels)?;
+        for term in terms {
+            let dimension = of_term(term, d, channels)?;
             walk.slots.push(Slot {
-                name: own.parameter.clone(),
-                place: Place::Term(own),
+                name: term.parameter.clone(),
+                place: Place::Term(term),
                 dimension,
                 plain_prime: false,
             });
         }
     }
     walk.ship(own);
-    propellers.iter_mut().for_each(|own| walk.propeller(own));
-    rudders.iter_mut().for_each(|own| walk.rudder(own));
-    thrusters.iter_mut().for_each(|own| walk.thruster(own));
-    winds.iter_mut().for_each(|own| walk.wind(own));
-    crossflows.iter_mut().for_each(|own| walk.crossflow(own));
+    propellers.iter_mut().for_each(|propeller| walk.propeller(propeller));
+    rudders.iter_mut().for_each(|rudder| walk.rudder(rudder));
+    thrusters.iter_mut().for_each(|thruster| walk.thruster(thruster));
+    winds.iter_mut().for_each(|wind| walk.wind(wind));
+    crossflows.iter_mut().for_each(|crossflow| walk.crossflow(crossflow));
     Ok(walk.slots)
 }
 
@@ -153,7 +153,7 @@ impl<'a> Walk<'a, '_> {
         }
     }
 
-    fn ship(&mut self, own: &'a mut ShipSpec) {
+    fn ship(&mut self, ship_spec: &'a mut ShipSpec) {
         let ShipSpec {
             length_m: _,
             draught_m: _,
@@ -165,7 +165,7 @@ impl<'a> Walk<'a, '_> {
             inertia_kg_m2,
             added_mass,
             coriolis: _,
-        } = own;
+        } = ship_spec;
         let AddedMass { surge, sway, yaw, sway_yaw, yaw_sway } = added_mass;
         self.add("ship", "mass_kg", mass_kg, Dimension::mass(0));
         self.maybe("ship", "x_g_m", x_g_m, Dimension::length(1));
@@ -178,7 +178,7 @@ impl<'a> Walk<'a, '_> {
         self.maybe("ship.added_mass", "yaw_sway", yaw_sway, Dimension::mass(1));
     }
 
-    fn propeller(&mut self, own: &'a mut PropellerSpec) {
+    fn propeller(&mut self, propeller_spec: &'a mut PropellerSpec) {
         let PropellerSpec {
             name,
             input: _,
@@ -191,7 +191,7 @@ impl<'a> Walk<'a, '_> {
             x_m,
             y_m,
             astern,
-        } = own;
+        } = propeller_spec;
         self.all(name, "thrust", thrust, 0);
         self.maybe(name, "deduction", deduction, Dimension::NONE);
         self.maybe(name, "wake", wake, Dimension::NONE);
@@ -207,7 +207,7 @@ impl<'a> Walk<'a, '_> {
         }
     }
 
-    fn rudder(&mut self, own: &'a mut RudderSpec) {
+    fn rudder(&mut self, rudder_spec: &'a mut RudderSpec) {
         let RudderSpec {
             name,
             input: _,
@@ -226,7 +226,7 @@ impl<'a> Walk<'a, '_> {
             y_m,
             reversed_flow,
             inflow: _,
-        } = own;
+        } = rudder_spec;
         self.add(name, "area_m2", area_m2, Dimension::length(2));
         self.maybe(name, "height_m", height_m, Dimension::length(1));
         self.add(name, "lift_slope", lift_slope, Dimension::NONE);
@@ -282,7 +282,7 @@ impl<'a> Walk<'a, '_> {
         self.maybe(name, "dead_time_s", dead_time_s, Dimension::TIME);
     }
 
-    fn wind(&mut self, own: &'a mut WindSpec) {
+    fn wind(&mut self, wind_spec: &'a mut WindSpec) {
         let WindSpec {
             name,
             speed: _,
@@ -293,7 +293,7 @@ impl<'a> Walk<'a, '_> {
             surge,
             sway,
             yaw,
-        } = own;
+        } = wind_spec;
         self.all(name, "surge", surge, 1);
         self.all(name, "sway", sway, 1);
         self.all(name, "yaw", yaw, 1);
@@ -303,8 +303,8 @@ impl<'a> Walk<'a, '_> {
         self.maybe(name, "air_density_kg_m3", air_density_kg_m3, Dimension::NONE);
     }
 
-    fn crossflow(&mut self, own: &'a mut CrossflowSpec) {
-        let CrossflowSpec { name, draught_m, drag, strips: _ } = own;
+    fn crossflow(&mut self, crossflow_spec: &'a mut CrossflowSpec) {
+        let CrossflowSpec { name, draught_m, drag, strips: _ } = crossflow_spec;
         self.add(name, "draught_m", draught_m, Dimension::length(1));
         self.add(name, "drag", drag, Dimension::NONE);
     }

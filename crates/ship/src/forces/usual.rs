@@ -62,10 +62,10 @@ impl Description {
     pub fn with_usual_priors(&self, channels: &[Channel]) -> Result<(Self, Vec<String>), Invalid> {
         let forces = Forces::new(self, channels)?;
         let without = forces.parameters().iter().filter(|own| own.prior.is_none());
-        let all = without.map(|own| Ok((own.name.clone(), self.usual(own, channels)?)));
+        let all = without.map(|without| Ok((without.name.clone(), self.usual(without, channels)?)));
         let all: Vec<(String, f64)> = all.collect::<Result<_, Invalid>>()?;
-        let own = self.with_priors(&all, channels)?;
-        Ok((own, all.into_iter().map(|(name, _)| name).collect()))
+        let with_priors = self.with_priors(&all, channels)?;
+        Ok((with_priors, all.into_iter().map(|(name, _)| name).collect()))
     }
 
     /// The same ship with these standard deviations of priors, in the systems that the numbers are written in.
@@ -149,8 +149,8 @@ fn derivative(spec: &TermSpec, d: usize, channels: &[Channel]) -> Result<Option<
 /// The powers of v and r of a product; none for products with `du` or a channel, or with a division by v or r.
 pub(crate) fn powers(factors: &[Factor]) -> Option<[usize; 2]> {
     let mut powers = [0, 0];
-    for own in factors {
-        match own.motion() {
+    for factor in factors {
+        match factor.motion() {
             "v" => powers[0] += 1,
             "r" => powers[1] += 1,
             "u" | "U" | "U_s" => {}

@@ -64,10 +64,10 @@ impl ActuatorState {
     }
 
     /// The setting after a sample of `seconds`.
-    pub fn follow(&mut self, own: &Actuator, command: SampleCommand, seconds: f64) -> f64 {
-        let command = self.held(own, command, seconds);
+    pub fn follow(&mut self, actuator: &Actuator, command: SampleCommand, seconds: f64) -> f64 {
+        let command = self.held(actuator, command, seconds);
         let off = (command.last - self.setting).abs();
-        let to = if own.dead_band == 0.0 || off > own.dead_band {
+        let to = if actuator.dead_band == 0.0 || off > actuator.dead_band {
             self.bound_for = command.last;
             command.mean
         } else {
@@ -75,27 +75,27 @@ impl ActuatorState {
             self.bound_for = command.last.max(low).min(high);
             self.bound_for
         };
-        self.setting = own.after(self.setting, to, seconds);
+        self.setting = actuator.after(self.setting, to, seconds);
         self.setting
     }
 
     /// The setting after a sample of `seconds`, as near to `wanted` as commands take it.
-    pub fn reach(&mut self, own: &Actuator, wanted: f64, seconds: f64) -> f64 {
-        if !own.takes_every_command() {
-            let command = own.command_for(self.setting, wanted, seconds);
-            return self.follow(own, command.into(), seconds);
+    pub fn reach(&mut self, actuator: &Actuator, wanted: f64, seconds: f64) -> f64 {
+        if !actuator.takes_every_command() {
+            let command = actuator.command_for(self.setting, wanted, seconds);
+            return self.follow(actuator, command.into(), seconds);
         }
-        *self = Self::at(own.towards(self.setting, wanted, seconds));
+        *self = Self::at(actuator.towards(self.setting, wanted, seconds));
         self.setting
     }
 
     /// The command of the present hold.
-    fn held(&mut self, own: &Actuator, command: SampleCommand, seconds: f64) -> SampleCommand {
-        if own.hold_s == 0.0 {
+    fn held(&mut self, actuator: &Actuator, command: SampleCommand, seconds: f64) -> SampleCommand {
+        if actuator.hold_s == 0.0 {
             return command;
         }
         // Takes the command at the first sample that is not before the end of the hold.
-        let holds = |samples: u64| (samples as f64 * seconds / own.hold_s + ROUNDING).floor();
+        let holds = |samples: u64| (samples as f64 * seconds / actuator.hold_s + ROUNDING).floor();
         if self.samples == 0 || holds(self.samples) > holds(self.samples - 1) {
             self.held = command.first;
         }

@@ -27,8 +27,8 @@ impl Actuator {
     ///
     /// # Errors
     /// An empty range, a lag or dead band below 0, a rate or hold that is not above 0, a dead band as wide as the range.
-    pub(crate) fn new(own: &InputSpec) -> Result<Self, Invalid> {
-        let InputSpec { name, range, lag_s, rate_per_s, dead_band, hold_s, .. } = own;
+    pub(crate) fn new(input_spec: &InputSpec) -> Result<Self, Invalid> {
+        let InputSpec { name, range, lag_s, rate_per_s, dead_band, hold_s, .. } = input_spec;
         let thing = |key: &str| format!("{key}` of input `{name}");
         if let Some([low, high]) = *range
             && !(low.is_finite() && high.is_finite() && low < high)

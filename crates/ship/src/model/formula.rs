@@ -82,7 +82,7 @@ impl Formula {
             rest = rest.strip_prefix('*').unwrap_or(rest).trim_start();
         }
         formula.products.push(product);
-        if formula.products.iter().any(|own| !own.coefficient.is_finite()) {
+        if formula.products.iter().any(|product| !product.coefficient.is_finite()) {
             return Err(Malformed("numbers whose product is infinite".to_owned()));
         }
         if formula.products.iter().any(|own| own.factors.is_empty()) {
@@ -134,10 +134,10 @@ impl Formula {
 
     /// Whether it is a sum or difference of channels, or half of one: what they measure is what it measures.
     pub fn is_sum_of_channels(&self) -> bool {
-        let is_channel = |own: &Product| {
+        let is_channel = |product: &Product| {
             let is_plain =
-                matches!(own.factors.as_slice(), [Factor { function: Function::Itself, power: 1, .. }]);
-            is_plain && [0.5, 1.0].contains(&own.coefficient.abs())
+                matches!(product.factors.as_slice(), [Factor { function: Function::Itself, power: 1, .. }]);
+            is_plain && [0.5, 1.0].contains(&product.coefficient.abs())
         };
         self.products.len() > 1 && self.products.iter().all(is_channel)
     }

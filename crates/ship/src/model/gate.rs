@@ -42,7 +42,7 @@ impl Vessel {
                 .any(|k| own.thruster_inputs(k).1.is_some_and(|angle| angle.channel == i))
         };
         let name = input.name.to_lowercase();
-        let is_called = !self.accepts_unusual && RUDDERS.iter().any(|own| name.starts_with(own));
+        let is_called = !self.accepts_unusual && RUDDERS.iter().any(|rudder| name.starts_with(rudder));
         let is_one = forces.is_some_and(|own| drives(&own) || (is_called && !turns(&own)));
         (is_one || (forces.is_none() && is_called)).then_some(most * (1.0 + 1e-9))
     }

@@ -108,14 +108,14 @@ impl Vessel {
 }
 
 /// A degree of freedom in which some terms, with their values, are known.
-fn without(own: &Degree, each: impl Iterator<Item = (f64, bool)>) -> Degree {
-    let mut left = Degree { known: own.known.clone(), intercept: own.intercept, ..Degree::default() };
+fn without(degree: &Degree, each: impl Iterator<Item = (f64, bool)>) -> Degree {
+    let mut left = Degree { known: degree.known.clone(), intercept: degree.intercept, ..Degree::default() };
     let mut bounds = BTreeMap::new();
     for (i, (value, kept)) in each.enumerate() {
-        let term = &own.terms[i];
+        let term = &degree.terms[i];
         if kept {
-            bounds.extend(own.bounds.get(&i).map(|own| (left.terms.len(), *own)));
-            left.parameters.push(own.parameters[i].clone());
+            bounds.extend(degree.bounds.get(&i).map(|bound| (left.terms.len(), *bound)));
+            left.parameters.push(degree.parameters[i].clone());
             left.terms.push(term.clone());
         } else {
             left.known.push(Product { coefficient: value, factors: term.factors.clone() });

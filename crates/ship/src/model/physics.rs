@@ -106,20 +106,20 @@ pub(crate) fn moved(
 
 impl VesselFile {
     /// The keys of forces as `own` has them, and no others.
-    pub fn of_forces(own: Description) -> Self {
+    pub fn of_forces(description: Description) -> Self {
         Self {
             model: Some(Kind::Forces),
-            density_kg_m3: Some(own.density_kg_m3),
-            step_s: own.step_s,
-            ship: Some(own.ship),
-            surge: own.surge,
-            sway: own.sway,
-            yaw: own.yaw,
-            propeller: own.propeller,
-            rudder: own.rudder,
-            thruster: own.thruster,
-            wind: own.wind,
-            crossflow: own.crossflow,
+            density_kg_m3: Some(description.density_kg_m3),
+            step_s: description.step_s,
+            ship: Some(description.ship),
+            surge: description.surge,
+            sway: description.sway,
+            yaw: description.yaw,
+            propeller: description.propeller,
+            rudder: description.rudder,
+            thruster: description.thruster,
+            wind: description.wind,
+            crossflow: description.crossflow,
             ..Self::default()
         }
     }

@@ -15,7 +15,7 @@ impl Vessel {
     /// # Errors
     /// For terms: a rate of which neither is a whole multiple of the other, or above tenfold.
     pub fn at_rate(mut self, rate_hz: f64) -> Result<Self, Invalid> {
-        let own = self.sample_rate_hz;
+        let sample_rate_hz = self.sample_rate_hz;
         self.sample_rate_hz = rate_hz;
         if let Some(moved) = &self.model.forces {
             let forces = moved.forces.clone();
@@ -26,18 +26,21 @@ impl Vessel {
             Err(Invalid::new("sampling rate", format!("{rate_hz} Hz wanted"), expected, remedy))
         };
         let whole = |ratio: f64| ((ratio - ratio.round()).abs() <= 1e-9 * ratio).then(|| ratio.round());
-        self.model.pace = match (whole(rate_hz / own), whole(own / rate_hz)) {
+        self.model.pace = match (whole(rate_hz / sample_rate_hz), whole(sample_rate_hz / rate_hz)) {
             (Some(1.0), _) => RateChange::Own,
             (Some(by), _) if (2.0..=MOST).contains(&by) => {
                 RateChange::Divided { by: by as u32, order: ORDER }
             }
             (_, Some(count)) if (2.0..=MOST_REPEATED).contains(&count) => RateChange::Repeated(count as u32),
             (Some(by), _) if by > MOST => {
-                let expected = format!("at most {} Hz, {MOST} times the vessel's {own} Hz", MOST * own);
+                let expected = format!(
+                    "at most {} Hz, {MOST} times the vessel's {sample_rate_hz} Hz",
+                    MOST * sample_rate_hz
+                );
                 return refused(expected, "take a lower rate, or a vessel with `model = \"forces\"`");
             }
             _ => {
-                let expected = format!("a whole multiple or part of the vessel's {own} Hz");
+                let expected = format!("a whole multiple or part of the vessel's {sample_rate_hz} Hz");
                 return refused(expected, "take such a rate, or estimate a model at this one");
             }
         };

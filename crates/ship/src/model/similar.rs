@@ -60,9 +60,9 @@ impl VesselFile {
     /// # Errors
     /// A ship without forces.
     pub fn without_truth(self) -> Result<Self, Invalid> {
-        let plain = |own: &mut NumberSpec| {
-            let known = own.nominal.is_some() || own.prime.is_some();
-            own.value = own.value.filter(|_| !known && own.tied_to.is_none());
+        let plain = |number_spec: &mut NumberSpec| {
+            let known = number_spec.nominal.is_some() || number_spec.prime.is_some();
+            number_spec.value = number_spec.value.filter(|_| !known && number_spec.tied_to.is_none());
         };
         let own = described(&self)?.changed(&channels(&self), |_, own| plain(own))?;
         Ok(self.with_forces(own))
@@ -102,12 +102,13 @@ impl VesselFile {
         Ok(file)
     }
 
-    fn with_forces(mut self, own: Description) -> Self {
-        let Description { density_kg_m3, step_s, ship, surge, sway, yaw, .. } = own;
+    fn with_forces(mut self, description: Description) -> Self {
+        let Description { density_kg_m3, step_s, ship, surge, sway, yaw, .. } = description;
         (self.density_kg_m3, self.step_s, self.ship) = (Some(density_kg_m3), step_s, Some(ship));
         (self.surge, self.sway, self.yaw) = (surge, sway, yaw);
-        (self.propeller, self.rudder, self.thruster) = (own.propeller, own.rudder, own.thruster);
-        (self.wind, self.crossflow) = (own.wind, own.crossflow);
+        (self.propeller, self.rudder, self.thruster) =
+            (description.propeller, description.rudder, description.thruster);
+        (self.wind, self.crossflow) = (description.wind, description.crossflow);
         self
     }
 }

@@ -35,18 +35,18 @@ impl ConstrainedParameter {
         vessel.constrained.iter().map(|own| Self::of(vessel, own, &estimates)).collect()
     }
 
-    fn of(vessel: &Vessel, own: &Constrained, estimates: &[(Option<f64>, Option<f64>)]) -> Self {
+    fn of(vessel: &Vessel, constrained: &Constrained, estimates: &[(Option<f64>, Option<f64>)]) -> Self {
         let written = Self {
-            name: own.name.clone(),
-            term: own.term.text.clone(),
-            unit: vessel.model.unit(own.degree, &own.term),
+            name: constrained.name.clone(),
+            term: constrained.term.text.clone(),
+            unit: vessel.model.unit(constrained.degree, &constrained.term),
             fixed: true,
             tied_to: None,
             factor: None,
             estimate: None,
             standard_error: None,
         };
-        match own.constraint {
+        match constrained.constraint {
             Constraint::Fixed(value) => Self { estimate: Some(value), ..written },
             Constraint::Tied { to, factor } => {
                 let (estimate, error) = estimates.get(to).copied().unwrap_or_default();

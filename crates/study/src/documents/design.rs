@@ -133,7 +133,7 @@ impl DesignDocument {
     pub fn summary(&self) -> String {
         let used = self.used();
         let within = self.relative_gap.map_or(String::new(), |gap| format!(", relative gap {gap:.1e}"));
-        let prior = self.prior.as_ref().map(|own| format!("; {}", own.statement));
+        let prior = self.prior.as_ref().map(|prior| format!("; {}", prior.statement));
         let too_short = self.accuracy.as_ref().and_then(|accuracy| {
             let from = accuracy.holds_from_s.filter(|from| accuracy.duration_s < *from)?;
             Some(format!(
@@ -141,8 +141,8 @@ impl DesignDocument {
                 accuracy.duration_s
             ))
         });
-        let promise = self.promise.as_ref().map(|own| format!("; {}", own.statement));
-        let unreached = self.unreached.as_ref().map(|own| format!("; {}", own.statement));
+        let promise = self.promise.as_ref().map(|promise| format!("; {}", promise.statement));
+        let unreached = self.unreached.as_ref().map(|unreached| format!("; {}", unreached.statement));
         let held = self.held_in_words().map_or_else(String::new, |words| format!("; {words}"));
         format!(
             "{used} of {} maneuvers, {}{within}{held}{}{}{}{}",

@@ -24,7 +24,7 @@ impl ModelDocument {
         }
         let left_out = found.nested.search.as_ref();
         Self {
-            left_out_rmse: left_out.map(|own| [own.rmse_u, own.rmse_v, own.rmse_r]),
+            left_out_rmse: left_out.map(|left_out| [left_out.rmse_u, left_out.rmse_v, left_out.rmse_r]),
             rejected: Some(rejected(&found.nested)),
             statements: [&found.statements[..], &[verdict(&found.nested)]].concat(),
             ..model
@@ -41,8 +41,8 @@ impl ModelDocument {
 
 /// The same parameters with the bootstrap over recordings.
 pub(super) fn resampled(mut parameters: Vec<ModelParameter>, found: &Searched) -> Vec<ModelParameter> {
-    let all = found.resampled.as_ref().map(|own| &own.parameters);
-    for own in parameters.iter_mut().filter(|own| !own.fixed) {
+    let all = found.resampled.as_ref().map(|resampled| &resampled.parameters);
+    for own in parameters.iter_mut().filter(|parameter| !parameter.fixed) {
         // A tied parameter follows the other one.
         let (name, factor) = match &own.tied_to {
             Some(other) => (other, own.factor.unwrap_or(1.0)),

@@ -294,7 +294,11 @@ impl MapDocument {
     /// All lines and rings.
     fn lines(&self) -> impl Iterator<Item = &MapLine> {
         let rings = self.areas.iter().flat_map(|area| &area.rings);
-        let lines = self.contours.iter().map(|own| &own.line).chain(self.tracks.iter().map(|own| &own.line));
+        let lines = self
+            .contours
+            .iter()
+            .map(|contour| &contour.line)
+            .chain(self.tracks.iter().map(|track| &track.line));
         let others = self.corridors.iter().chain(&self.edge).chain(&self.speed_limits).chain(&self.hulls);
         rings.chain(lines).chain(others)
     }
@@ -303,7 +307,7 @@ impl MapDocument {
     fn masks(&self) -> impl Iterator<Item = (&MapRaster, &MapRuns)> {
         let cells =
             self.cells.iter().flat_map(|own| own.classes.iter().map(|class| (&own.raster, &class.runs)));
-        let margins = self.margins.iter().map(|own| (&own.raster, &own.runs));
+        let margins = self.margins.iter().map(|margin| (&margin.raster, &margin.runs));
         cells.chain(margins).chain(self.swept.iter().map(|own| (&own.raster, &own.runs)))
     }
 

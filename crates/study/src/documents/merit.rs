@@ -40,17 +40,22 @@ pub struct SlopesAt {
 impl MeritDocument {
     /// Of the figures of `vessel`, whose runs are draws of its parameters or recorded.
     pub fn new(vessel: &str, length_m: f64, of_parameters: bool, maneuvers: Vec<ManeuverMerit>) -> Self {
-        let words = |own: &ManeuverMerit| {
-            let figures = own.figures.iter().map(|figure| format!("{}: {}", own.name, figure.words()));
-            let without = own.lacking().zip(own.reason.as_ref());
-            let without =
-                without.map(|(lacking, reason)| format!("{}: {lacking}, such as {reason}", own.name));
-            let unsloped = own.figures.iter().filter_map(|figure| {
+        let words = |maneuver_merit: &ManeuverMerit| {
+            let figures = maneuver_merit
+                .figures
+                .iter()
+                .map(|figure| format!("{}: {}", maneuver_merit.name, figure.words()));
+            let without = maneuver_merit.lacking().zip(maneuver_merit.reason.as_ref());
+            let without = without
+                .map(|(lacking, reason)| format!("{}: {lacking}, such as {reason}", maneuver_merit.name));
+            let unsloped = maneuver_merit.figures.iter().filter_map(|figure| {
                 let why = figure.without_slopes.as_ref()?;
-                Some(format!("{}: no slopes of {}: {why}", own.name, figure.what))
+                Some(format!("{}: no slopes of {}: {why}", maneuver_merit.name, figure.what))
             });
-            let sailed = own.sailed.iter().map(|sailed| format!("{}: {sailed}", own.name));
-            let remarks = own.remarks.iter().map(|remark| format!("{}: {remark}", own.name));
+            let sailed =
+                maneuver_merit.sailed.iter().map(|sailed| format!("{}: {sailed}", maneuver_merit.name));
+            let remarks =
+                maneuver_merit.remarks.iter().map(|remark| format!("{}: {remark}", maneuver_merit.name));
             sailed.chain(remarks).chain(figures).chain(without).chain(unsloped).collect::<Vec<_>>()
         };
         Self {
@@ -137,15 +142,15 @@ pub struct MeritTableRow {
 }
 
 impl From<&MeritRow> for MeritTableRow {
-    fn from(own: &MeritRow) -> Self {
+    fn from(merit_row: &MeritRow) -> Self {
         Self {
-            design: own.design.clone(),
-            run: own.run,
-            maneuver: own.maneuver.clone(),
-            figure: own.figure.name.to_owned(),
-            unit: own.figure.unit.clone(),
-            value: own.figure.value,
-            most: own.figure.most,
+            design: merit_row.design.clone(),
+            run: merit_row.run,
+            maneuver: merit_row.maneuver.clone(),
+            figure: merit_row.figure.name.to_owned(),
+            unit: merit_row.figure.unit.clone(),
+            value: merit_row.figure.value,
+            most: merit_row.figure.most,
         }
     }
 }

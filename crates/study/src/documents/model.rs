@@ -227,10 +227,10 @@ impl ModelDocument {
             unit: variable.unit.clone(),
             simulated: model.simulated.get(&place).copied(),
         };
-        let derived = |own: &DerivedChannel| DerivedSpec {
-            name: model.variables[own.variable].name.clone(),
-            unit: model.variables[own.variable].unit.clone(),
-            formula: own.text.clone(),
+        let derived = |derived_channel: &DerivedChannel| DerivedSpec {
+            name: model.variables[derived_channel.variable].name.clone(),
+            unit: model.variables[derived_channel.variable].unit.clone(),
+            formula: derived_channel.text.clone(),
         };
         // In the order of the file, not of computation.
         let mut written: Vec<&DerivedChannel> = model.derived.iter().collect();
@@ -252,7 +252,8 @@ impl ModelDocument {
                 PriorInformation::new(names, Some(&forces.covariance), of)
             }
             None => {
-                let names = self.degrees.iter().flat_map(|own| &own.parameters).map(|own| own.name.as_str());
+                let names =
+                    self.degrees.iter().flat_map(|degree| &degree.parameters).map(|own| own.name.as_str());
                 PriorInformation::new(names, Some(self.covariance.as_ref()?), |_| None)
             }
         }

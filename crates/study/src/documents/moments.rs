@@ -26,10 +26,10 @@ impl MomentsDocument {
     /// A matrix with another shape than its degree of freedom.
     pub fn moments(self) -> Result<Moments, Invalid> {
         for maneuver in &self.0.maneuvers {
-            for own in &maneuver.degrees {
-                let [rows, columns] = own.shape;
-                if rows != columns || rows.checked_mul(columns) != Some(own.m.len() as u64) {
-                    let found = format!("{} entries in {}", own.m.len(), own.name);
+            for degree in &maneuver.degrees {
+                let [rows, columns] = degree.shape;
+                if rows != columns || rows.checked_mul(columns) != Some(degree.m.len() as u64) {
+                    let found = format!("{} entries in {}", degree.m.len(), degree.name);
                     return Err(malformed(&maneuver.name, &found));
                 }
             }

@@ -84,7 +84,8 @@ pub struct RefinedLimit {
 impl RefinedDocument {
     /// What to print of it, with its promise.
     pub fn summary(&self) -> String {
-        let promise = self.promise.as_ref().map_or(String::new(), |own| format!(" {}", own.statement));
+        let promise =
+            self.promise.as_ref().map_or(String::new(), |promise| format!(" {}", promise.statement));
         format!("{}{promise}", self.statement)
     }
 }

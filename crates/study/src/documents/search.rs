@@ -172,7 +172,7 @@ impl SearchDocument {
 
     /// Errors of the delivered model's kind on recordings that were left out of finding and fitting it.
     pub fn delivered_errors(&self) -> Option<FreeRunErrors> {
-        match self.beside.as_ref().map(|own| (own.delivered, own)) {
+        match self.beside.as_ref().map(|beside| (beside.delivered, beside)) {
             Some((DeliveredKind::Average, _)) => return self.nested.average.as_ref()?.errors,
             Some((DeliveredKind::Forces, own)) => return own.errors,
             _ => {}

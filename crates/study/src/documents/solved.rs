@@ -107,7 +107,7 @@ impl From<Solved<'_>> for DesignDocument {
             counts: solved.segments.as_ref().map(|(_, whole)| by_name(&dictionary.maneuvers, &whole.counts)),
             counted: solved.segments.as_ref().map(|(segments, whole)| counts(design, segments, whole)),
             available: solved.available.map(|a| named(&a.shares)),
-            promise: covariance.as_ref().and_then(|own| promise(&solved, own)),
+            promise: covariance.as_ref().and_then(|covariance| promise(&solved, covariance)),
             covariance,
             estimator: matches!(solved.estimated, Estimated::OutputError { .. })
                 .then_some(Estimator::OutputError),

@@ -168,10 +168,12 @@ pub(super) fn sequence(arranged: &Arranged) -> String {
          the same shares in the dictionary's order; not proved best{limits}.{}",
         arranged.tried,
         100.0 * arranged.gain,
-        arranged.foretold.map_or(String::new(), |own| format!(
+        arranged.foretold.map_or(String::new(), |foretold| format!(
             " Foretold: a median parameter error of {:.3}{}.",
-            own.parameter_error,
-            own.simulation_error.map_or(String::new(), |e| format!(", a median simulation error of {e:.3}"))
+            foretold.parameter_error,
+            foretold
+                .simulation_error
+                .map_or(String::new(), |e| format!(", a median simulation error of {e:.3}"))
         ))
     )
 }

@@ -63,9 +63,9 @@ pub fn columns(vessel: &Vessel) -> Columns<Row> {
                 move |r| r.covariance.as_ref().map(|own| own[i * all + j]),
                 move |r, value| {
                     if let Some(value) = value {
-                        let own = r.covariance.get_or_insert_with(|| vec![0.0; all * all]);
-                        own[i * all + j] = value;
-                        own[j * all + i] = value;
+                        let get_or_insert_with = r.covariance.get_or_insert_with(|| vec![0.0; all * all]);
+                        get_or_insert_with[i * all + j] = value;
+                        get_or_insert_with[j * all + i] = value;
                     }
                 },
             );

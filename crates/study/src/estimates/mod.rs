@@ -143,7 +143,7 @@ pub(crate) fn is_error(value: f64) -> bool {
 
 fn incomplete(file: &Path, row: usize) -> Error {
     let estimated = EstimateStatus::ALL.into_iter().filter(|own| own.estimated());
-    let named: Vec<String> = estimated.map(|own| format!("`{own}`")).collect();
+    let named: Vec<String> = estimated.map(|estimated| format!("`{estimated}`")).collect();
     let expected = format!("all parameters where the status is {}", listed(&named));
     crate::refuse(file, &format!("row {row}"), "an absent parameter", &expected, "run `estimate` again")
 }

@@ -77,7 +77,7 @@ fn takes(property: &Value, schema: &Value) -> String {
         return choices
             .iter()
             .find(|choice| choice["type"] != "null")
-            .map_or(String::new(), |own| takes(own, schema));
+            .map_or(String::new(), |choice| takes(choice, schema));
     }
     if let Some(name) = name(property) {
         let heading =

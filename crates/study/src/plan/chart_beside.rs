@@ -27,7 +27,7 @@ pub(super) fn check_beside(path: &Path, declared: &GridDeclaration) -> Result<()
             return Err(Error::refuse(&beside, tag, found, format!("{usual}, or none"), remedy));
         }
     }
-    let Some(own) = text_of(&text, "UnitType").filter(|own| !own.is_empty()) else { return Ok(()) };
+    let Some(own) = text_of(&text, "UnitType").filter(|text_of| !text_of.is_empty()) else { return Ok(()) };
     let (unit, usual) = (DepthUnit::of_text(own), declared.unit.unwrap_or(DepthUnit::Metre));
     if declared.kind == GridKind::LandMask || unit == Some(usual) {
         return Ok(());

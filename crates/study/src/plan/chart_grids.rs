@@ -57,7 +57,7 @@ pub(super) fn refuse_netcdf(path: &Path) -> Result<(), Error> {
     const SIGNATURES: [&[u8]; 4] = [b"CDF\x01", b"CDF\x02", b"CDF\x05", b"\x89HDF\r\n\x1A\n"];
     let mut first = Vec::new();
     files::open(path)?.take(8).read_to_end(&mut first).map_err(|e| Error::io(path, "read", e))?;
-    if !SIGNATURES.iter().any(|own| first.starts_with(own)) {
+    if !SIGNATURES.iter().any(|signature| first.starts_with(signature)) {
         return Ok(());
     }
     let expected = "GeoTIFF (.tif), ESRI ASCII (.asc), GeoJSON, or a cell of an electronic chart (.000)";

@@ -43,7 +43,7 @@ pub(super) struct ExchangeSet {
 impl CellFile {
     /// A file below `root`, or next to it.
     pub(super) fn at(path: &Path, root: &Path) -> Self {
-        let whole = path.parent().and_then(|own| here(own).canonicalize().ok());
+        let whole = path.parent().and_then(|parent| here(parent).canonicalize().ok());
         let below = whole.as_deref().and_then(|own| own.strip_prefix(root).ok());
         let folders = below.into_iter().flat_map(Path::components);
         let folders = folders.map(|own| own.as_os_str().to_string_lossy().to_ascii_uppercase());
@@ -160,7 +160,7 @@ impl ExchangeSet {
         }
         // Folders of updates and editions are in one named as the cell.
         let numbered = folder.ancestors().take_while(|own| is_number(&capitals(own))).take(2).count();
-        let above = folder.ancestors().nth(numbered).filter(|own| is_stem(&capitals(own), cell));
+        let above = folder.ancestors().nth(numbered).filter(|ancestor| is_stem(&capitals(ancestor), cell));
         let highest = folder.ancestors().nth(numbered.saturating_sub(1));
         Ok(above.or(highest).unwrap_or(&folder).to_path_buf())
     }

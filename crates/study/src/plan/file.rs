@@ -226,8 +226,8 @@ pub struct SensorSpec {
 }
 
 impl From<SensorSpec> for Sensors {
-    fn from(own: SensorSpec) -> Self {
-        let SensorSpec { position_m, heading_deg, speed_m_s, yaw_rate_rad_s } = own;
+    fn from(sensor_spec: SensorSpec) -> Self {
+        let SensorSpec { position_m, heading_deg, speed_m_s, yaw_rate_rad_s } = sensor_spec;
         Self { position_m, heading_rad: heading_deg.to_radians(), speed_m_s, yaw_rate_rad_s }
     }
 }

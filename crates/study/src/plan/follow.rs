@@ -106,12 +106,12 @@ impl Clock {
 
     /// Positions on `plane`, timed after the departure.
     fn placed(&self, logged: &LoggedPositions, plane: &Plane) -> Vec<ShipPosition> {
-        let place = |own: &logs::LoggedPosition| ShipPosition {
-            line: own.line,
-            at_s: self.origin_s + own.at_s,
-            place: plane.to_plane(own.longitude_deg, own.latitude_deg),
-            heading_deg: own.heading_deg,
-            speed_m_s: own.speed_m_s,
+        let place = |logged_position: &logs::LoggedPosition| ShipPosition {
+            line: logged_position.line,
+            at_s: self.origin_s + logged_position.at_s,
+            place: plane.to_plane(logged_position.longitude_deg, logged_position.latitude_deg),
+            heading_deg: logged_position.heading_deg,
+            speed_m_s: logged_position.speed_m_s,
         };
         logged.rows.iter().map(place).collect()
     }
@@ -419,8 +419,8 @@ fn statement(
     if !missed.is_empty() {
         said += &format!(" She did not come along all of step {}.", missed.join(", "));
     }
-    for own in doubts(plan, followed) {
-        said += &format!(" Note: {own}.");
+    for doubt in doubts(plan, followed) {
+        said += &format!(" Note: {doubt}.");
     }
     if followed.spikes > 0 {
         said += &format!(" Spikes left out: {}.", followed.spikes);

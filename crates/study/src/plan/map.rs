@@ -39,7 +39,10 @@ pub fn map_of(planned: &SailedPlan, plan: &PlanDocument, voyage: &Voyage) -> Map
         contours: chart
             .contours()
             .iter()
-            .map(|own| MapContour { depth_m: own.depth_m, line: own.line.iter().copied().collect() })
+            .map(|contour| MapContour {
+                depth_m: contour.depth_m,
+                line: contour.line.iter().copied().collect(),
+            })
             .collect(),
         margins: margins(planned),
         spots: chart.spots().iter().map(spot).collect(),
@@ -51,7 +54,7 @@ pub fn map_of(planned: &SailedPlan, plan: &PlanDocument, voyage: &Voyage) -> Map
         }),
         corridors: voyage.passage.corridors(plane).into_iter().flatten().map(MapLine::from_iter).collect(),
         edge: Some(ring(&task.area.corners)).filter(|edge| !edge.east_m.is_empty()),
-        speed_limits: task.speed_limits.iter().map(|own| ring(&own.corners)).collect(),
+        speed_limits: task.speed_limits.iter().map(|speed_limit| ring(&speed_limit.corners)).collect(),
         tracks: tracks(planned, plan, voyage),
         hulls: planned.hulls().into_iter().map(MapLine::from_iter).collect(),
         start: planned.start().map(Into::into),
@@ -103,12 +106,12 @@ fn margins(planned: &SailedPlan) -> Vec<MapMargin> {
     purposes.into_iter().zip(planned.margins()).map(margin).collect()
 }
 
-fn spot(own: &Spot) -> MapSpot {
+fn spot(spot: &Spot) -> MapSpot {
     MapSpot {
-        place: own.place.into(),
-        symbol: if own.sounding { MapSymbol::Sounding } else { MapSymbol::Danger },
-        depth_m: own.called.depth_m,
-        title: own.called.to_string(),
+        place: spot.place.into(),
+        symbol: if spot.sounding { MapSymbol::Sounding } else { MapSymbol::Danger },
+        depth_m: spot.called.depth_m,
+        title: spot.called.to_string(),
     }
 }
 
@@ -143,9 +146,9 @@ impl FromIterator<[f64; 2]> for MapLine {
 }
 
 impl From<Raster> for MapRaster {
-    fn from(own: Raster) -> Self {
-        let ([west_m, south_m], cell_m) = (own.origin, own.cell_m);
-        Self { west_m, south_m, cell_m, columns: own.nx as u64, rows: own.ny as u64 }
+    fn from(raster: Raster) -> Self {
+        let ([west_m, south_m], cell_m) = (raster.origin, raster.cell_m);
+        Self { west_m, south_m, cell_m, columns: raster.nx as u64, rows: raster.ny as u64 }
     }
 }
 

@@ -54,9 +54,9 @@ impl PlanFile {
             measurement: self.measurement,
             errors_from: None,
             changes: self.changes(),
-            known_current_m_s: self
-                .known_current
-                .map_or([0.0; 2], |own| current_m_s(own.speed_m_s, own.towards_deg)),
+            known_current_m_s: self.known_current.map_or([0.0; 2], |known_current| {
+                current_m_s(known_current.speed_m_s, known_current.towards_deg)
+            }),
             handling,
             derived,
             approach,
@@ -96,18 +96,18 @@ const SPEED_M_S: f64 = 0.1;
 impl PlanFile {
     /// The approach to a maneuver, with tolerances in metres and radians.
     fn approach(&self, handling: &Handling) -> Approach {
-        let own = self.approach;
+        let approach = self.approach;
         let known = self.known_current.map_or(0.0, |current| current.speed_m_s);
         let crabbing_m_s = known + self.safety.unknown_current_m_s;
-        let speed_m_s = own.tolerance_m_s.unwrap_or(SPEED_M_S);
+        let speed_m_s = approach.tolerance_m_s.unwrap_or(SPEED_M_S);
         Approach {
-            run_in_s: own.run_in_s,
+            run_in_s: approach.run_in_s,
             tolerance: Tolerance {
-                distance_m: own.tolerance_cells * self.cell_m,
-                heading_rad: own.tolerance_deg.to_radians(),
+                distance_m: approach.tolerance_cells * self.cell_m,
+                heading_rad: approach.tolerance_deg.to_radians(),
                 surge_m_s: speed_m_s,
                 sway_m_s: speed_m_s + crabbing_m_s,
-                yaw_rate_rad_s: own.tolerance_rad_s.unwrap_or(YAW_RATE * handling.turn_rate_rad_s),
+                yaw_rate_rad_s: approach.tolerance_rad_s.unwrap_or(YAW_RATE * handling.turn_rate_rad_s),
             },
         }
     }

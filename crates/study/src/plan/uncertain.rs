@@ -72,11 +72,11 @@ fn covariant(
 /// Within so many standard deviations of the priors of a ship with forces.
 fn by_priors(path: &Path, vessel: &Vessel, errors: f64) -> Result<Deviations, Error> {
     let parameters = vessel.model.forces.as_ref().map_or(&[][..], |own| own.forces.parameters());
-    let deviations = parameters.iter().map(|own| {
-        own.prior.ok_or_else(|| {
+    let deviations = parameters.iter().map(|parameter| {
+        parameter.prior.ok_or_else(|| {
             let expected = "a `prior`, which `safety.standard_errors` of plan.toml counts in";
             let remedy = "state one, fix the number, or take `safety.parameter_error`";
-            Error::refuse(path, format!("parameter `{}`", own.name), "no prior", expected, remedy)
+            Error::refuse(path, format!("parameter `{}`", parameter.name), "no prior", expected, remedy)
         })
     });
     Ok(Deviations::independent(&deviations.collect::<Result<Vec<f64>, _>>()?, errors))

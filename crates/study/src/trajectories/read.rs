@@ -45,7 +45,8 @@ impl TrajectoryReader {
     pub fn open(path: &Path, layout: &Layout, rate_hz: f64) -> Result<Self, Error> {
         let table = TableReader::open(path, ID, VERSION)?;
         let there = |name: &str| table.columns().iter().any(|c| c.name == name);
-        let with_column = |own: &DerivedChannel| there(&layout.exogenous[own.variable - 3].0);
+        let with_column =
+            |derived_channel: &DerivedChannel| there(&layout.exogenous[derived_channel.variable - 3].0);
         let derived: Vec<(DerivedChannel, bool)> =
             layout.derived.iter().map(|own| (own.clone(), with_column(own))).collect();
         let absent = |place: usize| derived.iter().any(|(own, there)| !there && own.variable - 3 == place);
@@ -59,11 +60,12 @@ impl TrajectoryReader {
         if truth {
             columns.extend(["u", "v", "r"].map(str::to_owned));
         }
-        let own = layout.of_instruments();
-        let instruments = if own.iter().all(|column| there(&column.name)) { own.len() } else { 0 };
+        let of_instruments = layout.of_instruments();
+        let instruments =
+            if of_instruments.iter().all(|column| there(&column.name)) { of_instruments.len() } else { 0 };
         if instruments > 0 {
-            table.require(&own)?;
-            columns.extend(own.into_iter().map(|column| column.name));
+            table.require(&of_instruments)?;
+            columns.extend(of_instruments.into_iter().map(|column| column.name));
         }
         let inputs = layout.exogenous[..layout.inputs].iter().map(|(name, _)| name.clone());
         let commanded = inputs.map(|name| (commanded(&name), name)).filter(|(column, _)| there(column));

@@ -48,10 +48,10 @@ impl BlockBuilder {
             self.truth[4].push(pose.y);
             self.truth[5].push(pose.psi);
         }
-        let own = run.view().instrument_exogenous;
-        let width = own.len() / run.samples().max(1);
+        let instrument_exogenous = run.view().instrument_exogenous;
+        let width = instrument_exogenous.len() / run.samples().max(1);
         for (i, column) in self.instruments.iter_mut().enumerate() {
-            column.extend(own.iter().skip(i).step_by(width));
+            column.extend(instrument_exogenous.iter().skip(i).step_by(width));
             column.push(0.0);
         }
         // What does not react commands its inputs.

@@ -153,15 +153,15 @@ impl Arranging<'_> {
     fn least(&self, places: &[usize]) -> Result<BTreeMap<usize, usize>, Invalid> {
         let rate_hz = self.vessel.sample_rate_hz;
         let least = |&q: &usize| {
-            let own = self.generator.samples(q)?;
+            let samples = self.generator.samples(q)?;
             let asked = self.minimal_s.map_or(0, |s| (s * rate_hz).ceil() as usize);
-            if asked > own && !self.generator.tables().contains_key(&q) {
+            if asked > samples && !self.generator.tables().contains_key(&q) {
                 let found = format!("{} s", self.minimal_s.unwrap_or_default());
-                let (own_s, name) = (own as f64 / rate_hz, &self.generator.maneuvers()[q].name);
+                let (own_s, name) = (samples as f64 / rate_hz, &self.generator.maneuvers()[q].name);
                 let expected = format!("no more than the {own_s} s of `{name}`");
                 return Err(Invalid::new("--minimal-s", found, expected, "lower it"));
             }
-            Ok((q, asked.max((LEAST * own as f64).ceil() as usize)))
+            Ok((q, asked.max((LEAST * samples as f64).ceil() as usize)))
         };
         places.iter().map(least).collect()
     }

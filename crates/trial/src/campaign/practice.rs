@@ -60,18 +60,18 @@ fn repeated(round: &[(usize, usize)], tables: &Tables, samples: usize) -> Option
 }
 
 /// Why the undisturbed ship cannot sail `own`, for users: the maneuver in which she diverges.
-pub(super) fn not_sailed(vessel: &Vessel, own: &Experiment) -> Option<String> {
+pub(super) fn not_sailed(vessel: &Vessel, experiment: &Experiment) -> Option<String> {
     let (model, rate_hz) = (&vessel.model, vessel.sample_rate_hz);
     let truth = vessel.parameters(Source::Value).ok()?;
-    let states = match &own.helm {
-        None => simulate_one(model, &truth, own.initial, &own.exogenous),
+    let states = match &experiment.helm {
+        None => simulate_one(model, &truth, experiment.initial, &experiment.exogenous),
         Some(helm) => {
-            let samples = own.exogenous.len() / model.exogenous().max(1);
-            simulate_command(model, &truth, own.initial, samples, rate_hz, helm).states
+            let samples = experiment.exogenous.len() / model.exogenous().max(1);
+            simulate_command(model, &truth, experiment.initial, samples, rate_hz, helm).states
         }
     };
     let at = check_diverged(states.into_iter())?;
-    let segment = own.segments.iter().rev().find(|segment| segment.start < at.sample.max(1))?;
+    let segment = experiment.segments.iter().rev().find(|segment| segment.start < at.sample.max(1))?;
     let after_s = at.sample as f64 / rate_hz;
     Some(format!("the ship diverges in maneuver `{}`, {after_s:.1} s after their start", segment.maneuver))
 }

@@ -174,8 +174,13 @@ impl<'a> Campaign<'a> {
         }
         let realizations = settings.realizations;
         let reacting = generator.reacting();
-        let own = Self { sea, samples, realizations, designs, parts, names, statements, reacting }.prepared();
-        Ok(if settings.random_segments.is_some() { own.practised(generator, settings.seed) } else { own })
+        let prepared =
+            Self { sea, samples, realizations, designs, parts, names, statements, reacting }.prepared();
+        Ok(if settings.random_segments.is_some() {
+            prepared.practised(generator, settings.seed)
+        } else {
+            prepared
+        })
     }
 
     /// Adds today's practice, or says why it is left out.
@@ -209,8 +214,8 @@ impl<'a> Campaign<'a> {
         let parts = segments.iter().zip(ends).enumerate();
         let plan: Plan = parts.map(|(i, (segment, end))| (i, end - segment.start)).collect();
         let realize = |(part, segment): (&(usize, usize), &Segment)| {
-            let own = &inputs[segment.start * width..(segment.start + part.1) * width];
-            (*part, Realized { initial, inputs: own.to_vec(), helm: None })
+            let input = &inputs[segment.start * width..(segment.start + part.1) * width];
+            (*part, Realized { initial, inputs: input.to_vec(), helm: None })
         };
         let parts = plan.iter().zip(segments).map(realize).collect();
         let names = segments.iter().map(|segment| segment.maneuver.clone()).collect();

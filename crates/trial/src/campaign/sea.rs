@@ -165,7 +165,7 @@ impl<'a> Sea<'a> {
         }
         let model = &self.vessel.model;
         let alike = groups[0].shared().filter(|first| {
-            groups.iter().all(|group| group.shared().is_some_and(|own| std::ptr::eq(own, *first)))
+            groups.iter().all(|group| group.shared().is_some_and(|shared| std::ptr::eq(shared, *first)))
         });
         let lanes = |group: &Group| if alike.is_some() { Vec::new() } else { interleave(&group.exogenous) };
         let exogenous = groups.map(lanes);
@@ -224,7 +224,7 @@ impl Group<'_> {
     /// The common inputs of all runs, if there are any.
     fn shared(&self) -> Option<&[f64]> {
         let first = *self.exogenous.first()?;
-        self.exogenous.iter().all(|own| std::ptr::eq(*own, first)).then_some(first)
+        self.exogenous.iter().all(|exogenou| std::ptr::eq(*exogenou, first)).then_some(first)
     }
 
     fn start(&self) -> [Lane; 3] {

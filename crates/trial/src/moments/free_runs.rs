@@ -34,7 +34,8 @@ impl FreeRunModel {
     pub fn new(vessel: &Vessel, validation: Option<&Generator>) -> Result<Self, Unpredictable> {
         let (model, simulated_with) = (&vessel.model, vessel.best_known());
         let theta = vessel.parameters(simulated_with).map_err(Unpredictable::Vessel)?;
-        let g = validation.map(|own| validation_weights(model, &theta, own)).transpose()?.flatten();
+        let g =
+            validation.map(|validation| validation_weights(model, &theta, validation)).transpose()?.flatten();
         Ok(Self { simulated_with, parameters: by_name(model, &theta), rows: rows(model), g })
     }
 }

@@ -192,7 +192,7 @@ impl Moments {
         prior.add_to(&mut known, rows, 1.0);
         let inverse = scaled_inverse(n, &sum)?;
         let share = |i: usize| (0..n).map(|j| inverse[i * n + j] * known[j * n + i]).sum::<f64>();
-        let parameters = self.degrees.iter().flat_map(|own| &own.parameters);
+        let parameters = self.degrees.iter().flat_map(|degree| &degree.parameters);
         let place = |name: &String| rows.iter().position(|own| own == name);
         parameters.map(|name| Some((name.clone(), share(place(name)?).clamp(0.0, 1.0)))).collect()
     }

@@ -30,15 +30,15 @@ fn segments(run: &Run) -> Vec<Run> {
     }
     let ends = run.segments.iter().skip(1).map(|s| s.start).chain([run.samples()]);
     let part = |(segment, end): (&Segment, usize)| {
-        let own = run.view().part(segment.start..end);
+        let part = run.view().part(segment.start..end);
         Run {
             design: run.design.clone(),
             run: run.run,
             segments: vec![Segment { maneuver: segment.maneuver.clone(), start: 0 }],
-            exogenous: own.exogenous.to_vec(),
-            instrument_exogenous: own.own_instrument_inputs(),
-            measured: own.measured.to_vec(),
-            initial: if segment.start == 0 { run.initial } else { own.initial },
+            exogenous: part.exogenous.to_vec(),
+            instrument_exogenous: part.own_instrument_inputs(),
+            measured: part.measured.to_vec(),
+            initial: if segment.start == 0 { run.initial } else { part.initial },
         }
     };
     run.segments.iter().zip(ends).map(part).collect()

@@ -121,7 +121,7 @@ impl<'a> ShipSampler<'a> {
         let lanes = |ships: &[Vec<f64>]| {
             let lane = |i: usize| {
                 let mut lane = Lane::ZERO;
-                ships.iter().enumerate().for_each(|(place, own)| lane[place] = own[i]);
+                ships.iter().enumerate().for_each(|(place, ship)| lane[place] = ship[i]);
                 lane
             };
             (0..vessel.nominal.len()).map(lane).collect()

@@ -87,7 +87,7 @@ impl Limits {
             allowed: states.into_iter().chain(ranges.iter().map(InputLimit::modulus)).chain(rates).collect(),
             signal: SignalLimits {
                 states,
-                inputs: ranges.iter().map(|own| [own.low, own.high]).collect(),
+                inputs: ranges.iter().map(|range| [range.low, range.high]).collect(),
                 steps,
             },
         };

@@ -212,10 +212,10 @@ impl<'a> Trial<'a> {
     /// The information of `realizations` so far, by their planning models; `None` before the first round.
     fn information(&self, realizations: &[Realization]) -> Vec<Option<OutputInformation>> {
         let begun = realizations.iter().filter(|realization| !realization.run.exogenous.is_empty());
-        let runs = begun.map(|own| Simulated {
-            theta: &own.known,
-            initial: own.run.initial,
-            exogenous: &own.run.exogenous,
+        let runs = begun.map(|begun| Simulated {
+            theta: &begun.known,
+            initial: begun.run.initial,
+            exogenous: &begun.run.exogenous,
         });
         self.planner.informations(&runs.collect::<Vec<_>>())
     }

@@ -98,8 +98,8 @@ fn residuals(ship: &Ship, window: &Part, are_inputs_held: bool) -> [Vec<f64>; 3]
         let left = |k: usize, d: usize| states[k + 1][d] - replayed.step(k, states[k])[d];
         return [0, 1, 2].map(|d| (0..window.samples()).map(|k| left(k, d)).collect());
     }
-    let own = Part { exogenous: exogenous.into_owned(), ..window.clone() };
-    let (regression, layout) = (Regression::of(ship.model, &own.whole()), ship.model.layout());
+    let part = Part { exogenous: exogenous.into_owned(), ..window.clone() };
+    let (regression, layout) = (Regression::of(ship.model, &part.whole()), ship.model.layout());
     [0, 1, 2].map(|d: usize| regression.degrees[d].residuals(&ship.theta[layout.terms(d)]).collect())
 }
 

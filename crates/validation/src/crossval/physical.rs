@@ -44,6 +44,6 @@ pub fn cross_validate_forces(
         tried
     };
     let tried: Vec<Tried> = folds.iter().map(tried).collect();
-    let own = cut.score(Estimator::OutputError, &tried);
-    Ok(cut.validation(folds.len(), vec![own]))
+    let score = cut.score(Estimator::OutputError, &tried);
+    Ok(cut.validation(folds.len(), vec![score]))
 }

@@ -38,8 +38,8 @@ pub enum Unsimulated {
 }
 
 impl From<Unsimulated> for Invalid {
-    fn from(own: Unsimulated) -> Self {
-        match own {
+    fn from(unsimulated: Unsimulated) -> Self {
+        match unsimulated {
             Unsimulated::Unheld(invalid) | Unsimulated::Diverged(invalid) => invalid,
         }
     }
@@ -81,7 +81,7 @@ impl Gathered {
 
 /// Refuses figures of which one is no number.
 fn all_finite(found: Found) -> Result<Found, Invalid> {
-    match found.figures.iter().find(|own| !own.value.is_finite()) {
+    match found.figures.iter().find(|figure| !figure.value.is_finite()) {
         None => Ok(found),
         Some(own) => {
             Err(Invalid::new(own.what, own.value.to_string(), "a number", "run it longer, or with more helm"))
@@ -157,9 +157,12 @@ impl<'a> Merit<'a> {
     /// The place of what a log called `name` was found to be.
     fn recognised(&mut self, name: &str, found: Option<&Found>) -> usize {
         let (kind, sailed) = found.map_or(("", ""), |own| (own.kind, own.sailed.as_str()));
-        let is_it = |own: &Gathered| {
-            own.sailed == sailed
-                && own.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(": "))
+        let is_it = |gathered: &Gathered| {
+            gathered.sailed == sailed
+                && gathered
+                    .name
+                    .strip_prefix(name)
+                    .is_some_and(|rest| rest.is_empty() || rest.starts_with(": "))
         };
         self.gathered.iter().position(is_it).unwrap_or_else(|| {
             // The same name may stand for different maneuvers.

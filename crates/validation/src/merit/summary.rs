@@ -129,7 +129,7 @@ impl ManeuverMerit {
     /// With the derivatives of its figures; `None` where they were not computed.
     pub(super) fn with_slopes(mut self, slopes: Option<&Result<Vec<FigureSlopes>, Invalid>>) -> Self {
         let Some(slopes) = slopes else { return self };
-        for figure in self.figures.iter_mut().filter(|own| !own.is_aside) {
+        for figure in self.figures.iter_mut().filter(|figure| !figure.is_aside) {
             let own = slopes.as_ref().map(|all| all.iter().find(|own| own.figure == figure.name));
             match own.map(|own| own.map(|own| &own.slopes)) {
                 Ok(Some(Ok(slopes))) => figure.slopes = Some(slopes.clone()),
@@ -197,8 +197,8 @@ impl FigureMerit {
             (Some(low), Some(high)) => format!(" ({low:.3} to {high:.3})"),
             _ => String::new(),
         };
-        let still =
-            corrected.map_or(String::new(), |own| format!(", {own:.3}{unit} corrected for the current"));
+        let still = corrected
+            .map_or(String::new(), |corrected| format!(", {corrected:.3}{unit} corrected for the current"));
         let verdict = match (most, passes) {
             (Some(most), Some(true)) => format!(", IMO allows {most:.1}: passes"),
             (Some(most), Some(false)) => format!(", IMO allows {most:.1}: fails"),

@@ -51,7 +51,7 @@ pub fn guessed(own: &MainDimensions) -> Result<Written, Invalid> {
 /// The lowest usual rate \[Hz\] with enough samples per length, where a second has `lengths` of them.
 fn rate(lengths: f64) -> f64 {
     let decades = [0.1, 1.0, 10.0, 100.0].into_iter().flat_map(|own| [own, 2.0 * own, 5.0 * own]);
-    decades.clone().find(|own| *own >= SAMPLES * lengths).unwrap_or(500.0)
+    decades.clone().find(|decade| *decade >= SAMPLES * lengths).unwrap_or(500.0)
 }
 
 fn inputs(length_m: f64, revolutions: f64) -> Vec<InputSpec> {
@@ -78,21 +78,27 @@ fn digits(own: f64) -> f64 {
 }
 
 /// Proportions that are none of the usual ships, with their values.
-fn unusual(own: &MainDimensions, speed: f64) -> Vec<String> {
-    let froude = speed / (GRAVITY * own.length_m).sqrt();
-    let most = usual_froude(own.block);
+fn unusual(main_dimensions: &MainDimensions, speed: f64) -> Vec<String> {
+    let froude = speed / (GRAVITY * main_dimensions.length_m).sqrt();
+    let most = usual_froude(main_dimensions.block);
     let fast = (froude > most)
         .then(|| format!("Froude number {froude:.2} (at most {most:.2} at this block coefficient)"));
-    let found = [own.length_m / own.beam_m, own.beam_m / own.draught_m, own.block];
+    let found = [
+        main_dimensions.length_m / main_dimensions.beam_m,
+        main_dimensions.beam_m / main_dimensions.draught_m,
+        main_dimensions.block,
+    ];
     let all = USUAL.into_iter().zip(found);
-    all.filter(|((_, [low, high]), own)| !(*low..=*high).contains(own))
-        .map(|((name, [low, high]), own)| format!("{name} {own:.3} ({low} to {high})"))
+    all.filter(|((_, [low, high]), main_dimensions)| !(*low..=*high).contains(main_dimensions))
+        .map(|((name, [low, high]), main_dimensions)| {
+            format!("{name} {main_dimensions:.3} ({low} to {high})")
+        })
         .chain(fast)
         .collect()
 }
 
-fn head(own: &MainDimensions, revolutions: f64, unusual: &[String]) -> Vec<String> {
-    let MainDimensions { length_m, beam_m, draught_m, block, .. } = own;
+fn head(main_dimensions: &MainDimensions, revolutions: f64, unusual: &[String]) -> Vec<String> {
+    let MainDimensions { length_m, beam_m, draught_m, block, .. } = main_dimensions;
     let mut all = vec![
         format!(
             "A ship of {length_m} m, beam {beam_m} m, draught {draught_m} m, block coefficient {block}, from textbook \

@@ -58,10 +58,11 @@ fn deviations(ship: &ShipFile, file: &VesselFile) -> Result<Vec<(String, f64)>, 
     let vessel = Vessel::from_file(with)?;
     let Some(moved) = &vessel.model.forces else { return Ok(Vec::new()) };
     let known = moved.forces.parameters().iter();
-    let one = |own: &study::documents::FittedParameter| {
-        let prior = known.clone().find(|known| known.name == own.name).and_then(|known| known.prior)?;
-        let deviation = own.standard_error.map_or(prior, |error| error.max(FLOOR * prior));
-        Some((own.name.clone(), deviation))
+    let one = |fitted_parameter: &study::documents::FittedParameter| {
+        let prior =
+            known.clone().find(|known| known.name == fitted_parameter.name).and_then(|known| known.prior)?;
+        let deviation = fitted_parameter.standard_error.map_or(prior, |error| error.max(FLOOR * prior));
+        Some((fitted_parameter.name.clone(), deviation))
     };
     Ok(fitted.iter().filter_map(one).collect())
 }

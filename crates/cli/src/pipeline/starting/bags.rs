@@ -75,20 +75,20 @@ pub(super) fn groups(guess: &BagGuess, patterns: &[String], files: &[String]) ->
     let patterns: Vec<String> = patterns.iter().map(|pattern| quoted(pattern)).collect();
     let (patterns, template) = (patterns.join(", "), run_from_file(files));
     let mut text = String::new();
-    for own in &guess.topics {
+    for topic in &guess.topics {
         let _ = write!(text, "\n[[file]]\npattern = [{patterns}]\nrun_from_file = {}", quoted(&template));
         let mark = if template.contains('*') { MARK } else { "" };
-        let _ = writeln!(text, "{mark}\ntopic = {}", quoted(&own.topic));
-        if let Some(publisher) = own.publisher {
+        let _ = writeln!(text, "{mark}\ntopic = {}", quoted(&topic.topic));
+        if let Some(publisher) = topic.publisher {
             let _ = writeln!(text, "publisher = \"{publisher}\"{MARK}: the first of several");
         }
-        text += &clock(own);
+        text += &clock(topic);
         if let Some([w, x, y, z]) =
-            own.quaternion.as_ref().map(|parts| parts.each_ref().map(|part| quoted(part)))
+            topic.quaternion.as_ref().map(|parts| parts.each_ref().map(|part| quoted(part)))
         {
             let _ = writeln!(text, "quaternion = [{{ w = {w}, x = {x}, y = {y}, z = {z} }}]");
         }
-        text += &channels(&own.placed);
+        text += &channels(&topic.placed);
     }
     if !guess.unused.is_empty() {
         let names: Vec<String> = guess.unused.iter().map(|name| quoted(name)).collect();
@@ -97,9 +97,9 @@ pub(super) fn groups(guess: &BagGuess, patterns: &[String], files: &[String]) ->
     text
 }
 
-fn clock(own: &TopicGuess) -> String {
-    let unit = own.clock_unit.map_or(String::new(), |unit| format!(", unit = {}", quoted(unit)));
-    format!("time = {{ column = {}{unit} }}\n", quoted(own.clock))
+fn clock(topic_guess: &TopicGuess) -> String {
+    let unit = topic_guess.clock_unit.map_or(String::new(), |unit| format!(", unit = {}", quoted(unit)));
+    format!("time = {{ column = {}{unit} }}\n", quoted(topic_guess.clock))
 }
 
 /// The channels of a topic, on one line where they are few and have one mark.
@@ -112,14 +112,14 @@ fn channels(placed: &[Placed]) -> String {
             format!("channel = [{}]{}\n", all.join(", "), mark(last))
         }
         _ => {
-            let line = |own: &Placed| format!("    {},{}\n", channel(own), mark(own));
+            let line = |placed: &Placed| format!("    {},{}\n", channel(placed), mark(placed));
             format!("channel = [\n{}]\n", placed.iter().map(line).collect::<String>())
         }
     }
 }
 
-fn mark(own: &Placed) -> String {
-    match (own.is_channel_guessed, own.is_unit_guessed) {
+fn mark(placed: &Placed) -> String {
+    match (placed.is_channel_guessed, placed.is_unit_guessed) {
         (false, false) => String::new(),
         (true, false) => format!("{MARK}: by the name of the topic"),
         (_, true) => format!("{MARK}: by the name of the topic, which says no unit"),

@@ -169,7 +169,7 @@ fn on_chart(plane: &Plane, bounds: &Bounds, layers: &[Layer]) -> Option<Bounds> 
         Layer::Grid(_) => None,
     });
     let areas: Vec<_> = areas.flatten().collect();
-    if areas.is_empty() || areas.iter().any(|own| matches!(own.class, Class::Depth { .. })) {
+    if areas.is_empty() || areas.iter().any(|area| matches!(area.class, Class::Depth { .. })) {
         return Some(*bounds);
     }
     let corners: Vec<[f64; 2]> = areas

@@ -233,19 +233,19 @@ fn files(looked: &Looked, head: &Head, guess: &Guess) -> String {
     text
 }
 
-fn channel(own: &Placed, lacks: Option<[&str; 2]>) -> String {
+fn channel(placed: &Placed, lacks: Option<[&str; 2]>) -> String {
     let mark = |guessed: bool, why: &str| if guessed { format!("{MARK}: {why}") } else { String::new() };
     let mut text = format!(
         "\n[[file.channel]]\ncolumn = {}\nchannel = {}{}\nunit = {}{}\n",
-        quoted(&own.column),
-        quoted(&own.channel),
-        mark(own.is_channel_guessed, "by the column's name"),
-        quoted(&own.unit),
-        mark(own.is_unit_guessed, "the column's name says none"),
+        quoted(&placed.column),
+        quoted(&placed.channel),
+        mark(placed.is_channel_guessed, "by the column's name"),
+        quoted(&placed.unit),
+        mark(placed.is_unit_guessed, "the column's name says none"),
     );
-    if own.is_optional {
+    if placed.is_optional {
         let why = match lacks {
-            Some([channel, what]) if channel == own.channel => {
+            Some([channel, what]) if channel == placed.channel => {
                 format!("not used: no {what} of the wind is logged")
             }
             _ => "the model does without it".to_owned(),
@@ -255,8 +255,8 @@ fn channel(own: &Placed, lacks: Option<[&str; 2]>) -> String {
     text
 }
 
-fn missing(own: &Needed, found: &Found) -> String {
-    let [channel, unit] = [&own.channel, &own.unit].map(|text| quoted(text));
+fn missing(needed: &Needed, found: &Found) -> String {
+    let [channel, unit] = [&needed.channel, &needed.unit].map(|text| quoted(text));
     match found {
         Found::Table(..) => format!(
             "\n# The model needs this channel, and no column was recognised as it: name its column.\n# [[file.channel]]\n\

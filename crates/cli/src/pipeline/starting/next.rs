@@ -53,7 +53,7 @@ fn drawn(dictionary: &str, plan: &str) -> String {
     let own = ["speed_m_s", "from_m_s", "to_m_s"].into_iter().flat_map(|key| numbers(dictionary, key));
     let speeds: Vec<f64> = own.chain(modes.iter().copied()).collect();
     let (speed, duration_s) = (largest(&speeds), largest(&numbers(dictionary, "duration_s")).max(1.0));
-    let slow = speeds.into_iter().filter(|own| *own > 0.0).fold(speed, f64::min).min(0.8 * speed);
+    let slow = speeds.into_iter().filter(|speed| *speed > 0.0).fold(speed, f64::min).min(0.8 * speed);
     let start = if modes.is_empty() { String::new() } else { format!("start_m_s = {modes:?}\n") };
     format!(
         "# What the helmsman may be asked for in the next trial: motions that are drawn, of which those stay that the inputs can hold within\n\

@@ -74,10 +74,13 @@ pub(super) fn group(guess: &SentenceGuess, patterns: &[String]) -> String {
             listed(&guess.prefer)
         );
     }
-    let line = |own: &Placed| {
-        let mark =
-            if own.is_channel_guessed { format!("{MARK}: by the kind of sentence") } else { String::new() };
-        format!("    {},{mark}\n", channel(own))
+    let line = |placed: &Placed| {
+        let mark = if placed.is_channel_guessed {
+            format!("{MARK}: by the kind of sentence")
+        } else {
+            String::new()
+        };
+        format!("    {},{mark}\n", channel(placed))
     };
     let _ = writeln!(text, "channel = [\n{}]", guess.placed.iter().map(line).collect::<String>());
     if !guess.unused.is_empty() {

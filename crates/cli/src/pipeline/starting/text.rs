@@ -12,8 +12,8 @@ pub(super) fn quoted(text: &str) -> String {
 }
 
 /// A channel as an item of a list.
-pub(super) fn channel(own: &Placed) -> String {
-    let [column, channel, unit] = [&own.column, &own.channel, &own.unit].map(|text| quoted(text));
-    let optional = if own.is_optional { ", optional = true" } else { "" };
+pub(super) fn channel(placed: &Placed) -> String {
+    let [column, channel, unit] = [&placed.column, &placed.channel, &placed.unit].map(|text| quoted(text));
+    let optional = if placed.is_optional { ", optional = true" } else { "" };
     format!("{{ column = {column}, channel = {channel}, unit = {unit}{optional} }}")
 }

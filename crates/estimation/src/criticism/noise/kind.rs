@@ -162,8 +162,8 @@ impl Guess {
         NoiseModel {
             measurement: first(all.measurement),
             current,
-            force: all.force.map(|own| ForceNoise { std: first(own.std), factor: first(own.factor) }),
-            drift: all.drift.map(|own| Drift { std: first(own.std), factor: own.factor[0] }),
+            force: all.force.map(|force| ForceNoise { std: first(force.std), factor: first(force.factor) }),
+            drift: all.drift.map(|drift| Drift { std: first(drift.std), factor: drift.factor[0] }),
         }
     }
 }

@@ -52,21 +52,25 @@ impl Block {
     ) -> Result<(Self, Vec<Measure>), Unfit> {
         let mut description = forces.description().clone();
         let name = |i: usize| format!("candidate {i}");
-        for (i, own) in products.iter().enumerate() {
+        for (i, product) in products.iter().enumerate() {
             let spec = TermSpec {
                 parameter: name(i),
-                term: own.text.clone(),
+                term: product.text.clone(),
                 nominal: Some(0.0),
                 ..TermSpec::default()
             };
-            description.terms_mut()[own.degree].push(spec);
+            description.terms_mut()[product.degree].push(spec);
         }
         let more = Forces::new(&description, channels).map_err(|e| Unfit::Candidate(e.to_string()))?;
         let names: Vec<String> = (0..products.len()).map(name).collect();
-        let of = |own: &ship::forces::Parameter| match names.iter().position(|name| *name == own.name) {
-            Some(i) => Of::Candidate(i),
-            None => Of::Fitted(forces.parameters().iter().position(|old| old.name == own.name).unwrap_or(0)),
-        };
+        let of =
+            |parameter: &ship::forces::Parameter| match names.iter().position(|name| *name == parameter.name)
+            {
+                Some(i) => Of::Candidate(i),
+                None => Of::Fitted(
+                    forces.parameters().iter().position(|old| old.name == parameter.name).unwrap_or(0),
+                ),
+            };
         let places: Vec<Of> = more.parameters().iter().map(of).collect();
         let measure = |i: usize| {
             let own = more.parameters().iter().find(|own| own.name == names[i]);

@@ -137,7 +137,7 @@ impl Problem<'_> {
         let alternatives = Alternative::all(self.forces, channels);
         let count = alternatives.len();
         let mut signs: Vec<TurnedSign> =
-            alternatives.iter().map(|own| self.turned(fit, own, count)).collect();
+            alternatives.iter().map(|alternative| self.turned(fit, alternative, count)).collect();
         let gain = |own: &TurnedSign| own.share.unwrap_or(f64::NEG_INFINITY);
         signs.sort_by(|one, other| gain(other).total_cmp(&gain(one)));
         signs
@@ -179,8 +179,8 @@ impl Problem<'_> {
     ) -> Result<(Vec<Block>, Vec<Measure>), Unfit> {
         let mut blocks: Vec<Block> = inputs.chunks(AT_ONCE).map(|own| Block::Late(own.to_vec())).collect();
         let mut measures = Vec::new();
-        for own in terms.chunks(AT_ONCE) {
-            let (block, more) = Block::terms(self.forces, own, channels)?;
+        for chunk in terms.chunks(AT_ONCE) {
+            let (block, more) = Block::terms(self.forces, chunk, channels)?;
             blocks.push(block);
             measures.extend(more);
         }
@@ -248,7 +248,7 @@ fn label(product: &Product) -> String {
 fn sort(terms: &mut [AbsentTerm]) {
     let certain = |own: &AbsentTerm| own.p_value < LEVEL;
     terms.sort_by(|one, other| certain(other).cmp(&certain(one)).then(other.share.total_cmp(&one.share)));
-    let most = terms.first().filter(|own| certain(own)).map(|own| own.share);
+    let most = terms.first().filter(|term| certain(term)).map(|own| own.share);
     for own in terms.iter_mut() {
         own.candidate = certain(own) && most.is_some_and(|most| own.share >= CLOSE * most);
     }

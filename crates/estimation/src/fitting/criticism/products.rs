@@ -43,7 +43,7 @@ pub(crate) fn products(forces: &Forces, channels: &[Channel], inputs: usize) -> 
 
 /// Whether the prime system scales a number that multiplies this variable.
 fn is_scaled(variable: usize, channels: &[Channel]) -> bool {
-    let channel = variable.checked_sub(MOTION.len()).map(|own| channels[own].unit.as_str());
+    let channel = variable.checked_sub(MOTION.len()).map(|variable| channels[variable].unit.as_str());
     channel.is_none_or(|unit| ["rad", "1", ""].contains(&unit))
 }
 
@@ -66,7 +66,7 @@ pub(crate) fn listed(
             if known.contains(&factors) {
                 continue;
             }
-            let scaled = factors.iter().all(|own| is_scaled(own.variable, channels));
+            let scaled = factors.iter().all(|factor| is_scaled(factor.variable, channels));
             all.push(Product { degree, text: text.trim().to_owned(), scaled });
             known.push(factors);
         }
@@ -104,8 +104,8 @@ fn in_order(mut factors: Vec<Factor>) -> Vec<Factor> {
 fn terms(forces: &Forces, degree: usize) -> Vec<Vec<Plain>> {
     let count = own_terms(forces, degree);
     let plain = |factors: &[Factor]| {
-        let whole = factors.iter().all(|own| !own.divides);
-        whole.then(|| sorted(factors.iter().map(|own| (own.variable, own.modulus)).collect()))
+        let whole = factors.iter().all(|factor| !factor.divides);
+        whole.then(|| sorted(factors.iter().map(|factor| (factor.variable, factor.modulus)).collect()))
     };
     (0..count).filter_map(|i| plain(forces.factors(degree, i))).collect()
 }
@@ -130,7 +130,7 @@ fn library(channels: &[Channel], inputs: usize) -> Vec<Vec<Plain>> {
     all.extend(pairs(&motion));
     all.extend([1, 2].map(|own| vec![(own, false), (SIGNED_SPEED, false)]));
     let squares: Vec<Vec<Plain>> = pairs(&plain);
-    let cubes = squares.iter().flat_map(|square| plain.map(|own| [square.as_slice(), &[own]].concat()));
+    let cubes = squares.iter().flat_map(|square| plain.map(|plain| [square.as_slice(), &[plain]].concat()));
     all.extend(cubes);
     // A term can have no other names.
     let named =
@@ -173,10 +173,10 @@ fn text(factors: &[Plain], channels: &[Channel]) -> String {
         return "1".to_owned();
     }
     let mut parts: Vec<(Plain, usize)> = Vec::new();
-    for own in factors {
-        match parts.iter_mut().find(|(known, _)| known == own) {
+    for factor in factors {
+        match parts.iter_mut().find(|(known, _)| known == factor) {
             Some((_, power)) => *power += 1,
-            None => parts.push((*own, 1)),
+            None => parts.push((*factor, 1)),
         }
     }
     let part = |((variable, modulus), power): ((usize, bool), usize)| {

@@ -172,7 +172,7 @@ impl Pass<'_> {
         // Numbers that the recordings determine use up units.
         let count = units.len() as f64;
         let correction = (count / (count - fitted.used).max(1.0)).sqrt();
-        units.iter_mut().for_each(|own| *own *= correction);
+        units.iter_mut().for_each(|unit| *unit *= correction);
         Some(Score { gradient, curvature, units })
     }
 }

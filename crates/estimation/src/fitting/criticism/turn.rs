@@ -79,9 +79,9 @@ impl Change {
 impl Alternative {
     /// All of `forces`, whose rows of inputs have these `channels`.
     pub fn all(forces: &Forces, channels: &[Channel]) -> Vec<Self> {
-        let own = Turns { forces, channels };
-        let pairs = own.exchanged();
-        own.sides().chain(own.pushes()).chain(own.angles()).chain(own.winds()).chain(pairs).collect()
+        let turns = Turns { forces, channels };
+        let pairs = turns.exchanged();
+        turns.sides().chain(turns.pushes()).chain(turns.angles()).chain(turns.winds()).chain(pairs).collect()
     }
 
     /// A value of the parameter `name` of the ship as written, for this one.
@@ -226,10 +226,10 @@ fn opposite(all: &[Placed]) -> Vec<(usize, usize)> {
 }
 
 /// A number as written.
-fn value(own: &Number) -> Option<f64> {
-    match own {
-        Number::Plain(own) => Some(*own),
-        Number::Table(own) => own.nominal.or(own.prime),
+fn value(number: &Number) -> Option<f64> {
+    match number {
+        Number::Plain(number) => Some(*number),
+        Number::Table(number) => number.nominal.or(number.prime),
     }
 }
 

@@ -33,23 +33,23 @@ pub struct TurnedSign {
 
 impl Problem<'_> {
     /// The sign of `own` turned, one of `count` signs.
-    pub(crate) fn turned(&self, fit: &Fit, own: &Alternative, count: usize) -> TurnedSign {
+    pub(crate) fn turned(&self, fit: &Fit, alternative: &Alternative, count: usize) -> TurnedSign {
         let as_written = Pass::new(self, fit.first).window_costs(fit);
         let none = TurnedSign {
-            turn: own.turn.clone(),
+            turn: alternative.turn.clone(),
             share: None,
             better: 0,
             windows: as_written.len(),
             p_value: 1.0,
             wrong: false,
         };
-        let Some((other, windows)) = self.fitted_as(fit, own) else { return none };
+        let Some((other, windows)) = self.fitted_as(fit, alternative) else { return none };
         let gains: Vec<f64> = as_written.iter().zip(&windows).map(|(old, new)| old - new).collect();
         let share = fit.share(fit.cost - other.cost);
         let p_value = if share > 0.0 { (count as f64 * chance(&gains)).min(1.0) } else { 1.0 };
         TurnedSign {
             share: Some(share),
-            better: gains.iter().filter(|own| **own > 0.0).count(),
+            better: gains.iter().filter(|gain| **gain > 0.0).count(),
             p_value,
             wrong: share >= SHARE && p_value < LEVEL,
             ..none
@@ -93,12 +93,12 @@ impl Problem<'_> {
         own.forces.parameters().iter().map(value).collect()
     }
 
-    fn priors_of(&self, own: &Alternative) -> Vec<Option<Prior>> {
+    fn priors_of(&self, alternative: &Alternative) -> Vec<Option<Prior>> {
         let prior = |parameter: &ship::forces::Parameter| {
             let at = self.forces.parameters().iter().position(|old| old.name == parameter.name)?;
-            self.priors[at].map(|old| Prior { mean: own.value(&parameter.name, old.mean), ..old })
+            self.priors[at].map(|old| Prior { mean: alternative.value(&parameter.name, old.mean), ..old })
         };
-        own.forces.parameters().iter().map(prior).collect()
+        alternative.forces.parameters().iter().map(prior).collect()
     }
 }
 
@@ -127,7 +127,7 @@ pub(crate) fn changed(problem: &Problem, channel: usize, by: impl Fn(&[f64]) -> 
 fn chance(gains: &[f64]) -> f64 {
     let count = gains.len() as f64;
     let mean = gains.iter().sum::<f64>() / count;
-    let square = gains.iter().map(|own| (own - mean).powi(2)).sum::<f64>();
+    let square = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>();
     if gains.len() < 2 || square <= 0.0 {
         return 1.0;
     }

@@ -57,18 +57,18 @@ fn advance(track: &PlannedTrack, costs: &mut [f64], elapsed_s: f64, came_from: &
     let waiting = |k: usize| before[k] + WAITS * at_s(k);
     for (k, cost) in costs.iter_mut().enumerate() {
         while next < k && at_s(next) < at_s(k) - elapsed_s {
-            skipped = Some(skipped.filter(|own| skipping(*own) <= skipping(next)).unwrap_or(next));
+            skipped = Some(skipped.filter(|skipped| skipping(*skipped) <= skipping(next)).unwrap_or(next));
             next += 1;
         }
-        while waited.back().is_some_and(|own| waiting(*own) >= waiting(k)) {
+        while waited.back().is_some_and(|back| waiting(*back) >= waiting(k)) {
             waited.pop_back();
         }
         waited.push_back(k);
-        while waited.front().is_some_and(|own| *own < next) {
+        while waited.front().is_some_and(|front| *front < next) {
             waited.pop_front();
         }
-        let waits = waited.front().map(|own| (waiting(*own) + WAITS * (elapsed_s - at_s(k)), *own));
-        let skips = skipped.map(|own| (skipping(own) + SKIPS * (at_s(k) - elapsed_s), own));
+        let waits = waited.front().map(|front| (waiting(*front) + WAITS * (elapsed_s - at_s(k)), *front));
+        let skips = skipped.map(|skipped| (skipping(skipped) + SKIPS * (at_s(k) - elapsed_s), skipped));
         let best = waits.into_iter().chain(skips).min_by(|a, b| a.0.total_cmp(&b.0));
         let (least, from) = best.unwrap_or((f64::INFINITY, k));
         *cost = least;

@@ -102,9 +102,9 @@ impl<'a> Along<'a> {
         if aligned_m <= self.least_within_m() {
             return aligned_m;
         }
-        let away_m = |own: &ShipPosition| {
+        let away_m = |ship_position: &ShipPosition| {
             let points = self.track.points.iter();
-            points.map(|point| point.away_m(own.place)).fold(f64::INFINITY, f64::min)
+            points.map(|point| point.away_m(ship_position.place)).fold(f64::INFINITY, f64::min)
         };
         self.positions.iter().map(away_m).fold(aligned_m, f64::min)
     }
@@ -131,7 +131,8 @@ impl<'a> Along<'a> {
     /// Course and speed over the ground at the last position \[deg, m/s\]: since she was so far away that it gives a course.
     pub(super) fn course(&self) -> Option<[f64; 2]> {
         let ship = &self.ship;
-        let from = self.positions.iter().rfind(|own| distance(ship.place, own.place) >= COURSE_M)?;
+        let from =
+            self.positions.iter().rfind(|position| distance(ship.place, position.place) >= COURSE_M)?;
         let [east, north] = [0, 1].map(|c: usize| ship.place[c] - from.place[c]);
         let speed_m_s = distance(ship.place, from.place) / (ship.at_s - from.at_s);
         Some([libm::atan2(east, north).to_degrees().rem_euclid(360.0), speed_m_s])

@@ -183,7 +183,7 @@ fn check_still(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
     let at_s = points[along.at[from]].at_s;
     let end = &points[along.last()];
     // A plan that turns on a small circle here moves as far, and stays near.
-    let near = points.iter().filter(|own| (own.at_s - end.at_s).abs() <= lasts_s);
+    let near = points.iter().filter(|point| (point.at_s - end.at_s).abs() <= lasts_s);
     let is_circle = near.map(|own| own.away_m(end.place)).fold(0.0, f64::max) <= 2.0 * limits.uncertain_m
         && planned_m(end.at_s - lasts_s, end.at_s) > missed_m;
     let moves = speed_m_s > AT_REST_M_S && speed_m_s * lasts_s > missed_m && !is_circle;

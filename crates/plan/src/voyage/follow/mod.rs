@@ -112,7 +112,7 @@ impl PlannedTrack {
         let kept = shift.map_or_else(|| kept.clone(), |own| own.without(&kept));
         let along = Along::of(&track, &kept);
         check_alignment(&along, limits)?;
-        let shifted = shift.map(|own| format!("{}: their datum, or the antenna's place", own.words()));
+        let shifted = shift.map(|shift| format!("{}: their datum, or the antenna's place", shift.words()));
         let odd = shifted.into_iter().chain(doubt::check(&along, limits)?).collect();
         let (last, ship) = (along.last(), &along.ship);
         let (point, end) = (&track.points[last], along.reached_end());

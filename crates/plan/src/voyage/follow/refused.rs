@@ -71,11 +71,11 @@ fn check_pace(
     limits: &FollowLimits,
 ) -> Result<(), Invalid> {
     let (mut from, mut speeds) = (&positions[0], Vec::new());
-    for own in positions {
-        let way_m = distance(own.place, from.place);
+    for position in positions {
+        let way_m = distance(position.place, from.place);
         if way_m >= 10.0 * limits.uncertain_m {
-            speeds.push(way_m / (own.at_s - from.at_s));
-            from = own;
+            speeds.push(way_m / (position.at_s - from.at_s));
+            from = position;
         }
     }
     let speed_m_s = median(speeds.iter().copied());

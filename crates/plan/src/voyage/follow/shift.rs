@@ -59,7 +59,7 @@ impl Shift {
         }
         let after_m = away_m(&offs(track, &Self::Earth(moved).without(&few)), Self::Ship(0.0));
         let moving = own.iter().filter(|own| own.2);
-        let aside = Self::Ship(median(moving.map(|own| Self::Ship(0.0).across_m(own))));
+        let aside = Self::Ship(median(moving.map(|moving| Self::Ship(0.0).across_m(moving))));
         let (found, after_m) = match away_m(&own, aside) {
             aside_m if aside_m < after_m && aside.metres() >= LEAST_M => (aside, aside_m),
             _ => (Self::Earth(moved), after_m),

@@ -40,12 +40,14 @@ impl Along<'_> {
     /// How the maneuver of `step` was sailed, by motion and by the inputs that were planned and logged.
     pub(super) fn sailed(&self, step: usize, [planned, logged]: [&Inputs; 2]) -> Sailed {
         let fix = |(ship, k): (&ShipPosition, &usize)| (*ship, self.track.points[*k]);
-        let own = |(_, plan): &Fix| plan.step == step && plan.informative;
-        let fixes: Vec<Fix> = self.positions.iter().zip(&self.at).map(fix).filter(own).collect();
+        let informative = |(_, plan): &Fix| plan.step == step && plan.informative;
+        let fixes: Vec<Fix> = self.positions.iter().zip(&self.at).map(fix).filter(informative).collect();
         if fixes.is_empty() {
             return Sailed::Planned;
         }
-        let of = |(name, own): (&String, &Vec<[f64; 2]>)| input(&fixes, name, [own, logged.get(name)?]);
+        let of = |(name, informative): (&String, &Vec<[f64; 2]>)| {
+            input(&fixes, name, [informative, logged.get(name)?])
+        };
         let inputs: Vec<Option<String>> = planned.iter().filter_map(of).collect();
         let known = !inputs.is_empty();
         match inputs.into_iter().flatten().next().or_else(|| broken_off(&fixes)) {
@@ -130,12 +132,14 @@ fn input(fixes: &[Fix], name: &str, series: [&[[f64; 2]]; 2]) -> Option<Option<S
     let pair = |(ship, plan): &Fix| Some([value(series[0], plan.at_s)?, value(series[1], ship.at_s)?]);
     let pairs: Vec<[f64; 2]> = fixes.iter().filter_map(pair).collect();
     let middle = median(pairs.iter().map(|own| own[0]));
-    let amplitudes = sorted(pairs.iter().map(|own| Some((own[0] - middle).abs())));
-    let amplitude =
-        amplitudes.get(amplitudes.len() * 9 / 10).copied().filter(|own| *own > 1e-6 * middle.abs())?;
+    let amplitudes = sorted(pairs.iter().map(|pair| Some((pair[0] - middle).abs())));
+    let amplitude = amplitudes
+        .get(amplitudes.len() * 9 / 10)
+        .copied()
+        .filter(|amplitude| *amplitude > 1e-6 * middle.abs())?;
     let sum = |of: fn(&[f64; 2]) -> f64| pairs.iter().map(of).sum::<f64>();
     let gain = (sum(|own| own[0] * own[1]) / sum(|own| own[0] * own[0])).clamp(LEAST, 1.0 / LEAST);
-    let differs = pairs.iter().filter(|own| (own[1] / gain - own[0]).abs() > DIFFERS * amplitude).count();
+    let differs = pairs.iter().filter(|pair| (pair[1] / gain - pair[0]).abs() > DIFFERS * amplitude).count();
     let part = differs as f64 / pairs.len() as f64;
     let words = || format!("`{name}` differs from the planned one for {:.0} % of it", 100.0 * part);
     Some((part > FEW).then(words))

@@ -81,7 +81,7 @@ impl PlannedTrack {
     pub fn new(points: Vec<TrackPoint>, legs: &[VoyageLeg], primitives: &[Primitive], task: &Task) -> Self {
         let least_m = task.approach.tolerance.distance_m + uncertain_m(task.sensors.position_m);
         let step = |(index, leg): (usize, &VoyageLeg)| {
-            let own = primitives.iter().filter(|own| leg.informative && own.maneuver == leg.name);
+            let own = primitives.iter().filter(|primitive| leg.informative && primitive.maneuver == leg.name);
             let spread_m = own.map(|own| own.spread_m).fold(0.0, f64::max);
             let pairs = points.windows(2).filter(|pair| pair[0].step == index && pair[0].informative);
             let way_m: f64 = pairs.map(|pair| pair[0].away_m(pair[1].place)).sum();

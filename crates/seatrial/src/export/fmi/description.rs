@@ -54,7 +54,8 @@ impl Portable {
 
     fn units(&self) -> String {
         let channels = self.given().iter().map(|own| &own.unit);
-        let all: BTreeSet<&String> = channels.chain(self.parameters.iter().map(|own| &own.unit)).collect();
+        let all: BTreeSet<&String> =
+            channels.chain(self.parameters.iter().map(|parameter| &parameter.unit)).collect();
         all.into_iter().map(|unit| format!("    <Unit name=\"{}\"/>\n", attribute(unit))).collect()
     }
 
@@ -65,22 +66,22 @@ impl Portable {
             own.map(|range| [range.low, range.high])
         };
         let channel = |place: usize, role, start| {
-            let own = &self.channels[place];
+            let channel = &self.channels[place];
             let (name, description) =
-                (own.identifier.clone(), described(&own.name, &own.identifier, &own.meaning));
-            ScalarVariable { name, description, role, unit: &own.unit, start, range: range(place) }
+                (channel.identifier.clone(), described(&channel.name, &channel.identifier, &channel.meaning));
+            ScalarVariable { name, description, role, unit: &channel.unit, start, range: range(place) }
         };
         let states = (0..3).map(|place| channel(place, OUTPUT, None));
         let inputs = (3..self.given().len()).map(|place| channel(place, INPUT, Some(self.start(place))));
-        let parameters = self.parameters.iter().map(|own| {
-            let error = own.standard_error.map(|error| format!(", standard error {}", number(error)));
-            let meaning = format!("{}{}", own.meaning, error.unwrap_or_default());
+        let parameters = self.parameters.iter().map(|parameter| {
+            let error = parameter.standard_error.map(|error| format!(", standard error {}", number(error)));
+            let meaning = format!("{}{}", parameter.meaning, error.unwrap_or_default());
             ScalarVariable {
-                name: own.identifier.clone(),
-                description: described(&own.name, &own.identifier, &meaning),
+                name: parameter.identifier.clone(),
+                description: described(&parameter.name, &parameter.identifier, &meaning),
                 role: PARAMETER,
-                unit: &own.unit,
-                start: Some(own.value),
+                unit: &parameter.unit,
+                start: Some(parameter.value),
                 range: None,
             }
         });

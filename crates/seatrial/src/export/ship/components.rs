@@ -12,11 +12,11 @@ use super::routine::{Line, Lines, Routine};
 pub(crate) fn thruster(
     forces: &Forces,
     i: usize,
-    own: &ThrusterSpec,
+    thruster_spec: &ThrusterSpec,
     numbers: &Numbers,
     name: &str,
 ) -> Routine {
-    let number = |key: &str| numbers.of(&own.name, key);
+    let number = |key: &str| numbers.of(&thruster_spec.name, key);
     let (driven, turned) = forces.thruster_inputs(i);
     let [input, u, v, r] = ["setting", "u", "v", "r"].map(Expression::name);
     let mut arguments = motion();
@@ -33,9 +33,9 @@ pub(crate) fn thruster(
     let cosine = lines.name("ahead", angle.clone().cosine(), "share of its force ahead");
     let sine = lines.name("starboard", angle.sine(), "share of its force to starboard");
     let [x, y] = ["x_m", "y_m"].map(number);
-    let astern = if own.astern.is_some() { number("astern") } else { number("ahead") };
+    let astern = if thruster_spec.astern.is_some() { number("astern") } else { number("ahead") };
     let coefficient = input.clone().if_positive(number("ahead"), astern);
-    let force = match (&own.loss, own.curve) {
+    let force = match (&thruster_spec.loss, thruster_spec.curve) {
         (None, Curve::Force) => coefficient * input,
         (None, Curve::Square) => coefficient * input.clone() * input.modulus(),
         (Some(_), _) => {
@@ -50,7 +50,7 @@ pub(crate) fn thruster(
     let comment = format!(
         "Thruster {}: force ahead and to starboard [N], moment [N m]. Fossen, Handbook of Marine Craft Hydrodynamics and \
          Motion Control.",
-        own.name
+        thruster_spec.name
     );
     Routine { name: name.to_owned(), comment, arguments, lines: lines.0, results }.without_unused()
 }

@@ -24,8 +24,8 @@ pub(crate) struct Names<'a> {
 }
 
 /// How tightly an expression is bound.
-fn level(own: &Expression) -> u8 {
-    match own {
+fn level(expression: &Expression) -> u8 {
+    match expression {
         Expression::Binary(Operation::Sum | Operation::Difference, _) => 1,
         Expression::Binary(..) => 2,
         _ => 3,
@@ -33,20 +33,20 @@ fn level(own: &Expression) -> u8 {
 }
 
 /// The summands of a sum, in order.
-fn summands(own: &Expression) -> Vec<&Expression> {
-    match own {
+fn summands(expression: &Expression) -> Vec<&Expression> {
+    match expression {
         Expression::Binary(Operation::Sum, both) => {
             let mut all = summands(&both[0]);
             all.push(&both[1]);
             all
         }
-        _ => vec![own],
+        _ => vec![expression],
     }
 }
 
 impl Language {
-    fn function(self, own: Function) -> &'static str {
-        match own {
+    fn function(self, function: Function) -> &'static str {
+        match function {
             Function::Modulus if self == Self::C => "fabs",
             Function::Modulus => "abs",
             Function::SquareRoot => "sqrt",
@@ -75,11 +75,11 @@ impl Language {
         helpers.iter().filter(needed).map(|(own, says, formals)| self.helper(*own, says, formals)).collect()
     }
 
-    fn helper(self, own: Function, says: &str, formals: &[&str]) -> String {
-        let name = self.function(own);
+    fn helper(self, function: Function, says: &str, formals: &[&str]) -> String {
+        let name = self.function(function);
         match self {
             Self::Python => {
-                let value = match own {
+                let value = match function {
                     Function::IfPositive => "then if x > 0.0 else other",
                     Function::Root => "sqrt(x) if x > 0.0 else 0.0",
                     _ => "(x > 0.0) - (x < 0.0)",
@@ -90,19 +90,19 @@ impl Language {
                 )
             }
             Self::C => {
-                let value = match own {
+                let value = match function {
                     Function::IfPositive => "x > 0.0 ? then : other",
                     Function::Root => "x > 0.0 ? sqrt(x) : 0.0",
                     _ => "(x > 0.0) - (x < 0.0)",
                 };
-                let formals: Vec<String> = formals.iter().map(|own| format!("double {own}")).collect();
+                let formals: Vec<String> = formals.iter().map(|formal| format!("double {formal}")).collect();
                 format!(
                     "/* {says} */\nstatic double {name}({})\n{{\n    return {value};\n}}\n\n",
                     formals.join(", ")
                 )
             }
             Self::Matlab => {
-                let value = match own {
+                let value = match function {
                     Function::IfPositive => "value = other;\nif x > 0\n    value = then;\nend",
                     Function::Root => "value = sqrt(max(x, 0));",
                     _ => return String::new(),
@@ -129,9 +129,9 @@ impl Language {
                 let sign = ["+", "-", "*", "/"][*operation as usize];
                 let bound = level(own);
                 // Sums and products are computed from left to right, as the program does.
-                let inner = |own: &Expression, least: u8| {
-                    let text = self.value(own, names);
-                    if level(own) < least { format!("({text})") } else { text }
+                let inner = |expression: &Expression, least: u8| {
+                    let text = self.value(expression, names);
+                    if level(expression) < least { format!("({text})") } else { text }
                 };
                 format!("{} {sign} {}", inner(&both[0], bound), inner(&both[1], bound + 1))
             }
@@ -139,15 +139,19 @@ impl Language {
     }
 
     /// A value that is assigned, over several lines if it is a long sum.
-    fn assigned(self, own: &Expression, names: &Names, indent: &str) -> String {
-        let text = self.value(own, names);
+    fn assigned(self, expression: &Expression, names: &Names, indent: &str) -> String {
+        let text = self.value(expression, names);
         if text.len() <= WIDTH {
             return text;
         }
-        let all: Vec<String> = summands(own)
+        let all: Vec<String> = summands(expression)
             .into_iter()
-            .map(|own| {
-                if level(own) < 2 { format!("({})", self.value(own, names)) } else { self.value(own, names) }
+            .map(|summand| {
+                if level(summand) < 2 {
+                    format!("({})", self.value(summand, names))
+                } else {
+                    self.value(summand, names)
+                }
             })
             .collect();
         match self {
@@ -163,8 +167,8 @@ impl Language {
         lines.iter().map(|own| self.line(own, names, indent)).collect()
     }
 
-    fn line(self, own: &Line, names: &Names, indent: &str) -> String {
-        match own {
+    fn line(self, line: &Line, names: &Names, indent: &str) -> String {
+        match line {
             Line::Let(name, value, says) => {
                 let value = self.assigned(value, names, indent);
                 match self {
@@ -174,7 +178,8 @@ impl Language {
                 }
             }
             Line::Results { name, routine, arguments, count, parameters } => {
-                let mut all: Vec<String> = arguments.iter().map(|own| self.value(own, names)).collect();
+                let mut all: Vec<String> =
+                    arguments.iter().map(|argument| self.value(argument, names)).collect();
                 if *parameters {
                     all.insert(0, "p".to_owned());
                 }
@@ -212,25 +217,25 @@ impl Language {
     }
 
     /// A routine with its results.
-    pub fn routine(self, own: &Routine, names: &Names) -> String {
-        let formals: Vec<&str> = own.arguments.iter().map(|(name, _)| name.as_str()).collect();
-        let parameters = if own.has_parameters() { ["p"].as_slice() } else { &[] };
+    pub fn routine(self, routine: &Routine, names: &Names) -> String {
+        let formals: Vec<&str> = routine.arguments.iter().map(|(name, _)| name.as_str()).collect();
+        let parameters = if routine.has_parameters() { ["p"].as_slice() } else { &[] };
         let formals: Vec<&str> = parameters.iter().copied().chain(formals).collect();
-        self.function_text(own, &formals, "", names)
+        self.function_text(routine, &formals, "", names)
     }
 
     /// The routine from state and inputs to accelerations; `unpack` names what it takes of them.
-    pub fn accelerations(self, own: &Routine, unpack: &str, names: &Names) -> String {
+    pub fn accelerations(self, routine: &Routine, unpack: &str, names: &Names) -> String {
         let formals = match self {
             Self::Python => ["state", "inputs", "p"],
             _ => ["state", "input", "p"],
         };
-        self.function_text(own, &formals, unpack, names)
+        self.function_text(routine, &formals, unpack, names)
     }
 
     fn function_text(self, own: &Routine, formals: &[&str], unpack: &str, names: &Names) -> String {
         let name = &own.name;
-        let results: Vec<String> = own.results.iter().map(|own| self.value(own, names)).collect();
+        let results: Vec<String> = own.results.iter().map(|result| self.value(result, names)).collect();
         let said = wrapped(&comment(&own.comment), 100);
         match self {
             Self::Python => {
@@ -257,8 +262,11 @@ impl Language {
                 let mut formals: Vec<String> = formals.iter().map(formal).collect();
                 formals.push("double *out".to_owned());
                 let (said, lines) = (said.join("\n * "), self.lines(&own.lines, names, "    "));
-                let results: String =
-                    results.iter().enumerate().map(|(i, own)| format!("    out[{i}] = {own};\n")).collect();
+                let results: String = results
+                    .iter()
+                    .enumerate()
+                    .map(|(i, result)| format!("    out[{i}] = {result};\n"))
+                    .collect();
                 format!(
                     "/* {said} */\nstatic void {name}({})\n{{\n{unpack}{lines}{results}}}\n\n",
                     formals.join(", ")

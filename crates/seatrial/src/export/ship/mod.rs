@@ -165,7 +165,7 @@ impl Ship {
     ) -> String {
         let of_quantity = |i: usize| self.quantities.binary_search(&i).map(parameter).unwrap_or_default();
         let names = Names { parameter: &of_quantity, channels };
-        let routines = self.routines.iter().map(|own| language.routine(own, &names));
+        let routines = self.routines.iter().map(|routine| language.routine(routine, &names));
         let helpers = language.helpers(&self.functions());
         let accelerations = language.accelerations(&self.accelerations, unpack, &names);
         [helpers].into_iter().chain(routines).chain([accelerations]).collect()
@@ -175,7 +175,8 @@ impl Ship {
 /// The degree of freedom and the text of the term whose parameter has this name.
 pub(crate) fn term(description: &Description, name: &str) -> Option<String> {
     let degrees = [("surge", &description.surge), ("sway", &description.sway), ("yaw", &description.yaw)];
-    let mut all = degrees.into_iter().flat_map(|(degree, terms)| terms.iter().map(move |own| (degree, own)));
+    let mut all =
+        degrees.into_iter().flat_map(|(degree, terms)| terms.iter().map(move |term| (degree, term)));
     let (degree, own) = all.find(|(_, own)| own.parameter == name)?;
     Some(format!("{degree}: {}", own.term))
 }

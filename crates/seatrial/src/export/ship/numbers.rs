@@ -16,16 +16,16 @@ pub(crate) struct Numbers<'a> {
 
 impl<'a> Numbers<'a> {
     pub fn new(quantities: &'a [Quantity], channels: &'a [String]) -> Self {
-        let places = quantities.iter().enumerate().map(|(i, own)| (own.name.as_str(), i)).collect();
+        let places = quantities.iter().enumerate().map(|(i, quantity)| (quantity.name.as_str(), i)).collect();
         Self { quantities, places, channels }
     }
 
     /// A number: a parameter, a multiple of one, or its default where the ship does not state it; 0 without such a number.
     pub fn get(&self, name: &str) -> Expression {
         let Some(i) = self.places.get(name) else { return Expression::ZERO };
-        let own = &self.quantities[*i];
-        match &own.source {
-            _ if !own.stated => Expression::Number(own.value),
+        let quantity = &self.quantities[*i];
+        match &quantity.source {
+            _ if !quantity.stated => Expression::Number(quantity.value),
             QuantitySource::Tied { to, factor } => {
                 let other =
                     self.places.get(to.as_str()).map_or(Expression::ZERO, |j| Expression::Quantity(*j));
@@ -46,8 +46,8 @@ impl<'a> Numbers<'a> {
     }
 
     /// A channel in the unit of a component.
-    pub fn driven(&self, own: Driven) -> Expression {
-        Expression::Channel(3 + own.channel) * own.factor
+    pub fn driven(&self, driven: Driven) -> Expression {
+        Expression::Channel(3 + driven.channel) * driven.factor
     }
 }
 

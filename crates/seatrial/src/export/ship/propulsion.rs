@@ -12,13 +12,13 @@ use super::routine::{Lines, Routine};
 const WASH: [&str; 3] = ["inflow", "jet", "reversed"];
 
 /// u_P: the speed of the water that flows to a propeller.
-fn inflow(own: &PropellerSpec, numbers: &Numbers, lines: &mut Lines) -> Expression {
-    let number = |key: &str| numbers.of(&own.name, key);
+fn inflow(propeller_spec: &PropellerSpec, numbers: &Numbers, lines: &mut Lines) -> Expression {
+    let number = |key: &str| numbers.of(&propeller_spec.name, key);
     let [u, v, r, speed] = ["u", "v", "r", "U"].map(Expression::name);
     let one = || Expression::ONE;
     let drift = (Expression::ZERO - v).angle(u.clone().modulus()) - number("x_m") * r / speed;
     let drift = lines.name("drift", drift, "at the propeller [rad]");
-    let [positive, negative] = numbers.both(&own.name, "wake_ratio");
+    let [positive, negative] = numbers.both(&propeller_spec.name, "wake_ratio");
     let ratio = drift.clone().if_positive(positive, negative);
     let share = one() - (Expression::ZERO - number("wake_change") * drift.modulus()).exponential();
     let share = lines.name("share", share, "how far the wake has changed");
@@ -30,17 +30,17 @@ fn inflow(own: &PropellerSpec, numbers: &Numbers, lines: &mut Lines) -> Expressi
 pub(crate) fn propeller(
     forces: &Forces,
     i: usize,
-    own: &PropellerSpec,
+    propeller_spec: &PropellerSpec,
     numbers: &Numbers,
     name: &str,
     wash: usize,
 ) -> Routine {
-    let number = |key: &str| numbers.of(&own.name, key);
+    let number = |key: &str| numbers.of(&propeller_spec.name, key);
     let n = Expression::name("n");
     let mut arguments = motion();
     arguments.push(("n".to_owned(), numbers.driven(forces.propeller_input(i))));
     let mut lines = Lines::default();
-    let inflow = inflow(own, numbers, &mut lines);
+    let inflow = inflow(propeller_spec, numbers, &mut lines);
     let diameter = number("diameter_m");
     let tip = n.clone().if_positive(n.clone(), Expression::ZERO) * diameter.clone();
     let tip = lines.name("tip", tip, "n D ahead [m/s]");
@@ -57,12 +57,12 @@ pub(crate) fn propeller(
     let square = lines.name("square", square, "density times D squared [kg/m]");
     let mut surge = (Expression::ONE - number("deduction")) * square.clone() * thrust;
     let (mut sway, mut yaw) = (Expression::ZERO, Expression::ZERO);
-    if own.astern.is_some() {
+    if propeller_spec.astern.is_some() {
         let by_square = reversed.clone() * back.modulus() * diameter;
         let by_square = lines.name("by_square", by_square, "[m²/s²]");
         let by_inflow = lines.name("by_inflow", reversed.clone() * inflow.clone(), "[m²/s²]");
         let force = |key: &str| {
-            let [a, b] = numbers.both(&own.name, &format!("astern.{key}"));
+            let [a, b] = numbers.both(&propeller_spec.name, &format!("astern.{key}"));
             let sum = a * by_square.clone() + b * by_inflow.clone();
             square.clone() * sum
         };
@@ -72,7 +72,8 @@ pub(crate) fn propeller(
     }
     let surge = lines.name("surge", surge, "[N]");
     let mut results = vec![surge.clone(), sway, yaw - number("y_m") * surge];
-    let mut comment = format!("Propeller {}: force ahead and to starboard [N], moment [N m]", own.name);
+    let mut comment =
+        format!("Propeller {}: force ahead and to starboard [N], moment [N m]", propeller_spec.name);
     if wash > 0 {
         comment += ", speeds of its inflow and its jet [m/s]";
     }
@@ -86,13 +87,18 @@ pub(crate) fn propeller(
 }
 
 /// How much of the wash of the propeller in front of it a rudder takes.
-pub(crate) fn taken(own: &RudderSpec) -> usize {
-    if own.reversed_flow.is_some() { WASH.len() } else { WASH.len() - 1 }
+pub(crate) fn taken(rudder_spec: &RudderSpec) -> usize {
+    if rudder_spec.reversed_flow.is_some() { WASH.len() } else { WASH.len() - 1 }
 }
 
 /// u_R: the speed of the flow along a rudder, behind `propeller` if there is one.
-fn along(own: &RudderSpec, numbers: &Numbers, propeller: Option<&str>, lines: &mut Lines) -> Expression {
-    let number = |key: &str| numbers.of(&own.name, key);
+fn along(
+    rudder_spec: &RudderSpec,
+    numbers: &Numbers,
+    propeller: Option<&str>,
+    lines: &mut Lines,
+) -> Expression {
+    let number = |key: &str| numbers.of(&rudder_spec.name, key);
     let comment = "u_R, speed of the flow along it [m/s]";
     let Some(propeller) = propeller else {
         return lines.name("along", number("epsilon") * Expression::name("u"), comment);
@@ -114,29 +120,31 @@ fn along(own: &RudderSpec, numbers: &Numbers, propeller: Option<&str>, lines: &m
 pub(crate) fn rudder(
     forces: &Forces,
     i: usize,
-    own: &RudderSpec,
+    rudder_spec: &RudderSpec,
     numbers: &Numbers,
     name: &str,
     wash: Option<(&str, &str)>,
 ) -> Routine {
-    let number = |key: &str| numbers.of(&own.name, key);
+    let number = |key: &str| numbers.of(&rudder_spec.name, key);
     let (one, zero) = (|| Expression::ONE, || Expression::ZERO);
     let mut arguments = motion();
     arguments.push(("angle".to_owned(), numbers.driven(forces.rudder_input(i).0)));
     if let Some((_, results)) = wash {
-        let item = |(k, own): (usize, &str)| (own.to_owned(), Expression::Item(results.to_owned(), 3 + k));
+        let item = |(k, rudder_spec): (usize, &str)| {
+            (rudder_spec.to_owned(), Expression::Item(results.to_owned(), 3 + k))
+        };
         arguments.extend(WASH.into_iter().enumerate().map(item));
     }
     let mut lines = Lines::default();
-    let along = along(own, numbers, wash.map(|(propeller, _)| propeller), &mut lines);
+    let along = along(rudder_spec, numbers, wash.map(|(propeller, _)| propeller), &mut lines);
     let [u, v, r, speed, angle] = ["u", "v", "r", "U", "angle"].map(Expression::name);
-    let drift = match own.inflow.unwrap_or(Inflow::Velocity) {
+    let drift = match rudder_spec.inflow.unwrap_or(Inflow::Velocity) {
         Inflow::Velocity => zero() - v,
         Inflow::Angle => speed * (zero() - v).angle(u),
     };
     let drift = drift - number("ell") * (r * numbers.get("ship.length_m"));
     let drift = lines.name("drift", drift, "speed across it as of a rudder alone, to port [m/s]");
-    let [positive, negative] = numbers.both(&own.name, "gamma");
+    let [positive, negative] = numbers.both(&rudder_spec.name, "gamma");
     let across = drift.clone().if_positive(positive, negative) * drift;
     let across = lines.name("across", across, "v_R, speed of the flow across it, to port [m/s]");
     let flow = across.clone().angle(along.clone().modulus());
@@ -160,7 +168,7 @@ pub(crate) fn rudder(
     let comment = format!(
         "Rudder {}: force ahead and to starboard [N], moment [N m]; angle in rad. Yasukawa and Yoshimura, Introduction of MMG \
          standard method for ship maneuvering predictions, 2015.",
-        own.name
+        rudder_spec.name
     );
     Routine { name: name.to_owned(), comment, arguments, lines: lines.0, results }.without_unused()
 }
