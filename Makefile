@@ -224,7 +224,7 @@ smoke:
 # The small study and the README's commands run the programs that the unit tests have just run: nothing is compiled twice.
 .PHONY: test
 test: format-check clippy unit
-	$(MAKE) BIN=target/debug smoke readme-check book-check results-check sweep-check explore-check
+	$(MAKE) BIN=target/debug surface-check smoke readme-check book-check results-check sweep-check explore-check
 
 .PHONY: format-check
 format-check:
@@ -252,6 +252,11 @@ book-check: build
 .PHONY: results-check
 results-check: build
 	sh scripts/results-check.sh $(BIN)
+
+# Is there more to know than before? Commands and flags are those of the programs that are built.
+.PHONY: surface-check
+surface-check: build
+	BIN=$(BIN) sh scripts/surface.sh
 
 # The pages of the small study and of the paper's in a browser; skipped where there is no Chromium
 .PHONY: explore-check

@@ -5,6 +5,7 @@ mod features;
 mod library;
 mod pages;
 mod source;
+mod surface;
 
 use std::collections::BTreeMap;
 
