@@ -4,13 +4,12 @@ use std::ffi::OsString;
 use std::fmt::Display;
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser};
+use files::Change;
 use files::fault::{Fault, inject};
-use files::{Change, Patience};
 use refusal::with_remedy;
 use serde_json::{Value, json};
 
@@ -208,7 +207,6 @@ pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
     inject_fault();
     tell_panics_of_our_own();
     listen();
-    files::set_patience(patience());
     set_budget(common.memory_mib);
     let done = check_processor().and_then(|()| start_threads(common.threads)).and_then(|()| task.run(common));
     let print = |summary: Summary| match common.json {
@@ -284,9 +282,6 @@ fn one_line(message: &str) -> String {
     format!("{text}; see --help")
 }
 
-/// Publishing a set of files takes milliseconds: a longer lock on a folder has another cause.
-const PATIENCE: Duration = Duration::from_secs(60);
-
 /// Maximum number of characters of a message.
 const LONGEST: usize = 490;
 
@@ -313,17 +308,6 @@ fn tell_panics_of_our_own() {
 fn start_threads(threads: Option<u32>) -> Result<(), Failure> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0) as usize);
     builder.build_global().map_err(|e| Failure::Failed(format!("threads: {e}")))
-}
-
-/// Timeout for a folder that another process has locked. Tests shorten it by `SEATRIAL_PATIENCE_S`; release builds
-/// ignore that.
-fn patience() -> Patience {
-    let wanted = std::env::var("SEATRIAL_PATIENCE_S").ok().filter(|_| cfg!(debug_assertions));
-    let most = wanted.and_then(|seconds| seconds.parse().ok()).map_or(PATIENCE, Duration::from_secs);
-    let tell = |folder: &Path| {
-        on_stderr(format_args!("{}: waits for another process that holds this folder", folder.display()));
-    };
-    Patience { most, notify: tell }
 }
 
 /// Injects faults into writing for tests: `SEATRIAL_FAULT=kill:3` ends the process at the third place. Release builds

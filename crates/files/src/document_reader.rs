@@ -12,7 +12,6 @@ use crate::digest::Digest;
 use crate::document::{Document, Envelope, Loaded, units};
 use crate::error::{Error, Result};
 use crate::identity::Header;
-use crate::leftover::read_written;
 use crate::ordinary::read;
 use crate::seal;
 use crate::set::check_members;
@@ -72,7 +71,7 @@ pub fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Dige
 
 /// The text of a document, and its header.
 pub(crate) fn opened(path: &Path) -> Result<(String, Header)> {
-    let bytes = read_written(path)?;
+    let bytes = read(path)?;
     let text = text_of(path, bytes)?;
     weight::check(path, &text)?;
     let header = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
@@ -141,10 +140,4 @@ pub(crate) fn refusal(path: &Path, text: &str, error: &serde_json::Error) -> Err
 /// The key on a line of pretty JSON.
 fn key_of(line: &str) -> Option<&str> {
     line.trim_start().strip_prefix('"')?.split_once("\":").map(|(key, _)| key)
-}
-
-/// Whether `member` was written with the existing `document`, and so does not belong to a new one.
-pub fn is_member_of<D: Document>(document: &Path, member: &Path) -> bool {
-    let Some(name) = member.file_name().and_then(|name| name.to_str()) else { return false };
-    read_document::<D>(document).is_ok_and(|old| old.members.contains_key(name))
 }

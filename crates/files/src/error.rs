@@ -27,7 +27,7 @@ pub enum Error {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// The failed operation: `read`, `write`, `create`, `rename`, `put channels aside`, `lock`.
+        /// The failed operation: `read`, `write`, `create`, `rename`, `put channels aside`.
         action: &'static str,
         /// The operating system's answer.
         source: io::Error,
@@ -96,10 +96,6 @@ fn io_line(path: &Path, action: &str, source: &io::Error) -> String {
             "write" | "create" | "put channels aside",
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge,
         ) => ("room on the disk", "free some space or write elsewhere"),
-        ("lock", _) => (
-            "a folder that no other process holds",
-            "end that process (`fuser -v` or `lsof` name it), or write into another folder",
-        ),
         (_, io::ErrorKind::IsADirectory) => ("a file", "name a file, not a folder"),
         ("read", io::ErrorKind::NotADirectory) => ("a folder before its name", "check the path"),
         ("read", _) => ("a readable file", "check the file and its disk"),

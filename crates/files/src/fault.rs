@@ -1,4 +1,4 @@
-//! Fault injection: places where a test makes writing fail, or the process end. A release build has none.
+//! Fault injection: a place where a test makes writing fail, or the process end. A release build has none.
 
 use std::io;
 
@@ -11,22 +11,31 @@ pub enum Fault {
     Kill,
 }
 
-/// Triggers `fault` when the process reaches its `count`-th place, counted from 1, or from the previously
-/// requested fault. Only in builds with debug assertions.
+#[cfg(debug_assertions)]
+static NEXT: std::sync::Mutex<Option<(Fault, u32)>> = std::sync::Mutex::new(None);
+
+/// Triggers `fault` when the process reaches its `count`-th place, counted from 1. Only in builds with debug assertions.
 pub fn inject(fault: Fault, count: u32) {
     #[cfg(debug_assertions)]
-    place::add(fault, count);
+    if let Ok(mut next) = NEXT.lock() {
+        *next = Some((fault, count));
+    }
     #[cfg(not(debug_assertions))]
     let _ = (fault, count);
 }
 
-/// A place: `create`, `write`, `put aside`, `seal`, `flush`, `keep`, `rename`, `give back`, `forget`.
+/// A place: `create`, `write`, `put aside`, `seal`, `flush`, `rename`.
 #[cfg(debug_assertions)]
 pub(crate) fn point(name: &str) -> io::Result<()> {
-    match place::next() {
-        None => Ok(()),
-        Some(Fault::Error) => Err(io::Error::other(format!("a fault put there by a test ({name})"))),
-        Some(Fault::Kill) => std::process::abort(),
+    let Ok(mut next) = NEXT.lock() else { return Ok(()) };
+    let Some((_, left)) = next.as_mut() else { return Ok(()) };
+    *left = left.saturating_sub(1);
+    if *left > 0 {
+        return Ok(());
+    }
+    match next.take() {
+        Some((Fault::Kill, _)) => std::process::abort(),
+        _ => Err(io::Error::other(format!("a fault put there by a test ({name})"))),
     }
 }
 
@@ -34,30 +43,4 @@ pub(crate) fn point(name: &str) -> io::Result<()> {
 #[inline(always)]
 pub(crate) fn point(_: &str) -> io::Result<()> {
     Ok(())
-}
-
-#[cfg(debug_assertions)]
-mod place {
-    use std::collections::VecDeque;
-    use std::sync::Mutex;
-
-    use super::Fault;
-
-    static NEXT: Mutex<VecDeque<(Fault, u32)>> = Mutex::new(VecDeque::new());
-
-    pub fn add(fault: Fault, count: u32) {
-        NEXT.lock().unwrap_or_else(|e| e.into_inner()).push_back((fault, count));
-    }
-
-    /// The fault of the place that is now reached.
-    pub fn next() -> Option<Fault> {
-        let mut next = NEXT.lock().unwrap_or_else(|e| e.into_inner());
-        let (fault, left) = next.front_mut()?;
-        *left = left.saturating_sub(1);
-        let fault = (*left == 0).then_some(*fault);
-        if fault.is_some() {
-            next.pop_front();
-        }
-        fault
-    }
 }

@@ -1,5 +1,6 @@
 //! Which kind of file, in which version: `trajectories/1`.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use refusal::foreign;
@@ -65,9 +66,9 @@ impl Header {
         self.seal.as_str().and_then(|text| text.parse().ok())
     }
 
-    /// The digest of the file `name` that was written together with this one.
-    pub fn member(&self, name: &str) -> Option<Digest> {
-        self.members.get(name)?.as_str()?.parse().ok()
+    /// The digests of the files that were written together with this one.
+    pub fn members(self) -> BTreeMap<String, Digest> {
+        serde_json::from_value(self.members).unwrap_or_default()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Tables (Parquet) and documents (JSON, TOML) that carry their schema, units and provenance.
 //!
-//! Every file is written as a whole or not at all, has a seal that detects a single flipped byte, and has the
+//! Every file is written as a whole or not at all; a document refuses files beside it that were not written with it. Every file has a seal that detects a single flipped byte, and has the
 //! same bytes for the same contents. Every file is checked before its contents are trusted; a fault is
 //! reported in one line that names the file, the thing, what was found, what was expected and the remedy.
 //!
@@ -54,12 +54,9 @@ mod flat;
 mod footer;
 mod foreign;
 mod gather;
-mod hold;
 mod identity;
 mod inspect;
-mod journal;
 mod layout;
-mod leftover;
 mod meaning;
 mod metadata;
 mod names;
@@ -92,17 +89,14 @@ pub use columns::{Column, FloatColumn, IntegerColumn, Labels, Table, TextColumn}
 pub use decode::decoding;
 pub use digest::{Digest, Digesting};
 pub use document::{Document, Loaded, Units, json_schema, stage_document, stage_set_document, units};
-pub use document_reader::{is_member_of, read_document, read_json, read_part};
+pub use document_reader::{read_document, read_json, read_part};
 pub use encode::{EncodedBlock, encode_block};
 pub use error::{Error, Result};
 pub use foreign::ForeignTable;
 pub use gather::{check_given, check_settings, check_shards, gather, shards_of};
-pub use hold::{Patience, set_patience};
 pub use inspect::{Inspected, inspect};
-pub use leftover::{Leftovers, is_written, open_written, read_written};
 pub use meaning::Timed;
-pub use names::is_unfinished;
-pub use ordinary::{open, read};
+pub use ordinary::{exists, open, read};
 pub use provenance::{MIXED, Provenance, STUDY_ROLES};
 pub use rows::Columns;
 pub use schema::{ColumnSpec, Kind, TableSchema};
@@ -113,6 +107,6 @@ pub use staged::Staged;
 pub use table_reader::TableReader;
 pub use table_writer::{PIECE_ROWS, TableWriter};
 pub use toml_input::{parse_toml, read_hand_written, read_to_string, read_toml};
-pub use trace::{DEEPEST, Observed, Trace, check_within, is_file, observe_names, place_of, trace, traced};
-pub use unfinished::abandon;
+pub use trace::{DEEPEST, Observed, Trace, check_within, observe_names, place_of, trace, traced};
+pub use unfinished::{abandon, is_unfinished};
 pub use whole_folder::whole_folder;

@@ -1,7 +1,7 @@
 //! Opens files for reading: ordinary files only. A pipe, a device or a folder is refused without waiting.
 
 use std::fs::{File, FileType, OpenOptions};
-use std::io::{self, ErrorKind, Read};
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 use crate::budget::{Work, budget};
@@ -18,7 +18,7 @@ pub fn open(path: impl AsRef<Path>) -> Result<File> {
     observed(path, open_unobserved(path))
 }
 
-/// As [`open`], without a trace of it.
+/// As [`open`], without a trace of it: for what this process writes.
 pub(crate) fn open_unobserved(path: &Path) -> Result<File> {
     let unreadable = |e| Error::io(path, "read", e);
     // Opening a device may have effects, and a socket cannot be opened.
@@ -29,6 +29,11 @@ pub(crate) fn open_unobserved(path: &Path) -> Result<File> {
     Ok(file)
 }
 
+/// Whether there is something at `path` to [`open`], or to refuse.
+pub fn exists(path: impl AsRef<Path>) -> bool {
+    !matches!(open(path), Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound)
+}
+
 impl Digest {
     /// The digest of the file at `path`, read in one streaming pass.
     ///
@@ -37,6 +42,11 @@ impl Digest {
     pub fn of_file(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::of_reader(open(path)?).map_err(|e| Error::io(path, "read", e))
+    }
+
+    /// As [`Digest::of_file`], without a trace of it: for what this process writes.
+    pub(crate) fn of_own(path: &Path) -> Result<Self> {
+        Self::of_reader(open_unobserved(path)?).map_err(|e| Error::io(path, "read", e))
     }
 }
 
@@ -67,7 +77,7 @@ pub(crate) fn bytes_of(path: &Path, mut file: File) -> Result<Vec<u8>> {
 pub(crate) const REMEDY: &str = "name a smaller file, or raise --memory-mib";
 
 /// Options that never wait: opening a pipe without a writer would block.
-pub(crate) fn without_waiting() -> OpenOptions {
+fn without_waiting() -> OpenOptions {
     let mut options = OpenOptions::new();
     options.read(true);
     #[cfg(unix)]
@@ -101,13 +111,4 @@ fn name_of(kind: FileType) -> &'static str {
 #[cfg(not(unix))]
 fn name_of(kind: FileType) -> &'static str {
     if kind.is_dir() { "a folder" } else { "a device" }
-}
-
-/// The ordinary file at `path` itself: no link.
-pub(crate) fn open_itself(path: &Path) -> io::Result<File> {
-    if !path.symlink_metadata()?.is_file() {
-        return Err(ErrorKind::NotFound.into());
-    }
-    let file = without_waiting().open(path)?;
-    if file.metadata()?.is_file() { Ok(file) } else { Err(ErrorKind::NotFound.into()) }
 }

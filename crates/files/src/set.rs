@@ -1,15 +1,15 @@
 //! Files that were written together: a document vouches for the others by their digests.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use refusal::foreign;
 
 use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::identity::Header;
-use crate::leftover::read_written;
 use crate::names::{folder_of, is_inside};
+use crate::ordinary::{bytes_of, open_unobserved, read};
 use crate::staged::Staged;
 
 /// Digests of `files` by their names beside `document`.
@@ -20,6 +20,22 @@ pub(crate) fn members(document: &Path, files: &[Staged]) -> Result<BTreeMap<Stri
         Ok((name.to_string_lossy().into_owned(), file.digest()?))
     };
     files.iter().map(member).collect()
+}
+
+/// The files that the existing `document` vouches for and that are not among the new `files`.
+pub(crate) fn earlier(document: &Path, files: &[Staged]) -> Vec<PathBuf> {
+    let is_document = document.extension().is_some_and(|end| end == "json");
+    let header = || {
+        let file = open_unobserved(document).ok().filter(|_| is_document)?;
+        serde_json::from_slice::<Header>(&bytes_of(document, file).ok()?).ok()
+    };
+    let is_new = |name: &Path| files.iter().any(|new| new.path().file_name() == name.file_name());
+    let gone = |(name, digest): (String, Digest)| {
+        let name = Some(Path::new(&name)).filter(|name| is_inside(name) && !is_new(name))?;
+        let file = folder_of(document).join(name);
+        Digest::of_own(&file).is_ok_and(|found| found == digest).then_some(file)
+    };
+    header().map(Header::members).into_iter().flatten().filter_map(gone).collect()
 }
 
 /// Refuses a document if the files beside it are not those written with it. A missing file is accepted.
@@ -39,25 +55,22 @@ pub fn check_members(
             return Err(Error::refuse(document, "members", found, expected, remedy));
         }
         let member = folder_of(document).join(name);
-        if known(&member).or_else(|| Digest::of_written(&member).ok()).is_some_and(|found| found != *digest) {
+        if known(&member).or_else(|| Digest::of_file(&member).ok()).is_some_and(|found| found != *digest) {
             return Err(mixed(&member, document));
         }
     }
     Ok(())
 }
 
-/// Refuses the table at `path`, whose digest is `digest`, if the document of this name beside it was written
-/// with another one.
+/// Refuses the table at `path`, whose digest is `digest`, if the document of this name beside it was not written
+/// with it.
 pub(crate) fn check_companion(path: &Path, digest: Digest, companion: Option<&str>) -> Result<()> {
     let inside = companion.filter(|name| is_inside(Path::new(name)));
     let Some(document) = inside.map(|name| folder_of(path).join(name)) else { return Ok(()) };
-    let Ok(bytes) = read_written(&document) else { return Ok(()) };
-    let header: Option<Header> = serde_json::from_slice(&bytes).ok();
+    let Ok(bytes) = read(&document) else { return Ok(()) };
+    let Ok(header) = serde_json::from_slice::<Header>(&bytes) else { return Ok(()) };
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    match header.and_then(|header| header.member(&name)) {
-        Some(expected) if expected != digest => Err(mixed(path, &document)),
-        _ => Ok(()),
-    }
+    if header.members().get(&*name) == Some(&digest) { Ok(()) } else { Err(mixed(path, &document)) }
 }
 
 fn mixed(file: &Path, document: &Path) -> Error {

@@ -17,8 +17,8 @@ use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::footer::{self, Footer};
 use crate::identity::Header;
-use crate::leftover::open_written;
 use crate::metadata::TableMetadata;
+use crate::ordinary::open;
 use crate::provenance::Provenance;
 use crate::schema::{ColumnSpec, Kind};
 use crate::seal;
@@ -187,7 +187,7 @@ impl Whole {
     /// Opens the table at `path`, of `kind` (id and version) if one is requested.
     pub fn open(path: &Path, kind: Option<(&'static str, u32)>) -> Result<Self> {
         let unreadable = |e| Error::io(path, "read", e);
-        let mut file = open_written(path)?;
+        let mut file = open(path)?;
         let footer = Footer::read(path, &mut file)?;
         let text = footer.envelope(path)?;
         let header: Header = parse(path, text)?;

@@ -11,7 +11,6 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::digest::Digest;
 use crate::error::{Error, Result};
-use crate::names::is_unfinished;
 use crate::source::Source;
 
 /// The observations of the stage that runs, if it is traced.
@@ -104,12 +103,6 @@ pub fn place_of(folder: &Path) -> io::Result<PathBuf> {
     folder.canonicalize()
 }
 
-/// Whether there is an ordinary file at `path`; both answers are observed.
-pub fn is_file(path: &Path) -> bool {
-    observe(Observed::File(path.to_owned()));
-    path.is_file()
-}
-
 /// Refuses to write at `path` if that is outside the folder of the outputs, links resolved.
 ///
 /// # Errors
@@ -138,7 +131,7 @@ pub(crate) fn wrote(path: &Path) {
 /// Observes `opened`, which is to be what [`crate::open`] gave for `path`.
 pub(crate) fn observed(path: &Path, opened: Result<File>) -> Result<File> {
     let what = Observed::File(path.to_owned());
-    if is_unfinished(path) || is_known(&what) {
+    if is_known(&what) {
         return opened;
     }
     let digest = opened.as_ref().ok().and_then(|file| {

@@ -149,7 +149,7 @@ impl Loader<'_> {
         what: &str,
     ) -> Result<Option<Vec<ManeuverTrace>>, Error> {
         let path = self.sources.results.join(name);
-        let (Some(vessel), true) = (vessel, files::is_written(&path)) else { return Ok(None) };
+        let (Some(vessel), true) = (vessel, files::exists(&path)) else { return Ok(None) };
         let reader = TrajectoryReader::open(&path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
         self.made(name, what, reader.digest(), reader.provenance())?;
         let reached = reader.provenance().settings.get(REACHED).cloned().unwrap_or_default();

@@ -27,7 +27,7 @@ pub struct Sources {
 
 /// A file that may be missing.
 pub(super) fn existing(path: PathBuf) -> Option<PathBuf> {
-    Some(path).filter(|path| files::is_written(path))
+    Some(path).filter(|path| files::exists(path))
 }
 
 /// A document with its provenance; `None` if there is no file.

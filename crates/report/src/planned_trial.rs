@@ -1,6 +1,6 @@
 //! A planned trial with its drawing.
 
-use files::{Digest, Error, Work, budget, is_written, read_written};
+use files::{Digest, Error, Work, budget, exists, read};
 use study::documents::{MapDocument, PlanDocument};
 
 use super::drawing::refused;
@@ -31,10 +31,10 @@ pub(crate) fn map(loader: &mut Loader, name: &str) -> Result<(Option<String>, Op
     let (drawn, document) = drawn(loader, &format!("{name}.json"))?.unzip();
     let name = format!("{name}.svg");
     let path = loader.sources.results.join(&name);
-    if !is_written(&path) {
+    if !exists(&path) {
         return Ok((drawn, document));
     }
-    let bytes = read_written(&path)?;
+    let bytes = read(&path)?;
     loader.note(&name, "map of the plan", Digest::of_bytes(&bytes));
     if drawn.is_some() {
         return Ok((drawn, document));

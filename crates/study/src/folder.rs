@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use files::{
-    Digest, Error, Inspected, Leftovers, Provenance, STUDY_ROLES, check_members, inspect, is_unfinished,
-};
+use files::{Digest, Error, Inspected, Provenance, STUDY_ROLES, check_members, inspect, is_unfinished};
 use refusal::{foreign, one_line, shortened};
 
 use crate::outdated::outdated;
@@ -16,8 +14,8 @@ use crate::{refuse, role_of};
 pub struct Folder {
     /// Each file in order, with its own metadata, or its error.
     files: Vec<(PathBuf, Result<Inspected, Error>)>,
-    /// Leftovers of interrupted runs in it, and in those below it.
-    left: Vec<(PathBuf, Leftovers)>,
+    /// How many unfinished files are in it, and in those below it.
+    unfinished: Vec<(PathBuf, usize)>,
     /// Names of files by their digests.
     names: BTreeMap<Digest, String>,
     /// The errors, one line each.
@@ -55,11 +53,14 @@ impl Folder {
         self.files.len()
     }
 
-    /// A line for each file: its kind and its inputs; and for each folder with leftovers of interrupted runs.
+    /// A line for each file: its kind and its inputs; and for each folder with unfinished files.
     pub fn lines(&self, root: &Path) -> impl Iterator<Item = String> {
         let files = self.files.iter().map(move |(path, found)| self.line(root, path, found));
-        let left = self.left.iter().flat_map(|(folder, left)| told_of_leftovers(folder, left));
-        files.chain(left).map(|line| shortened(&one_line(&line), LONGEST))
+        let unfinished = self.unfinished.iter().map(|(folder, count)| {
+            let folder = folder.display();
+            format!("{folder}: {count} unfinished, removed by the next stage that writes here if its process has ended")
+        });
+        files.chain(unfinished).map(|line| shortened(&one_line(&line), LONGEST))
     }
 
     /// The provenance of the hand-written files.
@@ -87,7 +88,8 @@ impl Folder {
         let mut paths: Vec<PathBuf> =
             entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<_, _>>().map_err(fails)?;
         paths.sort();
-        self.look_for_leftovers(folder, &paths);
+        let count = paths.iter().filter(|path| is_unfinished(path)).count();
+        self.unfinished.extend((count > 0).then(|| (folder.to_owned(), count)));
         paths.retain(|path| !is_unfinished(path));
         let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) =
             paths.into_iter().partition(|path| path.is_dir());
@@ -95,23 +97,6 @@ impl Folder {
             self.files.extend(inspect(&path).transpose().map(|found| (path, found)));
         }
         folders.iter().filter(|path| !path.is_symlink()).try_for_each(|path| self.look(path))
-    }
-
-    /// Leftovers of an interrupted run are not files of the folder. In a half-renamed set the names mean the new
-    /// files here, and the old ones elsewhere.
-    fn look_for_leftovers(&mut self, folder: &Path, paths: &[PathBuf]) {
-        let names = paths.iter().filter(|path| is_unfinished(path)).filter_map(|path| path.file_name());
-        let left = Leftovers::of(folder, names.filter_map(|name| Some(name.to_str()?.to_owned())));
-        if left == Leftovers::default() {
-            return;
-        }
-        if left.half_named {
-            let found = "a run that was interrupted while its files got their names";
-            let remedy = "run a stage that writes into this folder again";
-            let fault = refuse(folder, "set", found, "a run that came to its end", remedy);
-            self.faults.push(fault.to_string());
-        }
-        self.left.push((folder.to_owned(), left));
     }
 
     /// Checks that files written together are together, without reading inspected files again.
@@ -190,19 +175,6 @@ impl Folder {
 
 /// Maximum number of characters of a line.
 const LONGEST: usize = 490;
-
-fn told_of_leftovers(folder: &Path, left: &Leftovers) -> impl Iterator<Item = String> {
-    let (folder, files) = (folder.display().to_string(), left.files);
-    let hidden = (files > 0).then(|| {
-        let things = if files == 1 { "leftover" } else { "leftovers" };
-        format!("{folder}: {files} hidden {things}, removed by the next stage that writes here")
-    });
-    let strange = left.strange.iter().map(move |name| {
-        let name = foreign(name);
-        format!("{folder}: a leftover, `{name}`, that no stage wrote as it is: nothing obeys it; remove it by hand")
-    });
-    hidden.into_iter().chain(strange)
-}
 
 fn relative(root: &Path, path: &Path) -> String {
     path.strip_prefix(root).unwrap_or(path).display().to_string()

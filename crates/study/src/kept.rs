@@ -136,15 +136,15 @@ impl Kept {
             let table = writer.finish()?;
             let document = estimates::summarize(table.path(), provenance, &vessel, &rows)?;
             let path = beside(out, MAIN, "estimate.json");
-            files.push(stage_set_document(path, provenance, &document, std::slice::from_ref(&table))?);
-            files.push(table);
+            let document = stage_set_document(path, provenance, &document, std::slice::from_ref(&table))?;
+            files.extend([table, document]);
         }
         if let Some((writer, rows)) = self.scores {
             let table = writer.finish()?;
             let document = validated(&rows, bounds, samples, provenance);
             let path = beside(out, MAIN, "validation.json");
-            files.push(stage_set_document(path, provenance, &document, std::slice::from_ref(&table))?);
-            files.push(table);
+            let document = stage_set_document(path, provenance, &document, std::slice::from_ref(&table))?;
+            files.extend([table, document]);
         }
         if let Some((writer, _)) = self.runs {
             files.push(writer.finish()?);

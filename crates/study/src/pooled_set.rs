@@ -64,12 +64,7 @@ impl PooledSet {
             staged.push(stage_document(path, provenance, model)?);
         }
         staged.push(stage_set_document(&summary, provenance, &self.estimate, &staged)?);
-        commit(staged)?;
-        if self.model.is_none() {
-            // The file of an earlier estimate does not belong to this one; it may not exist.
-            let _ = std::fs::remove_file(path);
-        }
-        Ok(())
+        commit(staged)
     }
 
     /// The summary in a line, and as JSON.

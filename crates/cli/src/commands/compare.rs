@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
-use files::{Provenance, TableWriter, commit, encode_block, stage_set_document};
+use files::{Provenance, TableWriter, commit_with_document, encode_block};
 use seatrial::validation::comparison::Standing;
 use seatrial::{Comparison, channels_within, widest};
 use serde_json::json;
@@ -72,9 +72,7 @@ impl Task for Arguments {
         let columns = traces();
         let mut writer = TableWriter::create(&table, columns.schema(), &provenance)?.with_document(&out);
         writer.push(encode_block(columns.schema(), &columns.table(&trace))?)?;
-        let members = vec![writer.finish()?];
-        let main = stage_set_document(&out, &provenance, &document, &members)?;
-        commit([main].into_iter().chain(members).collect())?;
+        commit_with_document(writer.finish()?, &out, &provenance, &document)?;
         let (windows, statements) = (document.windows, &document.statements);
         let details = json!({"windows": windows, "statements": statements});
         Ok(Summary::of(&out, format!("{windows} windows; {}", statements.join("; ")), details))

@@ -97,7 +97,7 @@ impl Task for Arguments {
             }
         };
         let also = kept.map(|kept| kept.staged(&vessel, &document, &made.provenance)).transpose()?;
-        publish(&vessel, &document, made, (&path, model), (&table, also))
+        publish(&vessel, &document, made, (&path, model), also)
     }
 }
 
@@ -326,7 +326,7 @@ fn publish(
     document: &Path,
     made: Made<Row>,
     (path, model): (&Path, Option<ModelDocument>),
-    (second, covariances): (&Path, Option<Staged>),
+    covariances: Option<Staged>,
 ) -> Result<Summary, Failure> {
     let Made { table, provenance, rows } = made;
     let out = table.path().to_owned();
@@ -352,7 +352,7 @@ fn publish(
     let summary = || estimates::summarize(&out, &provenance, vessel, &rows);
     let also_model = if model.is_some() { ", a model" } else { "" };
     let model = model.map(|model| stage_document(path, &provenance, &model)).transpose()?;
-    estimates::publish(table, [(second, covariances), (path, model)], document, &provenance, summary)?;
+    estimates::publish(table, [covariances, model], document, &provenance, summary)?;
     let single = estimates::estimators(&rows).len() < 2;
     let things = if single { "runs" } else { "estimates" };
     let part = provenance.shard.map_or(String::new(), |s| format!(", shard {s}"));

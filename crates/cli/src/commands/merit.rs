@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Parser;
 use estimation::pooled::Covariance;
-use files::{TableWriter, commit, encode_block, stage_set_document};
+use files::{TableWriter, commit_with_document, encode_block};
 use seatrial::{Merits, Unsimulated};
 use serde_json::json;
 use study::documents::merit_rows;
@@ -106,9 +106,7 @@ impl Task for Arguments {
         let ((document, rows), columns) = (found?, merit_rows());
         let mut writer = TableWriter::create(&table, columns.schema(), &provenance)?.with_document(&out);
         writer.push(encode_block(columns.schema(), &columns.table(&rows))?)?;
-        let members = vec![writer.finish()?];
-        let main = stage_set_document(&out, &provenance, &document, &members)?;
-        commit([main].into_iter().chain(members).collect())?;
+        commit_with_document(writer.finish()?, &out, &provenance, &document)?;
         let statements = &document.statements;
         let details = json!({"maneuvers": document.maneuvers.len(), "statements": statements});
         Ok(Summary::of(&out, document.in_short(), details))

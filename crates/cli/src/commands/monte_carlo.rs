@@ -235,10 +235,9 @@ fn published(
     out: &Path,
     provenance: &Provenance,
     document: TallyDocument,
-    kept: Vec<Staged>,
+    mut files: Vec<Staged>,
 ) -> Result<Summary, Failure> {
-    let mut files = vec![stage_set_document(out, provenance, &document, &kept)?];
-    files.extend(kept);
+    files.push(stage_set_document(out, provenance, &document, &files)?);
     commit(files)?;
     let part = provenance.shard.map_or(String::new(), |shard| format!(", shard {shard}"));
     let runs = |c: &validation::tally::Counted| c.runs;

@@ -105,7 +105,7 @@ impl Task for Arguments {
             let beside = std::iter::once_with(|| Staged::bytes(folder.join(EXPLORE), beside.as_bytes()));
             let svg =
                 page.figures.iter().map(|(name, svg)| Staged::bytes(figures.join(name), svg.as_bytes()));
-            Ok(commit(html.chain(beside).chain(svg).collect::<Result<_, _>>()?)?)
+            Ok(commit(svg.chain(beside).chain(html).collect::<Result<_, _>>()?)?)
         })?;
         let figures = page.figures.len();
         Ok(Summary::of(&out, format!("{figures} figures"), json!({"figures": figures})))

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser};
 use estimation::search::{AverageOptions, BootstrapOptions, Cut, NamedRoles, SearchError, SearchOptions};
-use files::{Provenance, commit, stage_document, stage_set_document};
+use files::{Provenance, commit, commit_with_document, stage_document, stage_set_document};
 use seatrial::{AveragedSearch, ForceSearch, ForceSearchError, FoundStructure, PooledRuns, StructureSearch};
 use serde_json::json;
 use ship::model::Vessel;
@@ -190,13 +190,8 @@ impl Task for Arguments {
         if let Some(average) = &averaged {
             members.push(stage_document(&several, &provenance, average)?);
         }
-        let left = averaged.is_none() && files::is_member_of::<SearchDocument>(&out, &several);
-        let main = stage_set_document(&out, &provenance, &search, &members)?;
-        commit([main].into_iter().chain(members).collect())?;
-        if left {
-            // The average of an earlier search does not belong to this one.
-            let _ = std::fs::remove_file(several);
-        }
+        members.push(stage_set_document(&out, &provenance, &search, &members)?);
+        commit(members)?;
         Ok(summary(&out, &search))
     }
 }
@@ -251,8 +246,7 @@ impl Arguments {
         ];
         note(noted, &mut provenance);
         let member = stage_document(single, &provenance, &model)?;
-        let main = stage_set_document(&out, &provenance, &document, std::slice::from_ref(&member))?;
-        commit(vec![main, member])?;
+        commit_with_document(member, &out, &provenance, &document)?;
         Ok(summary(&out, &document))
     }
 

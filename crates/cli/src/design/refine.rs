@@ -83,7 +83,7 @@ impl Task for Refine {
             Staged::bytes(dictionary, refined.as_bytes())?,
             stage_document(design, &of_design, &files.design(&document))?,
         ];
-        staged.insert(0, stage_set_document(&out, &provenance, &document, &staged)?);
+        staged.push(stage_set_document(&out, &provenance, &document, &staged)?);
         commit(staged)?;
         let details = json!({
             "before": document.before.value, "after": document.after.value, "worth": document.worth,

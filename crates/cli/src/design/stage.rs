@@ -1,5 +1,5 @@
 use design::{Bounds, CountOptions, Design, Length, Options, Segments, Streamed, counted, solve_streamed};
-use files::{Provenance, commit, is_written, read_document, stage_document};
+use files::{Provenance, commit, exists, read_document, stage_document};
 use serde_json::json;
 
 use super::Arguments;
@@ -26,7 +26,7 @@ impl Task for Arguments {
         let label = loaded.provenance.settings.get_key_value("data");
         provenance.settings.extend(label.map(|(k, v)| (k.clone(), v.clone())));
         let seed = common.seed.unwrap_or(1);
-        let (moments, streamed) = match moments.maneuvers.is_empty() && is_written(table_of(&self.moments)) {
+        let (moments, streamed) = match moments.maneuvers.is_empty() && exists(table_of(&self.moments)) {
             true => self.streamed(moments, seed).map(|(own, found)| (own, Some(found)))?,
             false => (moments, None),
         };

@@ -71,13 +71,13 @@ pub fn plan_voyage(
     };
     let mut planned = trial.plan(&search, wanted.unsafe_too).map_err(refuse)?;
     planned.document.beyond = study::beyond(files.vessel, files.trajectories, None)?;
-    staged.extend(stage(&planned, out, &provenance)?);
     if let Some(path) = wanted.problem {
         let cell_m = planned.prepared.brief.task.cell_m;
         let problem = ProblemFile::of(&planned.solved.problem, "trial on a chart", cell_m);
         let problem = problem.map_err(|e| Failure::invalid(files.config, &e))?;
         staged.push(Staged::bytes(path, &serde_json::to_vec(&problem).unwrap_or_default())?);
     }
+    staged.extend(stage(&planned, out, &provenance)?);
     commit(staged)?;
     let document = &planned.document;
     document.messages().filter(|_| !limits.quiet).for_each(|chart| on_stderr(format_args!("plan: {chart}")));
@@ -93,7 +93,7 @@ fn stage(planned: &Planned, out: &Path, provenance: &Provenance) -> Result<Vec<S
     );
     let mut staged = others?;
     staged.extend(map?);
-    staged.insert(0, stage_set_document(out, provenance, &planned.document, &staged)?);
+    staged.push(stage_set_document(out, provenance, &planned.document, &staged)?);
     Ok(staged)
 }
 

@@ -77,7 +77,7 @@ pub fn publish(
         for (entry, recording) in entries.iter().zip(&document.recordings) {
             files.push(Staged::bytes(folder_of(out).join(&recording.file), entry.text.as_bytes())?);
         }
-        files.insert(0, stage_set_document(out, provenance, document, &files)?);
+        files.push(stage_set_document(out, provenance, document, &files)?);
         Ok(commit(files)?)
     })
 }

@@ -68,8 +68,8 @@ pub struct Tally {
     pub codes: BTreeMap<i32, u64>,
     /// Cases that were stopped at long work with progress.
     pub at_work: u64,
-    /// The number of faults that left the old files, and the new.
-    pub left: [u64; 2],
+    /// The number of faults that left the old files, some that are refused, and the new.
+    pub left: [u64; 3],
     pub wrong: Vec<Fault>,
     pub seconds: f64,
 }
@@ -80,7 +80,7 @@ static ALL: Mutex<Tally> = Mutex::new(Tally {
     faults: 0,
     codes: BTreeMap::new(),
     at_work: 0,
-    left: [0; 2],
+    left: [0; 3],
     wrong: Vec::new(),
     seconds: 0.0,
 });
@@ -92,7 +92,7 @@ impl Tally {
         self.seconds += other.seconds;
         self.wrong.extend(other.wrong.iter().cloned());
         self.at_work += other.at_work;
-        self.left = [0, 1].map(|i| self.left[i] + other.left[i]);
+        self.left = [0, 1, 2].map(|i| self.left[i] + other.left[i]);
         for (code, count) in &other.codes {
             *self.codes.entry(*code).or_default() += count;
         }
@@ -108,11 +108,11 @@ impl Tally {
         }
     }
 
-    /// Counts a kill or another fault by whether the new files are there.
-    pub fn fault(&mut self, name: &str, new: Result<bool, Fault>) {
+    /// Counts a kill or another fault by whether the new files are there; `None`: files that are refused.
+    pub fn fault(&mut self, name: &str, new: Result<impl Into<Option<bool>>, Fault>) {
         self.faults += 1;
         match new {
-            Ok(new) => self.left[usize::from(new)] += 1,
+            Ok(new) => self.left[new.into().map_or(1, |new| 2 * usize::from(new))] += 1,
             Err(fault) => self.wrong(name, fault),
         }
     }
@@ -141,10 +141,14 @@ impl fmt::Display for Tally {
         for (kind, name) in WRONGS {
             write!(f, ", {} {name}", self.wrong.iter().filter(|(wrong, _)| *wrong == kind).count())?;
         }
-        let [old, new] = self.left;
+        let [old, refused, new] = self.left;
         let rate = (self.cases + self.faults) as f64 / self.seconds.max(1e-9);
         write!(f, "; {} stopped at long work that says how long", self.at_work)?;
-        write!(f, "; exit codes {:?}; {old} times all old, {new} times all new", self.codes)?;
+        write!(
+            f,
+            "; exit codes {:?}; {old} times all old, {refused} times refused, {new} times all new",
+            self.codes
+        )?;
         write!(f, "; {:.0} s, {rate:.0} a second", self.seconds)
     }
 }
@@ -308,7 +312,10 @@ fn badly_said(code: i32, told: &str) -> Option<&'static str> {
 /// Reads outputs as the next stage would.
 pub fn read<'a>(place: &Place, names: impl Iterator<Item = &'a str>) -> Result<(), Fault> {
     for name in names.filter(|name| !is_unfinished(name)) {
-        let read = files::inspect(&place.path().join("out").join(name));
+        let path = place.path().join("out").join(name);
+        let read = files::inspect(&path).and_then(|found| {
+            found.map_or(Ok(()), |found| files::check_members(&path, &found.members, |_| None))
+        });
         read.map_err(|error| (Wrong::Mixed, format!("{name} is not taken by its reader: {error}")))?;
     }
     Ok(())

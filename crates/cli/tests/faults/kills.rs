@@ -11,8 +11,8 @@ use crate::points::{Watched, for_every_stage};
 const SIGNALS: [(&str, Option<i32>, i32); 4] =
     [("KILL", None, 9), ("INT", Some(130), 2), ("TERM", Some(143), 15), ("HUP", Some(129), 1)];
 
-/// Runs a line, and ends it by a signal after a while; whether the result of `watched.line` is there then.
-fn killed(watched: &Watched, line: &str, after: Duration, which: usize) -> Result<bool, Fault> {
+/// Runs a line, and ends it by a signal after a while; whether the result of `watched.line` is there then; `None` if it is refused.
+fn killed(watched: &Watched, line: &str, after: Duration, which: usize) -> Result<Option<bool>, Fault> {
     use std::os::unix::process::ExitStatusExt;
     let before = watched.unfinished();
     let child = start(&watched.place, line, "");
@@ -21,7 +21,7 @@ fn killed(watched: &Watched, line: &str, after: Duration, which: usize) -> Resul
     let id = child.id().to_string();
     Command::new("kill").args(["-s", signal, &id]).stderr(Stdio::null()).status().unwrap();
     let ended = wait(&watched.place, child);
-    let Some(status) = ended.status else { return ended.judged().map(|_| false) };
+    let Some(status) = ended.status else { return ended.judged().map(|_| None) };
     let heard = status.code().is_some() && status.code() == code;
     if !status.success() && !heard && status.signal() != Some(number) {
         return Err((Wrong::Other, format!("{signal}: {status}: {}", ended.told)));
@@ -32,12 +32,14 @@ fn killed(watched: &Watched, line: &str, after: Duration, which: usize) -> Resul
     if status.success() && !left.is_empty() || heard && !left.is_subset(&before) {
         return Err((Wrong::Left, format!("{signal}: {status}: it left {left:?}, found {before:?}")));
     }
-    watched.read_all()?;
-    watched.is_new(false)
+    match watched.left()? {
+        None if status.success() || heard => Err((Wrong::Mixed, format!("{signal}: {status}"))),
+        left => Ok(left),
+    }
 }
 
 #[test]
-fn law_processes_that_are_ended_at_any_moment_leave_the_old_files_or_the_new() {
+fn law_processes_that_are_ended_at_any_moment_leave_the_old_files_or_the_new_or_refused_ones() {
     let each = asked().map_or(1, |cases| cases / 10 / 33);
     for_every_stage("signals", |stage, ground, line| {
         let watched = Watched::new(ground, line);
@@ -60,7 +62,7 @@ fn law_processes_that_are_ended_at_any_moment_leave_the_old_files_or_the_new() {
 }
 
 #[test]
-fn law_two_processes_that_write_the_same_files_leave_those_of_one() {
+fn law_two_processes_that_write_the_same_files_leave_those_of_one_or_refused_ones() {
     let each = asked().map_or(1, |cases| 1 + cases / 10_000);
     for_every_stage("two writers", |_, ground, stage| {
         let watched = Watched::new(ground, stage);
@@ -69,8 +71,8 @@ fn law_two_processes_that_write_the_same_files_leave_those_of_one() {
             let both = [&watched.line, &watched.other].map(|line| start(&watched.place, line, ""));
             let ended = both.map(|mut child| child.wait().unwrap().code());
             let found = match ended {
-                [Some(0), Some(0)] => watched.read_all().and_then(|()| watched.is_new(true)),
-                other => Err((Wrong::Other, format!("exit codes {other:?}"))),
+                [Some(0), Some(0)] if watched.unfinished().is_empty() => watched.left(),
+                other => Err((Wrong::Other, format!("exit codes {other:?}, {:?}", watched.unfinished()))),
             };
             tally.fault(&watched.line, found);
         }

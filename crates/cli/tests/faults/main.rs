@@ -17,6 +17,7 @@ mod foreign;
 mod fuzz;
 mod grounds;
 mod kills;
+mod mixtures;
 mod named;
 mod numbers;
 mod outputs;

@@ -51,20 +51,6 @@ fn a_folder_as_target_is_refused_before_anything_is_written() {
     assert!(names(&folder).is_empty());
 }
 
-#[test]
-fn a_failed_rename_gives_back_the_files_before() {
-    let folder = folder();
-    let paths = ["a", "b", "c", "d"].map(|name| folder.path().join(name));
-    std::fs::write(&paths[1], b"old").unwrap();
-    let staged = paths.iter().map(|path| Staged::bytes(path, b"new").unwrap()).collect();
-    std::fs::create_dir(&paths[3]).unwrap();
-    std::fs::write(paths[3].join("occupied"), b"x").unwrap();
-    let error = commit(staged).unwrap_err();
-    assert!(matches!(error, Error::Io { path, action: "rename", .. } if path == paths[3]));
-    assert_eq!(names(&folder), ["b", "d"]);
-    assert_eq!(std::fs::read(&paths[1]).unwrap(), b"old");
-}
-
 #[cfg(unix)]
 #[test]
 fn a_link_or_a_device_is_refused_and_stays() {

@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
-use files::{Loaded, Result, TableReader, TableWriter, commit, read_document, stage_set_document};
+use files::{
+    Loaded, Result, TableReader, TableWriter, commit, read_document, stage_document, stage_set_document,
+};
 
-use crate::sample::{Design, design, encode, folder, provenance, refusal, schema};
+use crate::sample::{Design, design, encode, folder, names, provenance, refusal, schema};
 
 /// Writes a table of `blocks` blocks and the document that vouches for it.
 fn write(folder: &Path, blocks: usize) {
@@ -44,4 +46,28 @@ fn a_file_without_the_others_of_its_set_is_read() {
     table(two.path()).unwrap();
     std::fs::remove_file(one.path().join("t.parquet")).unwrap();
     document(one.path()).unwrap();
+}
+
+#[test]
+fn what_only_the_earlier_document_vouched_for_is_removed() {
+    let folder = folder();
+    write(folder.path(), 1);
+    let path = folder.path().join("t.json");
+    let alone = || commit(vec![stage_document(&path, &provenance(), &design()).unwrap()]).unwrap();
+    alone();
+    assert_eq!(names(&folder), ["t.json"]);
+    // But not what somebody else has written since.
+    write(folder.path(), 1);
+    std::fs::write(folder.path().join("t.parquet"), b"other").unwrap();
+    alone();
+    assert_eq!(names(&folder), ["t.json", "t.parquet"]);
+}
+
+#[test]
+fn a_table_that_its_document_does_not_vouch_for_is_refused() {
+    let (one, two) = (folder(), folder());
+    write(one.path(), 1);
+    commit(vec![stage_document(two.path().join("t.json"), &provenance(), &design()).unwrap()]).unwrap();
+    std::fs::copy(one.path().join("t.parquet"), two.path().join("t.parquet")).unwrap();
+    assert!(refusal(table(two.path())).contains("t.parquet: digest: found another file than"));
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use files::{Digest, Error, Loaded, is_written};
+use files::{Digest, Error, Loaded, exists};
 
 use crate::loader::Loader;
 use crate::planned_trial::{PlannedTrial, map};
@@ -21,9 +21,9 @@ const ADDITIONAL: [(&str, &str); 5] = [
 /// The trajectory that the study plans; `None` if there is neither `plan.toml` nor `plan.json`.
 pub(crate) fn trajectory(loader: &mut Loader) -> Result<Option<Trajectory>, Error> {
     let config = loader.sources.study.join("plan.toml");
-    if is_written(&config) {
+    if exists(&config) {
         loader.note("plan.toml", "chart, lattice, safety, counts, start and goal", Digest::of_file(&config)?);
-    } else if !is_written(loader.sources.results.join("plan.json")) {
+    } else if !exists(loader.sources.results.join("plan.json")) {
         return Ok(None);
     }
     let main = planned(loader, "")?;
@@ -70,8 +70,8 @@ fn planned(loader: &mut Loader, name: &str) -> Result<Option<PlannedTrial>, Erro
     if name.is_empty() {
         for (file, what) in ADDITIONAL {
             let path = loader.sources.results.join(file);
-            if is_written(&path) {
-                loader.note(file, what, Digest::of_written(&path)?);
+            if exists(&path) {
+                loader.note(file, what, Digest::of_file(&path)?);
             }
         }
     }

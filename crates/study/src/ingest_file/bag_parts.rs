@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::Path;
 
-use files::{Error, is_file, observe_names, open};
+use files::{Error, exists, observe_names, open};
 use refusal::{Invalid, foreign};
 
 use crate::invalid;
@@ -23,7 +23,7 @@ pub(super) fn check_parts(folder: &Path, files: &[String]) -> Result<(), Error> 
     let parents: BTreeSet<String> = files.iter().map(split).collect();
     for parent in parents {
         let path = folder.join(&parent).join(LIST);
-        if !is_file(&path) {
+        if !exists(&path) {
             continue;
         }
         let mut text = String::new();

@@ -7,7 +7,7 @@ use std::io::{self, BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 use std::sync::Arc;
 
-use files::{Digest, Digesting, Error, Scratch, is_file, open};
+use files::{Digest, Digesting, Error, Scratch, exists, open};
 use flate2::read::MultiGzDecoder;
 use logs::{
     Columns, DatabaseFile, Format, Log, LogError, Plan, Recorded, SNIFFED, Segmentation, Source, Store,
@@ -206,7 +206,7 @@ pub fn database(path: &Path) -> Result<DatabaseFile, Error> {
         let mut beside = real.clone().into_os_string();
         beside.push(end);
         let beside = Path::new(&beside);
-        if is_file(beside) && beside.metadata().is_ok_and(|changes| changes.len() > 0) {
+        if exists(beside) && beside.metadata().is_ok_and(|changes| changes.len() > 0) {
             let beside = beside.file_name().unwrap_or_default().to_string_lossy();
             let found = format!("changes in `{}` that are not in the file", foreign(&beside));
             let remedy =

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use files::{Digest, Error, Provenance, is_written, read_document};
+use files::{Digest, Error, Provenance, exists, read_document};
 use logs::Source;
 
 use crate::documents::{SIMULATED_FILE, SimulatedLogsDocument};
@@ -19,7 +19,7 @@ pub fn simulated_label(
     provenance: &mut Provenance,
 ) -> Result<Option<DataLabel>, Error> {
     let path = folder.join(SIMULATED_FILE);
-    if !is_written(&path) {
+    if !exists(&path) {
         return Ok(None);
     }
     let loaded = read_document::<SimulatedLogsDocument>(&path)?;

@@ -13,7 +13,7 @@ const MOST: u64 = 1 << 20;
 /// Refuses a grid with an `.aux.xml` that has a scale, or a unit that is not declared.
 pub(super) fn check_beside(path: &Path, declared: &GridDeclaration) -> Result<(), Error> {
     let beside = PathBuf::from([path.as_os_str(), ".aux.xml".as_ref()].into_iter().collect::<OsString>());
-    if !files::is_file(&beside) {
+    if !files::exists(&beside) {
         return Ok(());
     }
     let mut bytes = Vec::new();
