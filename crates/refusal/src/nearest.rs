@@ -1,4 +1,4 @@
-use crate::shortened;
+use crate::{foreign, nearest, shortened};
 
 /// Longer words are not compared.
 const MOST: usize = 200;
@@ -46,4 +46,45 @@ pub fn gone(word: &str) -> Option<&'static str> {
 pub fn suggestion<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let near = || nearest(word, known).map(|near| format!("did you mean `{near}`?"));
     gone(word).map(str::to_owned).or_else(near)
+}
+
+/// Names that a message lists at most.
+const LISTED: usize = 12;
+
+/// `names` for a message; of a long list, those most like `name`.
+pub fn some_of(names: &[impl AsRef<str>], name: &str) -> String {
+    let mut left: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    let total = left.len();
+    if total <= LISTED {
+        return left.iter().map(|own| format!("`{}`", foreign(own))).collect::<Vec<_>>().join(", ");
+    }
+    let mut listed = Vec::new();
+    while let (true, Some(near)) = (listed.len() < LISTED, nearest(name, left.iter().copied())) {
+        listed.push(format!("`{}`", foreign(near)));
+        left.retain(|own| *own != near);
+    }
+    format!("{} and {} more", listed.join(", "), left.len())
+}
+
+/// `a`, `a and b`, `a, b and c`.
+pub fn listed(items: &[String]) -> String {
+    match items {
+        [] => String::new(),
+        [one] => one.clone(),
+        [most @ .., last] => format!("{} and {last}", most.join(", ")),
+    }
+}
+
+/// The names in `text`, which has commas between them: of pieces that are `known` only together one name, the longest.
+pub fn names_in(text: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
+    let pieces: Vec<&str> = text.split(',').collect();
+    let (mut names, mut rest) = (Vec::new(), pieces.as_slice());
+    while let [first, ..] = rest {
+        let joined = |n: usize| (n, rest[..n].join(",").trim().to_owned());
+        let whole = (1..=rest.len()).rev().map(joined).find(|(_, name)| known(name));
+        let (used, name) = whole.unwrap_or_else(|| (1, first.trim().to_owned()));
+        names.push(name);
+        rest = &rest[used..];
+    }
+    names
 }
