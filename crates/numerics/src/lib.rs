@@ -9,28 +9,26 @@
 
 pub mod bounded;
 mod decompositions;
-pub mod distributions;
-mod instructions;
-mod iterations;
 mod lane;
 pub mod lanes;
 mod lu;
 mod product;
 pub mod registers;
-mod semidefinite;
 pub mod statistics;
 #[doc(hidden)]
 pub mod vectorized;
 mod wide;
 
+pub use bounded::{Watch, iterate};
 pub use decompositions::{Weakest, symmetric, weakest};
-pub use instructions::{dispatch, dispatch_narrow, missing_instructions};
-pub use iterations::{Watch, iterate};
 pub use lane::{Arithmetic, LANES, Lane, Number, Numbers, Row};
 pub use lu::{
     LogDet, condition, inverse, inverse_and_log_det, inverse_in_order, log_det, one_norm, scaled_inverse,
     solve,
 };
-pub use product::{add_outer, add_rows, congruence, dot, product, quadratic, times, transposed};
-pub use semidefinite::{dependent_columns, quadratic_of_inverse};
+pub use product::{
+    add_outer, add_rows, congruence, dependent_columns, dot, product, quadratic, quadratic_of_inverse, times,
+    transposed,
+};
+pub use vectorized::{dispatch, dispatch_narrow, missing_instructions};
 pub use wide::{GROUPS, Wide};

@@ -1,4 +1,4 @@
-use numerics::distributions::{chi_square_tail, normal_tails};
+use numerics::statistics::{chi_square_tail, normal_tails};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
