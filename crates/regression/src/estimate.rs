@@ -4,13 +4,11 @@ use std::sync::OnceLock;
 use numerics::lanes::lane_of;
 use numerics::{LANES, Lane, Number, congruence, quadratic};
 
-use crate::bounded::estimated;
-use crate::groups::Group;
+use crate::batch::{AnyBatch, Group, Groups, over_batch};
 use crate::lane_sums::LaneSums;
 use crate::moving_average::autocovariances;
-use crate::residual::{InstrumentSquares, residuals};
-use crate::solve::{Normal, SolvedLanes};
-use crate::spans::Kept;
+use crate::solve::{Normal, SolvedLanes, estimated};
+use crate::spans::{self, Kept};
 use crate::{Batch, DegreeSums, Direction, Excitation, MeanRemoval, Sums};
 
 /// An estimate of one run.
@@ -363,4 +361,39 @@ fn block_diagonal(blocks: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
         first += p;
     }
     matrix
+}
+
+// The contribution of the residuals to the covariance of an estimate.
+//
+// θ̂ − θ = A⁻¹ Σ ζᶜ(k) ε(k). The residual contains e(k+1) − e(k), so it is correlated with its neighbours: its
+// autocovariances γ₀, γ₁ are those of the likeliest moving average of order one.
+
+/// Per degree of freedom Σ ζᶜζᶜᵀ and Σ (ζᶜ(k−1) ζᶜ(k)ᵀ + its transpose), upper triangles.
+struct InstrumentSquares {
+    pub squares: Vec<Lane>,
+    pub neighbours: Vec<Lane>,
+}
+
+impl InstrumentSquares {
+    /// `kept` is ζ, if stored. `means`: the instruments' means per run and group.
+    pub(crate) fn over(batch: AnyBatch, kept: &Kept, means: Groups) -> Self {
+        let model = batch.model();
+        let triangles = model.degrees.iter().map(|d| d.terms.len() * (d.terms.len() + 1) / 2).sum();
+        let zeros = || vec![Lane::ZERO; triangles];
+        let mut sums = Self { squares: zeros(), neighbours: zeros() };
+        over_batch!(batch, |batch| {
+            spans::add_squares(&batch, kept, means, [&mut sums.squares, &mut sums.neighbours]);
+        });
+        sums
+    }
+}
+
+/// The residuals of `theta`, one lane per parameter: surge, sway, yaw. `kept` is ζ, if stored. `intercepts`: three per
+/// run and group.
+fn residuals(batch: AnyBatch, kept: &Kept, theta: &[Lane], intercepts: Groups) -> [Vec<Lane>; 3] {
+    let mut all = [const { Vec::new() }; 3];
+    over_batch!(batch, |batch| {
+        spans::put_residuals(&batch, kept, theta, intercepts, &mut all);
+    });
+    all
 }

@@ -5,9 +5,7 @@ mod regressors;
 mod residuals;
 mod signals;
 mod squares;
-mod zeta;
 
-pub(crate) use columns::{add_instruments, add_measured};
+pub(crate) use columns::{Kept, add_instruments, add_measured};
 pub(crate) use residuals::put_residuals;
 pub(crate) use squares::add_squares;
-pub(crate) use zeta::Kept;

@@ -3,11 +3,11 @@
 use numerics::Lane;
 use pulp::{Simd, WithSimd};
 
+use super::columns::{Instrument, Kept, Zeta};
 use super::regressors::{Order, Regressors, Table, fill};
 use super::signals::{Blocks, Column, Difference, SPAN, Signal, Signals, spans};
-use super::zeta::{Instrument, Kept, Zeta};
 use crate::Batch;
-use crate::groups::{Constants, Groups};
+use crate::batch::{Constants, Groups};
 
 use numerics::registers::{BLOCK, Block};
 use numerics::registers::{part, parts, put};

@@ -3,11 +3,11 @@
 use numerics::Lane;
 use pulp::{Simd, WithSimd};
 
+use super::columns::{Instrument, Kept, Zeta};
 use super::regressors::{ALL, Order};
 use super::signals::{Blocks, Signal, Signals, spans};
-use super::zeta::{Instrument, Kept, Zeta};
 use crate::Batch;
-use crate::groups::{Constants, Groups};
+use crate::batch::{Constants, Groups};
 use numerics::registers::{self, add, parts, put};
 use numerics::registers::{BLOCK, Block};
 
