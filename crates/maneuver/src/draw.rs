@@ -1,14 +1,17 @@
 //! The random numbers of one candidate, turned into a maneuver.
 
 use rand::Rng;
+use refusal::Invalid;
+use ship::engine::Streams;
 
 use super::generate_spec::{CandidateKind, GenerateSpec};
-use super::shape::Shape;
-use super::signal::{Signal, SignalShape};
+use super::signal::{Shape, Signal, SignalShape};
 use super::spec::Kind;
+use crate::feedback::Kept;
+use crate::spec::ManeuverSpec;
 
 /// The random numbers of one candidate.
-pub(super) struct Draw<'a, R> {
+struct Draw<'a, R> {
     pub(super) rng: R,
     pub(super) spec: &'a GenerateSpec,
 }
@@ -176,5 +179,34 @@ impl<R: Rng> Draw<'_, R> {
             CandidateKind::Accelerate => Kind::Accelerate { from_m_s: slow, to_m_s: fast, hold_s: 0.0 },
             _ => Kind::Decelerate { from_m_s: fast, to_m_s: slow, hold_s: 0.0 },
         }
+    }
+}
+
+// Candidates by generation: a table `[generate]` in `dictionary.toml` instead of maneuvers written by hand.
+
+impl GenerateSpec {
+    /// All candidates, whether or not they keep the limits.
+    ///
+    /// # Errors
+    /// A meaningless number.
+    pub fn candidates(&self) -> Result<Vec<ManeuverSpec>, Invalid> {
+        self.check()?;
+        let kinds = self.kinds();
+        let streams = Streams::new(self.seed, "candidates");
+        let one = |index: u32| {
+            let kind = kinds[index as usize % kinds.len()];
+            let mut draw = Draw { rng: streams.channel(index, 0), spec: self };
+            ManeuverSpec {
+                name: format!("{kind}-{index:05}"),
+                description: "generated".into(),
+                duration_s: self.duration_s,
+                keeps: Kept::default(),
+                executed: self.executed,
+                feedback: None,
+                approach: None,
+                kind: draw.kind(kind, index),
+            }
+        };
+        Ok((0..self.candidates).map(one).collect())
     }
 }

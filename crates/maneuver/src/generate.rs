@@ -5,14 +5,13 @@ use ship::engine::{Helm, Streams, check_diverged, refuse_endless, simulate_comma
 use ship::model::{Source, Vessel};
 
 use super::generate_spec::Limits;
-use super::played::PlayedTable;
-use super::settings::check_range;
+use super::played::{PlayedTable, check_range};
 use super::signal::Wave;
 use super::spec::{Kind, ManeuverSpec};
 use crate::DictionaryFile;
-use crate::actuated::actuated;
+use crate::dictionary::actuated;
+use crate::dictionary::{self, Aim, Tolerance};
 use crate::feedback::{Executed, Linearised, Nominal, Tracked};
-use crate::reached::{self, Aim, Tolerance};
 use crate::standard::{Approach, Orders, Settings, Standard, changes, check_names};
 use crate::steady::{Motion, Steady};
 
@@ -353,12 +352,12 @@ impl Generator {
             return Vec::new();
         }
         if let Some(standard) = maneuver.kind.standard() {
-            return reached::of_standard(standard, states, rate_hz);
+            return dictionary::of_standard(standard, states, rate_hz);
         }
         let samples = states.len() / 3 - 1;
         let plan = Plan::new(&maneuver.kind, rate_hz, samples);
         let wanted: Vec<[f64; 2]> = (0..samples).map(|k| plan.motion(k)).map(|own| [own.u, own.r]).collect();
-        reached::of_motion(&wanted, states, rate_hz, &self.tolerance)
+        dictionary::of_motion(&wanted, states, rate_hz, &self.tolerance)
     }
 
     /// The inputs that hold or follow the motion of `plan`; `within` the ranges of the vessel's inputs, or not.

@@ -5,9 +5,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
-use super::kept::Kept;
-use super::shape::Shape;
-use super::signal::{LONGEST_S, SWING_SAMPLES, Signal, check_period};
+use super::feedback::Kept;
+use super::signal::{LONGEST_S, SWING_SAMPLES, Shape, Signal, check_period};
 use crate::feedback::{Controller, Executed};
 use crate::standard::{
     PullOut, ReverseSpiral, Sensors, Settings, SpiralTest, Standard, Stop, TurningCircle, ZigZagTest,

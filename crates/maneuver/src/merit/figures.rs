@@ -3,11 +3,10 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use numerics::statistics::mean;
 use refusal::Invalid;
 
-use super::figure::{Figure, Hull};
+use super::helm;
 use super::helm::Held;
-use super::record::{Record, Smoother, least_squares};
+use super::record::{Figure, Hull, Record, Smoother, least_squares};
 use super::sailed::{Sailed, Sort, degrees};
-use super::{criteria, spirals};
 use crate::standard::{Board, INERTIAL_END, Standard};
 
 /// The figures of a maneuver, and what was sailed.
@@ -31,8 +30,8 @@ pub struct Found {
 /// maneuver, or of none.
 pub fn figures(standard: Option<Standard>, record: &Record, hull: &Hull) -> Result<Found, Invalid> {
     let spiral = match standard {
-        Some(Standard::SpiralTest(own)) => Some(spirals::direct(own, record, hull)),
-        Some(Standard::ReverseSpiral(own)) => Some(spirals::reverse(own, record, hull)),
+        Some(Standard::SpiralTest(own)) => Some(helm::direct(own, record, hull)),
+        Some(Standard::ReverseSpiral(own)) => Some(helm::reverse(own, record, hull)),
         _ => None,
     };
     if let Some((standard, figures)) = standard.zip(spiral) {
@@ -167,7 +166,7 @@ impl Measured<'_> {
         let is = |degrees: f64| is_degrees(heading, degrees) && self.is_helm(degrees);
         let initial =
             Figure::new("initial_turning", "initial turning ability", self.track(first) / length, "L");
-        let mut all = vec![initial.at_most(is(10.0).then_some(criteria::INITIAL_TURNING))];
+        let mut all = vec![initial.at_most(is(10.0).then_some(INITIAL_TURNING))];
         let executes = &self.sailed.orders[1.min(self.sailed.orders.len())..];
         let values = |sign: f64| turned.iter().map(|psi| sign * psi).collect::<Vec<f64>>();
         let mut late = Vec::new();
@@ -179,9 +178,9 @@ impl Measured<'_> {
                 break;
             };
             let allowed = match number {
-                0 if is(10.0) => Some(criteria::overshoot_10_first(seconds)),
-                1 if is(10.0) => Some(criteria::overshoot_10_second(seconds)),
-                0 if is(20.0) => Some(criteria::OVERSHOOT_20),
+                0 if is(10.0) => Some(overshoot_10_first(seconds)),
+                1 if is(10.0) => Some(overshoot_10_second(seconds)),
+                0 if is(20.0) => Some(OVERSHOOT_20),
                 _ => None,
             };
             let [(overshoot, what), (check_time, time_what)] = SWINGS[number];
@@ -271,10 +270,10 @@ impl Measured<'_> {
         let [advance, transfer] = self.run(quarter);
         let [_, across] = self.run(half);
         let mut all = vec![
-            Figure::new("advance", "advance", advance / length, "L").at_most(criterion(criteria::ADVANCE)),
+            Figure::new("advance", "advance", advance / length, "L").at_most(criterion(ADVANCE)),
             Figure::new("transfer", "transfer", transfer / length, "L"),
             Figure::new("tactical_diameter", "tactical diameter", across / length, "L")
-                .at_most(criterion(criteria::TACTICAL_DIAMETER)),
+                .at_most(criterion(TACTICAL_DIAMETER)),
             Figure::new("time_90", "time to 90°", self.seconds(order, quarter), "s"),
             Figure::new("time_180", "time to 180°", self.seconds(order, half), "s"),
         ];
@@ -344,7 +343,7 @@ impl Measured<'_> {
         })? + begin as f64;
         let [ahead, across] = self.run(end);
         let reach = self.track(end);
-        let criterion = is_full_astern.then_some(criteria::STOPPING);
+        let criterion = is_full_astern.then_some(STOPPING);
         Ok(vec![
             Figure::new("track_reach", "track reach", reach / length, "L").at_most(criterion),
             Figure::new("head_reach", "head reach", ahead / length, "L"),
@@ -353,3 +352,34 @@ impl Measured<'_> {
         ])
     }
 }
+
+// The criteria of IMO MSC.137(76).
+
+/// The greatest first overshoot in a 10°/10° zig-zag \[°\], for a ship that covers her length in `seconds`.
+fn overshoot_10_first(seconds: f64) -> f64 {
+    match seconds {
+        _ if seconds < 10.0 => 10.0,
+        _ if seconds >= 30.0 => 20.0,
+        _ => 5.0 + 0.5 * seconds,
+    }
+}
+
+/// The greatest second one \[°\].
+fn overshoot_10_second(seconds: f64) -> f64 {
+    match seconds {
+        _ if seconds < 10.0 => 25.0,
+        _ if seconds >= 30.0 => 40.0,
+        _ => 17.5 + 0.75 * seconds,
+    }
+}
+
+/// The greatest first overshoot in a 20°/20° zig-zag \[°\].
+const OVERSHOOT_20: f64 = 25.0;
+/// Of a turning circle \[ship lengths\].
+const ADVANCE: f64 = 4.5;
+/// Of a turning circle \[ship lengths\].
+const TACTICAL_DIAMETER: f64 = 5.0;
+/// Track run with 10° of helm until the heading has changed by 10° \[ship lengths\].
+const INITIAL_TURNING: f64 = 2.5;
+/// Track reach of a full astern stop \[ship lengths\]; it says nothing of stops with less, nor of inertial ones.
+const STOPPING: f64 = 15.0;

@@ -3,9 +3,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use numerics::statistics::{mean, quantile, sorted, spread};
 use refusal::Invalid;
 
-use super::figure::Hull;
 use super::helm::{Held, Helm, median, radians};
-use super::record::{Record, Smoother};
+use super::record::{Hull, Record, Smoother};
 use crate::standard::{Board, Sensors, Settings, Standard};
 
 /// The length of an approach, in times in which the ship covers her length.

@@ -1,7 +1,6 @@
 //! Standard maneuvers of IMO and ITTC, as crews carry them out: the helm goes over where the ship has turned, or the time
 //! has passed, not where a model expected it.
 
-mod checks;
 mod orders;
 mod spec;
 
@@ -10,6 +9,5 @@ pub use spec::{
     ZigZagTest,
 };
 
-pub(crate) use checks::check_names;
 pub(crate) use orders::{Approach, Orders, changes};
-pub(crate) use spec::{INERTIAL_END, is_turned_away, steps};
+pub(crate) use spec::{INERTIAL_END, check_names, is_turned_away, steps};
