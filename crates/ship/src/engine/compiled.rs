@@ -3,7 +3,7 @@ use std::ops::Range;
 use crate::model::{Factor, Model, RateChange, Term};
 use numerics::Row;
 
-use crate::engine::moving::{Point, Stepping};
+use super::force_step::{Point, Stepping};
 use crate::engine::products::{
     Curve, Derivatives, ONE, Products, Slope, first_coefficient, note, place, put_state,
 };

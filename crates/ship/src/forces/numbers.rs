@@ -2,8 +2,7 @@
 
 use refusal::{Invalid, check_name, foreign};
 
-use crate::forces::quantity::{Quantity, QuantitySource};
-use crate::forces::{Number, NumberSpec, Parameter, Real};
+use crate::forces::{Number, NumberSpec, Real};
 
 /// The place of a number among those of a ship.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -341,4 +340,58 @@ impl Numbers {
             false => QuantitySource::Tied { to: other.name.clone(), factor: scale / other.scale },
         }
     }
+}
+
+/// A number of a ship in SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantity {
+    /// That of a term's parameter, or `component.key`.
+    pub name: String,
+    /// Its SI unit.
+    pub unit: String,
+    /// Its value.
+    pub value: f64,
+    /// Whether the ship's description has it; else the value is the default.
+    pub stated: bool,
+    /// Where it comes from.
+    pub source: QuantitySource,
+}
+
+/// Where a number of a ship comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum QuantitySource {
+    /// It is known.
+    Known,
+    /// It is the free parameter with this index.
+    Free(usize),
+    /// It is a free number times a factor, both in SI units.
+    Tied {
+        /// The name of the free number.
+        to: String,
+        /// The factor.
+        factor: f64,
+    },
+}
+
+/// A free parameter: an element of θ, in the system that it was written in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// That of a term, or `component.key`.
+    pub name: String,
+    /// Its unit; `1` in the prime system.
+    pub unit: String,
+    /// Its value before any estimate.
+    pub nominal: f64,
+    /// Its true value, where known.
+    pub value: Option<f64>,
+    /// Standard deviation of its prior.
+    pub prior: Option<f64>,
+    /// Bounds of its estimates; infinite at an open end.
+    pub bounds: [f64; 2],
+    /// Factor from θ to SI units: ρ, length, draught and speed of the prime system, or 1.
+    pub scale: f64,
+    /// Its SI unit, whatever it was written in.
+    pub si_unit: String,
+    /// What one of the prime system is in SI units, if the number can be written in it.
+    pub prime: Option<f64>,
 }

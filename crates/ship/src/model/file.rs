@@ -6,12 +6,11 @@ use refusal::{Invalid, check_name, check_numbers, check_ranges};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::model::derived::derive;
+use super::equation::Parts;
+use super::formula::derive;
+use super::physics::{Kind, VesselFile, missing, preset};
 use crate::model::equation::{Equation, Reduced};
-use crate::model::parts::Parts;
 use crate::model::physics::{self, moved};
-use crate::model::presets::preset;
-use crate::model::written::{Kind, VesselFile, missing};
 use crate::model::{
     Actuator, Constrained, DegreeOfFreedom, InputSpec, Model, RateChange, Term, Variable, Written,
 };

@@ -7,42 +7,27 @@
 //! `x_d(k+1) = x_d(k) + φ_d(k)ᵀ θ_d`. See `docs/notation.md`. Or the model is made of forces in continuous time
 //! ([`ForceModel`]), and has no terms per sample.
 
-mod acting;
 mod actuator;
-mod constraint;
-mod derived;
+mod at_bound;
 mod equation;
 mod file;
+mod force_model;
 mod formula;
 mod gate;
-mod held;
-mod input;
-mod layout;
-mod more_channels;
-mod moved;
-mod pace;
-mod parts;
 mod physics;
-mod presets;
-mod rate;
-mod rows;
+mod rate_change;
 mod similar;
 mod structure;
 mod term;
 pub mod terms;
-mod written;
 
 pub use crate::forces::TermSpec;
-pub use acting::{ActuatorState, SampleCommand};
-pub use actuator::Actuator;
-pub use constraint::{Constrained, Constraint, Written};
-pub use derived::{DerivedChannel, DerivedSpec};
+pub use actuator::{Actuator, ActuatorState, InputSpec, SampleCommand};
+pub use equation::{Constrained, Constraint, Written};
 pub use file::{Source, Vessel};
-pub use formula::{Formula, Function, Malformed};
-pub use input::InputSpec;
-pub use layout::ParameterLayout;
-pub use moved::ForceModel;
-pub use pace::{ORDER, RateChange};
-pub use structure::{Degree, DegreeOfFreedom, Model, Variable};
+pub use force_model::ForceModel;
+pub use formula::{DerivedChannel, DerivedSpec, Formula, Function, Malformed};
+pub use physics::{Kind, MeasuredSpec, Unusual, VesselFile};
+pub use rate_change::{ORDER, RateChange};
+pub use structure::{Degree, DegreeOfFreedom, Model, ParameterLayout, Variable};
 pub use term::{Factor, Product, Term};
-pub use written::{Kind, MeasuredSpec, Unusual, VesselFile};

@@ -3,9 +3,8 @@
 use crate::forces::{Channel, Description, NumberSpec, Similarity};
 use refusal::{Invalid, foreign};
 
+use super::physics::{VesselFile, preset};
 use crate::model::physics::described;
-use crate::model::presets::preset;
-use crate::model::written::VesselFile;
 use crate::model::{Formula, Vessel};
 
 /// The channels that forces depend on, of a file.

@@ -1,9 +1,12 @@
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
-use crate::forces::Parameter;
+use refusal::Invalid;
 
-use crate::model::{DerivedChannel, ForceModel, Product, RateChange, Term};
+use super::formula::derive;
+use crate::forces::Parameter;
+use crate::model::{DerivedChannel, DerivedSpec, ForceModel, Product, RateChange, Term};
 
 /// Surge, sway or yaw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -177,5 +180,209 @@ impl Model {
         };
         let free = self.free().iter().map(|own| own.unit.clone());
         DegreeOfFreedom::ALL.into_iter().zip(&self.degrees).flat_map(of).chain(free).collect()
+    }
+}
+
+/// The order of a model's parameters: those of surge, sway and yaw, each followed by that degree of freedom's
+/// intercept if the model has intercepts ([`Model::with_intercepts`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ParameterLayout {
+    /// Terms of surge, sway and yaw, without intercepts.
+    terms: [usize; 3],
+    /// Which of them have an intercept.
+    intercepts: [bool; 3],
+    /// Which of them have the term 1 instead.
+    constants: [bool; 3],
+}
+
+impl Model {
+    /// The same model with the constant 1 as one more term of every degree of freedom that has none; its
+    /// parameter is the intercept, the state's constant increment per sample beyond the known one.
+    pub fn with_intercepts(&self) -> Self {
+        let mut model = self.clone();
+        for degree in model.degrees.iter_mut().filter(|degree| degree.constant().is_none()) {
+            degree.parameters.push("intercept".to_owned());
+            degree.terms.push(Term::constant());
+            degree.intercept = true;
+        }
+        model
+    }
+
+    /// The order of its parameters.
+    pub fn layout(&self) -> ParameterLayout {
+        if self.forces.is_some() {
+            // Parameters of forces belong to no one degree of freedom; they are in order, and no intercepts are among them.
+            let terms = [self.parameters(), 0, 0];
+            return ParameterLayout { terms, intercepts: [false; 3], constants: [true; 3] };
+        }
+        ParameterLayout {
+            terms: self.degrees.each_ref().map(|degree| degree.terms.len() - usize::from(degree.intercept)),
+            intercepts: self.degrees.each_ref().map(|degree| degree.intercept),
+            constants: self.degrees.each_ref().map(|degree| !degree.intercept && degree.constant().is_some()),
+        }
+    }
+}
+
+impl ParameterLayout {
+    /// The same with intercepts, where there is no term 1.
+    pub fn with_intercepts(self) -> Self {
+        Self { intercepts: self.constants.map(|constant| !constant), ..self }
+    }
+
+    /// Whether there are intercepts.
+    pub fn has_intercepts(self) -> bool {
+        self.intercepts.contains(&true)
+    }
+
+    /// Number of parameters, including intercepts.
+    pub fn parameters(self) -> usize {
+        self.degree(2).end
+    }
+
+    /// Indices of the parameters of degree of freedom `d` that belong to terms.
+    pub fn terms(self, d: usize) -> Range<usize> {
+        let before = self.intercepts[..d].iter().filter(|intercept| **intercept).count();
+        let first = self.terms[..d].iter().sum::<usize>() + before;
+        first..first + self.terms[d]
+    }
+
+    /// Indices of all parameters of degree of freedom `d`; its intercept is the last.
+    pub fn degree(self, d: usize) -> Range<usize> {
+        let terms = self.terms(d);
+        terms.start..terms.end + usize::from(self.intercepts[d])
+    }
+
+    /// The degree of freedom of every parameter.
+    pub fn degrees(self) -> impl Iterator<Item = usize> {
+        (0..3).flat_map(move |d| self.degree(d).map(move |_| d))
+    }
+
+    /// Whether every parameter is an intercept.
+    pub fn are_intercepts(self) -> impl Iterator<Item = bool> {
+        (0..3).flat_map(move |d| self.degree(d).map(move |i| i == self.terms(d).end))
+    }
+
+    /// Parameters in this order from those of the terms (surge, sway, yaw) and the `intercepts`, which are
+    /// ignored if there are none.
+    pub fn woven(self, theta: &[f64], intercepts: [f64; 3]) -> Vec<f64> {
+        let mut theta = theta.iter();
+        let mut next = |(intercept, d): (bool, usize)| match intercept {
+            true => Some(intercepts[d]),
+            false => theta.next().copied(),
+        };
+        self.are_intercepts().zip(self.degrees()).map_while(&mut next).collect()
+    }
+
+    /// The terms' parameters alone: surge, sway, yaw.
+    pub fn theta<T: Copy>(self, parameters: &[T]) -> Vec<T> {
+        let all = parameters.iter().zip(self.are_intercepts());
+        all.filter_map(|(parameter, intercept)| (!intercept).then_some(*parameter)).collect()
+    }
+
+    /// The intercepts alone; zero where there are none.
+    pub fn intercepts(self, parameters: &[f64]) -> [f64; 3] {
+        [0, 1, 2].map(|d: usize| if self.intercepts[d] { parameters[self.terms(d).end] } else { 0.0 })
+    }
+}
+
+// Rows of all channels from rows of inputs.
+
+/// The exogenous inputs of a model where there are no logs: inputs from a maneuver, measured disturbances as
+/// `simulated`, derived channels by their formulas. Rows hold them in this order.
+impl Model {
+    /// Sets the disturbances and derived channels of a row whose inputs are set, as in simulated trials.
+    pub fn complete(&self, row: &mut [f64]) {
+        for (variable, value) in &self.simulated {
+            row[variable - 3] = *value;
+        }
+        self.derive(row);
+    }
+
+    /// Sets the derived channels of a row whose other channels are set.
+    pub fn derive(&self, row: &mut [f64]) {
+        for own in &self.derived {
+            row[own.variable - 3] = own.value(row);
+        }
+    }
+
+    /// Adds to the derivatives by inputs and measured disturbances the part by way of derived channels, at
+    /// `row`. `slopes`: a row per variable, of `N` quantities.
+    pub fn by_sources<const N: usize>(&self, row: &[f64], slopes: &mut [[f64; N]]) {
+        for own in self.derived.iter().rev() {
+            let outer = slopes[own.variable];
+            for (channel, source) in own.sources.iter().enumerate() {
+                let inner = own.formula.slope(channel, |channel| row[own.sources[channel] - 3]);
+                slopes[*source].iter_mut().zip(outer).for_each(|(slope, outer)| *slope += inner * outer);
+            }
+        }
+    }
+
+    /// Inputs, N × inputs, completed by the other channels of simulated trials: N × exogenous, row-major.
+    pub fn undisturbed(&self, inputs: &[f64]) -> Vec<f64> {
+        if self.exogenous() == self.inputs {
+            return inputs.to_vec();
+        }
+        let mut rows = vec![0.0; inputs.len() / self.inputs.max(1) * self.exogenous()];
+        for (row, own) in rows.chunks_exact_mut(self.exogenous()).zip(inputs.chunks_exact(self.inputs)) {
+            row[..self.inputs].copy_from_slice(own);
+            self.complete(row);
+        }
+        rows
+    }
+
+    /// The inputs of N × exogenous rows, row-major: N × inputs.
+    pub fn inputs_of(&self, rows: &[f64]) -> Vec<f64> {
+        let rows = rows.chunks_exact(self.exogenous().max(1));
+        rows.flat_map(|row| row[..self.inputs].iter().copied()).collect()
+    }
+
+    /// Refuses a measured disturbance without a value for simulated trials: taking it as zero would silently
+    /// change the motion.
+    ///
+    /// # Errors
+    /// Names the first of them.
+    pub fn check_simulated(&self) -> Result<(), Invalid> {
+        let known = |variable: &usize| {
+            self.simulated.contains_key(variable) || self.derived.iter().any(|own| own.variable == *variable)
+        };
+        match (3 + self.inputs..self.variables.len()).find(|variable| !known(variable)) {
+            None => Ok(()),
+            Some(variable) => Err(Invalid::new(
+                format!("measured disturbance `{}` of the vessel", self.variables[variable].name),
+                "no value for simulated trials",
+                "`simulated` in its [[measured]], or a [[derived]] channel",
+                "add `simulated = 0.0` if simulated trials have none of it, or compute it by [[derived]]",
+            )),
+        }
+    }
+}
+
+// Models with additional channels.
+
+impl Model {
+    /// The model with the channels of `specs` after its own.
+    ///
+    /// # Errors
+    /// A formula that cannot be parsed, or of channels that the model does not have.
+    pub fn with_derived(&self, specs: &[DerivedSpec]) -> Result<Self, Invalid> {
+        let mut model = self.clone();
+        let variable = |spec: &DerivedSpec| Variable { name: spec.name.clone(), unit: spec.unit.clone() };
+        model.variables.extend(specs.iter().map(variable));
+        let names: Vec<&str> = model.variables.iter().map(|own| own.name.as_str()).collect();
+        model.derived.extend(derive(specs, &names, self.variables.len())?);
+        Ok(model)
+    }
+
+    /// The model with the channels of `other`; `None` unless `other` has all of its own first, and computes
+    /// the additional ones.
+    pub fn with_channels_of(&self, other: &Self) -> Option<Self> {
+        let own = self.variables.len();
+        let first: Vec<&DerivedChannel> = other.derived.iter().filter(|d| d.variable < own).collect();
+        let computed = other.variables.len() - own.min(other.variables.len()) + first.len();
+        let same = other.variables.starts_with(&self.variables)
+            && other.derived.len() == computed
+            && first.into_iter().eq(&self.derived);
+        let (variables, derived) = (other.variables.clone(), other.derived.clone());
+        same.then(|| Self { variables, derived, ..self.clone() })
     }
 }
