@@ -8,7 +8,7 @@
 #![warn(missing_docs)]
 
 pub mod bounded;
-mod decompositions;
+pub mod distributions;
 mod lane;
 pub mod lanes;
 mod lu;
@@ -17,18 +17,15 @@ pub mod registers;
 pub mod statistics;
 #[doc(hidden)]
 pub mod vectorized;
-mod wide;
 
 pub use bounded::{Watch, iterate};
-pub use decompositions::{Weakest, symmetric, weakest};
-pub use lane::{Arithmetic, LANES, Lane, Number, Numbers, Row};
+pub use lane::{Arithmetic, GROUPS, LANES, Lane, Number, Numbers, Row, Wide};
 pub use lu::{
-    LogDet, condition, inverse, inverse_and_log_det, inverse_in_order, log_det, one_norm, scaled_inverse,
-    solve,
+    LogDet, Weakest, condition, inverse, inverse_and_log_det, inverse_in_order, log_det, one_norm,
+    scaled_inverse, solve, symmetric, weakest,
 };
 pub use product::{
     add_outer, add_rows, congruence, dependent_columns, dot, product, quadratic, quadratic_of_inverse, times,
     transposed,
 };
 pub use vectorized::{dispatch, dispatch_narrow, missing_instructions};
-pub use wide::{GROUPS, Wide};

@@ -1,8 +1,8 @@
 use std::ops::{Div, Mul, Sub};
 
+use faer::linalg::solvers::{DenseSolveCore, Solve as _};
+use faer::{MatRef, Side};
 use pulp::{Simd, WithSimd};
-
-use crate::decompositions;
 
 /// A determinant by sign and logarithm of its modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,7 @@ const LARGE: usize = 48;
 /// X. `None` where a pivot is zero or not finite.
 pub fn solve(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<()> {
     if n >= LARGE {
-        return decompositions::solve(n, a, b);
+        return solve_large(n, a, b);
     }
     crate::dispatch(Solve { n, a, b }).map(|_| ())
 }
@@ -65,7 +65,7 @@ fn solved(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<f64> {
 /// The inverse of A (n × n, destroyed) into `out` (n × n).
 pub fn inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<()> {
     if n >= LARGE {
-        return decompositions::inverse(n, a, out);
+        return inverse_large(n, a, out);
     }
     signed_inverse(n, a, out).map(|_| ())
 }
@@ -188,4 +188,69 @@ fn subtract_row(a: &mut [f64], width: usize, k: usize, row: usize, from: usize, 
 fn swap_rows(a: &mut [f64], width: usize, upper: usize, lower: usize) {
     let (above, below) = a.split_at_mut(lower * width);
     above[upper * width..(upper + 1) * width].swap_with_slice(&mut below[..width]);
+}
+
+// Decompositions by faer.
+
+/// The weakest direction of a matrix.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weakest {
+    /// Smallest over largest singular value: the reciprocal condition number.
+    pub ratio: f64,
+    /// The right singular vector of the smallest singular value; its largest entry is positive.
+    pub direction: Vec<f64>,
+}
+
+impl Weakest {
+    /// The index, among the first `n`, of the dominant entry of the direction.
+    pub fn dominant(&self, n: usize) -> usize {
+        largest(&self.direction[..n])
+    }
+}
+
+/// The index of the entry of largest modulus.
+fn largest(of: &[f64]) -> usize {
+    (0..of.len()).max_by(|i, j| of[*i].abs().total_cmp(&of[*j].abs())).unwrap_or(0)
+}
+
+/// The weakest direction of A (n × n). `None` where an entry is not finite or A is zero.
+pub fn weakest(n: usize, a: &[f64]) -> Option<Weakest> {
+    if !a.iter().all(|x| x.is_finite()) || a.iter().all(|x| *x == 0.0) {
+        return None;
+    }
+    let found = MatRef::from_row_major_slice(a, n, n).svd().ok()?;
+    let (values, vectors) = (found.S().column_vector(), found.V());
+    let mut direction: Vec<f64> = (0..n).map(|i| vectors[(i, n - 1)]).collect();
+    if direction[largest(&direction)] < 0.0 {
+        direction.iter_mut().for_each(|x| *x = -*x);
+    }
+    Some(Weakest { ratio: values[n - 1] / values[0], direction })
+}
+
+/// Eigenvalues of a symmetric matrix (n × n), ascending, and its eigenvectors, one per column. `None` where an entry is not
+/// finite.
+pub fn symmetric(n: usize, a: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+    if !a.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let found = MatRef::from_row_major_slice(a, n, n).self_adjoint_eigen(Side::Lower).ok()?;
+    let (values, vectors) = (found.S().column_vector(), found.U());
+    Some(((0..n).map(|i| values[i]).collect(), (0..n * n).map(|k| vectors[(k / n, k % n)]).collect()))
+}
+
+/// [`crate::solve`] for large systems, which keeps `a`.
+fn solve_large(n: usize, a: &[f64], b: &mut [f64]) -> Option<()> {
+    let columns = b.len() / n;
+    let found = MatRef::from_row_major_slice(a, n, n)
+        .partial_piv_lu()
+        .solve(MatRef::from_row_major_slice(b, n, columns));
+    b.iter_mut().enumerate().for_each(|(k, x)| *x = found[(k / columns, k % columns)]);
+    b.iter().all(|x| x.is_finite()).then_some(())
+}
+
+/// [`crate::inverse`] for large matrices, which keeps `a`.
+fn inverse_large(n: usize, a: &[f64], out: &mut [f64]) -> Option<()> {
+    let found = MatRef::from_row_major_slice(a, n, n).partial_piv_lu().inverse();
+    out.iter_mut().enumerate().for_each(|(k, x)| *x = found[(k / n, k % n)]);
+    out.iter().all(|x| x.is_finite()).then_some(())
 }

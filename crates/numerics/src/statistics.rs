@@ -1,17 +1,12 @@
 //! Quantiles and spread over runs.
 
 mod interval;
-mod streamed_median;
-
-use statrs::distribution::{ChiSquared, ContinuousCDF};
-use statrs::function::erf::erfc;
 
 use crate::Number;
 
 pub use interval::{
     Z, clustered_share, mean_interval, paired_median, quantile_interval, quantile_ranks, wilson,
 };
-pub use streamed_median::median_again;
 
 /// Mean; `None` if empty.
 pub fn mean(values: &[f64]) -> Option<f64> {
@@ -54,6 +49,72 @@ pub fn sorted(values: impl Iterator<Item = Option<f64>>) -> Vec<f64> {
     let mut all: Vec<f64> = values.map(|v| v.unwrap_or(f64::INFINITY)).collect();
     all.sort_by(f64::total_cmp);
     all
+}
+
+// Medians of more values than fit in memory, if these can be iterated repeatedly.
+
+/// Most values to select from in memory.
+const IN_MEMORY: usize = 1 << 18;
+
+/// Bits of a value's rank that one pass determines.
+const BITS: u32 = 16;
+
+/// [`median`], bit for bit, of the values that `values` yields each time it is called. If there are many,
+/// each pass counts how many have the same leading bits, until those that contain the median fit in the
+/// memory.
+pub fn streamed_median<I: Iterator<Item = f64>>(values: impl Fn() -> I) -> Option<f64> {
+    let few: Vec<f64> = values().take(IN_MEMORY + 1).collect();
+    if few.len() <= IN_MEMORY {
+        return median(few);
+    }
+    drop(few);
+    let keys = || values().map(key);
+    let last = values().count() - 1;
+    let low = ranked(&keys, last / 2);
+    if last.is_multiple_of(2) {
+        return quantile(&[value(low)], 0.5);
+    }
+    let (mut up_to, mut above) = (0, u64::MAX);
+    keys().for_each(|key| if key <= low { up_to += 1 } else { above = above.min(key) });
+    let high = if up_to > last / 2 + 1 { low } else { above };
+    quantile(&[value(low), value(high)], 0.5)
+}
+
+/// The key of rank `rank`, from 0.
+fn ranked<I: Iterator<Item = u64>>(keys: &impl Fn() -> I, mut rank: usize) -> u64 {
+    let (mut known, mut prefix) = (0, 0);
+    loop {
+        let before = known;
+        let inside = |key: &u64| before == 0 || key >> (u64::BITS - before) == prefix;
+        known += BITS;
+        let leading = |key: u64| key >> (u64::BITS - known);
+        let mut counts = vec![0; 1 << BITS];
+        keys().filter(inside).for_each(|key| counts[(leading(key) & 0xffff) as usize] += 1);
+        let mut bin = 0;
+        while rank >= counts[bin] {
+            rank -= counts[bin];
+            bin += 1;
+        }
+        prefix = prefix << BITS | bin as u64;
+        if known == u64::BITS {
+            return prefix;
+        }
+        if counts[bin] <= IN_MEMORY {
+            let mut few: Vec<u64> = keys().filter(|key| leading(*key) == prefix).collect();
+            return *few.select_nth_unstable(rank).1;
+        }
+    }
+}
+
+/// An integer that orders like the values.
+fn key(value: f64) -> u64 {
+    let bits = value.to_bits();
+    if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
+}
+
+/// The value of a key.
+fn value(key: u64) -> f64 {
+    f64::from_bits(if key >> 63 == 1 { key ^ 1 << 63 } else { !key })
 }
 
 /// Fewest draws of which two enclose the median of their distribution at 95 %.
@@ -118,51 +179,4 @@ impl MeanTrajectory<f64> {
         let freedom = f64::from(self.count.max(2) - 1);
         self.squares.iter().map(|sum| (sum / freedom).sqrt()).collect()
     }
-}
-
-// Tail probabilities.
-
-/// P(χ² ≥ x) for `freedom` degrees of freedom; 1 without any.
-pub fn chi_square_tail(x: f64, freedom: f64) -> f64 {
-    ChiSquared::new(freedom).map_or(1.0, |distribution| distribution.sf(x))
-}
-
-/// log P(χ² ≥ x) for `freedom` degrees of freedom, at least one; by the tail's expansion if the probability underflows.
-pub fn log_chi_square_tail(x: f64, freedom: usize) -> f64 {
-    let (p, half) = (chi_square_tail(x.max(0.0), freedom as f64), 0.5 * freedom as f64);
-    match p > 1e-290 {
-        true => libm::log(p),
-        false => (half - 1.0) * libm::log(0.5 * x) - 0.5 * x - libm::lgamma(half),
-    }
-}
-
-/// P(|Z| ≥ |z|) for a standard normal Z, to a relative 1e-10.
-pub fn normal_tails(z: f64) -> f64 {
-    erfc(z.abs() / std::f64::consts::SQRT_2)
-}
-
-/// Half the width of a 95 % interval by Student's t with `freedom` degrees of freedom, in standard errors: by
-/// the expansion of Fisher and Cornish (*Technometrics* 2, 1960), to a relative 2e-4, from nine degrees on. Below, that of
-/// the whole degrees; infinite without one.
-pub fn student_half_width(freedom: f64) -> f64 {
-    const Z: f64 = 1.959_963_985;
-    const FEW: [f64; 9] = [
-        f64::INFINITY,
-        12.706_204_736,
-        4.302_652_730,
-        3.182_446_305,
-        2.776_445_105,
-        2.570_581_836,
-        2.446_911_851,
-        2.364_624_252,
-        2.306_004_135,
-    ];
-    if let Some(few) = FEW.get(freedom as usize) {
-        return *few;
-    }
-    let square = Z * Z;
-    let first = (square + 1.0) / 4.0;
-    let second = ((5.0 * square + 16.0) * square + 3.0) / 96.0;
-    let third = (((3.0 * square + 19.0) * square + 17.0) * square - 15.0) / 384.0;
-    Z * (1.0 + (first + (second + third / freedom) / freedom) / freedom)
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use estimation::fitting::{Estimates, Prior};
-use numerics::statistics::student_half_width;
+use numerics::distributions::student_half_width;
 use numerics::{dot, quadratic};
 use refusal::{Invalid, foreign};
 use ship::forces::{Forces, LateralSum, Parameter};

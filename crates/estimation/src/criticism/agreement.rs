@@ -3,7 +3,7 @@
 use super::found::Apart;
 use super::problems::{Problems, State};
 use crate::predictor::{Linear, scaled_inverse};
-use numerics::statistics::log_chi_square_tail;
+use numerics::distributions::log_chi_square_tail;
 use numerics::{quadratic_of_inverse, times};
 
 /// A recording contradicts the others if chance explains any of them with a smaller probability than this.

@@ -1,6 +1,6 @@
 //! Disturbances of runs that do not state them: found by the likelihood of the runs.
 
-use numerics::statistics::student_half_width;
+use numerics::distributions::student_half_width;
 use ship::engine::RunView;
 use ship::model::Model;
 

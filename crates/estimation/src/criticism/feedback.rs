@@ -1,5 +1,5 @@
+use numerics::distributions::normal_tails;
 use numerics::statistics::median;
-use numerics::statistics::normal_tails;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::engine::RunView;

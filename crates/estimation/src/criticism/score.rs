@@ -1,4 +1,4 @@
-use numerics::statistics::log_chi_square_tail;
+use numerics::distributions::log_chi_square_tail;
 use numerics::{inverse, times};
 
 use crate::predictor::{Linear, scaled_inverse};

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use libm::cos;
-use numerics::statistics::chi_square_tail;
+use numerics::distributions::chi_square_tail;
 
 use super::problems::{Series, Subject};
 

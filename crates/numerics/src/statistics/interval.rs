@@ -1,6 +1,7 @@
 //! 95 % intervals of shares, quantiles and paired differences.
 
-use super::{mean, quantile, sorted, spread, student_half_width};
+use super::{mean, quantile, sorted, spread};
+use crate::distributions::student_half_width;
 
 /// The 97.5 % quantile of the standard normal distribution.
 pub const Z: f64 = 1.959_963_984_540_054;

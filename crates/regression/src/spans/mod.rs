@@ -2,10 +2,8 @@
 
 mod columns;
 mod regressors;
-mod residuals;
 mod signals;
 mod squares;
 
 pub(crate) use columns::{Kept, add_instruments, add_measured};
-pub(crate) use residuals::put_residuals;
-pub(crate) use squares::add_squares;
+pub(crate) use squares::{add_squares, put_residuals};

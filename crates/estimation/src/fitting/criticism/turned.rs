@@ -1,6 +1,6 @@
 //! Fits of a ship with a sign turned, beside the one as written.
 
-use numerics::statistics::normal_tails;
+use numerics::distributions::normal_tails;
 use ship::forces::Forces;
 
 use super::turn::{Alternative, Turn};
