@@ -4,11 +4,11 @@ use std::sync::OnceLock;
 use numerics::lanes::lane_of;
 use numerics::{LANES, Lane, Number, congruence, quadratic};
 
-use crate::batch::{AnyBatch, Group, Groups, over_batch};
 use crate::lane_sums::LaneSums;
-use crate::moving_average::autocovariances;
+use crate::meat::autocovariances;
 use crate::solve::{Normal, SolvedLanes, estimated};
 use crate::spans::{self, Kept};
+use crate::sums::{AnyBatch, Group, Groups, over_batch};
 use crate::{Batch, DegreeSums, Direction, Excitation, MeanRemoval, Sums};
 
 /// An estimate of one run.

@@ -4,8 +4,8 @@ use numerics::lanes::lane_of;
 use numerics::{LANES, Lane, Number, transposed};
 use ship::model::Model;
 
-use crate::batch::{AnyBatch, over_batch};
 use crate::spans::{self, Kept};
+use crate::sums::{AnyBatch, over_batch};
 use crate::{Batch, DegreeSums, Sums};
 
 /// [`Sums`] of a batch over some samples, lane by lane.

@@ -10,11 +10,9 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod batch;
 mod estimate;
 mod lane_sums;
 mod meat;
-mod moving_average;
 pub mod pooled;
 mod prefiltered;
 pub mod runs;
@@ -22,11 +20,10 @@ mod solve;
 mod spans;
 mod sums;
 
-pub use batch::Batch;
 pub use estimate::{Estimate, Instruments, Outcome};
 pub use lane_sums::{ManeuverMoments, moments};
 pub use meat::{Noise, middle};
 pub use prefiltered::{BLOCKS, estimate_prefiltered, jackknife};
 pub use runs::InstrumentKind;
 pub use solve::{Direction, Equations, Excitation, bounded};
-pub use sums::{DegreeSums, Known, MeanRemoval, Sums};
+pub use sums::{Batch, DegreeSums, Known, MeanRemoval, Sums};

@@ -9,7 +9,6 @@
 
 mod erased;
 mod fit;
-mod part;
 mod pooled_sums;
 mod recorded;
 mod regression;
@@ -20,9 +19,8 @@ pub use fit::{
     COLLINEAR, DegreeFit, Diagnosis, Options, Prior, Solution, Status, collinear, first_named, joined,
     unidentified, weakest,
 };
-pub use part::{LostInstruments, Part};
 pub use pooled_sums::{Centring, NominalModel, NominalSource, PooledSums, diagnose, fit};
-pub use recorded::{Drawn, PartView, Parts, Recorded, Windowed};
+pub use recorded::{Drawn, LostInstruments, Part, PartView, Parts, Recorded, Windowed};
 pub use regression::{
     CrossCorrelation, DegreeRegression, Meat, Regression, ResidualTests, Strength, Whiteness,
     default_bandwidth, residuals, residuals_of, sandwich, strength, whiteness,

@@ -8,8 +8,8 @@ use pulp::{Simd, WithSimd};
 use ship::engine::Compiled;
 
 use super::regressors::{ALL, Order, Products, Regressors};
-use super::signals::{Difference, SPAN, Shared, Signal, Signals, spans};
-use crate::batch::AnyBatch;
+use super::{Difference, SPAN, Shared, Signal, Signals, spans};
+use crate::sums::AnyBatch;
 use crate::{Batch, DegreeSums};
 
 /// Adds Σζ, Σζ² and all sums with terms of inputs alone, over samples `range`.

@@ -4,7 +4,7 @@ use numerics::{Lane, Number, Numbers};
 use pulp::{Simd, WithSimd};
 use ship::model::{Factor, Model, Term};
 
-use super::signals::{Column, Difference, Modulus, Product, SPAN, Signal, Signals};
+use super::{Column, Difference, Modulus, Product, SPAN, Signal, Signals};
 use crate::Batch;
 use numerics::registers::{parts, put};
 

@@ -6,9 +6,9 @@ use pulp::{Simd, WithSimd};
 
 use super::columns::{Instrument, Kept, Zeta};
 use super::regressors::{ALL, Order, Regressors, Table, fill};
-use super::signals::{Blocks, Column, Difference, SPAN, Signal, Signals, spans};
+use super::{Blocks, Column, Difference, SPAN, Signal, Signals, spans};
 use crate::Batch;
-use crate::batch::{Constants, Groups};
+use crate::sums::{Constants, Groups};
 
 /// Instruments of a degree of freedom that are multiplied with each other at once.
 const AT_ONCE: usize = 4;
