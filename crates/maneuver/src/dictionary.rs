@@ -1,17 +1,18 @@
 use std::collections::BTreeSet;
-use std::fmt;
 use std::str::FromStr;
-use std::sync::Arc;
 
-use refusal::{Invalid, check_name};
+use rand::Rng;
+use refusal::{Invalid, check_name, check_numbers, check_ranges};
 use schemars::JsonSchema;
 use serde::Deserialize;
-use ship::engine::{Command, Helm, Program, Progress, Seen};
-use ship::model::{Actuator, ActuatorState, SampleCommand, Source, Vessel};
+use ship::engine::Streams;
+use ship::model::Source;
 
-use super::generate_spec::GenerateSpec;
 use super::spec::ManeuverSpec;
-use crate::standard::{Standard, is_turned_away, steps};
+use crate::feedback::Executed;
+use crate::kind::Kind;
+use crate::limits::{Kept, Limits, Tolerance};
+use crate::signal::{MULTISINE_SAMPLES, SWING_SAMPLES, Shape, Signal, SignalShape, check_period};
 
 /// `dictionary.toml` as written.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -82,240 +83,375 @@ pub(crate) fn check_all(maneuvers: &[ManeuverSpec], default_s: Option<f64>) -> R
     Ok(())
 }
 
-// Commands that reach a ship by way of her actuators.
+// `[generate]` in `dictionary.toml`: how candidates are drawn, and their limits.
 
-/// `helm` by way of the actuators of `vessel`, which are at `settings` before its first command; itself where all of them follow at
-/// once.
-pub(crate) fn actuated(helm: Helm, vessel: &Vessel, settings: &[f64]) -> Helm {
-    if vessel.actuators.iter().all(Actuator::is_immediate) {
-        return helm;
+/// `[generate]` as written.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GenerateSpec {
+    /// Number of draws. Those beyond the limits are left out.
+    pub candidates: u32,
+    /// Seed: candidate i of a seed does not depend on their number or the limits.
+    #[serde(default = "one")]
+    pub seed: u64,
+    /// Duration of every candidate \[s\]; without it the dictionary's.
+    pub duration_s: Option<f64>,
+    /// Kinds, in turn; all by default.
+    #[serde(default)]
+    pub kinds: Vec<CandidateKind>,
+    /// Range of speeds to draw from \[m/s\]; by default from standstill to the limit.
+    pub speed_m_s: Option<[f64; 2]>,
+    /// Initial speeds of candidates \[m/s\], as the modes of a plan; by default each has its own.
+    #[serde(default)]
+    pub start_m_s: Vec<f64>,
+    /// Periods to draw from \[s\]: shortest and longest.
+    #[serde(default = "periods")]
+    pub period_s: [f64; 2],
+    /// How they are carried out. By feedback, limits of inputs leave none out: what the nominal ship would need for a motion says
+    /// little of what another one needs, and actuators stay within their ranges.
+    #[serde(default = "inputs")]
+    pub executed: Executed,
+    /// Limits of all candidates.
+    pub limits: Limits,
+}
+
+fn inputs() -> Executed {
+    Executed::Inputs
+}
+
+fn one() -> u64 {
+    1
+}
+
+fn periods() -> [f64; 2] {
+    [4.0, 40.0]
+}
+
+refusal::choices! {
+    /// The kinds that candidates are drawn of, in turn.
+    pub enum CandidateKind {
+        /// Speed, sway and yaw rate each in a shape of its own.
+        Combined = "combined",
+        /// The yaw rate swings.
+        ZigZag = "zig-zag",
+        /// All speeds switch at random.
+        PseudoRandomBinary = "pseudo-random-binary",
+        /// All speeds are sums of sines.
+        Multisine = "multisine",
+        /// The yaw rate is swept.
+        Spiral = "spiral",
+        /// From rest or slow to faster.
+        Accelerate = "accelerate",
+        /// The sway speed swings.
+        SwayZigZag = "sway-zig-zag",
+        /// To a lower speed.
+        Decelerate = "decelerate",
+        /// A turning circle.
+        SteadyTurn = "steady-turn",
     }
-    let (actuators, settings) = (vessel.actuators.clone().into(), settings.into());
-    Helm::new(Actuated { helm, actuators, settings, sample_s: 1.0 / vessel.sample_rate_hz })
 }
 
-#[derive(Debug)]
-struct Actuated {
-    helm: Helm,
-    actuators: Arc<[Actuator]>,
-    settings: Arc<[f64]>,
-    sample_s: f64,
-}
-
-impl Program for Actuated {
-    fn begin(&self) -> Box<dyn Command> {
-        Box::new(Following {
-            command: self.helm.begin(),
-            actuators: Arc::clone(&self.actuators),
-            acting: self.settings.iter().map(|setting| ActuatorState::at(*setting)).collect(),
-            commanded: Vec::new(),
-            sample_s: self.sample_s,
-        })
-    }
-
-    fn tracks(&self) -> bool {
-        self.helm.tracks()
-    }
-}
-
-/// Commands while actuators follow them.
-struct Following {
-    command: Box<dyn Command>,
-    actuators: Arc<[Actuator]>,
-    acting: Vec<ActuatorState>,
-    /// The commands of the last sample.
-    commanded: Vec<f64>,
-    sample_s: f64,
-}
-
-impl Command for Following {
-    fn command(&mut self, seen: &Seen, inputs: &mut [f64]) {
-        self.command.command(seen, inputs);
-        self.commanded.clear();
-        self.commanded.extend_from_slice(inputs);
-        let ends = self.command.ends();
-        for (i, (acting, own)) in self.acting.iter_mut().zip(&*self.actuators).enumerate() {
-            inputs[i] = acting.follow(own, SampleCommand::of(i, inputs[i], ends), self.sample_s);
+impl GenerateSpec {
+    pub(super) fn check(&self) -> Result<(), Invalid> {
+        let refuse = |key: &str, found: f64, expected: &str| {
+            Err(Invalid::new(format!("`generate.{key}`"), found.to_string(), expected, "correct it"))
+        };
+        if self.candidates == 0 || self.candidates > MOST {
+            return refuse("candidates", f64::from(self.candidates), &format!("1 to {MOST}"));
+        }
+        let limits = &self.limits;
+        let named = [("u_m_s", limits.u_m_s), ("v_m_s", limits.v_m_s), ("r_rad_s", limits.r_rad_s)];
+        let named = named.map(|(key, value)| (format!("generate.limits.{key}"), value));
+        let rates = limits.rates.iter();
+        let rates = rates.map(|(name, rate)| (format!("generate.limits.rates.{name}"), *rate));
+        let all = named.into_iter().chain(rates);
+        check_numbers(all, "more than zero", |value| value > 0.0)?;
+        let mut inputs = limits.inputs.iter();
+        inputs.try_for_each(|(name, limit)| limit.check(format!("`generate.limits.inputs.{name}`")))?;
+        let duration = self.duration_s.map(|duration| ("generate.duration_s", duration));
+        check_numbers(duration, "more than 0 s", |value| value > 0.0)?;
+        check_ranges(duration.map(|(key, duration)| (key, duration, 0.0..=1e9, "s")))?;
+        check_ranges(self.period_s.map(|period| ("generate.period_s", period, 0.0..=1e9, "s")))?;
+        let speeds = self.speed_m_s.into_iter().flatten();
+        check_ranges(speeds.map(|speed| ("generate.speed_m_s", speed, -100.0..=100.0, "m/s")))?;
+        let moduli = [
+            ("u_m_s", limits.u_m_s, 100.0),
+            ("v_m_s", limits.v_m_s, 100.0),
+            ("r_rad_s", limits.r_rad_s, 10.0),
+        ];
+        check_ranges(
+            moduli.map(|(key, limit, most)| (format!("generate.limits.{key}"), limit, 0.0..=most, "")),
+        )?;
+        let [shortest, longest] = self.period_s;
+        if !(shortest > 0.0 && longest >= shortest && longest.is_finite()) {
+            return refuse(
+                "period_s",
+                shortest,
+                "a shortest period above 0 s and a longest one not below it",
+            );
+        }
+        match self.speed_m_s {
+            Some([low, high]) if !(low.is_finite() && high.is_finite() && low <= high) => {
+                refuse("speed_m_s", low, "a lowest speed and a highest one not below it")
+            }
+            _ => self.check_starts(),
         }
     }
 
-    fn commanded(&self) -> Option<&[f64]> {
-        Some(&self.commanded)
+    /// Refuses initial speeds outside the range of speeds, and kinds that none of them allows.
+    fn check_starts(&self) -> Result<(), Invalid> {
+        let [low, high] = self.speeds();
+        let refuse = |found: String, expected: String| {
+            let remedy = "correct it, or widen `generate.speed_m_s`";
+            Err(Invalid::new("`generate.start_m_s`", found, expected, remedy))
+        };
+        if let Some(outside) = self.start_m_s.iter().find(|start| !(low..=high).contains(*start)) {
+            return refuse(format!("{outside} m/s"), format!("speeds from {low} to {high} m/s"));
+        }
+        for kind in self.kinds().iter().filter(|_| !self.start_m_s.is_empty()) {
+            let Some([least, most]) = self.starts_of(*kind) else { continue };
+            if !self.start_m_s.iter().any(|start| (least..=most).contains(start)) {
+                let expected = format!("one from {least:.3} to {most:.3} m/s for `{kind}`");
+                return refuse(format!("{:?} m/s", self.start_m_s), expected);
+            }
+        }
+        Ok(())
     }
 
-    fn progress(&self) -> Progress {
-        self.command.progress()
+    /// The kinds to draw, in turn.
+    pub(super) fn kinds(&self) -> &[CandidateKind] {
+        if self.kinds.is_empty() { &CandidateKind::ALL } else { &self.kinds }
+    }
+
+    /// Lowest and highest speed to draw \[m/s\].
+    pub(super) fn speeds(&self) -> [f64; 2] {
+        let limit = self.limits.u_m_s;
+        let [low, high] = self.speed_m_s.unwrap_or([0.0, limit]);
+        [low.max(-limit), high.min(limit)]
+    }
+
+    /// Lowest and highest speed that a change of speed may start at \[m/s\], a quarter of the range from its
+    /// end; `None` for kinds that start at any speed.
+    fn starts_of(&self, kind: CandidateKind) -> Option<[f64; 2]> {
+        let [low, high] = self.speeds();
+        let far = 0.25 * (high - low);
+        match kind {
+            CandidateKind::Accelerate => Some([low, high - far]),
+            CandidateKind::Decelerate => Some([low + far, high]),
+            _ => None,
+        }
+    }
+
+    /// Refuses periods that are too short for `rate_hz`.
+    pub(super) fn check_sampling(&self, rate_hz: f64) -> Result<(), Invalid> {
+        let multisine = self.kinds.is_empty() || self.kinds.contains(&CandidateKind::Multisine);
+        let least = if multisine { MULTISINE_SAMPLES } else { SWING_SAMPLES };
+        check_period("`generate.period_s`".to_owned(), self.period_s[0], least, rate_hz)
     }
 }
 
-// What a maneuver is to reach, and what it did.
+/// Most candidates of a dictionary.
+const MOST: u32 = 1_000_000;
 
-/// By how much a motion may differ from what it is called.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Tolerance {
-    /// By how much the mean speed over its second half may be beyond all wanted ones, as a fraction of the greatest.
-    pub speed: f64,
-    /// The change of heading at its end, as a fraction of all turning that is wanted, to either side.
-    pub turn: f64,
-    /// The least of these changes of heading that counts \[rad\].
-    pub least_turn_rad: f64,
+// The random numbers of one candidate, turned into a maneuver.
+
+/// The random numbers of one candidate.
+struct Draw<'a, R> {
+    pub(super) rng: R,
+    pub(super) spec: &'a GenerateSpec,
 }
 
-impl Default for Tolerance {
-    fn default() -> Self {
-        Self { speed: 0.25, turn: 0.25, least_turn_rad: 0.35 }
-    }
-}
-
-impl Tolerance {
-    pub(crate) fn check(&self) -> Result<(), Invalid> {
-        let all = [("speed", self.speed), ("turn", self.turn), ("least_turn_rad", self.least_turn_rad)];
-        let named = all.map(|(key, value)| (format!("tolerance.{key}"), value));
-        refusal::check_numbers(named, "0 or more, and finite", |value| value >= 0.0 && value.is_finite())
-    }
-}
-
-/// A quantity that a maneuver is to reach.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Aim {
-    /// What it is: `heading to starboard`.
-    pub what: String,
-    /// Its unit, in words: `°`, `m/s`.
-    pub unit: &'static str,
-    /// The value that is wanted.
-    pub wanted: f64,
-    /// The value that was reached.
-    pub reached: f64,
-    /// Whether it is what was wanted, within the tolerance.
-    pub is_met: bool,
-}
-
-impl Aim {
-    /// One that is to be reached or passed; angles in rad.
-    fn passed(what: impl Into<String>, wanted: f64, reached: f64) -> Self {
-        let is_met = reached >= wanted * (1.0 - 1e-9);
-        let (what, unit) = (what.into(), "°");
-        Self { what, unit, wanted: wanted.to_degrees(), reached: reached.to_degrees(), is_met }
+impl<R: Rng> Draw<'_, R> {
+    /// Uniform from 0 to 1.
+    fn share(&mut self) -> f64 {
+        (self.rng.next_u64() >> 11) as f64 * 2.0_f64.powi(-53)
     }
 
-    /// One of a turn to the side of the greatest of `changes`; a ship that turned to the other side reached less than 0.
-    fn turned(what: impl Into<String>, wanted: f64, changes: impl Iterator<Item = f64>) -> Self {
-        let [own, other] =
-            changes.fold([0.0, 0.0], |[own, other]: [f64; 2], psi| [own.max(psi), other.max(-psi)]);
-        Self::passed(what, wanted, if is_turned_away(own, other) { -other } else { own })
+    /// Uniform within a range, to three decimals.
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        let value = low + (high - low) * self.share();
+        // Rounded towards zero, so that no limit is exceeded.
+        (value * 1000.0).trunc() / 1000.0
     }
 
-    /// Whether the ship turned to the other side.
-    pub fn is_turned_away(&self) -> bool {
-        self.unit == "°" && self.wanted > 0.0 && self.reached < 0.0
+    /// Of modulus `most` or less, at least a quarter of it.
+    fn amplitude(&mut self, most: f64) -> f64 {
+        self.within(0.25 * most, most)
     }
 
-    /// A value with its unit.
-    pub fn value(&self, x: f64) -> String {
-        match self.unit {
-            "°" => format!("{x:.1}°"),
-            unit => format!("{x:.3} {unit}"),
+    fn either(&mut self, most: f64) -> f64 {
+        let amplitude = self.amplitude(most);
+        if self.share() < 0.5 { -amplitude } else { amplitude }
+    }
+
+    /// Uniform in the logarithm: short periods are as likely as long ones.
+    fn period(&mut self) -> f64 {
+        let [shortest, longest] = self.spec.period_s;
+        let period = shortest * libm::pow(longest / shortest, self.share());
+        ((period * 10.0).round() / 10.0).clamp(shortest, longest)
+    }
+
+    fn speed(&mut self) -> f64 {
+        let [low, high] = self.spec.speeds();
+        self.start(low, high)
+    }
+
+    /// One of the stated initial speeds that lie within a range, or any speed in it if none are stated.
+    fn start(&mut self, low: f64, high: f64) -> f64 {
+        let starts: Vec<f64> =
+            self.spec.start_m_s.iter().copied().filter(|start| (low..=high).contains(start)).collect();
+        match starts.len() {
+            0 => self.within(low, high),
+            n => starts[(n as f64 * self.share()) as usize],
+        }
+    }
+
+    fn shape(&mut self) -> Shape {
+        [Shape::Square, Shape::Sine, Shape::Triangle][(3.0 * self.share()) as usize]
+    }
+
+    pub(super) fn kind(&mut self, kind: CandidateKind, index: u32) -> Kind {
+        let (sway, rate) = (self.spec.limits.v_m_s, self.spec.limits.r_rad_s);
+        let seed = u64::from(index);
+        match kind {
+            CandidateKind::Accelerate | CandidateKind::Decelerate => self.change(kind),
+            CandidateKind::ZigZag => Kind::ZigZag {
+                shape: self.shape(),
+                speed_m_s: self.speed(),
+                yaw_rate_amplitude_rad_s: Some(self.amplitude(rate)),
+                heading_amplitude_rad: None,
+                sway_amplitude_m_s: if self.share() < 0.5 { Some(self.either(sway)) } else { None },
+                period_s: self.period(),
+            },
+            CandidateKind::SwayZigZag => Kind::SwayZigZag {
+                shape: self.shape(),
+                speed_m_s: self.speed(),
+                sway_amplitude_m_s: self.amplitude(sway),
+                period_s: self.period(),
+            },
+            CandidateKind::Spiral => Kind::Spiral {
+                speed_m_s: self.speed(),
+                yaw_rate_from_rad_s: self.within(-0.5 * rate, 0.5 * rate),
+                yaw_rate_to_rad_s: self.either(rate),
+                sway_speed_m_s: Some(self.within(-sway, sway)),
+            },
+            CandidateKind::SteadyTurn => Kind::SteadyTurn {
+                speed_m_s: self.speed(),
+                yaw_rate_rad_s: self.either(rate),
+                sway_speed_m_s: Some(self.within(-sway, sway)),
+            },
+            CandidateKind::PseudoRandomBinary => {
+                let [low, high] = self.spec.speeds();
+                let speed = self.start(low, high);
+                Kind::PseudoRandomBinary {
+                    speed_m_s: speed,
+                    speed_amplitude_m_s: self.within(0.0, (high - speed).min(speed - low)),
+                    yaw_rate_amplitude_rad_s: self.amplitude(rate),
+                    sway_amplitude_m_s: Some(self.amplitude(sway)),
+                    dwell_s: (0.5 * self.period()).max(0.1),
+                    seed,
+                }
+            }
+            CandidateKind::Multisine => {
+                let shape = |_: &mut Self| SignalShape::Multisine;
+                self.combined(seed, shape)
+            }
+            CandidateKind::Combined => self.combined(seed, Self::signal_shape),
+        }
+    }
+
+    fn signal_shape(&mut self) -> SignalShape {
+        use SignalShape::{Constant, PseudoRandom, Ramp, Sine, Square, Triangle};
+        [Constant, Square, Sine, Triangle, Ramp, PseudoRandom, Square][(7.0 * self.share()) as usize]
+    }
+
+    fn combined(&mut self, seed: u64, shape: impl Fn(&mut Self) -> SignalShape) -> Kind {
+        let [low, high] = self.spec.speeds();
+        let (sway, rate) = (self.spec.limits.v_m_s, self.spec.limits.r_rad_s);
+        let mut drawn = |low: f64, high: f64| {
+            let shape = shape(self);
+            self.signal(shape, seed, low, high)
+        };
+        let speed_m_s = drawn(low, high);
+        let yaw_rate_rad_s = Some(drawn(-rate, rate));
+        let sway_m_s = drawn(-sway, sway);
+        let sway_m_s = (self.share() < 0.8).then_some(sway_m_s);
+        let start_m_s = if self.spec.start_m_s.is_empty() { None } else { Some(self.start(low, high)) };
+        Kind::Combined { exact: false, start_m_s, speed_m_s, yaw_rate_rad_s, sway_m_s }
+    }
+
+    /// A signal within a range.
+    fn signal(&mut self, shape: SignalShape, seed: u64, low: f64, high: f64) -> Signal {
+        let half = 0.5 * (high - low);
+        let amplitude = self.either(half);
+        let spread = half - amplitude.abs();
+        let centre = 0.5 * (low + high);
+        let mean = match shape {
+            SignalShape::Constant => self.within(low, high),
+            _ => self.within(centre - spread, centre + spread),
+        };
+        let amplitude = if shape == SignalShape::Constant { 0.0 } else { amplitude };
+        let (period_s, phase) = (self.period(), self.within(0.0, 1.0));
+        Signal {
+            shape,
+            mean,
+            amplitude,
+            period_s,
+            phase,
+            seed,
+            steepness: None,
+            exponent: None,
+            over_s: None,
+        }
+    }
+
+    /// From one speed to another that differs by at least a quarter of the range.
+    fn change(&mut self, kind: CandidateKind) -> Kind {
+        let [low, high] = self.spec.speeds();
+        let far = 0.25 * (high - low);
+        let starts = self.spec.starts_of(kind).filter(|_| !self.spec.start_m_s.is_empty());
+        let (slow, fast) = match (kind, starts) {
+            (CandidateKind::Decelerate, Some([least, most])) => {
+                let fast = self.start(least, most);
+                (self.within(low, fast - far), fast)
+            }
+            _ => {
+                let slow = self.start(low, high - far);
+                (slow, self.within(slow + far, high))
+            }
+        };
+        match kind {
+            CandidateKind::Accelerate => Kind::Accelerate { from_m_s: slow, to_m_s: fast, hold_s: 0.0 },
+            _ => Kind::Decelerate { from_m_s: fast, to_m_s: slow, hold_s: 0.0 },
         }
     }
 }
 
-impl fmt::Display for Aim {
-    /// `heading to starboard 20.0° (wanted 20.0°)`.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { what, wanted, reached, .. } = self;
-        write!(f, "{what} {} (wanted {})", self.value(*reached), self.value(*wanted))
+// Candidates by generation: a table `[generate]` in `dictionary.toml` instead of maneuvers written by hand.
+
+impl GenerateSpec {
+    /// All candidates, whether or not they keep the limits.
+    ///
+    /// # Errors
+    /// A meaningless number.
+    pub fn candidates(&self) -> Result<Vec<ManeuverSpec>, Invalid> {
+        self.check()?;
+        let kinds = self.kinds();
+        let streams = Streams::new(self.seed, "candidates");
+        let one = |index: u32| {
+            let kind = kinds[index as usize % kinds.len()];
+            let mut draw = Draw { rng: streams.channel(index, 0), spec: self };
+            ManeuverSpec {
+                name: format!("{kind}-{index:05}"),
+                description: "generated".into(),
+                duration_s: self.duration_s,
+                keeps: Kept::default(),
+                executed: self.executed,
+                feedback: None,
+                approach: None,
+                kind: draw.kind(kind, index),
+            }
+        };
+        Ok((0..self.candidates).map(one).collect())
     }
-}
-
-/// The aims of a standard maneuver, with what `states`, (N+1) × 3, reach of them.
-pub(crate) fn of_standard(standard: Standard, states: &[f64], rate_hz: f64) -> Vec<Aim> {
-    let headings = headings(states, rate_hz);
-    let after = |seconds: f64| ((seconds * rate_hz).round() as usize).min(headings.len() - 1);
-    match standard {
-        Standard::ZigZagTest(test) => {
-            let from = after(test.hold_s);
-            let side = test.to.sign();
-            let changed = |k: usize| side * (headings[k] - headings[from]);
-            let first = (from..headings.len()).find(|k| changed(*k) >= test.heading_rad * (1.0 - 1e-9));
-            let [to, back] = if side > 0.0 { ["starboard", "port"] } else { ["port", "starboard"] };
-            let changes = (from..headings.len()).map(changed);
-            let one = Aim::turned(format!("heading to {to}"), test.heading_rad, changes);
-            let from = first.unwrap_or(headings.len() - 1);
-            let two = (from..headings.len()).map(|k| -changed(k)).fold(0.0, f64::max);
-            vec![one, Aim::passed(format!("then to {back}"), test.heading_rad, two)]
-        }
-        Standard::TurningCircle(turn) => {
-            let from = headings[after(turn.hold_s)];
-            let changes = headings.iter().map(|psi| turn.to.sign() * (psi - from));
-            vec![Aim::turned(format!("turn to {}", turn.to), turn.turn_rad, changes)]
-        }
-        Standard::ReverseSpiral(spiral) => {
-            // The second half of each step; of all steps the one that is furthest from its yaw rate.
-            let rates = steps(spiral.steps, false).enumerate().map(|(step, part)| {
-                let wanted = spiral.to.sign() * part * spiral.yaw_rate_rad_s;
-                let half = |halves: f64| after((step as f64 + 0.5 * halves) * spiral.dwell_s);
-                let rates = &states.as_chunks::<3>().0[half(1.0)..half(2.0).max(half(1.0) + 1)];
-                (wanted, rates.iter().map(|state| state[2]).sum::<f64>() / rates.len() as f64)
-            });
-            let off = |(wanted, reached): &(f64, f64)| (wanted - reached).abs();
-            let worst = rates.max_by(|a, b| off(a).total_cmp(&off(b)));
-            let aim = |(wanted, reached): (f64, f64)| Aim {
-                what: "yaw rate of the worst step".to_owned(),
-                unit: "°/s",
-                wanted: wanted.to_degrees(),
-                reached: reached.to_degrees(),
-                is_met: (wanted - reached).abs() <= 0.1 * spiral.yaw_rate_rad_s,
-            };
-            worst.map(aim).into_iter().collect()
-        }
-        Standard::Stop(stop) => {
-            let speeds = states.iter().step_by(3).skip(after(stop.hold_s));
-            let reached = speeds.copied().fold(f64::INFINITY, f64::min);
-            let (what, unit, wanted) = ("least speed".to_owned(), "m/s", stop.end_m_s());
-            vec![Aim { what, unit, wanted, reached, is_met: reached <= wanted + 1e-3 * stop.speed_m_s }]
-        }
-        Standard::PullOut(_) | Standard::SpiralTest(_) => Vec::new(),
-    }
-}
-
-/// The aims of a motion, `wanted` u and r of every sample, with what `states`, (N+1) × 3, reach of them. A ship may lag behind
-/// speeds that change, so that only those beyond all that are wanted count.
-pub fn of_motion(wanted: &[[f64; 2]], states: &[f64], rate_hz: f64, tolerance: &Tolerance) -> Vec<Aim> {
-    let half = wanted.len() / 2;
-    let count = (wanted.len() - half).max(1) as f64;
-    let mean = wanted[half..].iter().map(|[u, _]| u).sum::<f64>() / count;
-    let reached = states.iter().step_by(3).skip(half).take(wanted.len() - half).sum::<f64>() / count;
-    let speeds = || wanted.iter().map(|[u, _]| *u).chain(states.first().copied());
-    let (low, high) = (speeds().fold(f64::INFINITY, f64::min), speeds().fold(f64::NEG_INFINITY, f64::max));
-    let slack = tolerance.speed * low.abs().max(high.abs());
-    let turned = |of: &dyn Fn(f64) -> f64| wanted.iter().map(|[_, rate]| of(*rate)).sum::<f64>() / rate_hz;
-    let (turn, all) = (turned(&|r| r), turned(&f64::abs));
-    let heading = headings(states, rate_hz).last().copied().unwrap_or(0.0);
-    vec![
-        Aim {
-            what: "mean speed of the second half".to_owned(),
-            unit: "m/s",
-            wanted: mean,
-            reached,
-            is_met: (low - slack..=high + slack).contains(&reached),
-        },
-        Aim {
-            what: "change of heading".to_owned(),
-            unit: "°",
-            wanted: turn.to_degrees(),
-            reached: heading.to_degrees(),
-            is_met: (turn - heading).abs() <= (tolerance.turn * all).max(tolerance.least_turn_rad),
-        },
-    ]
-}
-
-/// Headings at the samples, from 0 \[rad\].
-fn headings(states: &[f64], rate_hz: f64) -> Vec<f64> {
-    let mut heading = 0.0;
-    let next = |state: &[f64; 3]| {
-        heading += state[2] / rate_hz;
-        heading - state[2] / rate_hz
-    };
-    states.as_chunks::<3>().0.iter().map(next).collect()
 }

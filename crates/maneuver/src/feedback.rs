@@ -7,8 +7,8 @@ use numerics::inverse;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::Deserialize;
-use ship::engine::{Command, Compiled, Program, Seen};
-use ship::model::Vessel;
+use ship::engine::{Command, Compiled, Helm, Program, Progress, Seen};
+use ship::model::{Actuator, ActuatorState, SampleCommand, Vessel};
 
 use crate::standard::Sensors;
 
@@ -316,70 +316,68 @@ impl Command for Tracking {
     }
 }
 
-// Declared ranges of a maneuver's motion.
+// Commands that reach a ship by way of her actuators.
 
-/// Ranges that the undisturbed motion of a maneuver has to keep, as \[from, to\].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Kept {
-    /// Of the surge speed \[m/s\].
-    pub u_m_s: Option<[f64; 2]>,
-    /// Of the sway speed \[m/s\].
-    pub v_m_s: Option<[f64; 2]>,
-    /// Of the yaw rate \[rad/s\].
-    pub r_rad_s: Option<[f64; 2]>,
+/// `helm` by way of the actuators of `vessel`, which are at `settings` before its first command; itself where all of them follow at
+/// once.
+pub(crate) fn actuated(helm: Helm, vessel: &Vessel, settings: &[f64]) -> Helm {
+    if vessel.actuators.iter().all(Actuator::is_immediate) {
+        return helm;
+    }
+    let (actuators, settings) = (vessel.actuators.clone().into(), settings.into());
+    Helm::new(Actuated { helm, actuators, settings, sample_s: 1.0 / vessel.sample_rate_hz })
 }
 
-/// The fraction of a range by which rounding may exceed it.
-const ROUNDING: f64 = 1e-9;
+#[derive(Debug)]
+struct Actuated {
+    helm: Helm,
+    actuators: Arc<[Actuator]>,
+    settings: Arc<[f64]>,
+    sample_s: f64,
+}
 
-impl Kept {
-    /// Refuses empty ranges; `maneuver` is the name.
-    pub(super) fn check(&self, maneuver: &str) -> Result<(), Invalid> {
-        let none =
-            |(_, _, [low, high]): &(_, _, [f64; 2])| !(low.is_finite() && high.is_finite() && low <= high);
-        match self.ranges().find(none) {
-            None => Ok(()),
-            Some((state, unit, [low, high])) => Err(Invalid::new(
-                format!("maneuver `{maneuver}`, `keeps.{}`", key(state, unit)),
-                format!("[{low}, {high}]"),
-                "two finite numbers, the lower one first",
-                "correct it",
-            )),
-        }
+impl Program for Actuated {
+    fn begin(&self) -> Box<dyn Command> {
+        Box::new(Following {
+            command: self.helm.begin(),
+            actuators: Arc::clone(&self.actuators),
+            acting: self.settings.iter().map(|setting| ActuatorState::at(*setting)).collect(),
+            commanded: Vec::new(),
+            sample_s: self.sample_s,
+        })
     }
 
-    /// Refuses `states`, (N+1) × 3 row-major, of `maneuver` that leave a range.
-    ///
-    /// # Errors
-    /// Names the maneuver, the sample, what was found and the range.
-    pub fn check_states(&self, maneuver: &str, states: &[f64]) -> Result<(), Invalid> {
-        for (state, unit, [low, high]) in self.ranges() {
-            let slack = ROUNDING * low.abs().max(high.abs());
-            let own = states.iter().skip(state).step_by(3);
-            let beyond = |x: &f64| !(low - slack..=high + slack).contains(x);
-            if let Some((sample, x)) = own.enumerate().find(|(_, x)| beyond(x)) {
-                return Err(Invalid::new(
-                    format!("maneuver `{maneuver}`, sample {sample}"),
-                    format!("{} = {x} {unit}", NAMES[state]),
-                    format!("from {low} to {high} {unit}, as its `keeps.{}` says", key(state, unit)),
-                    "lower its amplitudes, or correct the range",
-                ));
-            }
-        }
-        Ok(())
-    }
-
-    /// The declared ranges, with their states and units.
-    fn ranges(&self) -> impl Iterator<Item = (usize, &'static str, [f64; 2])> {
-        let all = [(0, "m/s", self.u_m_s), (1, "m/s", self.v_m_s), (2, "rad/s", self.r_rad_s)];
-        all.into_iter().filter_map(|(state, unit, range)| range.map(|range| (state, unit, range)))
+    fn tracks(&self) -> bool {
+        self.helm.tracks()
     }
 }
 
-const NAMES: [&str; 3] = ["u", "v", "r"];
+/// Commands while actuators follow them.
+struct Following {
+    command: Box<dyn Command>,
+    actuators: Arc<[Actuator]>,
+    acting: Vec<ActuatorState>,
+    /// The commands of the last sample.
+    commanded: Vec<f64>,
+    sample_s: f64,
+}
 
-/// Such as `u_m_s`.
-fn key(state: usize, unit: &str) -> String {
-    format!("{}_{}", NAMES[state], unit.replace('/', "_"))
+impl Command for Following {
+    fn command(&mut self, seen: &Seen, inputs: &mut [f64]) {
+        self.command.command(seen, inputs);
+        self.commanded.clear();
+        self.commanded.extend_from_slice(inputs);
+        let ends = self.command.ends();
+        for (i, (acting, own)) in self.acting.iter_mut().zip(&*self.actuators).enumerate() {
+            inputs[i] = acting.follow(own, SampleCommand::of(i, inputs[i], ends), self.sample_s);
+        }
+    }
+
+    fn commanded(&self) -> Option<&[f64]> {
+        Some(&self.commanded)
+    }
+
+    fn progress(&self) -> Progress {
+        self.command.progress()
+    }
 }

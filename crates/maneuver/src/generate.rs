@@ -1,17 +1,16 @@
 use std::collections::BTreeMap;
 
 use refusal::Invalid;
-use ship::engine::{Helm, Streams, check_diverged, refuse_endless, simulate_command, simulate_one};
+use ship::engine::{Helm, check_diverged, refuse_endless, simulate_command, simulate_one};
 use ship::model::{Source, Vessel};
 
-use super::generate_spec::Limits;
+use super::kind::{Kind, Plan};
+use super::limits::Limits;
 use super::played::{PlayedTable, check_range};
-use super::signal::Wave;
-use super::spec::{Kind, ManeuverSpec};
+use super::spec::ManeuverSpec;
 use crate::DictionaryFile;
-use crate::dictionary::actuated;
-use crate::dictionary::{self, Aim, Tolerance};
-use crate::feedback::{Executed, Linearised, Nominal, Tracked};
+use crate::feedback::{Executed, Linearised, Nominal, Tracked, actuated};
+use crate::limits::{self, Aim, Tolerance};
 use crate::standard::{Approach, Orders, Settings, Standard, changes, check_names};
 use crate::steady::{Motion, Steady};
 
@@ -352,12 +351,12 @@ impl Generator {
             return Vec::new();
         }
         if let Some(standard) = maneuver.kind.standard() {
-            return dictionary::of_standard(standard, states, rate_hz);
+            return limits::of_standard(standard, states, rate_hz);
         }
         let samples = states.len() / 3 - 1;
         let plan = Plan::new(&maneuver.kind, rate_hz, samples);
         let wanted: Vec<[f64; 2]> = (0..samples).map(|k| plan.motion(k)).map(|own| [own.u, own.r]).collect();
-        dictionary::of_motion(&wanted, states, rate_hz, &self.tolerance)
+        limits::of_motion(&wanted, states, rate_hz, &self.tolerance)
     }
 
     /// The inputs that hold or follow the motion of `plan`; `within` the ranges of the vessel's inputs, or not.
@@ -391,144 +390,4 @@ fn check_approach(maneuver: &ManeuverSpec, vessel: &Vessel) -> Result<(), Invali
     check_names(&maneuver.name, "approach", approach, vessel)?;
     let thing = || format!("maneuver `{}`, `approach`", maneuver.name);
     check_range(vessel, &changes(approach, vessel), thing)
-}
-
-/// The wanted motion, sample by sample.
-struct Plan<'a> {
-    kind: &'a Kind,
-    rate_hz: f64,
-    samples: usize,
-    signs: [Vec<f64>; 3],
-    /// Speed, yaw rate and sway speed of a combined maneuver.
-    waves: [Option<Wave>; 3],
-}
-
-impl<'a> Plan<'a> {
-    fn new(kind: &'a Kind, rate_hz: f64, samples: usize) -> Self {
-        let signs = match kind {
-            Kind::PseudoRandomBinary { dwell_s, seed, .. } => {
-                let dwells = ((samples as f64 / (dwell_s * rate_hz)).floor() as usize).min(samples) + 1;
-                let streams = Streams::new(*seed, "pseudo-random-binary");
-                [0, 1, 2].map(|c| {
-                    streams.choices(0, c, 2, dwells).iter().map(|b| 2.0 * f64::from(*b) - 1.0).collect()
-                })
-            }
-            _ => [const { Vec::new() }; 3],
-        };
-        let duration_s = samples as f64 / rate_hz;
-        let waves = match *kind {
-            Kind::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } => {
-                let mut channel = 0;
-                [Some(speed_m_s), yaw_rate_rad_s, sway_m_s].map(|signal| {
-                    channel += 1;
-                    signal.map(|signal| Wave::new(signal, channel, duration_s))
-                })
-            }
-            _ => [const { None }; 3],
-        };
-        Self { kind, rate_hz, samples, signs, waves }
-    }
-
-    fn start_speed(&self) -> f64 {
-        match *self.kind {
-            Kind::Accelerate { from_m_s, .. } | Kind::Decelerate { from_m_s, .. } => from_m_s,
-            Kind::ZigZag { speed_m_s, .. }
-            | Kind::SwayZigZag { speed_m_s, .. }
-            | Kind::Spiral { speed_m_s, .. }
-            | Kind::SteadyTurn { speed_m_s, .. }
-            | Kind::PseudoRandomBinary { speed_m_s, .. }
-            | Kind::Inputs { speed_m_s, .. } => speed_m_s,
-            Kind::ZigZagTest(_)
-            | Kind::TurningCircle(_)
-            | Kind::PullOut(_)
-            | Kind::SpiralTest(_)
-            | Kind::ReverseSpiral(_)
-            | Kind::Stop(_) => self.kind.standard().map_or(0.0, |own| own.speed_m_s()),
-            Kind::Combined { start_m_s, .. } => start_m_s.unwrap_or_else(|| self.motion(0).u),
-        }
-    }
-
-    /// State at the start: u, v \[m/s\], r \[rad/s\].
-    fn start(&self) -> [f64; 3] {
-        if !self.exact() {
-            return [self.start_speed(), 0.0, 0.0];
-        }
-        let Motion { u, v, r } = self.motion(0);
-        [u, v.unwrap_or(0.0), r]
-    }
-
-    /// Whether each motion leads to the next.
-    fn exact(&self) -> bool {
-        matches!(self.kind, Kind::Combined { exact: true, .. })
-    }
-
-    /// The state's increment until the next sample: zero where a steady motion is held.
-    fn gain(&self, k: usize) -> [f64; 3] {
-        if !self.exact() {
-            return [0.0; 3];
-        }
-        let (now, next) = (self.motion(k), self.motion(k + 1));
-        [next.u - now.u, next.v.unwrap_or(0.0) - now.v.unwrap_or(0.0), next.r - now.r]
-    }
-
-    fn motion(&self, k: usize) -> Motion {
-        let t = k as f64 / self.rate_hz;
-        match *self.kind {
-            Kind::Accelerate { from_m_s: from, to_m_s: to, hold_s }
-            | Kind::Decelerate { from_m_s: from, to_m_s: to, hold_s } => {
-                Motion { u: if t < hold_s { from } else { to }, v: None, r: 0.0 }
-            }
-            Kind::ZigZag {
-                shape,
-                speed_m_s: u,
-                yaw_rate_amplitude_rad_s: rate,
-                heading_amplitude_rad: heading,
-                sway_amplitude_m_s: sway,
-                period_s,
-            } => {
-                let swing = shape.at(t / period_s);
-                let amplitude = Kind::yaw_rate_amplitude(shape, rate, heading, period_s);
-                Motion { u, v: sway.map(|v| -v * swing), r: amplitude * swing }
-            }
-            Kind::SwayZigZag { shape, speed_m_s: u, sway_amplitude_m_s, period_s } => {
-                Motion { u, v: Some(sway_amplitude_m_s * shape.at(t / period_s)), r: 0.0 }
-            }
-            Kind::Spiral {
-                speed_m_s: u,
-                yaw_rate_from_rad_s: from,
-                yaw_rate_to_rad_s: to,
-                sway_speed_m_s: v,
-            } => Motion { u, v, r: from + (to - from) * (k as f64 + 0.5) / self.samples as f64 },
-            Kind::SteadyTurn { speed_m_s: u, yaw_rate_rad_s: r, sway_speed_m_s: v } => Motion { u, v, r },
-            Kind::PseudoRandomBinary {
-                speed_m_s,
-                speed_amplitude_m_s,
-                yaw_rate_amplitude_rad_s,
-                sway_amplitude_m_s,
-                dwell_s,
-                ..
-            } => {
-                let dwell = (t / dwell_s).floor() as usize;
-                let sign = |c: usize| self.signs[c][dwell.min(self.signs[c].len() - 1)];
-                Motion {
-                    u: speed_m_s + speed_amplitude_m_s * sign(0),
-                    v: sway_amplitude_m_s.map(|v| v * sign(1)),
-                    r: yaw_rate_amplitude_rad_s * sign(2),
-                }
-            }
-            Kind::Combined { exact, .. } => {
-                // Inputs hold the motion halfway between two samples; an exact motion is that at the sample.
-                let done = (k as f64 + if exact { 0.0 } else { 0.5 }) / self.samples as f64;
-                let [u, r, v] = self.waves.each_ref().map(|wave| wave.as_ref().map(|wave| wave.at(t, done)));
-                Motion { u: u.unwrap_or(0.0), v, r: r.unwrap_or(0.0) }
-            }
-            Kind::Inputs { speed_m_s: u, .. } => Motion { u, v: None, r: 0.0 },
-            Kind::ZigZagTest(_)
-            | Kind::TurningCircle(_)
-            | Kind::PullOut(_)
-            | Kind::SpiralTest(_)
-            | Kind::ReverseSpiral(_)
-            | Kind::Stop(_) => Motion { u: self.start_speed(), v: None, r: 0.0 },
-        }
-    }
 }

@@ -4,10 +4,10 @@
 #![warn(missing_docs)]
 
 mod dictionary;
-mod draw;
 mod feedback;
 mod generate;
-mod generate_spec;
+mod kind;
+mod limits;
 pub mod merit;
 mod played;
 mod signal;
@@ -15,13 +15,14 @@ mod spec;
 mod standard;
 mod steady;
 
-pub use dictionary::{Aim, DictionaryFile, Tolerance, of_motion as aims_of_motion};
-pub use feedback::{Controller, Executed, Kept};
+pub use dictionary::{CandidateKind, DictionaryFile, GenerateSpec};
+pub use feedback::{Controller, Executed};
 pub use generate::{Generator, Reacting, Realized};
-pub use generate_spec::{CandidateKind, Exceeded, GenerateSpec, InputLimit, Limits};
+pub use kind::Kind;
+pub use limits::{Aim, Exceeded, InputLimit, Kept, Limits, Tolerance, of_motion as aims_of_motion};
 pub use played::{InputTable, PlayedTable, Resampling};
 pub use signal::{Shape, Signal, SignalShape};
-pub use spec::{Kind, ManeuverSpec};
+pub use spec::ManeuverSpec;
 pub use standard::{
     Board, PullOut, ReverseSpiral, Sensors, Settings, SpiralTest, Standard, Stop, TurningCircle, WRONG_SIGN,
     ZigZagTest,

@@ -4,7 +4,8 @@ use refusal::Invalid;
 use ship::engine::refuse_endless;
 use ship::model::{DerivedChannel, Model, Vessel};
 
-use super::spec::{Kind, ManeuverSpec};
+use super::kind::Kind;
+use super::spec::ManeuverSpec;
 
 /// A maneuver whose inputs come from a table. It is played as written, at its own length.
 #[derive(Clone, Debug, PartialEq)]

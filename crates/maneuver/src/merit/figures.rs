@@ -3,10 +3,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use numerics::statistics::mean;
 use refusal::Invalid;
 
-use super::helm;
-use super::helm::Held;
-use super::record::{Figure, Hull, Record, Smoother, least_squares};
-use super::sailed::{Sailed, Sort, degrees};
+use super::helm::{Approach, Held, degrees};
+use super::sailed::{Sailed, Sort};
+use super::{Figure, Hull, Record, Smoother, helm, least_squares};
 use crate::standard::{Board, INERTIAL_END, Standard};
 
 /// The figures of a maneuver, and what was sailed.
@@ -350,6 +349,82 @@ impl Measured<'_> {
             Figure::new("lateral_deviation", "lateral deviation", across / length, "L"),
             Figure::new("stopping_time", "time to stop", self.seconds(order, end), "s"),
         ])
+    }
+}
+
+/// Part of the speed from which on a drift counts as a current.
+const DRIFTS: f64 = 0.02;
+/// Headings of which places a turn apart are compared.
+const PAIRS: usize = 9;
+
+impl Sailed {
+    /// The record without the current that the log shows, and what is said of it: by MSC/Circ.1053 from places a whole turn
+    /// apart, else from speeds through the water against the track; or why it shows none.
+    pub fn without_current(&self, record: &Record) -> Result<Option<(String, Record)>, String> {
+        let end = self.end(record);
+        let [first, half] = [self.order.ceil() as usize, (0.5 * (self.order + end as f64)) as usize];
+        let size = |own: [f64; 2]| libm::hypot(own[0], own[1]);
+        // Between track and speeds.
+        let off = |from: usize, to: usize| {
+            let mut sum = [0.0; 2];
+            for k in from..to {
+                let (sin, cos) = libm::sincos(0.5 * (record.heading[k] + record.heading[k + 1]));
+                let [u, v] =
+                    [&record.surge, &record.sway].map(|of| 0.5 * (of[k] + of[k + 1]) / record.rate_hz);
+                sum = [sum[0] + u * cos - v * sin, sum[1] + u * sin + v * cos];
+            }
+            let [start, end] = [from, to].map(|k| self.place(record, k as f64));
+            [0, 1].map(|axis| (end[axis] - start[axis] - sum[axis]) / ((to - from) as f64 / record.rate_hz))
+        };
+        let found = |to: [f64; 2], by: &str, over_ground: bool| {
+            let (speed, course) = (size(to), libm::atan2(to[1], to[0]).to_degrees().rem_euclid(360.0));
+            let words = format!(
+                "the track drifts at {speed:.2} m/s to {course:03.0}°, {by}: figures are corrected for it as for a steady \
+                 current (MSC/Circ.1053)"
+            );
+            Some((words, record.without(to, self.order, over_ground)))
+        };
+        let least = DRIFTS * self.speed_m_s;
+        let all = if end > first + 2 { off(first, end) } else { [0.0; 2] };
+        let turned = record.turned(self.course, self.to);
+        let whole = turned[..=end].iter().copied().fold(0.0, f64::max);
+        if self.sort == Sort::Circle && whole >= 2.97 * PI {
+            let from = (whole - TAU - PI).clamp(PI, TAU).min(whole - TAU);
+            let at = |psi: f64| self.smoother.crossing(&turned, psi);
+            let (mut seconds, mut moved) = (0.0, [0.0; 2]);
+            for pair in 0..PAIRS {
+                let psi = from + pair as f64 / (PAIRS - 1) as f64 * (whole - TAU - from);
+                let Some((one, other)) = at(psi).zip(at(psi + TAU)) else { continue };
+                let [one_place, other_place] = [one, other].map(|time| self.place(record, time));
+                seconds += (other - one) / record.rate_hz;
+                moved = [0, 1].map(|axis| moved[axis] + other_place[axis] - one_place[axis]);
+            }
+            let to = moved.map(|own| own / seconds);
+            if size(to) < least || size(to).is_nan() {
+                return Ok(None);
+            }
+            return Ok(found(to, "from places a whole turn apart", size(all) < 0.5 * size(to)));
+        }
+        let [one, other] = if half > first + 2 { [off(first, half), off(half, end)] } else { [[0.0; 2]; 2] };
+        let is_steady = size([one[0] - other[0], one[1] - other[1]]) < 0.5 * size(all);
+        if size(all) >= least && is_steady {
+            let by = "from the speeds of the log, which are through the water, against the track";
+            return Ok(found(all, by, false));
+        }
+        let turns = (record.heading[end] - self.course).abs() / TAU;
+        Err(format!(
+            "not corrected for a current: {turns:.1} turns do not show one, 1.5 are needed, or speeds through the water"
+        ))
+    }
+
+    /// The speed of the approach in another record of it \[m/s\].
+    pub fn speed(&self, record: &Record) -> f64 {
+        Approach::of(record, self.begin, self.order, self.smoother.length).motion[1]
+    }
+
+    /// North and east at a time in samples \[m\], smoothed.
+    pub fn place(&self, record: &Record, time: f64) -> [f64; 2] {
+        [0, 1].map(|axis| self.smoother.at(time, record.place.len(), |k| record.place[k][axis]))
     }
 }
 

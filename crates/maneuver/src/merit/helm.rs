@@ -1,10 +1,10 @@
 use std::ops::RangeInclusive;
 
-use numerics::statistics::{self, quantile};
+use numerics::statistics::{self, mean, quantile, spread};
 use refusal::Invalid;
 use ship::model::Vessel;
 
-use super::record::{Figure, Hull, Record};
+use super::{Figure, Hull, Record};
 use crate::standard::{ReverseSpiral, Settings, SpiralTest, steps};
 
 /// Half the time over which the helm is smoothed by a median, as a part of the time in which the ship covers her length.
@@ -25,6 +25,20 @@ const AMIDSHIPS: f64 = 0.3;
 const DOUBT: f64 = 1.25;
 /// The part of a move that a step makes within a sample.
 const STEP: f64 = 0.95;
+
+/// The length of an approach, in times in which the ship covers her length.
+pub(super) const APPROACH: f64 = 2.0;
+/// How much a steady approach may turn while she covers her length \[rad\].
+pub(super) const STEADY_TURN: f64 = 0.035;
+/// How much its speed may change, as a part of it.
+pub(super) const STEADY_SPEED: f64 = 0.05;
+/// Standard deviation of its helm \[rad\].
+pub(super) const STEADY_HELM: f64 = 0.035;
+
+/// An angle in words.
+pub(super) fn degrees(rad: f64) -> String {
+    format!("{:.1}°", rad.to_degrees())
+}
 
 /// Radians in a unit of angle.
 pub(super) fn radians(unit: &str) -> Option<f64> {
@@ -206,6 +220,69 @@ impl Helm {
         };
         (0..kept.len()).map(one).collect()
     }
+}
+
+/// What is seen of a ship before the order.
+pub(super) struct Approach {
+    samples: std::ops::Range<usize>,
+    /// Course \[rad\] and speed \[m/s\].
+    pub motion: [f64; 2],
+    /// Its length, in times in which the ship covers hers.
+    length: f64,
+}
+
+impl Approach {
+    /// Before `order`, from sample `begin` on at the earliest.
+    pub fn of(record: &Record, begin: usize, order: f64, window: f64) -> Self {
+        let end = (order.floor() as usize + 1).min(record.heading.len());
+        let first = begin.min(end - 1);
+        let from = |lengths: f64| ((order - lengths * window).ceil().max(0.0) as usize).clamp(first, end - 1);
+        let samples = from(APPROACH)..end;
+        let [course, speed_m_s] = [&record.heading[from(1.0)..end], &record.speed[samples.clone()]]
+            .map(|own| mean(own).unwrap_or(0.0));
+        Self { samples, motion: [course, speed_m_s], length: (order - begin as f64).max(0.0) / window }
+    }
+
+    /// Whether it was long and steady.
+    pub fn remarks(&self, record: &Record, helm: Option<&Helm>, window: f64) -> Vec<String> {
+        let lengths = self.length.min(APPROACH);
+        if self.length < 0.5 {
+            return vec![format!(
+                "the approach in the log is {lengths:.1} ship lengths long, so that its steadiness is not known"
+            )];
+        }
+        let mut unsteady = Vec::new();
+        let change = |of: &[f64]| slope(of, self.samples.clone());
+        let turn = change(&record.heading) * window;
+        if turn.abs() > STEADY_TURN {
+            unsteady.push(format!("she turned by {} while she covered her length", degrees(turn)));
+        }
+        let slower = change(&record.speed) * self.samples.len() as f64 / self.motion[1];
+        if slower.abs() > STEADY_SPEED {
+            unsteady.push(format!("her speed changed by {:.0} %", 100.0 * slower));
+        }
+        if let Some(helm) = helm {
+            let own = &helm.smooth[self.samples.start..self.samples.end.min(helm.smooth.len())];
+            // The order itself may be in the last of them.
+            let own = &own[..own.len().saturating_sub(2).max(1)];
+            let spread = spread(own).unwrap_or(0.0);
+            if spread > STEADY_HELM.max(3.0 * helm.noise) {
+                unsteady.push(format!("the helm moved with a standard deviation of {}", degrees(spread)));
+            }
+        }
+        if unsteady.is_empty() {
+            return Vec::new();
+        }
+        vec![format!("the approach was not steady: in {lengths:.1} ship lengths {}", unsteady.join(", "))]
+    }
+}
+
+/// The slope of values by their number, of least squares.
+fn slope(values: &[f64], of: std::ops::Range<usize>) -> f64 {
+    let middle = 0.5 * (of.start + of.end - 1) as f64;
+    let cross: f64 = of.clone().map(|k| (k as f64 - middle) * values[k]).sum();
+    let square: f64 = of.map(|k| (k as f64 - middle).powi(2)).sum();
+    if square > 0.0 { cross / square } else { 0.0 }
 }
 
 /// The input that the helm moves most of its range, or most: its place and unit.

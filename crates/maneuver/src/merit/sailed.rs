@@ -1,24 +1,18 @@
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 
-use numerics::statistics::{mean, quantile, sorted, spread};
+use numerics::statistics::{quantile, sorted};
 use refusal::Invalid;
 
-use super::helm::{Held, Helm, median, radians};
-use super::record::{Hull, Record, Smoother};
+use super::helm::{
+    APPROACH, Approach, Held, Helm, STEADY_HELM, STEADY_SPEED, STEADY_TURN, degrees, median, radians,
+};
+use super::{Hull, Record, Smoother};
 use crate::standard::{Board, Sensors, Settings, Standard};
 
-/// The length of an approach, in times in which the ship covers her length.
-const APPROACH: f64 = 2.0;
 /// What an order is, at least: an angle \[rad\], or a part of the dictionary's helm.
 const LEAST: [f64; 2] = [0.035, 0.2];
 /// What helm a log begins with at the most before its order: an angle \[rad\], or a part of the dictionary's helm.
 const STRAIGHT: [f64; 2] = [0.07, 0.3];
-/// How much a steady approach may turn while she covers her length \[rad\].
-const STEADY_TURN: f64 = 0.035;
-/// How much its speed may change, as a part of it.
-const STEADY_SPEED: f64 = 0.05;
-/// Standard deviation of its helm \[rad\].
-const STEADY_HELM: f64 = 0.035;
 /// Changes of heading at which a helm goes over in zig-zags \[°\].
 const HEADINGS: [f64; 12] = [1.0, 2.0, 5.0, 7.5, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0];
 /// The greatest such change \[rad\].
@@ -61,11 +55,6 @@ pub(super) struct Sailed {
     pub smoother: Smoother,
     /// What is to be known of the figures.
     pub remarks: Vec<String>,
-}
-
-/// An angle in words.
-pub(super) fn degrees(rad: f64) -> String {
-    format!("{:.1}°", rad.to_degrees())
 }
 
 impl Sailed {
@@ -466,143 +455,4 @@ fn stop(named: &Settings, record: &Record, hull: &Hull, window: f64) -> Option<(
     };
     let found = engines.filter_map(|(own, _)| one(&own.name));
     found.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(stop, _)| stop)
-}
-
-/// What is seen of a ship before the order.
-struct Approach {
-    samples: std::ops::Range<usize>,
-    /// Course \[rad\] and speed \[m/s\].
-    motion: [f64; 2],
-    /// Its length, in times in which the ship covers hers.
-    length: f64,
-}
-
-impl Approach {
-    /// Before `order`, from sample `begin` on at the earliest.
-    fn of(record: &Record, begin: usize, order: f64, window: f64) -> Self {
-        let end = (order.floor() as usize + 1).min(record.heading.len());
-        let first = begin.min(end - 1);
-        let from = |lengths: f64| ((order - lengths * window).ceil().max(0.0) as usize).clamp(first, end - 1);
-        let samples = from(APPROACH)..end;
-        let [course, speed_m_s] = [&record.heading[from(1.0)..end], &record.speed[samples.clone()]]
-            .map(|own| mean(own).unwrap_or(0.0));
-        Self { samples, motion: [course, speed_m_s], length: (order - begin as f64).max(0.0) / window }
-    }
-
-    /// Whether it was long and steady.
-    fn remarks(&self, record: &Record, helm: Option<&Helm>, window: f64) -> Vec<String> {
-        let lengths = self.length.min(APPROACH);
-        if self.length < 0.5 {
-            return vec![format!(
-                "the approach in the log is {lengths:.1} ship lengths long, so that its steadiness is not known"
-            )];
-        }
-        let mut unsteady = Vec::new();
-        let change = |of: &[f64]| slope(of, self.samples.clone());
-        let turn = change(&record.heading) * window;
-        if turn.abs() > STEADY_TURN {
-            unsteady.push(format!("she turned by {} while she covered her length", degrees(turn)));
-        }
-        let slower = change(&record.speed) * self.samples.len() as f64 / self.motion[1];
-        if slower.abs() > STEADY_SPEED {
-            unsteady.push(format!("her speed changed by {:.0} %", 100.0 * slower));
-        }
-        if let Some(helm) = helm {
-            let own = &helm.smooth[self.samples.start..self.samples.end.min(helm.smooth.len())];
-            // The order itself may be in the last of them.
-            let own = &own[..own.len().saturating_sub(2).max(1)];
-            let spread = spread(own).unwrap_or(0.0);
-            if spread > STEADY_HELM.max(3.0 * helm.noise) {
-                unsteady.push(format!("the helm moved with a standard deviation of {}", degrees(spread)));
-            }
-        }
-        if unsteady.is_empty() {
-            return Vec::new();
-        }
-        vec![format!("the approach was not steady: in {lengths:.1} ship lengths {}", unsteady.join(", "))]
-    }
-}
-
-/// The slope of values by their number, of least squares.
-fn slope(values: &[f64], of: std::ops::Range<usize>) -> f64 {
-    let middle = 0.5 * (of.start + of.end - 1) as f64;
-    let cross: f64 = of.clone().map(|k| (k as f64 - middle) * values[k]).sum();
-    let square: f64 = of.map(|k| (k as f64 - middle).powi(2)).sum();
-    if square > 0.0 { cross / square } else { 0.0 }
-}
-
-/// Part of the speed from which on a drift counts as a current.
-const DRIFTS: f64 = 0.02;
-/// Headings of which places a turn apart are compared.
-const PAIRS: usize = 9;
-
-impl Sailed {
-    /// The record without the current that the log shows, and what is said of it: by MSC/Circ.1053 from places a whole turn
-    /// apart, else from speeds through the water against the track; or why it shows none.
-    pub fn without_current(&self, record: &Record) -> Result<Option<(String, Record)>, String> {
-        let end = self.end(record);
-        let [first, half] = [self.order.ceil() as usize, (0.5 * (self.order + end as f64)) as usize];
-        let size = |own: [f64; 2]| libm::hypot(own[0], own[1]);
-        // Between track and speeds.
-        let off = |from: usize, to: usize| {
-            let mut sum = [0.0; 2];
-            for k in from..to {
-                let (sin, cos) = libm::sincos(0.5 * (record.heading[k] + record.heading[k + 1]));
-                let [u, v] =
-                    [&record.surge, &record.sway].map(|of| 0.5 * (of[k] + of[k + 1]) / record.rate_hz);
-                sum = [sum[0] + u * cos - v * sin, sum[1] + u * sin + v * cos];
-            }
-            let [start, end] = [from, to].map(|k| self.place(record, k as f64));
-            [0, 1].map(|axis| (end[axis] - start[axis] - sum[axis]) / ((to - from) as f64 / record.rate_hz))
-        };
-        let found = |to: [f64; 2], by: &str, over_ground: bool| {
-            let (speed, course) = (size(to), libm::atan2(to[1], to[0]).to_degrees().rem_euclid(360.0));
-            let words = format!(
-                "the track drifts at {speed:.2} m/s to {course:03.0}°, {by}: figures are corrected for it as for a steady \
-                 current (MSC/Circ.1053)"
-            );
-            Some((words, record.without(to, self.order, over_ground)))
-        };
-        let least = DRIFTS * self.speed_m_s;
-        let all = if end > first + 2 { off(first, end) } else { [0.0; 2] };
-        let turned = record.turned(self.course, self.to);
-        let whole = turned[..=end].iter().copied().fold(0.0, f64::max);
-        if self.sort == Sort::Circle && whole >= 2.97 * PI {
-            let from = (whole - TAU - PI).clamp(PI, TAU).min(whole - TAU);
-            let at = |psi: f64| self.smoother.crossing(&turned, psi);
-            let (mut seconds, mut moved) = (0.0, [0.0; 2]);
-            for pair in 0..PAIRS {
-                let psi = from + pair as f64 / (PAIRS - 1) as f64 * (whole - TAU - from);
-                let Some((one, other)) = at(psi).zip(at(psi + TAU)) else { continue };
-                let [one_place, other_place] = [one, other].map(|time| self.place(record, time));
-                seconds += (other - one) / record.rate_hz;
-                moved = [0, 1].map(|axis| moved[axis] + other_place[axis] - one_place[axis]);
-            }
-            let to = moved.map(|own| own / seconds);
-            if size(to) < least || size(to).is_nan() {
-                return Ok(None);
-            }
-            return Ok(found(to, "from places a whole turn apart", size(all) < 0.5 * size(to)));
-        }
-        let [one, other] = if half > first + 2 { [off(first, half), off(half, end)] } else { [[0.0; 2]; 2] };
-        let is_steady = size([one[0] - other[0], one[1] - other[1]]) < 0.5 * size(all);
-        if size(all) >= least && is_steady {
-            let by = "from the speeds of the log, which are through the water, against the track";
-            return Ok(found(all, by, false));
-        }
-        let turns = (record.heading[end] - self.course).abs() / TAU;
-        Err(format!(
-            "not corrected for a current: {turns:.1} turns do not show one, 1.5 are needed, or speeds through the water"
-        ))
-    }
-
-    /// The speed of the approach in another record of it \[m/s\].
-    pub fn speed(&self, record: &Record) -> f64 {
-        Approach::of(record, self.begin, self.order, self.smoother.length).motion[1]
-    }
-
-    /// North and east at a time in samples \[m\], smoothed.
-    pub fn place(&self, record: &Record, time: f64) -> [f64; 2] {
-        [0, 1].map(|axis| self.smoother.at(time, record.place.len(), |k| record.place[k][axis]))
-    }
 }

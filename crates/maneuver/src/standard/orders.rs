@@ -3,7 +3,7 @@ use std::sync::Arc;
 use ship::engine::{Command, Program, Progress, Seen};
 use ship::model::Vessel;
 
-use super::spec::{Sensors, Settings, Standard, steps};
+use super::{Sensors, Settings, Standard, steps};
 use crate::feedback::{Gains, Loop};
 
 /// The approach of a standard maneuver.
