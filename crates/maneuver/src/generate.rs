@@ -11,7 +11,8 @@ use super::spec::ManeuverSpec;
 use crate::DictionaryFile;
 use crate::feedback::{Executed, Linearised, Nominal, Tracked, actuated};
 use crate::limits::{self, Aim, Tolerance};
-use crate::standard::{Approach, Orders, Settings, Standard, changes, check_names};
+use crate::standard::orders::{Approach, Orders, changes};
+use crate::standard::{Settings, Standard, check_names};
 use crate::steady::{Motion, Steady};
 
 /// A maneuver turned into inputs.

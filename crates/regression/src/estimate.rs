@@ -7,7 +7,8 @@ use numerics::{LANES, Lane, Number, congruence, quadratic};
 use crate::lane_sums::LaneSums;
 use crate::meat::autocovariances;
 use crate::solve::{Normal, SolvedLanes, estimated};
-use crate::spans::{self, Kept};
+use crate::spans::columns::Kept;
+use crate::spans::squares::{add_squares, put_residuals};
 use crate::sums::{AnyBatch, Group, Groups, over_batch};
 use crate::{Batch, DegreeSums, Direction, Excitation, MeanRemoval, Sums};
 
@@ -382,7 +383,7 @@ impl InstrumentSquares {
         let zeros = || vec![Lane::ZERO; triangles];
         let mut sums = Self { squares: zeros(), neighbours: zeros() };
         over_batch!(batch, |batch| {
-            spans::add_squares(&batch, kept, means, [&mut sums.squares, &mut sums.neighbours]);
+            add_squares(&batch, kept, means, [&mut sums.squares, &mut sums.neighbours]);
         });
         sums
     }
@@ -393,7 +394,7 @@ impl InstrumentSquares {
 fn residuals(batch: AnyBatch, kept: &Kept, theta: &[Lane], intercepts: Groups) -> [Vec<Lane>; 3] {
     let mut all = [const { Vec::new() }; 3];
     over_batch!(batch, |batch| {
-        spans::put_residuals(&batch, kept, theta, intercepts, &mut all);
+        put_residuals(&batch, kept, theta, intercepts, &mut all);
     });
     all
 }

@@ -4,7 +4,7 @@ use numerics::lanes::lane_of;
 use numerics::{LANES, Lane, Number, transposed};
 use ship::model::Model;
 
-use crate::spans::{self, Kept};
+use crate::spans::columns::{self, Kept};
 use crate::sums::{AnyBatch, over_batch};
 use crate::{Batch, DegreeSums, Sums};
 
@@ -21,7 +21,7 @@ impl LaneSums {
     pub(crate) fn of_instruments(batch: AnyBatch, kept: &Kept, range: Range<usize>) -> Self {
         let mut sums = Self::zero(batch.model(), range);
         over_batch!(batch, |batch| {
-            spans::add_instruments(&batch, kept, sums.range.clone(), &mut sums.degrees);
+            columns::add_instruments(&batch, kept, sums.range.clone(), &mut sums.degrees);
         });
         sums
     }
@@ -30,7 +30,7 @@ impl LaneSums {
     pub(crate) fn with_measured(&self, batch: AnyBatch, kept: &Kept) -> Self {
         let mut sums = self.clone();
         over_batch!(batch, |batch| {
-            spans::add_measured(&batch, kept, sums.range.clone(), &mut sums.degrees);
+            columns::add_measured(&batch, kept, sums.range.clone(), &mut sums.degrees);
         });
         sums
     }

@@ -1,7 +1,7 @@
 //! Standard maneuvers of IMO and ITTC, as crews carry them out: the helm goes over where the ship has turned, or the time
 //! has passed, not where a model expected it.
 
-mod orders;
+pub(crate) mod orders;
 
 use std::collections::BTreeMap;
 
@@ -11,8 +11,6 @@ use serde::Deserialize;
 use ship::model::Vessel;
 
 use crate::signal::LONGEST_S;
-
-pub(crate) use orders::{Approach, Orders, changes};
 
 refusal::choices! {
     /// A side of the ship.

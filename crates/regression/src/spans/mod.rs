@@ -1,8 +1,8 @@
 //! Passes over the samples for any model, span by span: branches per term are taken once for all samples of a span.
 
-mod columns;
+pub(crate) mod columns;
 mod regressors;
-mod squares;
+pub(crate) mod squares;
 
 use std::ops::Range;
 
@@ -11,11 +11,6 @@ use numerics::registers::{self, BLOCK};
 use pulp::Simd;
 
 use crate::sums::parts;
-
-pub(crate) use columns::{Kept, add_instruments, add_measured};
-pub(crate) use squares::{add_squares, put_residuals};
-
-// Signals at the samples of a span, read in place.
 
 /// Samples that a pass processes at once: several blocks, so that branches per term are rare, and few enough for the
 /// L1 cache.

@@ -19,12 +19,13 @@ pub use compiled::{Ambient, Compiled};
 pub use disturbance::{
     Axes, Current, Disturbances, Disturbing, MOST_CURRENT_M_S, Measurement, Weather, Wind, check_currents,
 };
-pub use force_step::{Moving, Point, Replayed, Stepping, replay};
+pub use force_step::{Moving, Point, Stepping};
 pub use noise::{NormalRows, Streams, fill_normals};
 pub use rate_error::Divided;
 pub use run::{Run, RunView, Segment, SideBySide};
 pub use ship::{Changes, Changing, ChangingCurrent, Ship};
 pub use simulate::{
-    DIVERGED, Diverged, Driven, MOST_SAMPLES, Recording, check_diverged, check_runaway, diverged_lanes,
-    mark_beyond, refuse_endless, simulate, simulate_disturbed, simulate_groups, simulate_one,
+    DIVERGED, Diverged, Driven, MOST_SAMPLES, Recording, Replayed, check_diverged, check_runaway,
+    diverged_lanes, mark_beyond, refuse_endless, replay, simulate, simulate_disturbed, simulate_groups,
+    simulate_one,
 };

@@ -2,8 +2,8 @@ use std::f64::consts::PI;
 
 use refusal::{Invalid, check_name, foreign};
 
+use super::numbers::{ANGLES, Driven, FORCES, REVOLUTIONS, driven};
 use super::term::Surroundings;
-use crate::forces::channels::{ANGLES, Driven, FORCES, REVOLUTIONS, driven};
 use crate::forces::mass::Prime;
 use crate::forces::numbers::{At, Builder, Measured};
 use crate::forces::{Channel, Curve, Inflow, Number, PropellerSpec, Real, RudderSpec, ThrusterSpec};

@@ -8,10 +8,8 @@
 
 mod actuators;
 mod body;
-mod channels;
 mod dual;
 mod gate;
-pub mod grammar;
 mod guess;
 mod mass;
 mod numbers;
@@ -21,10 +19,9 @@ mod term;
 mod usual;
 
 pub use body::{Body, Forces, LateralSum, late};
-pub use channels::{Channel, Driven};
 pub use dual::{Dual, Real};
 pub use guess::{GRAVITY, Guess, MainDimensions, usual_froude};
-pub use numbers::{Parameter, Quantity, QuantitySource};
+pub use numbers::{Channel, Driven, Parameter, Quantity, QuantitySource};
 pub use spec::{
     AddedMass, Area, Coriolis, CrossflowSpec, Curve, Description, Inflow, Number, NumberSpec, PropellerSpec,
     Reversed, RudderSpec, ShipSpec, TermSpec, ThrusterSpec, WindSpec,

@@ -4,8 +4,7 @@ use std::f64::consts::PI;
 
 use refusal::{Invalid, check_name, check_ranges, foreign};
 
-use crate::forces::channels::{ANGLES, Driven, SPEEDS, driven};
-use crate::forces::grammar::{MOST_FACTORS, parse_name, parse_power};
+use super::numbers::{ANGLES, Driven, SPEEDS, driven};
 use crate::forces::mass::Prime;
 use crate::forces::numbers::{At, Builder, Measured};
 use crate::forces::{Channel, CrossflowSpec, Number, Real, TermSpec, WindSpec};
@@ -421,5 +420,41 @@ impl Wind {
         }
         let [frontal, lateral] = self.areas.map(|own| own.of(numbers) * pressure);
         [frontal * sums[0], lateral * sums[1], lateral * sums[2].times(around.length)]
+    }
+}
+
+// How terms are written, with forces or per sample: names, moduli and powers.
+
+/// Most factors of a term, and of a formula.
+pub const MOST_FACTORS: usize = 32;
+
+/// Whether a modulus is at the start of `text`, the name there, and the rest; the name is empty where none begins.
+///
+/// # Errors
+/// What is wrong: an unclosed modulus.
+pub fn parse_name(text: &str) -> Result<(bool, &str, &str), String> {
+    let (modulus, start) = match text.strip_prefix('|') {
+        Some(inner) => (true, inner.trim_start()),
+        None => (false, text),
+    };
+    let end = start.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(start.len());
+    let (name, mut after) = start.split_at(end);
+    if modulus {
+        after = after.trim_start().strip_prefix('|').ok_or("an unclosed `|`")?;
+    }
+    Ok((modulus, name, after))
+}
+
+/// The power at the start of `text`, 1 if there is none, and the rest.
+///
+/// # Errors
+/// What is wrong: a power that is none.
+pub fn parse_power(text: &str) -> Result<(u8, &str), String> {
+    let Some(exponent) = text.trim_start().strip_prefix('^') else { return Ok((1, text)) };
+    let exponent = exponent.trim_start();
+    let end = exponent.find(|c: char| !c.is_ascii_digit()).unwrap_or(exponent.len());
+    match exponent[..end].parse() {
+        Ok(power @ 1..=9) => Ok((power, &exponent[end..])),
+        _ => Err("a power that is no whole number from 1 to 9".to_owned()),
     }
 }

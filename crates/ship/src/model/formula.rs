@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::forces::grammar::{MOST_FACTORS, parse_power};
+use crate::forces::term::{MOST_FACTORS, parse_power};
 
 /// A function of a channel, before it is multiplied with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,26 +8,26 @@
 //! ([`ForceModel`]), and has no terms per sample.
 
 mod actuator;
-mod at_bound;
 mod equation;
 mod file;
-mod force_model;
 mod formula;
-mod gate;
 mod physics;
-mod rate_change;
-mod similar;
 mod structure;
 mod term;
-pub mod terms;
+mod variants;
 
 pub use crate::forces::TermSpec;
 pub use actuator::{Actuator, ActuatorState, InputSpec, SampleCommand};
 pub use equation::{Constrained, Constraint, Written};
 pub use file::{Source, Vessel};
-pub use force_model::ForceModel;
 pub use formula::{DerivedChannel, DerivedSpec, Formula, Function, Malformed};
 pub use physics::{Kind, MeasuredSpec, Unusual, VesselFile};
-pub use rate_change::{ORDER, RateChange};
-pub use structure::{Degree, DegreeOfFreedom, Model, ParameterLayout, Variable};
+pub use structure::{
+    Degree, DegreeOfFreedom, ForceModel, Model, ORDER, ParameterLayout, RateChange, Variable,
+};
 pub use term::{Factor, Product, Term};
+
+/// Terms that are added to a model.
+pub mod terms {
+    pub use super::variants::{add, listed};
+}

@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::equation::Parts;
-use super::force_model::ForceModel;
+use super::structure::ForceModel;
 use crate::forces::{
     Channel, CrossflowSpec, Description, Forces, PropellerSpec, RudderSpec, ShipSpec, TermSpec, ThrusterSpec,
     WindSpec,
